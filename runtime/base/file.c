@@ -1,0 +1,114 @@
+#include "base/file.h"
+
+#include "base/log.h"
+
+#include <errno.h>
+#include <fcntl.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+slv_result slv_file_read(const slv_env *env, const char *path, char **data, size_t *size) {
+    slv_result result = SLV_OK;
+    char *bytes = NULL;
+    struct stat status;
+    *data = NULL;
+    *size = 0;
+    FILE *stream = fopen(path, "rb");
+    if (!stream)
+        return slv_fail(env, SLV_ERROR_IO, "%s: %s", path, strerror(errno));
+    if (fstat(fileno(stream), &status) != 0 || !S_ISREG(status.st_mode)) {
+        result = slv_fail(env, SLV_ERROR_IO, "%s: not a regular file", path);
+        goto done;
+    }
+    if ((result = slv_alloc(env, path, (uint64_t)status.st_size + 1, 1, &bytes)))
+        goto done;
+    if (fread(bytes, 1, (size_t)status.st_size, stream) != (size_t)status.st_size) {
+        result = slv_fail(env, SLV_ERROR_IO, "%s: could not be read to its end", path);
+        goto done;
+    }
+    *data = bytes;
+    *size = (size_t)status.st_size;
+    bytes = NULL;
+done:
+    free(bytes);
+    fclose(stream);
+    return result;
+}
+
+slv_result slv_file_writer_open(const slv_env *env, const char *path, slv_file_writer *out) {
+    slv_result result = SLV_OK;
+    size_t length = strlen(path);
+    int descriptor = -1;
+    struct stat status;
+    memset(out, 0, sizeof *out);
+    /* rename() would replace a device or pipe by a file of that name */
+    if (stat(path, &status) == 0 && !S_ISREG(status.st_mode))
+        return slv_fail(env, SLV_ERROR_IO, "%s: not a regular file, cannot be written", path);
+    mode_t mask = umask(0);
+    umask(mask);
+    if ((result = slv_alloc(env, path, length + 16, 1, &out->path)) ||
+        (result = slv_alloc(env, path, length + 16, 1, &out->temporary)))
+        goto fail;
+    memcpy(out->path, path, length + 1);
+    snprintf(out->temporary, length + 16, "%s.XXXXXX.tmp", path);
+    descriptor = mkstemps(out->temporary, 4);
+    if (descriptor < 0) {
+        result = slv_fail(env, SLV_ERROR_IO, "%s: cannot be written: %s", path, strerror(errno));
+        goto fail;
+    }
+    if (fchmod(descriptor, 0666 & ~mask) != 0 || !(out->stream = fdopen(descriptor, "wb"))) {
+        result = slv_fail(env, SLV_ERROR_IO, "%s: cannot be written: %s", path, strerror(errno));
+        close(descriptor);
+        unlink(out->temporary);
+        goto fail;
+    }
+    return SLV_OK;
+fail:
+    free(out->path);
+    free(out->temporary);
+    memset(out, 0, sizeof *out);
+    return result;
+}
+
+slv_result slv_file_writer_write(const slv_env *env, slv_file_writer *writer, const void *data, size_t size) {
+    if (size && fwrite(data, 1, size, writer->stream) != size)
+        return slv_fail(env, SLV_ERROR_IO, "%s: write failed: %s", writer->path, strerror(errno));
+    return SLV_OK;
+}
+
+slv_result slv_file_writer_commit(const slv_env *env, slv_file_writer *writer) {
+    slv_result result = SLV_OK;
+    bool flushed = fflush(writer->stream) == 0 && fsync(fileno(writer->stream)) == 0;
+    flushed = fclose(writer->stream) == 0 && flushed;
+    writer->stream = NULL;
+    if (!flushed || rename(writer->temporary, writer->path) != 0) {
+        result = slv_fail(env, SLV_ERROR_IO, "%s: write failed: %s", writer->path, strerror(errno));
+        unlink(writer->temporary);
+    }
+    slv_file_writer_abandon(writer);
+    return result;
+}
+
+void slv_file_writer_abandon(slv_file_writer *writer) {
+    if (writer->stream) {
+        fclose(writer->stream);
+        unlink(writer->temporary);
+    }
+    free(writer->path);
+    free(writer->temporary);
+    memset(writer, 0, sizeof *writer);
+}
+
+slv_result slv_file_write(const slv_env *env, const char *path, const void *data, size_t size) {
+    slv_file_writer writer;
+    slv_result result = slv_file_writer_open(env, path, &writer);
+    if (result)
+        return result;
+    result = slv_file_writer_write(env, &writer, data, size);
+    if (!result)
+        return slv_file_writer_commit(env, &writer);
+    slv_file_writer_abandon(&writer);
+    return result;
+}

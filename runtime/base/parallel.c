@@ -1,0 +1,103 @@
+#include "base/parallel.h"
+
+#include "base/log.h"
+
+#include <pthread.h>
+#include <stdlib.h>
+#include <unistd.h>
+
+#define MAX_THREADS 256
+
+struct job {
+    pthread_mutex_t lock;
+    uint64_t next, count, grain;
+    slv_range_fn fn;
+    void *user;
+    uint64_t failed_at;
+    slv_result failed;
+};
+
+struct slv_parallel_log {
+    pthread_mutex_t lock;
+    slv_env inner;
+};
+
+uint32_t slv_thread_count(const slv_env *env) {
+    uint32_t threads = env ? env->threads : 0;
+    if (!threads) {
+        long online = sysconf(_SC_NPROCESSORS_ONLN);
+        threads = online > 0 ? (uint32_t)online : 1;
+    }
+    return threads < MAX_THREADS ? threads : MAX_THREADS;
+}
+
+static void *work(void *user) {
+    struct job *job = user;
+    for (;;) {
+        pthread_mutex_lock(&job->lock);
+        uint64_t first = job->next;
+        bool done = first >= job->count || job->failed;
+        uint64_t left = done ? 0 : job->count - first;
+        uint64_t end = first + (left < job->grain ? left : job->grain);
+        if (!done)
+            job->next = end;
+        pthread_mutex_unlock(&job->lock);
+        if (done)
+            return NULL;
+        slv_result result = job->fn(job->user, first, end);
+        if (result) {
+            pthread_mutex_lock(&job->lock);
+            if (!job->failed || first < job->failed_at) {
+                job->failed = result;
+                job->failed_at = first;
+            }
+            pthread_mutex_unlock(&job->lock);
+        }
+    }
+}
+
+slv_result slv_parallel_for(const slv_env *env, uint64_t count, uint64_t grain, slv_range_fn fn, void *user) {
+    struct job job = {.count = count, .grain = grain ? grain : 1, .fn = fn, .user = user};
+    uint64_t ranges = count / job.grain + (count % job.grain != 0);
+    uint32_t wanted = slv_thread_count(env);
+    if (wanted > ranges)
+        wanted = (uint32_t)ranges;
+    pthread_t threads[MAX_THREADS];
+    uint32_t started = 0;
+    pthread_mutex_init(&job.lock, NULL);
+    while (started + 1 < wanted && pthread_create(&threads[started], NULL, work, &job) == 0)
+        started++;
+    work(&job);
+    while (started)
+        pthread_join(threads[--started], NULL);
+    pthread_mutex_destroy(&job.lock);
+    return job.failed;
+}
+
+static void locked_log(void *user, slv_log_level level, const char *message) {
+    slv_parallel_log *state = user;
+    pthread_mutex_lock(&state->lock);
+    state->inner.log(state->inner.log_user, level, message);
+    pthread_mutex_unlock(&state->lock);
+}
+
+slv_result slv_parallel_env_begin(const slv_env *env, slv_parallel_log **state, slv_env *out) {
+    slv_result result = slv_alloc(env, "log lock", 1, sizeof **state, state);
+    if (result)
+        return result;
+    pthread_mutex_init(&(*state)->lock, NULL);
+    (*state)->inner = slv_env_or_default(env);
+    *out = (*state)->inner;
+    if (out->log) {
+        out->log = locked_log;
+        out->log_user = *state;
+    }
+    return SLV_OK;
+}
+
+void slv_parallel_env_end(slv_parallel_log *state) {
+    if (!state)
+        return;
+    pthread_mutex_destroy(&state->lock);
+    free(state);
+}

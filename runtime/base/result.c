@@ -1,0 +1,31 @@
+#include <selvage/result.h>
+
+uint32_t slv_version(void) {
+    return 0 << 16 | 1 << 8 | 0;
+}
+
+const char *slv_result_string(slv_result result) {
+    switch (result) {
+    case SLV_OK:
+        return "success";
+    case SLV_ERROR_ARGUMENT:
+        return "invalid argument";
+    case SLV_ERROR_MEMORY:
+        return "out of memory";
+    case SLV_ERROR_LIMIT:
+        return "over a limit";
+    case SLV_ERROR_IO:
+        return "input or output failed";
+    case SLV_ERROR_FORMAT:
+        return "malformed input";
+    case SLV_ERROR_UNSUPPORTED:
+        return "not supported";
+    case SLV_ERROR_MISMATCH:
+        return "inputs do not belong together";
+    case SLV_ERROR_GL:
+        return "OpenGL failed";
+    case SLV_ERROR_CANCELLED:
+        return "cancelled";
+    }
+    return "unknown result";
+}

@@ -1,0 +1,169 @@
+#include "gl/api.h"
+
+#include "base/log.h"
+
+#include <stdlib.h>
+#include <stdio.h>
+#include <string.h>
+#include <strings.h>
+
+bool slv_gl_backend_from_name(const char *name, slv_gl_backend *out) {
+    static const struct {
+        const char *name;
+        slv_gl_backend backend;
+    } names[] = {{"auto", SLV_GL_AUTO}, {"egl", SLV_GL_EGL}, {"osmesa", SLV_GL_OSMESA}};
+    for (size_t i = 0; i < sizeof names / sizeof *names; i++) {
+        if (strcmp(name, names[i].name) == 0) {
+            *out = names[i].backend;
+            return true;
+        }
+    }
+    return false;
+}
+
+static slv_result load_functions(const slv_env *env, slv_gl_api *api, slv_gl_get_proc get_proc, void *user) {
+    const char *missing = NULL;
+    slv_gl_proc proc;
+#define SLV_GL_LOAD(type, name)                                                                    \
+    proc = get_proc(user, "gl" #name);                                                             \
+    if (!proc)                                                                                     \
+        missing = "gl" #name;                                                                      \
+    api->name = (type)proc;
+    SLV_GL_FUNCTIONS(SLV_GL_LOAD)
+#undef SLV_GL_LOAD
+    if (missing)
+        return slv_fail(env, SLV_ERROR_GL, "the driver lacks %s: OpenGL 4.5 is needed", missing);
+    return SLV_OK;
+}
+
+static void copy_string(const slv_gl_api *api, GLenum name, char *out, size_t size) {
+    const GLubyte *text = api->GetString(name);
+    snprintf(out, size, "%s", text ? (const char *)text : "unknown");
+}
+
+static bool has_extension(const slv_gl_api *api, const char *wanted) {
+    GLint count = 0;
+    api->GetIntegerv(GL_NUM_EXTENSIONS, &count);
+    for (GLint i = 0; i < count; i++) {
+        const GLubyte *name = api->GetStringi(GL_EXTENSIONS, (GLuint)i);
+        if (name && strcmp((const char *)name, wanted) == 0)
+            return true;
+    }
+    return false;
+}
+
+static uint32_t max_samples(const slv_gl_api *api) {
+    GLint counts[16] = {0};
+    GLint best = 1;
+    static const GLenum formats[] = {GL_RGBA16F, GL_RGBA32F, GL_DEPTH_COMPONENT32F};
+    for (size_t f = 0; f < sizeof formats / sizeof *formats; f++) {
+        GLint found = 1;
+        memset(counts, 0, sizeof counts);
+        api->GetInternalformativ(GL_RENDERBUFFER, formats[f], GL_SAMPLES, 16, counts);
+        for (size_t i = 0; i < 16; i++)
+            if (counts[i] > found)
+                found = counts[i];
+        best = f == 0 || found < best ? found : best;
+    }
+    return (uint32_t)best;
+}
+
+static slv_result fill_info(const slv_env *env, slv_gl *gl, slv_gl_backend backend) {
+    const slv_gl_api *api = &gl->api;
+    slv_gl_info *info = &gl->info;
+    GLint major = 0, minor = 0, layers = 0, size = 0, units = 0;
+    GLfloat anisotropy = 1;
+    copy_string(api, GL_VENDOR, info->vendor, sizeof info->vendor);
+    copy_string(api, GL_RENDERER, info->renderer, sizeof info->renderer);
+    copy_string(api, GL_VERSION, info->version, sizeof info->version);
+    api->GetIntegerv(GL_MAJOR_VERSION, &major);
+    api->GetIntegerv(GL_MINOR_VERSION, &minor);
+    if (major * 10 + minor < 45)
+        return slv_fail(env, SLV_ERROR_GL, "%s has OpenGL %d.%d: 4.5 is needed", info->renderer, major, minor);
+    api->GetIntegerv(GL_MAX_ARRAY_TEXTURE_LAYERS, &layers);
+    api->GetIntegerv(GL_MAX_TEXTURE_SIZE, &size);
+    api->GetIntegerv(GL_MAX_TEXTURE_IMAGE_UNITS, &units);
+    if (has_extension(api, "GL_EXT_texture_filter_anisotropic") ||
+        has_extension(api, "GL_ARB_texture_filter_anisotropic"))
+        api->GetFloatv(GL_MAX_TEXTURE_MAX_ANISOTROPY, &anisotropy);
+    info->backend = backend;
+    info->software = strstr(info->renderer, "llvmpipe") || strstr(info->renderer, "softpipe") ||
+                     strstr(info->renderer, "SWR");
+    info->max_msaa = max_samples(api);
+    info->max_anisotropy = (uint32_t)anisotropy;
+    info->max_layers = (uint32_t)layers;
+    info->max_texture_size = (uint32_t)size;
+    info->texture_units = (uint32_t)units;
+    while (api->GetError() != GL_NO_ERROR) /* whatever the host left behind is not ours to report */
+        continue;
+    return SLV_OK;
+}
+
+static slv_result adopt(const slv_env *env, slv_gl_backend backend, slv_gl_platform platform,
+                        slv_gl_get_proc get_proc, void *user, slv_gl **out) {
+    slv_gl *gl = NULL;
+    slv_result result = slv_alloc(env, "GL context", 1, sizeof *gl, &gl);
+    if (!result)
+        result = load_functions(env, &gl->api, get_proc, user);
+    if (!result)
+        result = fill_info(env, gl, backend);
+    if (result) {
+        if (platform.destroy)
+            platform.destroy(platform.state);
+        free(gl);
+        return result;
+    }
+    gl->platform = platform;
+    *out = gl;
+    return SLV_OK;
+}
+
+slv_result slv_gl_create(const slv_env *env, slv_gl_backend backend, slv_gl **out) {
+    char why[3][160] = {"", "", ""};
+    slv_gl_platform platform = {0};
+    slv_gl_get_proc get_proc = NULL;
+    *out = NULL;
+    if (backend == SLV_GL_HOST)
+        return slv_fail(env, SLV_ERROR_ARGUMENT, "a host's context is taken with slv_gl_wrap");
+    if (backend != SLV_GL_OSMESA) {
+        for (int software = 0; software < 2; software++)
+            if (!slv_gl_open_egl(!software, why[software], sizeof why[software], &platform, &get_proc))
+                return adopt(env, SLV_GL_EGL, platform, get_proc, NULL, out);
+    }
+    if (backend != SLV_GL_EGL && !slv_gl_open_osmesa(why[2], sizeof why[2], &platform, &get_proc))
+        return adopt(env, SLV_GL_OSMESA, platform, get_proc, NULL, out);
+    if (backend == SLV_GL_OSMESA)
+        return slv_fail(env, SLV_ERROR_GL, "no usable OpenGL context: OSMesa: %s", why[2]);
+    if (backend == SLV_GL_EGL)
+        return slv_fail(env, SLV_ERROR_GL, "no usable OpenGL context: EGL: %s", why[1]);
+    return slv_fail(env, SLV_ERROR_GL, "no usable OpenGL context: EGL: %s; OSMesa: %s", why[1], why[2]);
+}
+
+slv_result slv_gl_wrap(const slv_env *env, slv_gl_get_proc get_proc, void *user, slv_gl **out) {
+    slv_gl_platform none = {0};
+    *out = NULL;
+    return adopt(env, SLV_GL_HOST, none, get_proc, user, out);
+}
+
+void slv_gl_destroy(slv_gl *gl) {
+    if (!gl)
+        return;
+    if (gl->platform.destroy)
+        gl->platform.destroy(gl->platform.state);
+    free(gl);
+}
+
+const slv_gl_info *slv_gl_get_info(const slv_gl *gl) {
+    return &gl->info;
+}
+
+slv_result slv_gl_check(const slv_gl *gl, const slv_env *env, const char *what) {
+    GLenum error = gl->api.GetError();
+    if (error == GL_NO_ERROR)
+        return SLV_OK;
+    while (gl->api.GetError() != GL_NO_ERROR)
+        continue;
+    return slv_fail(env, error == GL_OUT_OF_MEMORY ? SLV_ERROR_MEMORY : SLV_ERROR_GL,
+                    "%s: the driver reports %s (0x%04x)", what,
+                    error == GL_OUT_OF_MEMORY ? "out of memory" : "an error", error);
+}

@@ -1,0 +1,399 @@
+#include "gl/store.h"
+
+#include "base/log.h"
+#include "base/parallel.h"
+
+#include <selvage/border.h>
+
+#include <stdlib.h>
+#include <string.h>
+
+#define STAGING_BYTES (UINT64_C(32) << 20)
+#define ARRAY_BYTES (UINT64_C(512) << 20) /* software drivers refuse textures above 1 GiB */
+
+slv_result slv_gl_buffer(const slv_gl_source *source, const char *what, const void *data, uint64_t bytes,
+                         GLuint *out) {
+    const slv_gl_api *api = &source->gl->api;
+    api->CreateBuffers(1, out);
+    api->NamedBufferStorage(*out, (GLsizeiptr)(bytes ? bytes : 16), bytes ? data : NULL, 0);
+    return slv_gl_check(source->gl, source->env, what);
+}
+
+/* Faces in breadth-first order over the adjacency, so that faces which meet get layers close together. */
+static slv_result neighbourly_order(const slv_gl_source *source, uint32_t nfaces, uint32_t *order) {
+    const slv_face_adjacency *adjacency = slv_adjacency_faces(source->adjacency);
+    bool *seen = NULL;
+    slv_result result = slv_alloc(source->env, "face order", nfaces, sizeof *seen, &seen);
+    if (result)
+        return result;
+    uint32_t head = 0, tail = 0;
+    for (uint32_t start = 0; start < nfaces; start++) {
+        if (seen[start])
+            continue;
+        seen[start] = true;
+        order[tail++] = start;
+        for (; head < tail; head++) {
+            for (unsigned e = 0; e < 4; e++) {
+                int32_t next = adjacency[order[head]].face[e];
+                if (next >= 0 && !seen[next]) {
+                    seen[next] = true;
+                    order[tail++] = (uint32_t)next;
+                }
+            }
+        }
+    }
+    free(seen);
+    return SLV_OK;
+}
+
+struct widen_job {
+    const slv_gl_source *source;
+    uint8_t *wide;
+};
+
+/* Only the innermost border can leave the range of an integer type, so one texel of border is enough to know. */
+static slv_result find_wide(void *user, uint64_t first, uint64_t end) {
+    struct widen_job *job = user;
+    const slv_texture_desc *desc = slv_levels_get_desc(job->source->levels);
+    float *scratch = NULL;
+    slv_result result = SLV_OK;
+    size_t capacity = 0;
+    for (uint64_t face = first; !result && face < end; face++) {
+        uint32_t nlevels = slv_levels_count(job->source->levels, (uint32_t)face);
+        for (uint32_t level = 0; !result && !job->wide[face] && level < nlevels; level++) {
+            slv_res res = slv_res_level(desc->res[face], level);
+            size_t needed = (((size_t)1 << res.u) + 2) * (((size_t)1 << res.v) + 2) * desc->nchannels;
+            bool wide = false;
+            if (needed > capacity) {
+                free(scratch);
+                capacity = needed;
+                result = slv_alloc(job->source->env, "border", needed, sizeof *scratch, &scratch);
+            }
+            if (!result)
+                result = slv_border_build(job->source->levels, job->source->adjacency, (uint32_t)face, level,
+                                          1, 1, scratch, &wide);
+            job->wide[face] |= wide;
+        }
+    }
+    free(scratch);
+    return result;
+}
+
+static uint32_t class_of(slv_res res, bool wide) {
+    return (uint32_t)wide << 10 | (uint32_t)res.u << 5 | (uint32_t)res.v;
+}
+
+#define NCLASSES (1u << 11)
+
+static uint64_t layer_bytes(const slv_gl_pool *pool, const slv_gl_format *format, bool bordered) {
+    uint64_t texels = 0;
+    if (bordered)
+        return (uint64_t)pool->width * pool->height * format->texel_bytes;
+    for (uint32_t level = 0; level < pool->nlevels; level++) {
+        slv_res r = slv_res_level(pool->res, level);
+        texels += (uint64_t)1 << (r.u + r.v);
+    }
+    return texels * format->texel_bytes;
+}
+
+/* Sorts faces into classes, keeping their order, and cuts the classes into pools. */
+static slv_result assign_pools(const slv_gl_source *source, const uint8_t *wide, slv_gl_store *store) {
+    const slv_texture_desc *desc = slv_levels_get_desc(source->levels);
+    const slv_env *env = source->env;
+    slv_result result = SLV_OK;
+    uint32_t nfaces = desc->nfaces, npools = 0;
+    uint32_t *neighbourly = NULL, *start = NULL;
+    slv_gl_pool *templates = NULL;
+    if ((result = slv_alloc(env, "face order", nfaces, sizeof *neighbourly, &neighbourly)) ||
+        (result = slv_alloc(env, "size classes", NCLASSES + 1, sizeof *start, &start)) ||
+        (result = slv_alloc(env, "size classes", NCLASSES, sizeof *templates, &templates)) ||
+        (result = slv_alloc(env, "face order", nfaces, sizeof *store->order, &store->order)) ||
+        (result = slv_alloc(env, "pool table", nfaces, sizeof *store->pool_of, &store->pool_of)) ||
+        (result = slv_alloc(env, "layer table", nfaces, sizeof *store->layer_of, &store->layer_of)) ||
+        (result = neighbourly_order(source, nfaces, neighbourly)))
+        goto done;
+    for (uint32_t f = 0; f < nfaces; f++)
+        start[class_of(desc->res[f], wide[f]) + 1]++;
+    for (uint32_t c = 0; c < NCLASSES; c++) {
+        slv_gl_pool *pool = &templates[c];
+        uint32_t count = start[c + 1];
+        if (count) {
+            pool->res = (slv_res){(int8_t)(c >> 5 & 31), (int8_t)(c & 31)};
+            pool->wide = c >> 10;
+            const slv_gl_format *format = pool->wide ? &store->wide_format : &store->format;
+            if (store->bordered) {
+                slv_gl_pack_levels(pool->res, source->params.border, pool);
+            } else {
+                pool->width = 1u << pool->res.u;
+                pool->height = 1u << pool->res.v;
+                pool->nlevels = slv_res_level_count(pool->res);
+            }
+            uint32_t limit = source->gl->info.max_texture_size;
+            if (pool->width > limit || pool->height > limit) {
+                result = slv_fail(env, SLV_ERROR_LIMIT,
+                                  "a face of %u x %u texels needs a texture of %u x %u, the driver's limit is %u",
+                                  1u << pool->res.u, 1u << pool->res.v, pool->width, pool->height, limit);
+                goto done;
+            }
+            uint64_t per_array = ARRAY_BYTES / layer_bytes(pool, format, store->bordered);
+            per_array = per_array < source->params.pool_layers ? per_array : source->params.pool_layers;
+            pool->nlayers = per_array ? (uint32_t)per_array : 1;
+            npools += (count + pool->nlayers - 1) / pool->nlayers;
+        }
+        start[c + 1] += start[c];
+    }
+    if (npools > 0xffff) {
+        result = slv_fail(env, SLV_ERROR_LIMIT, "%u array textures are needed, the limit is 65535", npools);
+        goto done;
+    }
+    if ((result = slv_alloc(env, "pools", npools, sizeof *store->pools, &store->pools)))
+        goto done;
+    for (uint32_t i = 0; i < nfaces; i++) {
+        uint32_t f = neighbourly[i];
+        store->order[start[class_of(desc->res[f], wide[f])]++] = f;
+    }
+    /* start[c] is now where class c ends */
+    for (uint32_t c = 0; c < NCLASSES; c++) {
+        uint32_t end = start[c], first = c ? start[c - 1] : 0;
+        uint32_t most = templates[c].nlayers;
+        for (; first < end; first += most) {
+            slv_gl_pool *pool = &store->pools[store->npools];
+            *pool = templates[c];
+            pool->faces = store->order + first;
+            pool->nlayers = end - first < most ? end - first : most;
+            for (uint32_t layer = 0; layer < pool->nlayers; layer++) {
+                store->pool_of[pool->faces[layer]] = store->npools;
+                store->layer_of[pool->faces[layer]] = layer;
+            }
+            store->npools++;
+        }
+    }
+done:
+    free(neighbourly);
+    free(start);
+    free(templates);
+    return result;
+}
+
+struct fill_job {
+    const slv_gl_source *source;
+    const slv_gl_pool *pool;
+    const slv_gl_format *format;
+    bool bordered;
+    uint32_t first_layer, level;
+    uint64_t layer_size;
+    unsigned char *staging;
+};
+
+static slv_result fill_bare(const struct fill_job *job, uint32_t layer) {
+    uint32_t face = job->pool->faces[job->first_layer + layer];
+    const slv_texture_desc *desc = slv_levels_get_desc(job->source->levels);
+    slv_res res = slv_res_level(job->pool->res, job->level);
+    slv_gl_convert(job->format, slv_levels_texels(job->source->levels, face, job->level), desc->nchannels,
+                   (size_t)1 << (res.u + res.v), false, job->staging + layer * job->layer_size);
+    return SLV_OK;
+}
+
+static slv_result fill_bordered(const struct fill_job *job, uint32_t layer, float *scratch) {
+    uint32_t face = job->pool->faces[job->first_layer + layer];
+    const slv_texture_desc *desc = slv_levels_get_desc(job->source->levels);
+    unsigned char *out = job->staging + layer * job->layer_size;
+    for (uint32_t level = 0; level < job->pool->nlevels; level++) {
+        const slv_gl_rect *rect = &job->pool->rects[level];
+        uint32_t width = rect->width + 2 * rect->bu, height = rect->height + 2 * rect->bv;
+        slv_result result = slv_border_build(job->source->levels, job->source->adjacency, face, level, rect->bu,
+                                             rect->bv, scratch, NULL);
+        if (result)
+            return result;
+        for (uint32_t y = 0; y < height; y++)
+            slv_gl_convert_float(job->format, scratch + (size_t)y * width * desc->nchannels, desc->nchannels, width,
+                                 out + ((size_t)(rect->y + y) * job->pool->width + rect->x) *
+                                           job->format->texel_bytes);
+    }
+    return SLV_OK;
+}
+
+static slv_result fill(void *user, uint64_t first, uint64_t end) {
+    const struct fill_job *job = user;
+    slv_result result = SLV_OK;
+    float *scratch = NULL;
+    if (job->bordered) {
+        uint32_t nchannels = slv_levels_get_desc(job->source->levels)->nchannels;
+        result = slv_alloc(job->source->env, "border",
+                           (uint64_t)job->pool->width * job->pool->height * nchannels, sizeof *scratch, &scratch);
+    }
+    for (uint64_t layer = first; !result && layer < end; layer++)
+        result = job->bordered ? fill_bordered(job, (uint32_t)layer, scratch) : fill_bare(job, (uint32_t)layer);
+    free(scratch);
+    return result;
+}
+
+/* Uploads one level of every layer (bordered: the whole layer), as many layers at a time as the staging holds. */
+static slv_result upload_level(const slv_gl_source *source, const slv_gl_store *store, const slv_gl_pool *pool,
+                               uint32_t level, unsigned char **staging, uint64_t *capacity) {
+    const slv_gl_api *api = &source->gl->api;
+    const slv_gl_format *format = pool->wide ? &store->wide_format : &store->format;
+    slv_res res = slv_res_level(pool->res, level);
+    uint32_t width = store->bordered ? pool->width : 1u << res.u;
+    uint32_t height = store->bordered ? pool->height : 1u << res.v;
+    uint64_t layer_size = (uint64_t)width * height * format->texel_bytes;
+    uint64_t at_once = STAGING_BYTES / layer_size ? STAGING_BYTES / layer_size : 1;
+    slv_result result = SLV_OK;
+    at_once = at_once < pool->nlayers ? at_once : pool->nlayers;
+    if (layer_size * at_once > *capacity) {
+        free(*staging);
+        *capacity = layer_size * at_once;
+        if ((result = slv_alloc(source->env, "upload", *capacity, 1, staging)))
+            return result;
+    }
+    for (uint32_t first = 0; !result && first < pool->nlayers; first += (uint32_t)at_once) {
+        uint32_t count = pool->nlayers - first < at_once ? pool->nlayers - first : (uint32_t)at_once;
+        struct fill_job job = {.source = source,
+                               .pool = pool,
+                               .format = format,
+                               .bordered = store->bordered,
+                               .first_layer = first,
+                               .level = level,
+                               .layer_size = layer_size,
+                               .staging = *staging};
+        if (store->bordered)
+            memset(*staging, 0, layer_size * count);
+        result = slv_parallel_for(source->env, count, count > 512 ? 64 : count / 8 + 1, fill, &job);
+        if (!result)
+            api->TextureSubImage3D(pool->texture, (GLint)level, 0, 0, (GLint)first, (GLsizei)width,
+                                   (GLsizei)height, (GLsizei)count, format->external, format->data, *staging);
+    }
+    return result;
+}
+
+/* One layer that is 1 in every texel of every level, with the size and levels of the pool that it normalises. */
+static slv_result make_coverage(const slv_gl_source *source, slv_gl_pool *pool) {
+    const slv_gl_api *api = &source->gl->api;
+    unsigned char *ones = NULL;
+    slv_result result =
+        slv_alloc(source->env, "coverage", (uint64_t)pool->width * pool->height, 1, &ones);
+    if (result)
+        return result;
+    memset(ones, 255, (size_t)pool->width * pool->height);
+    api->CreateTextures(GL_TEXTURE_2D_ARRAY, 1, &pool->coverage);
+    api->TextureStorage3D(pool->coverage, (GLsizei)pool->nlevels, GL_R8, (GLsizei)pool->width,
+                          (GLsizei)pool->height, 1);
+    for (uint32_t level = 0; level < pool->nlevels; level++) {
+        slv_res r = slv_res_level(pool->res, level);
+        api->TextureSubImage3D(pool->coverage, (GLint)level, 0, 0, 0, 1 << r.u, 1 << r.v, 1, GL_RED,
+                               GL_UNSIGNED_BYTE, ones);
+    }
+    free(ones);
+    return SLV_OK;
+}
+
+static slv_result upload_pool(const slv_gl_source *source, slv_gl_store *store, slv_gl_pool *pool,
+                              unsigned char **staging, uint64_t *capacity) {
+    const slv_gl_api *api = &source->gl->api;
+    const slv_gl_format *format = pool->wide ? &store->wide_format : &store->format;
+    uint32_t nlevels = store->bordered ? 1 : pool->nlevels;
+    slv_result result = SLV_OK;
+    api->CreateTextures(GL_TEXTURE_2D_ARRAY, 1, &pool->texture);
+    api->TextureStorage3D(pool->texture, (GLsizei)nlevels, format->internal, (GLsizei)pool->width,
+                          (GLsizei)pool->height, (GLsizei)pool->nlayers);
+    api->TextureParameteriv(pool->texture, GL_TEXTURE_SWIZZLE_RGBA, format->swizzle);
+    if ((result = slv_gl_check(source->gl, source->env, "array texture")))
+        return result;
+    store->bytes += layer_bytes(pool, format, store->bordered) * pool->nlayers;
+    for (uint32_t level = 0; !result && level < nlevels; level++)
+        result = upload_level(source, store, pool, level, staging, capacity);
+    if (!result && !store->bordered && format->nsource == 4) {
+        result = make_coverage(source, pool);
+        store->bytes += layer_bytes(pool, format, false) / format->texel_bytes;
+    }
+    return result ? result : slv_gl_check(source->gl, source->env, "texture upload");
+}
+
+static slv_result upload_tables(const slv_gl_source *source, slv_gl_store *store) {
+    const slv_texture_desc *desc = slv_levels_get_desc(source->levels);
+    const slv_env *env = source->env;
+    uint32_t *rows = NULL;
+    float *rects = NULL;
+    slv_result result = slv_alloc(env, "face table", desc->nfaces, 8, &rows);
+    if (result)
+        goto done;
+    for (uint32_t f = 0; f < desc->nfaces; f++) {
+        rows[2 * f] = store->pool_of[f] | store->layer_of[f] << 16;
+        rows[2 * f + 1] = (uint32_t)desc->res[f].u | (uint32_t)desc->res[f].v << 8;
+    }
+    store->bytes += (uint64_t)desc->nfaces * 8;
+    if ((result = slv_gl_buffer(source, "face table", rows, (uint64_t)desc->nfaces * 8, &store->table)) ||
+        !store->bordered)
+        goto done;
+    uint64_t bytes = (uint64_t)store->npools * SLV_GL_LEVELS * 4 * sizeof *rects;
+    if ((result = slv_alloc(env, "level table", bytes, 1, &rects)))
+        goto done;
+    for (uint32_t p = 0; p < store->npools; p++) {
+        const slv_gl_pool *pool = &store->pools[p];
+        for (uint32_t level = 0; level < pool->nlevels; level++) {
+            const slv_gl_rect *rect = &pool->rects[level];
+            float *row = rects + (p * SLV_GL_LEVELS + level) * 4;
+            row[0] = (float)rect->width / (float)pool->width;
+            row[1] = (float)rect->height / (float)pool->height;
+            row[2] = (float)(rect->x + rect->bu) / (float)pool->width;
+            row[3] = (float)(rect->y + rect->bv) / (float)pool->height;
+        }
+    }
+    store->bytes += bytes;
+    result = slv_gl_buffer(source, "level table", rects, bytes, &store->rects);
+done:
+    free(rows);
+    free(rects);
+    return result;
+}
+
+slv_result slv_gl_store_build(const slv_gl_source *source, bool bordered, slv_gl_store *out) {
+    const slv_texture_desc *desc = slv_levels_get_desc(source->levels);
+    uint32_t first = source->params.first_channel, nchannels = source->params.nchannels;
+    bool integer = desc->type == SLV_TYPE_U8 || desc->type == SLV_TYPE_U16;
+    unsigned char *staging = NULL;
+    uint64_t capacity = 0;
+    uint8_t *wide = NULL;
+    slv_gl_store store = {.built = true, .bordered = bordered};
+    slv_result result = SLV_OK;
+    store.format = slv_gl_format_for(desc->type, first, nchannels, !bordered);
+    store.wide_format =
+        slv_gl_format_for(desc->type == SLV_TYPE_U8 ? SLV_TYPE_HALF : SLV_TYPE_FLOAT, first, nchannels, !bordered);
+    if ((result = slv_alloc(source->env, "wide faces", desc->nfaces, 1, &wide)))
+        goto done;
+    if (bordered && integer) {
+        struct widen_job job = {source, wide};
+        if ((result = slv_parallel_for(source->env, desc->nfaces, 64, find_wide, &job)))
+            goto done;
+        for (uint32_t f = 0; f < desc->nfaces; f++)
+            store.nwide += wide[f];
+    }
+    if ((result = assign_pools(source, wide, &store)))
+        goto done;
+    source->gl->api.PixelStorei(GL_UNPACK_ALIGNMENT, 1);
+    for (uint32_t p = 0; !result && p < store.npools; p++)
+        result = upload_pool(source, &store, &store.pools[p], &staging, &capacity);
+    if (!result)
+        result = upload_tables(source, &store);
+done:
+    free(staging);
+    free(wide);
+    if (result)
+        slv_gl_store_free(source->gl, &store);
+    *out = store;
+    return result;
+}
+
+void slv_gl_store_free(const slv_gl *gl, slv_gl_store *store) {
+    for (uint32_t p = 0; p < store->npools; p++) {
+        gl->api.DeleteTextures(1, &store->pools[p].texture);
+        gl->api.DeleteTextures(1, &store->pools[p].coverage);
+    }
+    gl->api.DeleteBuffers(1, &store->table);
+    gl->api.DeleteBuffers(1, &store->rects);
+    free(store->pools);
+    free(store->order);
+    free(store->pool_of);
+    free(store->layer_of);
+    memset(store, 0, sizeof *store);
+}

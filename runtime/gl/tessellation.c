@@ -1,0 +1,196 @@
+#include "gl/tessellation.h"
+
+#include "base/log.h"
+#include "base/parallel.h"
+
+#include <selvage/half.h>
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+struct job {
+    const slv_surface *surface;
+    const slv_adjacency *adjacency;
+    const slv_env *env;
+    slv_tessellation *out;
+    uint32_t most; /* segments of a whole quad */
+};
+
+static slv_result evaluate(void *user, uint64_t begin, uint64_t end) {
+    const struct job *job = user;
+    const slv_tessellation *out = job->out;
+    uint64_t points = (uint64_t)(job->most + 1) * (job->most + 1);
+    float *positions = NULL, *normals = NULL;
+    slv_result result;
+    if ((result = slv_alloc(job->env, "tessellation", points * 3, sizeof *positions, &positions)) ||
+        (result = slv_alloc(job->env, "tessellation", points * 3, sizeof *normals, &normals)))
+        goto done;
+    for (uint64_t face = begin; face < end; face++) {
+        uint32_t n = out->segments[face];
+        slv_surface_arrays arrays = {.positions = positions, .normals = normals};
+        if (!n)
+            continue;
+        if ((result = slv_surface_evaluate_grid(job->surface, (int32_t)face, n, n, &arrays)))
+            goto done;
+        slv_vertex *vertex = out->vertices + out->first[face];
+        for (uint32_t i = 0; i < (n + 1) * (n + 1); i++, vertex++) {
+            memcpy(vertex->position, positions + 3 * i, sizeof vertex->position);
+            memcpy(vertex->normal, normals + 3 * i, sizeof vertex->normal);
+            vertex->uv[0] = slv_half_from_float((float)(i % (n + 1)) / (float)n);
+            vertex->uv[1] = slv_half_from_float((float)(i / (n + 1)) / (float)n);
+            vertex->face = (int32_t)face;
+        }
+    }
+done:
+    free(positions);
+    free(normals);
+    return result;
+}
+
+static slv_vertex *vertex_at(const slv_tessellation *t, uint32_t face, float u, float v) {
+    uint32_t n = t->segments[face];
+    uint32_t x = (uint32_t)lrintf(u * (float)n), y = (uint32_t)lrintf(v * (float)n);
+    return t->vertices + t->first[face] + y * (n + 1) + x;
+}
+
+/* Takes the positions along one edge from the face that owns them: the whole quad beside sub-faces, else the lower id. Ends
+ * are left to weld_corner. */
+static void weld_edge(const struct job *job, uint32_t face, unsigned edge) {
+    static const float start[4][2] = {{0, 0}, {1, 0}, {1, 1}, {0, 1}};
+    static const float along[4][2] = {{1, 0}, {0, 1}, {-1, 0}, {0, -1}};
+    const slv_tessellation *t = job->out;
+    slv_neighbour other[2];
+    uint32_t n = t->segments[face];
+    if (slv_adjacency_neighbours(job->adjacency, (int32_t)face, edge, other) != 1)
+        return;
+    bool owns = other->scale == 1 && (int32_t)face <= other->face;
+    if (owns || !t->segments[other->face])
+        return;
+    for (uint32_t k = 1; k < n; k++) {
+        float f = (float)k / (float)n, u = start[edge][0] + f * along[edge][0], v = start[edge][1] + f * along[edge][1];
+        float ou, ov;
+        slv_affine_apply(&other->map, u, v, &ou, &ov);
+        memcpy(vertex_at(t, face, u, v)->position, vertex_at(t, (uint32_t)other->face, ou, ov)->position,
+               3 * sizeof(float));
+    }
+}
+
+static void weld_corner(const struct job *job, uint32_t face, unsigned corner) {
+    static const float at[4][2] = {{0, 0}, {1, 0}, {1, 1}, {0, 1}};
+    const slv_tessellation *t = job->out;
+    const slv_vertex *from = NULL;
+    if (slv_adjacency_is_t_corner(job->adjacency, (int32_t)face, corner)) {
+        /* the middle of a whole quad's edge; that edge is one of the two which meet here */
+        for (unsigned side = 0; side < 2; side++) {
+            slv_neighbour other[2];
+            unsigned edge = (corner + 3 * side) % 4;
+            float u, v;
+            if (slv_adjacency_neighbours(job->adjacency, (int32_t)face, edge, other) != 1 || other->scale >= 1 ||
+                !t->segments[other->face])
+                continue;
+            slv_affine_apply(&other->map, at[corner][0], at[corner][1], &u, &v);
+            from = vertex_at(t, (uint32_t)other->face, u, v);
+        }
+    } else {
+        slv_ring ring = slv_adjacency_ring(job->adjacency, (int32_t)face, corner, NULL);
+        slv_corner lowest = {(int32_t)face, (uint8_t)corner};
+        for (uint32_t i = 0; i < ring.count; i++)
+            if (ring.corners[i].face < lowest.face && t->segments[ring.corners[i].face])
+                lowest = ring.corners[i];
+        from = vertex_at(t, (uint32_t)lowest.face, at[lowest.corner][0], at[lowest.corner][1]);
+    }
+    slv_vertex *to = vertex_at(t, face, at[corner][0], at[corner][1]);
+    if (from && from != to)
+        memcpy(to->position, from->position, sizeof to->position);
+}
+
+/* Every position is read where its owner evaluated it and written elsewhere, so faces can be welded in any order. */
+static slv_result weld(void *user, uint64_t begin, uint64_t end) {
+    const struct job *job = user;
+    for (uint64_t face = begin; face < end; face++) {
+        if (!job->out->segments[face])
+            continue;
+        for (unsigned e = 0; e < 4; e++) {
+            weld_edge(job, (uint32_t)face, e);
+            weld_corner(job, (uint32_t)face, e);
+        }
+    }
+    return SLV_OK;
+}
+
+static void find_bounds(slv_tessellation *t) {
+    for (int c = 0; c < 3; c++) {
+        t->bounds_min[c] = INFINITY;
+        t->bounds_max[c] = -INFINITY;
+    }
+    for (uint32_t i = 0; i < t->first[t->nfaces]; i++) {
+        for (int c = 0; c < 3; c++) {
+            t->bounds_min[c] = fminf(t->bounds_min[c], t->vertices[i].position[c]);
+            t->bounds_max[c] = fmaxf(t->bounds_max[c], t->vertices[i].position[c]);
+        }
+    }
+}
+
+slv_result slv_tessellate(const slv_env *env, const slv_mesh *mesh, const slv_surface *surface,
+                          const slv_adjacency *adjacency, uint32_t segments, slv_tessellation *out) {
+    slv_tessellation made = {.nfaces = slv_mesh_face_count(mesh)};
+    slv_result result = SLV_OK;
+    uint64_t count = 0;
+    memset(out, 0, sizeof *out);
+    if (segments < 2 || segments > 128 || (segments & (segments - 1)))
+        return slv_fail(env, SLV_ERROR_ARGUMENT, "%u segments: a power of two from 2 to 128 is needed", segments);
+    if (slv_surface_face_count(surface) != made.nfaces || slv_adjacency_face_count(adjacency) != made.nfaces)
+        return slv_fail(env, SLV_ERROR_MISMATCH, "the mesh has %u faces, its surface %u, the adjacency %u",
+                        made.nfaces, slv_surface_face_count(surface), slv_adjacency_face_count(adjacency));
+    if ((result = slv_alloc(env, "tessellation", (uint64_t)made.nfaces + 1, sizeof *made.first, &made.first)) ||
+        (result = slv_alloc(env, "tessellation", made.nfaces, 1, &made.segments)))
+        goto done;
+    for (uint32_t f = 0; f < made.nfaces; f++) {
+        uint32_t n = slv_adjacency_is_subface(adjacency, (int32_t)f) ? segments / 2 : segments;
+        n = slv_mesh_face_is_hole(mesh, (int32_t)f) ? 0 : n;
+        made.segments[f] = (uint8_t)n;
+        made.first[f] = (uint32_t)count;
+        count += n ? (uint64_t)(n + 1) * (n + 1) : 0;
+        if (count > INT32_MAX) {
+            result = slv_fail(env, SLV_ERROR_LIMIT, "%u faces with %u segments are too many vertices", made.nfaces,
+                              segments);
+            goto done;
+        }
+    }
+    made.first[made.nfaces] = (uint32_t)count;
+    if ((result = slv_alloc(env, "vertices", count, sizeof *made.vertices, &made.vertices)))
+        goto done;
+    struct job job = {surface, adjacency, env, &made, segments};
+    if ((result = slv_parallel_for(env, made.nfaces, 16, evaluate, &job)) ||
+        (result = slv_parallel_for(env, made.nfaces, 256, weld, &job)))
+        goto done;
+    find_bounds(&made);
+done:
+    if (result)
+        slv_tessellation_free(&made);
+    *out = made;
+    return result;
+}
+
+void slv_tessellation_free(slv_tessellation *tessellation) {
+    free(tessellation->vertices);
+    free(tessellation->first);
+    free(tessellation->segments);
+    memset(tessellation, 0, sizeof *tessellation);
+}
+
+uint32_t slv_tessellation_indices(const slv_tessellation *tessellation, uint32_t face, uint32_t *out) {
+    uint32_t n = tessellation->segments[face], row = n + 1, first = tessellation->first[face];
+    if (!out)
+        return n * n * 6;
+    for (uint32_t y = 0; y < n; y++) {
+        for (uint32_t x = 0; x < n; x++) {
+            uint32_t a = first + y * row + x, b = a + 1, c = a + row, d = c + 1;
+            const uint32_t cell[6] = {a, b, d, a, d, c};
+            memcpy(out, cell, sizeof cell);
+            out += 6;
+        }
+    }
+    return n * n * 6;
+}

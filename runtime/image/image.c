@@ -1,0 +1,103 @@
+#include "base/file.h"
+#include "image/image_file.h"
+
+#include <stdlib.h>
+#include <string.h>
+#include <strings.h>
+
+static slv_result check_size(const slv_env *env, uint32_t width, uint32_t height,
+                             uint32_t nchannels) {
+    if (width < 1 || height < 1 || width > IMAGE_MAX_SIDE || height > IMAGE_MAX_SIDE ||
+        nchannels < 1 || nchannels > 4)
+        return slv_fail(env, SLV_ERROR_ARGUMENT,
+                        "an image of %u x %u pixels with %u channels; 1 to %d pixels and 1 to 4 "
+                        "channels are possible",
+                        width, height, nchannels, IMAGE_MAX_SIDE);
+    return SLV_OK;
+}
+
+slv_result slv_image_create(const slv_env *env, uint32_t width, uint32_t height, uint32_t nchannels,
+                            slv_image *out) {
+    memset(out, 0, sizeof *out);
+    slv_result result = check_size(env, width, height, nchannels);
+    if (!result)
+        result = slv_alloc(env, "image", (uint64_t)width * height, nchannels * sizeof(float),
+                           &out->pixels);
+    if (!result) {
+        out->width = width;
+        out->height = height;
+        out->nchannels = nchannels;
+    }
+    return result;
+}
+
+void slv_image_free(slv_image *image) {
+    if (!image)
+        return;
+    free(image->pixels);
+    memset(image, 0, sizeof *image);
+}
+
+static bool has_extension(const char *path, const char *extension) {
+    size_t length = strlen(path), wanted = strlen(extension);
+    return length > wanted && !strcasecmp(path + length - wanted, extension);
+}
+
+static slv_result check_image(const slv_env *env, const slv_image *image,
+                              const slv_image_params *params) {
+    slv_result result = check_size(env, image->width, image->height, image->nchannels);
+    if (!result && !image->pixels)
+        result = slv_fail(env, SLV_ERROR_ARGUMENT, "an image without pixels");
+    if (!result && (unsigned)params->encoding > SLV_ENCODE_RAW)
+        result = slv_fail(env, SLV_ERROR_ARGUMENT, "unknown image encoding %d", params->encoding);
+    return result;
+}
+
+slv_result slv_image_save(const slv_env *env, const char *path, const slv_image *image,
+                          const slv_image_params *params) {
+    static const slv_image_params defaults = {0};
+    void *bytes = NULL;
+    size_t size = 0;
+    if (!params)
+        params = &defaults;
+    slv_result result = check_image(env, image, params);
+    if (result)
+        return result;
+    if (has_extension(path, ".exr"))
+        return image_exr_save(env, path, image, params);
+    if (!has_extension(path, ".png"))
+        return slv_fail(env, SLV_ERROR_UNSUPPORTED, "%s: images are written as .png or .exr", path);
+    if (!(result = image_png_encode(env, path, image, params, &bytes, &size)))
+        result = slv_file_write(env, path, bytes, size);
+    free(bytes);
+    return result;
+}
+
+slv_result slv_image_encode_png(const slv_env *env, const slv_image *image,
+                                const slv_image_params *params, void **bytes, size_t *size) {
+    static const slv_image_params defaults = {0};
+    *bytes = NULL;
+    *size = 0;
+    if (!params)
+        params = &defaults;
+    slv_result result = check_image(env, image, params);
+    return result ? result : image_png_encode(env, "PNG image", image, params, bytes, size);
+}
+
+slv_result slv_image_load(const slv_env *env, const char *path, slv_image *out) {
+    char *bytes = NULL;
+    size_t size = 0;
+    memset(out, 0, sizeof *out);
+    slv_result result = slv_file_read(env, path, &bytes, &size);
+    if (result)
+        return result;
+    if (size >= 4 && !memcmp(bytes, "\x89PNG", 4))
+        result = image_png_decode(env, path, bytes, size, out);
+    else if (size >= 4 && !memcmp(bytes, "\x76\x2f\x31\x01", 4))
+        result = image_exr_decode(env, path, bytes, size, out);
+    else
+        result =
+            slv_fail(env, SLV_ERROR_UNSUPPORTED, "%s: is neither a PNG nor an OpenEXR image", path);
+    free(bytes);
+    return result;
+}

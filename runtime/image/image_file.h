@@ -1,0 +1,22 @@
+/* What the files of this folder share. */
+#ifndef SLV_IMAGE_FILE_H
+#define SLV_IMAGE_FILE_H
+
+#include <selvage/image.h>
+
+#include "base/log.h"
+
+#define IMAGE_MAX_SIDE 131072 /* pixels; keeps row lengths in 32 bits */
+
+/* From the bytes of a whole file. */
+slv_result image_png_decode(const slv_env *env, const char *path, const void *bytes, size_t size,
+                            slv_image *out);
+slv_result image_exr_decode(const slv_env *env, const char *path, const void *bytes, size_t size,
+                            slv_image *out);
+/* `path` only names the image in messages. */
+slv_result image_png_encode(const slv_env *env, const char *path, const slv_image *image,
+                            const slv_image_params *params, void **bytes, size_t *size);
+slv_result image_exr_save(const slv_env *env, const char *path, const slv_image *image,
+                          const slv_image_params *params);
+
+#endif

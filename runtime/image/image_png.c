@@ -1,0 +1,222 @@
+#include "image/image_file.h"
+
+#include <math.h>
+#include <png.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* What libpng's callbacks reach; everything that changes between setjmp and longjmp lives here. */
+struct png_stream {
+    const slv_env *env;
+    const char *path;
+    uint8_t *data;
+    const uint8_t *source;
+    size_t size, capacity, at;
+    uint8_t *rows;
+    png_bytep *row_pointers;
+    slv_result result; /* of a failure that has been logged already */
+    char message[128];
+};
+
+static void on_error(png_structp png, png_const_charp message) {
+    struct png_stream *stream = png_get_error_ptr(png);
+    snprintf(stream->message, sizeof stream->message, "%s", message);
+    png_longjmp(png, 1);
+}
+
+static void on_warning(png_structp png, png_const_charp message) {
+    (void)png;
+    (void)message;
+}
+
+static void on_write(png_structp png, png_bytep data, size_t size) {
+    struct png_stream *stream = png_get_io_ptr(png);
+    if (size > stream->capacity - stream->size) {
+        uint8_t *grown = NULL;
+        size_t capacity = stream->size + size + stream->capacity / 2 + 4096;
+        stream->result = slv_alloc(stream->env, stream->path, capacity, 1, &grown);
+        if (stream->result)
+            png_error(png, "no memory");
+        if (stream->size)
+            memcpy(grown, stream->data, stream->size);
+        free(stream->data);
+        stream->data = grown;
+        stream->capacity = capacity;
+    }
+    memcpy(stream->data + stream->size, data, size);
+    stream->size += size;
+}
+
+static void on_flush(png_structp png) {
+    (void)png;
+}
+
+static void on_read(png_structp png, png_bytep data, size_t size) {
+    struct png_stream *stream = png_get_io_ptr(png);
+    if (size > stream->size - stream->at)
+        png_error(png, "the file ends too early");
+    memcpy(data, stream->source + stream->at, size);
+    stream->at += size;
+}
+
+static slv_result report(struct png_stream *stream, slv_result otherwise) {
+    return stream->result
+               ? stream->result
+               : slv_fail(stream->env, otherwise, "%s: %s", stream->path, stream->message);
+}
+
+/* The sRGB curve (IEC 61966-2-1). */
+static float srgb_from_linear(float x) {
+    return x <= 0.0031308f ? 12.92f * x : 1.055f * powf(x, 1.0f / 2.4f) - 0.055f;
+}
+
+static uint32_t quantise(float x, float scale) {
+    return x > 0.0f ? (uint32_t)((x < 1.0f ? x : 1.0f) * scale + 0.5f) : 0;
+}
+
+/* One row of pixels as PNG has them: big-endian, colour not multiplied by alpha. */
+static void encode_row(const slv_image *image, const float *pixels, slv_image_encoding encoding,
+                       uint32_t bits, uint8_t *out) {
+    uint32_t n = image->nchannels;
+    bool has_alpha = n == 2 || n == 4;
+    float scale = bits == 16 ? 65535.0f : 255.0f;
+    for (uint32_t x = 0; x < image->width; x++, pixels += n)
+        for (uint32_t c = 0; c < n; c++) {
+            float value = pixels[c];
+            if (encoding == SLV_ENCODE_SRGB && !(has_alpha && c == n - 1)) {
+                if (has_alpha && pixels[n - 1] > 0.0f)
+                    value /= pixels[n - 1];
+                value = srgb_from_linear(value);
+            }
+            uint32_t stored = quantise(value, scale);
+            if (bits == 16)
+                *out++ = (uint8_t)(stored >> 8);
+            *out++ = (uint8_t)stored;
+        }
+}
+
+static bool write_png(png_structp png, png_infop info, const slv_image *image,
+                      slv_image_encoding encoding, uint32_t bits, struct png_stream *stream) {
+    static const int colour_types[] = {PNG_COLOR_TYPE_GRAY, PNG_COLOR_TYPE_GRAY_ALPHA,
+                                       PNG_COLOR_TYPE_RGB, PNG_COLOR_TYPE_RGB_ALPHA};
+    if (setjmp(png_jmpbuf(png)))
+        return false;
+    png_set_write_fn(png, stream, on_write, on_flush);
+    png_set_user_limits(png, IMAGE_MAX_SIDE, IMAGE_MAX_SIDE);
+    png_set_IHDR(png, info, image->width, image->height, (int)bits,
+                 colour_types[image->nchannels - 1], PNG_INTERLACE_NONE,
+                 PNG_COMPRESSION_TYPE_DEFAULT, PNG_FILTER_TYPE_DEFAULT);
+    if (encoding == SLV_ENCODE_SRGB)
+        png_set_sRGB(png, info, PNG_sRGB_INTENT_PERCEPTUAL);
+    png_write_info(png, info);
+    for (uint32_t y = 0; y < image->height; y++) {
+        encode_row(image, image->pixels + (size_t)y * image->width * image->nchannels, encoding,
+                   bits, stream->rows);
+        png_write_row(png, stream->rows);
+    }
+    png_write_end(png, info);
+    return true;
+}
+
+slv_result image_png_encode(const slv_env *env, const char *path, const slv_image *image,
+                            const slv_image_params *params, void **bytes, size_t *size) {
+    struct png_stream stream = {.env = env, .path = path};
+    uint32_t bits = params->bits ? params->bits : 8;
+    png_infop info = NULL;
+    if (bits != 8 && bits != 16)
+        return slv_fail(env, SLV_ERROR_ARGUMENT, "%s: PNG has 8 or 16 bits, not %u", path, bits);
+    png_structp png = png_create_write_struct(PNG_LIBPNG_VER_STRING, &stream, on_error, on_warning);
+    if (png)
+        info = png_create_info_struct(png);
+    slv_result result =
+        slv_alloc(env, path, image->width, (uint64_t)image->nchannels * (bits / 8), &stream.rows);
+    if (!result && !info)
+        result = slv_fail(env, SLV_ERROR_MEMORY, "%s: no memory to encode it", path);
+    if (!result && !write_png(png, info, image, params->encoding, bits, &stream))
+        result = report(&stream, SLV_ERROR_IO);
+    if (!result) {
+        *bytes = stream.data;
+        *size = stream.size;
+        stream.data = NULL;
+    }
+    png_destroy_write_struct(&png, &info);
+    free(stream.rows);
+    free(stream.data);
+    return result;
+}
+
+static bool read_png_header(png_structp png, png_infop info, struct png_stream *stream) {
+    if (setjmp(png_jmpbuf(png)))
+        return false;
+    png_set_read_fn(png, stream, on_read);
+    png_set_user_limits(png, IMAGE_MAX_SIDE, IMAGE_MAX_SIDE);
+    png_set_chunk_malloc_max(png, 1 << 24);
+    png_read_info(png, info);
+    png_set_expand(png);
+    png_set_interlace_handling(png);
+    png_read_update_info(png, info);
+    return true;
+}
+
+static bool read_png_rows(png_structp png, struct png_stream *stream) {
+    if (setjmp(png_jmpbuf(png)))
+        return false;
+    png_read_image(png, stream->row_pointers);
+    png_read_end(png, NULL);
+    return true;
+}
+
+static slv_result decode(png_structp png, png_infop info, struct png_stream *stream,
+                         slv_image *out) {
+    if (!read_png_header(png, info, stream))
+        return report(stream, SLV_ERROR_FORMAT);
+    uint32_t width = png_get_image_width(png, info), height = png_get_image_height(png, info);
+    uint32_t n = png_get_channels(png, info), bits = png_get_bit_depth(png, info);
+    uint64_t row = png_get_rowbytes(png, info), values = (uint64_t)width * n;
+    /* deflate packs at most 1032 to 1; low depths and palettes expand by up to 8 and 4 */
+    if (row * height / (1032 * 32) > stream->size)
+        return slv_fail(stream->env, SLV_ERROR_FORMAT,
+                        "%s: claims %u x %u pixels in a file of %zu bytes", stream->path, width,
+                        height, stream->size);
+    if (row != values * (bits / 8) || (bits != 8 && bits != 16))
+        return slv_fail(stream->env, SLV_ERROR_UNSUPPORTED, "%s: an unusual kind of PNG",
+                        stream->path);
+    slv_result result;
+    if ((result = slv_alloc(stream->env, stream->path, height, row, &stream->rows)) ||
+        (result = slv_alloc(stream->env, stream->path, height, sizeof *stream->row_pointers,
+                            &stream->row_pointers)) ||
+        (result = slv_image_create(stream->env, width, height, n, out)))
+        return result;
+    for (uint32_t y = 0; y < height; y++)
+        stream->row_pointers[y] = stream->rows + y * row;
+    if (!read_png_rows(png, stream))
+        return report(stream, SLV_ERROR_FORMAT);
+    const uint8_t *from = stream->rows;
+    for (uint64_t i = 0; i < values * height; i++)
+        if (bits == 8)
+            out->pixels[i] = (float)from[i] / 255.0f;
+        else
+            out->pixels[i] = (float)(from[2 * i] << 8 | from[2 * i + 1]) / 65535.0f;
+    return SLV_OK;
+}
+
+slv_result image_png_decode(const slv_env *env, const char *path, const void *bytes, size_t size,
+                            slv_image *out) {
+    struct png_stream stream = {.env = env, .path = path, .source = bytes, .size = size};
+    slv_result result;
+    png_infop info = NULL;
+    png_structp png = png_create_read_struct(PNG_LIBPNG_VER_STRING, &stream, on_error, on_warning);
+    if (png)
+        info = png_create_info_struct(png);
+    if (info)
+        result = decode(png, info, &stream, out);
+    else
+        result = slv_fail(env, SLV_ERROR_MEMORY, "%s: no memory to decode it", path);
+    if (result)
+        slv_image_free(out);
+    png_destroy_read_struct(&png, &info, NULL);
+    free(stream.rows);
+    free(stream.row_pointers);
+    return result;
+}

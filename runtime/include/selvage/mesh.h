@@ -1,0 +1,104 @@
+/* Polygon control meshes: from OBJ files, from arrays, and their faces in Ptex order. */
+#ifndef SELVAGE_MESH_H
+#define SELVAGE_MESH_H
+
+#include <selvage/adjacency.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/* How a subdivision surface meets its boundary (OpenSubdiv's VtxBoundaryInterpolation). The default is
+ * edge-and-corner. */
+typedef enum slv_boundary {
+    SLV_BOUNDARY_DEFAULT = 0,
+    SLV_BOUNDARY_NONE,
+    SLV_BOUNDARY_EDGE_ONLY,
+    SLV_BOUNDARY_EDGE_AND_CORNER
+} slv_boundary;
+
+/* A mesh as arrays that the caller owns. Only positions and polygons are required. Indices are zero-based. */
+typedef struct slv_mesh_view {
+    uint32_t nverts;
+    const float *positions; /* 3 * nverts */
+    uint32_t npolys;
+    const int32_t *poly_sizes; /* npolys, each >= 3 */
+    const int32_t *poly_verts; /* sum of poly_sizes */
+
+    uint32_t ntexcoords;
+    const float *texcoords;        /* 2 * ntexcoords */
+    const int32_t *poly_texcoords; /* like poly_verts, -1 where there is none; NULL if no polygon has any */
+    uint32_t nnormals;
+    const float *normals;        /* 3 * nnormals */
+    const int32_t *poly_normals; /* like poly_texcoords */
+
+    uint32_t ncreases;
+    const int32_t *crease_verts;   /* 2 * ncreases: the ends of an edge */
+    const float *crease_sharpness; /* ncreases; 10 and more is infinitely sharp */
+    uint32_t ncorners;
+    const int32_t *corner_verts;
+    const float *corner_sharpness;
+    uint32_t nholes;
+    const int32_t *hole_polys;
+    slv_boundary boundary; /* what the file asked for; default if it did not say */
+
+    uint32_t ngroups; /* runs of polygons in file order */
+    const char *const *group_names;
+    const int32_t *group_first; /* first polygon of each group, ascending */
+} slv_mesh_view;
+
+/* A checked copy of such arrays. Immutable; any number of threads may read it. */
+typedef struct slv_mesh slv_mesh;
+
+/* A face of a mesh: a whole quad (sub = -1) or sub-face number `sub` of an n-gon. */
+typedef struct slv_mesh_face {
+    int32_t poly;
+    int32_t sub;
+} slv_mesh_face;
+
+typedef struct slv_mesh_stats {
+    uint32_t npolys, nverts, nfaces, nsubfaces, nholes, ncreases;
+    uint32_t nedges, nboundary_edges, nnonmanifold_edges, nflipped_edges; /* flipped: both sides run the same way */
+    uint32_t nisolated_verts;
+    uint32_t nvalence[33]; /* vertices by number of polygons around them; the last counts all from 32 up */
+    uint32_t nextraordinary;
+    float bounds_min[3], bounds_max[3];
+} slv_mesh_stats;
+
+/* Checks and copies. A negative or too large index, a polygon of fewer than 3 vertices, or a position that is not
+ * finite is SLV_ERROR_FORMAT, naming the polygon. */
+SLV_API slv_result slv_mesh_create(const slv_env *env, const slv_mesh_view *view, slv_mesh **out);
+
+/* Reads a Wavefront OBJ file: v, vt, vn, f (any of the four index forms, negative indices, n-gons), g and o, and
+ * OpenSubdiv's tag lines (t crease, corner, interpolateboundary, hole; other tags are reported once and skipped).
+ * Errors name the file and the line. */
+SLV_API slv_result slv_mesh_load_obj(const slv_env *env, const char *path, slv_mesh **out);
+/* The same from `size` bytes in memory; `name` is used in messages. */
+SLV_API slv_result slv_mesh_parse_obj(const slv_env *env, const char *name, const char *text, size_t size,
+                                      slv_mesh **out);
+/* Writes positions, polygons, creases, corners, holes and boundary rule. Atomic: beside, then rename. */
+SLV_API slv_result slv_mesh_save_obj(const slv_env *env, const slv_mesh *mesh, const char *path);
+SLV_API void slv_mesh_destroy(slv_mesh *mesh);
+
+/* The mesh's own arrays. Owned by the mesh. */
+SLV_API const slv_mesh_view *slv_mesh_get_view(const slv_mesh *mesh);
+
+/* Faces in Ptex order: polygon by polygon, a quad as one face and an n-gon as n. */
+SLV_API uint32_t slv_mesh_face_count(const slv_mesh *mesh);
+SLV_API const slv_mesh_face *slv_mesh_faces(const slv_mesh *mesh);
+/* True if the face belongs to a hole: numbered and subdivided like any other, but not drawn. */
+SLV_API bool slv_mesh_face_is_hole(const slv_mesh *mesh, int32_t face);
+
+/* How the mesh's faces meet. Edges shared by more than two polygons, by two that run the same way along it, or
+ * by a hole are boundaries. */
+SLV_API slv_result slv_mesh_adjacency(const slv_env *env, const slv_mesh *mesh, slv_adjacency **out);
+/* The flags of every face (SLV_FACE_SUBFACE or 0), face_count bytes. Owned by the mesh. */
+SLV_API const uint8_t *slv_mesh_face_flags(const slv_mesh *mesh);
+
+SLV_API slv_result slv_mesh_get_stats(const slv_env *env, const slv_mesh *mesh, slv_mesh_stats *out);
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif

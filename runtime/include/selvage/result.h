@@ -1,0 +1,58 @@
+/* Result codes and the environment that every constructor takes. */
+#ifndef SELVAGE_RESULT_H
+#define SELVAGE_RESULT_H
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#if defined(__GNUC__)
+#define SLV_API __attribute__((visibility("default")))
+#else
+#define SLV_API
+#endif
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/* What a function that can fail returns. Success is zero, so `if (slv_x(...))` reads "if it failed". */
+typedef enum slv_result {
+    SLV_OK = 0,
+    SLV_ERROR_ARGUMENT,    /* the caller passed something that the function's contract forbids */
+    SLV_ERROR_MEMORY,      /* an allocation failed */
+    SLV_ERROR_LIMIT,       /* the input asks for more than slv_env.max_bytes, or a format's own limit */
+    SLV_ERROR_IO,          /* the operating system refused: missing file, full disk, no permission */
+    SLV_ERROR_FORMAT,      /* the bytes are not what they claim to be */
+    SLV_ERROR_UNSUPPORTED, /* a valid input, but of a kind that this build cannot handle */
+    SLV_ERROR_MISMATCH,    /* two inputs do not belong together (mesh and texture, say) */
+    SLV_ERROR_GL,          /* no usable context, or the driver refused */
+    SLV_ERROR_CANCELLED    /* a progress callback asked to stop */
+} slv_result;
+
+/* A short English phrase for a result; never NULL. */
+SLV_API const char *slv_result_string(slv_result result);
+
+typedef enum slv_log_level { SLV_LOG_INFO, SLV_LOG_WARNING, SLV_LOG_ERROR } slv_log_level;
+
+/* The environment of a call: where words go, how many threads may work, how much may be allocated.
+ * All zero is a sensible default; NULL stands for all zero. Objects keep a copy.
+ *
+ * `log` receives one line without a newline, naming the file, face and edge where there are such. It may
+ * be called from worker threads, one at a time. A function that returns an error has logged exactly one
+ * SLV_LOG_ERROR line that says why. */
+typedef struct slv_env {
+    void (*log)(void *user, slv_log_level level, const char *message);
+    void *log_user;
+    uint32_t threads;   /* worker threads; 0 means one per processor */
+    uint64_t max_bytes; /* most bytes that one object may allocate; 0 means 16 GiB */
+} slv_env;
+
+/* The library's version as (major << 16 | minor << 8 | patch). */
+SLV_API uint32_t slv_version(void);
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif

@@ -1,0 +1,18 @@
+/* Everything: per-face textures in memory, in files and on the GPU. */
+#ifndef SELVAGE_SELVAGE_H
+#define SELVAGE_SELVAGE_H
+
+#include <selvage/adjacency.h>
+#include <selvage/border.h>
+#include <selvage/gl_context.h>
+#include <selvage/gl_renderer.h>
+#include <selvage/gl_texture.h>
+#include <selvage/half.h>
+#include <selvage/image.h>
+#include <selvage/mesh.h>
+#include <selvage/ptx.h>
+#include <selvage/result.h>
+#include <selvage/surface.h>
+#include <selvage/texture.h>
+
+#endif

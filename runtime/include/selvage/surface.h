@@ -1,0 +1,58 @@
+/* The limit surface of a mesh, evaluated at any (face, u, v). Built on OpenSubdiv. */
+#ifndef SELVAGE_SURFACE_H
+#define SELVAGE_SURFACE_H
+
+#include <selvage/mesh.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+typedef enum slv_scheme { SLV_SCHEME_CATMARK = 0, SLV_SCHEME_BILINEAR } slv_scheme;
+
+/* Zero means default: Catmull-Clark, and the boundary rule of the mesh or else edge-and-corner. */
+typedef struct slv_surface_params {
+    slv_scheme scheme;
+    slv_boundary boundary;
+} slv_surface_params;
+
+/* An evaluator. Immutable; any number of threads may evaluate at once. Keeps what it needs of the mesh. */
+typedef struct slv_surface slv_surface;
+
+typedef struct slv_surface_point {
+    int32_t face;
+    float u, v;
+} slv_surface_point;
+
+/* Where results go; any pointer may be NULL. Positions and derivatives are in mesh units, derivatives per unit of
+ * the face's own (u,v) (for sub-faces too), normals have unit length and point to the side from which the face is
+ * counter-clockwise. Where the derivatives vanish, the normal is taken from nearby, never NaN. */
+typedef struct slv_surface_arrays {
+    float *positions; /* 3 per point */
+    float *du, *dv;   /* 3 per point */
+    float *normals;   /* 3 per point */
+} slv_surface_arrays;
+
+SLV_API slv_result slv_surface_create(const slv_env *env, const slv_mesh *mesh,
+                                      const slv_surface_params *params, slv_surface **out);
+SLV_API void slv_surface_destroy(slv_surface *surface);
+SLV_API uint32_t slv_surface_face_count(const slv_surface *surface);
+
+/* Evaluates `count` points; those of one face should stand together. A face id out of range is
+ * SLV_ERROR_ARGUMENT; (u,v) is clamped to the face. Holes evaluate like other faces. */
+SLV_API slv_result slv_surface_evaluate(const slv_surface *surface, size_t count,
+                                        const slv_surface_point *points, const slv_surface_arrays *out);
+
+/* Evaluates a grid of (nu + 1) * (nv + 1) points of one face, corners included, v-major, u fastest. */
+SLV_API slv_result slv_surface_evaluate_grid(const slv_surface *surface, int32_t face, uint32_t nu,
+                                             uint32_t nv, const slv_surface_arrays *out);
+
+/* OpenSubdiv's own face adjacency (Far::PtexIndices), face_count records, for comparison with ours; it knows
+ * neither flipped neighbours nor holes. */
+SLV_API slv_result slv_surface_osd_adjacency(const slv_surface *surface, slv_face_adjacency *out);
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif

@@ -1,0 +1,38 @@
+/* Inside an slv_adjacency. */
+#ifndef SLV_MESH_ADJACENCY_DATA_H
+#define SLV_MESH_ADJACENCY_DATA_H
+
+#include <selvage/adjacency.h>
+
+/* Corners and half-edges are numbered 4 * face + id, so this many faces still fit an int32_t. */
+#define SLV_MAX_FACES (INT32_MAX / 4)
+
+struct slv_adjacency {
+    uint32_t nfaces, ncut;
+    slv_face_adjacency *faces;
+    uint8_t *subface; /* 0 or 1 per face */
+
+    slv_corner *ring_corners; /* 4 * nfaces, ring by ring */
+    uint32_t *ring_first;     /* nrings + 1 */
+    uint8_t *ring_closed;
+    uint32_t *corner_ring;     /* per corner: its ring ... */
+    uint32_t *corner_position; /* ... and its place in ring_corners */
+};
+
+/* One half-edge: an edge as one of its faces sees it. face is SLV_BOUNDARY where there is none. */
+typedef struct slv_half_edge {
+    int32_t face;
+    uint8_t edge;
+} slv_half_edge;
+
+/* The second sub-face along an edge of a whole quad whose record names `primary`; none if the
+ * tables do not agree. */
+slv_half_edge slv_adjacency_secondary(const slv_adjacency *adjacency, slv_half_edge whole,
+                                      slv_half_edge primary);
+
+/* Whether a sub-face's edge that meets a whole quad is the first half of that quad's edge. */
+bool slv_adjacency_is_primary(const slv_adjacency *adjacency, slv_half_edge sub);
+
+slv_result slv_adjacency_build_rings(const slv_env *env, slv_adjacency *adjacency);
+
+#endif

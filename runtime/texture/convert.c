@@ -1,0 +1,113 @@
+#include <selvage/half.h>
+#include <selvage/texture.h>
+
+#include <string.h>
+
+size_t slv_type_size(slv_type type) {
+    switch (type) {
+    case SLV_TYPE_U8:
+        return 1;
+    case SLV_TYPE_U16:
+    case SLV_TYPE_HALF:
+        return 2;
+    case SLV_TYPE_FLOAT:
+        return 4;
+    }
+    return 0;
+}
+
+const char *slv_type_name(slv_type type) {
+    switch (type) {
+    case SLV_TYPE_U8:
+        return "uint8";
+    case SLV_TYPE_U16:
+        return "uint16";
+    case SLV_TYPE_HALF:
+        return "half";
+    case SLV_TYPE_FLOAT:
+        return "float";
+    }
+    return "unknown";
+}
+
+slv_res slv_res_level(slv_res res, uint32_t level) {
+    slv_res out = {level < (uint32_t)res.u ? (int8_t)(res.u - (int)level) : 0,
+                   level < (uint32_t)res.v ? (int8_t)(res.v - (int)level) : 0};
+    return out;
+}
+
+uint32_t slv_res_level_count(slv_res res) {
+    return 1 + (uint32_t)(res.u > res.v ? res.u : res.v);
+}
+
+/* slv_half_to_float without branches, so that the compiler can do many at once: the scaling by
+ * 2^112 moves the exponent's bias and normalises small numbers in one exact multiplication. */
+static void halves_to_float(const uint16_t *in, size_t count, float *out) {
+    for (size_t i = 0; i < count; i++) {
+        uint32_t magnitude = (uint32_t)(in[i] & 0x7fff) << 13, sign = (uint32_t)(in[i] & 0x8000)
+                                                                      << 16;
+        float scaled;
+        memcpy(&scaled, &magnitude, sizeof scaled);
+        scaled *= 0x1p112f;
+        uint32_t bits;
+        memcpy(&bits, &scaled, sizeof bits);
+        bits = (magnitude >= 0x0f800000u ? magnitude | 0x7f800000u : bits) | sign;
+        memcpy(&out[i], &bits, sizeof bits);
+    }
+}
+
+void slv_type_to_float(slv_type type, const void *values, size_t count, float *out) {
+    switch (type) {
+    case SLV_TYPE_U8: {
+        const uint8_t *in = values;
+        for (size_t i = 0; i < count; i++)
+            out[i] = (float)in[i] / 255.0f;
+        break;
+    }
+    case SLV_TYPE_U16: {
+        const uint16_t *in = values;
+        for (size_t i = 0; i < count; i++)
+            out[i] = (float)in[i] / 65535.0f;
+        break;
+    }
+    case SLV_TYPE_HALF:
+        halves_to_float(values, count, out);
+        break;
+    case SLV_TYPE_FLOAT:
+        memcpy(out, values, count * sizeof *out);
+        break;
+    }
+}
+
+/* NaN fails the first comparison and becomes 0. */
+static inline float clamp_to(float value, float one) {
+    float scaled = value * one;
+    scaled = scaled > 0.0f ? scaled : 0.0f;
+    return (scaled < one ? scaled : one) + 0.5f;
+}
+
+void slv_type_from_float(slv_type type, const float *values, size_t count, void *out) {
+    switch (type) {
+    case SLV_TYPE_U8: {
+        uint8_t *to = out;
+        for (size_t i = 0; i < count; i++)
+            to[i] = (uint8_t)clamp_to(values[i], 255.0f);
+        break;
+    }
+    case SLV_TYPE_U16: {
+        uint16_t *to = out;
+        for (size_t i = 0; i < count; i++)
+            to[i] = (uint16_t)clamp_to(values[i], 65535.0f);
+        break;
+    }
+    case SLV_TYPE_HALF: {
+        uint16_t *to = out;
+        for (size_t i = 0; i < count; i++)
+            to[i] = slv_half_from_float(values[i]);
+        break;
+    }
+    case SLV_TYPE_FLOAT:
+        memcpy(out, values, count * sizeof *values);
+        break;
+    }
+}

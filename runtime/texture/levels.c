@@ -1,0 +1,190 @@
+#include "base/log.h"
+#include "texture/store.h"
+
+#include <selvage/half.h>
+
+#include <assert.h>
+#include <stdlib.h>
+#include <string.h>
+
+#define FACES_PER_RANGE 16
+
+/* Sums of integers up to 4 * 65535 are exact, so this is the float mean, rounded to nearest and up
+ * at a half. */
+#define DEFINE_MEANS(name, value_type, SUM2, SUM4)                                                 \
+    static void name##_pairs(const void *from, size_t step, size_t count, size_t nchannels,        \
+                             void *to) {                                                           \
+        const value_type *a = from, *b = a + step;                                                 \
+        value_type *out = to;                                                                      \
+        for (size_t i = 0; i < count; i++, a += 2 * nchannels, b += 2 * nchannels)                 \
+            for (size_t c = 0; c < nchannels; c++)                                                 \
+                *out++ = SUM2(a[c], b[c]);                                                         \
+    }                                                                                              \
+    static void name##_quads(const void *from, size_t pitch, size_t count, size_t nchannels,       \
+                             void *to) {                                                           \
+        const value_type *a = from, *b = a + pitch;                                                \
+        value_type *out = to;                                                                      \
+        for (size_t i = 0; i < count; i++, a += 2 * nchannels, b += 2 * nchannels)                 \
+            for (size_t c = 0; c < nchannels; c++)                                                 \
+                *out++ = SUM4(a[c], a[nchannels + c], b[c], b[nchannels + c]);                     \
+    }
+
+#define INT2(type, a, b) ((type)(((uint32_t)(a) + (b) + 1) >> 1))
+#define INT4(type, a, b, c, d) ((type)(((uint32_t)(a) + (b) + (c) + (d) + 2) >> 2))
+#define U8_2(a, b) INT2(uint8_t, a, b)
+#define U8_4(a, b, c, d) INT4(uint8_t, a, b, c, d)
+#define U16_2(a, b) INT2(uint16_t, a, b)
+#define U16_4(a, b, c, d) INT4(uint16_t, a, b, c, d)
+#define FLOAT_2(a, b) (0.5f * ((a) + (b)))
+#define FLOAT_4(a, b, c, d) (0.25f * (((a) + (b)) + ((c) + (d))))
+#define HALF_2(a, b) slv_half_from_float(FLOAT_2(slv_half_to_float(a), slv_half_to_float(b)))
+#define HALF_4(a, b, c, d)                                                                         \
+    slv_half_from_float(FLOAT_4(slv_half_to_float(a), slv_half_to_float(b), slv_half_to_float(c),  \
+                                slv_half_to_float(d)))
+
+DEFINE_MEANS(u8, uint8_t, U8_2, U8_4)
+DEFINE_MEANS(u16, uint16_t, U16_2, U16_4)
+DEFINE_MEANS(half, uint16_t, HALF_2, HALF_4)
+DEFINE_MEANS(float, float, FLOAT_2, FLOAT_4)
+
+typedef void (*mean_fn)(const void *from, size_t step, size_t count, size_t nchannels, void *to);
+
+static void reduce(const slv_levels *levels, slv_res from_res, const unsigned char *from,
+                   unsigned char *to) {
+    static const mean_fn pairs[] = {u8_pairs, u16_pairs, half_pairs, float_pairs};
+    static const mean_fn quads[] = {u8_quads, u16_quads, half_quads, float_quads};
+    size_t nchannels = levels->desc.nchannels;
+    size_t width = (size_t)1 << from_res.u, height = (size_t)1 << from_res.v;
+    size_t pitch = width * nchannels, pitch_bytes = width * levels->texel_size;
+    slv_type type = levels->desc.type;
+    /* A single row or column is a run of pairs either way. */
+    if (height == 1 || width == 1) {
+        pairs[type](from, nchannels, width * height / 2, nchannels, to);
+        return;
+    }
+    for (size_t y = 0; y < height; y += 2, from += 2 * pitch_bytes, to += pitch_bytes / 2)
+        quads[type](from, pitch, width / 2, nchannels, to);
+}
+
+struct fill {
+    const slv_texture *texture;
+    slv_levels *levels;
+};
+
+static void repeat(unsigned char *to, const void *texel, size_t texel_size, size_t count) {
+    memcpy(to, texel, texel_size);
+    for (size_t filled = texel_size, total = texel_size * count; filled < total;) {
+        size_t more = filled < total - filled ? filled : total - filled;
+        memcpy(to + filled, to, more);
+        filled += more;
+    }
+}
+
+static slv_result fill_faces(void *user, uint64_t first, uint64_t end) {
+    const struct fill *fill = user;
+    slv_levels *levels = fill->levels;
+    for (uint32_t face = (uint32_t)first; face < end; face++) {
+        slv_res res = levels->res[face];
+        const uint64_t *offset = levels->offset + levels->first[face];
+        const void *texels = slv_texture_texels(fill->texture, face);
+        unsigned char *base = levels->texels + offset[0];
+        if (slv_texture_is_constant(fill->texture, face)) {
+            repeat(base, texels, levels->texel_size, slv_res_texels(res));
+            continue;
+        }
+        memcpy(base, texels, slv_res_texels(res) * levels->texel_size);
+        for (uint32_t level = 1; level < slv_res_level_count(res); level++)
+            reduce(levels, slv_res_level(res, level - 1), levels->texels + offset[level - 1],
+                   levels->texels + offset[level]);
+    }
+    return SLV_OK;
+}
+
+/* Where every level goes. All levels of a constant face are one run of equal texels, so they share
+ * one. */
+static slv_result lay_out(slv_levels *levels, const slv_texture *texture, uint64_t *bytes) {
+    uint64_t total = 0;
+    size_t next = 0;
+    for (uint32_t face = 0; face < levels->desc.nfaces; face++) {
+        slv_res res = levels->res[face];
+        bool constant = slv_texture_is_constant(texture, face);
+        levels->first[face] = next;
+        for (uint32_t level = 0; level < slv_res_level_count(res); level++) {
+            levels->offset[next++] =
+                constant && level ? levels->offset[levels->first[face]] : total;
+            if (constant && level)
+                continue;
+            uint64_t size =
+                (uint64_t)levels->texel_size * slv_res_texels(slv_res_level(res, level));
+            if (size > UINT64_MAX - total)
+                return slv_fail(&levels->env, SLV_ERROR_LIMIT, "levels: more than 2^64 bytes");
+            total += size;
+        }
+    }
+    levels->first[levels->desc.nfaces] = next;
+    *bytes = total;
+    return SLV_OK;
+}
+
+slv_result slv_levels_create(const slv_env *env, const slv_texture *texture, slv_levels **out) {
+    slv_levels *levels = NULL;
+    *out = NULL;
+    if (!texture)
+        return slv_fail(env, SLV_ERROR_ARGUMENT, "levels: no texture");
+    const slv_texture_desc *desc = slv_texture_get_desc(texture);
+    slv_result result = slv_alloc(env, "levels", 1, sizeof *levels, &levels);
+    if (result)
+        return result;
+    levels->desc = *desc;
+    levels->texel_size = slv_type_size(desc->type) * desc->nchannels;
+    uint64_t nlevels = 0, bytes = 0;
+    for (uint32_t face = 0; face < desc->nfaces; face++)
+        nlevels += slv_res_level_count(desc->res[face]);
+    if ((result = slv_parallel_env_begin(env, &levels->log, &levels->env)) ||
+        (result = slv_alloc(env, "level resolutions", desc->nfaces, sizeof *levels->res,
+                            &levels->res)) ||
+        (result = slv_alloc(env, "level table", desc->nfaces + (uint64_t)1, sizeof *levels->first,
+                            &levels->first)) ||
+        (result =
+             slv_alloc(env, "level offsets", nlevels, sizeof *levels->offset, &levels->offset)))
+        goto done;
+    if (desc->nfaces)
+        memcpy(levels->res, desc->res, desc->nfaces * sizeof *levels->res);
+    levels->desc.res = levels->res;
+    if ((result = lay_out(levels, texture, &bytes)) ||
+        (result = slv_alloc(env, "level texels", bytes, 1, &levels->texels)))
+        goto done;
+    struct fill fill = {texture, levels};
+    if ((result = slv_parallel_for(env, desc->nfaces, FACES_PER_RANGE, fill_faces, &fill)))
+        goto done;
+    *out = levels;
+    levels = NULL;
+done:
+    slv_levels_destroy(levels);
+    return result;
+}
+
+void slv_levels_destroy(slv_levels *levels) {
+    if (!levels)
+        return;
+    free(levels->texels);
+    free(levels->offset);
+    free(levels->first);
+    free(levels->res);
+    slv_parallel_env_end(levels->log);
+    free(levels);
+}
+
+const void *slv_levels_texels(const slv_levels *levels, uint32_t face, uint32_t level) {
+    assert(face < levels->desc.nfaces && level < slv_levels_count(levels, face));
+    return levels->texels + levels->offset[levels->first[face] + level];
+}
+
+uint32_t slv_levels_count(const slv_levels *levels, uint32_t face) {
+    assert(face < levels->desc.nfaces);
+    return slv_res_level_count(levels->res[face]);
+}
+
+const slv_texture_desc *slv_levels_get_desc(const slv_levels *levels) {
+    return &levels->desc;
+}

@@ -1,0 +1,29 @@
+/* What the files of this folder share: the inside of a chain of levels. */
+#ifndef SLV_TEXTURE_STORE_H
+#define SLV_TEXTURE_STORE_H
+
+#include "base/parallel.h"
+
+#include <selvage/texture.h>
+
+/* Face f has the levels first[f]..first[f+1]-1; offset[] says where each begins in `texels`. */
+struct slv_levels {
+    slv_env env; /* its log is serialised: borders are built by many threads at once */
+    slv_parallel_log *log;
+    slv_texture_desc desc;
+    slv_res *res;
+    size_t texel_size;
+    size_t *first;
+    uint64_t *offset;
+    unsigned char *texels;
+};
+
+/* Checks everything that a description can get wrong; *bytes is the size of all its texels. */
+slv_result slv_texture_check_desc(const slv_env *env, const slv_texture_desc *desc,
+                                  uint64_t *bytes);
+
+static inline size_t slv_res_texels(slv_res res) {
+    return (size_t)1 << (res.u + res.v);
+}
+
+#endif

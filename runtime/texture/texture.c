@@ -1,0 +1,182 @@
+#include "base/log.h"
+#include "texture/store.h"
+
+#include <assert.h>
+#include <stdatomic.h>
+#include <stdlib.h>
+#include <string.h>
+
+#define MAX_CHANNELS 65535 /* what a .ptx file can count */
+
+struct slv_texture {
+    slv_env env; /* its log is serialised: faces may be set by many threads at once */
+    slv_parallel_log *log;
+    slv_texture_desc desc;
+    slv_res *res;
+    size_t texel_size;
+    uint64_t bytes;
+    _Atomic uint64_t allocated;
+    unsigned char *constants; /* one texel a face */
+    unsigned char **texels;   /* NULL where the face is constant */
+};
+
+slv_result slv_texture_check_desc(const slv_env *env, const slv_texture_desc *desc,
+                                  uint64_t *bytes) {
+    if (!desc || (desc->nfaces && !desc->res))
+        return slv_fail(env, SLV_ERROR_ARGUMENT, "texture: no description");
+    if (!slv_type_size(desc->type))
+        return slv_fail(env, SLV_ERROR_ARGUMENT, "texture: unknown type %d", (int)desc->type);
+    if (desc->nchannels < 1 || desc->nchannels > MAX_CHANNELS)
+        return slv_fail(env, SLV_ERROR_ARGUMENT, "texture: %u channels, expected 1 to %u",
+                        (unsigned)desc->nchannels, (unsigned)MAX_CHANNELS);
+    if (desc->alpha_channel != SLV_NO_ALPHA &&
+        (desc->alpha_channel < 0 || (uint32_t)desc->alpha_channel >= desc->nchannels))
+        return slv_fail(env, SLV_ERROR_ARGUMENT, "texture: alpha channel %d of %u channels",
+                        (int)desc->alpha_channel, (unsigned)desc->nchannels);
+    if (desc->nfaces > INT32_MAX)
+        return slv_fail(env, SLV_ERROR_LIMIT, "texture: %u faces, at most %d can be numbered",
+                        (unsigned)desc->nfaces, INT32_MAX);
+    uint64_t texel = slv_type_size(desc->type) * (uint64_t)desc->nchannels, total = 0;
+    for (uint32_t face = 0; face < desc->nfaces; face++) {
+        slv_res res = desc->res[face];
+        if (res.u < 0 || res.v < 0 || res.u > SLV_MAX_LOG2_RES || res.v > SLV_MAX_LOG2_RES)
+            return slv_fail(env, SLV_ERROR_ARGUMENT,
+                            "texture: face %u: resolution 2^%d x 2^%d, expected exponents 0 to %d",
+                            (unsigned)face, res.u, res.v, SLV_MAX_LOG2_RES);
+        uint64_t size = texel * slv_res_texels(res);
+        if (size > UINT64_MAX - total)
+            return slv_fail(env, SLV_ERROR_LIMIT,
+                            "texture: face %u: more than 2^64 bytes of texels", (unsigned)face);
+        total += size;
+    }
+    *bytes = total;
+    return SLV_OK;
+}
+
+slv_result slv_texture_create(const slv_env *env, const slv_texture_desc *desc, slv_texture **out) {
+    slv_texture *texture = NULL;
+    uint64_t bytes = 0;
+    *out = NULL;
+    slv_result result = slv_texture_check_desc(env, desc, &bytes);
+    if (result)
+        return result;
+    if ((result = slv_alloc(env, "texture", 1, sizeof *texture, &texture)))
+        return result;
+    texture->desc = *desc;
+    texture->bytes = bytes;
+    texture->texel_size = slv_type_size(desc->type) * desc->nchannels;
+    atomic_init(&texture->allocated, 0);
+    if ((result = slv_parallel_env_begin(env, &texture->log, &texture->env)))
+        goto done;
+    uint64_t n = desc->nfaces;
+    if ((result = slv_alloc(env, "texture resolutions", n, sizeof *texture->res, &texture->res)) ||
+        (result = slv_alloc(env, "texture faces", n, sizeof *texture->texels, &texture->texels)) ||
+        (result = slv_alloc(env, "constant texels", n, texture->texel_size, &texture->constants)))
+        goto done;
+    if (n)
+        memcpy(texture->res, desc->res, n * sizeof *texture->res);
+    texture->desc.res = texture->res;
+    *out = texture;
+    texture = NULL;
+done:
+    slv_texture_destroy(texture);
+    return result;
+}
+
+void slv_texture_destroy(slv_texture *texture) {
+    if (!texture)
+        return;
+    for (uint32_t face = 0; texture->texels && face < texture->desc.nfaces; face++)
+        free(texture->texels[face]);
+    free(texture->texels);
+    free(texture->constants);
+    free(texture->res);
+    slv_parallel_env_end(texture->log);
+    free(texture);
+}
+
+const slv_texture_desc *slv_texture_get_desc(const slv_texture *texture) {
+    return &texture->desc;
+}
+
+uint64_t slv_texture_bytes(const slv_texture *texture) {
+    return texture->bytes;
+}
+
+static slv_result check_face(const slv_texture *texture, uint32_t face, const void *texels) {
+    if (face >= texture->desc.nfaces)
+        return slv_fail(&texture->env, SLV_ERROR_ARGUMENT, "texture: face %u of %u", (unsigned)face,
+                        (unsigned)texture->desc.nfaces);
+    if (!texels)
+        return slv_fail(&texture->env, SLV_ERROR_ARGUMENT, "texture: face %u: no texels",
+                        (unsigned)face);
+    return SLV_OK;
+}
+
+static void make_constant(slv_texture *texture, uint32_t face, const void *texel) {
+    memmove(texture->constants + face * texture->texel_size, texel, texture->texel_size);
+    if (texture->texels[face]) {
+        free(texture->texels[face]);
+        texture->texels[face] = NULL;
+        atomic_fetch_sub(&texture->allocated,
+                         texture->texel_size * slv_res_texels(texture->res[face]));
+    }
+}
+
+slv_result slv_texture_set_face(slv_texture *texture, uint32_t face, const void *texels) {
+    slv_result result = check_face(texture, face, texels);
+    if (result)
+        return result;
+    uint64_t size = (uint64_t)texture->texel_size * slv_res_texels(texture->res[face]);
+    const unsigned char *bytes = texels;
+    /* Every texel equals the one after it. */
+    if (memcmp(bytes, bytes + texture->texel_size, size - texture->texel_size) == 0) {
+        make_constant(texture, face, texels);
+        return SLV_OK;
+    }
+    if (!texture->texels[face]) {
+        uint64_t before = atomic_fetch_add(&texture->allocated, size);
+        if (before > texture->env.max_bytes || size > texture->env.max_bytes - before)
+            result = slv_fail(&texture->env, SLV_ERROR_LIMIT,
+                              "texture: face %u: %llu bytes more are over the limit of %llu",
+                              (unsigned)face, (unsigned long long)size,
+                              (unsigned long long)texture->env.max_bytes);
+        else if (!(texture->texels[face] = malloc(size)))
+            result = slv_fail(&texture->env, SLV_ERROR_MEMORY,
+                              "texture: face %u: no memory for %llu bytes", (unsigned)face,
+                              (unsigned long long)size);
+        if (result) {
+            atomic_fetch_sub(&texture->allocated, size);
+            return result;
+        }
+    }
+    memmove(texture->texels[face], texels, size);
+    return SLV_OK;
+}
+
+slv_result slv_texture_set_constant(slv_texture *texture, uint32_t face, const void *texel) {
+    slv_result result = check_face(texture, face, texel);
+    if (!result)
+        make_constant(texture, face, texel);
+    return result;
+}
+
+bool slv_texture_is_constant(const slv_texture *texture, uint32_t face) {
+    assert(face < texture->desc.nfaces);
+    return !texture->texels[face];
+}
+
+const void *slv_texture_texels(const slv_texture *texture, uint32_t face) {
+    assert(face < texture->desc.nfaces);
+    return texture->texels[face] ? texture->texels[face]
+                                 : texture->constants + face * texture->texel_size;
+}
+
+void slv_texture_fetch(const slv_texture *texture, uint32_t face, uint32_t x, uint32_t y,
+                       float *out) {
+    const unsigned char *texels = slv_texture_texels(texture, face);
+    assert(x >> texture->res[face].u == 0 && y >> texture->res[face].v == 0);
+    if (texture->texels[face])
+        texels += (((size_t)y << texture->res[face].u) + x) * texture->texel_size;
+    slv_type_to_float(texture->desc.type, texels, texture->desc.nchannels, out);
+}

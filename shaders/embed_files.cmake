@@ -1,0 +1,17 @@
+# cmake -DSYMBOL=name -DOUTPUT=file.c "-DFILES=a;b" -P embed_files.cmake
+# Bytes are written as numbers, so any text is safe and no compiler limit on string length applies.
+set(body "")
+set(rows "")
+set(index 0)
+foreach(file IN LISTS FILES)
+    get_filename_component(name ${file} NAME)
+    file(READ ${file} hex HEX)
+    string(REGEX REPLACE "([0-9a-f][0-9a-f])" "0x\\1," bytes "${hex}")
+    string(APPEND body "static const unsigned char text_${index}[] = {${bytes}0};\n")
+    string(APPEND rows "    {\"${name}\", (const char *)text_${index}},\n")
+    math(EXPR index "${index} + 1")
+endforeach()
+set(header "/* Generated from text files; do not edit. */\n#include <stddef.h>\n\n")
+string(APPEND header "struct ${SYMBOL}_row {\n    const char *name, *text;\n};\n")
+string(APPEND header "extern const struct ${SYMBOL}_row ${SYMBOL}[];\n\n")
+file(WRITE ${OUTPUT} "${header}${body}\nconst struct ${SYMBOL}_row ${SYMBOL}[] = {\n${rows}    {NULL, NULL},\n};\n")

@@ -1,0 +1,304 @@
+// Lookups in per-face textures: include this in a fragment shader of your own.
+//
+//   vec4 slv_sample(int face, vec2 uv)                           footprint from the screen-space derivatives of uv
+//   vec4 slv_sample_grad(int face, vec2 uv, vec2 dx, vec2 dy)    footprint given: the change of uv over one pixel
+//   float slv_level(int face, vec2 dx, vec2 dy)                  the level of detail that such a lookup uses
+//
+// `face` is the face that is being drawn (a flat input), uv in 0..1 its own coordinates. slv_sample needs uniform control flow,
+// as every function of implicit derivatives does. The result is RGBA in the texture's own space; with three channels or fewer
+// alpha is 1. Nothing here divides by zero, whatever the helper pixels hold.
+//
+// The text comes from slv_gl_texture_glsl with these defined before it:
+//   SLV_STRATEGY        0 clamp, 1 borders, 2 traverse, 3 discard
+//   SLV_POOLS           array textures bound; the batch's own is number 0
+//   SLV_SUBFACES        1 if a face of the batch has two sub-faces across one edge
+//   SLV_SPLIT_COVERAGE  1 if coverage has textures of its own (four-channel data)
+//   SLV_ANISOTROPY, SLV_BORDER, SLV_FIRST_UNIT, SLV_FIRST_STORAGE
+
+const int SLV_LEVELS = 17; // room for 65536 x 65536
+
+layout(binding = SLV_FIRST_UNIT) uniform sampler2DArray slv_pool[SLV_POOLS];
+#if SLV_SPLIT_COVERAGE
+layout(binding = SLV_FIRST_UNIT + SLV_POOLS) uniform sampler2DArray slv_coverage[SLV_POOLS];
+#endif
+
+// Per face: pool | layer << 16, and log2 width | log2 height << 8.
+layout(std430, binding = SLV_FIRST_STORAGE) readonly buffer slv_store_block {
+    uvec2 slv_store[];
+};
+
+vec2 slv_face_size(int face) {
+    uint res = slv_store[face].y;
+    return vec2(float(1u << (res & 255u)), float(1u << (res >> 8)));
+}
+
+// The level of detail as OpenGL defines it, with the footprint's longer side divided by the number of anisotropic taps.
+float slv_level_of(vec2 size, vec2 dx, vec2 dy) {
+    float px = length(dx * size), py = length(dy * size);
+    float longest = max(px, py), shortest = min(px, py);
+    float taps = clamp(ceil(longest / max(shortest, 1e-12)), 1.0, float(SLV_ANISOTROPY));
+    return log2(max(longest / taps, 1e-12));
+}
+
+float slv_level(int face, vec2 dx, vec2 dy) {
+    vec2 size = slv_face_size(face);
+    return clamp(slv_level_of(size, dx, dy), 0.0, log2(max(size.x, size.y)));
+}
+
+#if SLV_STRATEGY == 1
+
+// Per pool and level: the part of a layer that the level's texels fill without their border, as scale and offset.
+layout(std430, binding = SLV_FIRST_STORAGE + 2) readonly buffer slv_rect_block {
+    vec4 slv_rect[];
+};
+
+vec4 slv_bordered_level(uint pool, float layer, int level, vec2 size, vec2 uv, vec2 dx, vec2 dy) {
+    vec4 rect = slv_rect[int(pool) * SLV_LEVELS + level];
+#if SLV_ANISOTROPY > 1
+    // the taps must stay inside this level's border: beside it lie other levels
+    vec2 level_size = max(size * exp2(-float(level)), vec2(1.0));
+    vec2 extent = (abs(dx) + abs(dy)) * level_size;
+    vec2 room = min(vec2(SLV_BORDER), level_size) - 0.5;
+    vec2 fit = room / max(extent, vec2(1e-12));
+    float shrink = min(1.0, min(fit.x, fit.y));
+    dx *= shrink;
+    dy *= shrink;
+#endif
+    return textureGrad(slv_pool[0], vec3(uv * rect.xy + rect.zw, layer), dx * rect.xy, dy * rect.xy);
+}
+
+vec4 slv_sample_grad(int face, vec2 uv, vec2 dx, vec2 dy) {
+    uvec2 store = slv_store[face];
+    uint pool = store.x & 0xffffu;
+    float layer = float(store.x >> 16);
+    vec2 size = slv_face_size(face);
+    float coarsest = log2(max(size.x, size.y));
+    float level = clamp(slv_level_of(size, dx, dy), 0.0, coarsest);
+    float fine = floor(level);
+    uv = clamp(uv, 0.0, 1.0);
+    vec4 a = slv_bordered_level(pool, layer, int(fine), size, uv, dx, dy);
+    vec4 b = slv_bordered_level(pool, layer, int(min(fine + 1.0, coarsest)), size, uv, dx, dy);
+    return mix(a, b, level - fine);
+}
+
+#else
+
+struct slv_tap {
+    vec4 color; // weighted by coverage
+    float coverage;
+};
+
+#if SLV_SPLIT_COVERAGE
+#define SLV_LOOKUP(i, p, dx, dy)                                                                   \
+    slv_tap(textureGrad(slv_pool[i], p, dx, dy), textureGrad(slv_coverage[i], vec3(p.xy, 0.0), dx, dy).r)
+#else
+slv_tap slv_tap_of(vec4 texel) {
+    return slv_tap(vec4(texel.rgb, texel.a), texel.a);
+}
+#define SLV_LOOKUP(i, p, dx, dy) slv_tap_of(textureGrad(slv_pool[i], p, dx, dy))
+#endif
+
+slv_tap slv_own(int face, vec2 uv, vec2 dx, vec2 dy) {
+    vec3 p = vec3(uv, float(slv_store[face].x >> 16));
+    return SLV_LOOKUP(0, p, dx, dy);
+}
+
+vec4 slv_resolve(slv_tap tap) {
+    return tap.color / max(tap.coverage, 1e-6);
+}
+
+#if SLV_STRATEGY == 0
+
+vec4 slv_sample_grad(int face, vec2 uv, vec2 dx, vec2 dy) {
+    vec3 p = vec3(clamp(uv, 0.0, 1.0), float(slv_store[face].x >> 16));
+    return textureGrad(slv_pool[0], p, dx, dy);
+}
+
+#elif SLV_STRATEGY == 3
+
+// The centre is clamped into the face and the derivatives are not: then at least a quarter of the filter is inside, and helper
+// pixels need no second lookup.
+vec4 slv_sample_grad(int face, vec2 uv, vec2 dx, vec2 dy) {
+    return slv_resolve(slv_own(face, clamp(uv, 0.0, 1.0), dx, dy));
+}
+
+#else
+
+// Per face, for each edge: the face across it; 16 bits a link, edges 0 and 1 in the first word:
+//   bits 0-1 the adjacent edge   bits 2-3 kind: 0 boundary, 1 like to like, 2 whole quad to two sub-faces, 3 sub-face to whole
+//   bit 4 which half of the whole quad's edge (kind 3)   bits 5-8 pool of the (first) neighbour   bits 9-12 of the second
+struct slv_links {
+    ivec4 face;
+    uint links01, links23;
+    uint corners; // index of the first corner value
+    uint levels;
+};
+layout(std430, binding = SLV_FIRST_STORAGE + 1) readonly buffer slv_links_block {
+    slv_links slv_adjacent[];
+};
+
+// What a corner misses when the face and its edge neighbours are summed: levels values for each of four corners.
+layout(std430, binding = SLV_FIRST_STORAGE + 3) readonly buffer slv_corner_block {
+    vec4 slv_corner[];
+};
+
+slv_tap slv_fetch(int pool, int face, vec2 uv, vec2 dx, vec2 dy) {
+    vec3 p = vec3(uv, float(slv_store[face].x >> 16));
+#if SLV_POOLS == 1
+    return SLV_LOOKUP(0, p, dx, dy);
+#else
+    // an index that differs between fragments may only select among constants
+    switch (pool) {
+    case 0:
+        return SLV_LOOKUP(0, p, dx, dy);
+    case 1:
+        return SLV_LOOKUP(1, p, dx, dy);
+#if SLV_POOLS > 2
+    case 2:
+        return SLV_LOOKUP(2, p, dx, dy);
+    case 3:
+        return SLV_LOOKUP(3, p, dx, dy);
+#endif
+#if SLV_POOLS > 4
+    case 4:
+        return SLV_LOOKUP(4, p, dx, dy);
+    case 5:
+        return SLV_LOOKUP(5, p, dx, dy);
+    case 6:
+        return SLV_LOOKUP(6, p, dx, dy);
+    case 7:
+        return SLV_LOOKUP(7, p, dx, dy);
+#endif
+#if SLV_POOLS > 8
+    case 8:
+        return SLV_LOOKUP(8, p, dx, dy);
+    case 9:
+        return SLV_LOOKUP(9, p, dx, dy);
+    case 10:
+        return SLV_LOOKUP(10, p, dx, dy);
+    case 11:
+        return SLV_LOOKUP(11, p, dx, dy);
+    case 12:
+        return SLV_LOOKUP(12, p, dx, dy);
+    case 13:
+        return SLV_LOOKUP(13, p, dx, dy);
+    case 14:
+        return SLV_LOOKUP(14, p, dx, dy);
+    case 15:
+        return SLV_LOOKUP(15, p, dx, dy);
+#endif
+    }
+    return slv_tap(vec4(0.0), 0.0);
+#endif
+}
+
+// An edge's own frame: x runs along the edge counter-clockwise from 0 to 1, y points out of the face.
+mat2 slv_edge_axes(int edge) { // columns: what u and v contribute
+    return edge == 0   ? mat2(1, 0, 0, -1)
+           : edge == 1 ? mat2(0, 1, 1, 0)
+           : edge == 2 ? mat2(-1, 0, 0, 1)
+                       : mat2(0, -1, -1, 0);
+}
+vec2 slv_edge_origin(int edge) { // the corner where the edge starts
+    return edge == 0 ? vec2(0, 0) : edge == 1 ? vec2(1, 0) : edge == 2 ? vec2(1, 1) : vec2(0, 1);
+}
+vec2 slv_to_edge(int edge, vec2 uv) {
+    return slv_edge_axes(edge) * (uv - slv_edge_origin(edge));
+}
+
+uint slv_link(slv_links links, int edge) {
+    uint word = edge < 2 ? links.links01 : links.links23;
+    return (edge & 1) == 0 ? word & 0xffffu : word >> 16;
+}
+
+// A lookup in a neighbour: p, dx, dy in the frame of this face's edge; `scale` the edge's length in units of the neighbour's and
+// `end` where, in the neighbour's frame, the edge's start lies. The axes matrices are their own inverses up to transposition.
+slv_tap slv_across(int pool, int face, int edge, float scale, float end, vec2 p, vec2 dx, vec2 dy) {
+    mat2 back = transpose(slv_edge_axes(edge)) * -scale;
+    vec2 uv = back * (p - vec2(end / scale, 0.0)) + slv_edge_origin(edge);
+    return slv_fetch(pool, face, uv, back * dx, back * dy);
+}
+
+void slv_add(inout slv_tap sum, slv_tap tap) {
+    sum.color += tap.color;
+    sum.coverage += tap.coverage;
+}
+
+slv_tap slv_neighbour(slv_links links, int edge, vec2 uv, vec2 dx, vec2 dy) {
+    uint link = slv_link(links, edge);
+    uint kind = link >> 2 & 3u;
+    int face = links.face[edge], adjacent = int(link & 3u);
+    int pool = int(link >> 5 & 15u);
+    vec2 p = slv_to_edge(edge, uv), ex = slv_edge_axes(edge) * dx, ey = slv_edge_axes(edge) * dy;
+    float scale = kind == 3u ? 0.5 : kind == 2u ? 2.0 : 1.0;
+    float end = kind == 3u && (link & 16u) != 0u ? 1.0 : kind == 3u ? 0.5 : 1.0;
+    slv_tap tap = slv_across(pool, face, adjacent, scale, end, p, ex, ey);
+#if SLV_SUBFACES
+    if (kind == 2u) {
+        // the second sub-face lies across the first one's edge before the shared one
+        int before = (adjacent + 3) & 3;
+        uint beside = slv_link(slv_adjacent[face], before);
+        int second = slv_adjacent[face].face[before];
+        if (second >= 0)
+            slv_add(tap, slv_across(int(link >> 9 & 15u), second, (int(beside & 3u) + 3) & 3, 2.0, 2.0, p, ex, ey));
+    }
+#endif
+    return tap;
+}
+
+vec4 slv_sample_grad(int face, vec2 uv, vec2 dx, vec2 dy) {
+    slv_links links = slv_adjacent[face];
+    vec2 size = slv_face_size(face);
+    uv = clamp(uv, 0.0, 1.0);
+    slv_tap sum = slv_own(face, uv, dx, dy);
+
+    // no tap is further away than the footprint's extent and half a texel of the coarser level
+    float rho = max(length(dx * size), length(dy * size));
+    vec2 reach = abs(dx) + abs(dy) + max(rho, 1.0) / size;
+    bvec2 low = lessThan(uv, reach), high = greaterThan(uv, 1.0 - reach);
+
+    slv_tap side[4];
+    for (int e = 0; e < 4; e++) {
+        side[e] = slv_tap(vec4(0.0), 0.0);
+        bool reached = e == 0 ? low.y : e == 1 ? high.x : e == 2 ? high.y : low.x;
+        if (reached && links.face[e] >= 0) {
+            side[e] = slv_neighbour(links, e, uv, dx, dy);
+            slv_add(sum, side[e]);
+        }
+    }
+
+    // the faces around the nearest corner that are no edge neighbours
+    if ((low.x || high.x) && (low.y || high.y)) {
+        int corner = uv.y < 0.5 ? (uv.x < 0.5 ? 0 : 1) : (uv.x < 0.5 ? 3 : 2);
+        int after = corner, before = (corner + 3) & 3;
+        bool has_after = links.face[after] >= 0, has_before = links.face[before] >= 0;
+        float missing = clamp(1.0 - sum.coverage, 0.0, 1.0);
+        if (missing > 0.0 && (has_after || has_before)) {
+            float level = clamp(slv_level_of(size, dx, dy), 0.0, float(links.levels - 1u));
+            uint first = links.corners + uint(corner) * links.levels + uint(level);
+            vec4 value = mix(slv_corner[first], slv_corner[min(first + 1u, links.corners + (uint(corner) + 1u) * links.levels - 1u)],
+                             fract(level));
+            if (has_after && has_before) {
+                slv_add(sum, slv_tap(value * missing, missing));
+            } else {
+                // beside a boundary: the far corner's weight is the product of what lies beyond either edge
+                slv_tap beside = has_after ? side[after] : side[before];
+                vec4 shift = missing * (beside.coverage * value - beside.color);
+                vec4 plain = sum.color / max(sum.coverage, 1e-6);
+#if !SLV_SPLIT_COVERAGE
+                plain.a = 1.0;
+                shift.a = 0.0;
+#endif
+                return plain + shift / max(sum.coverage, 1e-6);
+            }
+        }
+    }
+    return slv_resolve(sum);
+}
+
+#endif
+#endif
+
+vec4 slv_sample(int face, vec2 uv) {
+    return slv_sample_grad(face, uv, dFdx(uv), dFdy(uv));
+}

@@ -1,0 +1,61 @@
+/* The smallest test kit that ctest needs: CHECK counts, a failing check says where, and main returns the verdict. */
+#ifndef SLV_TEST_H
+#define SLV_TEST_H
+
+#include <selvage/result.h>
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+static int test_checks, test_failures;
+static char test_last_log[1024]; /* the newest message of the library */
+
+#define CHECK(condition) CHECK_MSG(condition, "%s", #condition)
+#define CHECK_MSG(condition, ...)                                                                  \
+    do {                                                                                           \
+        test_checks++;                                                                             \
+        if (!(condition)) {                                                                        \
+            test_failures++;                                                                       \
+            if (test_failures <= 20) {                                                             \
+                fprintf(stderr, "%s:%d: failed: ", __FILE__, __LINE__);                            \
+                fprintf(stderr, __VA_ARGS__);                                                      \
+                fputc('\n', stderr);                                                               \
+            }                                                                                      \
+        }                                                                                          \
+    } while (0)
+/* For what must hold before the test can go on. */
+#define REQUIRE(condition)                                                                         \
+    do {                                                                                           \
+        int failures_before_ = test_failures;                                                      \
+        CHECK(condition);                                                                          \
+        if (test_failures != failures_before_) {                                                   \
+            fprintf(stderr, "last message: %s\n", test_last_log);                                  \
+            exit(1);                                                                               \
+        }                                                                                          \
+    } while (0)
+
+static void test_log(void *user, slv_log_level level, const char *message) {
+    (void)user;
+    (void)level;
+    snprintf(test_last_log, sizeof test_last_log, "%s", message);
+}
+
+static inline slv_env test_env(void) {
+    slv_env env = {.log = test_log};
+    return env;
+}
+
+/* A small generator with a fixed seed, so that every run sees the same cases. */
+static inline uint32_t test_random(uint64_t *state) {
+    *state = *state * UINT64_C(6364136223846793005) + UINT64_C(1442695040888963407);
+    return (uint32_t)(*state >> 33);
+}
+
+static inline int test_end(void) {
+    fprintf(stderr, "%d checks, %d failures\n", test_checks, test_failures);
+    return test_failures || !test_checks ? 1 : 0;
+}
+
+#endif

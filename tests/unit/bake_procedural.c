@@ -1,0 +1,163 @@
+/* Patterns at single points: known values, defaults, ranges, smoothness, and inputs that make no
+ * sense. */
+#include "test.h"
+
+#include <selvage/bake.h>
+
+static float value_at(const slv_procedural *pattern, float x, float y, float z) {
+    float rgba[4];
+    slv_procedural_evaluate(pattern, 0, (const float[3]){x, y, z}, rgba);
+    return rgba[0];
+}
+
+static void test_stripes(void) {
+    slv_procedural p = {.direction = {5, 0, 0}, .frequency = 2};
+    CHECK(value_at(&p, 0, 3, 7) == 0);
+    CHECK(value_at(&p, 0.25f, -1, 0) == 1);
+    CHECK(value_at(&p, 0.125f, 0, 0) == 0.5f);
+    CHECK(value_at(&p, -0.125f, 0, 0) == 0.5f);
+    CHECK(value_at(&p, 0.3f, 0, 0) == value_at(&p, 0.3f, 9, -4));
+    CHECK(fabsf(value_at(&p, 0.3f, 0, 0) - value_at(&p, 1.3f, 0, 0)) < 1e-5f);
+
+    p.offset[0] = 0.25f;
+    CHECK(value_at(&p, 0.25f, 0, 0) == 0);
+
+    slv_procedural plain = {0}, spelled = {.frequency = 1, .direction = {0.36f, 0.80f, 0.48f}};
+    for (int i = 0; i < 50; i++) {
+        float x = 0.37f * (float)i;
+        CHECK(fabsf(value_at(&plain, x, 1, -x) - value_at(&spelled, x, 1, -x)) < 1e-4f);
+    }
+
+    slv_procedural bent = {.direction = {1, 0, 0}, .warp = 0.7f};
+    int moved = 0;
+    for (int i = 0; i < 50; i++)
+        moved +=
+            fabsf(value_at(&bent, 0.3f, 0.41f * (float)i, 0) - value_at(&bent, 0.3f, 0, 0)) > 0.05f;
+    CHECK(moved > 20);
+}
+
+static void test_checker_and_position(void) {
+    slv_procedural p = {.pattern = SLV_PATTERN_CHECKER};
+    for (int i = 0; i < 64; i++) {
+        int x = i % 4 - 2, y = i / 4 % 4 - 2, z = i / 16 - 2;
+        float expected = (x + y + z) & 1 ? 1.0f : 0.0f;
+        CHECK(value_at(&p, (float)x + 0.5f, (float)y + 0.25f, (float)z + 0.75f) == expected);
+    }
+    float rgba[4];
+    slv_procedural q = {.pattern = SLV_PATTERN_POSITION, .frequency = 0.5f, .offset = {1, 2, 3}};
+    slv_procedural_evaluate(&q, 5, (const float[3]){2, 8, -3}, rgba);
+    CHECK(rgba[0] == 0.5f && rgba[1] == 3 && rgba[2] == -3 && rgba[3] == 1);
+}
+
+static void test_colors(void) {
+    float rgba[4];
+    slv_procedural p = {
+        .direction = {1, 0, 0}, .color0 = {1, 0, 0.5f, 0.25f}, .color1 = {0, 0, 0, 1}};
+    slv_procedural_evaluate(&p, 0, (const float[3]){0, 0, 0}, rgba);
+    CHECK(rgba[0] == 1 && rgba[1] == 0 && rgba[2] == 0.5f && rgba[3] == 0.25f);
+    slv_procedural_evaluate(&p, 0, (const float[3]){0.5f, 0, 0}, rgba);
+    CHECK(rgba[0] == 0 && rgba[1] == 0 && rgba[2] == 0 && rgba[3] == 1);
+
+    /* Each face's own colour: in range, opaque, not the neighbouring ids' and not another seed's.
+     */
+    slv_procedural own = {.pattern = SLV_PATTERN_FACE_COLOR}, reseeded = own;
+    reseeded.seed = 1;
+    float last[4] = {-1, -1, -1, -1};
+    for (int32_t face = 0; face < 200; face++) {
+        float other[4], apart = 0;
+        slv_procedural_evaluate(&own, face, (const float[3]){(float)face, 1, 2}, rgba);
+        slv_procedural_evaluate(&reseeded, face, (const float[3]){0, 0, 0}, other);
+        for (int c = 0; c < 3; c++) {
+            CHECK(rgba[c] >= 0.02f && rgba[c] <= 1);
+            apart += fabsf(rgba[c] - last[c]);
+        }
+        CHECK(rgba[3] == 1 && apart > 0.1f && memcmp(rgba, other, sizeof rgba) != 0);
+        memcpy(last, rgba, sizeof last);
+    }
+
+    /* A full tint is the face's own colour whatever the pattern; half a tint lies in the middle. */
+    slv_procedural tinted = {.pattern = SLV_PATTERN_CHECKER, .face_tint = 1};
+    float full[4], half[4];
+    slv_procedural_evaluate(&own, 17, (const float[3]){0, 0, 0}, rgba);
+    slv_procedural_evaluate(&tinted, 17, (const float[3]){1.5f, 0, 0}, full);
+    tinted.face_tint = 0.5f;
+    slv_procedural_evaluate(&tinted, 17, (const float[3]){1.5f, 0, 0}, half);
+    for (int c = 0; c < 3; c++) {
+        CHECK(fabsf(full[c] - rgba[c]) < 1e-6f);
+        CHECK(fabsf(half[c] - 0.5f * (1 + rgba[c])) < 1e-6f);
+    }
+}
+
+static void test_noise(void) {
+    slv_procedural p = {.pattern = SLV_PATTERN_NOISE}, other = p, one = p;
+    other.seed = 1;
+    one.octaves = 1;
+    uint64_t random = 1;
+    double sum = 0, squares = 0;
+    int differ = 0, clipped = 0;
+    enum { COUNT = 20000 };
+    for (int i = 0; i < COUNT; i++) {
+        float x[3];
+        for (int k = 0; k < 3; k++)
+            x[k] = (float)(test_random(&random) % 200000) * 1e-3f - 100;
+        float v = value_at(&p, x[0], x[1], x[2]);
+        CHECK(v >= 0 && v <= 1);
+        sum += v;
+        squares += (double)v * v;
+        clipped += v == 0 || v == 1;
+        differ += fabsf(v - value_at(&other, x[0], x[1], x[2])) > 1e-3f;
+        /* No jumps: a small step, over a lattice plane or not, is a small change. */
+        CHECK(fabsf(v - value_at(&p, x[0] + 1e-3f, x[1], x[2] - 1e-3f)) < 0.05f);
+        float cell = floorf(x[0]);
+        CHECK(fabsf(value_at(&one, cell - 1e-4f, x[1], x[2]) - value_at(&one, cell, x[1], x[2])) <
+              2e-3f);
+    }
+    double mean = sum / COUNT, deviation = sqrt(squares / COUNT - mean * mean);
+    CHECK_MSG(fabs(mean - 0.5) < 0.02, "mean %g", mean);
+    CHECK_MSG(deviation > 0.12 && deviation < 0.3, "deviation %g", deviation);
+    CHECK(differ > COUNT * 9 / 10);
+    CHECK_MSG(clipped < COUNT / 100, "%d of %d clipped", clipped, COUNT);
+}
+
+/* The same on every machine: only exact arithmetic is involved. */
+static void test_golden(void) {
+    static const struct {
+        slv_pattern pattern;
+        uint32_t seed;
+        float x, y, z, red;
+    } cases[] = {
+        {SLV_PATTERN_NOISE, 0, 0.1f, 0.2f, 0.3f, 0x1.a2a578p-3f},
+        {SLV_PATTERN_NOISE, 7, -12.5f, 3.75f, 100.125f, 0x1.e9729cp-2f},
+        {SLV_PATTERN_STRIPES, 0, 0.7f, -0.2f, 0.9f, 0x1.ffdfdp-1f},
+        {SLV_PATTERN_FACE_COLOR, 3, 0, 0, 0, 0x1.6f3cd2p-1f},
+    };
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        slv_procedural p = {.pattern = cases[i].pattern, .seed = cases[i].seed, .warp = 0.5f};
+        float found = value_at(&p, cases[i].x, cases[i].y, cases[i].z);
+        CHECK_MSG(found == cases[i].red, "case %zu: %a", i, (double)found);
+    }
+}
+
+static void test_senseless(void) {
+    static const float odd[] = {INFINITY, -INFINITY, NAN, 3e38f, -3e9f, 2147483648.0f, 16777217.0f};
+    for (int pattern = SLV_PATTERN_STRIPES; pattern <= SLV_PATTERN_FACE_COLOR; pattern++)
+        for (size_t i = 0; i < sizeof odd / sizeof *odd; i++) {
+            slv_procedural p = {.pattern = (slv_pattern)pattern, .warp = 1, .octaves = 100};
+            float v = value_at(&p, odd[i], 0.3f, odd[i]);
+            CHECK(v >= 0 && v <= 1);
+            p.direction[0] = p.frequency = odd[i];
+            p.face_tint = odd[i];
+            v = value_at(&p, 1, 2, 3);
+            CHECK(v >= 0 && v <= 1);
+        }
+}
+
+int main(void) {
+    test_stripes();
+    test_checker_and_position();
+    test_colors();
+    test_noise();
+    test_golden();
+    test_senseless();
+    return test_end();
+}

@@ -1,0 +1,117 @@
+/* Files and meshes that do and do not belong together. */
+#include "ptx_kit.h"
+
+static void save_grid(const char *path, const slv_mesh *mesh, const slv_face_adjacency *faces,
+                      const uint8_t *flags, uint32_t nfaces) {
+    slv_env env = test_env();
+    slv_adjacency *adjacency = NULL;
+    slv_texture *texture = NULL;
+    slv_res *res = calloc(nfaces, sizeof *res);
+    slv_texture_desc desc = {nfaces, SLV_TYPE_U8, 1, SLV_NO_ALPHA, res};
+    REQUIRE(slv_texture_create(&env, &desc, &texture) == SLV_OK);
+    if (faces)
+        REQUIRE(slv_adjacency_create(&env, nfaces, faces, flags, &adjacency) == SLV_OK);
+    else if (mesh)
+        REQUIRE(slv_mesh_adjacency(&env, mesh, &adjacency) == SLV_OK);
+    REQUIRE(slv_ptx_save(&env, path, texture, adjacency, NULL) == SLV_OK);
+    slv_adjacency_destroy(adjacency);
+    slv_texture_destroy(texture);
+    free(res);
+}
+
+static slv_result match(const char *path, const slv_mesh *mesh) {
+    slv_env env = test_env();
+    slv_ptx *ptx = NULL;
+    REQUIRE(slv_ptx_open(&env, path, &ptx) == SLV_OK);
+    test_last_log[0] = 0;
+    slv_result result = slv_ptx_match_mesh(&env, ptx, mesh);
+    CHECK(!result == !test_last_log[0]);
+    slv_ptx_close(ptx);
+    return result;
+}
+
+static void grids(void) {
+    slv_mesh *mesh = grid_mesh(3, 2, false), *longer = grid_mesh(3, 3, false);
+    slv_mesh *other = grid_mesh(2, 3, false), *pentagon = grid_mesh(3, 2, true);
+    const char *path = scratch_path("match.ptx");
+    save_grid(path, mesh, NULL, NULL, 6);
+    CHECK(match(path, mesh) == SLV_OK);
+    CHECK(match(path, other) == SLV_ERROR_MISMATCH);
+    CHECK_MSG(strstr(test_last_log, "does not fit the mesh: face 0 edge 2: the file says face 3 "
+                                    "edge 0, the mesh says face 2 edge 0"),
+              "%s", test_last_log);
+    CHECK(match(path, longer) == SLV_ERROR_MISMATCH);
+    CHECK_MSG(strstr(test_last_log, "has 6 faces, the mesh has 9: face 3 edge 2: the file says a "
+                                    "boundary, the mesh says face 6 edge 0"),
+              "%s", test_last_log);
+    CHECK(match(path, pentagon) == SLV_ERROR_MISMATCH);
+    CHECK_MSG(strstr(test_last_log, "it has 6 faces, the mesh has 10: face 5, "), "%s",
+              test_last_log);
+    save_grid(path, NULL, NULL, NULL, 6);
+    CHECK(match(path, mesh) == SLV_OK && match(path, other) == SLV_OK);
+    CHECK(match(path, longer) == SLV_ERROR_MISMATCH);
+    CHECK_MSG(strstr(test_last_log, "face 6 edge 0 is the first that the file lacks"), "%s",
+              test_last_log);
+    save_grid(path, pentagon, NULL, NULL, 10);
+    CHECK(match(path, pentagon) == SLV_OK);
+    slv_mesh_destroy(mesh);
+    slv_mesh_destroy(longer);
+    slv_mesh_destroy(other);
+    slv_mesh_destroy(pentagon);
+    remove(path);
+}
+
+/* A sub-face flag that is missing, and a file of triangles. */
+static void kinds(void) {
+    slv_env env = test_env();
+    slv_mesh *mesh = grid_mesh(3, 2, true);
+    slv_adjacency *adjacency = NULL;
+    char path[2048];
+    const char *flat = scratch_path("flat.ptx");
+    REQUIRE(slv_mesh_adjacency(&env, mesh, &adjacency) == SLV_OK);
+    save_grid(flat, NULL, slv_adjacency_faces(adjacency), NULL, 10);
+    CHECK(match(flat, mesh) == SLV_ERROR_MISMATCH);
+    CHECK_MSG(strstr(test_last_log, "face "), "%s", test_last_log);
+    snprintf(path, sizeof path, "%s/tri_closed_half_4.ptx", data_folder());
+    CHECK(match(path, mesh) == SLV_ERROR_MISMATCH);
+    CHECK_MSG(strstr(test_last_log, "is a triangle-mesh texture, the mesh's faces are quads (first "
+                                    "at face 0 edge 3)"),
+              "%s", test_last_log);
+    slv_adjacency_destroy(adjacency);
+    slv_mesh_destroy(mesh);
+    remove(flat);
+}
+
+/* Published files with the meshes that they were painted on, where the folder with them is given.
+ */
+static void samples(void) {
+    static const char *const names[] = {"teapot", "nonquad"};
+    const char *folder = getenv("SELVAGE_SAMPLES");
+    slv_env env = test_env();
+    for (int i = 0; folder && i < 2; i++) {
+        char path[2048], obj[2048];
+        slv_ptx *ptx = NULL;
+        slv_mesh *mesh = NULL, *inside = NULL;
+        slv_texture *texture = NULL;
+        snprintf(path, sizeof path, "%s/%s/%s.ptx", folder, names[i], names[i]);
+        snprintf(obj, sizeof obj, "%s/%s/%s.obj", folder, names[i], names[i]);
+        REQUIRE(slv_ptx_open(&env, path, &ptx) == SLV_OK);
+        REQUIRE(slv_ptx_load_texture(&env, ptx, &texture) == SLV_OK);
+        REQUIRE(slv_mesh_load_obj(&env, obj, &mesh) == SLV_OK);
+        CHECK_MSG(slv_ptx_match_mesh(&env, ptx, mesh) == SLV_OK, "%s", test_last_log);
+        REQUIRE(slv_ptx_load_mesh(&env, ptx, &inside) == SLV_OK);
+        CHECK_MSG(slv_ptx_match_mesh(&env, ptx, inside) == SLV_OK, "%s", test_last_log);
+        slv_texture_destroy(texture);
+        slv_mesh_destroy(inside);
+        slv_mesh_destroy(mesh);
+        slv_ptx_close(ptx);
+    }
+}
+
+int main(void) {
+    REQUIRE(data_folder() != NULL);
+    grids();
+    kinds();
+    samples();
+    return test_end();
+}

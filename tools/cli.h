@@ -1,0 +1,67 @@
+/* What the verbs share: options, messages, progress, and the loading of a scene. */
+#ifndef SELVAGE_TOOLS_CLI_H
+#define SELVAGE_TOOLS_CLI_H
+
+#include <selvage/selvage.h>
+
+enum { EXIT_OK = 0, EXIT_FAILED = 1, EXIT_USAGE = 2 };
+
+typedef enum cli_kind {
+    CLI_FLAG,   /* bool */
+    CLI_TEXT,   /* const char * */
+    CLI_UINT,   /* uint32_t within min..max */
+    CLI_FLOAT,  /* float, finite */
+    CLI_SIZE,   /* uint32_t[2]: WxH or one number */
+    CLI_CHOICE, /* int: index into choices, a list "a|b|c" */
+    CLI_COLOR   /* float[4]: r,g,b or r,g,b,a */
+} cli_kind;
+
+typedef struct cli_option {
+    const char *names; /* "--out|-o"; the first is shown */
+    cli_kind kind;
+    void *value;
+    const char *help;
+    const char *choices; /* CLI_CHOICE: the words; others: what to call the value */
+    uint32_t min, max;
+    bool *given; /* may be NULL */
+} cli_option;
+
+typedef struct cli_command {
+    const char *name, *summary, *arguments, *examples;
+    const cli_option *options;
+    uint32_t noptions;
+    uint32_t min_arguments, max_arguments;
+    const char **positional; /* room for max_arguments */
+    uint32_t *npositional;
+} cli_command;
+
+/* Fills the values. Returns -1 to go on, or the exit code: help was asked for, or the usage is wrong. */
+int cli_parse(const cli_command *command, int argc, char **argv);
+/* One line about wrong usage; returns EXIT_USAGE. */
+int cli_usage(const cli_command *command, const char *format, ...) __attribute__((format(printf, 2, 3)));
+/* One line about a failure; returns EXIT_FAILED. */
+int cli_error(const char *format, ...) __attribute__((format(printf, 1, 2)));
+
+/* An environment that prints warnings and errors to stderr, "selvage: ..." a line. */
+slv_env cli_env(uint32_t threads);
+
+/* Progress on stderr: rewritten in place on a terminal, otherwise a line each time a tenth is done. `quiet` shows nothing. */
+typedef struct cli_progress {
+    const char *what;
+    uint64_t total;
+    bool quiet, terminal;
+    double started, shown;
+    int tenths;
+} cli_progress;
+cli_progress cli_progress_begin(const char *what, uint64_t total, bool quiet);
+void cli_progress_update(cli_progress *progress, uint64_t done);
+void cli_progress_end(cli_progress *progress);
+
+double cli_now(void); /* seconds */
+
+/* The verbs: argv[0] is the verb. */
+int verb_render(int argc, char **argv);
+int verb_compare(int argc, char **argv);
+int verb_info(int argc, char **argv);
+
+#endif

@@ -1,0 +1,34 @@
+/* Files that are written whole or not at all, and text made safe for where it goes. */
+#ifndef SELVAGE_TOOLS_OUTPUT_H
+#define SELVAGE_TOOLS_OUTPUT_H
+
+#include "cli.h"
+
+#include <jansson.h>
+#include <stdio.h>
+
+typedef struct output_file {
+    const slv_env *env;
+    const char *path;
+    char *beside;
+    FILE *stream;
+} output_file;
+
+/* Opens a file beside `path`. */
+slv_result output_open(const slv_env *env, const char *path, output_file *out);
+/* Puts it in the path's place if `result` is success and all was written, else removes it. */
+slv_result output_close(output_file *file, slv_result result);
+/* Logs one error line and returns `result`. */
+slv_result output_fail(const slv_env *env, slv_result result, const char *format, ...)
+    __attribute__((format(printf, 3, 4)));
+
+/* For HTML text and quoted attributes. What is not UTF-8 becomes U+FFFD here and in JSON. */
+void output_html(FILE *stream, const char *text);
+/* For a terminal: control and direction characters and bytes that are not UTF-8 as \xNN, \u{NNNN}.
+ * Returns false if only the first `max_chars` characters were printed. */
+bool output_terminal(FILE *stream, const char *text, size_t size, size_t max_chars);
+/* NULL if there is no memory, which jansson's setters pass on as their own failure. */
+json_t *output_json_text(const char *text, size_t size);
+json_t *output_json_number(double value); /* null if it is not finite */
+
+#endif

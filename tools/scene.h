@@ -1,0 +1,48 @@
+/* A .ptx with the surface that it belongs to, and the view of it: what render and compare start from. */
+#ifndef SELVAGE_TOOLS_SCENE_H
+#define SELVAGE_TOOLS_SCENE_H
+
+#include "cli.h"
+
+/* A camera and its shading, as a view file states them. */
+typedef struct scene_view {
+    slv_camera camera;
+    bool has_camera, has_size, has_shading;
+    uint32_t size[2];
+    slv_shading shading;
+    float ka, kd;
+    slv_boundary boundary; /* default if the file does not say */
+    slv_scheme scheme;
+    bool has_scheme;
+} scene_view;
+
+/* Reads a view file (JSON): size, world_to_camera, projection, screen_window, shading {model, ka, kd}, boundary, scheme. */
+slv_result scene_load_view(const slv_env *env, const char *path, scene_view *out);
+
+typedef struct scene_params {
+    const char *ptx, *mesh; /* mesh may be NULL: the geometry inside the .ptx */
+    slv_scheme scheme;
+    slv_boundary boundary;
+    int adjacency; /* 0 they must agree, 1 the file's, 2 the mesh's */
+} scene_params;
+
+typedef struct scene {
+    slv_mesh *mesh;
+    slv_adjacency *adjacency;
+    slv_surface *surface;
+    slv_texture *texture;
+    float bounds_min[3], bounds_max[3]; /* of the control points that polygons use */
+} scene_data;
+
+slv_result scene_load(const slv_env *env, const scene_params *params, scene_data *out);
+void scene_free(scene_data *scene);
+
+/* Words for options, in the order of the enumerations. */
+#define SCENE_STRATEGIES "clamp|borders|traverse|discard"
+#define SCENE_SCHEMES "catmark|bilinear"
+#define SCENE_BOUNDARIES "default|none|edge-only|edge-and-corner"
+#define SCENE_SHADINGS "headlight|headlight-abs|unlit|faces|levels"
+#define SCENE_CONTEXTS "auto|egl|osmesa"
+#define SCENE_ADJACENCIES "agree|ptx|mesh"
+
+#endif
