@@ -14,6 +14,8 @@
 //   SLV_SUBFACES        1 if a face of the batch has two sub-faces across one edge
 //   SLV_SPLIT_COVERAGE  1 if coverage has textures of its own (four-channel data)
 //   SLV_ANISOTROPY, SLV_BORDER, SLV_FIRST_UNIT, SLV_FIRST_STORAGE
+//   SLV_TAPS            1 if anisotropic taps are made here and not by the sampler: software drivers take the long axis of a
+//                       footprint from the coordinates of neighbouring fragments, whatever derivatives they are given
 
 const int SLV_LEVELS = 17; // room for 65536 x 65536
 
@@ -32,17 +34,30 @@ vec2 slv_face_size(int face) {
     return vec2(float(1u << (res & 255u)), float(1u << (res >> 8)));
 }
 
-// The level of detail as OpenGL defines it, with the footprint's longer side divided by the number of anisotropic taps.
-float slv_level_of(vec2 size, vec2 dx, vec2 dy) {
+// What a lookup averages: an anisotropic footprint is a row of isotropic ones along its longer side (the definition of
+// EXT_texture_filter_anisotropic).
+struct slv_footprint {
+    vec2 dx, dy;
+    vec2 axis; // the longer side
+    int taps;
+    float level; // of each tap
+};
+
+slv_footprint slv_footprint_of(vec2 size, vec2 dx, vec2 dy) {
     float px = length(dx * size), py = length(dy * size);
     float longest = max(px, py), shortest = min(px, py);
     float taps = clamp(ceil(longest / max(shortest, 1e-12)), 1.0, float(SLV_ANISOTROPY));
-    return log2(max(longest / taps, 1e-12));
+    return slv_footprint(dx, dy, px > py ? dx : dy, int(taps), log2(max(longest / taps, 1e-12)));
+}
+
+// Where tap k = 1.. of a footprint lies, relative to its centre.
+vec2 slv_tap_offset(slv_footprint f, int k) {
+    return f.axis * (float(k) / float(f.taps + 1) - 0.5);
 }
 
 float slv_level(int face, vec2 dx, vec2 dy) {
     vec2 size = slv_face_size(face);
-    return clamp(slv_level_of(size, dx, dy), 0.0, log2(max(size.x, size.y)));
+    return clamp(slv_footprint_of(size, dx, dy).level, 0.0, log2(max(size.x, size.y)));
 }
 
 #if SLV_STRATEGY == 1
@@ -52,19 +67,26 @@ layout(std430, binding = SLV_FIRST_STORAGE + 2) readonly buffer slv_rect_block {
     vec4 slv_rect[];
 };
 
-vec4 slv_bordered_level(uint pool, float layer, int level, vec2 size, vec2 uv, vec2 dx, vec2 dy) {
+vec4 slv_bordered_level(uint pool, float layer, int level, vec2 size, vec2 uv, slv_footprint f) {
     vec4 rect = slv_rect[int(pool) * SLV_LEVELS + level];
-#if SLV_ANISOTROPY > 1
+    vec3 p = vec3(uv * rect.xy + rect.zw, layer);
+#if SLV_ANISOTROPY == 1
+    return textureLod(slv_pool[0], p, 0.0);
+#else
     // the taps must stay inside this level's border: beside it lie other levels
     vec2 level_size = max(size * exp2(-float(level)), vec2(1.0));
-    vec2 extent = (abs(dx) + abs(dy)) * level_size;
     vec2 room = min(vec2(SLV_BORDER), level_size) - 0.5;
-    vec2 fit = room / max(extent, vec2(1e-12));
-    float shrink = min(1.0, min(fit.x, fit.y));
-    dx *= shrink;
-    dy *= shrink;
+    vec2 fit = room / max(0.5 * (abs(f.dx) + abs(f.dy)) * level_size, vec2(1e-12));
+    vec2 scale = rect.xy * min(1.0, min(fit.x, fit.y));
+#if SLV_TAPS
+    vec4 sum = vec4(0.0);
+    for (int k = 1; k <= f.taps; k++)
+        sum += textureLod(slv_pool[0], p + vec3(slv_tap_offset(f, k) * scale, 0.0), 0.0);
+    return sum / float(f.taps);
+#else
+    return textureGrad(slv_pool[0], p, f.dx * scale, f.dy * scale);
 #endif
-    return textureGrad(slv_pool[0], vec3(uv * rect.xy + rect.zw, layer), dx * rect.xy, dy * rect.xy);
+#endif
 }
 
 vec4 slv_sample_grad(int face, vec2 uv, vec2 dx, vec2 dy) {
@@ -72,12 +94,13 @@ vec4 slv_sample_grad(int face, vec2 uv, vec2 dx, vec2 dy) {
     uint pool = store.x & 0xffffu;
     float layer = float(store.x >> 16);
     vec2 size = slv_face_size(face);
+    slv_footprint f = slv_footprint_of(size, dx, dy);
     float coarsest = log2(max(size.x, size.y));
-    float level = clamp(slv_level_of(size, dx, dy), 0.0, coarsest);
+    float level = clamp(f.level, 0.0, coarsest);
     float fine = floor(level);
     uv = clamp(uv, 0.0, 1.0);
-    vec4 a = slv_bordered_level(pool, layer, int(fine), size, uv, dx, dy);
-    vec4 b = slv_bordered_level(pool, layer, int(min(fine + 1.0, coarsest)), size, uv, dx, dy);
+    vec4 a = slv_bordered_level(pool, layer, int(fine), size, uv, f);
+    vec4 b = slv_bordered_level(pool, layer, int(min(fine + 1.0, coarsest)), size, uv, f);
     return mix(a, b, level - fine);
 }
 
@@ -88,38 +111,59 @@ struct slv_tap {
     float coverage;
 };
 
-#if SLV_SPLIT_COVERAGE
-#define SLV_LOOKUP(i, p, dx, dy)                                                                   \
-    slv_tap(textureGrad(slv_pool[i], p, dx, dy), textureGrad(slv_coverage[i], vec3(p.xy, 0.0), dx, dy).r)
+#if SLV_TAPS
+#define SLV_TEXTURE(texture, p, f) textureLod(texture, p, f.level)
 #else
-slv_tap slv_tap_of(vec4 texel) {
-    return slv_tap(vec4(texel.rgb, texel.a), texel.a);
-}
-#define SLV_LOOKUP(i, p, dx, dy) slv_tap_of(textureGrad(slv_pool[i], p, dx, dy))
+#define SLV_TEXTURE(texture, p, f) textureGrad(texture, p, f.dx, f.dy)
 #endif
 
-slv_tap slv_own(int face, vec2 uv, vec2 dx, vec2 dy) {
+#if SLV_SPLIT_COVERAGE
+#define SLV_LOOKUP(i, p, f)                                                                        \
+    slv_tap(SLV_TEXTURE(slv_pool[i], p, f), SLV_TEXTURE(slv_coverage[i], vec3((p).xy, 0.0), f).r)
+#else
+slv_tap slv_tap_of(vec4 texel) {
+    return slv_tap(texel, texel.a);
+}
+#define SLV_LOOKUP(i, p, f) slv_tap_of(SLV_TEXTURE(slv_pool[i], p, f))
+#endif
+
+void slv_add(inout slv_tap sum, slv_tap tap) {
+    sum.color += tap.color;
+    sum.coverage += tap.coverage;
+}
+
+// A whole footprint, from one lookup where the sampler makes the taps.
+#if SLV_TAPS
+#define SLV_GATHER(lookup, p, f)                                                                   \
+    slv_tap sum = slv_tap(vec4(0.0), 0.0);                                                         \
+    for (int k = 1; k <= f.taps; k++)                                                              \
+        slv_add(sum, lookup(p + vec3(slv_tap_offset(f, k), 0.0), f));                              \
+    return slv_tap(sum.color / float(f.taps), sum.coverage / float(f.taps))
+#else
+#define SLV_GATHER(lookup, p, f) return lookup(p, f)
+#endif
+
+slv_tap slv_own(int face, vec2 uv, slv_footprint f) {
     vec3 p = vec3(uv, float(slv_store[face].x >> 16));
-    return SLV_LOOKUP(0, p, dx, dy);
+#define SLV_OWN_LOOKUP(p, f) SLV_LOOKUP(0, p, f)
+    SLV_GATHER(SLV_OWN_LOOKUP, p, f);
 }
 
 vec4 slv_resolve(slv_tap tap) {
     return tap.color / max(tap.coverage, 1e-6);
 }
 
+#if SLV_STRATEGY == 0 || SLV_STRATEGY == 3
+
+// Discard clamps the centre into the face and leaves the derivatives: then at least a quarter of the filter is inside, and helper
+// pixels need no second lookup. Clamp's sampler repeats the face's own texels instead of adding nothing, so coverage is 1.
+vec4 slv_sample_grad(int face, vec2 uv, vec2 dx, vec2 dy) {
+    slv_footprint f = slv_footprint_of(slv_face_size(face), dx, dy);
 #if SLV_STRATEGY == 0
-
-vec4 slv_sample_grad(int face, vec2 uv, vec2 dx, vec2 dy) {
-    vec3 p = vec3(clamp(uv, 0.0, 1.0), float(slv_store[face].x >> 16));
-    return textureGrad(slv_pool[0], p, dx, dy);
-}
-
-#elif SLV_STRATEGY == 3
-
-// The centre is clamped into the face and the derivatives are not: then at least a quarter of the filter is inside, and helper
-// pixels need no second lookup.
-vec4 slv_sample_grad(int face, vec2 uv, vec2 dx, vec2 dy) {
-    return slv_resolve(slv_own(face, clamp(uv, 0.0, 1.0), dx, dy));
+    return slv_own(face, clamp(uv, 0.0, 1.0), f).color;
+#else
+    return slv_resolve(slv_own(face, clamp(uv, 0.0, 1.0), f));
+#endif
 }
 
 #else
@@ -142,54 +186,59 @@ layout(std430, binding = SLV_FIRST_STORAGE + 3) readonly buffer slv_corner_block
     vec4 slv_corner[];
 };
 
-slv_tap slv_fetch(int pool, int face, vec2 uv, vec2 dx, vec2 dy) {
-    vec3 p = vec3(uv, float(slv_store[face].x >> 16));
+slv_tap slv_fetch_one(int pool, vec3 p, slv_footprint f) {
 #if SLV_POOLS == 1
-    return SLV_LOOKUP(0, p, dx, dy);
+    return SLV_LOOKUP(0, p, f);
 #else
     // an index that differs between fragments may only select among constants
     switch (pool) {
     case 0:
-        return SLV_LOOKUP(0, p, dx, dy);
+        return SLV_LOOKUP(0, p, f);
     case 1:
-        return SLV_LOOKUP(1, p, dx, dy);
+        return SLV_LOOKUP(1, p, f);
 #if SLV_POOLS > 2
     case 2:
-        return SLV_LOOKUP(2, p, dx, dy);
+        return SLV_LOOKUP(2, p, f);
     case 3:
-        return SLV_LOOKUP(3, p, dx, dy);
+        return SLV_LOOKUP(3, p, f);
 #endif
 #if SLV_POOLS > 4
     case 4:
-        return SLV_LOOKUP(4, p, dx, dy);
+        return SLV_LOOKUP(4, p, f);
     case 5:
-        return SLV_LOOKUP(5, p, dx, dy);
+        return SLV_LOOKUP(5, p, f);
     case 6:
-        return SLV_LOOKUP(6, p, dx, dy);
+        return SLV_LOOKUP(6, p, f);
     case 7:
-        return SLV_LOOKUP(7, p, dx, dy);
+        return SLV_LOOKUP(7, p, f);
 #endif
 #if SLV_POOLS > 8
     case 8:
-        return SLV_LOOKUP(8, p, dx, dy);
+        return SLV_LOOKUP(8, p, f);
     case 9:
-        return SLV_LOOKUP(9, p, dx, dy);
+        return SLV_LOOKUP(9, p, f);
     case 10:
-        return SLV_LOOKUP(10, p, dx, dy);
+        return SLV_LOOKUP(10, p, f);
     case 11:
-        return SLV_LOOKUP(11, p, dx, dy);
+        return SLV_LOOKUP(11, p, f);
     case 12:
-        return SLV_LOOKUP(12, p, dx, dy);
+        return SLV_LOOKUP(12, p, f);
     case 13:
-        return SLV_LOOKUP(13, p, dx, dy);
+        return SLV_LOOKUP(13, p, f);
     case 14:
-        return SLV_LOOKUP(14, p, dx, dy);
+        return SLV_LOOKUP(14, p, f);
     case 15:
-        return SLV_LOOKUP(15, p, dx, dy);
+        return SLV_LOOKUP(15, p, f);
 #endif
     }
     return slv_tap(vec4(0.0), 0.0);
 #endif
+}
+
+slv_tap slv_fetch(int pool, int face, vec2 uv, slv_footprint f) {
+    vec3 p = vec3(uv, float(slv_store[face].x >> 16));
+#define SLV_POOL_LOOKUP(p, f) slv_fetch_one(pool, p, f)
+    SLV_GATHER(SLV_POOL_LOOKUP, p, f);
 }
 
 // An edge's own frame: x runs along the edge counter-clockwise from 0 to 1, y points out of the face.
@@ -211,28 +260,30 @@ uint slv_link(slv_links links, int edge) {
     return (edge & 1) == 0 ? word & 0xffffu : word >> 16;
 }
 
-// A lookup in a neighbour: p, dx, dy in the frame of this face's edge; `scale` the edge's length in units of the neighbour's and
-// `end` where, in the neighbour's frame, the edge's start lies. The axes matrices are their own inverses up to transposition.
-slv_tap slv_across(int pool, int face, int edge, float scale, float end, vec2 p, vec2 dx, vec2 dy) {
-    mat2 back = transpose(slv_edge_axes(edge)) * -scale;
-    vec2 uv = back * (p - vec2(end / scale, 0.0)) + slv_edge_origin(edge);
-    return slv_fetch(pool, face, uv, back * dx, back * dy);
+// A lookup in a neighbour: p in the frame of this face's edge; `scale` the edge's length in units of the neighbour's and `end`
+// where, in the neighbour's frame, the edge's start lies. The axes matrices are their own inverses up to transposition. The taps
+// are this face's, so that the weights of all lookups add up to 1; their level is the neighbour's own.
+slv_tap slv_across(int pool, int face, int edge, int adjacent, float scale, float end, vec2 p, slv_footprint f) {
+    mat2 back = transpose(slv_edge_axes(adjacent)) * -scale;
+    mat2 across = back * slv_edge_axes(edge);
+    vec2 uv = back * (p - vec2(end / scale, 0.0)) + slv_edge_origin(adjacent);
+    vec2 size = slv_face_size(face);
+    f.dx = across * f.dx;
+    f.dy = across * f.dy;
+    f.axis = across * f.axis;
+    f.level = log2(max(max(length(f.dx * size), length(f.dy * size)) / float(f.taps), 1e-12));
+    return slv_fetch(pool, face, uv, f);
 }
 
-void slv_add(inout slv_tap sum, slv_tap tap) {
-    sum.color += tap.color;
-    sum.coverage += tap.coverage;
-}
-
-slv_tap slv_neighbour(slv_links links, int edge, vec2 uv, vec2 dx, vec2 dy) {
+slv_tap slv_neighbour(slv_links links, int edge, vec2 uv, slv_footprint f) {
     uint link = slv_link(links, edge);
     uint kind = link >> 2 & 3u;
     int face = links.face[edge], adjacent = int(link & 3u);
     int pool = int(link >> 5 & 15u);
-    vec2 p = slv_to_edge(edge, uv), ex = slv_edge_axes(edge) * dx, ey = slv_edge_axes(edge) * dy;
+    vec2 p = slv_to_edge(edge, uv);
     float scale = kind == 3u ? 0.5 : kind == 2u ? 2.0 : 1.0;
-    float end = kind == 3u && (link & 16u) != 0u ? 1.0 : kind == 3u ? 0.5 : 1.0;
-    slv_tap tap = slv_across(pool, face, adjacent, scale, end, p, ex, ey);
+    float end = kind == 3u && (link & 16u) == 0u ? 0.5 : 1.0;
+    slv_tap tap = slv_across(pool, face, edge, adjacent, scale, end, p, f);
 #if SLV_SUBFACES
     if (kind == 2u) {
         // the second sub-face lies across the first one's edge before the shared one
@@ -240,7 +291,7 @@ slv_tap slv_neighbour(slv_links links, int edge, vec2 uv, vec2 dx, vec2 dy) {
         uint beside = slv_link(slv_adjacent[face], before);
         int second = slv_adjacent[face].face[before];
         if (second >= 0)
-            slv_add(tap, slv_across(int(link >> 9 & 15u), second, (int(beside & 3u) + 3) & 3, 2.0, 2.0, p, ex, ey));
+            slv_add(tap, slv_across(int(link >> 9 & 15u), second, edge, (int(beside & 3u) + 3) & 3, 2.0, 2.0, p, f));
     }
 #endif
     return tap;
@@ -250,7 +301,8 @@ vec4 slv_sample_grad(int face, vec2 uv, vec2 dx, vec2 dy) {
     slv_links links = slv_adjacent[face];
     vec2 size = slv_face_size(face);
     uv = clamp(uv, 0.0, 1.0);
-    slv_tap sum = slv_own(face, uv, dx, dy);
+    slv_footprint f = slv_footprint_of(size, dx, dy);
+    slv_tap sum = slv_own(face, uv, f);
 
     // no tap is further away than the footprint's extent and half a texel of the coarser level
     float rho = max(length(dx * size), length(dy * size));
@@ -262,7 +314,7 @@ vec4 slv_sample_grad(int face, vec2 uv, vec2 dx, vec2 dy) {
         side[e] = slv_tap(vec4(0.0), 0.0);
         bool reached = e == 0 ? low.y : e == 1 ? high.x : e == 2 ? high.y : low.x;
         if (reached && links.face[e] >= 0) {
-            side[e] = slv_neighbour(links, e, uv, dx, dy);
+            side[e] = slv_neighbour(links, e, uv, f);
             slv_add(sum, side[e]);
         }
     }
@@ -274,7 +326,7 @@ vec4 slv_sample_grad(int face, vec2 uv, vec2 dx, vec2 dy) {
         bool has_after = links.face[after] >= 0, has_before = links.face[before] >= 0;
         float missing = clamp(1.0 - sum.coverage, 0.0, 1.0);
         if (missing > 0.0 && (has_after || has_before)) {
-            float level = clamp(slv_level_of(size, dx, dy), 0.0, float(links.levels - 1u));
+            float level = clamp(f.level, 0.0, float(links.levels - 1u));
             uint first = links.corners + uint(corner) * links.levels + uint(level);
             vec4 value = mix(slv_corner[first], slv_corner[min(first + 1u, links.corners + (uint(corner) + 1u) * links.levels - 1u)],
                              fract(level));

@@ -347,8 +347,8 @@ static slv_result baseline(const page *p) {
     return SLV_OK;
 }
 
-static slv_result per_baseline(const page *p) {
-    fprintf(p->stream, "per %s", strategy_name(p, p->verdict.baseline));
+static slv_result ratio_to_baseline(const page *p) {
+    fprintf(p->stream, "ratio to %s", strategy_name(p, p->verdict.baseline));
     return SLV_OK;
 }
 
@@ -379,7 +379,7 @@ static const struct {
     {"resolutions", resolutions},
     {"verdict", verdict},
     {"baseline", baseline},
-    {"per_baseline", per_baseline},
+    {"ratio_to_baseline", ratio_to_baseline},
     {"strategy_rows", strategy_rows},
     {"level_rows", level_rows},
     {"left_options", left_options},

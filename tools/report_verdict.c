@@ -87,15 +87,15 @@ static void write_others(FILE *stream, const report_data *report, const report_v
         left += i != verdict->best && reaches(&report->strategies[i], verdict->outcome);
     if (!left)
         return;
-    fputs(" As seamless", stream);
+    fputs(" Also without a visible seam", stream);
     const char *before = ":";
     for (uint32_t i = 0; i < report->nstrategies; i++) {
         const report_strategy *row = &report->strategies[i];
         if (i == verdict->best || !reaches(row, verdict->outcome))
             continue;
         left--;
-        fprintf(stream, "%s %s at %.2f times", before, name_of(row), row->ratio);
-        before = left == 1 ? " and" : ",";
+        fprintf(stream, "%s %s, at %.2f times", before, name_of(row), row->ratio);
+        before = left == 1 ? "; and" : ";";
     }
     fputs(".", stream);
 }
@@ -107,7 +107,7 @@ static void write_minified(FILE *stream, const report_strategy *best) {
             worst = level;
     if (report_jump_hidden((double)best->seams[worst].max))
         return;
-    fputs(" Seen from further away its largest jump is ", stream);
+    fprintf(stream, " Seen from further away, the largest jump of %s is ", name_of(best));
     report_write_jump(stream, (double)best->seams[worst].max);
     fprintf(stream, "/255, where a pixel covers %u texels.", 1u << worst);
 }

@@ -22,6 +22,11 @@ bool slv_strategy_from_name(const char *name, slv_strategy *out) {
     return false;
 }
 
+/* Software samplers take an anisotropic footprint from neighbouring fragments' coordinates and ignore explicit derivatives. */
+static bool taps_in_shader(const slv_gl_texture *texture) {
+    return texture->params.anisotropy > 1 && texture->gl->info.software;
+}
+
 enum { SAMPLER_CLAMPED, SAMPLER_ZERO_BORDER, SAMPLER_BORDERED };
 
 static void make_samplers(slv_gl_texture *texture) {
@@ -37,7 +42,7 @@ static void make_samplers(slv_gl_texture *texture) {
         api->SamplerParameteri(sampler, GL_TEXTURE_MIN_FILTER,
                                i == SAMPLER_BORDERED ? GL_LINEAR : GL_LINEAR_MIPMAP_LINEAR);
         api->SamplerParameterfv(sampler, GL_TEXTURE_BORDER_COLOR, zero);
-        if (texture->params.anisotropy > 1)
+        if (texture->params.anisotropy > 1 && !taps_in_shader(texture))
             api->SamplerParameterf(sampler, GL_TEXTURE_MAX_ANISOTROPY, (float)texture->params.anisotropy);
     }
 }
@@ -222,9 +227,9 @@ const char *slv_gl_texture_glsl(slv_gl_texture *texture, slv_strategy strategy, 
         snprintf(*text, size,
                  "#define SLV_STRATEGY %d\n#define SLV_POOLS %u\n#define SLV_SUBFACES %u\n"
                  "#define SLV_SPLIT_COVERAGE %d\n#define SLV_ANISOTROPY %u\n#define SLV_BORDER %u\n"
-                 "#define SLV_FIRST_UNIT %d\n#define SLV_FIRST_STORAGE %d\n%s\n",
+                 "#define SLV_TAPS %d\n#define SLV_FIRST_UNIT %d\n#define SLV_FIRST_STORAGE %d\n%s\n",
                  (int)strategy, slv_gl_variant_pools(variant), variant & 1, split_coverage(texture, strategy),
-                 texture->params.anisotropy, texture->params.border, SLV_GL_FIRST_UNIT, SLV_GL_FIRST_STORAGE,
+                 texture->params.anisotropy, texture->params.border, taps_in_shader(texture), SLV_GL_FIRST_UNIT, SLV_GL_FIRST_STORAGE,
                  texture->sample_text);
     }
     return *text;
