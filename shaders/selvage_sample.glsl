@@ -275,26 +275,25 @@ slv_tap slv_across(int pool, int face, int edge, int adjacent, float scale, floa
     return slv_fetch(pool, face, uv, f);
 }
 
-slv_tap slv_neighbour(slv_links links, int edge, vec2 uv, slv_footprint f) {
+// Across one edge; `second` asks for the second of two sub-faces, which lies across the first one's edge before the shared one.
+slv_tap slv_neighbour(slv_links links, int edge, bool second, vec2 uv, slv_footprint f) {
     uint link = slv_link(links, edge);
     uint kind = link >> 2 & 3u;
     int face = links.face[edge], adjacent = int(link & 3u);
     int pool = int(link >> 5 & 15u);
-    vec2 p = slv_to_edge(edge, uv);
     float scale = kind == 3u ? 0.5 : kind == 2u ? 2.0 : 1.0;
     float end = kind == 3u && (link & 16u) == 0u ? 0.5 : 1.0;
-    slv_tap tap = slv_across(pool, face, edge, adjacent, scale, end, p, f);
 #if SLV_SUBFACES
-    if (kind == 2u) {
-        // the second sub-face lies across the first one's edge before the shared one
+    if (second) {
         int before = (adjacent + 3) & 3;
         uint beside = slv_link(slv_adjacent[face], before);
-        int second = slv_adjacent[face].face[before];
-        if (second >= 0)
-            slv_add(tap, slv_across(int(link >> 9 & 15u), second, edge, (int(beside & 3u) + 3) & 3, 2.0, 2.0, p, f));
+        face = slv_adjacent[face].face[before];
+        adjacent = (int(beside & 3u) + 3) & 3;
+        pool = int(link >> 9 & 15u);
+        end = 2.0;
     }
 #endif
-    return tap;
+    return slv_across(pool, face, edge, adjacent, scale, end, slv_to_edge(edge, uv), f);
 }
 
 vec4 slv_sample_grad(int face, vec2 uv, vec2 dx, vec2 dy) {
@@ -308,21 +307,33 @@ vec4 slv_sample_grad(int face, vec2 uv, vec2 dx, vec2 dy) {
     float rho = max(length(dx * size), length(dy * size));
     vec2 reach = abs(dx) + abs(dy) + max(rho, 1.0) / size;
     bvec2 low = lessThan(uv, reach), high = greaterThan(uv, 1.0 - reach);
+    bvec4 reached = bvec4(low.y, high.x, high.y, low.x); // by edge
+    int corner = uv.y < 0.5 ? (uv.x < 0.5 ? 0 : 1) : (uv.x < 0.5 ? 3 : 2);
+    int after = corner, before = (corner + 3) & 3; // the edges that meet there
 
-    slv_tap side[4];
+    // one loop over what is reached, so that interior fragments skip it all and the lookup's code exists once
+    uint pending = 0u;
     for (int e = 0; e < 4; e++) {
-        side[e] = slv_tap(vec4(0.0), 0.0);
-        bool reached = e == 0 ? low.y : e == 1 ? high.x : e == 2 ? high.y : low.x;
-        if (reached && links.face[e] >= 0) {
-            side[e] = slv_neighbour(links, e, uv, f);
-            slv_add(sum, side[e]);
+        if (reached[e] && links.face[e] >= 0) {
+            pending |= 1u << e;
+#if SLV_SUBFACES
+            if ((slv_link(links, e) >> 2 & 3u) == 2u)
+                pending |= 16u << e;
+#endif
         }
+    }
+    slv_tap beside = slv_tap(vec4(0.0), 0.0);
+    while (pending != 0u) {
+        int visit = findLSB(pending);
+        pending &= pending - 1u;
+        slv_tap tap = slv_neighbour(links, visit & 3, visit > 3, uv, f);
+        slv_add(sum, tap);
+        if ((visit & 3) == after || (visit & 3) == before)
+            slv_add(beside, tap);
     }
 
     // the faces around the nearest corner that are no edge neighbours
     if ((low.x || high.x) && (low.y || high.y)) {
-        int corner = uv.y < 0.5 ? (uv.x < 0.5 ? 0 : 1) : (uv.x < 0.5 ? 3 : 2);
-        int after = corner, before = (corner + 3) & 3;
         bool has_after = links.face[after] >= 0, has_before = links.face[before] >= 0;
         float missing = clamp(1.0 - sum.coverage, 0.0, 1.0);
         if (missing > 0.0 && (has_after || has_before)) {
@@ -334,7 +345,6 @@ vec4 slv_sample_grad(int face, vec2 uv, vec2 dx, vec2 dy) {
                 slv_add(sum, slv_tap(value * missing, missing));
             } else {
                 // beside a boundary: the far corner's weight is the product of what lies beyond either edge
-                slv_tap beside = has_after ? side[after] : side[before];
                 vec4 shift = missing * (beside.coverage * value - beside.color);
                 vec4 plain = sum.color / max(sum.coverage, 1e-6);
 #if !SLV_SPLIT_COVERAGE

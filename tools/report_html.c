@@ -107,7 +107,8 @@ static slv_result strategy_rows(const page *p) {
         fprintf(p->stream, "<small>%s</small></th>", strategy_phrases[row->strategy]);
         fprintf(p->stream, "<td>%.2f<small>%.2f to %.2f</small></td><td>%.2f</td>", row->median_ms,
                 row->min_ms, row->max_ms, row->ratio);
-        fprintf(p->stream, "<td>%.1f</td><td>%.2f</td>", (double)row->stats.gpu_bytes / 1e6,
+        double megabytes = (double)row->stats.gpu_bytes / 1e6;
+        fprintf(p->stream, "<td>%.*f</td><td>%.2f</td>", megabytes < 10 ? 2 : 1, megabytes,
                 report_memory_ratio(row));
         write_jump_cell(p->stream, &row->seams[0], false);
         write_jump_cell(p->stream, &row->seams[0], true);
@@ -228,8 +229,9 @@ static slv_result pairs(const page *p) {
             "<div class=\"legend\"><div class=\"legend-bar\" role=\"img\" aria-label=\"Scale: "
             "black is equal, "
             "then blue, red and yellow, white is a difference of 16/255 and more\"></div>"
-            "<div class=\"legend-ticks\" aria-hidden=\"true\"><span>equal</span><span>4/255</span>"
-            "<span>8/255</span><span>12/255</span><span>16/255 and more</span></div></div>\n"
+            "<div class=\"legend-ticks\" aria-hidden=\"true\"><span>equal</span>"
+            "<span style=\"--i:2\">4/255</span><span style=\"--i:3\">8/255</span>"
+            "<span style=\"--i:4\">12/255</span><span>16/255</span></div></div>\n"
             "<div class=\"pairs\">\n",
             report->nviews);
     for (uint32_t i = 0; !result && i < report->npairs; i++) {
@@ -260,7 +262,7 @@ static slv_result pairs(const page *p) {
 
 static slv_result method(const page *p) {
     fprintf(p->stream,
-            "The camera went around the model once for the timing: %u frames, each drawn with "
+            "For the timing the camera moved around the model: %u frames, each drawn with "
             "every strategy "
             "before the next, in changing order, so that whatever else the machine did fell on all "
             "alike. "

@@ -87,7 +87,9 @@ static void write_others(FILE *stream, const report_data *report, const report_v
         left += i != verdict->best && reaches(&report->strategies[i], verdict->outcome);
     if (!left)
         return;
-    fputs(" Also without a visible seam", stream);
+    fputs(verdict->outcome == REPORT_EQUAL_ONLY ? " Also without a visible seam there"
+                                                : " Also without a visible seam",
+          stream);
     const char *before = ":";
     for (uint32_t i = 0; i < report->nstrategies; i++) {
         const report_strategy *row = &report->strategies[i];
@@ -98,6 +100,20 @@ static void write_others(FILE *stream, const report_data *report, const report_v
         before = left == 1 ? "; and" : ";";
     }
     fputs(".", stream);
+}
+
+/* Where resolutions differ, another strategy may do better than the cheapest at equal ones. */
+static void write_closest(FILE *stream, const report_data *report, const report_verdict *verdict) {
+    uint32_t closest = verdict->best;
+    for (uint32_t i = 0; i < report->nstrategies; i++)
+        if (report->strategies[i].seams[0].max < report->strategies[closest].seams[0].max)
+            closest = i;
+    if (closest == verdict->best)
+        return;
+    fprintf(stream, " Over all edges %s comes closest, with a largest jump of ",
+            name_of(&report->strategies[closest]));
+    report_write_jump(stream, (double)report->strategies[closest].seams[0].max);
+    fprintf(stream, "/255 at %.2f times the frame time.", report->strategies[closest].ratio);
 }
 
 static void write_minified(FILE *stream, const report_strategy *best) {
@@ -112,19 +128,27 @@ static void write_minified(FILE *stream, const report_strategy *best) {
     fprintf(stream, "/255, where a pixel covers %u texels.", 1u << worst);
 }
 
+static const char *opening(report_outcome outcome, bool alone) {
+    switch (outcome) {
+    case REPORT_NO_SEAMS:
+        return "No two faces share an edge, so there are no seams; the quickest is ";
+    case REPORT_EQUAL_ONLY:
+        return "No strategy hides every seam where faces of different resolution meet. Between "
+               "faces of equal resolution ";
+    case REPORT_ALL_VISIBLE:
+        return alone ? "" : "Every strategy leaves a visible seam here; the smallest is that of ";
+    case REPORT_SEAMLESS:
+        break;
+    }
+    return "";
+}
+
 void report_write_verdict(FILE *stream, const report_data *report, const report_verdict *verdict) {
     const report_strategy *best = &report->strategies[verdict->best];
     const report_strategy *baseline = &report->strategies[verdict->baseline];
     const slv_gl_seam *seam = &best->seams[0];
-    fputs(verdict->outcome == REPORT_ALL_VISIBLE
-              ? "Every strategy leaves a visible seam here; the smallest is that of "
-          : verdict->outcome == REPORT_EQUAL_ONLY ? "No strategy hides every seam where faces of "
-                                                    "different resolution meet. Between faces of "
-                                                    "equal resolution "
-          : verdict->outcome == REPORT_NO_SEAMS
-              ? "No two faces share an edge, so there are no seams; the quickest is "
-              : "",
-          stream);
+    bool alone = report->nstrategies == 1;
+    fputs(opening(verdict->outcome, alone), stream);
     fprintf(stream, "<strong>%s</strong>", name_of(best));
     switch (verdict->outcome) {
     case REPORT_NO_SEAMS:
@@ -133,7 +157,7 @@ void report_write_verdict(FILE *stream, const report_data *report, const report_
         fputs(".", stream);
         return;
     case REPORT_ALL_VISIBLE:
-        fputs(", at ", stream);
+        fputs(alone ? " leaves visible seams here, at " : ", at ", stream);
         write_cost(stream, report, verdict);
         fputs(", with a largest jump of ", stream);
         report_write_jump(stream, (double)seam->max);
@@ -158,7 +182,7 @@ void report_write_verdict(FILE *stream, const report_data *report, const report_
         fputs("/255 over all edges", stream);
     }
     if (verdict->best != verdict->baseline) {
-        fputs(" where ", stream);
+        fputs(", where ", stream);
         fprintf(stream, "%s has ", name_of(baseline));
         report_write_jump(stream, (double)(verdict->outcome == REPORT_SEAMLESS
                                                ? baseline->seams[0].max
@@ -167,5 +191,7 @@ void report_write_verdict(FILE *stream, const report_data *report, const report_
     }
     fputs(".", stream);
     write_others(stream, report, verdict);
+    if (verdict->outcome == REPORT_EQUAL_ONLY)
+        write_closest(stream, report, verdict);
     write_minified(stream, best);
 }

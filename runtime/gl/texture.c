@@ -35,7 +35,8 @@ static void make_samplers(slv_gl_texture *texture) {
     api->CreateSamplers(3, texture->samplers);
     for (int i = 0; i < 3; i++) {
         GLuint sampler = texture->samplers[i];
-        GLint wrap = i == SAMPLER_ZERO_BORDER ? GL_CLAMP_TO_BORDER : GL_CLAMP_TO_EDGE;
+        /* a bordered layer is never left, but with this mode software drivers filter 8-bit texels in float and not in 8 bits */
+        GLint wrap = i == SAMPLER_CLAMPED ? GL_CLAMP_TO_EDGE : GL_CLAMP_TO_BORDER;
         api->SamplerParameteri(sampler, GL_TEXTURE_WRAP_S, wrap);
         api->SamplerParameteri(sampler, GL_TEXTURE_WRAP_T, wrap);
         api->SamplerParameteri(sampler, GL_TEXTURE_MAG_FILTER, GL_LINEAR);

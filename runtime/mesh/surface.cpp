@@ -206,6 +206,7 @@ namespace {
  * that name a vertex twice and on some meshes that are not manifold, so it sees neither. */
 struct Topology {
     std::vector<uint8_t> left_out; /* per polygon */
+    std::vector<uint8_t> refused;  /* per polygon: known to OpenSubdiv, but not to be asked for */
     std::vector<int> osd_face;     /* per polygon, -1 if left out */
     std::vector<int> sizes, verts, poly_of;
     std::vector<int> crease_verts, corner_verts;
@@ -307,6 +308,34 @@ void add_corners(const slv_mesh_view *view, const slv_mesh_fans &fans, Topology 
     }
 }
 
+/* Bfr 3.5 writes past its buffers for a sharp edge or vertex on a polygon that meets another along
+ * two edges, as around a vertex of valence two or in a tube of two. Those polygons stay flat. */
+void refuse_doubly_joined(const slv_mesh *mesh, const slv_mesh_edges &edges,
+                          const slv_mesh_fans &fans, Topology &out) {
+    std::vector<uint8_t> tagged(fans.nverts, 0);
+    std::vector<uint32_t> met;
+    for (int vertex : out.crease_verts)
+        tagged[size_t(vertex)] = 1;
+    for (int vertex : out.corner_verts)
+        tagged[size_t(vertex)] = 1;
+    out.refused = out.left_out;
+    for (uint32_t p = 0; p < slv_mesh_get_view(mesh)->npolys; p++) {
+        bool sharp = false;
+        met.clear();
+        for (uint32_t side = mesh->poly_first[p]; side < mesh->poly_first[p + 1]; side++) {
+            if (out.left_out[p])
+                continue;
+            const slv_mesh_edge &edge = edges.edges[edges.side_edge[side]];
+            sharp = sharp || tagged[size_t(fans.side_vert[side])];
+            if (edge.count > 1)
+                met.push_back(edges.side_poly[edge.side[edge.side[0] == side]]);
+        }
+        std::sort(met.begin(), met.end());
+        if (sharp && std::adjacent_find(met.begin(), met.end()) != met.end())
+            out.refused[p] = 1;
+    }
+}
+
 struct Edges : slv_mesh_edges {
     Edges() : slv_mesh_edges() {
     }
@@ -338,6 +367,7 @@ slv_result make_manifold(const slv_env *env, const slv_mesh *mesh, const slv_sur
         return result;
     add_creases(mesh, edges, fans, out);
     add_corners(slv_mesh_get_view(mesh), fans, out);
+    refuse_doubly_joined(mesh, edges, fans, out);
     for (uint32_t v = 0; v < fans.nverts; v++) {
         const float *from = &s.positions[3 * size_t(fans.origin[v])];
         out.positions.insert(out.positions.end(), from, from + 3);
@@ -389,7 +419,7 @@ void prepare_polygon(Build &build, uint32_t poly, Chunk &chunk) {
     Patch &patch = build.surface->patches[poly];
     int face = build.topology->osd_face[poly];
     BfrSurface surface;
-    if (face < 0 || !build.factory->InitVertexSurface(face, &surface)) {
+    if (build.topology->refused[poly] || !build.factory->InitVertexSurface(face, &surface)) {
         build.refused++;
         return;
     }

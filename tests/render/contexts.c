@@ -1,0 +1,103 @@
+/* EGL and OSMesa draw the same picture, and a host's own context serves as well. */
+#include "unit/border_kit.h"
+
+#include <selvage/bake.h>
+#include <selvage/gl_renderer.h>
+
+#include <dlfcn.h>
+
+static slv_image draw(slv_gl *gl, const kit *k, slv_strategy strategy, uint32_t msaa) {
+    slv_env env = test_env();
+    slv_surface *surface = NULL;
+    slv_gl_texture *texture = NULL;
+    slv_gl_renderer *renderer = NULL;
+    slv_image image = {0};
+    slv_gl_texture_params params = {.anisotropy = 4};
+    const float low[3] = {-1, -1, -1}, high[3] = {1, 1, 1};
+    slv_frame frame = {.width = 160,
+                       .height = 120,
+                       .msaa = msaa,
+                       .strategy = strategy,
+                       .camera = slv_camera_orbit(low, high, 30, 25, 40, 160.0f / 120)};
+    slv_result result = slv_surface_create(&env, k->mesh, NULL, &surface);
+    REQUIRE(result == SLV_OK);
+    result = slv_gl_texture_create(gl, &env, k->texture, k->adjacency, &params, &texture);
+    REQUIRE(result == SLV_OK);
+    result = slv_gl_renderer_create(gl, &env, k->mesh, surface, k->adjacency, 8, &renderer);
+    REQUIRE(result == SLV_OK);
+    result = slv_gl_renderer_draw(renderer, &env, texture, &frame, &image, NULL);
+    REQUIRE(result == SLV_OK);
+    slv_gl_renderer_destroy(renderer);
+    slv_gl_texture_destroy(texture);
+    slv_surface_destroy(surface);
+    return image;
+}
+
+static slv_gl_proc host_proc(void *user, const char *name) {
+    slv_gl_proc (*get_proc)(const char *) = NULL;
+    void *symbol = dlsym(user, "eglGetProcAddress");
+    memcpy(&get_proc, &symbol, sizeof symbol);
+    return get_proc ? get_proc(name) : NULL;
+}
+
+static float largest_difference(const slv_image *a, const slv_image *b, float *mean) {
+    float largest = 0;
+    double sum = 0;
+    size_t count = (size_t)a->width * a->height * 4;
+    for (size_t i = 0; i < count; i++) {
+        largest = fmaxf(largest, fabsf(a->pixels[i] - b->pixels[i]));
+        sum += a->pixels[i];
+    }
+    *mean = (float)(sum / (double)count);
+    return largest;
+}
+
+static void make_cube(kit *k, uint64_t *random) {
+    static const float corners[8][3] = {{-1, -1, -1}, {1, -1, -1}, {-1, 1, -1}, {1, 1, -1},
+                                        {-1, -1, 1},  {1, -1, 1},  {-1, 1, 1},  {1, 1, 1}};
+    slv_env env = test_env();
+    kit_cube(k, random);
+    slv_mesh_view view = *slv_mesh_get_view(k->mesh);
+    slv_mesh *placed = NULL;
+    view.positions = &corners[0][0];
+    slv_result result = slv_mesh_create(&env, &view, &placed);
+    REQUIRE(result == SLV_OK);
+    slv_mesh_destroy(k->mesh);
+    k->mesh = placed;
+    kit_equal(k, 4);
+    kit_noise(k, SLV_TYPE_U8, 3, random);
+}
+
+int main(void) {
+    slv_env env = test_env();
+    uint64_t random = 3;
+    kit k;
+    make_cube(&k, &random);
+    for (int strategy = 0; strategy < SLV_STRATEGY_COUNT; strategy++) {
+        for (uint32_t msaa = 1; msaa <= 4; msaa *= 4) {
+            slv_image images[3];
+            float mean;
+            for (int i = 0; i < 3; i++) {
+                slv_gl *gl = NULL, *host = NULL;
+                slv_result result = slv_gl_create(&env, i == 1 ? SLV_GL_OSMESA : SLV_GL_EGL, &gl);
+                REQUIRE(result == SLV_OK);
+                if (i == 2) {
+                    void *library = dlopen("libEGL.so.1", RTLD_NOW);
+                    result = slv_gl_wrap(&env, host_proc, library, &host);
+                    REQUIRE(result == SLV_OK);
+                    CHECK(slv_gl_get_info(host)->backend == SLV_GL_HOST);
+                }
+                images[i] = draw(host ? host : gl, &k, (slv_strategy)strategy, msaa);
+                slv_gl_destroy(host);
+                slv_gl_destroy(gl);
+            }
+            CHECK(largest_difference(&images[0], &images[1], &mean) <= 1.0f / 255);
+            CHECK(largest_difference(&images[0], &images[2], &mean) == 0);
+            CHECK(mean > 0.05f);
+            for (int i = 0; i < 3; i++)
+                slv_image_free(&images[i]);
+        }
+    }
+    kit_free(&k);
+    return test_end();
+}

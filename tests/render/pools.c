@@ -1,0 +1,149 @@
+/* More faces than an array has layers, more arrays than a stage has units, every resolution from 1x1 up: the numbers that a
+ * lookup returns must not depend on how faces are spread over arrays and batches. */
+#include "unit/border_kit.h"
+
+#include <selvage/gl_texture.h>
+
+static slv_gl *gl;
+
+enum { NPOINTS = 4096 };
+
+static int32_t faces[NPOINTS];
+static float uv[2 * NPOINTS], dx[2 * NPOINTS], dy[2 * NPOINTS];
+
+static void random_points(const kit *k, uint64_t *random) {
+    for (int i = 0; i < NPOINTS; i++) {
+        float texels = exp2f((float)(test_random(random) % 1000) / 100 - 4);
+        slv_res res;
+        faces[i] = (int32_t)(test_random(random) % k->nfaces);
+        res = k->res[faces[i]];
+        for (int c = 0; c < 2; c++)
+            uv[2 * i + c] = (float)(test_random(random) % 1025) / 1024;
+        dx[2 * i] = texels / (float)(1u << res.u);
+        dx[2 * i + 1] = 0;
+        dy[2 * i] = 0;
+        dy[2 * i + 1] = texels / (float)(1u << res.v);
+    }
+}
+
+static void look_up(const kit *k, const slv_gl_texture_params *params, slv_strategy strategy, float *out,
+                    uint32_t *batches) {
+    slv_env env = test_env();
+    slv_gl_texture *texture = NULL;
+    slv_result result = slv_gl_texture_create(gl, &env, k->texture, k->adjacency, params, &texture);
+    REQUIRE(result == SLV_OK);
+    *batches = slv_gl_texture_batch_count(texture, strategy);
+    uint32_t drawn = 0;
+    for (uint32_t b = 0; b < *batches; b++)
+        drawn += slv_gl_texture_batch(texture, strategy, b).nfaces;
+    CHECK(drawn == k->nfaces);
+    result = slv_gl_texture_lookup(texture, &env, strategy, NPOINTS, faces, uv, dx, dy, out);
+    REQUIRE(result == SLV_OK);
+    slv_gl_texture_destroy(texture);
+}
+
+static void check_spread(kit *k, slv_type type, uint32_t nchannels, uint64_t *random) {
+    static float whole[4 * NPOINTS], spread[4 * NPOINTS];
+    kit_noise(k, type, nchannels, random);
+    random_points(k, random);
+    for (int strategy = 0; strategy < SLV_STRATEGY_COUNT; strategy++) {
+        uint32_t few, many;
+        slv_gl_texture_params plain = {.strategies = 1u << strategy};
+        slv_gl_texture_params cut = {.strategies = 1u << strategy, .pool_layers = 2};
+        look_up(k, &plain, (slv_strategy)strategy, whole, &few);
+        look_up(k, &cut, (slv_strategy)strategy, spread, &many);
+        CHECK(many > few && many > 32);
+        float largest = 0;
+        for (int i = 0; i < 4 * NPOINTS; i++) {
+            CHECK(isfinite(whole[i]));
+            largest = fmaxf(largest, fabsf(whole[i] - spread[i]));
+        }
+        CHECK_MSG(largest <= 1e-6f, "%s %s: %g", slv_strategy_name((slv_strategy)strategy), slv_type_name(type),
+                  (double)largest);
+    }
+}
+
+/* One face of each of the extremes, alone and beside its opposite. */
+static void check_extremes(void) {
+    static const slv_res extremes[] = {{0, 0}, {12, 12}, {12, 0}, {0, 12}, {1, 9}, {7, 2}};
+    uint64_t random = 5;
+    slv_env env = test_env();
+    for (size_t a = 0; a < sizeof extremes / sizeof *extremes; a++) {
+        kit k;
+        kit_grid(&k, 2, 1, false, 0, &random, NULL);
+        k.res[0] = extremes[a];
+        k.res[1] = extremes[(a + 1) % (sizeof extremes / sizeof *extremes)];
+        kit_begin_texture(&k, SLV_TYPE_U8, 3);
+        const unsigned char colors[2][3] = {{10, 200, 90}, {10, 200, 90}};
+        for (uint32_t f = 0; f < 2; f++) {
+            slv_result result = slv_texture_set_constant(k.texture, f, colors[f]);
+            REQUIRE(result == SLV_OK);
+        }
+        for (int strategy = 0; strategy < SLV_STRATEGY_COUNT; strategy++) {
+            static float values[4 * NPOINTS];
+            uint32_t batches;
+            slv_gl_texture_params params = {.strategies = 1u << strategy, .anisotropy = 2};
+            random_points(&k, &random);
+            look_up(&k, &params, (slv_strategy)strategy, values, &batches);
+            float largest = 0;
+            for (int i = 0; i < 4 * NPOINTS; i++)
+                largest = fmaxf(largest, fabsf(values[i] - (i % 4 == 3 ? 1 : (float)colors[0][i % 4] / 255)));
+            CHECK_MSG(largest < 1.5f / 255, "%s %dx%d beside %dx%d: a constant comes out wrong by %g",
+                      slv_strategy_name((slv_strategy)strategy), 1 << k.res[0].u, 1 << k.res[0].v, 1 << k.res[1].u,
+                      1 << k.res[1].v, (double)largest);
+        }
+        kit_free(&k);
+    }
+    kit k;
+    kit_grid(&k, 1, 1, false, 0, NULL, NULL);
+    k.res[0] = (slv_res){15, 0};
+    kit_begin_texture(&k, SLV_TYPE_U8, 1);
+    slv_gl_texture *texture = NULL;
+    CHECK(slv_gl_texture_create(gl, &env, k.texture, k.adjacency, NULL, &texture) == SLV_ERROR_LIMIT);
+    CHECK(texture == NULL && strstr(test_last_log, "limit"));
+    kit_free(&k);
+}
+
+static void check_refusals(void) {
+    slv_env env = test_env();
+    uint64_t random = 1;
+    kit k;
+    kit_grid(&k, 3, 3, false, 0, &random, NULL);
+    kit_equal(&k, 2);
+    kit_noise(&k, SLV_TYPE_U8, 3, &random);
+    slv_gl_texture_params params = {.strategies = 1u << SLV_STRATEGY_CLAMP};
+    slv_gl_texture *texture = NULL;
+    slv_result result = slv_gl_texture_create(gl, &env, k.texture, k.adjacency, &params, &texture);
+    REQUIRE(result == SLV_OK);
+    float zero[2] = {0, 0}, value[4];
+    int32_t outside = 9;
+    CHECK(slv_gl_texture_lookup(texture, &env, SLV_STRATEGY_CLAMP, 1, &outside, zero, zero, zero, value) ==
+          SLV_ERROR_ARGUMENT);
+    CHECK(strstr(test_last_log, "face 9"));
+    outside = 0;
+    CHECK(slv_gl_texture_lookup(texture, &env, SLV_STRATEGY_BORDERS, 1, &outside, zero, zero, zero, value) ==
+          SLV_ERROR_ARGUMENT);
+    CHECK(strstr(test_last_log, "borders"));
+    slv_gl_texture_destroy(texture);
+    params = (slv_gl_texture_params){.first_channel = 3};
+    CHECK(slv_gl_texture_create(gl, &env, k.texture, k.adjacency, &params, &texture) == SLV_ERROR_ARGUMENT);
+    kit_free(&k);
+}
+
+int main(void) {
+    uint64_t random = 11;
+    slv_env env = test_env();
+    kit k;
+    slv_result result = slv_gl_create(&env, SLV_GL_AUTO, &gl);
+    REQUIRE(result == SLV_OK);
+    kit_grid(&k, 12, 12, false, 20, &random, NULL);
+    kit_mixed(&k, 4, &random);
+    check_spread(&k, SLV_TYPE_U8, 3, &random);
+    check_spread(&k, SLV_TYPE_HALF, 4, &random);
+    check_spread(&k, SLV_TYPE_FLOAT, 1, &random);
+    kit_free(&k);
+    check_extremes();
+    check_refusals();
+    slv_gl_destroy(gl);
+    return test_end();
+}

@@ -1,0 +1,121 @@
+/* Seam jumps of lookups on the GPU: vertices of every valence, sub-faces, open meshes, all types and channel counts, textures
+ * of pure noise, where nothing but exact agreement of the two faces hides an edge. */
+#include "unit/border_kit.h"
+
+#include <selvage/gl_texture.h>
+
+static slv_gl *gl;
+
+static slv_gl_texture *upload(const kit *k, uint32_t anisotropy) {
+    slv_env env = test_env();
+    slv_gl_texture_params params = {.anisotropy = anisotropy};
+    slv_gl_texture *texture = NULL;
+    slv_result result = slv_gl_texture_create(gl, &env, k->texture, k->adjacency, &params, &texture);
+    REQUIRE(result == SLV_OK);
+    return texture;
+}
+
+static slv_gl_seam jump(slv_gl_texture *texture, const kit *k, slv_strategy strategy, uint32_t level) {
+    slv_env env = test_env();
+    slv_gl_seam_params params = {.samples = 33, .level = level};
+    slv_gl_seam seam;
+    slv_result result = slv_gl_texture_seam_jump(texture, &env, strategy, k->adjacency, &params, &seam);
+    REQUIRE(result == SLV_OK);
+    return seam;
+}
+
+/* The coarsest level that every face has. */
+static uint32_t coarsest(const kit *k) {
+    uint32_t level = 3;
+    for (uint32_t f = 0; f < k->nfaces; f++)
+        level = (uint32_t)k->res[f].u < level ? (uint32_t)k->res[f].u : level;
+    return level;
+}
+
+/* What must hold for faces whose texels are of one size, at the finest level and at every other. */
+static void check_equal(const kit *k, const char *name, uint32_t anisotropy) {
+    slv_gl_texture *texture = upload(k, anisotropy);
+    for (uint32_t level = 0; level <= coarsest(k); level++) {
+        slv_gl_seam clamp = jump(texture, k, SLV_STRATEGY_CLAMP, level);
+        slv_gl_seam borders = jump(texture, k, SLV_STRATEGY_BORDERS, level);
+        slv_gl_seam traverse = jump(texture, k, SLV_STRATEGY_TRAVERSE, level);
+        CHECK(clamp.nedges > 0 && clamp.nequal == clamp.nedges);
+        if (level == 0)
+            CHECK_MSG(clamp.max > 0.2f, "%s: clamp jumps by only %g: the measure does not see seams", name,
+                      (double)clamp.max);
+        CHECK_MSG(borders.max <= 1.0f / 255, "%s %s level %u aniso %u: borders jump by %g at face %d edge %d t %g",
+                  name, slv_type_name(k->type), level, anisotropy, (double)borders.max, borders.face, borders.edge,
+                  (double)borders.t);
+        CHECK_MSG(traverse.max <= 1.0f / 255,
+                  "%s %s %u channels level %u aniso %u: traverse jumps by %g at face %d edge %d t %g", name,
+                  slv_type_name(k->type), k->nchannels, level, anisotropy, (double)traverse.max, traverse.face,
+                  traverse.edge, (double)traverse.t);
+    }
+    slv_gl_texture_destroy(texture);
+}
+
+static void check_all_types(kit *k, const char *name, uint64_t *random) {
+    for (int type = 0; type < 4; type++) {
+        kit_noise(k, (slv_type)type, 1 + test_random(random) % 4, random);
+        check_equal(k, name, 1);
+    }
+    kit_noise(k, SLV_TYPE_U8, 3, random);
+    check_equal(k, name, 1);
+    check_equal(k, name, 16);
+}
+
+/* Any mixture: the strategies must stay finite, and hide most of what clamp shows. */
+static void check_mixed(kit *k, const char *name, uint64_t *random) {
+    kit_mixed(k, 5, random);
+    kit_noise(k, SLV_TYPE_U8, 3, random);
+    slv_gl_texture *texture = upload(k, 1);
+    slv_gl_seam clamp = jump(texture, k, SLV_STRATEGY_CLAMP, 0);
+    slv_gl_seam borders = jump(texture, k, SLV_STRATEGY_BORDERS, 0);
+    slv_gl_seam traverse = jump(texture, k, SLV_STRATEGY_TRAVERSE, 0);
+    CHECK_MSG(borders.mean < clamp.mean / 8, "%s mixed: borders %g clamp %g", name, (double)borders.mean,
+              (double)clamp.mean);
+    CHECK_MSG(traverse.mean < clamp.mean / 8, "%s mixed: traverse %g clamp %g", name, (double)traverse.mean,
+              (double)clamp.mean);
+    CHECK(isfinite(borders.max) && isfinite(traverse.max));
+    slv_gl_texture_destroy(texture);
+}
+
+int main(void) {
+    static const int32_t valences[] = {3, 4, 5, 6, 8, 12};
+    uint64_t random = 7;
+    slv_env env = test_env();
+    char name[32];
+    kit k;
+    slv_result result = slv_gl_create(&env, SLV_GL_AUTO, &gl);
+    REQUIRE(result == SLV_OK);
+    for (size_t i = 0; i < sizeof valences / sizeof *valences; i++) {
+        snprintf(name, sizeof name, "valence %d", valences[i]);
+        kit_disc(&k, valences[i], &random);
+        kit_equal(&k, 3);
+        check_all_types(&k, name, &random);
+        check_mixed(&k, name, &random);
+        kit_free(&k);
+    }
+    kit_cube(&k, &random);
+    kit_equal(&k, 4);
+    check_all_types(&k, "cube", &random);
+    check_mixed(&k, "cube", &random);
+    kit_equal(&k, 0);
+    kit_noise(&k, SLV_TYPE_FLOAT, 3, &random);
+    check_equal(&k, "cube of single texels", 1);
+    kit_free(&k);
+    kit_pentagons(&k, &random);
+    kit_equal(&k, 4);
+    check_all_types(&k, "pentagons", &random);
+    check_mixed(&k, "pentagons", &random);
+    kit_free(&k);
+    for (int i = 0; i < 3; i++) {
+        kit_grid(&k, 5, 4, i == 1, i == 2 ? 30 : 0, &random, NULL);
+        kit_equal(&k, 3);
+        check_all_types(&k, i == 0 ? "open grid" : i == 1 ? "torus" : "split grid", &random);
+        check_mixed(&k, "grid", &random);
+        kit_free(&k);
+    }
+    slv_gl_destroy(gl);
+    return test_end();
+}
