@@ -12,7 +12,7 @@
 struct compare {
     const char *arguments[1];
     uint32_t narguments;
-    const char *mesh, *out, *strategies;
+    const char *mesh, *out, *strategies, *focus;
     int scheme, boundary, shading, context, adjacency;
     bool quick, quiet, size_given, frames_given;
     uint32_t size[2], msaa, aniso, frames, tess, threads;
@@ -279,6 +279,7 @@ static slv_result run(struct session *s) {
     scene_params params = {.ptx = o->arguments[0],
                            .mesh = o->mesh,
                            .adjacency = o->adjacency,
+                           .focus = o->focus,
                            .scheme = (slv_scheme)o->scheme,
                            .boundary = (slv_boundary)o->boundary};
     slv_gl_texture_params upload = {.anisotropy = o->aniso};
@@ -389,6 +390,7 @@ int verb_compare(int argc, char **argv) {
         {"--azimuth", CLI_FLOAT, &o.azimuth, "where the orbit starts, degrees from +z (30)", "DEG", 0, 0, NULL},
         {"--orbit", CLI_FLOAT, &o.orbit, "how far it goes (360)", "DEG", 0, 0, NULL},
         {"--elevation", CLI_FLOAT, &o.elevation, "degrees above the horizon (20)", "DEG", 0, 0, NULL},
+        {"--focus", CLI_TEXT, &o.focus, "group of the mesh to frame (all of it)", "GROUP", 0, 0, NULL},
         {"--fov", CLI_FLOAT, &o.fov, "vertical field of view; 0 is orthographic (35)", "DEG", 0, 0, NULL},
         {"--shading", CLI_CHOICE, &o.shading, "shading (headlight)", SCENE_SHADINGS, 0, 0, NULL},
         {"--scheme", CLI_CHOICE, &o.scheme, "subdivision scheme (catmark)", SCENE_SCHEMES, 0, 0, NULL},

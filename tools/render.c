@@ -6,7 +6,7 @@
 struct render {
     const char *arguments[2];
     uint32_t narguments;
-    const char *mesh, *view, *out;
+    const char *mesh, *view, *out, *focus;
     int strategy, scheme, boundary, shading, context, adjacency;
     bool scheme_given, boundary_given, shading_given, size_given, orbit_given, raw, quiet;
     uint32_t size[2], msaa, aniso, tess, bits, threads, channel, nchannels;
@@ -31,6 +31,7 @@ static int draw(const struct render *r, const scene_view *view, const char *path
     scene_params params = {.ptx = r->arguments[0],
                            .mesh = r->mesh,
                            .adjacency = r->adjacency,
+                           .focus = r->focus,
                            .scheme = r->scheme_given ? (slv_scheme)r->scheme : view->scheme,
                            .boundary = r->boundary_given ? (slv_boundary)r->boundary : view->boundary};
     scene_data scene = {0};
@@ -100,6 +101,7 @@ int verb_render(int argc, char **argv) {
         {"--view|-v", CLI_TEXT, &r.view, "camera, size and shading from a view file", "FILE.json", 0, 0, NULL},
         {"--azimuth", CLI_FLOAT, &r.azimuth, "degrees around the y axis, from +z (30)", "DEG", 0, 0, &r.orbit_given},
         {"--elevation", CLI_FLOAT, &r.elevation, "degrees above the horizon (20)", "DEG", 0, 0, &r.orbit_given},
+        {"--focus", CLI_TEXT, &r.focus, "group of the mesh to frame (all of it)", "GROUP", 0, 0, NULL},
         {"--fov", CLI_FLOAT, &r.fov, "vertical field of view; 0 is orthographic (35)", "DEG", 0, 0, &r.orbit_given},
         {"--size", CLI_SIZE, r.size, "pixels (512x512, or the view's)", NULL, 1, 16384, &r.size_given},
         {"--msaa", CLI_UINT, &r.msaa, "samples per pixel: 1, 2, 4, 8 (4)", NULL, 1, 64, NULL},

@@ -3,12 +3,27 @@
 #include <math.h>
 #include <string.h>
 
-static void find_bounds(const slv_mesh *mesh, float low[3], float high[3]) {
-    slv_mesh_stats stats;
-    if (slv_mesh_get_stats(NULL, mesh, &stats) == SLV_OK) {
-        memcpy(low, stats.bounds_min, sizeof stats.bounds_min);
-        memcpy(high, stats.bounds_max, sizeof stats.bounds_max);
+/* The box around all groups of a name; all polygons if the name is NULL. False if there is no such group. */
+static bool find_bounds(const slv_mesh_view *mesh, const char *group, float low[3], float high[3]) {
+    const int32_t *verts = mesh->poly_verts;
+    bool inside = !group, found = false;
+    uint32_t next = 0;
+    for (int c = 0; c < 3; c++) {
+        low[c] = INFINITY;
+        high[c] = -INFINITY;
     }
+    for (uint32_t p = 0; p < mesh->npolys; verts += mesh->poly_sizes[p++]) {
+        for (; group && next < mesh->ngroups && mesh->group_first[next] <= (int32_t)p; next++)
+            inside = strcmp(mesh->group_names[next], group) == 0;
+        for (int32_t k = 0; inside && k < mesh->poly_sizes[p]; k++) {
+            for (int c = 0; c < 3; c++) {
+                low[c] = fminf(low[c], mesh->positions[3 * (size_t)verts[k] + (size_t)c]);
+                high[c] = fmaxf(high[c], mesh->positions[3 * (size_t)verts[k] + (size_t)c]);
+            }
+        }
+        found |= inside;
+    }
+    return found;
 }
 
 slv_result scene_load(const slv_env *env, const scene_params *params, scene_data *out) {
@@ -34,7 +49,10 @@ slv_result scene_load(const slv_env *env, const scene_params *params, scene_data
     if ((result = slv_surface_create(env, out->mesh, &surface, &out->surface)) ||
         (result = slv_ptx_load_texture(env, ptx, &out->texture)))
         goto done;
-    find_bounds(out->mesh, out->bounds_min, out->bounds_max);
+    if (!find_bounds(slv_mesh_get_view(out->mesh), params->focus, out->bounds_min, out->bounds_max)) {
+        cli_error("%s: there is no group '%s' to focus on", params->mesh ? params->mesh : params->ptx, params->focus ? params->focus : "");
+        result = SLV_ERROR_ARGUMENT;
+    }
 done:
     slv_ptx_close(ptx);
     if (result)

@@ -24,6 +24,7 @@ typedef struct scene_params {
     slv_scheme scheme;
     slv_boundary boundary;
     int adjacency; /* 0 they must agree, 1 the file's, 2 the mesh's */
+    const char *focus; /* NULL, or the group of the mesh that the camera frames */
 } scene_params;
 
 typedef struct scene {
@@ -31,7 +32,7 @@ typedef struct scene {
     slv_adjacency *adjacency;
     slv_surface *surface;
     slv_texture *texture;
-    float bounds_min[3], bounds_max[3]; /* of the control points that polygons use */
+    float bounds_min[3], bounds_max[3]; /* of the mesh, or of the group in focus */
 } scene_data;
 
 slv_result scene_load(const slv_env *env, const scene_params *params, scene_data *out);

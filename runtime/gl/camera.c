@@ -16,14 +16,29 @@ bool slv_shading_from_name(const char *name, slv_shading *out) {
     return false;
 }
 
+/* How far the corners of a box reach, in units of half the picture: with perspective the distance at which all are inside,
+ * without it half the picture's height. */
+static float fit_box(const float half[3], const float *rows[3], float tangent, float aspect) {
+    float needed = 0;
+    for (int corner = 0; corner < 8; corner++) {
+        float at[3] = {0, 0, 0};
+        for (int r = 0; r < 3; r++)
+            for (int i = 0; i < 3; i++)
+                at[r] += rows[r][i] * (corner >> i & 1 ? half[i] : -half[i]);
+        float across = fmaxf(fabsf(at[0]) / aspect, fabsf(at[1]));
+        needed = fmaxf(needed, tangent > 0 ? at[2] + across / tangent : across);
+    }
+    return needed > 0 ? needed * 1.04f : 1;
+}
+
 slv_camera slv_camera_orbit(const float bounds_min[3], const float bounds_max[3], float azimuth,
                             float elevation, float fov, float aspect) {
     slv_camera camera = {.perspective = fov > 0};
-    float a = azimuth * PI / 180, e = elevation * PI / 180, radius = 0, center[3];
+    float a = azimuth * PI / 180, e = elevation * PI / 180, radius = 0, half[3], center[3];
     for (int i = 0; i < 3; i++) {
-        float half = (bounds_max[i] - bounds_min[i]) / 2;
-        center[i] = bounds_min[i] + half;
-        radius += half * half;
+        half[i] = (bounds_max[i] - bounds_min[i]) / 2;
+        center[i] = bounds_min[i] + half[i];
+        radius += half[i] * half[i];
     }
     radius = radius > 0 ? sqrtf(radius) : 1;
     /* rows: right, up, and back, which points from the centre to the eye */
@@ -32,8 +47,9 @@ slv_camera slv_camera_orbit(const float bounds_min[3], const float bounds_max[3]
     const float up[3] = {back[1] * right[2] - back[2] * right[1], back[2] * right[0] - back[0] * right[2],
                          back[0] * right[1] - back[1] * right[0]};
     const float *rows[3] = {right, up, back};
-    float tangent = tanf(fov * PI / 360), narrow = aspect < 1 ? aspect : 1;
-    float distance = camera.perspective ? radius / sinf(atanf(tangent * narrow)) : 2 * radius;
+    float tangent = camera.perspective ? tanf(fov * PI / 360) : 0;
+    float fit = fit_box(half, rows, tangent, aspect);
+    float distance = camera.perspective ? fit : 2 * radius;
     for (int r = 0; r < 3; r++) {
         float *row = camera.world_to_camera + 4 * r;
         memcpy(row, rows[r], 3 * sizeof *row);
@@ -41,7 +57,7 @@ slv_camera slv_camera_orbit(const float bounds_min[3], const float bounds_max[3]
     }
     camera.world_to_camera[11] -= distance;
     camera.world_to_camera[15] = 1;
-    float half_height = camera.perspective ? tangent : radius / narrow;
+    float half_height = camera.perspective ? tangent : fit;
     camera.window[0] = -half_height * aspect;
     camera.window[1] = half_height * aspect;
     camera.window[2] = -half_height;

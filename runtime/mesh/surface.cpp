@@ -308,30 +308,40 @@ void add_corners(const slv_mesh_view *view, const slv_mesh_fans &fans, Topology 
     }
 }
 
-/* Bfr 3.5 writes past its buffers for a sharp edge or vertex on a polygon that meets another along
- * two edges, as around a vertex of valence two or in a tube of two. Those polygons stay flat. */
+/* Bfr 3.5 writes past its buffers where a sharp edge or vertex comes together with two polygons
+ * that meet along two edges, as around a vertex of valence two or in a tube of two. What touches
+ * such polygons there stays flat. */
 void refuse_doubly_joined(const slv_mesh *mesh, const slv_mesh_edges &edges,
                           const slv_mesh_fans &fans, Topology &out) {
-    std::vector<uint8_t> tagged(fans.nverts, 0);
+    std::vector<uint8_t> tagged(fans.nverts, 0), doubly(fans.nverts, 0);
     std::vector<uint32_t> met;
+    const uint32_t npolys = slv_mesh_get_view(mesh)->npolys;
     for (int vertex : out.crease_verts)
         tagged[size_t(vertex)] = 1;
     for (int vertex : out.corner_verts)
         tagged[size_t(vertex)] = 1;
-    out.refused = out.left_out;
-    for (uint32_t p = 0; p < slv_mesh_get_view(mesh)->npolys; p++) {
-        bool sharp = false;
+    for (uint32_t p = 0; p < npolys; p++) {
+        uint32_t first = mesh->poly_first[p], end = mesh->poly_first[p + 1];
         met.clear();
-        for (uint32_t side = mesh->poly_first[p]; side < mesh->poly_first[p + 1]; side++) {
-            if (out.left_out[p])
-                continue;
+        for (uint32_t side = first; !out.left_out[p] && side < end; side++) {
             const slv_mesh_edge &edge = edges.edges[edges.side_edge[side]];
-            sharp = sharp || tagged[size_t(fans.side_vert[side])];
             if (edge.count > 1)
                 met.push_back(edges.side_poly[edge.side[edge.side[0] == side]]);
         }
         std::sort(met.begin(), met.end());
-        if (sharp && std::adjacent_find(met.begin(), met.end()) != met.end())
+        if (std::adjacent_find(met.begin(), met.end()) != met.end())
+            for (uint32_t side = first; side < end; side++)
+                doubly[size_t(fans.side_vert[side])] = 1;
+    }
+    out.refused = out.left_out;
+    for (uint32_t p = 0; p < npolys; p++) {
+        bool sharp = false, near = false;
+        for (uint32_t side = mesh->poly_first[p];
+             !out.left_out[p] && side < mesh->poly_first[p + 1]; side++) {
+            sharp = sharp || tagged[size_t(fans.side_vert[side])];
+            near = near || doubly[size_t(fans.side_vert[side])];
+        }
+        if (sharp && near)
             out.refused[p] = 1;
     }
 }
