@@ -60,7 +60,7 @@ slv_result ptx_meta_parse(slv_ptx *ptx, const char *what, const uint8_t *bytes, 
                             ptx->name, what, ptx->info.nmeta, (unsigned long long)at,
                             (unsigned long long)size);
         uint32_t value_size = ptx_get_u32(bytes + value - 4);
-        void *values;
+        void *values = NULL;
         slv_result result =
             append(ptx, bytes + at + 1, key_size, bytes[value - 5], value_size, &values);
         if (result)
@@ -92,7 +92,7 @@ slv_result ptx_meta_read_large(slv_ptx *ptx, struct libdeflate_decompressor *inf
                             ptx->name, ptx->info.nmeta, zipped, (unsigned long long)position,
                             (unsigned long long)end);
         uint8_t *unpacked = NULL;
-        void *values;
+        void *values = NULL;
         slv_result result =
             ptx_read_zip(ptx, inflater, "large metadata", position, zipped, value_size, &unpacked);
         if (!result)

@@ -81,7 +81,7 @@ static slv_result pack_array(ptx_packer *packer, ptx_bytes *out, const uint8_t *
                              size_t pitch, slv_res res, uint32_t *header) {
     size_t w = (size_t)1 << res.u, h = (size_t)1 << res.v, n = packer->nchannels;
     uint64_t size = ptx_texel_count(res) * packer->pixel_size;
-    uint32_t length, encoding = PTX_ZIPPED;
+    uint32_t length = 0, encoding = PTX_ZIPPED;
     const void *in = texels;
     packer->planes.size = 0;
     slv_result result = ptx_bytes_reserve(packer->env, packer->path, &packer->planes, size);
