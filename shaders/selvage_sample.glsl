@@ -171,6 +171,8 @@ vec4 slv_sample_grad(int face, vec2 uv, vec2 dx, vec2 dy) {
 // Per face, for each edge: the face across it; 16 bits a link, edges 0 and 1 in the first word:
 //   bits 0-1 the adjacent edge   bits 2-3 kind: 0 boundary, 1 like to like, 2 whole quad to two sub-faces, 3 sub-face to whole
 //   bit 4 which half of the whole quad's edge (kind 3)   bits 5-8 pool of the (first) neighbour   bits 9-12 of the second
+//   bits 13 and 15 texels are of one size on both sides at the edge's start and at its end   bit 14 the edge starts in the middle of a whole quad's edge: what lies across
+//   that edge continues straight past the corner, and nothing is missing there
 struct slv_links {
     ivec4 face;
     uint links01, links23;
@@ -181,7 +183,7 @@ layout(std430, binding = SLV_FIRST_STORAGE + 1) readonly buffer slv_links_block 
     slv_links slv_adjacent[];
 };
 
-// What a corner misses when the face and its edge neighbours are summed: levels values for each of four corners.
+// The value that all faces around a corner agree on: one for each level, for each of four corners.
 layout(std430, binding = SLV_FIRST_STORAGE + 3) readonly buffer slv_corner_block {
     vec4 slv_corner[];
 };
@@ -296,12 +298,40 @@ slv_tap slv_neighbour(slv_links links, int edge, bool second, vec2 uv, slv_footp
     return slv_across(pool, face, edge, adjacent, scale, end, slv_to_edge(edge, uv), f);
 }
 
+bool slv_same_texels(slv_links links, int edge, bool at_start) {
+    return links.face[edge] >= 0 && (slv_link(links, edge) & (at_start ? 0x2000u : 0x8000u)) != 0u;
+}
+
+// Near a corner, from the lookups in the face and across the two edges that meet there. With t and s the parts of the filter
+// that lie across the one edge and the other, and M the value at the vertex, bilinear interpolation is
+//     (1 - s - t) own + t (1 - 2s) first + s (1 - 2t) second + 4 s t M.
+// Coverage gives s and t, exactly so beside a neighbour whose texels are as large as the face's own; on an edge between two such
+// faces both sides must use those. Away from the edge, where texels differ, the pair's own weights must come out.
+vec4 slv_blend_corner(slv_tap own, slv_tap first, slv_tap second, bool same_first, bool same_second, bool has_first,
+                      bool has_second, vec4 vertex) {
+    vec4 a = slv_resolve(own);
+    vec4 b = has_first && first.coverage > 0.0 ? slv_resolve(first) : a;
+    vec4 c = has_second && second.coverage > 0.0 ? slv_resolve(second) : a;
+    float across_second = 1.0 - (own.coverage + first.coverage), across_first = 1.0 - (own.coverage + second.coverage);
+    float t = has_first ? first.coverage / max(own.coverage + first.coverage, 1e-6) : across_first;
+    float s = has_second ? second.coverage / max(own.coverage + second.coverage, 1e-6) : across_second;
+    s = clamp(s, 0.0, 0.5);
+    t = clamp(t, 0.0, 0.5);
+    float exact_s = same_first ? clamp(across_second, 0.0, 0.5) : s;
+    float exact_t = same_second ? clamp(across_first, 0.0, 0.5) : t;
+    float blended_s = mix(s, exact_s, 2.0 * t);
+    float blended_t = mix(t, exact_t, 2.0 * s);
+    s = blended_s;
+    t = blended_t;
+    return (1.0 - s - t) * a + t * (1.0 - 2.0 * s) * b + s * (1.0 - 2.0 * t) * c + 4.0 * s * t * vertex;
+}
+
 vec4 slv_sample_grad(int face, vec2 uv, vec2 dx, vec2 dy) {
     slv_links links = slv_adjacent[face];
     vec2 size = slv_face_size(face);
     uv = clamp(uv, 0.0, 1.0);
     slv_footprint f = slv_footprint_of(size, dx, dy);
-    slv_tap sum = slv_own(face, uv, f);
+    slv_tap own = slv_own(face, uv, f);
 
     // no tap is further away than the footprint's extent and half a texel of the coarser level
     float rho = max(length(dx * size), length(dy * size));
@@ -322,40 +352,42 @@ vec4 slv_sample_grad(int face, vec2 uv, vec2 dx, vec2 dy) {
 #endif
         }
     }
-    slv_tap beside = slv_tap(vec4(0.0), 0.0);
+    slv_tap none = slv_tap(vec4(0.0), 0.0), first = none, second = none, others = none;
     while (pending != 0u) {
         int visit = findLSB(pending);
         pending &= pending - 1u;
         slv_tap tap = slv_neighbour(links, visit & 3, visit > 3, uv, f);
-        slv_add(sum, tap);
-        if ((visit & 3) == after || (visit & 3) == before)
-            slv_add(beside, tap);
+        if ((visit & 3) == after)
+            slv_add(first, tap);
+        else if ((visit & 3) == before)
+            slv_add(second, tap);
+        else
+            slv_add(others, tap);
     }
 
-    // the faces around the nearest corner that are no edge neighbours
-    if ((low.x || high.x) && (low.y || high.y)) {
-        bool has_after = links.face[after] >= 0, has_before = links.face[before] >= 0;
-        float missing = clamp(1.0 - sum.coverage, 0.0, 1.0);
-        if (missing > 0.0 && (has_after || has_before)) {
-            float level = clamp(f.level, 0.0, float(links.levels - 1u));
-            uint first = links.corners + uint(corner) * links.levels + uint(level);
-            vec4 value = mix(slv_corner[first], slv_corner[min(first + 1u, links.corners + (uint(corner) + 1u) * links.levels - 1u)],
-                             fract(level));
-            if (has_after && has_before) {
-                slv_add(sum, slv_tap(value * missing, missing));
-            } else {
-                // beside a boundary: the far corner's weight is the product of what lies beyond either edge
-                vec4 shift = missing * (beside.coverage * value - beside.color);
-                vec4 plain = sum.color / max(sum.coverage, 1e-6);
+    // what the far edges do not cover belongs to the corner
+    float rest = 1.0 - others.coverage;
+    bool has_after = links.face[after] >= 0, has_before = links.face[before] >= 0;
+    bool passed = (slv_link(links, corner) & 0x4000u) != 0u;
+    if (reached[after] && reached[before] && (has_after || has_before) && rest > 1e-3 && !passed) {
+        float level = clamp(f.level, 0.0, float(links.levels - 1u));
+        uint start = links.corners + uint(corner) * links.levels;
+        vec4 vertex = mix(slv_corner[start + uint(level)], slv_corner[start + min(uint(level) + 1u, links.levels - 1u)],
+                          fract(level));
+        own = slv_tap(own.color / rest, own.coverage / rest);
+        first = slv_tap(first.color / rest, first.coverage / rest);
+        second = slv_tap(second.color / rest, second.coverage / rest);
+        vec4 near = slv_blend_corner(own, first, second, slv_same_texels(links, after, true),
+                                     slv_same_texels(links, before, false), has_after, has_before, vertex);
 #if !SLV_SPLIT_COVERAGE
-                plain.a = 1.0;
-                shift.a = 0.0;
+        near.a = 1.0;
 #endif
-                return plain + shift / max(sum.coverage, 1e-6);
-            }
-        }
+        return others.color + rest * near;
     }
-    return slv_resolve(sum);
+    slv_add(own, first);
+    slv_add(own, second);
+    slv_add(own, others);
+    return slv_resolve(own);
 }
 
 #endif

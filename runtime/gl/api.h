@@ -106,6 +106,7 @@ struct slv_gl {
     slv_gl_api api;
     slv_gl_info info;
     slv_gl_platform platform;
+    slv_gl_get_proc get_proc; /* NULL for a host's context */
     uint64_t serial; /* of the last texture made, so that caches can tell textures apart */
 };
 

@@ -156,18 +156,28 @@ static bool second_half(unsigned edge, const slv_neighbour *neighbour) {
     return along[neighbour->edge] > 0.75f;
 }
 
+/* Whether a neighbour's texels are as large as the face's own, along both axes. */
+static bool same_texels(const slv_texture_desc *desc, uint32_t face, const slv_neighbour *neighbour) {
+    slv_res own = desc->res[face], other = desc->res[neighbour->face];
+    int finer = neighbour->scale > 1 ? 1 : neighbour->scale < 1 ? -1 : 0;
+    bool swapped = neighbour->map.uu == 0;
+    return own.u == (swapped ? other.v : other.u) + finer && own.v == (swapped ? other.u : other.v) + finer;
+}
+
 static void fill_link_row(const slv_gl_source *source, const slv_gl_store *store, const slv_gl_batches *batches,
                           const uint32_t *batch_of, uint32_t face, struct link_row *row) {
     const slv_gl_batch_range *range = &batches->ranges[batch_of[face]];
     for (unsigned e = 0; e < 4; e++) {
         slv_neighbour neighbours[2] = {{0}};
         uint32_t count = slv_adjacency_neighbours(source->adjacency, (int32_t)face, e, neighbours), slots[2] = {0};
-        bool fits = count > 0;
+        bool fits = count > 0, same[2] = {false, false};
         for (uint32_t i = 0; i < count; i++) {
+            same[i] = same_texels(slv_levels_get_desc(source->levels), face, &neighbours[i]);
             slots[i] = slot_of(range, store->pool_of[neighbours[i].face]);
             fits &= slots[i] < range->npools;
         }
         row->face[e] = SLV_BOUNDARY;
+        row->links[e] = (uint16_t)(slv_adjacency_is_t_corner(source->adjacency, (int32_t)face, e) << 14);
         if (!fits)
             continue;
         /* of two sub-faces the shader starts at the primary, the one that the record names */
@@ -175,9 +185,10 @@ static void fill_link_row(const slv_gl_source *source, const slv_gl_store *store
                                            slv_adjacency_faces(source->adjacency)[face].face[e];
         uint32_t kind = count == 2 ? 2 : neighbours[0].scale < 1 ? 3 : 1;
         row->face[e] = neighbours[first].face;
-        row->links[e] = (uint16_t)(neighbours[first].edge | kind << 2 |
+        row->links[e] |= (uint16_t)(neighbours[first].edge | kind << 2 |
                                    (uint32_t)(kind == 3 && second_half(e, &neighbours[0])) << 4 |
-                                   slots[first] << 5 | slots[!first] << 9);
+                                   slots[first] << 5 | slots[!first] << 9 | (uint32_t)same[0] << 13 |
+                                    (uint32_t)same[count - 1] << 15);
     }
 }
 
@@ -200,7 +211,7 @@ static slv_result fill_corners(void *user, uint64_t first, uint64_t end) {
         for (unsigned corner = 0; corner < 4; corner++) {
             for (uint32_t level = 0; level < row->levels; level++) {
                 float *out = job->corners + 4 * ((size_t)row->corners + corner * row->levels + level);
-                slv_border_corner(job->source->levels, job->source->adjacency, (uint32_t)face, level, corner,
+                slv_border_vertex(job->source->levels, job->source->adjacency, (uint32_t)face, level, corner,
                                   values);
                 out[3] = 1;
                 memcpy(out, values + params->first_channel, params->nchannels * sizeof *out);

@@ -114,6 +114,7 @@ static slv_result adopt(const slv_env *env, slv_gl_backend backend, slv_gl_platf
         return result;
     }
     gl->platform = platform;
+    gl->get_proc = backend == SLV_GL_HOST ? NULL : get_proc;
     *out = gl;
     return SLV_OK;
 }
@@ -155,6 +156,10 @@ void slv_gl_destroy(slv_gl *gl) {
 
 const slv_gl_info *slv_gl_get_info(const slv_gl *gl) {
     return &gl->info;
+}
+
+slv_gl_proc slv_gl_get_function(const slv_gl *gl, const char *name) {
+    return gl->get_proc ? gl->get_proc(NULL, name) : NULL;
 }
 
 slv_result slv_gl_check(const slv_gl *gl, const slv_env *env, const char *what) {

@@ -46,6 +46,10 @@ SLV_API void slv_gl_destroy(slv_gl *gl);
 
 SLV_API const slv_gl_info *slv_gl_get_info(const slv_gl *gl);
 
+/* An OpenGL function by its full name ("glClear"), for drawing of one's own in a context that slv_gl_create made. NULL if the driver
+ * has none of that name (some drivers return a pointer for every name), and in a wrapped context, whose application has a loader. */
+SLV_API slv_gl_proc slv_gl_get_function(const slv_gl *gl, const char *name);
+
 #ifdef __cplusplus
 }
 #endif

@@ -1,0 +1,225 @@
+/* Every text that the library can hand to a shader is valid GLSL: for the reference compiler, which must be installed, and for the
+ * driver of a real context, linked with the vertex shaders that it is used with. */
+#include "render/command_kit.h"
+
+#include <selvage/gl_texture.h>
+
+#include <GL/glcorearb.h>
+
+#define FUNCTIONS(X)                                                                               \
+    X(PFNGLCREATESHADERPROC, CreateShader)                                                         \
+    X(PFNGLDELETESHADERPROC, DeleteShader)                                                         \
+    X(PFNGLSHADERSOURCEPROC, ShaderSource)                                                         \
+    X(PFNGLCOMPILESHADERPROC, CompileShader)                                                       \
+    X(PFNGLGETSHADERIVPROC, GetShaderiv)                                                           \
+    X(PFNGLGETSHADERINFOLOGPROC, GetShaderInfoLog)                                                 \
+    X(PFNGLCREATEPROGRAMPROC, CreateProgram)                                                       \
+    X(PFNGLDELETEPROGRAMPROC, DeleteProgram)                                                       \
+    X(PFNGLATTACHSHADERPROC, AttachShader)                                                         \
+    X(PFNGLLINKPROGRAMPROC, LinkProgram)                                                           \
+    X(PFNGLGETPROGRAMIVPROC, GetProgramiv)                                                         \
+    X(PFNGLGETPROGRAMINFOLOGPROC, GetProgramInfoLog)
+
+enum { MAX_FILES = 1024, STAGES = 2 };
+
+static const char version[] = "#version 450 core\n";
+static const char *const stage_names[STAGES] = {"surface", "lookup"};
+
+static struct {
+#define MEMBER(type, name) type name;
+    FUNCTIONS(MEMBER)
+#undef MEMBER
+} api;
+
+static slv_gl *gl;
+static kit_scratch scratch;
+static kit_run run;
+static char *seen[MAX_FILES];
+static int nseen, nfiles;
+static char *vertex[STAGES], *fragment[STAGES];
+static GLuint vertex_shaders[STAGES];
+
+static char *read_shader(const char *name) {
+    char folder[KIT_PATH], path[KIT_PATH];
+    kit_join(folder, kit_variable("SELVAGE_TESTS"), "../shaders");
+    return kit_read(kit_join(path, folder, name), NULL);
+}
+
+static GLuint compile(GLenum stage, const char *name, const char *const *texts, int ntexts) {
+    char words[1024] = "no log";
+    GLint good = 0;
+    GLuint shader = api.CreateShader(stage);
+    api.ShaderSource(shader, ntexts, texts, NULL);
+    api.CompileShader(shader);
+    api.GetShaderiv(shader, GL_COMPILE_STATUS, &good);
+    if (!good)
+        api.GetShaderInfoLog(shader, sizeof words, NULL, words);
+    CHECK_MSG(good, "%s does not compile: %s", name, words);
+    return shader;
+}
+
+static void link_stage(int stage, const char *name, const char *lookups) {
+    const char *texts[] = {version, lookups, fragment[stage]};
+    char words[1024] = "no log";
+    GLint good = 0;
+    GLuint shader = compile(GL_FRAGMENT_SHADER, name, texts, 3), program = api.CreateProgram();
+    api.AttachShader(program, vertex_shaders[stage]);
+    api.AttachShader(program, shader);
+    api.LinkProgram(program);
+    api.GetProgramiv(program, GL_LINK_STATUS, &good);
+    if (!good)
+        api.GetProgramInfoLog(program, sizeof words, NULL, words);
+    CHECK_MSG(good, "%s does not link: %s", name, words);
+    api.DeleteProgram(program);
+    api.DeleteShader(shader);
+}
+
+static void write_shader(const char *name, const char *lookups, const char *rest) {
+    char path[KIT_PATH];
+    FILE *stream = fopen(kit_join(path, scratch.folder, name), "w");
+    REQUIRE(stream);
+    fputs(version, stream);
+    fputs(lookups, stream);
+    fputs(rest, stream);
+    REQUIRE(fclose(stream) == 0);
+    nfiles++;
+}
+
+static void check_text(const char *lookups, const char *name) {
+    for (int i = 0; i < nseen; i++)
+        if (strcmp(seen[i], lookups) == 0)
+            return;
+    REQUIRE(nseen < MAX_FILES);
+    seen[nseen] = strdup(lookups);
+    REQUIRE(seen[nseen]);
+    nseen++;
+    for (int stage = 0; stage < STAGES; stage++) {
+        char file[128];
+        snprintf(file, sizeof file, "%s_%s.frag", stage_names[stage], name);
+        write_shader(file, lookups, fragment[stage]);
+        link_stage(stage, file, lookups);
+    }
+}
+
+/* What the library decides by the driver is checked both ways on every driver. */
+static void check_both_taps(const char *lookups, uint32_t anisotropy, const char *name) {
+    static const char define[] = "#define SLV_TAPS ";
+    char other_name[96];
+    check_text(lookups, name);
+    if (anisotropy == 1)
+        return;
+    char *other = strdup(lookups);
+    REQUIRE(other);
+    char *at = strstr(other, define);
+    REQUIRE(at);
+    at += sizeof define - 1;
+    REQUIRE(*at == '0' || *at == '1');
+    *at = *at == '0' ? '1' : '0';
+    snprintf(other_name, sizeof other_name, "%s_othertaps", name);
+    check_text(other, other_name);
+    free(other);
+}
+
+static void check_texture(uint32_t nchannels, uint32_t anisotropy) {
+    slv_env env = test_env();
+    slv_texture *texture = NULL;
+    slv_adjacency *adjacency = NULL;
+    slv_gl_texture *uploaded = NULL;
+    const slv_res res[1] = {{3, 2}};
+    slv_texture_desc desc = {1, SLV_TYPE_U8, nchannels, SLV_NO_ALPHA, res};
+    slv_face_adjacency alone = {{-1, -1, -1, -1}, {0}};
+    slv_gl_texture_params params = {.anisotropy = anisotropy};
+    REQUIRE(slv_texture_create(&env, &desc, &texture) == SLV_OK);
+    REQUIRE(slv_adjacency_create(&env, 1, &alone, NULL, &adjacency) == SLV_OK);
+    REQUIRE(slv_gl_texture_create(gl, &env, texture, adjacency, &params, &uploaded) == SLV_OK);
+    for (int s = 0; s < SLV_STRATEGY_COUNT; s++) {
+        for (uint32_t v = 0; v < SLV_GL_MAX_VARIANTS; v++) {
+            char name[64];
+            snprintf(name, sizeof name, "%s_variant%u_channels%u_aniso%u", slv_strategy_name((slv_strategy)s), v,
+                     nchannels, anisotropy);
+            const char *lookups = slv_gl_texture_glsl(uploaded, (slv_strategy)s, v);
+            CHECK_MSG(strstr(lookups, "slv_sample_grad") != NULL, "%s: no text", name);
+            check_both_taps(lookups, anisotropy, name);
+        }
+        CHECK(slv_gl_texture_glsl(uploaded, (slv_strategy)s, SLV_GL_MAX_VARIANTS)[0] == 0);
+    }
+    slv_gl_texture_destroy(uploaded);
+    slv_adjacency_destroy(adjacency);
+    slv_texture_destroy(texture);
+}
+
+/* What the reference compiler complains about, without the names of the files that it accepts. */
+static void print_complaints(const char *text) {
+    for (const char *line = text; *line;) {
+        int length = (int)strcspn(line, "\n");
+        if (strncmp(line, "ERROR", 5) == 0 || strncmp(line, "WARNING", 7) == 0 || strncmp(line, "sh:", 3) == 0)
+            fprintf(stderr, "%.*s\n", length, line);
+        line += length + (line[length] == '\n');
+    }
+}
+
+static int reference_compiler(const char *pattern) {
+    char command[256];
+    snprintf(command, sizeof command, "exec glslangValidator %s", pattern);
+    const char *argv[] = {"/bin/sh", "-c", command, NULL};
+    kit_run_program(&scratch, NULL, argv, &run);
+    return run.code;
+}
+
+int main(void) {
+    slv_env env = test_env();
+    kit_scratch_make(&scratch);
+    REQUIRE(slv_gl_create(&env, SLV_GL_AUTO, &gl) == SLV_OK);
+    CHECK(slv_gl_get_info(gl)->backend != SLV_GL_HOST);
+#define LOAD(type, name)                                                                           \
+    api.name = (type)slv_gl_get_function(gl, "gl" #name);                                          \
+    REQUIRE(api.name != NULL);
+    FUNCTIONS(LOAD)
+#undef LOAD
+    for (int stage = 0; stage < STAGES; stage++) {
+        char name[64];
+        snprintf(name, sizeof name, "%s.vert", stage_names[stage]);
+        vertex[stage] = read_shader(name);
+        const char *texts[] = {version, vertex[stage]};
+        vertex_shaders[stage] = compile(GL_VERTEX_SHADER, name, texts, 2);
+        write_shader(name, "", vertex[stage]);
+        snprintf(name, sizeof name, "%s.frag", stage_names[stage]);
+        fragment[stage] = read_shader(name);
+    }
+    for (uint32_t nchannels = 3; nchannels <= 4; nchannels++) {
+        check_texture(nchannels, 1);
+        check_texture(nchannels, 16);
+    }
+    /* with and without coverage of their own for two strategies, without for the other two; three kinds of taps */
+    CHECK_MSG(nseen == (2 * 1 + 2 * 2) * 3 * SLV_GL_MAX_VARIANTS, "%d texts", nseen);
+    CHECK(kit_count_files(scratch.folder) == nfiles);
+
+    for (int stage = 0; stage < STAGES; stage++) {
+        static const char *const patterns[] = {"clamp", "borders", "traverse", "discard"};
+        for (int s = 0; s < 4; s++) {
+            char pattern[64];
+            snprintf(pattern, sizeof pattern, "%s_%s_*.frag", stage_names[stage], patterns[s]);
+            int code = reference_compiler(pattern);
+            CHECK_MSG(code == 0, "glslangValidator (Debian: glslang-tools) ended with %d on %s", code, pattern);
+            CHECK_MSG(!strstr(run.out, "WARNING"), "glslangValidator warns");
+            if (code)
+                print_complaints(run.out);
+            fputs(run.err, stderr);
+        }
+    }
+    CHECK(reference_compiler("*.vert") == 0);
+    /* the test of the test: an error is an error for both */
+    write_shader("broken.frag", seen[0], "void main() { slv_sample(0.5); }\n");
+    CHECK(reference_compiler("broken.frag") != 0 && strstr(run.out, "ERROR"));
+
+    for (int stage = 0; stage < STAGES; stage++) {
+        api.DeleteShader(vertex_shaders[stage]);
+        free(vertex[stage]);
+        free(fragment[stage]);
+    }
+    while (nseen)
+        free(seen[--nseen]);
+    slv_gl_destroy(gl);
+    kit_remove(scratch.root);
+    return test_end();
+}
