@@ -266,37 +266,3 @@ void slv_border_vertex(const slv_levels *levels, const slv_adjacency *adjacency,
             out[view.first + c] = value[c] / view.one;
     }
 }
-
-/* The texel of the neighbour that lies next to a vertex, at either end of an edge; the face's own
- * at a boundary. */
-static bool beside(const slv_border_view *view, const slv_border_edge *edge, bool at_end,
-                   float *out) {
-    uint32_t j = at_end ? (1u << edge->exponent) - 1 : 0;
-    const slv_border_link *link = NULL;
-    for (uint32_t i = 0; i < edge->nlinks; i++)
-        if (at_end ? edge->links[i].to.t1 >= 1.0f : edge->links[i].to.t0 <= 0.0f)
-            link = &edge->links[i];
-    slv_border_edge_from(view, edge, link, j, out);
-    return link != NULL;
-}
-
-unsigned slv_border_corner(const slv_levels *levels, const slv_adjacency *adjacency, uint32_t face,
-                           uint32_t level, unsigned corner, float *out) {
-    assert(face < levels->desc.nfaces && face < slv_adjacency_face_count(adjacency));
-    slv_border_view view = slv_border_view_begin(levels, adjacency);
-    unsigned met = 0;
-    float m[SLV_BORDER_CHANNELS], a[SLV_BORDER_CHANNELS], b[SLV_BORDER_CHANNELS],
-        e[SLV_BORDER_CHANNELS], opposite[SLV_BORDER_CHANNELS];
-    slv_border_edge starts = slv_border_edge_at(&view, face, level, corner % 4);
-    slv_border_edge ends = slv_border_edge_at(&view, face, level, (corner + 3) % 4);
-    while (slv_border_view_next(&view)) {
-        bool regular = slv_border_vertex_value(&view, face, level, corner % 4, m, opposite);
-        fetch_corner(&view, face, level, corner % 4, a);
-        met = (beside(&view, &starts, false, b) ? 1u : 0u) |
-              (beside(&view, &ends, true, e) ? 2u : 0u);
-        for (uint32_t c = 0; c < view.count; c++)
-            out[view.first + c] =
-                (regular ? opposite[c] : slv_border_diagonal(m[c], a[c], b[c], e[c])) / view.one;
-    }
-    return met;
-}

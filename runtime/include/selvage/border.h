@@ -34,13 +34,6 @@ SLV_API slv_result slv_border_build(const slv_levels *levels, const slv_adjacenc
 SLV_API void slv_border_vertex(const slv_levels *levels, const slv_adjacency *adjacency, uint32_t face,
                                uint32_t level, unsigned corner, float *out);
 
-/* The value that stands for what is missing at a corner when a face and its two edge neighbours are looked up with a
- * border colour of zero, each at its own matching level, and summed (the Traverse strategy): d = 4M - a - b - e with b and
- * e the neighbours' own corner texels. Across a boundary edge the face's own texel a stands for the neighbour's.
- * Returns which of the corner's two edges have a neighbour: bit 0 for edge `corner`, bit 1 for edge (corner + 3) % 4. */
-SLV_API unsigned slv_border_corner(const slv_levels *levels, const slv_adjacency *adjacency, uint32_t face,
-                                   uint32_t level, unsigned corner, float *out);
-
 #ifdef __cplusplus
 }
 #endif
