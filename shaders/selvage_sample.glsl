@@ -132,6 +132,10 @@ void slv_add(inout slv_tap sum, slv_tap tap) {
     sum.coverage += tap.coverage;
 }
 
+slv_tap slv_scaled(slv_tap tap, float scale) {
+    return slv_tap(tap.color * scale, tap.coverage * scale);
+}
+
 // A whole footprint, from one lookup where the sampler makes the taps.
 #if SLV_TAPS
 #define SLV_GATHER(lookup, p, f)                                                                   \
@@ -298,8 +302,11 @@ slv_tap slv_neighbour(slv_links links, int edge, bool second, vec2 uv, slv_footp
     return slv_across(pool, face, edge, adjacent, scale, end, slv_to_edge(edge, uv), f);
 }
 
-bool slv_same_texels(slv_links links, int edge, bool at_start) {
+bool slv_same_at(slv_links links, int edge, bool at_start) {
     return links.face[edge] >= 0 && (slv_link(links, edge) & (at_start ? 0x2000u : 0x8000u)) != 0u;
+}
+bool slv_same_texels(slv_links links, int edge) {
+    return (slv_link(links, edge) & 0xa000u) == 0xa000u;
 }
 
 // Near a corner, from the lookups in the face and across the two edges that meet there. With t and s the parts of the filter
@@ -333,9 +340,13 @@ vec4 slv_sample_grad(int face, vec2 uv, vec2 dx, vec2 dy) {
     slv_footprint f = slv_footprint_of(size, dx, dy);
     slv_tap own = slv_own(face, uv, f);
 
-    // no tap is further away than the footprint's extent and half a texel of the coarser level
-    float rho = max(length(dx * size), length(dy * size));
-    vec2 reach = abs(dx) + abs(dy) + max(rho, 1.0) / size;
+    // how far from an edge taps still leave the face: the row of taps, and half a texel of the coarser level
+#if SLV_TAPS || SLV_ANISOTROPY == 1
+    float spread = float(f.taps) / float(f.taps + 1) - 0.5, halves = 0.501;
+#else
+    float spread = 0.5, halves = 1.0; // the sampler's own way of placing taps is not known exactly
+#endif
+    vec2 reach = spread * abs(f.axis) + halves * exp2(ceil(max(f.level, 0.0))) / size;
     bvec2 low = lessThan(uv, reach), high = greaterThan(uv, 1.0 - reach);
     bvec4 reached = bvec4(low.y, high.x, high.y, low.x); // by edge
     int corner = uv.y < 0.5 ? (uv.x < 0.5 ? 0 : 1) : (uv.x < 0.5 ? 3 : 2);
@@ -352,18 +363,31 @@ vec4 slv_sample_grad(int face, vec2 uv, vec2 dx, vec2 dy) {
 #endif
         }
     }
-    slv_tap none = slv_tap(vec4(0.0), 0.0), first = none, second = none, others = none;
+    slv_tap none = slv_tap(vec4(0.0), 0.0);
+    slv_tap first = none, second = none, others = none, unlike = none;
     while (pending != 0u) {
-        int visit = findLSB(pending);
+        int visit = findLSB(pending), edge = visit & 3;
         pending &= pending - 1u;
-        slv_tap tap = slv_neighbour(links, visit & 3, visit > 3, uv, f);
-        if ((visit & 3) == after)
+        slv_tap tap = slv_neighbour(links, edge, visit > 3, uv, f);
+        if (edge == after)
             slv_add(first, tap);
-        else if ((visit & 3) == before)
+        else if (edge == before)
             slv_add(second, tap);
-        else
+        else if (slv_same_texels(links, edge))
             slv_add(others, tap);
+        else
+            slv_add(unlike, tap);
     }
+
+    // Neighbours with larger texels reach further into this face than its own filter reaches out: together they get no more
+    // weight than is missing, so that their influence ends where the filter lies inside.
+    bool same_first = slv_same_texels(links, after), same_second = slv_same_texels(links, before);
+    float exact = own.coverage + others.coverage + (same_first ? first.coverage : 0.0) + (same_second ? second.coverage : 0.0);
+    float spare = unlike.coverage + (same_first ? 0.0 : first.coverage) + (same_second ? 0.0 : second.coverage);
+    float share = clamp((1.0 - exact) / max(spare, 1e-6), 0.0, 1.0);
+    first = same_first ? first : slv_scaled(first, share);
+    second = same_second ? second : slv_scaled(second, share);
+    slv_add(others, slv_scaled(unlike, share));
 
     // what the far edges do not cover belongs to the corner
     float rest = 1.0 - others.coverage;
@@ -374,11 +398,9 @@ vec4 slv_sample_grad(int face, vec2 uv, vec2 dx, vec2 dy) {
         uint start = links.corners + uint(corner) * links.levels;
         vec4 vertex = mix(slv_corner[start + uint(level)], slv_corner[start + min(uint(level) + 1u, links.levels - 1u)],
                           fract(level));
-        own = slv_tap(own.color / rest, own.coverage / rest);
-        first = slv_tap(first.color / rest, first.coverage / rest);
-        second = slv_tap(second.color / rest, second.coverage / rest);
-        vec4 near = slv_blend_corner(own, first, second, slv_same_texels(links, after, true),
-                                     slv_same_texels(links, before, false), has_after, has_before, vertex);
+        vec4 near = slv_blend_corner(slv_scaled(own, 1.0 / rest), slv_scaled(first, 1.0 / rest),
+                                     slv_scaled(second, 1.0 / rest), slv_same_at(links, after, true),
+                                     slv_same_at(links, before, false), has_after, has_before, vertex);
 #if !SLV_SPLIT_COVERAGE
         near.a = 1.0;
 #endif

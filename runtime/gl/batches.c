@@ -96,40 +96,60 @@ static uint32_t variant_for(uint32_t npools, bool two_subfaces) {
     return log2 << 1 | two_subfaces;
 }
 
-/* Puts each face into a batch of its own pool whose pools hold its neighbours; a batch is closed when a face's pools no
- * longer fit. Small needs get small batches of their own, so that most faces run the cheapest shader. */
+/* How many of `pools` a range lacks, or UINT32_MAX if it has no room for them. */
+static uint32_t missing_pools(const slv_gl_batch_range *range, const uint32_t *pools, uint32_t npools) {
+    uint32_t missing = 0;
+    for (uint32_t i = 0; i < npools; i++) {
+        uint32_t k = 0;
+        while (k < range->npools && range->pools[k] != pools[i])
+            k++;
+        missing += k == range->npools;
+    }
+    return range->npools + missing <= slv_gl_variant_pools(range->variant) ? missing : UINT32_MAX;
+}
+
+/* The batch that a face joins at the least cost: of its variant, among the newest of its own pool. Where size classes alternate from
+ * face to face, neighbouring faces belong to different batches, so that the newest alone would seldom fit. */
+static slv_gl_batch_range *find_range(const slv_gl_batches *batches, uint32_t first, uint32_t variant,
+                                      const uint32_t *pools, uint32_t npools) {
+    enum { NEWEST = 64 };
+    slv_gl_batch_range *best = NULL;
+    uint32_t least = UINT32_MAX;
+    for (uint32_t b = batches->count; b > first && b + NEWEST > batches->count && least > 0; b--) {
+        slv_gl_batch_range *range = &batches->ranges[b - 1];
+        uint32_t missing = range->variant == variant ? missing_pools(range, pools, npools) : UINT32_MAX;
+        if (missing < least) {
+            least = missing;
+            best = range;
+        }
+    }
+    return best;
+}
+
+/* Puts each face into a batch of its own pool whose pools hold its neighbours. Small needs get small batches of their own, so that
+ * most faces run the cheapest shader. */
 static slv_result assign_batches(const slv_gl_source *source, const slv_gl_store *store, slv_gl_batches *batches,
                                  uint32_t *batch_of) {
     uint32_t dropped_faces = 0, most = source->params.batch_pools;
     slv_result result = SLV_OK;
     for (uint32_t p = 0; p < store->npools; p++) {
-        int64_t open[SLV_GL_MAX_VARIANTS];
-        for (uint32_t v = 0; v < SLV_GL_MAX_VARIANTS; v++)
-            open[v] = -1;
+        uint32_t first = batches->count;
         for (uint32_t layer = 0; layer < store->pools[p].nlayers; layer++) {
             uint32_t face = store->pools[p].faces[layer], pools[MAX_REACH];
             bool two_subfaces = false, dropped = false;
             uint32_t npools = reach_of(source, store, face, most, pools, &two_subfaces, &dropped);
             uint32_t variant = variant_for(npools, two_subfaces);
             dropped_faces += dropped;
-            slv_gl_batch_range *range = open[variant] < 0 ? NULL : &batches->ranges[open[variant]];
-            uint32_t merged[16 + MAX_REACH], nmerged = range ? range->npools : 0;
-            if (range)
-                memcpy(merged, range->pools, nmerged * sizeof *merged);
-            for (uint32_t i = 0; i < npools; i++)
-                add_pool(merged, &nmerged, pools[i]);
-            if (!range || nmerged > slv_gl_variant_pools(variant)) {
+            slv_gl_batch_range *range = find_range(batches, first, variant, pools, npools);
+            if (!range) {
                 if ((result = add_range(source->env, batches, &range)))
                     return result;
-                open[variant] = (int64_t)batches->count - 1;
                 range->variant = variant;
-                nmerged = npools;
-                memcpy(merged, pools, npools * sizeof *merged);
             }
-            memcpy(range->pools, merged, nmerged * sizeof *merged);
-            range->npools = nmerged;
+            for (uint32_t i = 0; i < npools; i++)
+                add_pool(range->pools, &range->npools, pools[i]);
             range->count++;
-            batch_of[face] = (uint32_t)open[variant];
+            batch_of[face] = (uint32_t)(range - batches->ranges);
         }
     }
     if (dropped_faces)

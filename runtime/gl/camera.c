@@ -101,10 +101,9 @@ static float longest_edge_in_pixels(const slv_mesh_view *mesh, const slv_camera 
 
 uint32_t slv_tessellation_for(const slv_mesh *mesh, const slv_camera *camera, uint32_t width, uint32_t height) {
     float wanted = longest_edge_in_pixels(slv_mesh_get_view(mesh), camera, width, height) / 3;
-    uint64_t nfaces = slv_mesh_face_count(mesh);
+    uint64_t nfaces = slv_mesh_face_count(mesh), most = 2 * (uint64_t)width * height;
     uint32_t segments = 2;
-    while (segments < 64 && (float)segments < wanted &&
-           nfaces * (segments * 2 + 1) * (segments * 2 + 1) <= 8000000)
+    while (segments < 64 && (float)segments < wanted && nfaces * segments * 2 * segments * 2 <= most)
         segments *= 2;
     return segments;
 }

@@ -89,6 +89,43 @@ static void check_mixed(kit *k, const char *name, uint64_t *random) {
     slv_gl_texture_destroy(texture);
 }
 
+/* Across a whole face, from one edge to the other and beyond into a neighbour of another resolution: no lookup may jump
+ * anywhere, not on the edge and not inside. Steps are a sixteenth of the finest texel. */
+static void check_no_inner_line(uint64_t *random) {
+    enum { STEPS = 1025 };
+    static int32_t faces[STEPS];
+    static float uv[2 * STEPS], tiny[2 * STEPS], zero[2 * STEPS], values[4 * STEPS];
+    slv_env env = test_env();
+    for (int round = 0; round < 12; round++) {
+        kit k;
+        kit_grid(&k, 3, 3, false, round % 2 ? 40 : 0, random, NULL);
+        for (uint32_t f = 0; f < k.nfaces; f++)
+            k.res[f].u = k.res[f].v = (int8_t)(round % 3 ? 6 - 2 * (int)(f % 3) : (int)(test_random(random) % 7));
+        kit_noise(&k, SLV_TYPE_FLOAT, 3, random);
+        slv_gl_texture *texture = upload(&k, 1);
+        for (uint32_t f = 0; f < k.nfaces; f++) {
+            float across = (float)(test_random(random) % 1000) / 1000, steepest = 0;
+            for (int i = 0; i < STEPS; i++) {
+                faces[i] = (int32_t)f;
+                uv[2 * i + (int)(f % 2)] = (float)i / (STEPS - 1);
+                uv[2 * i + 1 - (int)(f % 2)] = across;
+                tiny[2 * i] = 1e-4f;
+                zero[2 * i + 1] = 1e-4f;
+            }
+            slv_result result = slv_gl_texture_lookup(texture, &env, SLV_STRATEGY_TRAVERSE, STEPS, faces, uv, tiny,
+                                                      zero, values);
+            REQUIRE(result == SLV_OK);
+            for (int i = 1; i < STEPS; i++)
+                for (int c = 0; c < 3; c++)
+                    steepest = fmaxf(steepest, fabsf(values[4 * i + c] - values[4 * i - 4 + c]));
+            CHECK_MSG(steepest < 0.2f, "round %d: a step of %g inside face %u of %d texels", round,
+                      (double)steepest, f, 1 << k.res[f].u);
+        }
+        slv_gl_texture_destroy(texture);
+        kit_free(&k);
+    }
+}
+
 int main(void) {
     static const int32_t valences[] = {3, 4, 5, 6, 8, 12};
     uint64_t random = 7;
@@ -125,6 +162,7 @@ int main(void) {
         check_mixed(&k, "grid", &random);
         kit_free(&k);
     }
+    check_no_inner_line(&random);
     slv_gl_destroy(gl);
     return test_end();
 }

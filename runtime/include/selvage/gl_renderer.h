@@ -47,8 +47,8 @@ typedef struct slv_frame {
 
 typedef struct slv_gl_renderer slv_gl_renderer;
 
-/* How many segments a face edge should have, a power of two: at most about 3 pixels each for the largest face of the mesh seen by
- * `camera` at this size, as far as 8 million vertices allow. */
+/* How many segments a face edge should have, a power of two from 2 to 64: at most about 3 pixels each on the largest face of the mesh
+ * seen by `camera` at this size, but no more than two cells for each pixel of the picture in all. */
 SLV_API uint32_t slv_tessellation_for(const slv_mesh *mesh, const slv_camera *camera, uint32_t width,
                                       uint32_t height);
 
