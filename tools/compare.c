@@ -1,13 +1,11 @@
+#include "output.h"
 #include "report.h"
 #include "scene.h"
 
-#include <errno.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/stat.h>
-#include <unistd.h>
 
 struct compare {
     const char *arguments[1];
@@ -210,7 +208,7 @@ static void find_spots(report_data *report) {
     uint32_t nx = report->width / CELL, ny = report->height / CELL;
     for (uint32_t found = 0; found < REPORT_MAX_SPOTS; found++) {
         float best = 1.0f / 255;
-        report_spot spot = {.zoom = 16};
+        report_spot spot = {.zoom = 32};
         for (uint32_t cell = 0; cell < nx * ny; cell++) {
             float x = ((float)(cell % nx) + 0.5f) * CELL / (float)report->width;
             float y = ((float)(cell / nx) + 0.5f) * CELL / (float)report->height, sum = 0;
@@ -315,15 +313,17 @@ static void end_session(struct session *s) {
     scene_free(&s->scene);
 }
 
-static int write_report(const slv_env *env, const char *folder, const report_data *report, bool quiet) {
-    char json[1024], html[1024];
+static int write_report(const slv_env *env, const char *folder, const report_data *report) {
+    char json[1100], html[1100];
     snprintf(json, sizeof json, "%s/report.json", folder);
     snprintf(html, sizeof html, "%s/report.html", folder);
     if (report_write_pictures(env, folder, report) || report_write_json(env, json, report) ||
         report_write_html(env, html, report))
         return EXIT_FAILED;
-    if (quiet)
-        return EXIT_OK;
+    return EXIT_OK;
+}
+
+static void print_summary(const report_data *report, const char *folder) {
     printf("%-10s %10s %8s %10s %12s %12s\n", "strategy", "frame ms", "ratio", "GPU MB", "max jump", "mean jump");
     for (uint32_t k = 0; k < report->nstrategies; k++) {
         const report_strategy *row = &report->strategies[k];
@@ -332,26 +332,15 @@ static int write_report(const slv_env *env, const char *folder, const report_dat
     }
     printf("(%s; %u frames of %u x %u, %ux MSAA, %ux anisotropy; jumps of magnified lookups, full scale is 1)\n",
            report->gl.renderer, report->frames, report->width, report->height, report->msaa, report->anisotropy);
-    printf("report: %s\n", html);
-    return EXIT_OK;
-}
-
-/* The folder must be there, or makeable, before minutes are spent. */
-static int claim_folder(const char *folder, bool *made) {
-    *made = mkdir(folder, 0777) == 0;
-    if (!*made && errno != EEXIST)
-        return cli_error("%s: cannot be made: %s", folder, strerror(errno));
-    if (access(folder, W_OK | X_OK) != 0)
-        return cli_error("%s: cannot be written: %s", folder, strerror(errno));
-    return EXIT_OK;
+    printf("report: %s/report.html\n", folder);
 }
 
 static int compare(const struct compare *o, report_data *report) {
     struct session session = {.options = o, .env = cli_env(o->threads), .report = report};
-    bool made = false;
+    char beside[1024];
     double start = cli_now();
-    if (claim_folder(o->out, &made))
-        return EXIT_FAILED;
+    if (output_folder_begin(o->out, beside, sizeof beside))
+        return EXIT_FAILED; /* before minutes are spent */
     report->ptx = o->arguments[0];
     report->mesh = o->mesh;
     report->frames = o->frames_given ? o->frames : o->quick ? 8 : 60;
@@ -363,10 +352,11 @@ static int compare(const struct compare *o, report_data *report) {
     slv_result result = run(&session);
     end_session(&session);
     report->seconds = cli_now() - start;
-    int code = result ? EXIT_FAILED : write_report(&session.env, o->out, report, o->quiet);
+    int code = result ? EXIT_FAILED : write_report(&session.env, beside, report);
+    code = output_folder_end(o->out, beside, code);
+    if (!code && !o->quiet)
+        print_summary(report, o->out);
     report_free(report);
-    if (code && made)
-        rmdir(o->out);
     return code;
 }
 

@@ -269,7 +269,7 @@ static void normal_matrix(const float *m, float out[9]) {
         out[i] = -out[i];
 }
 
-static slv_result set_frame(slv_gl_renderer *renderer, const slv_frame *frame, GLuint program) {
+static void set_frame(const slv_gl_renderer *renderer, const slv_frame *frame, GLuint program) {
     const slv_gl_api *api = &renderer->gl->api;
     float to_eye[16], to_clip[16], normals[9];
     for (int r = 0; r < 4; r++)
@@ -283,11 +283,10 @@ static slv_result set_frame(slv_gl_renderer *renderer, const slv_frame *frame, G
     api->ProgramUniform1i(program, 3, (GLint)frame->shading);
     api->ProgramUniform1i(program, 4, frame->camera.perspective);
     api->ProgramUniform2f(program, 5, frame->ka, frame->kd);
-    return SLV_OK;
 }
 
-static slv_result draw_batches(slv_gl_renderer *renderer, slv_gl_texture *texture, const slv_frame *frame,
-                               const GLuint programs[SLV_GL_MAX_VARIANTS]) {
+static void draw_batches(const slv_gl_renderer *renderer, slv_gl_texture *texture, const slv_frame *frame,
+                         const GLuint programs[SLV_GL_MAX_VARIANTS]) {
     const slv_gl_api *api = &renderer->gl->api;
     const slv_gl_batches *batches = slv_gl_texture_batches(texture, frame->strategy);
     const struct batch_indices *indices = &renderer->indices[frame->strategy];
@@ -305,7 +304,6 @@ static slv_result draw_batches(slv_gl_renderer *renderer, slv_gl_texture *textur
         api->DrawElements(GL_TRIANGLES, (GLsizei)count, GL_UNSIGNED_INT,
                           (const void *)(uintptr_t)(indices->first[b] * sizeof(uint32_t)));
     }
-    return SLV_OK;
 }
 
 static double now(void) {
@@ -373,9 +371,9 @@ slv_result slv_gl_renderer_draw(slv_gl_renderer *renderer, const slv_env *env, s
         if (programs[variant])
             continue;
         const char *lookups = slv_gl_texture_glsl(texture, frame.strategy, variant);
-        if ((result = surface_program(renderer, env, lookups, &programs[variant])) ||
-            (result = set_frame(renderer, &frame, programs[variant])))
+        if ((result = surface_program(renderer, env, lookups, &programs[variant])))
             return result;
+        set_frame(renderer, &frame, programs[variant]);
     }
     static const float far_away = 1;
     const struct target *target = &renderer->target;

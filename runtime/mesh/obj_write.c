@@ -9,6 +9,14 @@
 #include <stdio.h>
 #include <string.h>
 
+/* A line end in a name would start a statement. */
+static void write_group(FILE *stream, const char *name) {
+    fputs("g ", stream);
+    for (; *name; name++)
+        fputc((unsigned char)*name < 0x20 || *name == '\\' ? '_' : *name, stream);
+    fputc('\n', stream);
+}
+
 /* The decimal point is the locale's otherwise; nine digits give back the same float. */
 static void write_mesh(FILE *stream, const slv_mesh *mesh) {
     const slv_mesh_view *view = &mesh->view;
@@ -20,7 +28,7 @@ static void write_mesh(FILE *stream, const slv_mesh *mesh) {
     }
     for (uint32_t p = 0; p < view->npolys; p++) {
         for (; group < view->ngroups && (uint32_t)view->group_first[group] <= p; group++)
-            fprintf(stream, "g %s\n", view->group_names[group]);
+            write_group(stream, view->group_names[group]);
         fputc('f', stream);
         for (uint32_t s = mesh->poly_first[p]; s < mesh->poly_first[p + 1]; s++)
             fprintf(stream, " %" PRId64, (int64_t)view->poly_verts[s] + 1);

@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <atomic>
 #include <cmath>
-#include <cstdio>
+#include <cstring>
 #include <memory>
 #include <mutex>
 #include <new>
@@ -17,6 +17,8 @@
 #include <opensubdiv/far/topologyDescriptor.h>
 #include <opensubdiv/far/topologyRefiner.h>
 #include <shared_mutex>
+#include <tuple>
+#include <utility>
 #include <vector>
 
 extern "C" {
@@ -32,6 +34,8 @@ namespace Sdc = OpenSubdiv::Sdc;
 namespace {
 
 constexpr uint32_t kChunk = 256; /* polygons prepared and stored together */
+constexpr uint32_t kMostAround =
+    1024; /* beyond, the time and memory that Bfr takes grow with the square */
 constexpr int kSmoothLevel = 3, kSharpLevel = 8;
 
 using BfrSurface = Bfr::Surface<float>;
@@ -308,33 +312,71 @@ void add_corners(const slv_mesh_view *view, const slv_mesh_fans &fans, Topology 
     }
 }
 
+/* The polygons that share two edges or more with one other polygon, by any side of theirs. */
+std::vector<uint32_t> doubly_joined(const slv_mesh *mesh, const slv_mesh_edges &edges,
+                                    const slv_mesh_fans &fans, const Topology &topology) {
+    struct Use {
+        int low, high;
+        uint32_t poly;
+    };
+    std::vector<Use> uses;
+    std::vector<std::pair<uint32_t, uint32_t>> pairs;
+    auto join = [&](uint32_t p, uint32_t q) { pairs.emplace_back(std::min(p, q), std::max(p, q)); };
+    for (uint32_t p = 0; p < slv_mesh_get_view(mesh)->npolys; p++) {
+        uint32_t first = mesh->poly_first[p], end = mesh->poly_first[p + 1];
+        for (uint32_t side = first; !topology.left_out[p] && side < end; side++) {
+            const slv_mesh_edge &edge = edges.edges[edges.side_edge[side]];
+            int a = fans.side_vert[side], b = fans.side_vert[side + 1 < end ? side + 1 : first];
+            if (edge.count > 2)
+                uses.push_back({std::min(a, b), std::max(a, b), p});
+            else if (edge.count == 2 && edge.side[0] == side)
+                join(p, edges.side_poly[edge.side[1]]);
+        }
+    }
+    auto key = [](const Use &use) { return std::make_tuple(use.low, use.high, use.poly); };
+    std::sort(uses.begin(), uses.end(),
+              [&](const Use &x, const Use &y) { return key(x) < key(y); });
+    for (size_t i = 1; i < uses.size(); i++)
+        if (uses[i].low == uses[i - 1].low && uses[i].high == uses[i - 1].high)
+            join(uses[i].poly, uses[i - 1].poly);
+    std::sort(pairs.begin(), pairs.end());
+    std::vector<uint32_t> found;
+    for (size_t i = 1; i < pairs.size(); i++)
+        if (pairs[i] == pairs[i - 1]) {
+            found.push_back(pairs[i].first);
+            found.push_back(pairs[i].second);
+        }
+    return found;
+}
+
+void refuse_crowded(const slv_surface &s, const slv_mesh_fans &fans, Topology &out) {
+    std::vector<uint32_t> valence(fans.nverts, 0);
+    for (size_t p = 0; p < s.sizes.size(); p++)
+        for (uint32_t side = s.first[p]; !out.left_out[p] && side < s.first[p + 1]; side++)
+            valence[size_t(fans.side_vert[side])]++;
+    for (size_t p = 0; p < s.sizes.size(); p++)
+        for (uint32_t side = s.first[p]; !out.refused[p] && side < s.first[p + 1]; side++)
+            out.refused[p] = valence[size_t(fans.side_vert[side])] > kMostAround ||
+                             s.first[p + 1] - s.first[p] > kMostAround;
+}
+
 /* Bfr 3.5 writes past its buffers where a sharp edge or vertex comes together with two polygons
  * that meet along two edges, as around a vertex of valence two or in a tube of two. What touches
  * such polygons there stays flat. */
 void refuse_doubly_joined(const slv_mesh *mesh, const slv_mesh_edges &edges,
                           const slv_mesh_fans &fans, Topology &out) {
+    if (out.crease_verts.empty() && out.corner_verts.empty())
+        return;
     std::vector<uint8_t> tagged(fans.nverts, 0), doubly(fans.nverts, 0);
-    std::vector<uint32_t> met;
-    const uint32_t npolys = slv_mesh_get_view(mesh)->npolys;
     for (int vertex : out.crease_verts)
         tagged[size_t(vertex)] = 1;
     for (int vertex : out.corner_verts)
         tagged[size_t(vertex)] = 1;
-    for (uint32_t p = 0; p < npolys; p++) {
-        uint32_t first = mesh->poly_first[p], end = mesh->poly_first[p + 1];
-        met.clear();
-        for (uint32_t side = first; !out.left_out[p] && side < end; side++) {
-            const slv_mesh_edge &edge = edges.edges[edges.side_edge[side]];
-            if (edge.count > 1)
-                met.push_back(edges.side_poly[edge.side[edge.side[0] == side]]);
-        }
-        std::sort(met.begin(), met.end());
-        if (std::adjacent_find(met.begin(), met.end()) != met.end())
-            for (uint32_t side = first; side < end; side++)
+    for (uint32_t p : doubly_joined(mesh, edges, fans, out))
+        for (uint32_t side = mesh->poly_first[p]; side < mesh->poly_first[p + 1]; side++)
+            if (!out.left_out[p])
                 doubly[size_t(fans.side_vert[side])] = 1;
-    }
-    out.refused = out.left_out;
-    for (uint32_t p = 0; p < npolys; p++) {
+    for (uint32_t p = 0; p < slv_mesh_get_view(mesh)->npolys; p++) {
         bool sharp = false, near = false;
         for (uint32_t side = mesh->poly_first[p];
              !out.left_out[p] && side < mesh->poly_first[p + 1]; side++) {
@@ -377,6 +419,8 @@ slv_result make_manifold(const slv_env *env, const slv_mesh *mesh, const slv_sur
         return result;
     add_creases(mesh, edges, fans, out);
     add_corners(slv_mesh_get_view(mesh), fans, out);
+    out.refused = out.left_out;
+    refuse_crowded(s, fans, out);
     refuse_doubly_joined(mesh, edges, fans, out);
     for (uint32_t v = 0; v < fans.nverts; v++) {
         const float *from = &s.positions[3 * size_t(fans.origin[v])];
@@ -588,9 +632,22 @@ template <typename Body> slv_result guarded(const slv_env *env, Body body) {
 slv_result slv_surface_create(const slv_env *env, const slv_mesh *mesh,
                               const slv_surface_params *params, slv_surface **out) {
     *out = nullptr;
-    slv_surface_params chosen = params ? *params : slv_surface_params{};
-    if (chosen.scheme != SLV_SCHEME_CATMARK && chosen.scheme != SLV_SCHEME_BILINEAR)
-        return slv_fail(env, SLV_ERROR_ARGUMENT, "surface: unknown scheme %d", int(chosen.scheme));
+    slv_surface_params chosen = {};
+    if (params) {
+        /* C may put any number into an enumeration; in C++ even looking at it as one is undefined.
+         */
+        int scheme, boundary;
+        static_assert(sizeof scheme == sizeof params->scheme &&
+                          sizeof boundary == sizeof params->boundary,
+                      "enumerations are ints");
+        std::memcpy(&scheme, &params->scheme, sizeof scheme);
+        std::memcpy(&boundary, &params->boundary, sizeof boundary);
+        if (scheme < 0 || scheme > SLV_SCHEME_BILINEAR || boundary < 0 ||
+            boundary > SLV_BOUNDARY_EDGE_AND_CORNER)
+            return slv_fail(env, SLV_ERROR_ARGUMENT,
+                            "surface: unknown scheme %d or boundary rule %d", scheme, boundary);
+        chosen = *params;
+    }
     if (chosen.boundary == SLV_BOUNDARY_DEFAULT)
         chosen.boundary = slv_mesh_get_view(mesh)->boundary;
     if (chosen.boundary == SLV_BOUNDARY_NONE)
@@ -625,7 +682,7 @@ slv_result slv_surface_evaluate(const slv_surface *surface, size_t count,
                                 const slv_surface_point *points, const slv_surface_arrays *out) {
     return guarded(&surface->env, [&]() -> slv_result {
         Prepared face;
-        int32_t prepared = -1;
+        int64_t prepared = INT64_MIN; /* no face has this number */
         for (size_t i = 0; i < count; i++) {
             if (points[i].face != prepared) {
                 if (!face_exists(surface, points[i].face))

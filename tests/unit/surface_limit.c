@@ -265,6 +265,21 @@ static void test_degenerate(void) {
     shape_clear(&s);
 }
 
+/* A crowded pole must not take the square of its valence in time and memory. */
+static void test_crowded(void) {
+    slv_env env = test_env();
+    shape s = shape_fan(20000, 3);
+    slv_mesh *mesh = shape_mesh(&env, &s);
+    slv_surface *surface = make_surface(&env, mesh, SLV_SCHEME_CATMARK);
+    CHECK(strstr(test_last_log, "20000 polygon") != NULL);
+    float p[3];
+    at(surface, 0, 0, 0, p, NULL, NULL, NULL);
+    CHECK(p[2] == 0.5f);
+    slv_surface_destroy(surface);
+    slv_mesh_destroy(mesh);
+    shape_clear(&s);
+}
+
 static void test_arguments(void) {
     slv_env env = test_env();
     shape s = shape_cube();
@@ -371,6 +386,7 @@ int main(void) {
     test_random_meshes();
     test_spoilt_meshes();
     test_degenerate();
+    test_crowded();
     test_arguments();
     test_threads();
     test_order();

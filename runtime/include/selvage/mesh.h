@@ -61,7 +61,7 @@ typedef struct slv_mesh_stats {
     uint32_t nedges, nboundary_edges, nnonmanifold_edges, nflipped_edges; /* flipped: both sides run the same way */
     uint32_t nisolated_verts;
     uint32_t nvalence[33]; /* vertices by number of polygons around them; the last counts all from 32 up */
-    uint32_t nextraordinary;
+    uint32_t nextraordinary; /* inner vertices of other than 4 polygons, boundary ones of more than 2 */
     float bounds_min[3], bounds_max[3];
 } slv_mesh_stats;
 

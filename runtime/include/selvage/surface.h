@@ -10,13 +10,19 @@ extern "C" {
 
 typedef enum slv_scheme { SLV_SCHEME_CATMARK = 0, SLV_SCHEME_BILINEAR } slv_scheme;
 
-/* Zero means default: Catmull-Clark, and the boundary rule of the mesh or else edge-and-corner. */
+/* Zero means default: Catmull-Clark, and the boundary rule of the mesh or else edge-and-corner. The rule `none`, which
+ * leaves faces at a boundary without a limit, is taken as edge-and-corner with a warning. */
 typedef struct slv_surface_params {
     slv_scheme scheme;
     slv_boundary boundary;
 } slv_surface_params;
 
-/* An evaluator. Immutable; any number of threads may evaluate at once. Keeps what it needs of the mesh. */
+/* An evaluator. Immutable; any number of threads may evaluate at once. Keeps what it needs of the mesh.
+ *
+ * Edges of more than two polygons, or of two that run the same way, are infinitely sharp, and so are vertices where
+ * several fans of polygons meet. A polygon that has no limit (it names a vertex twice, has more than 1024 sides or as
+ * many polygons around a corner, or has sharp tags beside two polygons that share several edges, which OpenSubdiv 3.5
+ * does not survive) stays flat, bilinear between its vertices; their number goes into one warning. */
 typedef struct slv_surface slv_surface;
 
 typedef struct slv_surface_point {

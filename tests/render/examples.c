@@ -1,0 +1,103 @@
+/* The programs of docs/examples, as a stranger would run them. */
+#include "render/command_kit.h"
+
+#include <selvage/bake.h>
+#include <selvage/image.h>
+#include <selvage/ptx.h>
+
+static kit_scratch scratch;
+static kit_run run;
+
+static void run_example(const char *name, const char *const *arguments) {
+    char program[KIT_PATH];
+    const char *argv[8] = {kit_join(program, kit_variable("SELVAGE_BIN"), name)};
+    for (int i = 0; arguments[i]; i++)
+        argv[i + 1] = arguments[i];
+    kit_run_program(&scratch, NULL, argv, &run);
+}
+
+/* A closed shape with a pentagon on either side, coloured by position. */
+static void make_texture(const char *path) {
+    static const char obj[] = "v 1 0 -0.6\nv 0.31 0.95 -0.6\nv -0.81 0.59 -0.6\nv -0.81 -0.59 -0.6\nv 0.31 -0.95 -0.6\n"
+                              "v 1 0 0.6\nv 0.31 0.95 0.6\nv -0.81 0.59 0.6\nv -0.81 -0.59 0.6\nv 0.31 -0.95 0.6\n"
+                              "f 5 4 3 2 1\nf 6 7 8 9 10\nf 1 2 7 6\nf 2 3 8 7\nf 3 4 9 8\nf 4 5 10 9\nf 5 1 6 10\n";
+    slv_env env = test_env();
+    slv_mesh *mesh = NULL;
+    slv_adjacency *adjacency = NULL;
+    slv_surface *surface = NULL;
+    slv_texture *texture = NULL;
+    slv_res res[15];
+    slv_texture_desc desc = {15, SLV_TYPE_U8, 3, SLV_NO_ALPHA, res};
+    slv_procedural position = {.pattern = SLV_PATTERN_POSITION, .frequency = 0.5f, .offset = {-1, -1, -1}};
+    REQUIRE(slv_mesh_parse_obj(&env, "prism", obj, sizeof obj - 1, &mesh) == SLV_OK);
+    REQUIRE(slv_mesh_face_count(mesh) == 15);
+    for (int f = 0; f < 15; f++)
+        res[f] = f < 10 ? (slv_res){3, 3} : (slv_res){4, 5};
+    REQUIRE(slv_mesh_adjacency(&env, mesh, &adjacency) == SLV_OK);
+    REQUIRE(slv_surface_create(&env, mesh, NULL, &surface) == SLV_OK);
+    REQUIRE(slv_texture_create(&env, &desc, &texture) == SLV_OK);
+    REQUIRE(slv_bake_procedural(&env, surface, &position, NULL, texture) == SLV_OK);
+    REQUIRE(slv_ptx_save(&env, path, texture, adjacency, &(slv_ptx_write_params){.mesh = mesh}) == SLV_OK);
+    slv_texture_destroy(texture);
+    slv_surface_destroy(surface);
+    slv_adjacency_destroy(adjacency);
+    slv_mesh_destroy(mesh);
+}
+
+/* Red grows to the right and green upwards, as the positions do. */
+static void check_picture(const char *path, const char *name) {
+    slv_env env = test_env();
+    slv_image image = {0};
+    uint32_t covered = 0;
+    double sums[2][2][2] = {{{0}}}; /* channel, half of the picture, sum and count */
+    REQUIRE(slv_image_load(&env, path, &image) == SLV_OK);
+    REQUIRE(image.width == 512 && image.height == 512 && image.nchannels == 4);
+    for (uint32_t y = 0; y < 512; y++) {
+        for (uint32_t x = 0; x < 512; x++) {
+            const float *pixel = image.pixels + ((size_t)y * 512 + x) * 4;
+            if (pixel[3] < 1)
+                continue;
+            covered++;
+            double *half[2] = {sums[0][x >= 256], sums[1][y < 256]};
+            for (int c = 0; c < 2; c++) {
+                half[c][0] += (double)pixel[c];
+                half[c][1]++;
+            }
+        }
+    }
+    CHECK_MSG(covered > 512 * 512 / 8 && covered < 512 * 512 * 9 / 10, "%s: %u pixels are covered", name, covered);
+    for (int c = 0; c < 2; c++) {
+        double low = sums[c][0][0] / sums[c][0][1], high = sums[c][1][0] / sums[c][1][1];
+        CHECK_MSG(high > low + 0.1, "%s: channel %d goes from %.2f to %.2f", name, c, low, high);
+    }
+    slv_image_free(&image);
+}
+
+int main(void) {
+    static const char *const strategies[] = {"clamp", "borders", "traverse", "discard"};
+    char ptx[KIT_PATH], missing[KIT_PATH], png[KIT_PATH];
+    kit_scratch_make(&scratch);
+    make_texture(kit_join(ptx, scratch.folder, "prism.ptx"));
+    kit_join(missing, scratch.folder, "missing.ptx");
+
+    run_example("example_hello", (const char *const[]){ptx, NULL});
+    CHECK_MSG(run.code == 0 && !run.err[0], "hello ended with %d: %s", run.code, run.err);
+    CHECK_MSG(strncmp(run.out, "15 faces of 3 x uint8; face 0 is 8 x 8\nits first value is ", 58) == 0,
+              "hello says: %s", run.out);
+    run_example("example_hello", (const char *const[]){missing, NULL});
+    CHECK(run.code == 1 && kit_lines(run.err) == 1 && strstr(run.err, "missing.ptx"));
+
+    for (int s = 0; s < 4; s++) {
+        kit_join(png, scratch.folder, strategies[s]);
+        strcat(png, ".png");
+        run_example("example_sample_in_your_shader", (const char *const[]){ptx, png, strategies[s], NULL});
+        CHECK_MSG(run.code == 0 && !run.err[0], "%s ended with %d: %s", strategies[s], run.code, run.err);
+        check_picture(png, strategies[s]);
+    }
+    run_example("example_sample_in_your_shader", (const char *const[]){missing, png, NULL});
+    CHECK(run.code == 1 && kit_lines(run.err) == 1);
+    run_example("example_sample_in_your_shader", (const char *const[]){ptx, png, "wrong", NULL});
+    CHECK(run.code == 2 && kit_lines(run.err) == 1);
+    kit_remove(scratch.root);
+    return test_end();
+}
