@@ -25,7 +25,7 @@ configure: dependencies
 demo: build ## makes the demo scene, compares the strategies on it, and says where the report is
 	@$(BIN)/selvage-assets $(DEMO)
 	@$(BIN)/selvage compare $(DEMO)/scene_faces.ptx --mesh $(DEMO)/scene.obj --focus creature --quick --out $(DEMO)/report
-	@echo "The report: $(CURDIR)/$(DEMO)/report"
+	@echo "The report: $(CURDIR)/$(DEMO)/report/report.html"
 
 test: build ## builds and runs the tests; JOBS=n at a time (2)
 	@ctest --preset release -j $(JOBS)

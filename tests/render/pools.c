@@ -140,7 +140,6 @@ int main(void) {
     kit_mixed(&k, 4, &random);
     check_spread(&k, SLV_TYPE_U8, 3, &random);
     check_spread(&k, SLV_TYPE_HALF, 4, &random);
-    check_spread(&k, SLV_TYPE_FLOAT, 1, &random);
     kit_free(&k);
     check_extremes();
     check_refusals();

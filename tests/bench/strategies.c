@@ -1,0 +1,247 @@
+/* How long a frame takes with each strategy, as a ratio to clamp. Frames of all strategies are interleaved, so that whatever else
+ * the machine does falls on all alike; medians are compared. Uses the demo scene that selvage-assets makes. */
+#include <selvage/gl_renderer.h>
+#include <selvage/ptx.h>
+
+#include <libgen.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+enum { MAX_FRAMES = 999, MAX_PATH = 1024 };
+
+typedef struct options {
+    const char *folder;
+    uint32_t frames, width, height;
+    bool json;
+} options;
+
+typedef struct scene {
+    slv_mesh *mesh;
+    slv_adjacency *adjacency;
+    slv_surface *surface;
+    slv_texture *texture;
+    slv_mesh_stats stats;
+    slv_gl *gl;
+    slv_gl_renderer *renderer;
+    uint32_t segments;
+} scene;
+
+typedef struct row {
+    uint32_t msaa, anisotropy;
+    double median[SLV_STRATEGY_COUNT], low[SLV_STRATEGY_COUNT], high[SLV_STRATEGY_COUNT]; /* ms */
+} row;
+
+static const char *const file_names[] = {"scene.obj", "scene.ptx", "scene_faces.ptx"};
+
+static void print_message(void *user, slv_log_level level, const char *message) {
+    (void)user;
+    if (level != SLV_LOG_INFO)
+        fprintf(stderr, "bench_strategies: %s\n", message);
+}
+
+static const slv_env env = {.log = print_message};
+
+/* The demo scene in a new temporary folder, by the program that lies beside this one. */
+static bool make_scene(const char *self, char folder[MAX_PATH]) {
+    char copy[MAX_PATH], program[MAX_PATH + 32];
+    int status = 0;
+    snprintf(copy, sizeof copy, "%s", self);
+    snprintf(program, sizeof program, "%s/selvage-assets", dirname(copy));
+    snprintf(folder, MAX_PATH, "/tmp/selvage-bench-XXXXXX");
+    if (!mkdtemp(folder))
+        return false;
+    pid_t child = fork();
+    if (child == 0) {
+        if (freopen("/dev/null", "w", stdout))
+            execl(program, program, folder, (char *)NULL);
+        _exit(127);
+    }
+    if (child > 0 && waitpid(child, &status, 0) == child && WIFEXITED(status) && WEXITSTATUS(status) == 0)
+        return true;
+    fprintf(stderr, "bench_strategies: %s could not make the demo scene\n", program);
+    return false;
+}
+
+static void remove_scene(const char *folder) {
+    char path[MAX_PATH + 32];
+    for (size_t i = 0; i < sizeof file_names / sizeof *file_names; i++) {
+        snprintf(path, sizeof path, "%s/%s", folder, file_names[i]);
+        unlink(path);
+    }
+    rmdir(folder);
+}
+
+static slv_frame frame_at(const scene *s, const options *o, float turn, uint32_t msaa) {
+    slv_frame frame = {.width = o->width, .height = o->height, .msaa = msaa};
+    frame.camera = slv_camera_orbit(s->stats.bounds_min, s->stats.bounds_max, 30 + 360 * turn, 20, 35,
+                                    (float)o->width / (float)o->height);
+    return frame;
+}
+
+static slv_result load(const options *o, const char *folder, scene *s) {
+    char obj[MAX_PATH + 32], texture[MAX_PATH + 32];
+    slv_ptx *ptx = NULL;
+    slv_result result;
+    snprintf(obj, sizeof obj, "%s/scene.obj", folder);
+    snprintf(texture, sizeof texture, "%s/scene.ptx", folder);
+    if ((result = slv_mesh_load_obj(&env, obj, &s->mesh)) || (result = slv_ptx_open(&env, texture, &ptx)) ||
+        (result = slv_ptx_match_mesh(&env, ptx, s->mesh)) ||
+        (result = slv_ptx_load_texture(&env, ptx, &s->texture)) ||
+        (result = slv_mesh_adjacency(&env, s->mesh, &s->adjacency)) ||
+        (result = slv_mesh_get_stats(&env, s->mesh, &s->stats)) ||
+        (result = slv_surface_create(&env, s->mesh, NULL, &s->surface)) ||
+        (result = slv_gl_create(&env, SLV_GL_AUTO, &s->gl)))
+        goto done;
+    slv_frame first = frame_at(s, o, 0, 1);
+    s->segments = slv_tessellation_for(s->mesh, &first.camera, o->width, o->height);
+    result = slv_gl_renderer_create(s->gl, &env, s->mesh, s->surface, s->adjacency, s->segments, &s->renderer);
+done:
+    slv_ptx_close(ptx);
+    return result;
+}
+
+static void unload(scene *s) {
+    slv_gl_renderer_destroy(s->renderer);
+    slv_gl_destroy(s->gl);
+    slv_texture_destroy(s->texture);
+    slv_surface_destroy(s->surface);
+    slv_adjacency_destroy(s->adjacency);
+    slv_mesh_destroy(s->mesh);
+}
+
+static int by_value(const void *a, const void *b) {
+    double x = *(const double *)a, y = *(const double *)b;
+    return (x > y) - (x < y);
+}
+
+/* One round of frames is not counted: it compiles shaders. */
+static slv_result measure(const scene *s, const options *o, slv_gl_texture *texture, row *out) {
+    static double times[SLV_STRATEGY_COUNT][MAX_FRAMES];
+    slv_result result = SLV_OK;
+    for (uint32_t i = 0; !result && i <= o->frames; i++) {
+        for (uint32_t k = 0; !result && k < SLV_STRATEGY_COUNT; k++) {
+            double seconds = 0;
+            slv_frame frame = frame_at(s, o, (float)i / (float)o->frames, out->msaa);
+            frame.strategy = (slv_strategy)((k + i) % SLV_STRATEGY_COUNT);
+            result = slv_gl_renderer_draw(s->renderer, &env, texture, &frame, NULL, &seconds);
+            if (i)
+                times[frame.strategy][i - 1] = seconds * 1e3;
+        }
+    }
+    for (int k = 0; !result && k < SLV_STRATEGY_COUNT; k++) {
+        qsort(times[k], o->frames, sizeof times[k][0], by_value);
+        out->median[k] = times[k][o->frames / 2];
+        out->low[k] = times[k][o->frames / 10];
+        out->high[k] = times[k][o->frames - 1 - o->frames / 10];
+    }
+    return result;
+}
+
+static void print_table(const scene *s, const options *o, const row *rows, uint32_t nrows) {
+    const slv_gl_info *info = slv_gl_get_info(s->gl);
+    printf("%s (%s, %s)\n", info->renderer, info->version, info->software ? "wall time" : "GPU time");
+    printf("%u x %u, %u faces of %u x %u segments, %u frames of an orbit, strategies interleaved\n\n", o->width,
+           o->height, s->stats.nfaces, s->segments, s->segments, o->frames);
+    printf("%4s %5s", "MSAA", "aniso");
+    for (int k = 0; k < SLV_STRATEGY_COUNT; k++)
+        printf(" %11s ms", slv_strategy_name((slv_strategy)k));
+    for (int k = 1; k < SLV_STRATEGY_COUNT; k++)
+        printf(" %8s/c", slv_strategy_name((slv_strategy)k));
+    printf("\n");
+    for (uint32_t i = 0; i < nrows; i++) {
+        printf("%4u %5u", rows[i].msaa, rows[i].anisotropy);
+        for (int k = 0; k < SLV_STRATEGY_COUNT; k++)
+            printf(" %14.2f", rows[i].median[k]);
+        for (int k = 1; k < SLV_STRATEGY_COUNT; k++)
+            printf(" %10.2f", rows[i].median[k] / rows[i].median[0]);
+        printf("\n");
+    }
+}
+
+static void print_json(const scene *s, const options *o, const row *rows, uint32_t nrows) {
+    const slv_gl_info *info = slv_gl_get_info(s->gl);
+    printf("{\n  \"renderer\": \"");
+    for (const char *c = info->renderer; *c; c++)
+        if (*c >= ' ' && *c != '"' && *c != '\\')
+            putchar(*c);
+    printf("\",\n  \"software\": %s,\n  \"width\": %u, \"height\": %u, \"faces\": %u, \"segments\": %u, \"frames\": %u,\n"
+           "  \"rows\": [",
+           info->software ? "true" : "false", o->width, o->height, s->stats.nfaces, s->segments, o->frames);
+    for (uint32_t i = 0; i < nrows; i++) {
+        printf("%s\n    {\"msaa\": %u, \"anisotropy\": %u, \"strategies\": {", i ? "," : "", rows[i].msaa,
+               rows[i].anisotropy);
+        for (int k = 0; k < SLV_STRATEGY_COUNT; k++)
+            printf("%s\n      \"%s\": {\"median_ms\": %.4f, \"p10_ms\": %.4f, \"p90_ms\": %.4f, \"ratio\": %.4f}",
+                   k ? "," : "", slv_strategy_name((slv_strategy)k), rows[i].median[k], rows[i].low[k],
+                   rows[i].high[k], rows[i].median[k] / rows[i].median[0]);
+        printf("}}");
+    }
+    printf("\n  ]\n}\n");
+}
+
+static slv_result run(const options *o, const char *folder) {
+    static const uint32_t anisotropies[] = {1, 16};
+    row rows[8];
+    uint32_t nrows = 0;
+    scene s = {0};
+    slv_result result = load(o, folder, &s);
+    for (uint32_t a = 0; !result && a < 2; a++) {
+        const slv_gl_info *info = slv_gl_get_info(s.gl);
+        uint32_t anisotropy = anisotropies[a] < info->max_anisotropy ? anisotropies[a] : info->max_anisotropy;
+        slv_gl_texture_params params = {.anisotropy = anisotropy};
+        slv_gl_texture *texture = NULL;
+        result = slv_gl_texture_create(s.gl, &env, s.texture, s.adjacency, &params, &texture);
+        for (uint32_t msaa = 1; !result && msaa <= 8 && msaa <= info->max_msaa; msaa *= 2) {
+            rows[nrows] = (row){.msaa = msaa, .anisotropy = anisotropy};
+            result = measure(&s, o, texture, &rows[nrows++]);
+        }
+        slv_gl_texture_destroy(texture);
+    }
+    if (!result)
+        (o->json ? print_json : print_table)(&s, o, rows, nrows);
+    unload(&s);
+    return result;
+}
+
+static bool parse(int argc, char **argv, options *o) {
+    for (int i = 1; i < argc; i++) {
+        if (strcmp(argv[i], "--json") == 0) {
+            o->json = true;
+        } else if (strcmp(argv[i], "--smoke") == 0) {
+            o->frames = 1;
+            o->width = 96;
+            o->height = 54;
+        } else if (strcmp(argv[i], "--frames") == 0 && i + 1 < argc) {
+            int frames = atoi(argv[++i]);
+            if (frames < 1 || frames > MAX_FRAMES)
+                return false;
+            o->frames = (uint32_t)frames;
+        } else if (argv[i][0] != '-' && !o->folder) {
+            o->folder = argv[i];
+        } else {
+            return false;
+        }
+    }
+    return true;
+}
+
+int main(int argc, char **argv) {
+    options o = {.frames = 31, .width = 960, .height = 540};
+    char made[MAX_PATH] = "";
+    bool good = parse(argc, argv, &o);
+    if (!good) {
+        fputs("usage: bench_strategies [FOLDER] [--frames N] [--json] [--smoke]\n"
+              "  FOLDER  where selvage-assets has written the demo scene; without it the scene is made for the while\n",
+              stderr);
+        return 2;
+    }
+    if (!o.folder)
+        good = make_scene(argv[0], made);
+    good = good && run(&o, o.folder ? o.folder : made) == SLV_OK;
+    if (made[0])
+        remove_scene(made);
+    return good ? 0 : 1;
+}
