@@ -46,8 +46,11 @@ struct slv_footprint {
 slv_footprint slv_footprint_of(vec2 size, vec2 dx, vec2 dy) {
     float px = length(dx * size), py = length(dy * size);
     float longest = max(px, py), shortest = min(px, py);
-    float taps = clamp(ceil(longest / max(shortest, 1e-12)), 1.0, float(SLV_ANISOTROPY));
-    return slv_footprint(dx, dy, px > py ? dx : dy, int(taps), log2(max(longest / taps, 1e-12)));
+    int taps = int(clamp(ceil(longest / max(shortest, 1e-12)), 1.0, float(SLV_ANISOTROPY)));
+#if SLV_TAPS
+    taps |= 1; // an odd number has one in the centre, which the face cannot miss however small it is
+#endif
+    return slv_footprint(dx, dy, px > py ? dx : dy, taps, log2(max(longest / float(taps), 1e-12)));
 }
 
 // Where tap k = 1.. of a footprint lies, relative to its centre.
@@ -150,7 +153,18 @@ slv_tap slv_scaled(slv_tap tap, float scale) {
 slv_tap slv_own(int face, vec2 uv, slv_footprint f) {
     vec3 p = vec3(uv, float(slv_store[face].x >> 16));
 #define SLV_OWN_LOOKUP(p, f) SLV_LOOKUP(0, p, f)
+#if SLV_STRATEGY != 0 && SLV_ANISOTROPY > 1 && !SLV_TAPS
+    slv_tap tap = SLV_OWN_LOOKUP(p, f);
+    if (tap.coverage < 1e-3) {
+        // a sampler's row of taps need not have one in the centre, and all can miss a face that is smaller than their distance
+        f.dx = f.dy = f.axis / float(f.taps);
+        f.dy = vec2(-f.dy.y, f.dy.x);
+        tap = SLV_OWN_LOOKUP(p, f);
+    }
+    return tap;
+#else
     SLV_GATHER(SLV_OWN_LOOKUP, p, f);
+#endif
 }
 
 vec4 slv_resolve(slv_tap tap) {

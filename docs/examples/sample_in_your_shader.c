@@ -3,7 +3,8 @@
  *   cc sample_in_your_shader.c $(pkg-config --cflags --libs selvage-gl) -o sample
  *   ./sample teapot.ptx teapot.png traverse
  *
- * The .ptx must hold its geometry, as files written with a mesh do. The steps that matter are numbered. */
+ * The .ptx must hold its geometry, as files written with a mesh do. The steps that matter are
+ * numbered. */
 #include <selvage/selvage.h>
 
 #include <GL/glcorearb.h>
@@ -16,20 +17,33 @@
 enum { SIZE = 512, SEGMENTS = 8 }; /* each face is drawn as 8 x 8 quads */
 
 /* The functions that this program calls itself. An application has these from its own loader. */
-#define FUNCTIONS(X)                                                                                                   \
-    X(PFNGLCREATESHADERPROC, CreateShader) X(PFNGLSHADERSOURCEPROC, ShaderSource) X(PFNGLCOMPILESHADERPROC, CompileShader)   \
-    X(PFNGLCREATEPROGRAMPROC, CreateProgram) X(PFNGLATTACHSHADERPROC, AttachShader) X(PFNGLLINKPROGRAMPROC, LinkProgram)     \
-    X(PFNGLGETPROGRAMIVPROC, GetProgramiv) X(PFNGLUSEPROGRAMPROC, UseProgram) X(PFNGLDELETESHADERPROC, DeleteShader)         \
-    X(PFNGLDELETEPROGRAMPROC, DeleteProgram) X(PFNGLUNIFORMMATRIX4FVPROC, UniformMatrix4fv)                                  \
-    X(PFNGLGENBUFFERSPROC, GenBuffers) X(PFNGLBINDBUFFERPROC, BindBuffer) X(PFNGLBUFFERDATAPROC, BufferData)                 \
-    X(PFNGLGENVERTEXARRAYSPROC, GenVertexArrays) X(PFNGLBINDVERTEXARRAYPROC, BindVertexArray)                                \
-    X(PFNGLENABLEVERTEXATTRIBARRAYPROC, EnableVertexAttribArray) X(PFNGLVERTEXATTRIBPOINTERPROC, VertexAttribPointer)        \
-    X(PFNGLVERTEXATTRIBIPOINTERPROC, VertexAttribIPointer) X(PFNGLDRAWARRAYSPROC, DrawArrays)                                \
-    X(PFNGLGENFRAMEBUFFERSPROC, GenFramebuffers) X(PFNGLBINDFRAMEBUFFERPROC, BindFramebuffer)                                \
-    X(PFNGLGENRENDERBUFFERSPROC, GenRenderbuffers) X(PFNGLBINDRENDERBUFFERPROC, BindRenderbuffer)                            \
-    X(PFNGLRENDERBUFFERSTORAGEPROC, RenderbufferStorage) X(PFNGLFRAMEBUFFERRENDERBUFFERPROC, FramebufferRenderbuffer)        \
-    X(PFNGLVIEWPORTPROC, Viewport) X(PFNGLCLEARPROC, Clear) X(PFNGLENABLEPROC, Enable) X(PFNGLREADPIXELSPROC, ReadPixels)    \
-    X(PFNGLGETERRORPROC, GetError)
+#define FUNCTIONS(X)                                                                               \
+    X(PFNGLCREATESHADERPROC, CreateShader)                                                         \
+    X(PFNGLSHADERSOURCEPROC, ShaderSource) X(PFNGLCOMPILESHADERPROC, CompileShader)                \
+        X(PFNGLCREATEPROGRAMPROC, CreateProgram) X(PFNGLATTACHSHADERPROC, AttachShader) X(         \
+            PFNGLLINKPROGRAMPROC, LinkProgram) X(PFNGLGETPROGRAMIVPROC,                            \
+                                                 GetProgramiv) X(PFNGLUSEPROGRAMPROC, UseProgram)  \
+            X(PFNGLDELETESHADERPROC, DeleteShader) X(PFNGLDELETEPROGRAMPROC, DeleteProgram)        \
+                X(PFNGLUNIFORMMATRIX4FVPROC, UniformMatrix4fv) X(PFNGLGENBUFFERSPROC, GenBuffers)  \
+                    X(PFNGLBINDBUFFERPROC, BindBuffer) X(PFNGLBUFFERDATAPROC, BufferData) X(       \
+                        PFNGLGENVERTEXARRAYSPROC, GenVertexArrays) X(PFNGLBINDVERTEXARRAYPROC,     \
+                                                                     BindVertexArray)              \
+                        X(PFNGLENABLEVERTEXATTRIBARRAYPROC, EnableVertexAttribArray)               \
+                            X(PFNGLVERTEXATTRIBPOINTERPROC, VertexAttribPointer) X(                \
+                                PFNGLVERTEXATTRIBIPOINTERPROC,                                     \
+                                VertexAttribIPointer) X(PFNGLDRAWARRAYSPROC, DrawArrays)           \
+                                X(PFNGLGENFRAMEBUFFERSPROC,                                        \
+                                  GenFramebuffers) X(PFNGLBINDFRAMEBUFFERPROC, BindFramebuffer)    \
+                                    X(PFNGLGENRENDERBUFFERSPROC, GenRenderbuffers)                 \
+                                        X(PFNGLBINDRENDERBUFFERPROC, BindRenderbuffer)             \
+                                            X(PFNGLRENDERBUFFERSTORAGEPROC, RenderbufferStorage)   \
+                                                X(PFNGLFRAMEBUFFERRENDERBUFFERPROC,                \
+                                                  FramebufferRenderbuffer)                         \
+                                                    X(PFNGLVIEWPORTPROC, Viewport)                 \
+                                                        X(PFNGLCLEARPROC, Clear)                   \
+                                                            X(PFNGLENABLEPROC, Enable)             \
+                                                                X(PFNGLREADPIXELSPROC, ReadPixels) \
+                                                                    X(PFNGLGETERRORPROC, GetError)
 static struct {
 #define MEMBER(type, name) type name;
     FUNCTIONS(MEMBER)
@@ -116,8 +130,8 @@ static void set_up_drawing(const float box[2][3], float to_clip[16]) {
     for (int i = 0; i < 2; i++) {
         gl.BindRenderbuffer(GL_RENDERBUFFER, names[i]);
         gl.RenderbufferStorage(GL_RENDERBUFFER, i ? GL_DEPTH_COMPONENT24 : GL_RGBA16F, SIZE, SIZE);
-        gl.FramebufferRenderbuffer(GL_FRAMEBUFFER, i ? GL_DEPTH_ATTACHMENT : GL_COLOR_ATTACHMENT0, GL_RENDERBUFFER,
-                                   names[i]);
+        gl.FramebufferRenderbuffer(GL_FRAMEBUFFER, i ? GL_DEPTH_ATTACHMENT : GL_COLOR_ATTACHMENT0,
+                                   GL_RENDERBUFFER, names[i]);
     }
     gl.GenVertexArrays(1, &array);
     gl.BindVertexArray(array);
@@ -125,13 +139,16 @@ static void set_up_drawing(const float box[2][3], float to_clip[16]) {
     gl.BindBuffer(GL_ARRAY_BUFFER, buffer);
     for (GLuint i = 0; i < 3; i++)
         gl.EnableVertexAttribArray(i);
-    gl.VertexAttribPointer(0, 3, GL_FLOAT, GL_FALSE, sizeof(vertex), (const void *)offsetof(vertex, position));
-    gl.VertexAttribPointer(1, 2, GL_FLOAT, GL_FALSE, sizeof(vertex), (const void *)offsetof(vertex, uv));
+    gl.VertexAttribPointer(0, 3, GL_FLOAT, GL_FALSE, sizeof(vertex),
+                           (const void *)offsetof(vertex, position));
+    gl.VertexAttribPointer(1, 2, GL_FLOAT, GL_FALSE, sizeof(vertex),
+                           (const void *)offsetof(vertex, uv));
     gl.VertexAttribIPointer(2, 1, GL_INT, sizeof(vertex), (const void *)offsetof(vertex, face));
     gl.Viewport(0, 0, SIZE, SIZE);
     gl.Enable(GL_DEPTH_TEST);
     gl.Clear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT);
-    /* seen from +z without perspective, the whole box in the picture; columns of the matrix one after another */
+    /* seen from +z without perspective, the whole box in the picture; columns of the matrix one
+     * after another */
     float half = 0;
     memset(to_clip, 0, 16 * sizeof *to_clip);
     for (int c = 0; c < 3; c++)
@@ -144,23 +161,27 @@ static void set_up_drawing(const float box[2][3], float to_clip[16]) {
 }
 
 /* 5. Draws batch by batch: a batch is a set of faces whose textures can be bound together. */
-static int draw(slv_gl_texture *texture, slv_strategy strategy, const slv_surface *surface, const float to_clip[16]) {
+static int draw(slv_gl_texture *texture, slv_strategy strategy, const slv_surface *surface,
+                const float to_clip[16]) {
     GLuint programs[SLV_GL_MAX_VARIANTS] = {0};
     int failed = 0;
     for (uint32_t i = 0; !failed && i < slv_gl_texture_batch_count(texture, strategy); i++) {
         slv_gl_batch batch = slv_gl_texture_batch(texture, strategy, i);
-        vertex *vertices = malloc((size_t)batch.nfaces * SEGMENTS * SEGMENTS * 6 * sizeof *vertices);
+        vertex *vertices =
+            malloc((size_t)batch.nfaces * SEGMENTS * SEGMENTS * 6 * sizeof *vertices);
         size_t count = 0;
         for (uint32_t k = 0; vertices && k < batch.nfaces; k++)
             count += add_face(surface, batch.faces[k], vertices + count);
         if (!programs[batch.variant]) /* a program for each variant that occurs, made once */
-            programs[batch.variant] = program(slv_gl_texture_glsl(texture, strategy, batch.variant));
+            programs[batch.variant] =
+                program(slv_gl_texture_glsl(texture, strategy, batch.variant));
         failed = !vertices || !programs[batch.variant];
         if (!failed) {
             gl.UseProgram(programs[batch.variant]);
             gl.UniformMatrix4fv(0, 1, GL_FALSE, to_clip);
             slv_gl_texture_bind(texture, strategy, i); /* its array textures, samplers and tables */
-            gl.BufferData(GL_ARRAY_BUFFER, (GLsizeiptr)(count * sizeof *vertices), vertices, GL_STREAM_DRAW);
+            gl.BufferData(GL_ARRAY_BUFFER, (GLsizeiptr)(count * sizeof *vertices), vertices,
+                          GL_STREAM_DRAW);
             gl.DrawArrays(GL_TRIANGLES, 0, (GLsizei)count);
         }
         free(vertices);
@@ -175,8 +196,10 @@ static int save(const slv_env *env, const char *path) {
     slv_image image = {0};
     if (slv_image_create(env, SIZE, SIZE, 4, &image))
         return 1;
-    for (uint32_t y = 0; y < SIZE; y++) /* an image's first row is the highest, OpenGL's the lowest */
-        gl.ReadPixels(0, (GLint)(SIZE - 1 - y), SIZE, 1, GL_RGBA, GL_FLOAT, image.pixels + (size_t)y * SIZE * 4);
+    for (uint32_t y = 0; y < SIZE;
+         y++) /* an image's first row is the highest, OpenGL's the lowest */
+        gl.ReadPixels(0, (GLint)(SIZE - 1 - y), SIZE, 1, GL_RGBA, GL_FLOAT,
+                      image.pixels + (size_t)y * SIZE * 4);
     int failed = slv_image_save(env, path, &image, NULL) != SLV_OK;
     slv_image_free(&image);
     return failed;
@@ -203,22 +226,25 @@ int main(int argc, char **argv) {
     float to_clip[16];
     int failed = 1;
     if (argc < 3 || (argc > 3 && !slv_strategy_from_name(argv[3], &strategy))) {
-        fputs("usage: sample_in_your_shader FILE.ptx OUT.png [clamp|borders|traverse|discard]\n", stderr);
+        fputs("usage: sample_in_your_shader FILE.ptx OUT.png [clamp|borders|traverse|discard]\n",
+              stderr);
         return 2;
     }
     params.strategies = 1u << strategy; /* upload only what will be drawn */
     if (slv_ptx_open(&env, argv[1], &ptx) || slv_ptx_load_mesh(&env, ptx, &mesh) ||
-        slv_ptx_load_adjacency(&env, ptx, &adjacency) || slv_ptx_load_texture(&env, ptx, &texture) ||
-        slv_mesh_get_stats(&env, mesh, &stats) || slv_surface_create(&env, mesh, NULL, &surface))
+        slv_ptx_load_adjacency(&env, ptx, &adjacency) ||
+        slv_ptx_load_texture(&env, ptx, &texture) || slv_mesh_get_stats(&env, mesh, &stats) ||
+        slv_surface_create(&env, mesh, NULL, &surface))
         goto done;
 
     /* 3. A context. In an application, whose context is current already, this becomes
      *        slv_gl_wrap(&env, get_proc, NULL, &context)
-     *    with get_proc forwarding to eglGetProcAddress, glfwGetProcAddress, SDL_GL_GetProcAddress, ... */
+     *    with get_proc forwarding to eglGetProcAddress, glfwGetProcAddress, SDL_GL_GetProcAddress,
+     * ... */
     if (slv_gl_create(&env, SLV_GL_AUTO, &context))
         goto done;
-#define LOAD(type, name)                                                                                               \
-    if (!(gl.name = (type)slv_gl_get_function(context, "gl" #name)))                                                   \
+#define LOAD(type, name)                                                                           \
+    if (!(gl.name = (type)slv_gl_get_function(context, "gl" #name)))                               \
         goto done;
     FUNCTIONS(LOAD)
 
@@ -228,7 +254,8 @@ int main(int argc, char **argv) {
     const float box[2][3] = {{stats.bounds_min[0], stats.bounds_min[1], stats.bounds_min[2]},
                              {stats.bounds_max[0], stats.bounds_max[1], stats.bounds_max[2]}};
     set_up_drawing(box, to_clip);
-    failed = draw(uploaded, strategy, surface, to_clip) || gl.GetError() != GL_NO_ERROR || save(&env, argv[2]);
+    failed = draw(uploaded, strategy, surface, to_clip) || gl.GetError() != GL_NO_ERROR ||
+             save(&env, argv[2]);
 done:
     slv_gl_texture_destroy(uploaded);
     slv_gl_destroy(context);

@@ -17,7 +17,6 @@ typedef __eglMustCastToProperFunctionPointerType (*get_proc_fn)(const char *);
 struct egl_functions {
     get_proc_fn GetProcAddress;
     EGLBoolean (*Initialize)(EGLDisplay, EGLint *, EGLint *);
-    EGLBoolean (*Terminate)(EGLDisplay);
     EGLBoolean (*BindAPI)(EGLenum);
     EGLBoolean (*ChooseConfig)(EGLDisplay, const EGLint *, EGLConfig *, EGLint, EGLint *);
     EGLContext (*CreateContext)(EGLDisplay, EGLConfig, EGLContext, const EGLint *);
@@ -43,7 +42,7 @@ static bool load_egl(struct egl_functions *egl) {
     void *library = dlopen("libEGL.so.1", RTLD_NOW | RTLD_LOCAL);
     return library && load(library, "eglGetProcAddress", &egl->GetProcAddress) &&
            load(library, "eglInitialize", &egl->Initialize) &&
-           load(library, "eglTerminate", &egl->Terminate) && load(library, "eglBindAPI", &egl->BindAPI) &&
+           load(library, "eglBindAPI", &egl->BindAPI) &&
            load(library, "eglChooseConfig", &egl->ChooseConfig) &&
            load(library, "eglCreateContext", &egl->CreateContext) &&
            load(library, "eglDestroyContext", &egl->DestroyContext) &&
@@ -60,11 +59,11 @@ static slv_gl_proc find_proc(void *user, const char *name) {
     return (slv_gl_proc)get_proc(name);
 }
 
+/* Displays are never terminated: the process has one of each kind, and the host may be using it too. */
 static void destroy(void *user) {
     struct egl_state *state = user;
     state->egl.MakeCurrent(state->display, EGL_NO_SURFACE, EGL_NO_SURFACE, EGL_NO_CONTEXT);
     state->egl.DestroyContext(state->display, state->context);
-    state->egl.Terminate(state->display);
     free(state);
 }
 
@@ -100,7 +99,6 @@ static bool try_display(struct egl_state *state, EGLDisplay display, const char 
             return true;
         }
     }
-    egl->Terminate(display);
     return false;
 }
 

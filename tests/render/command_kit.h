@@ -110,7 +110,8 @@ static inline void kit_read_log(const char *path, char out[KIT_TEXT]) {
     fclose(stream);
 }
 
-/* Runs argv[0] (a path) in the scratch folder; `environment` is NAME=VALUE and so on, ended by NULL, or NULL. */
+/* Runs argv[0] (a path) in the scratch folder; `environment` is NAME=VALUE and so on, ended by
+ * NULL, or NULL. */
 static inline void kit_run_program(const kit_scratch *scratch, const char *const *environment,
                                    const char *const *argv, kit_run *run) {
     char out[KIT_PATH], err[KIT_PATH];
@@ -140,7 +141,8 @@ static inline void kit_run_program(const kit_scratch *scratch, const char *const
 static inline void kit_selvage(const kit_scratch *scratch, const char *const *environment,
                                const char *const *arguments, kit_run *run) {
     char program[KIT_PATH];
-    const char *argv[KIT_ARGUMENTS + 1] = {kit_join(program, kit_variable("SELVAGE_BIN"), "selvage")};
+    const char *argv[KIT_ARGUMENTS + 1] = {
+        kit_join(program, kit_variable("SELVAGE_BIN"), "selvage")};
     for (int i = 0; i < KIT_ARGUMENTS - 1 && arguments[i]; i++)
         argv[i + 1] = arguments[i];
     kit_run_program(scratch, environment, argv, run);

@@ -1,5 +1,5 @@
-/* The selvage command as a user meets it: what goes wrong is said in exactly one line, with the right exit code, and leaves
- * nothing behind; what goes right leaves exactly what was asked for. */
+/* The selvage command as a user meets it: what goes wrong is said in exactly one line, with the
+ * right exit code, and leaves nothing behind; what goes right leaves exactly what was asked for. */
 #include "render/command_kit.h"
 
 #include <selvage/bake.h>
@@ -13,7 +13,8 @@ static kit_run run;
 static char inputs[KIT_PATH]; /* a folder beside the one that commands run in */
 static char cube_obj[KIT_PATH], cube_ptx[KIT_PATH], other_obj[KIT_PATH], turned_obj[KIT_PATH];
 
-static const char vertices[] = "v -1 -1 -1\nv 1 -1 -1\nv -1 1 -1\nv 1 1 -1\nv -1 -1 1\nv 1 -1 1\nv -1 1 1\nv 1 1 1\n";
+static const char vertices[] =
+    "v -1 -1 -1\nv 1 -1 -1\nv -1 1 -1\nv 1 1 -1\nv -1 -1 1\nv 1 -1 1\nv -1 1 1\nv 1 1 1\n";
 
 #define ARGUMENTS(...) ((const char *const[]){__VA_ARGS__, NULL})
 
@@ -33,25 +34,30 @@ static void make_inputs(void) {
     slv_texture_desc desc = {6, SLV_TYPE_U8, 3, SLV_NO_ALPHA, res};
     slv_procedural noise = {.pattern = SLV_PATTERN_NOISE, .frequency = 2, .face_tint = 0.5f};
     REQUIRE(mkdir(kit_join(inputs, scratch.root, "inputs"), 0777) == 0);
-    write_mesh(cube_obj, "cube.obj", "f 1 3 4 2\nf 5 6 8 7\nf 1 2 6 5\nf 3 7 8 4\nf 1 5 7 3\nf 2 4 8 6\n");
+    write_mesh(cube_obj, "cube.obj",
+               "f 1 3 4 2\nf 5 6 8 7\nf 1 2 6 5\nf 3 7 8 4\nf 1 5 7 3\nf 2 4 8 6\n");
     write_mesh(other_obj, "open.obj", "f 1 3 4 2\nf 5 6 8 7\nf 1 2 6 5\nf 3 7 8 4\nf 1 5 7 3\n");
     /* the same cube, its third face started at another corner */
-    write_mesh(turned_obj, "turned.obj", "f 1 3 4 2\nf 5 6 8 7\nf 2 6 5 1\nf 3 7 8 4\nf 1 5 7 3\nf 2 4 8 6\n");
+    write_mesh(turned_obj, "turned.obj",
+               "f 1 3 4 2\nf 5 6 8 7\nf 2 6 5 1\nf 3 7 8 4\nf 1 5 7 3\nf 2 4 8 6\n");
     kit_join(cube_ptx, inputs, "cube.ptx");
     REQUIRE(slv_mesh_load_obj(&env, cube_obj, &mesh) == SLV_OK);
     REQUIRE(slv_mesh_adjacency(&env, mesh, &adjacency) == SLV_OK);
     REQUIRE(slv_surface_create(&env, mesh, NULL, &surface) == SLV_OK);
     REQUIRE(slv_texture_create(&env, &desc, &texture) == SLV_OK);
     REQUIRE(slv_bake_procedural(&env, surface, &noise, NULL, texture) == SLV_OK);
-    REQUIRE(slv_ptx_save(&env, cube_ptx, texture, adjacency, &(slv_ptx_write_params){.mesh = mesh}) == SLV_OK);
+    REQUIRE(slv_ptx_save(&env, cube_ptx, texture, adjacency,
+                         &(slv_ptx_write_params){.mesh = mesh}) == SLV_OK);
     slv_texture_destroy(texture);
     slv_surface_destroy(surface);
     slv_adjacency_destroy(adjacency);
     slv_mesh_destroy(mesh);
 }
 
-/* One line that holds every word of `words` (separated by |), this exit code, and an empty folder. */
-static void check_refused(int code, const char *words, const char *const *environment, const char *const *arguments) {
+/* One line that holds every word of `words` (separated by |), this exit code, and an empty folder.
+ */
+static void check_refused(int code, const char *words, const char *const *environment,
+                          const char *const *arguments) {
     char line[256] = "";
     for (int i = 0; arguments[i]; i++) {
         const char *slash = strrchr(arguments[i], '/');
@@ -59,8 +65,10 @@ static void check_refused(int code, const char *words, const char *const *enviro
         snprintf(line + length, sizeof line - length, " %s", slash ? slash + 1 : arguments[i]);
     }
     kit_selvage(&scratch, environment, arguments, &run);
-    CHECK_MSG(run.code == code, "selvage%s: exit code %d, expected %d: %s", line, run.code, code, run.err);
-    CHECK_MSG(kit_lines(run.err) == 1, "selvage%s: %d lines, expected 1: %s", line, kit_lines(run.err), run.err);
+    CHECK_MSG(run.code == code, "selvage%s: exit code %d, expected %d: %s", line, run.code, code,
+              run.err);
+    CHECK_MSG(kit_lines(run.err) == 1, "selvage%s: %d lines, expected 1: %s", line,
+              kit_lines(run.err), run.err);
     CHECK_MSG(run.out[0] == 0, "selvage%s: prints %s", line, run.out);
     CHECK_MSG(kit_count_files(scratch.folder) == 0, "selvage%s: leaves something behind", line);
     kit_remove(scratch.folder); /* so that the next is judged by what it does itself */
@@ -76,19 +84,28 @@ static void check_refused(int code, const char *words, const char *const *enviro
 
 static void check_usage(void) {
     static const char *const bad[][4] = {
-        {"--tess", "3", "power of two", NULL},   {"--tess", "0", "2 to 128", NULL},
-        {"--tess", "256", "2 to 128", NULL},     {"--msaa", "3", "1, 2, 4 or 8", NULL},
-        {"--msaa", "0", "--msaa", NULL},         {"--msaa", "-4", "--msaa", NULL},
-        {"--msaa", "4x", "--msaa", NULL},        {"--bits", "12", "8, 16 or 32", NULL},
+        {"--tess", "3", "power of two", NULL},
+        {"--tess", "0", "2 to 128", NULL},
+        {"--tess", "256", "2 to 128", NULL},
+        {"--msaa", "3", "1, 2, 4 or 8", NULL},
+        {"--msaa", "0", "--msaa", NULL},
+        {"--msaa", "-4", "--msaa", NULL},
+        {"--msaa", "4x", "--msaa", NULL},
+        {"--bits", "12", "8, 16 or 32", NULL},
         {"--strategy", "best", "clamp|borders|traverse|discard", NULL},
         {"--context", "glx", "auto|egl|osmesa", NULL},
-        {"--size", "0x5", "--size", NULL},       {"--size", "5x", "--size", NULL},
-        {"--size", "99999", "16384", NULL},      {"--fov", "nan", "--fov", NULL},
-        {"--fov", "171", "170", NULL},           {"--azimuth", "north", "--azimuth", NULL},
+        {"--size", "0x5", "--size", NULL},
+        {"--size", "5x", "--size", NULL},
+        {"--size", "99999", "16384", NULL},
+        {"--fov", "nan", "--fov", NULL},
+        {"--fov", "171", "170", NULL},
+        {"--azimuth", "north", "--azimuth", NULL},
         {"--background", "1,2", "--background", NULL},
-        {"--aniso", "17", "16", NULL},           {"--colour", "red", "--colour", NULL}};
+        {"--aniso", "17", "16", NULL},
+        {"--colour", "red", "--colour", NULL}};
     for (size_t i = 0; i < sizeof bad / sizeof *bad; i++)
-        check_refused(2, bad[i][2], NULL, ARGUMENTS("render", cube_ptx, "-o", "out.png", bad[i][0], bad[i][1]));
+        check_refused(2, bad[i][2], NULL,
+                      ARGUMENTS("render", cube_ptx, "-o", "out.png", bad[i][0], bad[i][1]));
     check_refused(2, "unknown verb|rendr", NULL, ARGUMENTS("rendr", cube_ptx));
     check_refused(2, "FILE.ptx", NULL, ARGUMENTS("render"));
     check_refused(2, "FILE.ptx", NULL, ARGUMENTS("compare"));
@@ -96,7 +113,8 @@ static void check_usage(void) {
     check_refused(2, "unexpected", NULL, ARGUMENTS("info", cube_ptx, "more"));
     check_refused(2, "--mesh needs", NULL, ARGUMENTS("render", cube_ptx, "--mesh"));
     check_refused(2, "takes no value", NULL, ARGUMENTS("render", cube_ptx, "--raw=yes"));
-    check_refused(2, "best|clamp", NULL, ARGUMENTS("compare", cube_ptx, "--strategies", "clamp,best"));
+    check_refused(2, "best|clamp", NULL,
+                  ARGUMENTS("compare", cube_ptx, "--strategies", "clamp,best"));
     check_refused(2, "--strategies", NULL, ARGUMENTS("compare", cube_ptx, "--strategies", ""));
     check_refused(2, "power of two", NULL, ARGUMENTS("compare", cube_ptx, "--tess", "5"));
     kit_selvage(&scratch, NULL, (const char *const[]){NULL}, &run);
@@ -123,10 +141,12 @@ static void check_inputs_refused(void) {
 
     check_refused(1, "6 faces|5", NULL, ARGUMENTS("render", cube_ptx, "--mesh", other_obj));
     check_refused(1, "face 0|edge", NULL, ARGUMENTS("render", cube_ptx, "--mesh", turned_obj));
-    check_refused(1, "face 0|edge", NULL, ARGUMENTS("compare", cube_ptx, "--mesh", turned_obj, "--quick"));
+    check_refused(1, "face 0|edge", NULL,
+                  ARGUMENTS("compare", cube_ptx, "--mesh", turned_obj, "--quick"));
     kit_join(data, kit_variable("SELVAGE_TESTS"), "conformance/data");
     kit_join(triangles, data, "tri_tiled_u8_1.ptx");
-    check_refused(1, "tri_tiled_u8_1.ptx|triangle", NULL, ARGUMENTS("render", triangles, "--mesh", cube_obj));
+    check_refused(1, "tri_tiled_u8_1.ptx|triangle", NULL,
+                  ARGUMENTS("render", triangles, "--mesh", cube_obj));
     check_refused(1, "tri_tiled_u8_1.ptx", NULL, ARGUMENTS("render", triangles));
 
     check_view("{", "bad_view.json");
@@ -134,18 +154,25 @@ static void check_inputs_refused(void) {
     check_view("{\"size\": [0, 5]}", "bad_view.json|size");
     check_view("{\"size\": \"big\"}", "bad_view.json|size");
     check_view("{\"world_to_camera\": [[1, 0], [0, 1]]}", "bad_view.json|world_to_camera");
-    check_view("{\"world_to_camera\": [[1,0,0,0],[0,1,0,0],[0,0,1,0],[0,0,0,1]], \"projection\": \"fisheye\"}",
+    check_view("{\"world_to_camera\": [[1,0,0,0],[0,1,0,0],[0,0,1,0],[0,0,0,1]], \"projection\": "
+               "\"fisheye\"}",
                "bad_view.json|projection");
-    check_view("{\"world_to_camera\": [[1,0,0,0],[0,1,0,0],[0,0,1,0],[0,0,0,1]], \"projection\": \"orthographic\","
+    check_view("{\"world_to_camera\": [[1,0,0,0],[0,1,0,0],[0,0,1,0],[0,0,0,1]], \"projection\": "
+               "\"orthographic\","
                " \"screen_window\": [1, -1, -1, 1]}",
                "bad_view.json|screen_window");
     check_view("{\"shading\": {\"model\": \"toon\"}}", "bad_view.json|toon");
     check_view("{\"boundary\": \"soft\"}", "bad_view.json|soft");
     check_view("{\"scheme\": \"loop\"}", "bad_view.json|loop");
-    check_refused(1, "missing.json", NULL, ARGUMENTS("render", cube_ptx, "--view", kit_join(path, inputs, "missing.json")));
-    check_refused(1, "channel", NULL, ARGUMENTS("render", cube_ptx, "--channel", "3", "-o", "out.png"));
-    check_refused(1, "channel", NULL, ARGUMENTS("render", cube_ptx, "--channel", "1", "--channels", "3", "-o", "out.png"));
-    check_refused(1, "64 samples", NULL, ARGUMENTS("render", cube_ptx, "--msaa", "64", "-o", "out.png"));
+    check_refused(1, "missing.json", NULL,
+                  ARGUMENTS("render", cube_ptx, "--view", kit_join(path, inputs, "missing.json")));
+    check_refused(1, "channel", NULL,
+                  ARGUMENTS("render", cube_ptx, "--channel", "3", "-o", "out.png"));
+    check_refused(
+        1, "channel", NULL,
+        ARGUMENTS("render", cube_ptx, "--channel", "1", "--channels", "3", "-o", "out.png"));
+    check_refused(1, "64 samples", NULL,
+                  ARGUMENTS("render", cube_ptx, "--msaa", "64", "-o", "out.png"));
 }
 
 /* Damaged copies of a good file. */
@@ -154,18 +181,21 @@ static void check_damage(void) {
     char path[KIT_PATH], *data = kit_read(cube_ptx, &size);
     kit_join(path, inputs, "damaged.ptx");
     /* the last 8 bytes of such a file are zeros that nothing needs */
-    const size_t cuts[] = {3, 40, 63, 64, 70, 128, 200, size / 4, size / 2, size * 3 / 4, size - 200, size - 9};
+    const size_t cuts[] = {3,   40,       63,       64,           70,         128,
+                           200, size / 4, size / 2, size * 3 / 4, size - 200, size - 9};
     for (size_t i = 0; i < sizeof cuts / sizeof *cuts; i++) {
         kit_write(path, data, cuts[i]);
-        check_refused(1, "damaged.ptx", NULL, ARGUMENTS("render", path, "--mesh", cube_obj, "-o", "out.png"));
+        check_refused(1, "damaged.ptx", NULL,
+                      ARGUMENTS("render", path, "--mesh", cube_obj, "-o", "out.png"));
     }
-    /* words of the header: magic, version, mesh type, data type, channels and levels, faces, sizes of blocks */
+    /* words of the header: magic, version, mesh type, data type, channels and levels, faces, sizes
+     * of blocks */
     static const struct {
         size_t at;
         uint32_t value;
-    } words[] = {{0, 0x21212121}, {4, 99},         {8, 7},           {12, 9},
-                 {20, 0},         {24, 0x7fffffff}, {24, 0xffffffff}, {28, 0xfffffff0}, {32, 0xfffffff0},
-                 {36, 0xfffffff0}, {40, 0xfffffff0}, {48, 0xfffffff0},
+    } words[] = {{0, 0x21212121},  {4, 99},          {8, 7},           {12, 9},
+                 {20, 0},          {24, 0x7fffffff}, {24, 0xffffffff}, {28, 0xfffffff0},
+                 {32, 0xfffffff0}, {36, 0xfffffff0}, {40, 0xfffffff0}, {48, 0xfffffff0},
                  {52, 0xfffffff0}, {56, 0xfffffff0}, {60, 0xfffffff0}};
     for (size_t i = 0; i < sizeof words / sizeof *words; i++) {
         char *copy = malloc(size);
@@ -175,23 +205,28 @@ static void check_damage(void) {
             copy[words[i].at + (size_t)b] = (char)(words[i].value >> 8 * b);
         kit_write(path, copy, size);
         free(copy);
-        check_refused(1, "damaged.ptx", NULL, ARGUMENTS("render", path, "--mesh", cube_obj, "-o", "out.png"));
+        check_refused(1, "damaged.ptx", NULL,
+                      ARGUMENTS("render", path, "--mesh", cube_obj, "-o", "out.png"));
     }
     free(data);
 }
 
 static void check_outputs_refused(void) {
     char path[KIT_PATH], folder[KIT_PATH];
-    check_refused(1, "nowhere/out.png", NULL, ARGUMENTS("render", cube_ptx, "-o", "nowhere/out.png"));
-    check_refused(1, "nowhere/out.exr", NULL, ARGUMENTS("render", cube_ptx, "-o", "nowhere/out.exr"));
+    check_refused(1, "nowhere/out.png", NULL,
+                  ARGUMENTS("render", cube_ptx, "-o", "nowhere/out.png"));
+    check_refused(1, "nowhere/out.exr", NULL,
+                  ARGUMENTS("render", cube_ptx, "-o", "nowhere/out.exr"));
     check_refused(1, "inputs", NULL, ARGUMENTS("render", cube_ptx, "-o", inputs));
     REQUIRE(mkdir(kit_join(folder, inputs, "folder.png"), 0777) == 0);
     check_refused(1, "folder.png", NULL, ARGUMENTS("render", cube_ptx, "-o", folder));
     CHECK(kit_count_files(folder) == 0);
     check_refused(1, "/dev/full", NULL, ARGUMENTS("render", cube_ptx, "-o", "/dev/full"));
     check_refused(1, "out.jpg|.png", NULL, ARGUMENTS("render", cube_ptx, "-o", "out.jpg"));
-    check_refused(1, "nowhere", NULL, ARGUMENTS("compare", cube_ptx, "--quick", "--out", "nowhere/report"));
-    check_refused(1, "cube.obj", NULL, ARGUMENTS("compare", cube_ptx, "--quick", "--out", cube_obj));
+    check_refused(1, "nowhere", NULL,
+                  ARGUMENTS("compare", cube_ptx, "--quick", "--out", "nowhere/report"));
+    check_refused(1, "cube.obj", NULL,
+                  ARGUMENTS("compare", cube_ptx, "--quick", "--out", cube_obj));
     int before = kit_count_files(inputs);
     kit_join(path, cube_obj, "out.png");
     check_refused(1, "out.png", NULL, ARGUMENTS("render", cube_ptx, "-o", path));
@@ -208,7 +243,8 @@ static void check_no_context(void) {
     for (int i = 0; i < 3; i++)
         kit_write(kit_join(path, folder, names[i]), "not a library", 13);
     snprintf(library_path, sizeof library_path, "LD_LIBRARY_PATH=%s", folder);
-    check_refused(1, "no usable OpenGL context|EGL|OSMesa", environment, ARGUMENTS("render", cube_ptx, "-o", "out.png"));
+    check_refused(1, "no usable OpenGL context|EGL|OSMesa", environment,
+                  ARGUMENTS("render", cube_ptx, "-o", "out.png"));
     check_refused(1, "no usable OpenGL context|EGL", environment,
                   ARGUMENTS("render", cube_ptx, "-o", "out.png", "--context", "egl"));
     check_refused(1, "no usable OpenGL context|OSMesa", environment,
@@ -226,8 +262,10 @@ static slv_image picture(const char *name, const char *const *arguments) {
     slv_image image = {0};
     char path[KIT_PATH];
     kit_selvage(&scratch, NULL, arguments, &run);
-    CHECK_MSG(run.code == 0 && kit_lines(run.err) == 0, "%s: exit code %d: %s", name, run.code, run.err);
-    CHECK_MSG(kit_count_files(scratch.folder) == 1, "%s: %d files", name, kit_count_files(scratch.folder));
+    CHECK_MSG(run.code == 0 && kit_lines(run.err) == 0, "%s: exit code %d: %s", name, run.code,
+              run.err);
+    CHECK_MSG(kit_count_files(scratch.folder) == 1, "%s: %d files", name,
+              kit_count_files(scratch.folder));
     REQUIRE(slv_image_load(&env, kit_join(path, scratch.folder, name), &image) == SLV_OK);
     CHECK(unlink(path) == 0);
     return image;
@@ -246,34 +284,42 @@ static void check_pictures(void) {
     byte = picture("cube.png", ARGUMENTS("render", cube_ptx, "--raw"));
     CHECK(byte.width == 512 && byte.height == 512 && byte.nchannels == 4);
     CHECK(strstr(run.out, "cube.png") && strstr(run.out, "traverse"));
-    word = picture("word.png", ARGUMENTS("render", cube_ptx, "word.png", "--raw", "--bits", "16", "-q"));
+    word = picture("word.png",
+                   ARGUMENTS("render", cube_ptx, "word.png", "--raw", "--bits", "16", "-q"));
     CHECK(run.out[0] == 0);
     half = picture("half.exr", ARGUMENTS("render", cube_ptx, "--out", "half.exr"));
     whole = picture("whole.exr", ARGUMENTS("render", cube_ptx, "--out=whole.exr", "--bits=32"));
-    CHECK(largest_difference(&byte, &whole) <= 0.51f / 255 + 1e-3f && largest_difference(&byte, &whole) > 0);
+    CHECK(largest_difference(&byte, &whole) <= 0.51f / 255 + 1e-3f &&
+          largest_difference(&byte, &whole) > 0);
     CHECK(largest_difference(&word, &whole) <= 1e-3f); /* 8 and 16 bit are drawn in half */
     CHECK(largest_difference(&half, &whole) <= 1e-3f && largest_difference(&half, &whole) > 0);
     slv_image_free(&word);
     slv_image_free(&half);
     slv_image_free(&whole);
 
-    other = picture("a.png", ARGUMENTS("render", cube_ptx, "-o", "a.png", "--raw", "--context", "egl"));
+    other =
+        picture("a.png", ARGUMENTS("render", cube_ptx, "-o", "a.png", "--raw", "--context", "egl"));
     CHECK(largest_difference(&byte, &other) <= 1.01f / 255);
     slv_image_free(&other);
-    other = picture("a.png", ARGUMENTS("render", cube_ptx, "-o", "a.png", "--raw", "--context", "osmesa"));
+    other = picture("a.png",
+                    ARGUMENTS("render", cube_ptx, "-o", "a.png", "--raw", "--context", "osmesa"));
     CHECK(largest_difference(&byte, &other) <= 1.01f / 255);
     slv_image_free(&other);
-    other = picture("a.png", ARGUMENTS("render", cube_ptx, "-o", "a.png", "--raw", "--mesh", cube_obj, "--threads", "1"));
+    other = picture("a.png", ARGUMENTS("render", cube_ptx, "-o", "a.png", "--raw", "--mesh",
+                                       cube_obj, "--threads", "1"));
     CHECK(largest_difference(&byte, &other) == 0);
     slv_image_free(&other);
-    other = picture("a.png", ARGUMENTS("render", cube_ptx, "-o", "a.png", "--size", "64x32", "--background", "1,0,0",
-                                       "--strategy", "discard", "--aniso", "16", "--azimuth", "200"));
-    CHECK(other.width == 64 && other.height == 32 && fabsf(other.pixels[0] - 1) < 1e-3f && other.pixels[1] == 0);
+    other = picture("a.png", ARGUMENTS("render", cube_ptx, "-o", "a.png", "--size", "64x32",
+                                       "--background", "1,0,0", "--strategy", "discard", "--aniso",
+                                       "16", "--azimuth", "200"));
+    CHECK(other.width == 64 && other.height == 32 && fabsf(other.pixels[0] - 1) < 1e-3f &&
+          other.pixels[1] == 0);
     slv_image_free(&other);
     /* a mesh that does not fit can be insisted on, and an output is replaced */
     char existing[KIT_PATH];
     kit_write(kit_join(existing, scratch.folder, "a.png"), "old", 3);
-    other = picture("a.png", ARGUMENTS("render", cube_ptx, "-o", "a.png", "--mesh", turned_obj, "--adjacency", "mesh"));
+    other = picture("a.png", ARGUMENTS("render", cube_ptx, "-o", "a.png", "--mesh", turned_obj,
+                                       "--adjacency", "mesh"));
     slv_image_free(&other);
     slv_image_free(&byte);
 }
@@ -281,7 +327,8 @@ static void check_pictures(void) {
 static json_t *parse_output(const char *what) {
     json_error_t error;
     json_t *root = json_loads(run.out, 0, &error);
-    CHECK_MSG(run.code == 0 && kit_lines(run.err) == 0, "%s: exit code %d: %s", what, run.code, run.err);
+    CHECK_MSG(run.code == 0 && kit_lines(run.err) == 0, "%s: exit code %d: %s", what, run.code,
+              run.err);
     CHECK_MSG(root, "%s: line %d: %s", what, error.line, error.text);
     REQUIRE(root);
     return root;
@@ -309,15 +356,18 @@ static void check_info(void) {
 
 static void check_report(void) {
     static const char *const names[] = {"clamp", "traverse", "discard"};
-    static const char *const numbers[] = {"median_ms", "min_ms",  "max_ms", "time_ratio", "texel_bytes",
-                                          "gpu_bytes", "memory_ratio", "pools",  "batches",    "widened_faces"};
+    static const char *const numbers[] = {
+        "median_ms", "min_ms",       "max_ms", "time_ratio", "texel_bytes",
+        "gpu_bytes", "memory_ratio", "pools",  "batches",    "widened_faces"};
     char path[KIT_PATH], file[64];
     json_error_t error;
     kit_selvage(&scratch, NULL,
-                ARGUMENTS("compare", cube_ptx, "--mesh", cube_obj, "--quick", "--out", "report", "--size", "160x96",
-                          "--frames", "2", "--strategies", "clamp,traverse,discard", "--quiet"),
+                ARGUMENTS("compare", cube_ptx, "--mesh", cube_obj, "--quick", "--out", "report",
+                          "--size", "160x96", "--frames", "2", "--strategies",
+                          "clamp,traverse,discard", "--quiet"),
                 &run);
-    CHECK_MSG(run.code == 0 && kit_lines(run.err) == 0 && !run.out[0], "compare: exit code %d: %s", run.code, run.err);
+    CHECK_MSG(run.code == 0 && kit_lines(run.err) == 0 && !run.out[0], "compare: exit code %d: %s",
+              run.code, run.err);
     REQUIRE(run.code == 0 && kit_count_files(scratch.folder) == 1);
     char report[KIT_PATH];
     kit_join(report, scratch.folder, "report");
@@ -335,13 +385,16 @@ static void check_report(void) {
         const json_t *row = json_array_get(rows, s), *seams = json_object_get(row, "seams");
         CHECK(strcmp(json_string_value(json_object_get(row, "name")), names[s]) == 0);
         for (size_t n = 0; n < sizeof numbers / sizeof *numbers; n++)
-            CHECK_MSG(json_is_number(json_object_get(row, numbers[n])), "report.json: no %s", numbers[n]);
+            CHECK_MSG(json_is_number(json_object_get(row, numbers[n])), "report.json: no %s",
+                      numbers[n]);
         CHECK(json_number_value(json_object_get(row, "median_ms")) > 0);
         CHECK(json_number_value(json_object_get(row, "memory_ratio")) > 1);
-        CHECK(json_array_size(seams) > 1 && json_is_number(json_object_get(json_array_get(seams, 0), "max")));
+        CHECK(json_array_size(seams) > 1 &&
+              json_is_number(json_object_get(json_array_get(seams, 0), "max")));
         snprintf(file, sizeof file, "view0_%s.png", names[s]);
         slv_image image = {0};
-        CHECK(slv_image_load(NULL, kit_join(path, report, file), &image) == SLV_OK && image.width == 160);
+        CHECK(slv_image_load(NULL, kit_join(path, report, file), &image) == SLV_OK &&
+              image.width == 160);
         slv_image_free(&image);
     }
     json_decref(root);
@@ -361,14 +414,18 @@ static void check_help(void) {
         char path[KIT_PATH], folder[KIT_PATH], file[64];
         int count = 0;
         kit_selvage(&scratch, NULL, ARGUMENTS(verbs[v], "--help"), &run);
-        CHECK(run.code == 0 && !run.err[0] && strstr(run.out, "Usage") && strstr(run.out, "Examples"));
+        CHECK(run.code == 0 && !run.err[0] && strstr(run.out, "Usage") &&
+              strstr(run.out, "Examples"));
         snprintf(file, sizeof file, "%s.c", verbs[v]);
-        char *source = kit_read(kit_join(path, kit_join(folder, kit_variable("SELVAGE_TESTS"), "../tools"), file), NULL);
+        char *source = kit_read(
+            kit_join(path, kit_join(folder, kit_variable("SELVAGE_TESTS"), "../tools"), file),
+            NULL);
         for (const char *at = source; (at = strstr(at, "{\"--")); count++) {
             char option[64];
             at += 2;
             snprintf(option, sizeof option, "  %.*s", (int)strcspn(at, "|\""), at);
-            CHECK_MSG(strstr(run.out, option), "selvage %s --help does not show%s", verbs[v], option + 1);
+            CHECK_MSG(strstr(run.out, option), "selvage %s --help does not show%s", verbs[v],
+                      option + 1);
         }
         CHECK_MSG(count > 2, "%d options found in %s", count, file);
         free(source);

@@ -18,9 +18,10 @@ static void run_example(const char *name, const char *const *arguments) {
 
 /* A closed shape with a pentagon on either side, coloured by position. */
 static void make_texture(const char *path) {
-    static const char obj[] = "v 1 0 -0.6\nv 0.31 0.95 -0.6\nv -0.81 0.59 -0.6\nv -0.81 -0.59 -0.6\nv 0.31 -0.95 -0.6\n"
-                              "v 1 0 0.6\nv 0.31 0.95 0.6\nv -0.81 0.59 0.6\nv -0.81 -0.59 0.6\nv 0.31 -0.95 0.6\n"
-                              "f 5 4 3 2 1\nf 6 7 8 9 10\nf 1 2 7 6\nf 2 3 8 7\nf 3 4 9 8\nf 4 5 10 9\nf 5 1 6 10\n";
+    static const char obj[] =
+        "v 1 0 -0.6\nv 0.31 0.95 -0.6\nv -0.81 0.59 -0.6\nv -0.81 -0.59 -0.6\nv 0.31 -0.95 -0.6\n"
+        "v 1 0 0.6\nv 0.31 0.95 0.6\nv -0.81 0.59 0.6\nv -0.81 -0.59 0.6\nv 0.31 -0.95 0.6\n"
+        "f 5 4 3 2 1\nf 6 7 8 9 10\nf 1 2 7 6\nf 2 3 8 7\nf 3 4 9 8\nf 4 5 10 9\nf 5 1 6 10\n";
     slv_env env = test_env();
     slv_mesh *mesh = NULL;
     slv_adjacency *adjacency = NULL;
@@ -28,7 +29,8 @@ static void make_texture(const char *path) {
     slv_texture *texture = NULL;
     slv_res res[15];
     slv_texture_desc desc = {15, SLV_TYPE_U8, 3, SLV_NO_ALPHA, res};
-    slv_procedural position = {.pattern = SLV_PATTERN_POSITION, .frequency = 0.5f, .offset = {-1, -1, -1}};
+    slv_procedural position = {
+        .pattern = SLV_PATTERN_POSITION, .frequency = 0.5f, .offset = {-1, -1, -1}};
     REQUIRE(slv_mesh_parse_obj(&env, "prism", obj, sizeof obj - 1, &mesh) == SLV_OK);
     REQUIRE(slv_mesh_face_count(mesh) == 15);
     for (int f = 0; f < 15; f++)
@@ -37,7 +39,8 @@ static void make_texture(const char *path) {
     REQUIRE(slv_surface_create(&env, mesh, NULL, &surface) == SLV_OK);
     REQUIRE(slv_texture_create(&env, &desc, &texture) == SLV_OK);
     REQUIRE(slv_bake_procedural(&env, surface, &position, NULL, texture) == SLV_OK);
-    REQUIRE(slv_ptx_save(&env, path, texture, adjacency, &(slv_ptx_write_params){.mesh = mesh}) == SLV_OK);
+    REQUIRE(slv_ptx_save(&env, path, texture, adjacency, &(slv_ptx_write_params){.mesh = mesh}) ==
+            SLV_OK);
     slv_texture_destroy(texture);
     slv_surface_destroy(surface);
     slv_adjacency_destroy(adjacency);
@@ -65,7 +68,8 @@ static void check_picture(const char *path, const char *name) {
             }
         }
     }
-    CHECK_MSG(covered > 512 * 512 / 8 && covered < 512 * 512 * 9 / 10, "%s: %u pixels are covered", name, covered);
+    CHECK_MSG(covered > 512 * 512 / 8 && covered < 512 * 512 * 9 / 10, "%s: %u pixels are covered",
+              name, covered);
     for (int c = 0; c < 2; c++) {
         double low = sums[c][0][0] / sums[c][0][1], high = sums[c][1][0] / sums[c][1][1];
         CHECK_MSG(high > low + 0.1, "%s: channel %d goes from %.2f to %.2f", name, c, low, high);
@@ -82,7 +86,8 @@ int main(void) {
 
     run_example("example_hello", (const char *const[]){ptx, NULL});
     CHECK_MSG(run.code == 0 && !run.err[0], "hello ended with %d: %s", run.code, run.err);
-    CHECK_MSG(strncmp(run.out, "15 faces of 3 x uint8; face 0 is 8 x 8\nits first value is ", 58) == 0,
+    CHECK_MSG(strncmp(run.out, "15 faces of 3 x uint8; face 0 is 8 x 8\nits first value is ", 58) ==
+                  0,
               "hello says: %s", run.out);
     run_example("example_hello", (const char *const[]){missing, NULL});
     CHECK(run.code == 1 && kit_lines(run.err) == 1 && strstr(run.err, "missing.ptx"));
@@ -90,8 +95,10 @@ int main(void) {
     for (int s = 0; s < 4; s++) {
         kit_join(png, scratch.folder, strategies[s]);
         strcat(png, ".png");
-        run_example("example_sample_in_your_shader", (const char *const[]){ptx, png, strategies[s], NULL});
-        CHECK_MSG(run.code == 0 && !run.err[0], "%s ended with %d: %s", strategies[s], run.code, run.err);
+        run_example("example_sample_in_your_shader",
+                    (const char *const[]){ptx, png, strategies[s], NULL});
+        CHECK_MSG(run.code == 0 && !run.err[0], "%s ended with %d: %s", strategies[s], run.code,
+                  run.err);
         check_picture(png, strategies[s]);
     }
     run_example("example_sample_in_your_shader", (const char *const[]){missing, png, NULL});

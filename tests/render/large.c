@@ -1,5 +1,5 @@
-/* A mesh of more than a hundred thousand faces: every step must take time in proportion, and the strategies must agree on
- * what is seen from afar. */
+/* A mesh of more than a hundred thousand faces: every step must take time in proportion, and the
+ * strategies must agree on what is seen from afar. */
 #include "test.h"
 
 #include <selvage/bake.h>
@@ -16,9 +16,11 @@ enum { NFACES = AROUND * THROUGH, SIZE = 256, NPIXELS = SIZE * SIZE };
 
 static const float pi = 3.14159265f;
 
-/* Coarser on the inside of the ring and with oblong texels in places, so that every kind of neighbourhood occurs. */
+/* Coarser on the inside of the ring and with oblong texels in places, so that every kind of
+ * neighbourhood occurs. */
 static slv_res face_resolution(uint32_t i, uint32_t j) {
-    static const slv_res kinds[] = {{3, 3}, {2, 2}, {4, 3}, {3, 4}, {4, 4}, {1, 3}, {2, 1}, {0, 0}, {5, 5}};
+    static const slv_res kinds[] = {{3, 3}, {2, 2}, {4, 3}, {3, 4}, {4, 4},
+                                    {1, 3}, {2, 1}, {0, 0}, {5, 5}};
     uint32_t patch = i / 16 * 7 + j / 12 * 3;
     return kinds[patch % (sizeof kinds / sizeof *kinds)];
 }
@@ -59,8 +61,11 @@ static slv_mesh *make_mesh(void) {
             verts[4 * at + 3] = j1 * AROUND + i;
         }
     }
-    slv_mesh_view view = {
-        .nverts = NFACES, .positions = positions, .npolys = NFACES, .poly_sizes = sizes, .poly_verts = verts};
+    slv_mesh_view view = {.nverts = NFACES,
+                          .positions = positions,
+                          .npolys = NFACES,
+                          .poly_sizes = sizes,
+                          .poly_verts = verts};
     REQUIRE(slv_mesh_create(&env, &view, &mesh) == SLV_OK);
     free(positions);
     free(sizes);
@@ -91,7 +96,8 @@ static void check_picture(const slv_image *image, const char *name) {
     float low = INFINITY, high = -INFINITY;
     for (uint32_t i = 0; i < NPIXELS; i++) {
         const float *pixel = image->pixels + 4 * (size_t)i;
-        bool good = isfinite(pixel[0]) && isfinite(pixel[1]) && isfinite(pixel[2]) && isfinite(pixel[3]);
+        bool good =
+            isfinite(pixel[0]) && isfinite(pixel[1]) && isfinite(pixel[2]) && isfinite(pixel[3]);
         CHECK_MSG(good, "%s: pixel %u is not finite", name, i);
         if (pixel[3] < 0.999f)
             continue;
@@ -99,7 +105,8 @@ static void check_picture(const slv_image *image, const char *name) {
         low = fminf(low, pixel[0]);
         high = fmaxf(high, pixel[0]);
     }
-    fprintf(stderr, "%s: %u pixels covered, red from %.3f to %.3f\n", name, covered, (double)low, (double)high);
+    fprintf(stderr, "%s: %u pixels covered, red from %.3f to %.3f\n", name, covered, (double)low,
+            (double)high);
     CHECK(covered > NPIXELS / 5 && covered < NPIXELS);
     CHECK(low >= 0 && high <= 1 && high - low > 0.3f);
 }
@@ -119,15 +126,17 @@ static void check_agreement(const slv_image *a, const slv_image *b, const char *
             largest = fmaxf(largest, fabsf(one[c] - other[c]));
         }
     }
-    fprintf(stderr, "%s differs from clamp by %.4f on average, %.4f at most\n", name, sum / covered, (double)largest);
+    fprintf(stderr, "%s differs from clamp by %.4f on average, %.4f at most\n", name, sum / covered,
+            (double)largest);
     CHECK_MSG(sum / covered < 0.01, "%s differs from clamp by %g on average", name, sum / covered);
-    /* faces are smaller than pixels here, and a footprint that misses its face altogether would be black */
+    /* faces are smaller than pixels here, and a footprint that misses its face altogether would be
+     * black */
     CHECK_MSG(largest < 0.08f, "%s differs from clamp by %g at a pixel", name, (double)largest);
 }
 
 int main(void) {
-    static const slv_strategy strategies[] = {SLV_STRATEGY_CLAMP, SLV_STRATEGY_BORDERS, SLV_STRATEGY_TRAVERSE,
-                                              SLV_STRATEGY_DISCARD};
+    static const slv_strategy strategies[] = {SLV_STRATEGY_CLAMP, SLV_STRATEGY_BORDERS,
+                                              SLV_STRATEGY_TRAVERSE, SLV_STRATEGY_DISCARD};
     slv_env env = test_env();
     slv_mesh_stats stats;
     slv_adjacency *adjacency = NULL;
@@ -151,11 +160,11 @@ int main(void) {
     step("context");
     REQUIRE(slv_gl_renderer_create(gl, &env, mesh, surface, adjacency, 2, &renderer) == SLV_OK);
     step("tessellation");
-    slv_frame frame = {
-        .width = SIZE,
-        .height = SIZE,
-        .msaa = 4,
-        .camera = slv_camera_orbit(stats.bounds_min, stats.bounds_max, 30, 40, 35, 1)};
+    slv_frame frame = {.width = SIZE,
+                       .height = SIZE,
+                       .msaa = 4,
+                       .camera =
+                           slv_camera_orbit(stats.bounds_min, stats.bounds_max, 30, 40, 35, 1)};
     for (int s = 0; s < 4; s++) {
         const char *name = slv_strategy_name(strategies[s]);
         slv_gl_texture_params params = {.strategies = 1u << strategies[s], .anisotropy = 4};
@@ -168,7 +177,8 @@ int main(void) {
         step("first frame");
         slv_gl_texture_stats sizes = slv_gl_texture_get_stats(uploaded, strategies[s]);
         fprintf(stderr, "%s: %.1f MB of texels, %.1f MB on the GPU, %u pools, %u batches\n", name,
-                (double)sizes.texel_bytes / 1e6, (double)sizes.gpu_bytes / 1e6, sizes.pools, sizes.batches);
+                (double)sizes.texel_bytes / 1e6, (double)sizes.gpu_bytes / 1e6, sizes.pools,
+                sizes.batches);
         CHECK(sizes.texel_bytes > 0 && sizes.gpu_bytes > sizes.texel_bytes);
         CHECK(sizes.batches > 0 && sizes.batches < 2000);
         check_picture(&image, name);

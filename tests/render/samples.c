@@ -1,5 +1,5 @@
-/* The command against pictures that somebody else made: RenderMan's of the published samples where they are at hand, and ray-cast
- * ones of a cube whose colour is its position everywhere. */
+/* The command against pictures that somebody else made: RenderMan's of the published samples where
+ * they are at hand, and ray-cast ones of a cube whose colour is its position everywhere. */
 #include "render/command_kit.h"
 
 #include <selvage/bake.h>
@@ -66,11 +66,13 @@ static slv_image changed(const slv_image *image, change how) {
 }
 
 /* A score that cannot tell left from right says nothing. */
-static void check_score_sees(const char *name, const slv_image *reference, const slv_image *image, double right) {
+static void check_score_sees(const char *name, const slv_image *reference, const slv_image *image,
+                             double right) {
     for (int how = 0; how < CHANGES; how++) {
         slv_image other = changed(image, (change)how);
         score wrong = compare(reference, &other);
-        CHECK_MSG(wrong.psnr < right - 10, "%s: a wrong picture (%d) scores %.1f dB, the right one %.1f", name, how,
+        CHECK_MSG(wrong.psnr < right - 10,
+                  "%s: a wrong picture (%d) scores %.1f dB, the right one %.1f", name, how,
                   wrong.psnr, right);
         slv_image_free(&other);
     }
@@ -82,8 +84,8 @@ static slv_image render(const char *ptx, const char *mesh, const char *view, con
     slv_image image = {0};
     char out[KIT_PATH];
     kit_join(out, scratch.folder, "picture.png");
-    const char *arguments[] = {"render", ptx,   "--mesh",     mesh,     "--view",  view, "--raw",
-                               "-o",     out,   "--strategy", strategy, "--scheme", scheme, NULL};
+    const char *arguments[] = {"render", ptx, "--mesh",     mesh,     "--view",   view,   "--raw",
+                               "-o",     out, "--strategy", strategy, "--scheme", scheme, NULL};
     kit_selvage(&scratch, NULL, arguments, &run);
     CHECK_MSG(run.code == 0, "%s %s: exit code %d: %s", ptx, strategy, run.code, run.err);
     REQUIRE(run.code == 0 && kit_lines(run.err) == 0);
@@ -93,7 +95,8 @@ static slv_image render(const char *ptx, const char *mesh, const char *view, con
 }
 
 /* `least` in dB by strategy. */
-static void check_sample(const char *samples, const char *name, const double least[4], uint32_t most_alpha) {
+static void check_sample(const char *samples, const char *name, const double least[4],
+                         uint32_t most_alpha) {
     static const char *const strategies[] = {"clamp", "borders", "traverse", "discard"};
     slv_env env = test_env();
     slv_image reference = {0};
@@ -109,12 +112,13 @@ static void check_sample(const char *samples, const char *name, const double lea
     for (int s = 0; s < 4; s++) {
         slv_image image = render(path[1], path[2], path[3], strategies[s], "catmark");
         score right = compare(&reference, &image);
-        fprintf(stderr, "%s %s: %.2f dB over %u pixels, %u differ in alpha\n", name, strategies[s], right.psnr,
-                right.pixels, right.alpha_differs);
+        fprintf(stderr, "%s %s: %.2f dB over %u pixels, %u differ in alpha\n", name, strategies[s],
+                right.psnr, right.pixels, right.alpha_differs);
         CHECK(right.pixels > 20000);
-        CHECK_MSG(right.psnr >= least[s], "%s %s: %.2f dB, expected %.0f", name, strategies[s], right.psnr, least[s]);
-        CHECK_MSG(right.alpha_differs <= most_alpha, "%s %s: %u pixels differ in alpha", name, strategies[s],
-                  right.alpha_differs);
+        CHECK_MSG(right.psnr >= least[s], "%s %s: %.2f dB, expected %.0f", name, strategies[s],
+                  right.psnr, least[s]);
+        CHECK_MSG(right.alpha_differs <= most_alpha, "%s %s: %u pixels differ in alpha", name,
+                  strategies[s], right.alpha_differs);
         check_score_sees(name, &reference, &image, right.psnr);
         slv_image_free(&image);
     }
@@ -125,8 +129,9 @@ static void check_sample(const char *samples, const char *name, const double lea
 static const float eye[3][3] = {{0.8f, 0, -0.6f}, {-0.36f, 0.8f, -0.48f}, {0.48f, 0.6f, 0.64f}};
 static const float window = 2;
 
-static const char cube_obj[] = "v -1 -1 -1\nv 1 -1 -1\nv -1 1 -1\nv 1 1 -1\nv -1 -1 1\nv 1 -1 1\nv -1 1 1\nv 1 1 1\n"
-                               "f 1 3 4 2\nf 5 6 8 7\nf 1 2 6 5\nf 3 7 8 4\nf 1 5 7 3\nf 2 4 8 6\n";
+static const char cube_obj[] =
+    "v -1 -1 -1\nv 1 -1 -1\nv -1 1 -1\nv 1 1 -1\nv -1 -1 1\nv 1 -1 1\nv -1 1 1\nv 1 1 1\n"
+    "f 1 3 4 2\nf 5 6 8 7\nf 1 2 6 5\nf 3 7 8 4\nf 1 5 7 3\nf 2 4 8 6\n";
 
 static void make_cube(const char *obj, const char *ptx, const char *view) {
     slv_env env = test_env();
@@ -137,7 +142,8 @@ static void make_cube(const char *obj, const char *ptx, const char *view) {
     slv_surface_params bilinear = {.scheme = SLV_SCHEME_BILINEAR};
     const slv_res res[6] = {{6, 6}, {6, 6}, {6, 6}, {6, 6}, {6, 6}, {6, 6}};
     slv_texture_desc desc = {6, SLV_TYPE_U16, 3, SLV_NO_ALPHA, res};
-    slv_procedural position = {.pattern = SLV_PATTERN_POSITION, .frequency = 0.5f, .offset = {-1, -1, -1}};
+    slv_procedural position = {
+        .pattern = SLV_PATTERN_POSITION, .frequency = 0.5f, .offset = {-1, -1, -1}};
     char text[1024];
     kit_write(obj, cube_obj, sizeof cube_obj - 1);
     REQUIRE(slv_mesh_load_obj(&env, obj, &mesh) == SLV_OK);
@@ -146,13 +152,15 @@ static void make_cube(const char *obj, const char *ptx, const char *view) {
     REQUIRE(slv_texture_create(&env, &desc, &texture) == SLV_OK);
     REQUIRE(slv_bake_procedural(&env, surface, &position, NULL, texture) == SLV_OK);
     REQUIRE(slv_ptx_save(&env, ptx, texture, adjacency, NULL) == SLV_OK);
-    int length = snprintf(text, sizeof text,
-                          "{\"size\": [256, 256], \"projection\": \"orthographic\",\n"
-                          " \"screen_window\": [-2, 2, -2, 2], \"shading\": {\"model\": \"unlit\"},\n"
-                          " \"world_to_camera\": [[%g, %g, %g, 0], [%g, %g, %g, 0], [%g, %g, %g, -5], [0, 0, 0, 1]]}\n",
-                          (double)eye[0][0], (double)eye[0][1], (double)eye[0][2], (double)eye[1][0],
-                          (double)eye[1][1], (double)eye[1][2], (double)eye[2][0], (double)eye[2][1],
-                          (double)eye[2][2]);
+    int length =
+        snprintf(text, sizeof text,
+                 "{\"size\": [256, 256], \"projection\": \"orthographic\",\n"
+                 " \"screen_window\": [-2, 2, -2, 2], \"shading\": {\"model\": \"unlit\"},\n"
+                 " \"world_to_camera\": [[%g, %g, %g, 0], [%g, %g, %g, 0], [%g, %g, %g, -5], [0, "
+                 "0, 0, 1]]}\n",
+                 (double)eye[0][0], (double)eye[0][1], (double)eye[0][2], (double)eye[1][0],
+                 (double)eye[1][1], (double)eye[1][2], (double)eye[2][0], (double)eye[2][1],
+                 (double)eye[2][2]);
     kit_write(view, text, (size_t)length);
     slv_texture_destroy(texture);
     slv_surface_destroy(surface);
@@ -171,7 +179,8 @@ static bool cast(uint32_t x, uint32_t y, uint32_t size, float hit[3]) {
         nearest = fmaxf(nearest, fminf(a, b));
         farthest = fminf(farthest, fmaxf(a, b));
     }
-    /* the eye is far along its own +z, so the face that it sees is the one with the largest parameter */
+    /* the eye is far along its own +z, so the face that it sees is the one with the largest
+     * parameter */
     for (int c = 0; c < 3; c++)
         hit[c] = origin[c] + farthest * eye[2][c];
     return farthest > nearest;
@@ -206,7 +215,8 @@ static void check_cube(void) {
                 if (!well_inside(&expected, x, y))
                     continue;
                 for (int c = 0; c < 3; c++) {
-                    float difference = fabsf(expected.pixels[at + (size_t)c] - image.pixels[at + (size_t)c]);
+                    float difference =
+                        fabsf(expected.pixels[at + (size_t)c] - image.pixels[at + (size_t)c]);
                     largest = fmaxf(largest, difference);
                     sum += (double)difference;
                 }
@@ -216,10 +226,14 @@ static void check_cube(void) {
         score right = compare(&expected, &image);
         fprintf(stderr, "cube %s: largest error %.2f/255, mean %.3f/255, %.1f dB\n", strategies[s],
                 (double)largest * 255, sum / count * 255, right.psnr);
-        /* half a texel is 2/255 here, and beside an edge no lookup is nearer than that to the edge itself */
-        CHECK_MSG(largest < 2.5f / 255, "cube %s: off by %g/255", strategies[s], (double)largest * 255);
-        CHECK_MSG(sum / count < 0.5 / 255, "cube %s: off by %g/255 on average", strategies[s], sum / count * 255);
-        CHECK_MSG(right.alpha_differs < 60, "cube %s: %u pixels differ in alpha", strategies[s], right.alpha_differs);
+        /* half a texel is 2/255 here, and beside an edge no lookup is nearer than that to the edge
+         * itself */
+        CHECK_MSG(largest < 2.5f / 255, "cube %s: off by %g/255", strategies[s],
+                  (double)largest * 255);
+        CHECK_MSG(sum / count < 0.5 / 255, "cube %s: off by %g/255 on average", strategies[s],
+                  sum / count * 255);
+        CHECK_MSG(right.alpha_differs < 60, "cube %s: %u pixels differ in alpha", strategies[s],
+                  right.alpha_differs);
         check_score_sees("cube", &expected, &image, right.psnr);
         slv_image_free(&image);
         slv_image_free(&expected);

@@ -1,5 +1,6 @@
-/* Every text that the library can hand to a shader is valid GLSL: for the reference compiler, which must be installed, and for the
- * driver of a real context, linked with the vertex shaders that it is used with. */
+/* Every text that the library can hand to a shader is valid GLSL: for the reference compiler, which
+ * must be installed, and for the driver of a real context, linked with the vertex shaders that it
+ * is used with. */
 #include "render/command_kit.h"
 
 #include <selvage/gl_texture.h>
@@ -135,8 +136,8 @@ static void check_texture(uint32_t nchannels, uint32_t anisotropy) {
     for (int s = 0; s < SLV_STRATEGY_COUNT; s++) {
         for (uint32_t v = 0; v < SLV_GL_MAX_VARIANTS; v++) {
             char name[64];
-            snprintf(name, sizeof name, "%s_variant%u_channels%u_aniso%u", slv_strategy_name((slv_strategy)s), v,
-                     nchannels, anisotropy);
+            snprintf(name, sizeof name, "%s_variant%u_channels%u_aniso%u",
+                     slv_strategy_name((slv_strategy)s), v, nchannels, anisotropy);
             const char *lookups = slv_gl_texture_glsl(uploaded, (slv_strategy)s, v);
             CHECK_MSG(strstr(lookups, "slv_sample_grad") != NULL, "%s: no text", name);
             check_both_taps(lookups, anisotropy, name);
@@ -152,7 +153,8 @@ static void check_texture(uint32_t nchannels, uint32_t anisotropy) {
 static void print_complaints(const char *text) {
     for (const char *line = text; *line;) {
         int length = (int)strcspn(line, "\n");
-        if (strncmp(line, "ERROR", 5) == 0 || strncmp(line, "WARNING", 7) == 0 || strncmp(line, "sh:", 3) == 0)
+        if (strncmp(line, "ERROR", 5) == 0 || strncmp(line, "WARNING", 7) == 0 ||
+            strncmp(line, "sh:", 3) == 0)
             fprintf(stderr, "%.*s\n", length, line);
         line += length + (line[length] == '\n');
     }
@@ -190,7 +192,8 @@ int main(void) {
         check_texture(nchannels, 1);
         check_texture(nchannels, 16);
     }
-    /* with and without coverage of their own for two strategies, without for the other two; three kinds of taps */
+    /* with and without coverage of their own for two strategies, without for the other two; three
+     * kinds of taps */
     CHECK_MSG(nseen == (2 * 1 + 2 * 2) * 3 * SLV_GL_MAX_VARIANTS, "%d texts", nseen);
     CHECK(kit_count_files(scratch.folder) == nfiles);
 
@@ -200,7 +203,8 @@ int main(void) {
             char pattern[64];
             snprintf(pattern, sizeof pattern, "%s_%s_*.frag", stage_names[stage], patterns[s]);
             int code = reference_compiler(pattern);
-            CHECK_MSG(code == 0, "glslangValidator (Debian: glslang-tools) ended with %d on %s", code, pattern);
+            CHECK_MSG(code == 0, "glslangValidator (Debian: glslang-tools) ended with %d on %s",
+                      code, pattern);
             CHECK_MSG(!strstr(run.out, "WARNING"), "glslangValidator warns");
             if (code)
                 print_complaints(run.out);

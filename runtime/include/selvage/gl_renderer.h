@@ -37,7 +37,7 @@ SLV_API bool slv_shading_from_name(const char *name, slv_shading *out);
 typedef struct slv_frame {
     slv_camera camera;
     uint32_t width, height; /* default 512 */
-    uint32_t msaa;          /* 1, 2, 4, 8; default 1 */
+    uint32_t msaa;          /* 1, 2, 4, 8; default 1. More than the driver has is SLV_ERROR_UNSUPPORTED */
     slv_strategy strategy;
     slv_shading shading;
     float ka, kd;        /* both zero means 0.2 and 0.8 */
@@ -59,8 +59,8 @@ SLV_API slv_result slv_gl_renderer_create(slv_gl *gl, const slv_env *env, const 
                                           uint32_t segments, slv_gl_renderer **out);
 SLV_API void slv_gl_renderer_destroy(slv_gl_renderer *renderer);
 
-/* Draws one frame. `image` (may be NULL) receives linear RGBA with colour multiplied by alpha, alpha the coverage of the
- * surface by the pixel. `seconds` (may be NULL) receives the time of drawing and resolving, without reading back: by GL timer on
+/* Draws one frame. `image` (may be NULL) receives linear RGBA with colour multiplied by alpha, alpha the coverage of
+ * the pixel by the surface (an alpha channel of the texture is not looked at). `seconds` (may be NULL) receives the time of drawing and resolving, without reading back: by GL timer on
  * hardware, by the clock around glFinish in software. Changes GL state. The texture may be another each time. */
 SLV_API slv_result slv_gl_renderer_draw(slv_gl_renderer *renderer, const slv_env *env, slv_gl_texture *texture,
                                         const slv_frame *frame, slv_image *image, double *seconds);

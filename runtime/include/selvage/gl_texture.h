@@ -1,6 +1,6 @@
 /* Per-face textures on the GPU, and the strategies by which a lookup crosses a seam.
  *
- * Each face is a layer of an array texture of its size class (a pool). Draws go in batches: a batch is a set of faces whose
+ * Each face is a layer of an array texture of its size class (a pool); a class with more faces than one array holds has several. Draws go in batches: a batch is a set of faces whose
  * pools, and for `traverse` their neighbours' pools, fit the texture units that it binds. A host draws every batch with a
  * program whose fragment shader contains the text of slv_gl_texture_glsl:
  *
@@ -70,7 +70,7 @@ SLV_API slv_result slv_gl_texture_create(slv_gl *gl, const slv_env *env, const s
 SLV_API void slv_gl_texture_destroy(slv_gl_texture *texture);
 
 typedef struct slv_gl_texture_stats {
-    uint64_t texel_bytes; /* level 0 of every face, in the upload format, without coverage or padding */
+    uint64_t texel_bytes; /* level 0 of every face: the shown channels in the texture's own type */
     uint64_t gpu_bytes;   /* all arrays and tables that the strategy binds */
     uint32_t pools, batches;
     uint32_t widened; /* faces whose borders needed a wider type */
@@ -82,10 +82,12 @@ SLV_API uint32_t slv_gl_texture_batch_count(const slv_gl_texture *texture, slv_s
 SLV_API slv_gl_batch slv_gl_texture_batch(const slv_gl_texture *texture, slv_strategy strategy, uint32_t index);
 
 /* The GLSL that a fragment shader includes, after `#version 450 core` and before its own code: the definitions of a variant
- * and shaders/selvage_sample.glsl. Owned by the texture. */
+ * and shaders/selvage_sample.glsl. It depends on the strategy, the variant, and the texture's channels and anisotropy; only
+ * `traverse` has variants other than 0. Owned by the texture; "" if an argument is out of range or memory is short. */
 SLV_API const char *slv_gl_texture_glsl(slv_gl_texture *texture, slv_strategy strategy, uint32_t variant);
 
-/* Binds what a batch needs: array textures and samplers from SLV_GL_FIRST_UNIT, tables from SLV_GL_FIRST_STORAGE. */
+/* Binds what a batch needs: array textures and samplers from SLV_GL_FIRST_UNIT, tables from SLV_GL_FIRST_STORAGE. Changes nothing
+ * else. A batch that does not exist binds nothing. */
 SLV_API void slv_gl_texture_bind(slv_gl_texture *texture, slv_strategy strategy, uint32_t batch);
 /* Takes the samplers off again, which would otherwise override the host's own texture parameters. */
 SLV_API void slv_gl_texture_unbind(slv_gl_texture *texture);
@@ -96,8 +98,8 @@ SLV_API slv_result slv_gl_texture_lookup(slv_gl_texture *texture, const slv_env 
                                          uint32_t count, const int32_t *faces, const float *uv,
                                          const float *dx, const float *dy, float *out);
 
-/* The seam jump: the largest difference of any channel between a lookup just left and one just right of a shared edge.
- * Zero means default. */
+/* The seam jump: the largest difference of any channel between a lookup just left and one just right of a shared edge, alpha
+ * included. Single lookups are compared: what multisampling blends afterwards (`discard`) is not in it. Zero means default. */
 typedef struct slv_gl_seam_params {
     uint32_t samples; /* along each edge, its ends included; default 17 */
     uint32_t level;   /* footprint: 2^level texels of the coarser face; 0 is magnified, 1/64 of a texel */

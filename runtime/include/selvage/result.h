@@ -16,7 +16,8 @@
 extern "C" {
 #endif
 
-/* What a function that can fail returns. Success is zero, so `if (slv_x(...))` reads "if it failed". */
+/* What a function that can fail returns. Success is zero, so `if (slv_x(...))` reads "if it failed". A function that makes an
+ * object sets its last argument to NULL when it fails; other outputs then hold nothing to rely on. */
 typedef enum slv_result {
     SLV_OK = 0,
     SLV_ERROR_ARGUMENT,    /* the caller passed something that the function's contract forbids */
