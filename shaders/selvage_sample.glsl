@@ -188,7 +188,7 @@ vec4 slv_sample_grad(int face, vec2 uv, vec2 dx, vec2 dy) {
 
 // Per face, for each edge: the face across it; 16 bits a link, edges 0 and 1 in the first word:
 //   bits 0-1 the adjacent edge   bits 2-3 kind: 0 boundary, 1 like to like, 2 whole quad to two sub-faces, 3 sub-face to whole
-//   bit 4 which half of the whole quad's edge (kind 3)   bits 5-8 pool of the (first) neighbour   bits 9-12 of the second
+//   bit 4 (kind 2) there is a second one, (kind 3) the second half of the whole quad's edge   bits 5-8 pool of the (first) neighbour   bits 9-12 of the second
 //   bits 13 and 15 texels are of one size on both sides at the edge's start and at its end   bit 14 the edge starts in the middle of a whole quad's edge: what lies across
 //   that edge continues straight past the corner, and nothing is missing there
 struct slv_links {
@@ -308,6 +308,8 @@ slv_tap slv_neighbour(slv_links links, int edge, bool second, vec2 uv, slv_footp
         int before = (adjacent + 3) & 3;
         uint beside = slv_link(slv_adjacent[face], before);
         face = slv_adjacent[face].face[before];
+        if (face < 0)
+            return slv_tap(vec4(0.0), 0.0); // its own batch had no room for that link
         adjacent = (int(beside & 3u) + 3) & 3;
         pool = int(link >> 9 & 15u);
         end = 2.0;
@@ -372,7 +374,7 @@ vec4 slv_sample_grad(int face, vec2 uv, vec2 dx, vec2 dy) {
         if (reached[e] && links.face[e] >= 0) {
             pending |= 1u << e;
 #if SLV_SUBFACES
-            if ((slv_link(links, e) >> 2 & 3u) == 2u)
+            if ((slv_link(links, e) >> 2 & 7u) == 6u)
                 pending |= 16u << e;
 #endif
         }

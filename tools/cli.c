@@ -59,19 +59,20 @@ static int word_index(const char *words, const char *name, size_t length) {
 }
 
 static void print_help(const cli_command *command) {
-    printf("selvage %s - %s\n\nUsage: selvage %s %s [options]\n\nOptions:\n", command->name, command->summary,
-           command->name, command->arguments);
+    printf("selvage %s - %s\n\nUsage: selvage %s %s [options]\n\nOptions:\n", command->name,
+           command->summary, command->name, command->arguments);
     for (uint32_t i = 0; i < command->noptions; i++) {
         const cli_option *option = &command->options[i];
         char left[64];
         int length = (int)strcspn(option->names, "|");
-        snprintf(left, sizeof left, "%.*s%s%s", length, option->names, option->kind == CLI_FLAG ? "" : " ",
-                 option->kind == CLI_FLAG                          ? ""
+        snprintf(left, sizeof left, "%.*s%s%s", length, option->names,
+                 option->kind == CLI_FLAG ? "" : " ",
+                 option->kind == CLI_FLAG                        ? ""
                  : option->choices && option->kind != CLI_CHOICE ? option->choices
-                 : option->kind == CLI_CHOICE                      ? "WORD"
-                 : option->kind == CLI_SIZE                        ? "WxH"
-                 : option->kind == CLI_COLOR                       ? "R,G,B[,A]"
-                                                                   : "N");
+                 : option->kind == CLI_CHOICE                    ? "WORD"
+                 : option->kind == CLI_SIZE                      ? "WxH"
+                 : option->kind == CLI_COLOR                     ? "R,G,B[,A]"
+                                                                 : "N");
         printf("  %-22s %s", left, option->help);
         if (option->kind == CLI_CHOICE)
             printf(": %s", option->choices);
@@ -80,7 +81,8 @@ static void print_help(const cli_command *command) {
     printf("  %-22s %s\n\nExamples:\n%s", "--help", "this text", command->examples);
 }
 
-static bool parse_uint(const char *text, uint32_t min, uint32_t max, uint32_t *out, const char **end) {
+static bool parse_uint(const char *text, uint32_t min, uint32_t max, uint32_t *out,
+                       const char **end) {
     char *after;
     errno = 0;
     unsigned long long value = strtoull(text, &after, 10);
@@ -154,11 +156,12 @@ static bool parse_value(const cli_option *option, const char *text) {
 static int bad_value(const cli_command *command, const cli_option *option, const char *text) {
     int length = (int)strcspn(option->names, "|");
     if (option->kind == CLI_CHOICE)
-        return cli_usage(command, "%.*s: unknown word '%s', expected %s", length, option->names, text,
-                         option->choices);
+        return cli_usage(command, "%.*s: unknown word '%s', expected %s", length, option->names,
+                         text, option->choices);
     if (option->kind == CLI_UINT || option->kind == CLI_SIZE)
-        return cli_usage(command, "%.*s: '%s' is not a %s from %u to %u", length, option->names, text,
-                         option->kind == CLI_UINT ? "number" : "size", option->min, option->max);
+        return cli_usage(command, "%.*s: '%s' is not a %s from %u to %u", length, option->names,
+                         text, option->kind == CLI_UINT ? "number" : "size", option->min,
+                         option->max);
     return cli_usage(command, "%.*s: cannot read '%s'", length, option->names, text);
 }
 
@@ -228,8 +231,8 @@ void cli_progress_update(cli_progress *progress, uint64_t done) {
         return;
     if (progress->terminal && (time - progress->shown > 0.1 || done == progress->total)) {
         double left = done ? spent / (double)done * (double)(progress->total - done) : 0;
-        fprintf(stderr, "\r\033[K%s: %llu of %llu, %.0f s left", progress->what, (unsigned long long)done,
-                (unsigned long long)progress->total, left);
+        fprintf(stderr, "\r\033[K%s: %llu of %llu, %.0f s left", progress->what,
+                (unsigned long long)done, (unsigned long long)progress->total, left);
         progress->shown = time;
     } else if (!progress->terminal && tenths > progress->tenths && progress->total >= 10) {
         fprintf(stderr, "%s: %d%% after %.0f s\n", progress->what, tenths * 10, spent);
@@ -239,5 +242,6 @@ void cli_progress_update(cli_progress *progress, uint64_t done) {
 
 void cli_progress_end(cli_progress *progress) {
     if (!progress->quiet && progress->terminal)
-        fprintf(stderr, "\r\033[K%s: done in %.1f s\n", progress->what, cli_now() - progress->started);
+        fprintf(stderr, "\r\033[K%s: done in %.1f s\n", progress->what,
+                cli_now() - progress->started);
 }

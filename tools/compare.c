@@ -60,13 +60,15 @@ static slv_frame frame_at(const struct session *s, double turn, slv_strategy str
                        .msaa = s->report->msaa,
                        .strategy = strategy,
                        .shading = (slv_shading)o->shading};
-    frame.camera = slv_camera_orbit(s->scene.bounds_min, s->scene.bounds_max, o->azimuth + (float)turn * o->orbit,
-                                    o->elevation, o->fov, (float)frame.width / (float)frame.height);
+    frame.camera = slv_camera_orbit(s->scene.bounds_min, s->scene.bounds_max,
+                                    o->azimuth + (float)turn * o->orbit, o->elevation, o->fov,
+                                    (float)frame.width / (float)frame.height);
     return frame;
 }
 
-/* Every strategy draws each frame before the next, starting from another one each time, so that whatever else the machine
- * does falls on all alike. The first frame of each compiles shaders and is not counted. */
+/* Every strategy draws each frame before the next, starting from another one each time, so that
+ * whatever else the machine does falls on all alike. The first frame of each compiles shaders and
+ * is not counted. */
 static slv_result time_frames(struct session *s) {
     report_data *report = s->report;
     uint32_t n = report->nstrategies;
@@ -76,12 +78,14 @@ static slv_result time_frames(struct session *s) {
         cli_error("no memory for the timings");
         return SLV_ERROR_MEMORY;
     }
-    cli_progress progress = cli_progress_begin("timing frames", (uint64_t)n * (report->frames + 1), s->options->quiet);
+    cli_progress progress =
+        cli_progress_begin("timing frames", (uint64_t)n * (report->frames + 1), s->options->quiet);
     for (uint32_t i = 0; !result && i <= report->frames; i++) {
         for (uint32_t k = 0; !result && k < n; k++) {
             uint32_t which = (k + i) % n;
             double seconds = 0;
-            slv_frame frame = frame_at(s, (double)i / report->frames, report->strategies[which].strategy);
+            slv_frame frame =
+                frame_at(s, (double)i / report->frames, report->strategies[which].strategy);
             result = slv_gl_renderer_draw(s->renderer, &s->env, s->texture, &frame, NULL, &seconds);
             if (i)
                 times[which * report->frames + i - 1] = seconds * 1e3;
@@ -100,7 +104,8 @@ static slv_result time_frames(struct session *s) {
         baseline = row->strategy == SLV_STRATEGY_CLAMP ? k : baseline;
     }
     for (uint32_t k = 0; !result && k < n; k++)
-        report->strategies[k].ratio = report->strategies[k].median_ms / report->strategies[baseline].median_ms;
+        report->strategies[k].ratio =
+            report->strategies[k].median_ms / report->strategies[baseline].median_ms;
     free(times);
     return result;
 }
@@ -108,15 +113,15 @@ static slv_result time_frames(struct session *s) {
 static slv_result measure_seams(struct session *s) {
     report_data *report = s->report;
     slv_result result = SLV_OK;
-    cli_progress progress =
-        cli_progress_begin("measuring seams", report->nstrategies * REPORT_LEVELS, s->options->quiet);
+    cli_progress progress = cli_progress_begin(
+        "measuring seams", report->nstrategies * REPORT_LEVELS, s->options->quiet);
     for (uint32_t k = 0; !result && k < report->nstrategies; k++) {
         report_strategy *row = &report->strategies[k];
         row->stats = slv_gl_texture_get_stats(s->texture, row->strategy);
         for (uint32_t level = 0; !result && level < REPORT_LEVELS; level++) {
             slv_gl_seam_params params = {.samples = s->options->quick ? 9 : 17, .level = level};
-            result = slv_gl_texture_seam_jump(s->texture, &s->env, row->strategy, s->scene.adjacency, &params,
-                                              &row->seams[level]);
+            result = slv_gl_texture_seam_jump(s->texture, &s->env, row->strategy,
+                                              s->scene.adjacency, &params, &row->seams[level]);
             cli_progress_update(&progress, k * REPORT_LEVELS + level + 1);
         }
     }
@@ -129,7 +134,8 @@ static slv_result draw_views(struct session *s) {
     slv_result result = SLV_OK;
     for (uint32_t v = 0; v < report->nviews; v++) {
         for (uint32_t k = 0; !result && k < report->nstrategies; k++) {
-            slv_frame frame = frame_at(s, (double)v / report->nviews, report->strategies[k].strategy);
+            slv_frame frame =
+                frame_at(s, (double)v / report->nviews, report->strategies[k].strategy);
             result = slv_gl_renderer_draw(s->renderer, &s->env, s->texture, &frame,
                                           &report->strategies[k].views[v], NULL);
         }
@@ -139,14 +145,18 @@ static slv_result draw_views(struct session *s) {
 
 static float pixel_difference(const slv_image *a, const slv_image *b, size_t pixel) {
     float difference = 0;
-    for (int c = 0; c < 3; c++)
-        difference = fmaxf(difference, fabsf(a->pixels[4 * pixel + c] - b->pixels[4 * pixel + c]));
+    for (int c = 0; c < 3; c++) {
+        float one = fabsf(a->pixels[4 * pixel + c] - b->pixels[4 * pixel + c]);
+        if (!(one <= difference)) /* a NaN differs from everything */
+            difference = isnan(one) ? INFINITY : one;
+    }
     return difference;
 }
 
 /* Black, blue, red, yellow, white. */
 static void heat_color(float value, float *rgba) {
-    static const float stops[5][3] = {{0, 0, 0}, {0.02f, 0.05f, 0.5f}, {0.8f, 0.03f, 0.05f}, {1, 0.7f, 0.02f}, {1, 1, 1}};
+    static const float stops[5][3] = {
+        {0, 0, 0}, {0.02f, 0.05f, 0.5f}, {0.8f, 0.03f, 0.05f}, {1, 0.7f, 0.02f}, {1, 1, 1}};
     float at = fminf(fmaxf(value, 0), 1) * 4;
     int i = at >= 4 ? 3 : (int)at;
     for (int c = 0; c < 3; c++)
@@ -155,16 +165,19 @@ static void heat_color(float value, float *rgba) {
 }
 
 static slv_result compare_pair(struct session *s, report_pair *pair) {
-    const report_strategy *a = &s->report->strategies[pair->a], *b = &s->report->strategies[pair->b];
+    const report_strategy *a = &s->report->strategies[pair->a],
+                          *b = &s->report->strategies[pair->b];
     double sum = 0, squares = 0;
     uint64_t covered = 0, over_1 = 0, over_4 = 0;
-    slv_result result = slv_image_create(&s->env, s->report->width, s->report->height, 4, &pair->heat);
+    slv_result result =
+        slv_image_create(&s->env, s->report->width, s->report->height, 4, &pair->heat);
     if (result)
         return result;
     for (uint32_t v = 0; v < s->report->nviews; v++) {
         size_t npixels = (size_t)s->report->width * s->report->height;
         for (size_t i = 0; i < npixels; i++) {
-            float alpha = a->views[v].pixels[4 * i + 3], d = pixel_difference(&a->views[v], &b->views[v], i);
+            float alpha = a->views[v].pixels[4 * i + 3],
+                  d = pixel_difference(&a->views[v], &b->views[v], i);
             if (v == 0)
                 heat_color(d * 255 / 16, pair->heat.pixels + 4 * i);
             if (alpha < 0.999f)
@@ -216,7 +229,8 @@ static void find_spots(report_data *report) {
             for (uint32_t k = 0; k < report->nspots; k++)
                 near |= hypotf(report->spots[k].x - x, report->spots[k].y - y) < 0.15f;
             for (uint32_t p = 0; !near && p < CELL * CELL; p++) {
-                size_t at = (size_t)(cell / nx * CELL + p / CELL) * report->width + cell % nx * CELL + p % CELL;
+                size_t at = (size_t)(cell / nx * CELL + p / CELL) * report->width +
+                            cell % nx * CELL + p % CELL;
                 for (uint32_t i = 0; i < report->npairs; i++) {
                     const slv_image *a = &report->strategies[report->pairs[i].a].views[0];
                     const slv_image *b = &report->strategies[report->pairs[i].b].views[0];
@@ -246,7 +260,8 @@ static slv_result draw_spots(struct session *s) {
             float w[4];
             memcpy(w, frame.camera.window, sizeof w);
             float width = w[1] - w[0], height = w[3] - w[2];
-            float x = w[0] + spot->x * width, y = w[3] - spot->y * height, half = height / spot->zoom / 2;
+            float x = w[0] + spot->x * width, y = w[3] - spot->y * height,
+                  half = height / spot->zoom / 2;
             frame.camera.window[0] = x - half;
             frame.camera.window[1] = x + half;
             frame.camera.window[2] = y - half;
@@ -293,11 +308,12 @@ static slv_result run(struct session *s) {
     if (o->aniso > report->gl.max_anisotropy)
         report->anisotropy = report->gl.max_anisotropy;
     slv_frame first = frame_at(s, 0, report->strategies[0].strategy);
-    report->segments = o->tess ? o->tess
-                               : slv_tessellation_for(s->scene.mesh, &first.camera, report->width, report->height);
-    if ((result = slv_gl_texture_create(s->gl, &s->env, s->scene.texture, s->scene.adjacency, &upload,
-                                        &s->texture)) ||
-        (result = slv_gl_renderer_create(s->gl, &s->env, s->scene.mesh, s->scene.surface, s->scene.adjacency,
+    report->segments =
+        o->tess ? o->tess
+                : slv_tessellation_for(s->scene.mesh, &first.camera, report->width, report->height);
+    if ((result = slv_gl_texture_create(s->gl, &s->env, s->scene.texture, s->scene.adjacency,
+                                        &upload, &s->texture)) ||
+        (result = slv_gl_renderer_create(s->gl, &s->env, s->scene.mesh, s->scene.surface,
                                          report->segments, &s->renderer)) ||
         (result = time_frames(s)) || (result = measure_seams(s)) || (result = draw_views(s)) ||
         (result = compare_pictures(s)))
@@ -324,14 +340,18 @@ static int write_report(const slv_env *env, const char *folder, const report_dat
 }
 
 static void print_summary(const report_data *report, const char *folder) {
-    printf("%-10s %10s %8s %10s %12s %12s\n", "strategy", "frame ms", "ratio", "GPU MB", "max jump", "mean jump");
+    printf("%-10s %10s %8s %10s %12s %12s\n", "strategy", "frame ms", "ratio", "GPU MB", "max jump",
+           "mean jump");
     for (uint32_t k = 0; k < report->nstrategies; k++) {
         const report_strategy *row = &report->strategies[k];
-        printf("%-10s %10.2f %8.2f %10.1f %12.5f %12.6f\n", slv_strategy_name(row->strategy), row->median_ms,
-               row->ratio, (double)row->stats.gpu_bytes / 1e6, (double)row->seams[0].max, (double)row->seams[0].mean);
+        printf("%-10s %10.2f %8.2f %10.1f %12.5f %12.6f\n", slv_strategy_name(row->strategy),
+               row->median_ms, row->ratio, (double)row->stats.gpu_bytes / 1e6,
+               (double)row->seams[0].max, (double)row->seams[0].mean);
     }
-    printf("(%s; %u frames of %u x %u, %ux MSAA, %ux anisotropy; jumps of magnified lookups, full scale is 1)\n",
-           report->gl.renderer, report->frames, report->width, report->height, report->msaa, report->anisotropy);
+    printf("(%s; %u frames of %u x %u, %ux MSAA, %ux anisotropy; jumps of magnified lookups, full "
+           "scale is 1)\n",
+           report->gl.renderer, report->frames, report->width, report->height, report->msaa,
+           report->anisotropy);
     printf("report: %s/report.html\n", folder);
 }
 
@@ -370,34 +390,52 @@ int verb_compare(int argc, char **argv) {
                         .orbit = 360,
                         .fov = 35};
     const cli_option options[] = {
-        {"--mesh|-m", CLI_TEXT, &o.mesh, "control mesh; default: the geometry inside the .ptx", "FILE.obj", 0, 0, NULL},
-        {"--out|-o|--output", CLI_TEXT, &o.out, "folder for report.html, report.json and pictures (selvage-report)", "DIR", 0, 0, NULL},
-        {"--strategies|-s", CLI_TEXT, &o.strategies, "comma-separated (clamp,borders,traverse,discard)", "LIST", 0, 0, NULL},
-        {"--frames", CLI_UINT, &o.frames, "frames of the orbit (60, quick 8)", NULL, 1, 100000, &o.frames_given},
-        {"--size", CLI_SIZE, o.size, "pixels (960x540, quick 640x360)", NULL, 48, 16384, &o.size_given},
-        {"--msaa", CLI_UINT, &o.msaa, "samples per pixel: 1, 2, 4, 8, as far as the driver goes (4)", NULL, 1, 64, NULL},
+        {"--mesh|-m", CLI_TEXT, &o.mesh, "control mesh; default: the geometry inside the .ptx",
+         "FILE.obj", 0, 0, NULL},
+        {"--out|-o|--output", CLI_TEXT, &o.out,
+         "folder for report.html, report.json and pictures (selvage-report)", "DIR", 0, 0, NULL},
+        {"--strategies|-s", CLI_TEXT, &o.strategies,
+         "comma-separated (clamp,borders,traverse,discard)", "LIST", 0, 0, NULL},
+        {"--frames", CLI_UINT, &o.frames, "frames of the orbit (60, quick 8)", NULL, 1, 100000,
+         &o.frames_given},
+        {"--size", CLI_SIZE, o.size, "pixels (960x540, quick 640x360)", NULL, 48, 16384,
+         &o.size_given},
+        {"--msaa", CLI_UINT, &o.msaa,
+         "samples per pixel: 1, 2, 4, 8, as far as the driver goes (4)", NULL, 1, 64, NULL},
         {"--aniso", CLI_UINT, &o.aniso, "anisotropy, 1 (trilinear) to 16 (16)", NULL, 1, 16, NULL},
-        {"--azimuth", CLI_FLOAT, &o.azimuth, "where the orbit starts, degrees from +z (30)", "DEG", 0, 0, NULL},
+        {"--azimuth", CLI_FLOAT, &o.azimuth, "where the orbit starts, degrees from +z (30)", "DEG",
+         0, 0, NULL},
         {"--orbit", CLI_FLOAT, &o.orbit, "how far it goes (360)", "DEG", 0, 0, NULL},
-        {"--elevation", CLI_FLOAT, &o.elevation, "degrees above the horizon (20)", "DEG", 0, 0, NULL},
-        {"--focus", CLI_TEXT, &o.focus, "frame this group (g, o) of the OBJ instead of the whole mesh", "GROUP", 0, 0, NULL},
-        {"--fov", CLI_FLOAT, &o.fov, "vertical field of view; 0 is orthographic (35)", "DEG", 0, 0, NULL},
+        {"--elevation", CLI_FLOAT, &o.elevation, "degrees above the horizon (20)", "DEG", 0, 0,
+         NULL},
+        {"--focus", CLI_TEXT, &o.focus,
+         "frame this group (g, o) of the OBJ instead of the whole mesh", "GROUP", 0, 0, NULL},
+        {"--fov", CLI_FLOAT, &o.fov, "vertical field of view; 0 is orthographic (35)", "DEG", 0, 0,
+         NULL},
         {"--shading", CLI_CHOICE, &o.shading, "shading (headlight)", SCENE_SHADINGS, 0, 0, NULL},
-        {"--scheme", CLI_CHOICE, &o.scheme, "subdivision scheme (catmark)", SCENE_SCHEMES, 0, 0, NULL},
-        {"--boundary", CLI_CHOICE, &o.boundary, "boundary rule (the mesh's, or edge-and-corner)", SCENE_BOUNDARIES, 0, 0, NULL},
-        {"--tess", CLI_UINT, &o.tess, "segments per face edge, a power of two (by the size on screen)", NULL, 2, 128, NULL},
-        {"--adjacency", CLI_CHOICE, &o.adjacency, "neighbours: refuse if file and mesh differ (agree), or take the one's", SCENE_ADJACENCIES, 0, 0, NULL},
+        {"--scheme", CLI_CHOICE, &o.scheme, "subdivision scheme (catmark)", SCENE_SCHEMES, 0, 0,
+         NULL},
+        {"--boundary", CLI_CHOICE, &o.boundary, "boundary rule (the mesh's, or edge-and-corner)",
+         SCENE_BOUNDARIES, 0, 0, NULL},
+        {"--tess", CLI_UINT, &o.tess,
+         "segments per face edge, a power of two (by the size on screen)", NULL, 2, 128, NULL},
+        {"--adjacency", CLI_CHOICE, &o.adjacency,
+         "neighbours: refuse if file and mesh differ (agree), or take the one's", SCENE_ADJACENCIES,
+         0, 0, NULL},
         {"--quick", CLI_FLAG, &o.quick, "fewer frames, smaller pictures", NULL, 0, 0, NULL},
-        {"--context", CLI_CHOICE, &o.context, "where OpenGL comes from (auto)", SCENE_CONTEXTS, 0, 0, NULL},
-        {"--threads", CLI_UINT, &o.threads, "worker threads (one per processor)", NULL, 1, 256, NULL},
+        {"--context", CLI_CHOICE, &o.context, "where OpenGL comes from (auto)", SCENE_CONTEXTS, 0,
+         0, NULL},
+        {"--threads", CLI_UINT, &o.threads, "worker threads (one per processor)", NULL, 1, 256,
+         NULL},
         {"--quiet|-q", CLI_FLAG, &o.quiet, "no progress, no table", NULL, 0, 0, NULL},
     };
     const cli_command command = {
         .name = "compare",
         .summary = "measure the seam strategies against each other on one camera orbit",
         .arguments = "FILE.ptx",
-        .examples = "  selvage compare scene.ptx --mesh scene.obj --out report\n"
-                    "  selvage compare teapot.ptx --quick --strategies clamp,traverse,discard --msaa 2\n",
+        .examples =
+            "  selvage compare scene.ptx --mesh scene.obj --out report\n"
+            "  selvage compare teapot.ptx --quick --strategies clamp,traverse,discard --msaa 2\n",
         .options = options,
         .noptions = sizeof options / sizeof *options,
         .min_arguments = 1,
@@ -411,14 +449,16 @@ int verb_compare(int argc, char **argv) {
     report_data *report = calloc(1, sizeof *report);
     if (!report)
         return cli_error("out of memory");
-    if (o.fov < 0 || o.fov > 170)
-        code = cli_usage(&command, "--fov: expected 0 to 170");
+    if (o.fov < 0 || (o.fov > 0 && o.fov < 0.01f) || o.fov > 170)
+        code = cli_usage(&command, "--fov: expected 0 (orthographic) or 0.01 to 170");
     else if (o.msaa & (o.msaa - 1))
         code = cli_usage(&command, "--msaa: expected 1, 2, 4 or 8");
     else if (o.tess & (o.tess - 1))
         code = cli_usage(&command, "--tess: expected a power of two from 2 to 128");
     else if (!parse_strategies(o.strategies, report, bad, sizeof bad))
-        code = cli_usage(&command, "--strategies: unknown strategy '%s', expected some of " SCENE_STRATEGIES, bad);
+        code = cli_usage(&command,
+                         "--strategies: unknown strategy '%s', expected some of " SCENE_STRATEGIES,
+                         bad);
     else
         code = compare(&o, report);
     free(report);

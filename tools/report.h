@@ -9,7 +9,7 @@ enum { REPORT_LEVELS = 5, REPORT_MAX_VIEWS = 4, REPORT_MAX_SPOTS = 6 };
 typedef struct report_strategy {
     slv_strategy strategy;
     double median_ms, min_ms, max_ms; /* of a frame */
-    double ratio;                     /* of medians, to clamp (or to the first strategy if clamp is not there) */
+    double ratio; /* of medians, to clamp (or to the first strategy if clamp is not there) */
     slv_gl_texture_stats stats;
     slv_gl_seam seams[REPORT_LEVELS]; /* footprint magnified, then 2, 4, ... texels */
     slv_image views[REPORT_MAX_VIEWS];
@@ -18,10 +18,10 @@ typedef struct report_strategy {
 
 /* How two strategies' pictures differ, over the pixels that both cover, values in 0..1 linear. */
 typedef struct report_pair {
-    uint32_t a, b; /* indices of strategies */
-    double max, mean, psnr;   /* psnr is infinite for equal pictures */
-    double over_1, over_4;    /* share of pixels that differ by more than 1/255, 4/255 */
-    slv_image heat;           /* of the first view: 0 black, 16/255 and more white, colours between */
+    uint32_t a, b;          /* indices of strategies */
+    double max, mean, psnr; /* psnr is infinite for equal pictures */
+    double over_1, over_4;  /* share of pixels that differ by more than 1/255, 4/255 */
+    slv_image heat;         /* of the first view: 0 black, 16/255 and more white, colours between */
 } report_pair;
 
 typedef struct report_spot {
@@ -41,7 +41,8 @@ typedef struct report_data {
     double seconds;        /* the whole run */
 } report_data;
 
-/* Pictures as PNG into `folder`: view0_clamp.png, seam0_clamp.png, difference_clamp_borders.png, ... */
+/* Pictures as PNG into `folder`: view0_clamp.png, seam0_clamp.png, difference_clamp_borders.png,
+ * ... */
 slv_result report_write_pictures(const slv_env *env, const char *folder, const report_data *report);
 slv_result report_write_json(const slv_env *env, const char *path, const report_data *report);
 /* One file with everything in it; needs no network and no neighbours. */

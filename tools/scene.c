@@ -3,7 +3,8 @@
 #include <math.h>
 #include <string.h>
 
-/* The box around all groups of a name; all polygons if the name is NULL. False if there is no such group. */
+/* The box around all groups of a name; all polygons if the name is NULL. False if there is no such
+ * group. */
 static bool find_bounds(const slv_mesh_view *mesh, const char *group, float low[3], float high[3]) {
     const int32_t *verts = mesh->poly_verts;
     bool inside = !group, found = false;
@@ -49,8 +50,10 @@ slv_result scene_load(const slv_env *env, const scene_params *params, scene_data
     if ((result = slv_surface_create(env, out->mesh, &surface, &out->surface)) ||
         (result = slv_ptx_load_texture(env, ptx, &out->texture)))
         goto done;
-    if (!find_bounds(slv_mesh_get_view(out->mesh), params->focus, out->bounds_min, out->bounds_max)) {
-        cli_error("%s: there is no group '%s' to focus on", params->mesh ? params->mesh : params->ptx, params->focus ? params->focus : "");
+    if (!find_bounds(slv_mesh_get_view(out->mesh), params->focus, out->bounds_min,
+                     out->bounds_max)) {
+        cli_error("%s: there is no group '%s' to focus on",
+                  params->mesh ? params->mesh : params->ptx, params->focus ? params->focus : "");
         result = SLV_ERROR_ARGUMENT;
     }
 done:

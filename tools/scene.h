@@ -1,4 +1,5 @@
-/* A .ptx with the surface that it belongs to, and the view of it: what render and compare start from. */
+/* A .ptx with the surface that it belongs to, and the view of it: what render and compare start
+ * from. */
 #ifndef SELVAGE_TOOLS_SCENE_H
 #define SELVAGE_TOOLS_SCENE_H
 
@@ -16,14 +17,15 @@ typedef struct scene_view {
     bool has_scheme;
 } scene_view;
 
-/* Reads a view file (JSON): size, world_to_camera, projection, screen_window, shading {model, ka, kd}, boundary, scheme. */
+/* Reads a view file (JSON): size, world_to_camera, projection, screen_window, shading {model, ka,
+ * kd}, boundary, scheme. */
 slv_result scene_load_view(const slv_env *env, const char *path, scene_view *out);
 
 typedef struct scene_params {
     const char *ptx, *mesh; /* mesh may be NULL: the geometry inside the .ptx */
     slv_scheme scheme;
     slv_boundary boundary;
-    int adjacency; /* 0 they must agree, 1 the file's, 2 the mesh's */
+    int adjacency;     /* 0 they must agree, 1 the file's, 2 the mesh's */
     const char *focus; /* NULL, or the group of the mesh that the camera frames */
 } scene_params;
 

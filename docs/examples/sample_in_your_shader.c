@@ -19,31 +19,36 @@ enum { SIZE = 512, SEGMENTS = 8 }; /* each face is drawn as 8 x 8 quads */
 /* The functions that this program calls itself. An application has these from its own loader. */
 #define FUNCTIONS(X)                                                                               \
     X(PFNGLCREATESHADERPROC, CreateShader)                                                         \
-    X(PFNGLSHADERSOURCEPROC, ShaderSource) X(PFNGLCOMPILESHADERPROC, CompileShader)                \
-        X(PFNGLCREATEPROGRAMPROC, CreateProgram) X(PFNGLATTACHSHADERPROC, AttachShader) X(         \
-            PFNGLLINKPROGRAMPROC, LinkProgram) X(PFNGLGETPROGRAMIVPROC,                            \
-                                                 GetProgramiv) X(PFNGLUSEPROGRAMPROC, UseProgram)  \
-            X(PFNGLDELETESHADERPROC, DeleteShader) X(PFNGLDELETEPROGRAMPROC, DeleteProgram)        \
-                X(PFNGLUNIFORMMATRIX4FVPROC, UniformMatrix4fv) X(PFNGLGENBUFFERSPROC, GenBuffers)  \
-                    X(PFNGLBINDBUFFERPROC, BindBuffer) X(PFNGLBUFFERDATAPROC, BufferData) X(       \
-                        PFNGLGENVERTEXARRAYSPROC, GenVertexArrays) X(PFNGLBINDVERTEXARRAYPROC,     \
-                                                                     BindVertexArray)              \
-                        X(PFNGLENABLEVERTEXATTRIBARRAYPROC, EnableVertexAttribArray)               \
-                            X(PFNGLVERTEXATTRIBPOINTERPROC, VertexAttribPointer) X(                \
-                                PFNGLVERTEXATTRIBIPOINTERPROC,                                     \
-                                VertexAttribIPointer) X(PFNGLDRAWARRAYSPROC, DrawArrays)           \
-                                X(PFNGLGENFRAMEBUFFERSPROC,                                        \
-                                  GenFramebuffers) X(PFNGLBINDFRAMEBUFFERPROC, BindFramebuffer)    \
-                                    X(PFNGLGENRENDERBUFFERSPROC, GenRenderbuffers)                 \
-                                        X(PFNGLBINDRENDERBUFFERPROC, BindRenderbuffer)             \
-                                            X(PFNGLRENDERBUFFERSTORAGEPROC, RenderbufferStorage)   \
-                                                X(PFNGLFRAMEBUFFERRENDERBUFFERPROC,                \
-                                                  FramebufferRenderbuffer)                         \
-                                                    X(PFNGLVIEWPORTPROC, Viewport)                 \
-                                                        X(PFNGLCLEARPROC, Clear)                   \
-                                                            X(PFNGLENABLEPROC, Enable)             \
-                                                                X(PFNGLREADPIXELSPROC, ReadPixels) \
-                                                                    X(PFNGLGETERRORPROC, GetError)
+    X(PFNGLSHADERSOURCEPROC, ShaderSource)                                                         \
+    X(PFNGLCOMPILESHADERPROC, CompileShader)                                                       \
+    X(PFNGLCREATEPROGRAMPROC, CreateProgram)                                                       \
+    X(PFNGLATTACHSHADERPROC, AttachShader)                                                         \
+    X(PFNGLLINKPROGRAMPROC, LinkProgram)                                                           \
+    X(PFNGLGETPROGRAMIVPROC, GetProgramiv)                                                         \
+    X(PFNGLUSEPROGRAMPROC, UseProgram)                                                             \
+    X(PFNGLDELETESHADERPROC, DeleteShader)                                                         \
+    X(PFNGLDELETEPROGRAMPROC, DeleteProgram)                                                       \
+    X(PFNGLUNIFORMMATRIX4FVPROC, UniformMatrix4fv)                                                 \
+    X(PFNGLGENBUFFERSPROC, GenBuffers)                                                             \
+    X(PFNGLBINDBUFFERPROC, BindBuffer)                                                             \
+    X(PFNGLBUFFERDATAPROC, BufferData)                                                             \
+    X(PFNGLGENVERTEXARRAYSPROC, GenVertexArrays)                                                   \
+    X(PFNGLBINDVERTEXARRAYPROC, BindVertexArray)                                                   \
+    X(PFNGLENABLEVERTEXATTRIBARRAYPROC, EnableVertexAttribArray)                                   \
+    X(PFNGLVERTEXATTRIBPOINTERPROC, VertexAttribPointer)                                           \
+    X(PFNGLVERTEXATTRIBIPOINTERPROC, VertexAttribIPointer)                                         \
+    X(PFNGLDRAWARRAYSPROC, DrawArrays)                                                             \
+    X(PFNGLGENFRAMEBUFFERSPROC, GenFramebuffers)                                                   \
+    X(PFNGLBINDFRAMEBUFFERPROC, BindFramebuffer)                                                   \
+    X(PFNGLGENRENDERBUFFERSPROC, GenRenderbuffers)                                                 \
+    X(PFNGLBINDRENDERBUFFERPROC, BindRenderbuffer)                                                 \
+    X(PFNGLRENDERBUFFERSTORAGEPROC, RenderbufferStorage)                                           \
+    X(PFNGLFRAMEBUFFERRENDERBUFFERPROC, FramebufferRenderbuffer)                                   \
+    X(PFNGLVIEWPORTPROC, Viewport)                                                                 \
+    X(PFNGLCLEARPROC, Clear)                                                                       \
+    X(PFNGLENABLEPROC, Enable)                                                                     \
+    X(PFNGLREADPIXELSPROC, ReadPixels)                                                             \
+    X(PFNGLGETERRORPROC, GetError)
 static struct {
 #define MEMBER(type, name) type name;
     FUNCTIONS(MEMBER)

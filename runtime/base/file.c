@@ -15,9 +15,15 @@ slv_result slv_file_read(const slv_env *env, const char *path, char **data, size
     struct stat status;
     *data = NULL;
     *size = 0;
-    FILE *stream = fopen(path, "rb");
-    if (!stream)
-        return slv_fail(env, SLV_ERROR_IO, "%s: %s", path, strerror(errno));
+    int descriptor =
+        open(path, O_RDONLY | O_NONBLOCK | O_CLOEXEC); /* a pipe must not make us wait */
+    FILE *stream = descriptor < 0 ? NULL : fdopen(descriptor, "rb");
+    if (!stream) {
+        result = slv_fail(env, SLV_ERROR_IO, "%s: %s", path, strerror(errno));
+        if (descriptor >= 0)
+            close(descriptor);
+        return result;
+    }
     if (fstat(fileno(stream), &status) != 0 || !S_ISREG(status.st_mode)) {
         result = slv_fail(env, SLV_ERROR_IO, "%s: not a regular file", path);
         goto done;
@@ -46,19 +52,21 @@ slv_result slv_file_writer_open(const slv_env *env, const char *path, slv_file_w
     /* rename() would replace a device or pipe by a file of that name */
     if (stat(path, &status) == 0 && !S_ISREG(status.st_mode))
         return slv_fail(env, SLV_ERROR_IO, "%s: not a regular file, cannot be written", path);
-    mode_t mask = umask(0);
-    umask(mask);
-    if ((result = slv_alloc(env, path, length + 16, 1, &out->path)) ||
-        (result = slv_alloc(env, path, length + 16, 1, &out->temporary)))
+    if ((result = slv_alloc(env, path, length + 1, 1, &out->path)) ||
+        (result = slv_alloc(env, path, length + 32, 1, &out->temporary)))
         goto fail;
     memcpy(out->path, path, length + 1);
-    snprintf(out->temporary, length + 16, "%s.XXXXXX.tmp", path);
-    descriptor = mkstemps(out->temporary, 4);
+    for (unsigned attempt = 0; descriptor < 0 && attempt < 1000; attempt++) {
+        snprintf(out->temporary, length + 32, "%s.%ld-%u.tmp", path, (long)getpid(), attempt);
+        descriptor = open(out->temporary, O_RDWR | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
+        if (descriptor < 0 && errno != EEXIST)
+            break;
+    }
     if (descriptor < 0) {
         result = slv_fail(env, SLV_ERROR_IO, "%s: cannot be written: %s", path, strerror(errno));
         goto fail;
     }
-    if (fchmod(descriptor, 0666 & ~mask) != 0 || !(out->stream = fdopen(descriptor, "wb"))) {
+    if (!(out->stream = fdopen(descriptor, "wb"))) {
         result = slv_fail(env, SLV_ERROR_IO, "%s: cannot be written: %s", path, strerror(errno));
         close(descriptor);
         unlink(out->temporary);
@@ -72,7 +80,8 @@ fail:
     return result;
 }
 
-slv_result slv_file_writer_write(const slv_env *env, slv_file_writer *writer, const void *data, size_t size) {
+slv_result slv_file_writer_write(const slv_env *env, slv_file_writer *writer, const void *data,
+                                 size_t size) {
     if (size && fwrite(data, 1, size, writer->stream) != size)
         return slv_fail(env, SLV_ERROR_IO, "%s: write failed: %s", writer->path, strerror(errno));
     return SLV_OK;

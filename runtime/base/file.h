@@ -1,4 +1,5 @@
-/* Whole files in, and atomic files out: written beside the target, renamed over it when complete. */
+/* Whole files in, and atomic files out: written beside the target, renamed over it when complete.
+ */
 #ifndef SLV_BASE_FILE_H
 #define SLV_BASE_FILE_H
 
@@ -6,7 +7,8 @@
 
 #include <stdio.h>
 
-/* Reads a regular file of at most env's max_bytes; *data has a NUL after its `size` bytes and is released with free(). */
+/* Reads a regular file of at most env's max_bytes; *data has a NUL after its `size` bytes and is
+ * released with free(). */
 slv_result slv_file_read(const slv_env *env, const char *path, char **data, size_t *size);
 
 /* A file being written beside `path`, under a name of its own. */
@@ -16,8 +18,10 @@ typedef struct slv_file_writer {
 } slv_file_writer;
 
 slv_result slv_file_writer_open(const slv_env *env, const char *path, slv_file_writer *out);
-slv_result slv_file_writer_write(const slv_env *env, slv_file_writer *writer, const void *data, size_t size);
-/* Flushes to disk and renames over the target. On failure the target is untouched and the temporary gone. */
+slv_result slv_file_writer_write(const slv_env *env, slv_file_writer *writer, const void *data,
+                                 size_t size);
+/* Flushes to disk and renames over the target. On failure the target is untouched and the temporary
+ * gone. */
 slv_result slv_file_writer_commit(const slv_env *env, slv_file_writer *writer);
 /* Removes the temporary. Does nothing after a commit, or on a zeroed struct. */
 void slv_file_writer_abandon(slv_file_writer *writer);

@@ -45,13 +45,15 @@ slv_result slv_fail(const slv_env *env, slv_result result, const char *format, .
     return result;
 }
 
-slv_result slv_alloc(const slv_env *env, const char *what, uint64_t count, uint64_t size, void *out) {
+slv_result slv_alloc(const slv_env *env, const char *what, uint64_t count, uint64_t size,
+                     void *out) {
     void *memory = NULL;
     uint64_t limit = env && env->max_bytes ? env->max_bytes : DEFAULT_MAX_BYTES;
     memcpy(out, &memory, sizeof memory);
     if (size && count > limit / size)
-        return slv_fail(env, SLV_ERROR_LIMIT, "%s: %llu x %llu bytes is over the limit of %llu", what,
-                        (unsigned long long)count, (unsigned long long)size, (unsigned long long)limit);
+        return slv_fail(env, SLV_ERROR_LIMIT, "%s: %llu x %llu bytes is over the limit of %llu",
+                        what, (unsigned long long)count, (unsigned long long)size,
+                        (unsigned long long)limit);
     memory = calloc(count ? (size_t)count : 1, size ? (size_t)size : 1);
     if (!memory)
         return slv_fail(env, SLV_ERROR_MEMORY, "%s: no memory for %llu bytes", what,

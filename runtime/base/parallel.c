@@ -56,7 +56,8 @@ static void *work(void *user) {
     }
 }
 
-slv_result slv_parallel_for(const slv_env *env, uint64_t count, uint64_t grain, slv_range_fn fn, void *user) {
+slv_result slv_parallel_for(const slv_env *env, uint64_t count, uint64_t grain, slv_range_fn fn,
+                            void *user) {
     struct job job = {.count = count, .grain = grain ? grain : 1, .fn = fn, .user = user};
     uint64_t ranges = count / job.grain + (count % job.grain != 0);
     uint32_t wanted = slv_thread_count(env);

@@ -22,6 +22,12 @@
     X(PFNGLFINISHPROC, Finish)                                                                     \
     X(PFNGLENABLEPROC, Enable)                                                                     \
     X(PFNGLDISABLEPROC, Disable)                                                                   \
+    X(PFNGLBINDBUFFERPROC, BindBuffer)                                                             \
+    X(PFNGLCLIPCONTROLPROC, ClipControl)                                                           \
+    X(PFNGLDEPTHRANGEFPROC, DepthRangef)                                                           \
+    X(PFNGLPOINTSIZEPROC, PointSize)                                                               \
+    X(PFNGLPOLYGONMODEPROC, PolygonMode)                                                           \
+    X(PFNGLGETINTEGER64VPROC, GetInteger64v)                                                       \
     X(PFNGLVIEWPORTPROC, Viewport)                                                                 \
     X(PFNGLDEPTHFUNCPROC, DepthFunc)                                                               \
     X(PFNGLDEPTHMASKPROC, DepthMask)                                                               \
@@ -107,23 +113,33 @@ struct slv_gl {
     slv_gl_info info;
     slv_gl_platform platform;
     slv_gl_get_proc get_proc; /* NULL for a host's context */
-    uint64_t serial; /* of the last texture made, so that caches can tell textures apart */
+    uint64_t max_storage;     /* bytes of a shader storage block */
+    uint64_t serial;          /* of the last texture made, so that caches can tell textures apart */
 };
 
 /* Each makes a context current and returns how to find functions; the message says why not. */
 slv_result slv_gl_open_egl(bool hardware, char *why, size_t why_size, slv_gl_platform *out,
                            slv_gl_get_proc *get_proc);
-slv_result slv_gl_open_osmesa(char *why, size_t why_size, slv_gl_platform *out, slv_gl_get_proc *get_proc);
+slv_result slv_gl_open_osmesa(char *why, size_t why_size, slv_gl_platform *out,
+                              slv_gl_get_proc *get_proc);
+
+/* Puts what drawing and transfers depend on into the state that a fresh context has, whatever a
+ * host left behind: pixel store and pixel buffers, clip control, raster, depth and per-fragment
+ * state. */
+void slv_gl_set_state(const slv_gl *gl);
 
 /* SLV_ERROR_GL with `what` in the message if the driver has an error pending. */
 slv_result slv_gl_check(const slv_gl *gl, const slv_env *env, const char *what);
 
-/* Compiles and links. `fragment` is an array of `nfragment` texts. The compiler's first words go to the log. */
-slv_result slv_gl_program(const slv_gl *gl, const slv_env *env, const char *name, const char *vertex,
-                          const char *const *fragment, uint32_t nfragment, GLuint *out);
+/* Compiles and links. `fragment` is an array of `nfragment` texts. The compiler's first words go to
+ * the log. */
+slv_result slv_gl_program(const slv_gl *gl, const slv_env *env, const char *name,
+                          const char *vertex, const char *const *fragment, uint32_t nfragment,
+                          GLuint *out);
 
-/* The text of a file in shaders/; from SELVAGE_SHADER_DIR if that is set, else as embedded at build. `*owned` is to be
- * freed by the caller (NULL when embedded). */
-slv_result slv_gl_shader_text(const slv_env *env, const char *name, const char **text, char **owned);
+/* The text of a file in shaders/; from SELVAGE_SHADER_DIR if that is set, else as embedded at
+ * build. `*owned` is to be freed by the caller (NULL when embedded). */
+slv_result slv_gl_shader_text(const slv_env *env, const char *name, const char **text,
+                              char **owned);
 
 #endif

@@ -37,10 +37,12 @@ static slv_result add_range(const slv_env *env, slv_gl_batches *batches, slv_gl_
     return SLV_OK;
 }
 
-slv_result slv_gl_batches_by_pool(const slv_gl_source *source, const slv_gl_store *store, slv_gl_batches *out) {
+slv_result slv_gl_batches_by_pool(const slv_gl_source *source, const slv_gl_store *store,
+                                  slv_gl_batches *out) {
     uint32_t nfaces = slv_levels_get_desc(source->levels)->nfaces, first = 0;
     slv_gl_batches batches = {0};
-    slv_result result = slv_alloc(source->env, "batches", nfaces, sizeof *batches.faces, &batches.faces);
+    slv_result result =
+        slv_alloc(source->env, "batches", nfaces, sizeof *batches.faces, &batches.faces);
     for (uint32_t p = 0; !result && p < store->npools; p++) {
         slv_gl_batch_range *range = NULL;
         if ((result = add_range(source->env, &batches, &range)))
@@ -68,15 +70,16 @@ static uint32_t add_pool(uint32_t *pools, uint32_t *npools, uint32_t pool) {
 }
 
 /* The pools that a face's lookups can reach, its own first, at most `most`. */
-static uint32_t reach_of(const slv_gl_source *source, const slv_gl_store *store, uint32_t face, uint32_t most,
-                         uint32_t pools[MAX_REACH], bool *two_subfaces, bool *dropped) {
+static uint32_t reach_of(const slv_gl_source *source, const slv_gl_store *store, uint32_t face,
+                         uint32_t most, uint32_t pools[MAX_REACH], bool *two_subfaces,
+                         bool *dropped) {
     uint32_t npools = 0;
     add_pool(pools, &npools, store->pool_of[face]);
     *two_subfaces = false;
     for (unsigned e = 0; e < 4; e++) {
         slv_neighbour neighbours[2];
         uint32_t count = slv_adjacency_neighbours(source->adjacency, (int32_t)face, e, neighbours);
-        *two_subfaces |= count == 2;
+        *two_subfaces |= count > 0 && neighbours[0].scale > 1;
         for (uint32_t i = 0; i < count; i++) {
             uint32_t before = npools;
             add_pool(pools, &npools, store->pool_of[neighbours[i].face]);
@@ -97,7 +100,8 @@ static uint32_t variant_for(uint32_t npools, bool two_subfaces) {
 }
 
 /* How many of `pools` a range lacks, or UINT32_MAX if it has no room for them. */
-static uint32_t missing_pools(const slv_gl_batch_range *range, const uint32_t *pools, uint32_t npools) {
+static uint32_t missing_pools(const slv_gl_batch_range *range, const uint32_t *pools,
+                              uint32_t npools) {
     uint32_t missing = 0;
     for (uint32_t i = 0; i < npools; i++) {
         uint32_t k = 0;
@@ -108,16 +112,18 @@ static uint32_t missing_pools(const slv_gl_batch_range *range, const uint32_t *p
     return range->npools + missing <= slv_gl_variant_pools(range->variant) ? missing : UINT32_MAX;
 }
 
-/* The batch that a face joins at the least cost: of its variant, among the newest of its own pool. Where size classes alternate from
- * face to face, neighbouring faces belong to different batches, so that the newest alone would seldom fit. */
-static slv_gl_batch_range *find_range(const slv_gl_batches *batches, uint32_t first, uint32_t variant,
-                                      const uint32_t *pools, uint32_t npools) {
+/* The batch that a face joins at the least cost: of its variant, among the newest of its own pool.
+ * Where size classes alternate from face to face, neighbouring faces belong to different batches,
+ * so that the newest alone would seldom fit. */
+static slv_gl_batch_range *find_range(const slv_gl_batches *batches, uint32_t first,
+                                      uint32_t variant, const uint32_t *pools, uint32_t npools) {
     enum { NEWEST = 64 };
     slv_gl_batch_range *best = NULL;
     uint32_t least = UINT32_MAX;
     for (uint32_t b = batches->count; b > first && b + NEWEST > batches->count && least > 0; b--) {
         slv_gl_batch_range *range = &batches->ranges[b - 1];
-        uint32_t missing = range->variant == variant ? missing_pools(range, pools, npools) : UINT32_MAX;
+        uint32_t missing =
+            range->variant == variant ? missing_pools(range, pools, npools) : UINT32_MAX;
         if (missing < least) {
             least = missing;
             best = range;
@@ -126,10 +132,10 @@ static slv_gl_batch_range *find_range(const slv_gl_batches *batches, uint32_t fi
     return best;
 }
 
-/* Puts each face into a batch of its own pool whose pools hold its neighbours. Small needs get small batches of their own, so that
- * most faces run the cheapest shader. */
-static slv_result assign_batches(const slv_gl_source *source, const slv_gl_store *store, slv_gl_batches *batches,
-                                 uint32_t *batch_of) {
+/* Puts each face into a batch of its own pool whose pools hold its neighbours. Small needs get
+ * small batches of their own, so that most faces run the cheapest shader. */
+static slv_result assign_batches(const slv_gl_source *source, const slv_gl_store *store,
+                                 slv_gl_batches *batches, uint32_t *batch_of) {
     uint32_t dropped_faces = 0, most = source->params.batch_pools;
     slv_result result = SLV_OK;
     for (uint32_t p = 0; p < store->npools; p++) {
@@ -154,7 +160,8 @@ static slv_result assign_batches(const slv_gl_source *source, const slv_gl_store
     }
     if (dropped_faces)
         slv_logf(source->env, SLV_LOG_WARNING,
-                 "%u faces meet more array textures than the driver has units for: some of their edges are drawn "
+                 "%u faces meet more array textures than the driver has units for: some of their "
+                 "edges are drawn "
                  "as boundaries",
                  dropped_faces);
     return SLV_OK;
@@ -167,7 +174,8 @@ static uint32_t slot_of(const slv_gl_batch_range *range, uint32_t pool) {
     return slot;
 }
 
-/* Which half of a whole quad's edge a sub-face touches: where the sub-face's edge starts, seen along the quad's. */
+/* Which half of a whole quad's edge a sub-face touches: where the sub-face's edge starts, seen
+ * along the quad's. */
 static bool second_half(unsigned edge, const slv_neighbour *neighbour) {
     static const float start[4][2] = {{0, 0}, {1, 0}, {1, 1}, {0, 1}};
     float u, v;
@@ -177,19 +185,23 @@ static bool second_half(unsigned edge, const slv_neighbour *neighbour) {
 }
 
 /* Whether a neighbour's texels are as large as the face's own, along both axes. */
-static bool same_texels(const slv_texture_desc *desc, uint32_t face, const slv_neighbour *neighbour) {
+static bool same_texels(const slv_texture_desc *desc, uint32_t face,
+                        const slv_neighbour *neighbour) {
     slv_res own = desc->res[face], other = desc->res[neighbour->face];
     int finer = neighbour->scale > 1 ? 1 : neighbour->scale < 1 ? -1 : 0;
     bool swapped = neighbour->map.uu == 0;
-    return own.u == (swapped ? other.v : other.u) + finer && own.v == (swapped ? other.u : other.v) + finer;
+    return own.u == (swapped ? other.v : other.u) + finer &&
+           own.v == (swapped ? other.u : other.v) + finer;
 }
 
-static void fill_link_row(const slv_gl_source *source, const slv_gl_store *store, const slv_gl_batches *batches,
-                          const uint32_t *batch_of, uint32_t face, struct link_row *row) {
+static void fill_link_row(const slv_gl_source *source, const slv_gl_store *store,
+                          const slv_gl_batches *batches, const uint32_t *batch_of, uint32_t face,
+                          struct link_row *row) {
     const slv_gl_batch_range *range = &batches->ranges[batch_of[face]];
     for (unsigned e = 0; e < 4; e++) {
         slv_neighbour neighbours[2] = {{0}};
-        uint32_t count = slv_adjacency_neighbours(source->adjacency, (int32_t)face, e, neighbours), slots[2] = {0};
+        uint32_t count = slv_adjacency_neighbours(source->adjacency, (int32_t)face, e, neighbours),
+                 slots[2] = {0};
         bool fits = count > 0, same[2] = {false, false};
         for (uint32_t i = 0; i < count; i++) {
             same[i] = same_texels(slv_levels_get_desc(source->levels), face, &neighbours[i]);
@@ -197,23 +209,25 @@ static void fill_link_row(const slv_gl_source *source, const slv_gl_store *store
             fits &= slots[i] < range->npools;
         }
         row->face[e] = SLV_BOUNDARY;
-        row->links[e] = (uint16_t)(slv_adjacency_is_t_corner(source->adjacency, (int32_t)face, e) << 14);
+        row->links[e] =
+            (uint16_t)(slv_adjacency_is_t_corner(source->adjacency, (int32_t)face, e) << 14);
         if (!fits)
             continue;
         /* of two sub-faces the shader starts at the primary, the one that the record names */
-        uint32_t first = count == 2 && neighbours[0].face !=
-                                           slv_adjacency_faces(source->adjacency)[face].face[e];
-        uint32_t kind = count == 2 ? 2 : neighbours[0].scale < 1 ? 3 : 1;
+        uint32_t first = count == 2 &&
+                         neighbours[0].face != slv_adjacency_faces(source->adjacency)[face].face[e];
+        uint32_t kind = neighbours[0].scale > 1 ? 2 : neighbours[0].scale < 1 ? 3 : 1;
+        bool second = kind == 2 ? count == 2 : kind == 3 && second_half(e, &neighbours[0]);
         row->face[e] = neighbours[first].face;
-        row->links[e] |= (uint16_t)(neighbours[first].edge | kind << 2 |
-                                   (uint32_t)(kind == 3 && second_half(e, &neighbours[0])) << 4 |
-                                   slots[first] << 5 | slots[!first] << 9 | (uint32_t)same[0] << 13 |
-                                    (uint32_t)same[count - 1] << 15);
+        row->links[e] |= (uint16_t)(neighbours[first].edge | kind << 2 | (uint32_t)second << 4 |
+                                    slots[first] << 5 | slots[!first] << 9 |
+                                    (uint32_t)same[0] << 13 | (uint32_t)same[count - 1] << 15);
     }
 }
 
 struct corner_job {
     const slv_gl_source *source;
+    slv_env env; /* logs one at a time */
     const struct link_row *rows;
     float *corners;
 };
@@ -222,17 +236,19 @@ static slv_result fill_corners(void *user, uint64_t first, uint64_t end) {
     const struct corner_job *job = user;
     const slv_gl_texture_params *params = &job->source->params;
     float *values = NULL;
-    slv_result result = slv_alloc(job->source->env, "corner", slv_levels_get_desc(job->source->levels)->nchannels,
-                                  sizeof *values, &values);
+    slv_result result =
+        slv_alloc(&job->env, "corner", slv_levels_get_desc(job->source->levels)->nchannels,
+                  sizeof *values, &values);
     if (result)
         return result;
     for (uint64_t face = first; face < end; face++) {
         const struct link_row *row = &job->rows[face];
         for (unsigned corner = 0; corner < 4; corner++) {
             for (uint32_t level = 0; level < row->levels; level++) {
-                float *out = job->corners + 4 * ((size_t)row->corners + corner * row->levels + level);
-                slv_border_vertex(job->source->levels, job->source->adjacency, (uint32_t)face, level, corner,
-                                  values);
+                float *out =
+                    job->corners + 4 * ((size_t)row->corners + corner * row->levels + level);
+                slv_border_vertex(job->source->levels, job->source->adjacency, (uint32_t)face,
+                                  level, corner, values);
                 out[3] = 1;
                 memcpy(out, values + params->first_channel, params->nchannels * sizeof *out);
                 if (params->nchannels == 1)
@@ -245,8 +261,8 @@ static slv_result fill_corners(void *user, uint64_t first, uint64_t end) {
 }
 
 static slv_result upload_links(const slv_gl_source *source, const slv_gl_store *store,
-                               const slv_gl_batches *batches, const uint32_t *batch_of, GLuint *links,
-                               GLuint *corners, uint64_t *bytes) {
+                               const slv_gl_batches *batches, const uint32_t *batch_of,
+                               GLuint *links, GLuint *corners, uint64_t *bytes) {
     uint32_t nfaces = slv_levels_get_desc(source->levels)->nfaces;
     uint64_t ncorners = 0;
     struct link_row *rows = NULL;
@@ -258,18 +274,23 @@ static slv_result upload_links(const slv_gl_source *source, const slv_gl_store *
         rows[f].corners = (uint32_t)ncorners;
         ncorners += 4 * (uint64_t)rows[f].levels;
         if (ncorners > UINT32_MAX)
-            result = slv_fail(source->env, SLV_ERROR_LIMIT, "too many corners for 32-bit indices at face %u", f);
+            result = slv_fail(source->env, SLV_ERROR_LIMIT,
+                              "too many corners for 32-bit indices at face %u", f);
     }
     if (!result)
         result = slv_alloc(source->env, "corner table", ncorners, 4 * sizeof *values, &values);
     if (!result) {
-        struct corner_job job = {source, rows, values};
-        result = slv_parallel_for(source->env, nfaces, 256, fill_corners, &job);
+        struct corner_job job = {.source = source, .rows = rows, .corners = values};
+        slv_parallel_log *log = NULL;
+        if (!(result = slv_parallel_env_begin(source->env, &log, &job.env)))
+            result = slv_parallel_for(source->env, nfaces, 256, fill_corners, &job);
+        slv_parallel_env_end(log);
     }
     if (!result)
-        result = slv_gl_buffer(source, "link table", rows, (uint64_t)nfaces * sizeof *rows, links);
+        result = slv_gl_table(source, "link table", rows, (uint64_t)nfaces * sizeof *rows, links);
     if (!result)
-        result = slv_gl_buffer(source, "corner table", values, ncorners * 4 * sizeof *values, corners);
+        result =
+            slv_gl_table(source, "corner table", values, ncorners * 4 * sizeof *values, corners);
     *bytes = (uint64_t)nfaces * sizeof *rows + ncorners * 4 * sizeof *values;
     free(rows);
     free(values);
@@ -283,7 +304,8 @@ slv_result slv_gl_batches_with_neighbours(const slv_gl_source *source, const slv
     slv_gl_batches batches = {0};
     uint32_t *batch_of = NULL;
     slv_result result;
-    if ((result = slv_alloc(source->env, "batches", nfaces, sizeof *batches.faces, &batches.faces)) ||
+    if ((result =
+             slv_alloc(source->env, "batches", nfaces, sizeof *batches.faces, &batches.faces)) ||
         (result = slv_alloc(source->env, "batches", nfaces, sizeof *batch_of, &batch_of)) ||
         (result = assign_batches(source, store, &batches, batch_of)))
         goto done;

@@ -16,8 +16,8 @@ bool slv_shading_from_name(const char *name, slv_shading *out) {
     return false;
 }
 
-/* How far the corners of a box reach, in units of half the picture: with perspective the distance at which all are inside,
- * without it half the picture's height. */
+/* How far the corners of a box reach, in units of half the picture: with perspective the distance
+ * at which all are inside, without it half the picture's height. */
 static float fit_box(const float half[3], const float *rows[3], float tangent, float aspect) {
     float needed = 0;
     for (int corner = 0; corner < 8; corner++) {
@@ -34,7 +34,8 @@ static float fit_box(const float half[3], const float *rows[3], float tangent, f
 slv_camera slv_camera_orbit(const float bounds_min[3], const float bounds_max[3], float azimuth,
                             float elevation, float fov, float aspect) {
     slv_camera camera = {.perspective = fov > 0};
-    float a = azimuth * PI / 180, e = elevation * PI / 180, radius = 0, half[3], center[3];
+    float a = fmodf(azimuth, 360) * PI / 180, e = fmodf(elevation, 360) * PI / 180, radius = 0,
+          half[3], center[3];
     for (int i = 0; i < 3; i++) {
         half[i] = (bounds_max[i] - bounds_min[i]) / 2;
         center[i] = bounds_min[i] + half[i];
@@ -44,7 +45,8 @@ slv_camera slv_camera_orbit(const float bounds_min[3], const float bounds_max[3]
     /* rows: right, up, and back, which points from the centre to the eye */
     const float right[3] = {cosf(a), 0, -sinf(a)};
     const float back[3] = {sinf(a) * cosf(e), sinf(e), cosf(a) * cosf(e)};
-    const float up[3] = {back[1] * right[2] - back[2] * right[1], back[2] * right[0] - back[0] * right[2],
+    const float up[3] = {back[1] * right[2] - back[2] * right[1],
+                         back[2] * right[0] - back[0] * right[2],
                          back[0] * right[1] - back[1] * right[0]};
     const float *rows[3] = {right, up, back};
     float tangent = camera.perspective ? tanf(fov * PI / 360) : 0;
@@ -65,8 +67,8 @@ slv_camera slv_camera_orbit(const float bounds_min[3], const float bounds_max[3]
     return camera;
 }
 
-static float longest_edge_in_pixels(const slv_mesh_view *mesh, const slv_camera *camera, uint32_t width,
-                                    uint32_t height) {
+static float longest_edge_in_pixels(const slv_mesh_view *mesh, const slv_camera *camera,
+                                    uint32_t width, uint32_t height) {
     const float *m = camera->world_to_camera;
     float scale_x = (float)width / (camera->window[1] - camera->window[0]);
     float scale_y = (float)height / (camera->window[3] - camera->window[2]);
@@ -99,11 +101,13 @@ static float longest_edge_in_pixels(const slv_mesh_view *mesh, const slv_camera 
     return longest;
 }
 
-uint32_t slv_tessellation_for(const slv_mesh *mesh, const slv_camera *camera, uint32_t width, uint32_t height) {
+uint32_t slv_tessellation_for(const slv_mesh *mesh, const slv_camera *camera, uint32_t width,
+                              uint32_t height) {
     float wanted = longest_edge_in_pixels(slv_mesh_get_view(mesh), camera, width, height) / 3;
     uint64_t nfaces = slv_mesh_face_count(mesh), most = 2 * (uint64_t)width * height;
     uint32_t segments = 2;
-    while (segments < 64 && (float)segments < wanted && nfaces * segments * 2 * segments * 2 <= most)
+    while (segments < 64 && (float)segments < wanted &&
+           nfaces * segments * 2 * segments * 2 <= most)
         segments *= 2;
     return segments;
 }

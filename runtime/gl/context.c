@@ -2,8 +2,8 @@
 
 #include "base/log.h"
 
-#include <stdlib.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 #include <strings.h>
 
@@ -21,7 +21,8 @@ bool slv_gl_backend_from_name(const char *name, slv_gl_backend *out) {
     return false;
 }
 
-static slv_result load_functions(const slv_env *env, slv_gl_api *api, slv_gl_get_proc get_proc, void *user) {
+static slv_result load_functions(const slv_env *env, slv_gl_api *api, slv_gl_get_proc get_proc,
+                                 void *user) {
     const char *missing = NULL;
     slv_gl_proc proc;
 #define SLV_GL_LOAD(type, name)                                                                    \
@@ -72,6 +73,7 @@ static slv_result fill_info(const slv_env *env, slv_gl *gl, slv_gl_backend backe
     const slv_gl_api *api = &gl->api;
     slv_gl_info *info = &gl->info;
     GLint major = 0, minor = 0, layers = 0, size = 0, units = 0;
+    GLint64 storage = 0;
     GLfloat anisotropy = 1;
     copy_string(api, GL_VENDOR, info->vendor, sizeof info->vendor);
     copy_string(api, GL_RENDERER, info->renderer, sizeof info->renderer);
@@ -79,13 +81,16 @@ static slv_result fill_info(const slv_env *env, slv_gl *gl, slv_gl_backend backe
     api->GetIntegerv(GL_MAJOR_VERSION, &major);
     api->GetIntegerv(GL_MINOR_VERSION, &minor);
     if (major * 10 + minor < 45)
-        return slv_fail(env, SLV_ERROR_GL, "%s has OpenGL %d.%d: 4.5 is needed", info->renderer, major, minor);
+        return slv_fail(env, SLV_ERROR_GL, "%s has OpenGL %d.%d: 4.5 is needed", info->renderer,
+                        major, minor);
     api->GetIntegerv(GL_MAX_ARRAY_TEXTURE_LAYERS, &layers);
     api->GetIntegerv(GL_MAX_TEXTURE_SIZE, &size);
     api->GetIntegerv(GL_MAX_TEXTURE_IMAGE_UNITS, &units);
     if (has_extension(api, "GL_EXT_texture_filter_anisotropic") ||
         has_extension(api, "GL_ARB_texture_filter_anisotropic"))
         api->GetFloatv(GL_MAX_TEXTURE_MAX_ANISOTROPY, &anisotropy);
+    api->GetInteger64v(GL_MAX_SHADER_STORAGE_BLOCK_SIZE, &storage);
+    gl->max_storage = storage > 0 ? (uint64_t)storage : UINT64_C(1) << 27;
     info->backend = backend;
     info->software = strstr(info->renderer, "llvmpipe") || strstr(info->renderer, "softpipe") ||
                      strstr(info->renderer, "SWR");
@@ -128,7 +133,8 @@ slv_result slv_gl_create(const slv_env *env, slv_gl_backend backend, slv_gl **ou
         return slv_fail(env, SLV_ERROR_ARGUMENT, "a host's context is taken with slv_gl_wrap");
     if (backend != SLV_GL_OSMESA) {
         for (int software = 0; software < 2; software++)
-            if (!slv_gl_open_egl(!software, why[software], sizeof why[software], &platform, &get_proc))
+            if (!slv_gl_open_egl(!software, why[software], sizeof why[software], &platform,
+                                 &get_proc))
                 return adopt(env, SLV_GL_EGL, platform, get_proc, NULL, out);
     }
     if (backend != SLV_GL_EGL && !slv_gl_open_osmesa(why[2], sizeof why[2], &platform, &get_proc))
@@ -136,8 +142,11 @@ slv_result slv_gl_create(const slv_env *env, slv_gl_backend backend, slv_gl **ou
     if (backend == SLV_GL_OSMESA)
         return slv_fail(env, SLV_ERROR_GL, "no usable OpenGL context: OSMesa: %s", why[2]);
     if (backend == SLV_GL_EGL)
-        return slv_fail(env, SLV_ERROR_GL, "no usable OpenGL context: EGL: %s", why[1]);
-    return slv_fail(env, SLV_ERROR_GL, "no usable OpenGL context: EGL: %s; OSMesa: %s", why[1], why[2]);
+        return slv_fail(env, SLV_ERROR_GL, "no usable OpenGL context: EGL: %s; in software: %s",
+                        why[0], why[1]);
+    return slv_fail(env, SLV_ERROR_GL,
+                    "no usable OpenGL context: EGL: %s; in software: %s; OSMesa: %s", why[0],
+                    why[1], why[2]);
 }
 
 slv_result slv_gl_wrap(const slv_env *env, slv_gl_get_proc get_proc, void *user, slv_gl **out) {
@@ -160,6 +169,48 @@ const slv_gl_info *slv_gl_get_info(const slv_gl *gl) {
 
 slv_gl_proc slv_gl_get_function(const slv_gl *gl, const char *name) {
     return gl->get_proc ? gl->get_proc(NULL, name) : NULL;
+}
+
+void slv_gl_set_state(const slv_gl *gl) {
+    static const GLenum off[] = {GL_BLEND,
+                                 GL_COLOR_LOGIC_OP,
+                                 GL_CULL_FACE,
+                                 GL_DEPTH_CLAMP,
+                                 GL_POLYGON_OFFSET_FILL,
+                                 GL_PROGRAM_POINT_SIZE,
+                                 GL_RASTERIZER_DISCARD,
+                                 GL_SAMPLE_ALPHA_TO_COVERAGE,
+                                 GL_SAMPLE_ALPHA_TO_ONE,
+                                 GL_SAMPLE_COVERAGE,
+                                 GL_SAMPLE_MASK,
+                                 GL_SAMPLE_SHADING,
+                                 GL_SCISSOR_TEST,
+                                 GL_STENCIL_TEST,
+                                 GL_PRIMITIVE_RESTART,
+                                 GL_PRIMITIVE_RESTART_FIXED_INDEX};
+    static const GLenum zero[] = {
+        GL_UNPACK_ROW_LENGTH,  GL_UNPACK_IMAGE_HEIGHT, GL_UNPACK_SKIP_PIXELS, GL_UNPACK_SKIP_ROWS,
+        GL_UNPACK_SKIP_IMAGES, GL_UNPACK_SWAP_BYTES,   GL_PACK_ROW_LENGTH,    GL_PACK_IMAGE_HEIGHT,
+        GL_PACK_SKIP_PIXELS,   GL_PACK_SKIP_ROWS,      GL_PACK_SKIP_IMAGES,   GL_PACK_SWAP_BYTES};
+    const slv_gl_api *api = &gl->api;
+    for (size_t i = 0; i < sizeof off / sizeof *off; i++)
+        api->Disable(off[i]);
+    for (GLenum i = 0; i < 8; i++)
+        api->Disable(GL_CLIP_DISTANCE0 + i);
+    for (size_t i = 0; i < sizeof zero / sizeof *zero; i++)
+        api->PixelStorei(zero[i], 0);
+    api->PixelStorei(GL_UNPACK_ALIGNMENT, 1);
+    api->PixelStorei(GL_PACK_ALIGNMENT, 1);
+    api->BindBuffer(GL_PIXEL_UNPACK_BUFFER, 0);
+    api->BindBuffer(GL_PIXEL_PACK_BUFFER, 0);
+    api->Enable(GL_MULTISAMPLE);
+    api->ClipControl(GL_LOWER_LEFT, GL_NEGATIVE_ONE_TO_ONE);
+    api->PolygonMode(GL_FRONT_AND_BACK, GL_FILL);
+    api->PointSize(1);
+    api->DepthRangef(0, 1);
+    api->DepthFunc(GL_LESS);
+    api->DepthMask(1);
+    api->ColorMask(1, 1, 1, 1);
 }
 
 slv_result slv_gl_check(const slv_gl *gl, const slv_env *env, const char *what) {

@@ -23,6 +23,7 @@ struct egl_functions {
     EGLBoolean (*DestroyContext)(EGLDisplay, EGLContext);
     EGLBoolean (*MakeCurrent)(EGLDisplay, EGLSurface, EGLSurface, EGLContext);
     const char *(*QueryString)(EGLDisplay, EGLint);
+    EGLContext (*GetCurrentContext)(void);
 };
 
 struct egl_state {
@@ -47,7 +48,8 @@ static bool load_egl(struct egl_functions *egl) {
            load(library, "eglCreateContext", &egl->CreateContext) &&
            load(library, "eglDestroyContext", &egl->DestroyContext) &&
            load(library, "eglMakeCurrent", &egl->MakeCurrent) &&
-           load(library, "eglQueryString", &egl->QueryString);
+           load(library, "eglQueryString", &egl->QueryString) &&
+           load(library, "eglGetCurrentContext", &egl->GetCurrentContext);
 }
 
 static slv_gl_proc find_proc(void *user, const char *name) {
@@ -59,17 +61,19 @@ static slv_gl_proc find_proc(void *user, const char *name) {
     return (slv_gl_proc)get_proc(name);
 }
 
-/* Displays are never terminated: the process has one of each kind, and the host may be using it too. */
+/* Displays are never terminated: the process has one of each kind, and the host may be using it
+ * too. */
 static void destroy(void *user) {
     struct egl_state *state = user;
-    state->egl.MakeCurrent(state->display, EGL_NO_SURFACE, EGL_NO_SURFACE, EGL_NO_CONTEXT);
+    if (state->egl.GetCurrentContext() == state->context)
+        state->egl.MakeCurrent(state->display, EGL_NO_SURFACE, EGL_NO_SURFACE, EGL_NO_CONTEXT);
     state->egl.DestroyContext(state->display, state->context);
     free(state);
 }
 
 static bool try_display(struct egl_state *state, EGLDisplay display, const char **why) {
-    static const EGLint config_attributes[] = {EGL_SURFACE_TYPE, 0, EGL_RENDERABLE_TYPE, EGL_OPENGL_BIT,
-                                               EGL_NONE};
+    static const EGLint config_attributes[] = {EGL_SURFACE_TYPE, 0, EGL_RENDERABLE_TYPE,
+                                               EGL_OPENGL_BIT, EGL_NONE};
     static const EGLint context_attributes[] = {EGL_CONTEXT_MAJOR_VERSION,
                                                 4,
                                                 EGL_CONTEXT_MINOR_VERSION,
@@ -84,7 +88,8 @@ static bool try_display(struct egl_state *state, EGLDisplay display, const char 
         *why = "no display could be initialised";
         return false;
     }
-    if (!egl->BindAPI(EGL_OPENGL_API) || !egl->ChooseConfig(display, config_attributes, &config, 1, &count)) {
+    if (!egl->BindAPI(EGL_OPENGL_API) ||
+        !egl->ChooseConfig(display, config_attributes, &config, 1, &count)) {
         *why = "no OpenGL on this display";
     } else {
         state->context =
@@ -102,7 +107,8 @@ static bool try_display(struct egl_state *state, EGLDisplay display, const char 
     return false;
 }
 
-/* Devices first: with a GPU and no window system, the device platform is the one that reaches it. */
+/* Devices first: with a GPU and no window system, the device platform is the one that reaches it.
+ */
 static bool try_devices(struct egl_state *state, bool hardware, const char **why) {
     PFNEGLQUERYDEVICESEXTPROC query_devices =
         (PFNEGLQUERYDEVICESEXTPROC)state->egl.GetProcAddress("eglQueryDevicesEXT");
@@ -130,7 +136,8 @@ static bool try_surfaceless(struct egl_state *state, const char **why) {
     const char *extensions = state->egl.QueryString(EGL_NO_DISPLAY, EGL_EXTENSIONS);
     if (!get_display || !extensions || !strstr(extensions, "EGL_MESA_platform_surfaceless"))
         return false;
-    return try_display(state, get_display(EGL_PLATFORM_SURFACELESS_MESA, EGL_DEFAULT_DISPLAY, NULL), why);
+    return try_display(state, get_display(EGL_PLATFORM_SURFACELESS_MESA, EGL_DEFAULT_DISPLAY, NULL),
+                       why);
 }
 
 slv_result slv_gl_open_egl(bool hardware, char *why, size_t why_size, slv_gl_platform *out,

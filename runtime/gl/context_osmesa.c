@@ -17,7 +17,8 @@ enum {
 
 struct osmesa_state {
     void *(*create)(const int *attributes, void *share);
-    GLboolean (*make_current)(void *context, void *buffer, GLenum type, GLsizei width, GLsizei height);
+    GLboolean (*make_current)(void *context, void *buffer, GLenum type, GLsizei width,
+                              GLsizei height);
     void (*destroy)(void *context);
     void *context;
     unsigned char pixel[16 * 4]; /* OSMesa cannot be current without somewhere to draw */
@@ -53,7 +54,8 @@ static void destroy(void *user) {
     free(state);
 }
 
-slv_result slv_gl_open_osmesa(char *why, size_t why_size, slv_gl_platform *out, slv_gl_get_proc *get_proc) {
+slv_result slv_gl_open_osmesa(char *why, size_t why_size, slv_gl_platform *out,
+                              slv_gl_get_proc *get_proc) {
     static const int attributes[] = {OSMESA_FORMAT,
                                      GL_RGBA,
                                      OSMESA_DEPTH_BITS,

@@ -12,7 +12,9 @@ slv_gl_format slv_gl_format_for(slv_type type, uint32_t first, uint32_t nchannel
     static const GLenum data[4] = {GL_UNSIGNED_BYTE, GL_UNSIGNED_SHORT, GL_HALF_FLOAT, GL_FLOAT};
     static const GLenum external[3] = {GL_RED, GL_RG, GL_RGBA};
     uint32_t wanted = nchannels < 4 && coverage ? nchannels + 1 : nchannels;
-    uint32_t shape = wanted == 1 ? 0 : wanted == 2 ? 1 : 2; /* three-component texels would be padded by the driver */
+    uint32_t shape = wanted == 1   ? 0
+                     : wanted == 2 ? 1
+                                   : 2; /* three-component texels would be padded by the driver */
     slv_gl_format format = {.type = type,
                             .first = first,
                             .nsource = nchannels,
@@ -44,19 +46,21 @@ static void one_of(slv_type type, void *out) {
         memcpy(out, type == SLV_TYPE_U16 ? &one16 : &one_half, 2);
 }
 
-void slv_gl_convert(const slv_gl_format *format, const void *texels, uint32_t nchannels, size_t count,
-                    bool constant, void *out) {
+void slv_gl_convert(const slv_gl_format *format, const void *texels, uint32_t nchannels,
+                    size_t count, bool constant, void *out) {
     size_t size = slv_type_size(format->type), stride = constant ? 0 : size * nchannels;
     size_t copied = size * format->nsource, last = size * (format->ncomponents - 1);
     const unsigned char *from = (const unsigned char *)texels + size * format->first;
     unsigned char *to = out;
     unsigned char one[4];
     one_of(format->type, one);
-    if (!constant && !format->coverage && nchannels == format->ncomponents && format->nsource == nchannels) {
+    if (!constant && !format->coverage && nchannels == format->ncomponents &&
+        format->nsource == nchannels) {
         memcpy(out, texels, count * format->texel_bytes);
         return;
     }
-    if (format->texel_bytes == 4 && copied == 3) { /* RGB to RGBA in 8 bits: by far the most common */
+    if (format->texel_bytes == 4 &&
+        copied == 3) { /* RGB to RGBA in 8 bits: by far the most common */
         for (size_t i = 0; i < count; i++, from += stride, to += 4) {
             to[0] = from[0];
             to[1] = from[1];
@@ -73,8 +77,8 @@ void slv_gl_convert(const slv_gl_format *format, const void *texels, uint32_t nc
     }
 }
 
-void slv_gl_convert_float(const slv_gl_format *format, const float *texels, uint32_t nchannels, size_t count,
-                          void *out) {
+void slv_gl_convert_float(const slv_gl_format *format, const float *texels, uint32_t nchannels,
+                          size_t count, void *out) {
     size_t size = slv_type_size(format->type), last = size * (format->ncomponents - 1);
     unsigned char *to = out;
     unsigned char one[4];
@@ -101,7 +105,8 @@ void slv_gl_pack_levels(slv_res res, uint32_t border, slv_gl_pool *pool) {
         uint32_t w = rect->width + 2 * rect->bu, h = rect->height + 2 * rect->bv;
         if (level == 0)
             pool->width = w;
-        if (x + w > pool->width) { /* rows of levels below the first; each level is no taller than the one before */
+        if (x + w > pool->width) { /* rows of levels below the first; each level is no taller than
+                                      the one before */
             x = 0;
             y += shelf;
             shelf = 0;

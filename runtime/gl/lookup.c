@@ -61,8 +61,10 @@ static void make_target(const slv_gl_api *api, uint32_t height, const struct poi
                                       offsetof(struct point, dy)};
     api->CreateFramebuffers(1, &out->framebuffer);
     api->CreateRenderbuffers(1, &out->color);
-    api->NamedRenderbufferStorageMultisample(out->color, 0, GL_RGBA32F, TARGET_WIDTH, (GLsizei)height);
-    api->NamedFramebufferRenderbuffer(out->framebuffer, GL_COLOR_ATTACHMENT0, GL_RENDERBUFFER, out->color);
+    api->NamedRenderbufferStorageMultisample(out->color, 0, GL_RGBA32F, TARGET_WIDTH,
+                                             (GLsizei)height);
+    api->NamedFramebufferRenderbuffer(out->framebuffer, GL_COLOR_ATTACHMENT0, GL_RENDERBUFFER,
+                                      out->color);
     api->CreateBuffers(1, &out->vertices);
     api->NamedBufferStorage(out->vertices, (GLsizeiptr)(count * sizeof *points), points, 0);
     api->CreateBuffers(1, &out->indices);
@@ -81,8 +83,9 @@ static void make_target(const slv_gl_api *api, uint32_t height, const struct poi
 }
 
 /* Lookups sorted by batch: `first` has a start for each batch and one past the last. */
-static void sort_by_batch(const slv_gl_batches *batches, const uint32_t *batch_of, const struct point *points,
-                          uint32_t count, uint32_t *first, uint32_t *order) {
+static void sort_by_batch(const slv_gl_batches *batches, const uint32_t *batch_of,
+                          const struct point *points, uint32_t count, uint32_t *first,
+                          uint32_t *order) {
     memset(first, 0, (batches->count + 1) * sizeof *first);
     for (uint32_t i = 0; i < count; i++)
         first[batch_of[points[i].face] + 1]++;
@@ -105,13 +108,14 @@ static slv_result lookup_chunk(slv_gl_texture *texture, const slv_env *env, slv_
     struct target target = {0};
     slv_result result = SLV_OK;
     sort_by_batch(batches, batch_of, points, count, first, order);
+    slv_gl_set_state(texture->gl);
     make_target(api, height, points, order, count, &target);
+    if (api->CheckNamedFramebufferStatus(target.framebuffer, GL_FRAMEBUFFER) !=
+        GL_FRAMEBUFFER_COMPLETE)
+        result = slv_fail(env, SLV_ERROR_GL, "the driver makes no target for %u lookups", count);
     api->BindFramebuffer(GL_FRAMEBUFFER, target.framebuffer);
     api->Viewport(0, 0, TARGET_WIDTH, (GLsizei)height);
     api->Disable(GL_DEPTH_TEST);
-    api->Disable(GL_BLEND);
-    api->Disable(GL_SCISSOR_TEST);
-    api->ColorMask(1, 1, 1, 1);
     api->BindVertexArray(target.array);
     for (uint32_t b = 0; !result && b < batches->count; b++) {
         GLuint program = 0;
@@ -127,19 +131,19 @@ static slv_result lookup_chunk(slv_gl_texture *texture, const slv_env *env, slv_
                           (const void *)(uintptr_t)(first[b] * sizeof *order));
     }
     api->ReadBuffer(GL_COLOR_ATTACHMENT0);
-    api->PixelStorei(GL_PACK_ALIGNMENT, 1);
     if (!result && whole)
         api->ReadPixels(0, 0, TARGET_WIDTH, (GLsizei)whole, GL_RGBA, GL_FLOAT, out);
     if (!result && rest)
-        api->ReadPixels(0, (GLint)whole, (GLsizei)rest, 1, GL_RGBA, GL_FLOAT, out + 4 * (size_t)TARGET_WIDTH * whole);
+        api->ReadPixels(0, (GLint)whole, (GLsizei)rest, 1, GL_RGBA, GL_FLOAT,
+                        out + 4 * (size_t)TARGET_WIDTH * whole);
     slv_gl_texture_unbind(texture);
     free_target(api, &target);
     return result ? result : slv_gl_check(texture->gl, env, "lookups");
 }
 
 slv_result slv_gl_texture_lookup(slv_gl_texture *texture, const slv_env *env, slv_strategy strategy,
-                                 uint32_t count, const int32_t *faces, const float *uv, const float *dx,
-                                 const float *dy, float *out) {
+                                 uint32_t count, const int32_t *faces, const float *uv,
+                                 const float *dx, const float *dy, float *out) {
     const slv_gl_batches *batches = slv_gl_texture_batches(texture, strategy);
     uint32_t *batch_of = NULL, *first = NULL, *order = NULL;
     struct point *points = NULL;
@@ -161,7 +165,8 @@ slv_result slv_gl_texture_lookup(slv_gl_texture *texture, const slv_env *env, sl
         for (uint32_t i = 0; i < here; i++) {
             size_t at = (size_t)start + i;
             if (faces[at] < 0 || (uint32_t)faces[at] >= texture->nfaces) {
-                result = slv_fail(env, SLV_ERROR_ARGUMENT, "lookup %zu: there is no face %d", at, faces[at]);
+                result = slv_fail(env, SLV_ERROR_ARGUMENT, "lookup %zu: there is no face %d", at,
+                                  faces[at]);
                 goto done;
             }
             points[i] = (struct point){faces[at],
@@ -169,7 +174,8 @@ slv_result slv_gl_texture_lookup(slv_gl_texture *texture, const slv_env *env, sl
                                        {dx[2 * at], dx[2 * at + 1]},
                                        {dy[2 * at], dy[2 * at + 1]}};
         }
-        result = lookup_chunk(texture, env, strategy, batch_of, points, here, first, order, out + 4 * (size_t)start);
+        result = lookup_chunk(texture, env, strategy, batch_of, points, here, first, order,
+                              out + 4 * (size_t)start);
     }
 done:
     free(batch_of);

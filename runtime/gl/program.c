@@ -12,7 +12,8 @@ struct slv_shader_table_row {
 };
 extern const struct slv_shader_table_row slv_shader_table[];
 
-slv_result slv_gl_shader_text(const slv_env *env, const char *name, const char **text, char **owned) {
+slv_result slv_gl_shader_text(const slv_env *env, const char *name, const char **text,
+                              char **owned) {
     const char *folder = getenv("SELVAGE_SHADER_DIR");
     *owned = NULL;
     if (folder && *folder) {
@@ -52,8 +53,9 @@ static slv_result compile(const slv_gl *gl, const slv_env *env, const char *name
     return slv_fail(env, SLV_ERROR_GL, "shader %s does not compile: %s", name, words);
 }
 
-slv_result slv_gl_program(const slv_gl *gl, const slv_env *env, const char *name, const char *vertex,
-                          const char *const *fragment, uint32_t nfragment, GLuint *out) {
+slv_result slv_gl_program(const slv_gl *gl, const slv_env *env, const char *name,
+                          const char *vertex, const char *const *fragment, uint32_t nfragment,
+                          GLuint *out) {
     const slv_gl_api *api = &gl->api;
     GLuint shaders[2] = {0, 0}, program = 0;
     GLint linked = 0;

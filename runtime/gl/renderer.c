@@ -5,6 +5,7 @@
 
 #include <selvage/gl_renderer.h>
 
+#include <float.h>
 #include <math.h>
 #include <stddef.h>
 #include <stdlib.h>
@@ -50,7 +51,8 @@ static void free_target(const slv_gl_api *api, struct target *target) {
     memset(target, 0, sizeof *target);
 }
 
-static slv_result make_target(const slv_gl *gl, const slv_env *env, const slv_frame *frame, struct target *out) {
+static slv_result make_target(const slv_gl *gl, const slv_env *env, const slv_frame *frame,
+                              struct target *out) {
     const slv_gl_api *api = &gl->api;
     if (out->width == frame->width && out->height == frame->height && out->msaa == frame->msaa &&
         out->wide == frame->float_target)
@@ -63,24 +65,33 @@ static slv_result make_target(const slv_gl *gl, const slv_env *env, const slv_fr
     api->CreateFramebuffers((GLsizei)count, out->framebuffers);
     api->CreateRenderbuffers((GLsizei)count, out->colors);
     api->CreateRenderbuffers(1, &out->depth);
-    api->NamedRenderbufferStorageMultisample(out->depth, samples, GL_DEPTH_COMPONENT32F, width, height);
-    api->NamedFramebufferRenderbuffer(out->framebuffers[0], GL_DEPTH_ATTACHMENT, GL_RENDERBUFFER, out->depth);
+    api->NamedRenderbufferStorageMultisample(out->depth, samples, GL_DEPTH_COMPONENT32F, width,
+                                             height);
+    api->NamedFramebufferRenderbuffer(out->framebuffers[0], GL_DEPTH_ATTACHMENT, GL_RENDERBUFFER,
+                                      out->depth);
     for (uint32_t i = 0; i < count; i++) {
-        api->NamedRenderbufferStorageMultisample(out->colors[i], i ? 0 : samples, format, width, height);
-        api->NamedFramebufferRenderbuffer(out->framebuffers[i], GL_COLOR_ATTACHMENT0, GL_RENDERBUFFER,
-                                          out->colors[i]);
-        if (api->CheckNamedFramebufferStatus(out->framebuffers[i], GL_FRAMEBUFFER) != GL_FRAMEBUFFER_COMPLETE) {
+        api->NamedRenderbufferStorageMultisample(out->colors[i], i ? 0 : samples, format, width,
+                                                 height);
+        api->NamedFramebufferRenderbuffer(out->framebuffers[i], GL_COLOR_ATTACHMENT0,
+                                          GL_RENDERBUFFER, out->colors[i]);
+        if (api->CheckNamedFramebufferStatus(out->framebuffers[i], GL_FRAMEBUFFER) !=
+            GL_FRAMEBUFFER_COMPLETE) {
             free_target(api, out);
             slv_gl_check(gl, NULL, "framebuffer");
-            return slv_fail(env, SLV_ERROR_GL, "the driver makes no %u x %u target with %u samples", frame->width,
-                            frame->height, frame->msaa);
+            return slv_fail(env, SLV_ERROR_GL, "the driver makes no %u x %u target with %u samples",
+                            frame->width, frame->height, frame->msaa);
         }
+    }
+    slv_result result = slv_gl_check(gl, env, "framebuffer");
+    if (result) {
+        free_target(api, out);
+        return result;
     }
     out->width = frame->width;
     out->height = frame->height;
     out->msaa = frame->msaa;
     out->wide = frame->float_target;
-    return slv_gl_check(gl, env, "framebuffer");
+    return SLV_OK;
 }
 
 static GLuint make_array(const slv_gl_api *api, GLuint vertices, GLuint indices) {
@@ -106,8 +117,9 @@ static void free_indices(const slv_gl_api *api, struct batch_indices *indices) {
     memset(indices, 0, sizeof *indices);
 }
 
-static slv_result make_indices(slv_gl_renderer *renderer, const slv_env *env, const slv_gl_texture *texture,
-                               slv_strategy strategy, struct batch_indices *out) {
+static slv_result make_indices(slv_gl_renderer *renderer, const slv_env *env,
+                               const slv_gl_texture *texture, slv_strategy strategy,
+                               struct batch_indices *out) {
     const slv_gl_batches *batches = slv_gl_texture_batches(texture, strategy);
     const slv_gl_api *api = &renderer->gl->api;
     uint32_t *list = NULL;
@@ -127,11 +139,12 @@ static slv_result make_indices(slv_gl_renderer *renderer, const slv_env *env, co
     for (uint32_t b = 0; b < batches->count; b++) {
         const slv_gl_batch_range *range = &batches->ranges[b];
         for (uint32_t i = 0; i < range->count; i++)
-            at += slv_tessellation_indices(&renderer->mesh, batches->faces[range->first + i], list + at);
+            at += slv_tessellation_indices(&renderer->mesh, batches->faces[range->first + i],
+                                           list + at);
         out->first[b + 1] = at;
     }
-    slv_gl_source source = {.env = env, .gl = renderer->gl};
-    if ((result = slv_gl_buffer(&source, "triangles", list, count * sizeof *list, &out->buffer)))
+    if ((result = slv_gl_buffer(renderer->gl, env, "triangles", list, count * sizeof *list,
+                                &out->buffer)))
         goto done;
     out->array = make_array(api, renderer->vertices, out->buffer);
     out->nbatches = batches->count;
@@ -144,7 +157,16 @@ done:
     return result;
 }
 
-static slv_result surface_program(slv_gl_renderer *renderer, const slv_env *env, const char *lookups, GLuint *out) {
+static void free_programs(slv_gl_renderer *renderer) {
+    for (uint32_t i = 0; i < renderer->nprograms; i++) {
+        free(renderer->programs[i].text);
+        renderer->gl->api.DeleteProgram(renderer->programs[i].program);
+    }
+    renderer->nprograms = 0;
+}
+
+static slv_result surface_program(slv_gl_renderer *renderer, const slv_env *env,
+                                  const char *lookups, GLuint *out) {
     static const char version[] = "#version 450 core\n";
     const char *vertex = NULL, *fragment = NULL;
     char *owned[2] = {NULL, NULL}, *full = NULL, *text = NULL;
@@ -155,8 +177,8 @@ static slv_result surface_program(slv_gl_renderer *renderer, const slv_env *env,
             return SLV_OK;
         }
     }
-    if (renderer->nprograms == MAX_PROGRAMS)
-        return slv_fail(env, SLV_ERROR_LIMIT, "one renderer draws with at most %d programs", MAX_PROGRAMS);
+    if (renderer->nprograms == MAX_PROGRAMS) /* a viewer that keeps making textures: start afresh */
+        free_programs(renderer);
     if ((result = slv_gl_shader_text(env, "surface.vert", &vertex, &owned[0])) ||
         (result = slv_gl_shader_text(env, "surface.frag", &fragment, &owned[1])) ||
         (result = slv_alloc(env, "shader", sizeof version + strlen(vertex), 1, &full)) ||
@@ -179,19 +201,21 @@ done:
 }
 
 slv_result slv_gl_renderer_create(slv_gl *gl, const slv_env *env, const slv_mesh *mesh,
-                                  const slv_surface *surface, const slv_adjacency *adjacency,
-                                  uint32_t segments, slv_gl_renderer **out) {
+                                  const slv_surface *surface, uint32_t segments,
+                                  slv_gl_renderer **out) {
     slv_gl_renderer *made = NULL;
+    slv_adjacency *adjacency = NULL;
     slv_result result = slv_alloc(env, "renderer", 1, sizeof *made, &made);
     *out = NULL;
     if (result)
         return result;
     made->gl = gl;
-    slv_gl_source source = {.env = env, .gl = gl};
-    if (!(result = slv_tessellate(env, mesh, surface, adjacency, segments, &made->mesh)))
-        result = slv_gl_buffer(&source, "vertices", made->mesh.vertices,
+    if (!(result = slv_mesh_adjacency(env, mesh, &adjacency)) &&
+        !(result = slv_tessellate(env, mesh, surface, adjacency, segments, &made->mesh)))
+        result = slv_gl_buffer(gl, env, "vertices", made->mesh.vertices,
                                (uint64_t)made->mesh.first[made->mesh.nfaces] * sizeof(slv_vertex),
                                &made->vertices);
+    slv_adjacency_destroy(adjacency);
     free(made->mesh.vertices); /* the driver has its own copy */
     made->mesh.vertices = NULL;
     gl->api.CreateQueries(GL_TIME_ELAPSED, 1, &made->query);
@@ -210,10 +234,7 @@ void slv_gl_renderer_destroy(slv_gl_renderer *renderer) {
     free_target(api, &renderer->target);
     for (int s = 0; s < SLV_STRATEGY_COUNT; s++)
         free_indices(api, &renderer->indices[s]);
-    for (uint32_t i = 0; i < renderer->nprograms; i++) {
-        free(renderer->programs[i].text);
-        api->DeleteProgram(renderer->programs[i].program);
-    }
+    free_programs(renderer);
     api->DeleteBuffers(1, &renderer->vertices);
     api->DeleteQueries(1, &renderer->query);
     slv_tessellation_free(&renderer->mesh);
@@ -227,17 +248,19 @@ static void projection(const slv_gl_renderer *renderer, const slv_camera *camera
     for (int corner = 0; corner < 8; corner++) {
         float z = m[11];
         for (int c = 0; c < 3; c++)
-            z += m[8 + c] * (corner >> c & 1 ? renderer->mesh.bounds_max[c] : renderer->mesh.bounds_min[c]);
+            z += m[8 + c] *
+                 (corner >> c & 1 ? renderer->mesh.bounds_max[c] : renderer->mesh.bounds_min[c]);
         nearest = fmaxf(nearest, z);
         farthest = fminf(farthest, z);
     }
-    float margin = (nearest - farthest) * 0.01f + 1e-6f;
+    float margin =
+        (nearest - farthest) * 0.01f + fmaxf(fabsf(nearest), fabsf(farthest)) * 1e-6f + FLT_MIN;
     float n = -(nearest + margin), f = -(farthest - margin);
     memset(out, 0, 16 * sizeof *out);
     out[0] = 2 / (w[1] - w[0]);
     out[5] = 2 / (w[3] - w[2]);
     if (camera->perspective) {
-        f = fmaxf(f, 1e-6f);
+        f = fmaxf(f, FLT_MIN * 1e5f);
         n = fmaxf(n, f * 1e-4f);
         f = fmaxf(f, n * 1.001f);
         out[8] = (w[1] + w[0]) / (w[1] - w[0]);
@@ -254,7 +277,8 @@ static void projection(const slv_gl_renderer *renderer, const slv_camera *camera
     }
 }
 
-/* The inverse transpose of the upper left 3x3, up to a positive factor, row-major in, column-major out. */
+/* The inverse transpose of the upper left 3x3, up to a positive factor, row-major in, column-major
+ * out. */
 static void normal_matrix(const float *m, float out[9]) {
     float determinant = 0;
     for (int r = 0; r < 3; r++) {
@@ -285,8 +309,8 @@ static void set_frame(const slv_gl_renderer *renderer, const slv_frame *frame, G
     api->ProgramUniform2f(program, 5, frame->ka, frame->kd);
 }
 
-static void draw_batches(const slv_gl_renderer *renderer, slv_gl_texture *texture, const slv_frame *frame,
-                         const GLuint programs[SLV_GL_MAX_VARIANTS]) {
+static void draw_batches(const slv_gl_renderer *renderer, slv_gl_texture *texture,
+                         const slv_frame *frame, const GLuint programs[SLV_GL_MAX_VARIANTS]) {
     const slv_gl_api *api = &renderer->gl->api;
     const slv_gl_batches *batches = slv_gl_texture_batches(texture, frame->strategy);
     const struct batch_indices *indices = &renderer->indices[frame->strategy];
@@ -321,8 +345,8 @@ static slv_result read_back(slv_gl_renderer *renderer, const slv_env *env, slv_i
         return result;
     api->BindFramebuffer(GL_READ_FRAMEBUFFER, target->framebuffers[target->msaa > 1]);
     api->ReadBuffer(GL_COLOR_ATTACHMENT0);
-    api->PixelStorei(GL_PACK_ALIGNMENT, 1);
-    api->ReadPixels(0, 0, (GLsizei)target->width, (GLsizei)target->height, GL_RGBA, GL_FLOAT, image->pixels);
+    api->ReadPixels(0, 0, (GLsizei)target->width, (GLsizei)target->height, GL_RGBA, GL_FLOAT,
+                    image->pixels);
     for (uint32_t y = 0; y < target->height / 2; y++) { /* OpenGL's first row is the lowest */
         float *a = image->pixels + y * row, *b = image->pixels + (target->height - 1 - y) * row;
         for (size_t i = 0; i < row; i++) {
@@ -346,8 +370,9 @@ static slv_frame with_defaults(const slv_frame *given) {
     return frame;
 }
 
-slv_result slv_gl_renderer_draw(slv_gl_renderer *renderer, const slv_env *env, slv_gl_texture *texture,
-                                const slv_frame *given, slv_image *image, double *seconds) {
+slv_result slv_gl_renderer_draw(slv_gl_renderer *renderer, const slv_env *env,
+                                slv_gl_texture *texture, const slv_frame *given, slv_image *image,
+                                double *seconds) {
     slv_gl *gl = renderer->gl;
     const slv_gl_api *api = &gl->api;
     slv_frame frame = with_defaults(given);
@@ -361,10 +386,12 @@ slv_result slv_gl_renderer_draw(slv_gl_renderer *renderer, const slv_env *env, s
         return slv_fail(env, SLV_ERROR_MISMATCH, "the texture has %u faces, the mesh %u",
                         slv_gl_texture_face_count(texture), renderer->mesh.nfaces);
     if (frame.msaa > gl->info.max_msaa || (frame.msaa & (frame.msaa - 1)))
-        return slv_fail(env, SLV_ERROR_UNSUPPORTED, "%u samples per pixel: the driver has at most %u", frame.msaa,
+        return slv_fail(env, SLV_ERROR_UNSUPPORTED,
+                        "%u samples per pixel: the driver has at most %u", frame.msaa,
                         gl->info.max_msaa);
     if ((result = make_target(gl, env, &frame, &renderer->target)) ||
-        (result = make_indices(renderer, env, texture, frame.strategy, &renderer->indices[frame.strategy])))
+        (result = make_indices(renderer, env, texture, frame.strategy,
+                               &renderer->indices[frame.strategy])))
         return result;
     for (uint32_t b = 0; b < batches->count; b++) {
         uint32_t variant = batches->ranges[b].variant;
@@ -375,6 +402,7 @@ slv_result slv_gl_renderer_draw(slv_gl_renderer *renderer, const slv_env *env, s
             return result;
         set_frame(renderer, &frame, programs[variant]);
     }
+    slv_gl_set_state(gl);
     static const float far_away = 1;
     const struct target *target = &renderer->target;
     bool timed = seconds && !gl->info.software;
@@ -385,21 +413,14 @@ slv_result slv_gl_renderer_draw(slv_gl_renderer *renderer, const slv_env *env, s
         api->BeginQuery(GL_TIME_ELAPSED, renderer->query);
     api->BindFramebuffer(GL_FRAMEBUFFER, target->framebuffers[0]);
     api->Viewport(0, 0, (GLsizei)frame.width, (GLsizei)frame.height);
-    api->Disable(GL_BLEND);
-    api->Disable(GL_CULL_FACE);
-    api->Disable(GL_SCISSOR_TEST);
     api->Enable(GL_DEPTH_TEST);
-    api->Enable(GL_MULTISAMPLE);
-    api->DepthFunc(GL_LESS);
-    api->DepthMask(1);
-    api->ColorMask(1, 1, 1, 1);
     api->ClearNamedFramebufferfv(target->framebuffers[0], GL_COLOR, 0, frame.background);
     api->ClearNamedFramebufferfv(target->framebuffers[0], GL_DEPTH, 0, &far_away);
     draw_batches(renderer, texture, &frame, programs);
     if (frame.msaa > 1)
-        api->BlitNamedFramebuffer(target->framebuffers[0], target->framebuffers[1], 0, 0, (GLint)frame.width,
-                                  (GLint)frame.height, 0, 0, (GLint)frame.width, (GLint)frame.height,
-                                  GL_COLOR_BUFFER_BIT, GL_NEAREST);
+        api->BlitNamedFramebuffer(target->framebuffers[0], target->framebuffers[1], 0, 0,
+                                  (GLint)frame.width, (GLint)frame.height, 0, 0, (GLint)frame.width,
+                                  (GLint)frame.height, GL_COLOR_BUFFER_BIT, GL_NEAREST);
     if (timed) {
         GLuint64 nanoseconds = 0;
         api->EndQuery(GL_TIME_ELAPSED);

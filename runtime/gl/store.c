@@ -11,15 +11,26 @@
 #define STAGING_BYTES (UINT64_C(32) << 20)
 #define ARRAY_BYTES (UINT64_C(512) << 20) /* software drivers refuse textures above 1 GiB */
 
-slv_result slv_gl_buffer(const slv_gl_source *source, const char *what, const void *data, uint64_t bytes,
-                         GLuint *out) {
-    const slv_gl_api *api = &source->gl->api;
+slv_result slv_gl_buffer(const slv_gl *gl, const slv_env *env, const char *what, const void *data,
+                         uint64_t bytes, GLuint *out) {
+    const slv_gl_api *api = &gl->api;
     api->CreateBuffers(1, out);
     api->NamedBufferStorage(*out, (GLsizeiptr)(bytes ? bytes : 16), bytes ? data : NULL, 0);
-    return slv_gl_check(source->gl, source->env, what);
+    return slv_gl_check(gl, env, what);
 }
 
-/* Faces in breadth-first order over the adjacency, so that faces which meet get layers close together. */
+slv_result slv_gl_table(const slv_gl_source *source, const char *what, const void *data,
+                        uint64_t bytes, GLuint *out) {
+    uint64_t most = source->gl->max_storage;
+    if (bytes > most)
+        return slv_fail(source->env, SLV_ERROR_LIMIT,
+                        "the %s takes %llu bytes, the driver's limit is %llu", what,
+                        (unsigned long long)bytes, (unsigned long long)most);
+    return slv_gl_buffer(source->gl, source->env, what, data, bytes, out);
+}
+
+/* Faces in breadth-first order over the adjacency, so that faces which meet get layers close
+ * together. */
 static slv_result neighbourly_order(const slv_gl_source *source, uint32_t nfaces, uint32_t *order) {
     const slv_face_adjacency *adjacency = slv_adjacency_faces(source->adjacency);
     bool *seen = NULL;
@@ -48,10 +59,12 @@ static slv_result neighbourly_order(const slv_gl_source *source, uint32_t nfaces
 
 struct widen_job {
     const slv_gl_source *source;
+    slv_env env; /* logs one at a time */
     uint8_t *wide;
 };
 
-/* Only the innermost border can leave the range of an integer type, so one texel of border is enough to know. */
+/* Only the innermost border can leave the range of an integer type, so one texel of border is
+ * enough to know. */
 static slv_result find_wide(void *user, uint64_t first, uint64_t end) {
     struct widen_job *job = user;
     const slv_texture_desc *desc = slv_levels_get_desc(job->source->levels);
@@ -62,16 +75,17 @@ static slv_result find_wide(void *user, uint64_t first, uint64_t end) {
         uint32_t nlevels = slv_levels_count(job->source->levels, (uint32_t)face);
         for (uint32_t level = 0; !result && !job->wide[face] && level < nlevels; level++) {
             slv_res res = slv_res_level(desc->res[face], level);
-            size_t needed = (((size_t)1 << res.u) + 2) * (((size_t)1 << res.v) + 2) * desc->nchannels;
+            size_t needed =
+                (((size_t)1 << res.u) + 2) * (((size_t)1 << res.v) + 2) * desc->nchannels;
             bool wide = false;
             if (needed > capacity) {
                 free(scratch);
                 capacity = needed;
-                result = slv_alloc(job->source->env, "border", needed, sizeof *scratch, &scratch);
+                result = slv_alloc(&job->env, "border", needed, sizeof *scratch, &scratch);
             }
             if (!result)
-                result = slv_border_build(job->source->levels, job->source->adjacency, (uint32_t)face, level,
-                                          1, 1, scratch, &wide);
+                result = slv_border_build(job->source->levels, job->source->adjacency,
+                                          (uint32_t)face, level, 1, 1, scratch, &wide);
             job->wide[face] |= wide;
         }
     }
@@ -97,7 +111,8 @@ static uint64_t layer_bytes(const slv_gl_pool *pool, const slv_gl_format *format
 }
 
 /* Sorts faces into classes, keeping their order, and cuts the classes into pools. */
-static slv_result assign_pools(const slv_gl_source *source, const uint8_t *wide, slv_gl_store *store) {
+static slv_result assign_pools(const slv_gl_source *source, const uint8_t *wide,
+                               slv_gl_store *store) {
     const slv_texture_desc *desc = slv_levels_get_desc(source->levels);
     const slv_env *env = source->env;
     slv_result result = SLV_OK;
@@ -109,7 +124,8 @@ static slv_result assign_pools(const slv_gl_source *source, const uint8_t *wide,
         (result = slv_alloc(env, "size classes", NCLASSES, sizeof *templates, &templates)) ||
         (result = slv_alloc(env, "face order", nfaces, sizeof *store->order, &store->order)) ||
         (result = slv_alloc(env, "pool table", nfaces, sizeof *store->pool_of, &store->pool_of)) ||
-        (result = slv_alloc(env, "layer table", nfaces, sizeof *store->layer_of, &store->layer_of)) ||
+        (result =
+             slv_alloc(env, "layer table", nfaces, sizeof *store->layer_of, &store->layer_of)) ||
         (result = neighbourly_order(source, nfaces, neighbourly)))
         goto done;
     for (uint32_t f = 0; f < nfaces; f++)
@@ -130,20 +146,23 @@ static slv_result assign_pools(const slv_gl_source *source, const uint8_t *wide,
             }
             uint32_t limit = source->gl->info.max_texture_size;
             if (pool->width > limit || pool->height > limit) {
-                result = slv_fail(env, SLV_ERROR_LIMIT,
-                                  "a face of %u x %u texels needs a texture of %u x %u, the driver's limit is %u",
-                                  1u << pool->res.u, 1u << pool->res.v, pool->width, pool->height, limit);
+                result = slv_fail(
+                    env, SLV_ERROR_LIMIT,
+                    "a face of %u x %u texels needs a texture of %u x %u, the driver's limit is %u",
+                    1u << pool->res.u, 1u << pool->res.v, pool->width, pool->height, limit);
                 goto done;
             }
             uint64_t per_array = ARRAY_BYTES / layer_bytes(pool, format, store->bordered);
-            per_array = per_array < source->params.pool_layers ? per_array : source->params.pool_layers;
+            per_array =
+                per_array < source->params.pool_layers ? per_array : source->params.pool_layers;
             pool->nlayers = per_array ? (uint32_t)per_array : 1;
             npools += (count + pool->nlayers - 1) / pool->nlayers;
         }
         start[c + 1] += start[c];
     }
     if (npools > 0xffff) {
-        result = slv_fail(env, SLV_ERROR_LIMIT, "%u array textures are needed, the limit is 65535", npools);
+        result = slv_fail(env, SLV_ERROR_LIMIT, "%u array textures are needed, the limit is 65535",
+                          npools);
         goto done;
     }
     if ((result = slv_alloc(env, "pools", npools, sizeof *store->pools, &store->pools)))
@@ -177,6 +196,7 @@ done:
 
 struct fill_job {
     const slv_gl_source *source;
+    slv_env env; /* logs one at a time */
     const slv_gl_pool *pool;
     const slv_gl_format *format;
     bool bordered;
@@ -189,8 +209,9 @@ static slv_result fill_bare(const struct fill_job *job, uint32_t layer) {
     uint32_t face = job->pool->faces[job->first_layer + layer];
     const slv_texture_desc *desc = slv_levels_get_desc(job->source->levels);
     slv_res res = slv_res_level(job->pool->res, job->level);
-    slv_gl_convert(job->format, slv_levels_texels(job->source->levels, face, job->level), desc->nchannels,
-                   (size_t)1 << (res.u + res.v), false, job->staging + layer * job->layer_size);
+    slv_gl_convert(job->format, slv_levels_texels(job->source->levels, face, job->level),
+                   desc->nchannels, (size_t)1 << (res.u + res.v), false,
+                   job->staging + layer * job->layer_size);
     return SLV_OK;
 }
 
@@ -201,12 +222,13 @@ static slv_result fill_bordered(const struct fill_job *job, uint32_t layer, floa
     for (uint32_t level = 0; level < job->pool->nlevels; level++) {
         const slv_gl_rect *rect = &job->pool->rects[level];
         uint32_t width = rect->width + 2 * rect->bu, height = rect->height + 2 * rect->bv;
-        slv_result result = slv_border_build(job->source->levels, job->source->adjacency, face, level, rect->bu,
-                                             rect->bv, scratch, NULL);
+        slv_result result = slv_border_build(job->source->levels, job->source->adjacency, face,
+                                             level, rect->bu, rect->bv, scratch, NULL);
         if (result)
             return result;
         for (uint32_t y = 0; y < height; y++)
-            slv_gl_convert_float(job->format, scratch + (size_t)y * width * desc->nchannels, desc->nchannels, width,
+            slv_gl_convert_float(job->format, scratch + (size_t)y * width * desc->nchannels,
+                                 desc->nchannels, width,
                                  out + ((size_t)(rect->y + y) * job->pool->width + rect->x) *
                                            job->format->texel_bytes);
     }
@@ -219,18 +241,22 @@ static slv_result fill(void *user, uint64_t first, uint64_t end) {
     float *scratch = NULL;
     if (job->bordered) {
         uint32_t nchannels = slv_levels_get_desc(job->source->levels)->nchannels;
-        result = slv_alloc(job->source->env, "border",
-                           (uint64_t)job->pool->width * job->pool->height * nchannels, sizeof *scratch, &scratch);
+        result = slv_alloc(&job->env, "border",
+                           (uint64_t)job->pool->width * job->pool->height * nchannels,
+                           sizeof *scratch, &scratch);
     }
     for (uint64_t layer = first; !result && layer < end; layer++)
-        result = job->bordered ? fill_bordered(job, (uint32_t)layer, scratch) : fill_bare(job, (uint32_t)layer);
+        result = job->bordered ? fill_bordered(job, (uint32_t)layer, scratch)
+                               : fill_bare(job, (uint32_t)layer);
     free(scratch);
     return result;
 }
 
-/* Uploads one level of every layer (bordered: the whole layer), as many layers at a time as the staging holds. */
-static slv_result upload_level(const slv_gl_source *source, const slv_gl_store *store, const slv_gl_pool *pool,
-                               uint32_t level, unsigned char **staging, uint64_t *capacity) {
+/* Uploads one level of every layer (bordered: the whole layer), as many layers at a time as the
+ * staging holds. */
+static slv_result upload_level(const slv_gl_source *source, const slv_env *env,
+                               const slv_gl_store *store, const slv_gl_pool *pool, uint32_t level,
+                               unsigned char **staging, uint64_t *capacity) {
     const slv_gl_api *api = &source->gl->api;
     const slv_gl_format *format = pool->wide ? &store->wide_format : &store->format;
     slv_res res = slv_res_level(pool->res, level);
@@ -247,8 +273,10 @@ static slv_result upload_level(const slv_gl_source *source, const slv_gl_store *
             return result;
     }
     for (uint32_t first = 0; !result && first < pool->nlayers; first += (uint32_t)at_once) {
-        uint32_t count = pool->nlayers - first < at_once ? pool->nlayers - first : (uint32_t)at_once;
+        uint32_t count =
+            pool->nlayers - first < at_once ? pool->nlayers - first : (uint32_t)at_once;
         struct fill_job job = {.source = source,
+                               .env = *env,
                                .pool = pool,
                                .format = format,
                                .bordered = store->bordered,
@@ -261,12 +289,14 @@ static slv_result upload_level(const slv_gl_source *source, const slv_gl_store *
         result = slv_parallel_for(source->env, count, count > 512 ? 64 : count / 8 + 1, fill, &job);
         if (!result)
             api->TextureSubImage3D(pool->texture, (GLint)level, 0, 0, (GLint)first, (GLsizei)width,
-                                   (GLsizei)height, (GLsizei)count, format->external, format->data, *staging);
+                                   (GLsizei)height, (GLsizei)count, format->external, format->data,
+                                   *staging);
     }
     return result;
 }
 
-/* One layer that is 1 in every texel of every level, with the size and levels of the pool that it normalises. */
+/* One layer that is 1 in every texel of every level, with the size and levels of the pool that it
+ * normalises. */
 static slv_result make_coverage(const slv_gl_source *source, slv_gl_pool *pool) {
     const slv_gl_api *api = &source->gl->api;
     unsigned char *ones = NULL;
@@ -287,8 +317,8 @@ static slv_result make_coverage(const slv_gl_source *source, slv_gl_pool *pool) 
     return SLV_OK;
 }
 
-static slv_result upload_pool(const slv_gl_source *source, slv_gl_store *store, slv_gl_pool *pool,
-                              unsigned char **staging, uint64_t *capacity) {
+static slv_result upload_pool(const slv_gl_source *source, const slv_env *env, slv_gl_store *store,
+                              slv_gl_pool *pool, unsigned char **staging, uint64_t *capacity) {
     const slv_gl_api *api = &source->gl->api;
     const slv_gl_format *format = pool->wide ? &store->wide_format : &store->format;
     uint32_t nlevels = store->bordered ? 1 : pool->nlevels;
@@ -301,10 +331,10 @@ static slv_result upload_pool(const slv_gl_source *source, slv_gl_store *store, 
         return result;
     store->bytes += layer_bytes(pool, format, store->bordered) * pool->nlayers;
     for (uint32_t level = 0; !result && level < nlevels; level++)
-        result = upload_level(source, store, pool, level, staging, capacity);
+        result = upload_level(source, env, store, pool, level, staging, capacity);
     if (!result && !store->bordered && format->nsource == 4) {
         result = make_coverage(source, pool);
-        store->bytes += layer_bytes(pool, format, false) / format->texel_bytes;
+        store->coverage_bytes += layer_bytes(pool, format, false) / format->texel_bytes;
     }
     return result ? result : slv_gl_check(source->gl, source->env, "texture upload");
 }
@@ -322,7 +352,8 @@ static slv_result upload_tables(const slv_gl_source *source, slv_gl_store *store
         rows[2 * f + 1] = (uint32_t)desc->res[f].u | (uint32_t)desc->res[f].v << 8;
     }
     store->bytes += (uint64_t)desc->nfaces * 8;
-    if ((result = slv_gl_buffer(source, "face table", rows, (uint64_t)desc->nfaces * 8, &store->table)) ||
+    if ((result =
+             slv_gl_table(source, "face table", rows, (uint64_t)desc->nfaces * 8, &store->table)) ||
         !store->bordered)
         goto done;
     uint64_t bytes = (uint64_t)store->npools * SLV_GL_LEVELS * 4 * sizeof *rects;
@@ -340,7 +371,7 @@ static slv_result upload_tables(const slv_gl_source *source, slv_gl_store *store
         }
     }
     store->bytes += bytes;
-    result = slv_gl_buffer(source, "level table", rects, bytes, &store->rects);
+    result = slv_gl_table(source, "level table", rects, bytes, &store->rects);
 done:
     free(rows);
     free(rects);
@@ -355,27 +386,30 @@ slv_result slv_gl_store_build(const slv_gl_source *source, bool bordered, slv_gl
     uint64_t capacity = 0;
     uint8_t *wide = NULL;
     slv_gl_store store = {.built = true, .bordered = bordered};
+    slv_parallel_log *log = NULL;
+    slv_env env;
     slv_result result = SLV_OK;
     store.format = slv_gl_format_for(desc->type, first, nchannels, !bordered);
-    store.wide_format =
-        slv_gl_format_for(desc->type == SLV_TYPE_U8 ? SLV_TYPE_HALF : SLV_TYPE_FLOAT, first, nchannels, !bordered);
-    if ((result = slv_alloc(source->env, "wide faces", desc->nfaces, 1, &wide)))
+    store.wide_format = slv_gl_format_for(
+        desc->type == SLV_TYPE_U8 ? SLV_TYPE_HALF : SLV_TYPE_FLOAT, first, nchannels, !bordered);
+    if ((result = slv_parallel_env_begin(source->env, &log, &env)) ||
+        (result = slv_alloc(source->env, "wide faces", desc->nfaces, 1, &wide)))
         goto done;
     if (bordered && integer) {
-        struct widen_job job = {source, wide};
-        if ((result = slv_parallel_for(source->env, desc->nfaces, 64, find_wide, &job)))
+        struct widen_job job = {.source = source, .env = env, .wide = wide};
+        if ((result = slv_parallel_for(&env, desc->nfaces, 64, find_wide, &job)))
             goto done;
         for (uint32_t f = 0; f < desc->nfaces; f++)
             store.nwide += wide[f];
     }
     if ((result = assign_pools(source, wide, &store)))
         goto done;
-    source->gl->api.PixelStorei(GL_UNPACK_ALIGNMENT, 1);
     for (uint32_t p = 0; !result && p < store.npools; p++)
-        result = upload_pool(source, &store, &store.pools[p], &staging, &capacity);
+        result = upload_pool(source, &env, &store, &store.pools[p], &staging, &capacity);
     if (!result)
         result = upload_tables(source, &store);
 done:
+    slv_parallel_env_end(log);
     free(staging);
     free(wide);
     if (result)

@@ -1,4 +1,5 @@
-/* Faces in array textures: size classes, layers, batches, and the two kinds of store that the strategies share. */
+/* Faces in array textures: size classes, layers, batches, and the two kinds of store that the
+ * strategies share. */
 #ifndef SLV_GL_STORE_H
 #define SLV_GL_STORE_H
 
@@ -8,7 +9,8 @@
 
 #define SLV_GL_LEVELS (SLV_MAX_LOG2_RES + 1)
 
-/* How texels are laid out for a sampler: `nsource` channels from `first`, padded to `ncomponents`. */
+/* How texels are laid out for a sampler: `nsource` channels from `first`, padded to `ncomponents`.
+ */
 typedef struct slv_gl_format {
     slv_type type;
     uint32_t first, nsource, ncomponents;
@@ -19,9 +21,9 @@ typedef struct slv_gl_format {
 } slv_gl_format;
 
 typedef struct slv_gl_rect {
-    uint32_t x, y;           /* of the bordered level's first texel in the layer */
-    uint32_t bu, bv;         /* border */
-    uint32_t width, height;  /* inside, without border */
+    uint32_t x, y;          /* of the bordered level's first texel in the layer */
+    uint32_t bu, bv;        /* border */
+    uint32_t width, height; /* inside, without border */
 } slv_gl_rect;
 
 typedef struct slv_gl_pool {
@@ -29,22 +31,22 @@ typedef struct slv_gl_pool {
     slv_res res;
     bool wide;
     uint32_t nlayers, width, height, nlevels;
-    const uint32_t *faces; /* of each layer */
+    const uint32_t *faces;            /* of each layer */
     slv_gl_rect rects[SLV_GL_LEVELS]; /* bordered pools only */
 } slv_gl_pool;
 
-/* A store: every face in a layer of one pool. Bare: plain texels with OpenGL's own levels. Bordered: all levels side by side
- * in one layer, each with its border. */
+/* A store: every face in a layer of one pool. Bare: plain texels with OpenGL's own levels.
+ * Bordered: all levels side by side in one layer, each with its border. */
 typedef struct slv_gl_store {
     bool built, bordered;
     slv_gl_format format, wide_format;
     slv_gl_pool *pools;
     uint32_t npools, nwide;
-    uint32_t *order;         /* faces in the order of pools and layers */
+    uint32_t *order; /* faces in the order of pools and layers */
     uint32_t *pool_of, *layer_of;
-    GLuint table;            /* per face: pool | layer << 16, res */
-    GLuint rects;            /* bordered only */
-    uint64_t bytes;
+    GLuint table;                   /* per face: pool | layer << 16, res */
+    GLuint rects;                   /* bordered only */
+    uint64_t bytes, coverage_bytes; /* coverage apart, for not every strategy binds it */
 } slv_gl_store;
 
 typedef struct slv_gl_batch_range {
@@ -67,18 +69,19 @@ typedef struct slv_gl_source {
     slv_gl_texture_params params; /* defaults filled in */
 } slv_gl_source;
 
-/* Variants: the number of pools a shader can reach, 1 << (variant >> 1), and whether a link to two sub-faces occurs. */
+/* Variants: the number of pools a shader can reach, 1 << (variant >> 1), and whether a link to two
+ * sub-faces occurs. */
 static inline uint32_t slv_gl_variant_pools(uint32_t variant) {
     return 1u << (variant >> 1);
 }
 
 slv_gl_format slv_gl_format_for(slv_type type, uint32_t first, uint32_t nchannels, bool coverage);
 /* One row-major block of `count` texels, from all channels of the store's type to the format. */
-void slv_gl_convert(const slv_gl_format *format, const void *texels, uint32_t nchannels, size_t count,
-                    bool constant, void *out);
+void slv_gl_convert(const slv_gl_format *format, const void *texels, uint32_t nchannels,
+                    size_t count, bool constant, void *out);
 /* The same from floats of `nchannels`. */
-void slv_gl_convert_float(const slv_gl_format *format, const float *texels, uint32_t nchannels, size_t count,
-                          void *out);
+void slv_gl_convert_float(const slv_gl_format *format, const float *texels, uint32_t nchannels,
+                          size_t count, void *out);
 
 /* Lays one size class's levels out in a layer; fills rects, width and height. */
 void slv_gl_pack_levels(slv_res res, uint32_t border, slv_gl_pool *pool);
@@ -87,15 +90,20 @@ slv_result slv_gl_store_build(const slv_gl_source *source, bool bordered, slv_gl
 void slv_gl_store_free(const slv_gl *gl, slv_gl_store *store);
 
 /* One batch a pool. */
-slv_result slv_gl_batches_by_pool(const slv_gl_source *source, const slv_gl_store *store, slv_gl_batches *out);
-/* Batches whose pools hold the neighbours too, the link table that goes with them, and the corner values. */
+slv_result slv_gl_batches_by_pool(const slv_gl_source *source, const slv_gl_store *store,
+                                  slv_gl_batches *out);
+/* Batches whose pools hold the neighbours too, the link table that goes with them, and the corner
+ * values. */
 slv_result slv_gl_batches_with_neighbours(const slv_gl_source *source, const slv_gl_store *store,
                                           slv_gl_batches *out, GLuint *links, GLuint *corners,
                                           uint64_t *bytes);
 void slv_gl_batches_free(slv_gl_batches *batches);
 
-slv_result slv_gl_buffer(const slv_gl_source *source, const char *what, const void *data, uint64_t bytes,
-                         GLuint *out);
+slv_result slv_gl_buffer(const slv_gl *gl, const slv_env *env, const char *what, const void *data,
+                         uint64_t bytes, GLuint *out);
+/* A buffer that shaders read: refused above the driver's limit for storage blocks. */
+slv_result slv_gl_table(const slv_gl_source *source, const char *what, const void *data,
+                        uint64_t bytes, GLuint *out);
 
 struct slv_gl_texture {
     slv_gl *gl;

@@ -12,7 +12,7 @@
 struct job {
     const slv_surface *surface;
     const slv_adjacency *adjacency;
-    const slv_env *env;
+    slv_env env; /* logs one at a time */
     slv_tessellation *out;
     uint32_t most; /* segments of a whole quad */
 };
@@ -23,8 +23,9 @@ static slv_result evaluate(void *user, uint64_t begin, uint64_t end) {
     uint64_t points = (uint64_t)(job->most + 1) * (job->most + 1);
     float *positions = NULL, *normals = NULL;
     slv_result result;
-    if ((result = slv_alloc(job->env, "tessellation", points * 3, sizeof *positions, &positions)) ||
-        (result = slv_alloc(job->env, "tessellation", points * 3, sizeof *normals, &normals)))
+    if ((result =
+             slv_alloc(&job->env, "tessellation", points * 3, sizeof *positions, &positions)) ||
+        (result = slv_alloc(&job->env, "tessellation", points * 3, sizeof *normals, &normals)))
         goto done;
     for (uint64_t face = begin; face < end; face++) {
         uint32_t n = out->segments[face];
@@ -54,8 +55,8 @@ static slv_vertex *vertex_at(const slv_tessellation *t, uint32_t face, float u, 
     return t->vertices + t->first[face] + y * (n + 1) + x;
 }
 
-/* Takes the positions along one edge from the face that owns them: the whole quad beside sub-faces, else the lower id. Ends
- * are left to weld_corner. */
+/* Takes the positions along one edge from the face that owns them: the whole quad beside sub-faces,
+ * else the lower id. Ends are left to weld_corner. */
 static void weld_edge(const struct job *job, uint32_t face, unsigned edge) {
     static const float start[4][2] = {{0, 0}, {1, 0}, {1, 1}, {0, 1}};
     static const float along[4][2] = {{1, 0}, {0, 1}, {-1, 0}, {0, -1}};
@@ -64,15 +65,16 @@ static void weld_edge(const struct job *job, uint32_t face, unsigned edge) {
     uint32_t n = t->segments[face];
     if (slv_adjacency_neighbours(job->adjacency, (int32_t)face, edge, other) != 1)
         return;
-    bool owns = other->scale == 1 && (int32_t)face <= other->face;
+    bool owns = other->scale > 1 || (other->scale == 1 && (int32_t)face <= other->face);
     if (owns || !t->segments[other->face])
         return;
     for (uint32_t k = 1; k < n; k++) {
-        float f = (float)k / (float)n, u = start[edge][0] + f * along[edge][0], v = start[edge][1] + f * along[edge][1];
+        float f = (float)k / (float)n, u = start[edge][0] + f * along[edge][0],
+              v = start[edge][1] + f * along[edge][1];
         float ou, ov;
         slv_affine_apply(&other->map, u, v, &ou, &ov);
-        memcpy(vertex_at(t, face, u, v)->position, vertex_at(t, (uint32_t)other->face, ou, ov)->position,
-               3 * sizeof(float));
+        memcpy(vertex_at(t, face, u, v)->position,
+               vertex_at(t, (uint32_t)other->face, ou, ov)->position, 3 * sizeof(float));
     }
 }
 
@@ -86,8 +88,8 @@ static void weld_corner(const struct job *job, uint32_t face, unsigned corner) {
             slv_neighbour other[2];
             unsigned edge = (corner + 3 * side) % 4;
             float u, v;
-            if (slv_adjacency_neighbours(job->adjacency, (int32_t)face, edge, other) != 1 || other->scale >= 1 ||
-                !t->segments[other->face])
+            if (slv_adjacency_neighbours(job->adjacency, (int32_t)face, edge, other) != 1 ||
+                other->scale >= 1 || !t->segments[other->face])
                 continue;
             slv_affine_apply(&other->map, at[corner][0], at[corner][1], &u, &v);
             from = vertex_at(t, (uint32_t)other->face, u, v);
@@ -105,7 +107,8 @@ static void weld_corner(const struct job *job, uint32_t face, unsigned corner) {
         memcpy(to->position, from->position, sizeof to->position);
 }
 
-/* Every position is read where its owner evaluated it and written elsewhere, so faces can be welded in any order. */
+/* Every position is read where its owner evaluated it and written elsewhere, so faces can be welded
+ * in any order. */
 static slv_result weld(void *user, uint64_t begin, uint64_t end) {
     const struct job *job = user;
     for (uint64_t face = begin; face < end; face++) {
@@ -133,17 +136,23 @@ static void find_bounds(slv_tessellation *t) {
 }
 
 slv_result slv_tessellate(const slv_env *env, const slv_mesh *mesh, const slv_surface *surface,
-                          const slv_adjacency *adjacency, uint32_t segments, slv_tessellation *out) {
+                          const slv_adjacency *adjacency, uint32_t segments,
+                          slv_tessellation *out) {
     slv_tessellation made = {.nfaces = slv_mesh_face_count(mesh)};
     slv_result result = SLV_OK;
+    slv_parallel_log *log = NULL;
     uint64_t count = 0;
     memset(out, 0, sizeof *out);
     if (segments < 2 || segments > 128 || (segments & (segments - 1)))
-        return slv_fail(env, SLV_ERROR_ARGUMENT, "%u segments: a power of two from 2 to 128 is needed", segments);
-    if (slv_surface_face_count(surface) != made.nfaces || slv_adjacency_face_count(adjacency) != made.nfaces)
-        return slv_fail(env, SLV_ERROR_MISMATCH, "the mesh has %u faces, its surface %u, the adjacency %u",
-                        made.nfaces, slv_surface_face_count(surface), slv_adjacency_face_count(adjacency));
-    if ((result = slv_alloc(env, "tessellation", (uint64_t)made.nfaces + 1, sizeof *made.first, &made.first)) ||
+        return slv_fail(env, SLV_ERROR_ARGUMENT,
+                        "%u segments: a power of two from 2 to 128 is needed", segments);
+    if (slv_surface_face_count(surface) != made.nfaces ||
+        slv_adjacency_face_count(adjacency) != made.nfaces)
+        return slv_fail(env, SLV_ERROR_MISMATCH,
+                        "the mesh has %u faces, its surface %u, the adjacency %u", made.nfaces,
+                        slv_surface_face_count(surface), slv_adjacency_face_count(adjacency));
+    if ((result = slv_alloc(env, "tessellation", (uint64_t)made.nfaces + 1, sizeof *made.first,
+                            &made.first)) ||
         (result = slv_alloc(env, "tessellation", made.nfaces, 1, &made.segments)))
         goto done;
     for (uint32_t f = 0; f < made.nfaces; f++) {
@@ -153,20 +162,23 @@ slv_result slv_tessellate(const slv_env *env, const slv_mesh *mesh, const slv_su
         made.first[f] = (uint32_t)count;
         count += n ? (uint64_t)(n + 1) * (n + 1) : 0;
         if (count > INT32_MAX) {
-            result = slv_fail(env, SLV_ERROR_LIMIT, "%u faces with %u segments are too many vertices", made.nfaces,
-                              segments);
+            result =
+                slv_fail(env, SLV_ERROR_LIMIT, "%u faces with %u segments are too many vertices",
+                         made.nfaces, segments);
             goto done;
         }
     }
     made.first[made.nfaces] = (uint32_t)count;
     if ((result = slv_alloc(env, "vertices", count, sizeof *made.vertices, &made.vertices)))
         goto done;
-    struct job job = {surface, adjacency, env, &made, segments};
-    if ((result = slv_parallel_for(env, made.nfaces, 16, evaluate, &job)) ||
+    struct job job = {.surface = surface, .adjacency = adjacency, .out = &made, .most = segments};
+    if ((result = slv_parallel_env_begin(env, &log, &job.env)) ||
+        (result = slv_parallel_for(env, made.nfaces, 16, evaluate, &job)) ||
         (result = slv_parallel_for(env, made.nfaces, 256, weld, &job)))
         goto done;
     find_bounds(&made);
 done:
+    slv_parallel_env_end(log);
     if (result)
         slv_tessellation_free(&made);
     *out = made;
@@ -180,7 +192,8 @@ void slv_tessellation_free(slv_tessellation *tessellation) {
     memset(tessellation, 0, sizeof *tessellation);
 }
 
-uint32_t slv_tessellation_indices(const slv_tessellation *tessellation, uint32_t face, uint32_t *out) {
+uint32_t slv_tessellation_indices(const slv_tessellation *tessellation, uint32_t face,
+                                  uint32_t *out) {
     uint32_t n = tessellation->segments[face], row = n + 1, first = tessellation->first[face];
     if (!out)
         return n * n * 6;

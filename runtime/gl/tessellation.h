@@ -14,8 +14,8 @@ typedef struct slv_vertex {
 typedef struct slv_tessellation {
     uint32_t nfaces;
     slv_vertex *vertices;
-    uint32_t *first;    /* per face, and one past the last: its first vertex */
-    uint8_t *segments;  /* per face; 0 for holes, which have no vertices */
+    uint32_t *first;   /* per face, and one past the last: its first vertex */
+    uint8_t *segments; /* per face; 0 for holes, which have no vertices */
     float bounds_min[3], bounds_max[3];
 } slv_tessellation;
 
@@ -24,6 +24,7 @@ slv_result slv_tessellate(const slv_env *env, const slv_mesh *mesh, const slv_su
 void slv_tessellation_free(slv_tessellation *tessellation);
 
 /* Six indices for each cell of a face's grid; returns how many were written (NULL only counts). */
-uint32_t slv_tessellation_indices(const slv_tessellation *tessellation, uint32_t face, uint32_t *out);
+uint32_t slv_tessellation_indices(const slv_tessellation *tessellation, uint32_t face,
+                                  uint32_t *out);
 
 #endif

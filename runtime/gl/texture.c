@@ -6,7 +6,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-static const char *const strategy_names[SLV_STRATEGY_COUNT] = {"clamp", "borders", "traverse", "discard"};
+static const char *const strategy_names[SLV_STRATEGY_COUNT] = {"clamp", "borders", "traverse",
+                                                               "discard"};
 
 const char *slv_strategy_name(slv_strategy strategy) {
     return strategy < SLV_STRATEGY_COUNT ? strategy_names[strategy] : "unknown";
@@ -22,7 +23,8 @@ bool slv_strategy_from_name(const char *name, slv_strategy *out) {
     return false;
 }
 
-/* Software samplers take an anisotropic footprint from neighbouring fragments' coordinates and ignore explicit derivatives. */
+/* Software samplers take an anisotropic footprint from neighbouring fragments' coordinates and
+ * ignore explicit derivatives. */
 static bool taps_in_shader(const slv_gl_texture *texture) {
     return texture->params.anisotropy > 1 && texture->gl->info.software;
 }
@@ -35,7 +37,8 @@ static void make_samplers(slv_gl_texture *texture) {
     api->CreateSamplers(3, texture->samplers);
     for (int i = 0; i < 3; i++) {
         GLuint sampler = texture->samplers[i];
-        /* a bordered layer is never left, but with this mode software drivers filter 8-bit texels in float and not in 8 bits */
+        /* a bordered layer is never left, but with this mode software drivers filter 8-bit texels
+         * in float and not in 8 bits */
         GLint wrap = i == SAMPLER_CLAMPED ? GL_CLAMP_TO_EDGE : GL_CLAMP_TO_BORDER;
         api->SamplerParameteri(sampler, GL_TEXTURE_WRAP_S, wrap);
         api->SamplerParameteri(sampler, GL_TEXTURE_WRAP_T, wrap);
@@ -44,7 +47,8 @@ static void make_samplers(slv_gl_texture *texture) {
                                i == SAMPLER_BORDERED ? GL_LINEAR : GL_LINEAR_MIPMAP_LINEAR);
         api->SamplerParameterfv(sampler, GL_TEXTURE_BORDER_COLOR, zero);
         if (texture->params.anisotropy > 1 && !taps_in_shader(texture))
-            api->SamplerParameterf(sampler, GL_TEXTURE_MAX_ANISOTROPY, (float)texture->params.anisotropy);
+            api->SamplerParameterf(sampler, GL_TEXTURE_MAX_ANISOTROPY,
+                                   (float)texture->params.anisotropy);
     }
 }
 
@@ -61,8 +65,9 @@ static slv_result fill_params(slv_gl *gl, const slv_env *env, const slv_texture_
     }
     if (params.nchannels < 1 || params.nchannels > 4 || params.first_channel >= desc->nchannels ||
         params.nchannels > desc->nchannels - params.first_channel)
-        return slv_fail(env, SLV_ERROR_ARGUMENT, "channels %u to %u cannot be shown, the texture has %u",
-                        params.first_channel, params.first_channel + params.nchannels, desc->nchannels);
+        return slv_fail(
+            env, SLV_ERROR_ARGUMENT, "channels %u to %u cannot be shown, the texture has %u",
+            params.first_channel, params.first_channel + params.nchannels - 1, desc->nchannels);
     if (!params.anisotropy)
         params.anisotropy = 1;
     if (params.anisotropy > gl->info.max_anisotropy) {
@@ -72,6 +77,8 @@ static slv_result fill_params(slv_gl *gl, const slv_env *env, const slv_texture_
     }
     if (!params.border)
         params.border = params.anisotropy;
+    params.border = params.border < 256 ? params.border : 256;
+    params.strategies &= (1u << SLV_STRATEGY_COUNT) - 1;
     uint32_t units = gl->info.texture_units / (params.nchannels == 4 ? 2 : 1), fitting = 16;
     if (params.batch_pools && params.batch_pools < units)
         units = params.batch_pools;
@@ -97,26 +104,28 @@ static bool wants(const slv_gl_texture *texture, slv_strategy strategy) {
 }
 
 slv_result slv_gl_texture_create(slv_gl *gl, const slv_env *env, const slv_texture *texture,
-                                 const slv_adjacency *adjacency, const slv_gl_texture_params *params,
-                                 slv_gl_texture **out) {
+                                 const slv_adjacency *adjacency,
+                                 const slv_gl_texture_params *params, slv_gl_texture **out) {
     const slv_texture_desc *desc = slv_texture_get_desc(texture);
     slv_gl_texture *made = NULL;
     slv_levels *levels = NULL;
     slv_result result = SLV_OK;
     *out = NULL;
     if (slv_adjacency_face_count(adjacency) != desc->nfaces)
-        return slv_fail(env, SLV_ERROR_MISMATCH, "the texture has %u faces, the adjacency %u", desc->nfaces,
-                        slv_adjacency_face_count(adjacency));
+        return slv_fail(env, SLV_ERROR_MISMATCH, "the texture has %u faces, the adjacency %u",
+                        desc->nfaces, slv_adjacency_face_count(adjacency));
     if ((result = slv_alloc(env, "GL texture", 1, sizeof *made, &made)))
         return result;
     made->gl = gl;
     made->serial = ++gl->serial;
     made->nfaces = desc->nfaces;
     if ((result = fill_params(gl, env, desc, params, &made->params)) ||
-        (result = slv_gl_shader_text(env, "selvage_sample.glsl", &made->sample_text, &made->sample_owned)) ||
+        (result = slv_gl_shader_text(env, "selvage_sample.glsl", &made->sample_text,
+                                     &made->sample_owned)) ||
         (result = slv_alloc(env, "face table", desc->nfaces, sizeof *made->res, &made->res)) ||
         (result = slv_levels_create(env, texture, &levels)))
         goto done;
+    slv_gl_set_state(gl);
     memcpy(made->res, desc->res, desc->nfaces * sizeof *made->res);
     made->texel_bytes = texel_bytes(desc, made->params.nchannels);
     slv_gl_source source = {
@@ -169,6 +178,11 @@ void slv_gl_texture_destroy(slv_gl_texture *texture) {
     free(texture);
 }
 
+static bool split_coverage(const slv_gl_texture *texture, slv_strategy strategy) {
+    return texture->params.nchannels == 4 &&
+           (strategy == SLV_STRATEGY_TRAVERSE || strategy == SLV_STRATEGY_DISCARD);
+}
+
 static const slv_gl_store *store_of(const slv_gl_texture *texture, slv_strategy strategy) {
     return strategy == SLV_STRATEGY_BORDERS ? &texture->bordered : &texture->bare;
 }
@@ -177,16 +191,20 @@ const slv_gl_batches *slv_gl_texture_batches(const slv_gl_texture *texture, slv_
     static const slv_gl_batches none;
     if ((unsigned)strategy >= SLV_STRATEGY_COUNT || !wants(texture, strategy))
         return &none;
-    return strategy == SLV_STRATEGY_TRAVERSE ? &texture->reach : &texture->own[strategy == SLV_STRATEGY_BORDERS];
+    return strategy == SLV_STRATEGY_TRAVERSE ? &texture->reach
+                                             : &texture->own[strategy == SLV_STRATEGY_BORDERS];
 }
 
-slv_gl_texture_stats slv_gl_texture_get_stats(const slv_gl_texture *texture, slv_strategy strategy) {
+slv_gl_texture_stats slv_gl_texture_get_stats(const slv_gl_texture *texture,
+                                              slv_strategy strategy) {
     const slv_gl_store *store = store_of(texture, strategy);
     slv_gl_texture_stats stats = {.texel_bytes = texture->texel_bytes,
                                   .gpu_bytes = store->bytes,
                                   .pools = store->npools,
                                   .batches = slv_gl_texture_batches(texture, strategy)->count,
                                   .widened = store->nwide};
+    if (split_coverage(texture, strategy))
+        stats.gpu_bytes += store->coverage_bytes;
     if (strategy == SLV_STRATEGY_TRAVERSE)
         stats.gpu_bytes += texture->reach_bytes;
     return stats;
@@ -200,7 +218,8 @@ uint32_t slv_gl_texture_batch_count(const slv_gl_texture *texture, slv_strategy 
     return slv_gl_texture_batches(texture, strategy)->count;
 }
 
-slv_gl_batch slv_gl_texture_batch(const slv_gl_texture *texture, slv_strategy strategy, uint32_t index) {
+slv_gl_batch slv_gl_texture_batch(const slv_gl_texture *texture, slv_strategy strategy,
+                                  uint32_t index) {
     const slv_gl_batches *batches = slv_gl_texture_batches(texture, strategy);
     slv_gl_batch batch = {0};
     if (index < batches->count) {
@@ -209,11 +228,6 @@ slv_gl_batch slv_gl_texture_batch(const slv_gl_texture *texture, slv_strategy st
         batch.variant = batches->ranges[index].variant;
     }
     return batch;
-}
-
-static bool split_coverage(const slv_gl_texture *texture, slv_strategy strategy) {
-    return texture->params.nchannels == 4 &&
-           (strategy == SLV_STRATEGY_TRAVERSE || strategy == SLV_STRATEGY_DISCARD);
 }
 
 const char *slv_gl_texture_glsl(slv_gl_texture *texture, slv_strategy strategy, uint32_t variant) {
@@ -225,13 +239,14 @@ const char *slv_gl_texture_glsl(slv_gl_texture *texture, slv_strategy strategy, 
         *text = malloc(size);
         if (!*text)
             return "";
-        snprintf(*text, size,
-                 "#define SLV_STRATEGY %d\n#define SLV_POOLS %u\n#define SLV_SUBFACES %u\n"
-                 "#define SLV_SPLIT_COVERAGE %d\n#define SLV_ANISOTROPY %u\n#define SLV_BORDER %u\n"
-                 "#define SLV_TAPS %d\n#define SLV_FIRST_UNIT %d\n#define SLV_FIRST_STORAGE %d\n%s\n",
-                 (int)strategy, slv_gl_variant_pools(variant), variant & 1, split_coverage(texture, strategy),
-                 texture->params.anisotropy, texture->params.border, taps_in_shader(texture), SLV_GL_FIRST_UNIT, SLV_GL_FIRST_STORAGE,
-                 texture->sample_text);
+        snprintf(
+            *text, size,
+            "#define SLV_STRATEGY %d\n#define SLV_POOLS %u\n#define SLV_SUBFACES %u\n"
+            "#define SLV_SPLIT_COVERAGE %d\n#define SLV_ANISOTROPY %u\n#define SLV_BORDER %u\n"
+            "#define SLV_TAPS %d\n#define SLV_FIRST_UNIT %d\n#define SLV_FIRST_STORAGE %d\n%s\n",
+            (int)strategy, slv_gl_variant_pools(variant), variant & 1,
+            split_coverage(texture, strategy), texture->params.anisotropy, texture->params.border,
+            taps_in_shader(texture), SLV_GL_FIRST_UNIT, SLV_GL_FIRST_STORAGE, texture->sample_text);
     }
     return *text;
 }

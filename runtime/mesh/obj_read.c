@@ -461,6 +461,8 @@ slv_result slv_mesh_parse_obj(const slv_env *env, const char *name, const char *
     obj o = {.env = env, .name = name ? name : "mesh", .scan = {text, text + size, 1}};
     slv_result result = SLV_OK;
     *out = NULL;
+    if (size >= 3 && memcmp(text, "\xef\xbb\xbf", 3) == 0) /* a byte order mark */
+        o.scan.next += 3;
     while (!result && o.scan.next < o.scan.end) {
         if (!(result = read_statement(&o)))
             slv_scan_next_line(&o.scan);

@@ -38,7 +38,7 @@ bool slv_scan_more(slv_scan *scan) {
         } else if (is_blank(*scan->next)) {
             scan->next++;
         } else {
-            return !is_line_end(*scan->next);
+            return !is_line_end(*scan->next) && *scan->next != '#';
         }
     }
     return false;

@@ -35,7 +35,7 @@ namespace {
 
 constexpr uint32_t kChunk = 256; /* polygons prepared and stored together */
 constexpr uint32_t kMostAround =
-    1024; /* beyond, the time and memory that Bfr takes grow with the square */
+    512; /* beyond, the time and memory that Bfr takes grow with the square */
 constexpr int kSmoothLevel = 3, kSharpLevel = 8;
 
 using BfrSurface = Bfr::Surface<float>;
@@ -190,6 +190,11 @@ float clamp_unit(float x) {
     return x > 0 ? (x < 1 ? x : 1) : 0;
 }
 
+/* A polygon's centre, and how far it reaches along any axis. */
+struct Middle {
+    float centre[3] = {0, 0, 0}, extent = 0;
+};
+
 } // namespace
 
 struct slv_surface {
@@ -200,7 +205,8 @@ struct slv_surface {
     std::vector<int32_t> sizes, verts, poly_face;
     std::vector<uint32_t> first;
     std::vector<float> positions;
-    std::vector<Patch> patches; /* per polygon; none for the bilinear scheme */
+    std::vector<Middle> middles; /* of the polygons */
+    std::vector<Patch> patches;  /* per polygon; none for the bilinear scheme */
     std::vector<Chunk> chunks;
 };
 
@@ -538,6 +544,25 @@ slv_result build_patches(const slv_env *env, const slv_mesh *mesh, slv_surface *
     return SLV_OK;
 }
 
+/* Once for each polygon, and not for each of its sub-faces: polygons may have many sides. */
+void find_middles(slv_surface *s) {
+    s->middles.resize(s->sizes.size());
+    for (size_t p = 0; p < s->sizes.size(); p++) {
+        const int32_t *verts = &s->verts[s->first[p]];
+        double centre[3] = {0, 0, 0};
+        Middle &middle = s->middles[p];
+        for (int32_t k = 0; k < s->sizes[p]; k++)
+            for (size_t c = 0; c < 3; c++) {
+                float at = s->positions[3 * size_t(verts[k]) + c];
+                centre[c] += double(at);
+                middle.extent =
+                    std::max(middle.extent, std::fabs(at - s->positions[3 * size_t(verts[0]) + c]));
+            }
+        for (size_t c = 0; c < 3; c++)
+            middle.centre[c] = float(centre[c] / double(s->sizes[p]));
+    }
+}
+
 void copy_mesh(const slv_mesh *mesh, slv_surface *s) {
     const slv_mesh_view *view = slv_mesh_get_view(mesh);
     s->faces.assign(mesh->faces, mesh->faces + mesh->nfaces);
@@ -546,6 +571,7 @@ void copy_mesh(const slv_mesh *mesh, slv_surface *s) {
     s->verts.assign(view->poly_verts, view->poly_verts + s->first.back());
     s->poly_face.assign(mesh->poly_face, mesh->poly_face + view->npolys);
     s->positions.assign(view->positions, view->positions + 3 * size_t(view->nverts));
+    find_middles(s);
 }
 
 /* The corners of a face of the flat polygon, and how far the polygon reaches. */
@@ -553,13 +579,8 @@ void prepare_corners(const slv_surface &s, slv_mesh_face face, Prepared &out) {
     size_t size = size_t(s.sizes[size_t(face.poly)]);
     const int32_t *verts = &s.verts[s.first[size_t(face.poly)]];
     auto at = [&](size_t k) { return &s.positions[3 * size_t(verts[k])]; };
-    double centre[3] = {0, 0, 0};
-    out.extent = 0;
-    for (size_t k = 0; k < size; k++)
-        for (size_t c = 0; c < 3; c++) {
-            centre[c] += at(k)[c];
-            out.extent = std::max(out.extent, std::fabs(at(k)[c] - at(0)[c]));
-        }
+    const Middle &middle = s.middles[size_t(face.poly)];
+    out.extent = middle.extent;
     for (size_t c = 0; c < 3; c++) {
         if (face.sub < 0) {
             for (size_t k = 0; k < 4; k++)
@@ -569,7 +590,7 @@ void prepare_corners(const slv_surface &s, slv_mesh_face face, Prepared &out) {
         size_t k = size_t(face.sub);
         out.corners[0][c] = at(k)[c];
         out.corners[1][c] = 0.5f * (at(k)[c] + at((k + 1) % size)[c]);
-        out.corners[2][c] = float(centre[c] / double(size));
+        out.corners[2][c] = middle.centre[c];
         out.corners[3][c] = 0.5f * (at(k)[c] + at((k + size - 1) % size)[c]);
     }
 }

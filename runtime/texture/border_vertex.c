@@ -10,6 +10,8 @@
  * once around the vertex, they are the faces' densities. */
 typedef struct ring_levels {
     slv_ring ring;
+    uint32_t
+        stride; /* above 1 around the pole of very many faces: every stride-th stands for all */
     bool by_edges;
     int32_t meeting; /* offset - 2 level of the levels that meet */
     int32_t quad;    /* the face whose edge this vertex is the middle of, or SLV_BOUNDARY */
@@ -17,6 +19,8 @@ typedef struct ring_levels {
     bool quad_meets_first, quad_meets_last;
     int32_t quad_offset;
 } ring_levels;
+
+#define MOST_AROUND 256
 
 static slv_res res_of(const slv_border_view *view, int32_t face) {
     return view->levels->res[face];
@@ -87,6 +91,17 @@ static ring_levels ring_levels_at(const slv_border_view *view, uint32_t face, ui
                                   uint32_t corner, uint32_t *position) {
     ring_levels out = {.by_edges = true, .quad = SLV_BOUNDARY};
     out.ring = slv_adjacency_ring(view->adjacency, (int32_t)face, corner, position);
+    out.stride = (out.ring.count + MOST_AROUND - 1) / MOST_AROUND;
+    if (out.stride > 1) {
+        int32_t own = density(view, (int32_t)face) - 2 * (int32_t)level;
+        out.by_edges = false;
+        out.meeting = own;
+        for (uint32_t i = 0; i < out.ring.count; i += out.stride) {
+            int32_t offset = density(view, out.ring.corners[i].face);
+            out.meeting = offset < out.meeting ? offset : out.meeting;
+        }
+        return out;
+    }
     if (!out.ring.closed && slv_adjacency_is_t_corner(view->adjacency, (int32_t)face, corner))
         find_quad(view, &out);
     for (;;) {
@@ -166,14 +181,16 @@ static void bound(const slv_border_view *view, sum_bounds *bounds, const float *
     }
 }
 
-/* Sums the corner texels in the ring's own order, so that every face around finds the same bits. */
-static void ring_sum(const slv_border_view *view, const ring_levels *levels, double *sum,
-                     sum_bounds *bounds) {
+/* Sums the corner texels in the ring's own order, so that every face around finds the same bits;
+ * returns of how many. */
+static uint32_t ring_sum(const slv_border_view *view, const ring_levels *levels, double *sum,
+                         sum_bounds *bounds) {
     const slv_ring *ring = &levels->ring;
     float head[2][SLV_BORDER_CHANNELS], window[3][SLV_BORDER_CHANNELS];
     size_t size = sizeof window[0];
     int32_t offset = first_offset(view, levels);
-    for (uint32_t i = 0; i < ring->count; i++) {
+    uint32_t members = 0;
+    for (uint32_t i = 0; i < ring->count; i += levels->stride, members++) {
         slv_corner member = ring->corners[i];
         if (i)
             offset = next_offset(view, levels, i, offset);
@@ -185,15 +202,18 @@ static void ring_sum(const slv_border_view *view, const ring_levels *levels, dou
             sum[c] += window[2][c];
         if (i < 2)
             memcpy(head[i], window[2], size);
-        if (i >= 2)
+        if (i >= 2 && levels->stride == 1)
             bound(view, bounds, window[0], window[1], window[2]);
     }
+    if (levels->stride > 1)
+        return members;
     /* The first and the last member: neighbours of each other, or with a boundary on one side. */
     const float *first = head[0], *last = window[2];
     const float *second = ring->count > 1 ? head[1] : first;
     const float *before_last = ring->count > 1 ? window[1] : last;
     bound(view, bounds, ring->closed ? last : first, first, second);
     bound(view, bounds, before_last, last, ring->closed ? first : last);
+    return members;
 }
 
 /* The texel diagonally across a vertex of four faces whose levels meet texel to texel. */
@@ -235,7 +255,7 @@ bool slv_border_vertex_value(const slv_border_view *view, uint32_t face, uint32_
         bounds.low[c] = 0.0f;
         bounds.high[c] = 4.0f * view->one;
     }
-    ring_sum(view, &levels, sum, &bounds);
+    uint32_t members = ring_sum(view, &levels, sum, &bounds);
     if (levels.quad != SLV_BOUNDARY) {
         t_value(view, &levels, sum, out);
         return false;
@@ -243,11 +263,11 @@ bool slv_border_vertex_value(const slv_border_view *view, uint32_t face, uint32_
     slv_type type = view->levels->desc.type;
     bool whole = type == SLV_TYPE_U8 || type == SLV_TYPE_U16;
     for (uint32_t c = 0; c < view->count; c++) {
-        out[c] = (float)(sum[c] / levels.ring.count);
+        out[c] = (float)(sum[c] / members);
         if (!whole)
             continue;
         /* A whole 4M makes d a whole number of texel units. */
-        float quadruple = (float)floor(4.0 * sum[c] / levels.ring.count + 0.5);
+        float quadruple = (float)floor(4.0 * sum[c] / members + 0.5);
         if (bounds.low[c] <= bounds.high[c])
             quadruple = fminf(fmaxf(quadruple, bounds.low[c]), bounds.high[c]);
         out[c] = 0.25f * quadruple;

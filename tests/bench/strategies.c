@@ -1,5 +1,6 @@
-/* How long a frame takes with each strategy, as a ratio to clamp. Frames of all strategies are interleaved, so that whatever else
- * the machine does falls on all alike; medians are compared. Uses the demo scene that selvage-assets makes. */
+/* How long a frame takes with each strategy, as a ratio to clamp. Frames of all strategies are
+ * interleaved, so that whatever else the machine does falls on all alike; medians are compared.
+ * Uses the demo scene that selvage-assets makes. */
 #include <selvage/gl_renderer.h>
 #include <selvage/ptx.h>
 
@@ -59,7 +60,8 @@ static bool make_scene(const char *self, char folder[MAX_PATH]) {
             execl(program, program, folder, (char *)NULL);
         _exit(127);
     }
-    if (child > 0 && waitpid(child, &status, 0) == child && WIFEXITED(status) && WEXITSTATUS(status) == 0)
+    if (child > 0 && waitpid(child, &status, 0) == child && WIFEXITED(status) &&
+        WEXITSTATUS(status) == 0)
         return true;
     fprintf(stderr, "bench_strategies: %s could not make the demo scene\n", program);
     return false;
@@ -76,8 +78,8 @@ static void remove_scene(const char *folder) {
 
 static slv_frame frame_at(const scene *s, const options *o, float turn, uint32_t msaa) {
     slv_frame frame = {.width = o->width, .height = o->height, .msaa = msaa};
-    frame.camera = slv_camera_orbit(s->stats.bounds_min, s->stats.bounds_max, 30 + 360 * turn, 20, 35,
-                                    (float)o->width / (float)o->height);
+    frame.camera = slv_camera_orbit(s->stats.bounds_min, s->stats.bounds_max, 30 + 360 * turn, 20,
+                                    35, (float)o->width / (float)o->height);
     return frame;
 }
 
@@ -87,7 +89,8 @@ static slv_result load(const options *o, const char *folder, scene *s) {
     slv_result result;
     snprintf(obj, sizeof obj, "%s/scene.obj", folder);
     snprintf(texture, sizeof texture, "%s/scene.ptx", folder);
-    if ((result = slv_mesh_load_obj(&env, obj, &s->mesh)) || (result = slv_ptx_open(&env, texture, &ptx)) ||
+    if ((result = slv_mesh_load_obj(&env, obj, &s->mesh)) ||
+        (result = slv_ptx_open(&env, texture, &ptx)) ||
         (result = slv_ptx_match_mesh(&env, ptx, s->mesh)) ||
         (result = slv_ptx_load_texture(&env, ptx, &s->texture)) ||
         (result = slv_mesh_adjacency(&env, s->mesh, &s->adjacency)) ||
@@ -97,7 +100,7 @@ static slv_result load(const options *o, const char *folder, scene *s) {
         goto done;
     slv_frame first = frame_at(s, o, 0, 1);
     s->segments = slv_tessellation_for(s->mesh, &first.camera, o->width, o->height);
-    result = slv_gl_renderer_create(s->gl, &env, s->mesh, s->surface, s->adjacency, s->segments, &s->renderer);
+    result = slv_gl_renderer_create(s->gl, &env, s->mesh, s->surface, s->segments, &s->renderer);
 done:
     slv_ptx_close(ptx);
     return result;
@@ -142,9 +145,11 @@ static slv_result measure(const scene *s, const options *o, slv_gl_texture *text
 
 static void print_table(const scene *s, const options *o, const row *rows, uint32_t nrows) {
     const slv_gl_info *info = slv_gl_get_info(s->gl);
-    printf("%s (%s, %s)\n", info->renderer, info->version, info->software ? "wall time" : "GPU time");
-    printf("%u x %u, %u faces of %u x %u segments, %u frames of an orbit, strategies interleaved\n\n", o->width,
-           o->height, s->stats.nfaces, s->segments, s->segments, o->frames);
+    printf("%s (%s, %s)\n", info->renderer, info->version,
+           info->software ? "wall time" : "GPU time");
+    printf(
+        "%u x %u, %u faces of %u x %u segments, %u frames of an orbit, strategies interleaved\n\n",
+        o->width, o->height, s->stats.nfaces, s->segments, s->segments, o->frames);
     printf("%4s %5s", "MSAA", "aniso");
     for (int k = 0; k < SLV_STRATEGY_COUNT; k++)
         printf(" %11s ms", slv_strategy_name((slv_strategy)k));
@@ -167,16 +172,19 @@ static void print_json(const scene *s, const options *o, const row *rows, uint32
     for (const char *c = info->renderer; *c; c++)
         if (*c >= ' ' && *c != '"' && *c != '\\')
             putchar(*c);
-    printf("\",\n  \"software\": %s,\n  \"width\": %u, \"height\": %u, \"faces\": %u, \"segments\": %u, \"frames\": %u,\n"
+    printf("\",\n  \"software\": %s,\n  \"width\": %u, \"height\": %u, \"faces\": %u, "
+           "\"segments\": %u, \"frames\": %u,\n"
            "  \"rows\": [",
-           info->software ? "true" : "false", o->width, o->height, s->stats.nfaces, s->segments, o->frames);
+           info->software ? "true" : "false", o->width, o->height, s->stats.nfaces, s->segments,
+           o->frames);
     for (uint32_t i = 0; i < nrows; i++) {
-        printf("%s\n    {\"msaa\": %u, \"anisotropy\": %u, \"strategies\": {", i ? "," : "", rows[i].msaa,
-               rows[i].anisotropy);
+        printf("%s\n    {\"msaa\": %u, \"anisotropy\": %u, \"strategies\": {", i ? "," : "",
+               rows[i].msaa, rows[i].anisotropy);
         for (int k = 0; k < SLV_STRATEGY_COUNT; k++)
-            printf("%s\n      \"%s\": {\"median_ms\": %.4f, \"p10_ms\": %.4f, \"p90_ms\": %.4f, \"ratio\": %.4f}",
-                   k ? "," : "", slv_strategy_name((slv_strategy)k), rows[i].median[k], rows[i].low[k],
-                   rows[i].high[k], rows[i].median[k] / rows[i].median[0]);
+            printf("%s\n      \"%s\": {\"median_ms\": %.4f, \"p10_ms\": %.4f, \"p90_ms\": %.4f, "
+                   "\"ratio\": %.4f}",
+                   k ? "," : "", slv_strategy_name((slv_strategy)k), rows[i].median[k],
+                   rows[i].low[k], rows[i].high[k], rows[i].median[k] / rows[i].median[0]);
         printf("}}");
     }
     printf("\n  ]\n}\n");
@@ -190,7 +198,8 @@ static slv_result run(const options *o, const char *folder) {
     slv_result result = load(o, folder, &s);
     for (uint32_t a = 0; !result && a < 2; a++) {
         const slv_gl_info *info = slv_gl_get_info(s.gl);
-        uint32_t anisotropy = anisotropies[a] < info->max_anisotropy ? anisotropies[a] : info->max_anisotropy;
+        uint32_t anisotropy =
+            anisotropies[a] < info->max_anisotropy ? anisotropies[a] : info->max_anisotropy;
         slv_gl_texture_params params = {.anisotropy = anisotropy};
         slv_gl_texture *texture = NULL;
         result = slv_gl_texture_create(s.gl, &env, s.texture, s.adjacency, &params, &texture);
@@ -234,7 +243,8 @@ int main(int argc, char **argv) {
     bool good = parse(argc, argv, &o);
     if (!good) {
         fputs("usage: bench_strategies [FOLDER] [--frames N] [--json] [--smoke]\n"
-              "  FOLDER  where selvage-assets has written the demo scene; without it the scene is made for the while\n",
+              "  FOLDER  where selvage-assets has written the demo scene; without it the scene is "
+              "made for the while\n",
               stderr);
         return 2;
     }

@@ -23,7 +23,7 @@ static slv_image draw(slv_gl *gl, const kit *k, slv_strategy strategy, uint32_t 
     REQUIRE(result == SLV_OK);
     result = slv_gl_texture_create(gl, &env, k->texture, k->adjacency, &params, &texture);
     REQUIRE(result == SLV_OK);
-    result = slv_gl_renderer_create(gl, &env, k->mesh, surface, k->adjacency, 8, &renderer);
+    result = slv_gl_renderer_create(gl, &env, k->mesh, surface, 8, &renderer);
     REQUIRE(result == SLV_OK);
     result = slv_gl_renderer_draw(renderer, &env, texture, &frame, &image, NULL);
     REQUIRE(result == SLV_OK);

@@ -86,11 +86,9 @@ int main(void) {
 
     run_example("example_hello", (const char *const[]){ptx, NULL});
     CHECK_MSG(run.code == 0 && !run.err[0], "hello ended with %d: %s", run.code, run.err);
-    CHECK_MSG(strncmp(run.out, "15 faces of 3 x uint8; face 0 is 8 x 8\nits first value is ", 58) ==
-                  0,
-              "hello says: %s", run.out);
+    CHECK_MSG(strcmp(run.out, "15 faces, 3 channels of uint8\n") == 0, "hello says: %s", run.out);
     run_example("example_hello", (const char *const[]){missing, NULL});
-    CHECK(run.code == 1 && kit_lines(run.err) == 1 && strstr(run.err, "missing.ptx"));
+    CHECK(run.code == 1 && !run.out[0]);
 
     for (int s = 0; s < 4; s++) {
         kit_join(png, scratch.folder, strategies[s]);

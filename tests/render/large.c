@@ -158,7 +158,7 @@ int main(void) {
     step("baking");
     REQUIRE(slv_gl_create(&env, SLV_GL_AUTO, &gl) == SLV_OK);
     step("context");
-    REQUIRE(slv_gl_renderer_create(gl, &env, mesh, surface, adjacency, 2, &renderer) == SLV_OK);
+    REQUIRE(slv_gl_renderer_create(gl, &env, mesh, surface, 2, &renderer) == SLV_OK);
     step("tessellation");
     slv_frame frame = {.width = SIZE,
                        .height = SIZE,

@@ -1,5 +1,6 @@
-/* More faces than an array has layers, more arrays than a stage has units, every resolution from 1x1 up: the numbers that a
- * lookup returns must not depend on how faces are spread over arrays and batches. */
+/* More faces than an array has layers, more arrays than a stage has units, every resolution from
+ * 1x1 up: the numbers that a lookup returns must not depend on how faces are spread over arrays and
+ * batches. */
 #include "unit/border_kit.h"
 
 #include <selvage/gl_texture.h>
@@ -26,8 +27,8 @@ static void random_points(const kit *k, uint64_t *random) {
     }
 }
 
-static void look_up(const kit *k, const slv_gl_texture_params *params, slv_strategy strategy, float *out,
-                    uint32_t *batches) {
+static void look_up(const kit *k, const slv_gl_texture_params *params, slv_strategy strategy,
+                    float *out, uint32_t *batches) {
     slv_env env = test_env();
     slv_gl_texture *texture = NULL;
     slv_result result = slv_gl_texture_create(gl, &env, k->texture, k->adjacency, params, &texture);
@@ -58,8 +59,8 @@ static void check_spread(kit *k, slv_type type, uint32_t nchannels, uint64_t *ra
             CHECK(isfinite(whole[i]));
             largest = fmaxf(largest, fabsf(whole[i] - spread[i]));
         }
-        CHECK_MSG(largest <= 1e-6f, "%s %s: %g", slv_strategy_name((slv_strategy)strategy), slv_type_name(type),
-                  (double)largest);
+        CHECK_MSG(largest <= 1e-6f, "%s %s: %g", slv_strategy_name((slv_strategy)strategy),
+                  slv_type_name(type), (double)largest);
     }
 }
 
@@ -87,10 +88,12 @@ static void check_extremes(void) {
             look_up(&k, &params, (slv_strategy)strategy, values, &batches);
             float largest = 0;
             for (int i = 0; i < 4 * NPOINTS; i++)
-                largest = fmaxf(largest, fabsf(values[i] - (i % 4 == 3 ? 1 : (float)colors[0][i % 4] / 255)));
-            CHECK_MSG(largest < 1.5f / 255, "%s %dx%d beside %dx%d: a constant comes out wrong by %g",
-                      slv_strategy_name((slv_strategy)strategy), 1 << k.res[0].u, 1 << k.res[0].v, 1 << k.res[1].u,
-                      1 << k.res[1].v, (double)largest);
+                largest = fmaxf(
+                    largest, fabsf(values[i] - (i % 4 == 3 ? 1 : (float)colors[0][i % 4] / 255)));
+            CHECK_MSG(largest < 1.5f / 255,
+                      "%s %dx%d beside %dx%d: a constant comes out wrong by %g",
+                      slv_strategy_name((slv_strategy)strategy), 1 << k.res[0].u, 1 << k.res[0].v,
+                      1 << k.res[1].u, 1 << k.res[1].v, (double)largest);
         }
         kit_free(&k);
     }
@@ -99,7 +102,8 @@ static void check_extremes(void) {
     k.res[0] = (slv_res){15, 0};
     kit_begin_texture(&k, SLV_TYPE_U8, 1);
     slv_gl_texture *texture = NULL;
-    CHECK(slv_gl_texture_create(gl, &env, k.texture, k.adjacency, NULL, &texture) == SLV_ERROR_LIMIT);
+    CHECK(slv_gl_texture_create(gl, &env, k.texture, k.adjacency, NULL, &texture) ==
+          SLV_ERROR_LIMIT);
     CHECK(texture == NULL && strstr(test_last_log, "limit"));
     kit_free(&k);
 }
@@ -117,16 +121,17 @@ static void check_refusals(void) {
     REQUIRE(result == SLV_OK);
     float zero[2] = {0, 0}, value[4];
     int32_t outside = 9;
-    CHECK(slv_gl_texture_lookup(texture, &env, SLV_STRATEGY_CLAMP, 1, &outside, zero, zero, zero, value) ==
-          SLV_ERROR_ARGUMENT);
+    CHECK(slv_gl_texture_lookup(texture, &env, SLV_STRATEGY_CLAMP, 1, &outside, zero, zero, zero,
+                                value) == SLV_ERROR_ARGUMENT);
     CHECK(strstr(test_last_log, "face 9"));
     outside = 0;
-    CHECK(slv_gl_texture_lookup(texture, &env, SLV_STRATEGY_BORDERS, 1, &outside, zero, zero, zero, value) ==
-          SLV_ERROR_ARGUMENT);
+    CHECK(slv_gl_texture_lookup(texture, &env, SLV_STRATEGY_BORDERS, 1, &outside, zero, zero, zero,
+                                value) == SLV_ERROR_ARGUMENT);
     CHECK(strstr(test_last_log, "borders"));
     slv_gl_texture_destroy(texture);
     params = (slv_gl_texture_params){.first_channel = 3};
-    CHECK(slv_gl_texture_create(gl, &env, k.texture, k.adjacency, &params, &texture) == SLV_ERROR_ARGUMENT);
+    CHECK(slv_gl_texture_create(gl, &env, k.texture, k.adjacency, &params, &texture) ==
+          SLV_ERROR_ARGUMENT);
     kit_free(&k);
 }
 

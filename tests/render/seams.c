@@ -1,5 +1,6 @@
-/* Seam jumps of lookups on the GPU: vertices of every valence, sub-faces, open meshes, all types and channel counts, textures
- * of pure noise, where nothing but exact agreement of the two faces hides an edge. */
+/* Seam jumps of lookups on the GPU: vertices of every valence, sub-faces, open meshes, all types
+ * and channel counts, textures of pure noise, where nothing but exact agreement of the two faces
+ * hides an edge. */
 #include "unit/border_kit.h"
 
 #include <selvage/gl_texture.h>
@@ -10,16 +11,19 @@ static slv_gl_texture *upload(const kit *k, uint32_t anisotropy) {
     slv_env env = test_env();
     slv_gl_texture_params params = {.anisotropy = anisotropy};
     slv_gl_texture *texture = NULL;
-    slv_result result = slv_gl_texture_create(gl, &env, k->texture, k->adjacency, &params, &texture);
+    slv_result result =
+        slv_gl_texture_create(gl, &env, k->texture, k->adjacency, &params, &texture);
     REQUIRE(result == SLV_OK);
     return texture;
 }
 
-static slv_gl_seam jump(slv_gl_texture *texture, const kit *k, slv_strategy strategy, uint32_t level) {
+static slv_gl_seam jump(slv_gl_texture *texture, const kit *k, slv_strategy strategy,
+                        uint32_t level) {
     slv_env env = test_env();
     slv_gl_seam_params params = {.samples = 33, .level = level};
     slv_gl_seam seam;
-    slv_result result = slv_gl_texture_seam_jump(texture, &env, strategy, k->adjacency, &params, &seam);
+    slv_result result =
+        slv_gl_texture_seam_jump(texture, &env, strategy, k->adjacency, &params, &seam);
     REQUIRE(result == SLV_OK);
     return seam;
 }
@@ -41,15 +45,18 @@ static void check_equal(const kit *k, const char *name, uint32_t anisotropy) {
         slv_gl_seam traverse = jump(texture, k, SLV_STRATEGY_TRAVERSE, level);
         CHECK(clamp.nedges > 0 && clamp.nequal == clamp.nedges);
         if (level == 0)
-            CHECK_MSG(clamp.max > 0.2f, "%s: clamp jumps by only %g: the measure does not see seams", name,
+            CHECK_MSG(clamp.max > 0.2f,
+                      "%s: clamp jumps by only %g: the measure does not see seams", name,
                       (double)clamp.max);
-        CHECK_MSG(borders.max <= 1.0f / 255, "%s %s level %u aniso %u: borders jump by %g at face %d edge %d t %g",
-                  name, slv_type_name(k->type), level, anisotropy, (double)borders.max, borders.face, borders.edge,
-                  (double)borders.t);
-        CHECK_MSG(traverse.max <= 1.0f / 255,
-                  "%s %s %u channels level %u aniso %u: traverse jumps by %g at face %d edge %d t %g", name,
-                  slv_type_name(k->type), k->nchannels, level, anisotropy, (double)traverse.max, traverse.face,
-                  traverse.edge, (double)traverse.t);
+        CHECK_MSG(borders.max <= 1.0f / 255,
+                  "%s %s level %u aniso %u: borders jump by %g at face %d edge %d t %g", name,
+                  slv_type_name(k->type), level, anisotropy, (double)borders.max, borders.face,
+                  borders.edge, (double)borders.t);
+        CHECK_MSG(
+            traverse.max <= 1.0f / 255,
+            "%s %s %u channels level %u aniso %u: traverse jumps by %g at face %d edge %d t %g",
+            name, slv_type_name(k->type), k->nchannels, level, anisotropy, (double)traverse.max,
+            traverse.face, traverse.edge, (double)traverse.t);
     }
     slv_gl_texture_destroy(texture);
 }
@@ -72,25 +79,27 @@ static void check_mixed(kit *k, const char *name, uint64_t *random) {
     slv_gl_seam clamp = jump(texture, k, SLV_STRATEGY_CLAMP, 0);
     slv_gl_seam borders = jump(texture, k, SLV_STRATEGY_BORDERS, 0);
     slv_gl_seam traverse = jump(texture, k, SLV_STRATEGY_TRAVERSE, 0);
-    CHECK_MSG(borders.mean < clamp.mean / 8, "%s mixed: borders %g clamp %g", name, (double)borders.mean,
-              (double)clamp.mean);
-    CHECK_MSG(traverse.mean < clamp.mean / 8, "%s mixed: traverse %g clamp %g", name, (double)traverse.mean,
-              (double)clamp.mean);
+    CHECK_MSG(borders.mean < clamp.mean / 8, "%s mixed: borders %g clamp %g", name,
+              (double)borders.mean, (double)clamp.mean);
+    CHECK_MSG(traverse.mean < clamp.mean / 8, "%s mixed: traverse %g clamp %g", name,
+              (double)traverse.mean, (double)clamp.mean);
     CHECK(isfinite(borders.max) && isfinite(traverse.max));
-    /* Edges between texels of one size stay exact even where a vertex has faces of other sizes. Only
-     * beside two sub-faces of different sizes across one edge is agreement near and not exact. */
+    /* Edges between texels of one size stay exact even where a vertex has faces of other sizes.
+     * Only beside two sub-faces of different sizes across one edge is agreement near and not exact.
+     */
     bool subfaces = false;
     for (uint32_t f = 0; f < k->nfaces; f++)
         subfaces |= kit_sub(k, f);
-    CHECK_MSG(subfaces || borders.equal_max <= 1.0f / 255, "%s mixed: borders jump by %g between equals", name,
-              (double)borders.equal_max);
-    CHECK_MSG(subfaces || traverse.equal_max <= 1.0f / 255, "%s mixed: traverse jumps by %g between equals", name,
-              (double)traverse.equal_max);
+    CHECK_MSG(subfaces || borders.equal_max <= 1.0f / 255,
+              "%s mixed: borders jump by %g between equals", name, (double)borders.equal_max);
+    CHECK_MSG(subfaces || traverse.equal_max <= 1.0f / 255,
+              "%s mixed: traverse jumps by %g between equals", name, (double)traverse.equal_max);
     slv_gl_texture_destroy(texture);
 }
 
-/* Across a whole face, from one edge to the other and beyond into a neighbour of another resolution: no lookup may jump
- * anywhere, not on the edge and not inside. Steps are a sixteenth of the finest texel. */
+/* Across a whole face, from one edge to the other and beyond into a neighbour of another
+ * resolution: no lookup may jump anywhere, not on the edge and not inside. Steps are a sixteenth of
+ * the finest texel. */
 static void check_no_inner_line(uint64_t *random) {
     enum { STEPS = 1025 };
     static int32_t faces[STEPS];
@@ -100,7 +109,8 @@ static void check_no_inner_line(uint64_t *random) {
         kit k;
         kit_grid(&k, 3, 3, false, round % 2 ? 40 : 0, random, NULL);
         for (uint32_t f = 0; f < k.nfaces; f++)
-            k.res[f].u = k.res[f].v = (int8_t)(round % 3 ? 6 - 2 * (int)(f % 3) : (int)(test_random(random) % 7));
+            k.res[f].u = k.res[f].v =
+                (int8_t)(round % 3 ? 6 - 2 * (int)(f % 3) : (int)(test_random(random) % 7));
         kit_noise(&k, SLV_TYPE_FLOAT, 3, random);
         slv_gl_texture *texture = upload(&k, 1);
         for (uint32_t f = 0; f < k.nfaces; f++) {
@@ -112,8 +122,8 @@ static void check_no_inner_line(uint64_t *random) {
                 tiny[2 * i] = 1e-4f;
                 zero[2 * i + 1] = 1e-4f;
             }
-            slv_result result = slv_gl_texture_lookup(texture, &env, SLV_STRATEGY_TRAVERSE, STEPS, faces, uv, tiny,
-                                                      zero, values);
+            slv_result result = slv_gl_texture_lookup(texture, &env, SLV_STRATEGY_TRAVERSE, STEPS,
+                                                      faces, uv, tiny, zero, values);
             REQUIRE(result == SLV_OK);
             for (int i = 1; i < STEPS; i++)
                 for (int c = 0; c < 3; c++)

@@ -27,27 +27,35 @@ typedef struct slv_gl_info {
     uint32_t max_layers, max_texture_size, texture_units;
 } slv_gl_info;
 
-/* A context and its functions. Belongs to the thread on which it is current, with all objects made from it. */
+/* A context and its functions. Belongs to the thread on which it is current, with all objects made
+ * from it. */
 typedef struct slv_gl slv_gl;
 
 typedef void (*slv_gl_proc)(void);
 typedef slv_gl_proc (*slv_gl_get_proc)(void *user, const char *name);
 
-/* Makes a headless OpenGL 4.5 core context and makes it current on the calling thread. SLV_ERROR_GL says for each way
- * that was tried why it failed. */
+/* Makes a headless OpenGL 4.5 core context and makes it current on the calling thread, in place of
+ * what was. SLV_ERROR_GL says for each way that was tried why it failed. */
 SLV_API slv_result slv_gl_create(const slv_env *env, slv_gl_backend backend, slv_gl **out);
 
-/* Uses the context that is current now. `get_proc` is only called during this call (eglGetProcAddress, glfwGetProcAddress, ...).
- * Functions of this library that draw change GL state and say so; they leave no error behind. */
-SLV_API slv_result slv_gl_wrap(const slv_env *env, slv_gl_get_proc get_proc, void *user, slv_gl **out);
+/* Uses the context that is current now. `get_proc` is only called during this call
+ * (eglGetProcAddress, glfwGetProcAddress, ...). Functions of this library that upload, draw or look
+ * up set all GL state that they depend on, and do not restore it: pixel store and pixel buffer
+ * bindings, clip control, raster, depth, stencil and blend state; those that draw also the
+ * framebuffer (to 0 when done), viewport, program, vertex array, and what slv_gl_texture_bind
+ * binds. They leave no error behind. */
+SLV_API slv_result slv_gl_wrap(const slv_env *env, slv_gl_get_proc get_proc, void *user,
+                               slv_gl **out);
 
-/* Destroys the context, unless it is the host's. Objects made from it must be gone. */
+/* Destroys the context, unless it is the host's; it need not be current. Objects made from it must
+ * be gone. */
 SLV_API void slv_gl_destroy(slv_gl *gl);
 
 SLV_API const slv_gl_info *slv_gl_get_info(const slv_gl *gl);
 
-/* An OpenGL function by its full name ("glClear"), for drawing of one's own in a context that slv_gl_create made. NULL if the driver
- * has none of that name (some drivers return a pointer for every name), and in a wrapped context, whose application has a loader. */
+/* An OpenGL function by its full name ("glClear"), for drawing of one's own in a context that
+ * slv_gl_create made. NULL if the driver has none of that name (some drivers return a pointer for
+ * every name), and in a wrapped context, whose application has a loader. */
 SLV_API slv_gl_proc slv_gl_get_function(const slv_gl *gl, const char *name);
 
 #ifdef __cplusplus

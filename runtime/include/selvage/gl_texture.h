@@ -1,17 +1,20 @@
 /* Per-face textures on the GPU, and the strategies by which a lookup crosses a seam.
  *
- * Each face is a layer of an array texture of its size class (a pool); a class with more faces than one array holds has several. Draws go in batches: a batch is a set of faces whose
- * pools, and for `traverse` their neighbours' pools, fit the texture units that it binds. A host draws every batch with a
- * program whose fragment shader contains the text of slv_gl_texture_glsl:
+ * Each face is a layer of an array texture of its size class (a pool); a class with more faces than
+ * one array holds has several. Draws go in batches: a batch is a set of faces whose pools, and for
+ * `traverse` their neighbours' pools, fit the texture units that it binds. A host draws every batch
+ * with a program whose fragment shader contains the text of slv_gl_texture_glsl:
  *
  *     for (uint32_t i = 0; i < slv_gl_texture_batch_count(texture, strategy); i++) {
  *         slv_gl_batch batch = slv_gl_texture_batch(texture, strategy, i);
  *         glUseProgram(programs[batch.variant]);
  *         slv_gl_texture_bind(texture, strategy, i);
- *         draw the triangles of batch.faces, with the face id as a flat input and (u,v) in 0..1 as a smooth one
+ *         draw the triangles of batch.faces, with the face id as a flat input and (u,v) in 0..1 as
+ * a smooth one
  *     }
  *
- * and calls `vec4 slv_sample(int face, vec2 uv)` or `vec4 slv_sample_grad(int face, vec2 uv, vec2 dx, vec2 dy)`. */
+ * and calls `vec4 slv_sample(int face, vec2 uv)` or `vec4 slv_sample_grad(int face, vec2 uv, vec2
+ * dx, vec2 dy)`. */
 #ifndef SELVAGE_GL_TEXTURE_H
 #define SELVAGE_GL_TEXTURE_H
 
@@ -24,9 +27,12 @@ extern "C" {
 
 typedef enum slv_strategy {
     SLV_STRATEGY_CLAMP = 0, /* own face, clamped: shows every seam; the baseline */
-    SLV_STRATEGY_BORDERS,   /* every level stored with a border from the neighbours (Purnomo 2004; McDonald and Burley 2011) */
-    SLV_STRATEGY_TRAVERSE,  /* own face and the neighbours that the footprint reaches, colour over coverage (McDonald 2013) */
-    SLV_STRATEGY_DISCARD,   /* own face with a zero border, colour over coverage; multisampling blends (Toth 2013) */
+    SLV_STRATEGY_BORDERS,   /* every level stored with a border from the neighbours (Purnomo 2004;
+                               McDonald and Burley 2011) */
+    SLV_STRATEGY_TRAVERSE,  /* own face and the neighbours that the footprint reaches, colour over
+                               coverage (McDonald 2013) */
+    SLV_STRATEGY_DISCARD, /* own face with a zero border, colour over coverage; multisampling blends
+                             (Toth 2013) */
     SLV_STRATEGY_COUNT
 } slv_strategy;
 
@@ -39,17 +45,19 @@ typedef struct slv_gl_texture_params {
     uint32_t first_channel; /* of the texture, shown as red */
     uint32_t nchannels;     /* 1 (shown as grey) to 4; 0 means as many as there are, up to 4 */
     uint32_t anisotropy;    /* 1 to 16, cut to what the driver has; 0 means 1: trilinear */
-    uint32_t border;        /* texels of border per level, cut to the level's size; 0 means what the anisotropy needs */
-    uint32_t batch_pools;   /* most array textures that a batch binds, rounded down to a power of two; 0 means 16, or what the
-                               driver has units for; below 9 a face can have neighbours that do not fit */
-    uint32_t pool_layers;   /* most layers in one array; 0 means what the driver has */
+    uint32_t border;        /* texels of border per level, cut to the level's size; 0 means what the
+                               anisotropy needs */
+    uint32_t batch_pools; /* most array textures that a batch binds, rounded down to a power of two;
+                             0 means 16, or what the driver has units for; below 9 a face can have
+                             neighbours that do not fit */
+    uint32_t pool_layers; /* most layers in one array; 0 means what the driver has */
 } slv_gl_texture_params;
 
 /* Programs are needed for each variant that occurs; see slv_gl_batch. */
 #define SLV_GL_MAX_VARIANTS 10
 
-/* The first texture unit and shader storage binding that a bound texture uses: batch_pools units, twice as many for data of four
- * channels, and 4 bindings. */
+/* The first texture unit and shader storage binding that a bound texture uses: batch_pools units,
+ * twice as many for data of four channels, and 4 bindings. */
 #define SLV_GL_FIRST_UNIT 0
 #define SLV_GL_FIRST_STORAGE 4
 
@@ -61,9 +69,10 @@ typedef struct slv_gl_batch {
 
 typedef struct slv_gl_texture slv_gl_texture;
 
-/* Uploads. Types keep their range: 8 and 16 bit as normalised integers, half and float as such; a face whose border leaves
- * 0..1 goes to a pool of half (8 bit) or float (16 bit). Neither argument is needed afterwards. `adjacency` must have as many
- * faces as `texture`. Changes texture bindings. */
+/* Uploads. Types keep their range: 8 and 16 bit as normalised integers, half and float as such; a
+ * face whose border leaves 0..1 goes to a pool of half (8 bit) or float (16 bit). Neither argument
+ * is needed afterwards. `adjacency` must have as many faces as `texture`. Changes GL state as
+ * slv_gl_wrap says. */
 SLV_API slv_result slv_gl_texture_create(slv_gl *gl, const slv_env *env, const slv_texture *texture,
                                          const slv_adjacency *adjacency,
                                          const slv_gl_texture_params *params, slv_gl_texture **out);
@@ -75,46 +84,55 @@ typedef struct slv_gl_texture_stats {
     uint32_t pools, batches;
     uint32_t widened; /* faces whose borders needed a wider type */
 } slv_gl_texture_stats;
-SLV_API slv_gl_texture_stats slv_gl_texture_get_stats(const slv_gl_texture *texture, slv_strategy strategy);
+SLV_API slv_gl_texture_stats slv_gl_texture_get_stats(const slv_gl_texture *texture,
+                                                      slv_strategy strategy);
 
 SLV_API uint32_t slv_gl_texture_face_count(const slv_gl_texture *texture);
 SLV_API uint32_t slv_gl_texture_batch_count(const slv_gl_texture *texture, slv_strategy strategy);
-SLV_API slv_gl_batch slv_gl_texture_batch(const slv_gl_texture *texture, slv_strategy strategy, uint32_t index);
+SLV_API slv_gl_batch slv_gl_texture_batch(const slv_gl_texture *texture, slv_strategy strategy,
+                                          uint32_t index);
 
-/* The GLSL that a fragment shader includes, after `#version 450 core` and before its own code: the definitions of a variant
- * and shaders/selvage_sample.glsl. It depends on the strategy, the variant, and the texture's channels and anisotropy; only
- * `traverse` has variants other than 0. Owned by the texture; "" if an argument is out of range or memory is short. */
-SLV_API const char *slv_gl_texture_glsl(slv_gl_texture *texture, slv_strategy strategy, uint32_t variant);
+/* The GLSL that a fragment shader includes, after `#version 450 core` and before its own code: the
+ * definitions of a variant and shaders/selvage_sample.glsl. It depends on the strategy, the
+ * variant, and the texture's channels and anisotropy; only `traverse` has variants other than 0.
+ * Owned by the texture; "" if an argument is out of range or memory is short. */
+SLV_API const char *slv_gl_texture_glsl(slv_gl_texture *texture, slv_strategy strategy,
+                                        uint32_t variant);
 
-/* Binds what a batch needs: array textures and samplers from SLV_GL_FIRST_UNIT, tables from SLV_GL_FIRST_STORAGE. Changes nothing
- * else. A batch that does not exist binds nothing. */
+/* Binds what a batch needs: array textures and samplers from SLV_GL_FIRST_UNIT, tables from
+ * SLV_GL_FIRST_STORAGE. Changes nothing else. A batch that does not exist binds nothing. */
 SLV_API void slv_gl_texture_bind(slv_gl_texture *texture, slv_strategy strategy, uint32_t batch);
-/* Takes the samplers off again, which would otherwise override the host's own texture parameters. */
+/* Takes the samplers off again, which would otherwise override the host's own texture parameters.
+ */
 SLV_API void slv_gl_texture_unbind(slv_gl_texture *texture);
 
-/* Lookups on the GPU, exactly as a fragment shader makes them: point i is (faces[i], uv[2i..]) with the footprint
- * dx[2i..], dy[2i..]; `out` gets 4 floats each. Changes the framebuffer, viewport, program and vertex array bindings. */
-SLV_API slv_result slv_gl_texture_lookup(slv_gl_texture *texture, const slv_env *env, slv_strategy strategy,
-                                         uint32_t count, const int32_t *faces, const float *uv,
-                                         const float *dx, const float *dy, float *out);
+/* Lookups on the GPU, exactly as a fragment shader makes them: point i is (faces[i], uv[2i..]) with
+ * the footprint dx[2i..], dy[2i..]; `out` gets 4 floats each. Changes GL state as slv_gl_wrap says.
+ */
+SLV_API slv_result slv_gl_texture_lookup(slv_gl_texture *texture, const slv_env *env,
+                                         slv_strategy strategy, uint32_t count,
+                                         const int32_t *faces, const float *uv, const float *dx,
+                                         const float *dy, float *out);
 
-/* The seam jump: the largest difference of any channel between a lookup just left and one just right of a shared edge, alpha
- * included. Single lookups are compared: what multisampling blends afterwards (`discard`) is not in it. Zero means default. */
+/* The seam jump: the largest difference of any channel between a lookup just left and one just
+ * right of a shared edge, alpha included. Single lookups are compared: what multisampling blends
+ * afterwards (`discard`) is not in it. Zero means default. */
 typedef struct slv_gl_seam_params {
     uint32_t samples; /* along each edge, its ends included; default 17 */
-    uint32_t level;   /* footprint: 2^level texels of the coarser face; 0 is magnified, 1/64 of a texel */
+    uint32_t
+        level; /* footprint: 2^level texels of the coarser face; 0 is magnified, 1/64 of a texel */
 } slv_gl_seam_params;
 
 typedef struct slv_gl_seam {
-    float max, mean;         /* over all samples of all shared edges */
+    float max, mean;             /* over all samples of all shared edges */
     float equal_max, equal_mean; /* over those edges whose two faces have texels of one size */
-    int32_t face, edge;      /* where the largest jump is; -1 if there are no shared edges */
+    int32_t face, edge;          /* where the largest jump is; -1 if there are no shared edges */
     float t;
     uint32_t nedges, nequal;
 } slv_gl_seam;
 
-SLV_API slv_result slv_gl_texture_seam_jump(slv_gl_texture *texture, const slv_env *env, slv_strategy strategy,
-                                            const slv_adjacency *adjacency,
+SLV_API slv_result slv_gl_texture_seam_jump(slv_gl_texture *texture, const slv_env *env,
+                                            slv_strategy strategy, const slv_adjacency *adjacency,
                                             const slv_gl_seam_params *params, slv_gl_seam *out);
 
 #ifdef __cplusplus

@@ -8,16 +8,17 @@
 extern "C" {
 #endif
 
-/* Pixels in memory: float, row 0 at the top, channels interleaved. 1 channel is grey, 2 grey and alpha, 3 RGB, 4 RGBA with
- * colour multiplied by alpha. Values are linear unless said otherwise. */
+/* Pixels in memory: float, row 0 at the top, channels interleaved. 1 channel is grey, 2 grey and
+ * alpha, 3 RGB, 4 RGBA with colour multiplied by alpha. Values are linear unless said otherwise. */
 typedef struct slv_image {
     uint32_t width, height, nchannels;
     float *pixels; /* width * height * nchannels; slv_image_free releases it */
 } slv_image;
 
 typedef enum slv_image_encoding {
-    SLV_ENCODE_SRGB = 0, /* PNG: colour divided by alpha, then the sRGB curve. EXR: linear, multiplied by alpha */
-    SLV_ENCODE_RAW       /* PNG: each value as it stands, times 255 (or 65535). EXR: the same as above */
+    SLV_ENCODE_SRGB =
+        0, /* PNG: colour divided by alpha, then the sRGB curve. EXR: linear, multiplied by alpha */
+    SLV_ENCODE_RAW /* PNG: each value as it stands, times 255 (or 65535). EXR: the same as above */
 } slv_image_encoding;
 
 typedef struct slv_image_params {
@@ -25,8 +26,8 @@ typedef struct slv_image_params {
     uint32_t bits; /* PNG: 8 (default) or 16. EXR: 16 (half, default) or 32 (float) */
 } slv_image_params;
 
-SLV_API slv_result slv_image_create(const slv_env *env, uint32_t width, uint32_t height, uint32_t nchannels,
-                                    slv_image *out);
+SLV_API slv_result slv_image_create(const slv_env *env, uint32_t width, uint32_t height,
+                                    uint32_t nchannels, slv_image *out);
 SLV_API void slv_image_free(slv_image *image); /* frees the pixels and zeroes the struct */
 
 /* Writes by the path's extension, .png or .exr (any case). Atomic: beside, then rename. */
@@ -36,8 +37,9 @@ SLV_API slv_result slv_image_save(const slv_env *env, const char *path, const sl
 SLV_API slv_result slv_image_encode_png(const slv_env *env, const slv_image *image,
                                         const slv_image_params *params, void **bytes, size_t *size);
 
-/* Reads a PNG (values / 255 or / 65535 as they stand, alpha not multiplied in; palettes and low depths expanded) or an EXR
- * (the channels R G B A or Y A of the first part, scanline or tiled; others are SLV_ERROR_UNSUPPORTED). */
+/* Reads a PNG (values / 255 or / 65535 as they stand, alpha not multiplied in; palettes and low
+ * depths expanded) or an EXR (the channels R G B A or Y A of the first part, scanline or tiled;
+ * others are SLV_ERROR_UNSUPPORTED). */
 SLV_API slv_result slv_image_load(const slv_env *env, const char *path, slv_image *out);
 
 #ifdef __cplusplus

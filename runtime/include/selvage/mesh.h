@@ -8,8 +8,8 @@
 extern "C" {
 #endif
 
-/* How a subdivision surface meets its boundary (OpenSubdiv's VtxBoundaryInterpolation). The default is
- * edge-and-corner. */
+/* How a subdivision surface meets its boundary (OpenSubdiv's VtxBoundaryInterpolation). The default
+ * is edge-and-corner. */
 typedef enum slv_boundary {
     SLV_BOUNDARY_DEFAULT = 0,
     SLV_BOUNDARY_NONE,
@@ -17,7 +17,8 @@ typedef enum slv_boundary {
     SLV_BOUNDARY_EDGE_AND_CORNER
 } slv_boundary;
 
-/* A mesh as arrays that the caller owns. Only positions and polygons are required. Indices are zero-based. */
+/* A mesh as arrays that the caller owns. Only positions and polygons are required. Indices are
+ * zero-based. */
 typedef struct slv_mesh_view {
     uint32_t nverts;
     const float *positions; /* 3 * nverts */
@@ -26,8 +27,9 @@ typedef struct slv_mesh_view {
     const int32_t *poly_verts; /* sum of poly_sizes */
 
     uint32_t ntexcoords;
-    const float *texcoords;        /* 2 * ntexcoords */
-    const int32_t *poly_texcoords; /* like poly_verts, -1 where there is none; NULL if no polygon has any */
+    const float *texcoords; /* 2 * ntexcoords */
+    const int32_t
+        *poly_texcoords; /* like poly_verts, -1 where there is none; NULL if no polygon has any */
     uint32_t nnormals;
     const float *normals;        /* 3 * nnormals */
     const int32_t *poly_normals; /* like poly_texcoords */
@@ -58,25 +60,29 @@ typedef struct slv_mesh_face {
 
 typedef struct slv_mesh_stats {
     uint32_t npolys, nverts, nfaces, nsubfaces, nholes, ncreases;
-    uint32_t nedges, nboundary_edges, nnonmanifold_edges, nflipped_edges; /* flipped: both sides run the same way */
+    uint32_t nedges, nboundary_edges, nnonmanifold_edges,
+        nflipped_edges; /* flipped: both sides run the same way */
     uint32_t nisolated_verts;
-    uint32_t nvalence[33]; /* vertices by number of polygons around them; the last counts all from 32 up */
-    uint32_t nextraordinary; /* inner vertices of other than 4 polygons, boundary ones of more than 2 */
+    uint32_t nvalence[33]; /* vertices by number of polygons around them; the last counts all from
+                              32 up */
+    uint32_t
+        nextraordinary; /* inner vertices of other than 4 polygons, boundary ones of more than 2 */
     float bounds_min[3], bounds_max[3];
 } slv_mesh_stats;
 
-/* Checks and copies. A negative or too large index, a polygon of fewer than 3 vertices, or a position that is not
- * finite is SLV_ERROR_FORMAT, naming the polygon. */
+/* Checks and copies. A negative or too large index, a polygon of fewer than 3 vertices, or a
+ * position that is not finite is SLV_ERROR_FORMAT, naming the polygon. */
 SLV_API slv_result slv_mesh_create(const slv_env *env, const slv_mesh_view *view, slv_mesh **out);
 
-/* Reads a Wavefront OBJ file: v, vt, vn, f (any of the four index forms, negative indices, n-gons), g and o, and
- * OpenSubdiv's tag lines (t crease, corner, interpolateboundary, hole; other tags are reported once and skipped).
- * Errors name the file and the line. */
+/* Reads a Wavefront OBJ file: v, vt, vn, f (any of the four index forms, negative indices, n-gons),
+ * g and o, and OpenSubdiv's tag lines (t crease, corner, interpolateboundary, hole; other tags are
+ * reported once and skipped). Errors name the file and the line. */
 SLV_API slv_result slv_mesh_load_obj(const slv_env *env, const char *path, slv_mesh **out);
 /* The same from `size` bytes in memory; `name` is used in messages. */
-SLV_API slv_result slv_mesh_parse_obj(const slv_env *env, const char *name, const char *text, size_t size,
-                                      slv_mesh **out);
-/* Writes positions, polygons, creases, corners, holes and boundary rule. Atomic: beside, then rename. */
+SLV_API slv_result slv_mesh_parse_obj(const slv_env *env, const char *name, const char *text,
+                                      size_t size, slv_mesh **out);
+/* Writes positions, polygons, creases, corners, holes and boundary rule. Atomic: beside, then
+ * rename. */
 SLV_API slv_result slv_mesh_save_obj(const slv_env *env, const slv_mesh *mesh, const char *path);
 SLV_API void slv_mesh_destroy(slv_mesh *mesh);
 
@@ -89,13 +95,15 @@ SLV_API const slv_mesh_face *slv_mesh_faces(const slv_mesh *mesh);
 /* True if the face belongs to a hole: numbered and subdivided like any other, but not drawn. */
 SLV_API bool slv_mesh_face_is_hole(const slv_mesh *mesh, int32_t face);
 
-/* How the mesh's faces meet. Edges shared by more than two polygons, by two that run the same way along it, or
- * by a hole are boundaries. */
-SLV_API slv_result slv_mesh_adjacency(const slv_env *env, const slv_mesh *mesh, slv_adjacency **out);
+/* How the mesh's faces meet. Edges shared by more than two polygons, by two that run the same way
+ * along it, or by a hole are boundaries. */
+SLV_API slv_result slv_mesh_adjacency(const slv_env *env, const slv_mesh *mesh,
+                                      slv_adjacency **out);
 /* The flags of every face (SLV_FACE_SUBFACE or 0), face_count bytes. Owned by the mesh. */
 SLV_API const uint8_t *slv_mesh_face_flags(const slv_mesh *mesh);
 
-SLV_API slv_result slv_mesh_get_stats(const slv_env *env, const slv_mesh *mesh, slv_mesh_stats *out);
+SLV_API slv_result slv_mesh_get_stats(const slv_env *env, const slv_mesh *mesh,
+                                      slv_mesh_stats *out);
 
 #ifdef __cplusplus
 }

@@ -16,15 +16,16 @@
 extern "C" {
 #endif
 
-/* What a function that can fail returns. Success is zero, so `if (slv_x(...))` reads "if it failed". A function that makes an
- * object sets its last argument to NULL when it fails; other outputs then hold nothing to rely on. */
+/* What a function that can fail returns. Success is zero, so `if (slv_x(...))` reads "if it
+ * failed". A function that makes an object sets its last argument to NULL when it fails; other
+ * outputs then hold nothing to rely on. */
 typedef enum slv_result {
     SLV_OK = 0,
-    SLV_ERROR_ARGUMENT,    /* the caller passed something that the function's contract forbids */
-    SLV_ERROR_MEMORY,      /* an allocation failed */
-    SLV_ERROR_LIMIT,       /* the input asks for more than slv_env.max_bytes, or a format's own limit */
-    SLV_ERROR_IO,          /* the operating system refused: missing file, full disk, no permission */
-    SLV_ERROR_FORMAT,      /* the bytes are not what they claim to be */
+    SLV_ERROR_ARGUMENT, /* the caller passed something that the function's contract forbids */
+    SLV_ERROR_MEMORY,   /* an allocation failed */
+    SLV_ERROR_LIMIT,  /* the input asks for more than slv_env.max_bytes, or a format's own limit */
+    SLV_ERROR_IO,     /* the operating system refused: missing file, full disk, no permission */
+    SLV_ERROR_FORMAT, /* the bytes are not what they claim to be */
     SLV_ERROR_UNSUPPORTED, /* a valid input, but of a kind that this build cannot handle */
     SLV_ERROR_MISMATCH,    /* two inputs do not belong together (mesh and texture, say) */
     SLV_ERROR_GL,          /* no usable context, or the driver refused */
@@ -39,9 +40,9 @@ typedef enum slv_log_level { SLV_LOG_INFO, SLV_LOG_WARNING, SLV_LOG_ERROR } slv_
 /* The environment of a call: where words go, how many threads may work, how much may be allocated.
  * All zero is a sensible default; NULL stands for all zero. Objects keep a copy.
  *
- * `log` receives one line without a newline, naming the file, face and edge where there are such. It may
- * be called from worker threads, one at a time. A function that returns an error has logged exactly one
- * SLV_LOG_ERROR line that says why. */
+ * `log` receives one line without a newline, naming the file, face and edge where there are such.
+ * It may be called from worker threads, one at a time. A function that returns an error has logged
+ * exactly one SLV_LOG_ERROR line that says why. */
 typedef struct slv_env {
     void (*log)(void *user, slv_log_level level, const char *message);
     void *log_user;

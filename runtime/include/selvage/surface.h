@@ -10,19 +10,22 @@ extern "C" {
 
 typedef enum slv_scheme { SLV_SCHEME_CATMARK = 0, SLV_SCHEME_BILINEAR } slv_scheme;
 
-/* Zero means default: Catmull-Clark, and the boundary rule of the mesh or else edge-and-corner. The rule `none`, which
- * leaves faces at a boundary without a limit, is taken as edge-and-corner with a warning. */
+/* Zero means default: Catmull-Clark, and the boundary rule of the mesh or else edge-and-corner. The
+ * rule `none`, which leaves faces at a boundary without a limit, is taken as edge-and-corner with a
+ * warning. */
 typedef struct slv_surface_params {
     slv_scheme scheme;
     slv_boundary boundary;
 } slv_surface_params;
 
-/* An evaluator. Immutable; any number of threads may evaluate at once. Keeps what it needs of the mesh.
+/* An evaluator. Immutable; any number of threads may evaluate at once. Keeps what it needs of the
+ * mesh.
  *
- * Edges of more than two polygons, or of two that run the same way, are infinitely sharp, and so are vertices where
- * several fans of polygons meet. A polygon that has no limit (it names a vertex twice, has more than 1024 sides or as
- * many polygons around a corner, or has sharp tags beside two polygons that share several edges, which OpenSubdiv 3.5
- * does not survive) stays flat, bilinear between its vertices; their number goes into one warning. */
+ * Edges of more than two polygons, or of two that run the same way, are infinitely sharp, and so
+ * are vertices where several fans of polygons meet. A polygon that has no limit (it names a vertex
+ * twice, has more than 512 sides or as many polygons around a corner, or has sharp tags beside two
+ * polygons that share several edges, which OpenSubdiv 3.5 does not survive) stays flat, bilinear
+ * between its vertices; their number goes into one warning. */
 typedef struct slv_surface slv_surface;
 
 typedef struct slv_surface_point {
@@ -30,9 +33,10 @@ typedef struct slv_surface_point {
     float u, v;
 } slv_surface_point;
 
-/* Where results go; any pointer may be NULL. Positions and derivatives are in mesh units, derivatives per unit of
- * the face's own (u,v) (for sub-faces too), normals have unit length and point to the side from which the face is
- * counter-clockwise. Where the derivatives vanish, the normal is taken from nearby, never NaN. */
+/* Where results go; any pointer may be NULL. Positions and derivatives are in mesh units,
+ * derivatives per unit of the face's own (u,v) (for sub-faces too), normals have unit length and
+ * point to the side from which the face is counter-clockwise. Where the derivatives vanish, the
+ * normal is taken from nearby, never NaN. */
 typedef struct slv_surface_arrays {
     float *positions; /* 3 per point */
     float *du, *dv;   /* 3 per point */
@@ -47,14 +51,16 @@ SLV_API uint32_t slv_surface_face_count(const slv_surface *surface);
 /* Evaluates `count` points; those of one face should stand together. A face id out of range is
  * SLV_ERROR_ARGUMENT; (u,v) is clamped to the face. Holes evaluate like other faces. */
 SLV_API slv_result slv_surface_evaluate(const slv_surface *surface, size_t count,
-                                        const slv_surface_point *points, const slv_surface_arrays *out);
+                                        const slv_surface_point *points,
+                                        const slv_surface_arrays *out);
 
-/* Evaluates a grid of (nu + 1) * (nv + 1) points of one face, corners included, v-major, u fastest. */
+/* Evaluates a grid of (nu + 1) * (nv + 1) points of one face, corners included, v-major, u fastest.
+ */
 SLV_API slv_result slv_surface_evaluate_grid(const slv_surface *surface, int32_t face, uint32_t nu,
                                              uint32_t nv, const slv_surface_arrays *out);
 
-/* OpenSubdiv's own face adjacency (Far::PtexIndices), face_count records, for comparison with ours; it knows
- * neither flipped neighbours nor holes. */
+/* OpenSubdiv's own face adjacency (Far::PtexIndices), face_count records, for comparison with ours;
+ * it knows neither flipped neighbours nor holes. */
 SLV_API slv_result slv_surface_osd_adjacency(const slv_surface *surface, slv_face_adjacency *out);
 
 #ifdef __cplusplus

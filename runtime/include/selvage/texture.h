@@ -8,8 +8,14 @@
 extern "C" {
 #endif
 
-/* Texel types; the values are those of the .ptx file. Integers stand for 0..1, half and float for themselves. */
-typedef enum slv_type { SLV_TYPE_U8 = 0, SLV_TYPE_U16 = 1, SLV_TYPE_HALF = 2, SLV_TYPE_FLOAT = 3 } slv_type;
+/* Texel types; the values are those of the .ptx file. Integers stand for 0..1, half and float for
+ * themselves. */
+typedef enum slv_type {
+    SLV_TYPE_U8 = 0,
+    SLV_TYPE_U16 = 1,
+    SLV_TYPE_HALF = 2,
+    SLV_TYPE_FLOAT = 3
+} slv_type;
 
 /* log2 of width (u) and height (v). */
 typedef struct slv_res {
@@ -26,8 +32,8 @@ SLV_API slv_res slv_res_level(slv_res res, uint32_t level);
 /* 1 + the larger of the two: how many levels that chain has, the last being 1x1. */
 SLV_API uint32_t slv_res_level_count(slv_res res);
 
-/* Reads `count` values as floats, integers divided by their maximum; and back: integers are clamped to 0..1 and
- * rounded to nearest (NaN becomes 0), halves as slv_half_from_float. */
+/* Reads `count` values as floats, integers divided by their maximum; and back: integers are clamped
+ * to 0..1 and rounded to nearest (NaN becomes 0), halves as slv_half_from_float. */
 SLV_API void slv_type_to_float(slv_type type, const void *values, size_t count, float *out);
 SLV_API void slv_type_from_float(slv_type type, const float *values, size_t count, void *out);
 
@@ -35,18 +41,20 @@ typedef struct slv_texture_desc {
     uint32_t nfaces;
     slv_type type;
     uint32_t nchannels;    /* 1.. */
-    int32_t alpha_channel; /* SLV_NO_ALPHA, or the index of the channel that holds coverage of the paint */
+    int32_t alpha_channel; /* SLV_NO_ALPHA, or the index of the channel that holds coverage of the
+                              paint */
     const slv_res *res;    /* nfaces; copied */
 } slv_texture_desc;
 
 #define SLV_NO_ALPHA (-1)
 
-/* The store. One thread may change it while no other looks; after that any number may read. Texels are v-major rows,
- * u fastest, channels interleaved, native byte order; row 0 is v=0. */
+/* The store. One thread may change it while no other looks; after that any number may read. Texels
+ * are v-major rows, u fastest, channels interleaved, native byte order; row 0 is v=0. */
 typedef struct slv_texture slv_texture;
 
 /* All texels start as zero. A constant face costs one texel until it is written in full. */
-SLV_API slv_result slv_texture_create(const slv_env *env, const slv_texture_desc *desc, slv_texture **out);
+SLV_API slv_result slv_texture_create(const slv_env *env, const slv_texture_desc *desc,
+                                      slv_texture **out);
 SLV_API void slv_texture_destroy(slv_texture *texture);
 
 /* The description, `res` included. Owned by the texture. */
@@ -54,8 +62,9 @@ SLV_API const slv_texture_desc *slv_texture_get_desc(const slv_texture *texture)
 /* Bytes of all texels as if no face were constant. */
 SLV_API uint64_t slv_texture_bytes(const slv_texture *texture);
 
-/* Sets all texels of a face from a tightly packed array, or from one texel. The face becomes constant, keeping its
- * resolution, when every texel is bitwise the same. Different faces may be set from different threads at once. */
+/* Sets all texels of a face from a tightly packed array, or from one texel. The face becomes
+ * constant, keeping its resolution, when every texel is bitwise the same. Different faces may be
+ * set from different threads at once. */
 SLV_API slv_result slv_texture_set_face(slv_texture *texture, uint32_t face, const void *texels);
 SLV_API slv_result slv_texture_set_constant(slv_texture *texture, uint32_t face, const void *texel);
 
@@ -63,13 +72,16 @@ SLV_API bool slv_texture_is_constant(const slv_texture *texture, uint32_t face);
 /* A constant face: one texel. Any other: all of them. Owned by the texture. */
 SLV_API const void *slv_texture_texels(const slv_texture *texture, uint32_t face);
 /* One texel as `nchannels` floats, constant or not; (x,y) must lie inside. */
-SLV_API void slv_texture_fetch(const slv_texture *texture, uint32_t face, uint32_t x, uint32_t y, float *out);
+SLV_API void slv_texture_fetch(const slv_texture *texture, uint32_t face, uint32_t x, uint32_t y,
+                               float *out);
 
-/* Every level of every face, down to 1x1: a 2x2 mean (2x1 where an axis is at 1) of the level above, computed in float
- * and rounded once a level. A snapshot: it does not follow later changes of the texture. Immutable. */
+/* Every level of every face, down to 1x1: a 2x2 mean (2x1 where an axis is at 1) of the level
+ * above, computed in float and rounded once a level. A snapshot: it does not follow later changes
+ * of the texture. Immutable. */
 typedef struct slv_levels slv_levels;
 
-SLV_API slv_result slv_levels_create(const slv_env *env, const slv_texture *texture, slv_levels **out);
+SLV_API slv_result slv_levels_create(const slv_env *env, const slv_texture *texture,
+                                     slv_levels **out);
 SLV_API void slv_levels_destroy(slv_levels *levels);
 /* The texels of a level, in the texture's type and tightly packed. Owned by the levels. */
 SLV_API const void *slv_levels_texels(const slv_levels *levels, uint32_t face, uint32_t level);
