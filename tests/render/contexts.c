@@ -40,6 +40,28 @@ static slv_gl_proc host_proc(void *user, const char *name) {
     return get_proc ? get_proc(name) : NULL;
 }
 
+/* What a host may have left behind; none of it may show. */
+static void dirty(void *library) {
+    typedef void (*set_fn)(unsigned, int);
+    typedef void (*one_fn)(unsigned);
+    typedef void (*two_fn)(unsigned, unsigned);
+    typedef void (*size_fn)(float);
+    typedef void (*mask_fn)(unsigned char, unsigned char, unsigned char, unsigned char);
+    ((set_fn)host_proc(library, "glPixelStorei"))(0x0CF2, 7);      /* unpack row length */
+    ((set_fn)host_proc(library, "glPixelStorei"))(0x0D02, 9);      /* pack row length */
+    ((set_fn)host_proc(library, "glPixelStorei"))(0x0CF4, 1);      /* unpack skip pixels */
+    ((two_fn)host_proc(library, "glClipControl"))(0x8CA2, 0x935F); /* upper left, zero to one */
+    ((two_fn)host_proc(library, "glPolygonMode"))(0x0408, 0x1B01); /* lines */
+    ((one_fn)host_proc(library, "glEnable"))(0x8C89);              /* rasteriser discard */
+    ((one_fn)host_proc(library, "glEnable"))(0x0BE2);              /* blend */
+    ((one_fn)host_proc(library, "glEnable"))(0x0C11);              /* scissor */
+    ((one_fn)host_proc(library, "glEnable"))(0x0B90);              /* stencil */
+    ((one_fn)host_proc(library, "glEnable"))(0x0B44);              /* culling */
+    ((one_fn)host_proc(library, "glDepthFunc"))(0x0204);           /* greater */
+    ((size_fn)host_proc(library, "glPointSize"))(4);
+    ((mask_fn)host_proc(library, "glColorMask"))(1, 0, 0, 1);
+}
+
 static float largest_difference(const slv_image *a, const slv_image *b, float *mean) {
     float largest = 0;
     double sum = 0;
@@ -50,6 +72,23 @@ static float largest_difference(const slv_image *a, const slv_image *b, float *m
     }
     *mean = (float)(sum / (double)count);
     return largest;
+}
+
+/* Destroying one context leaves another one usable. */
+static void check_two_contexts(const kit *k) {
+    slv_env env = test_env();
+    slv_gl *first = NULL, *second = NULL;
+    float mean = 0;
+    slv_result result = slv_gl_create(&env, SLV_GL_EGL, &first);
+    REQUIRE(result == SLV_OK);
+    result = slv_gl_create(&env, SLV_GL_EGL, &second);
+    REQUIRE(result == SLV_OK);
+    slv_gl_destroy(first);
+    slv_image image = draw(second, k, SLV_STRATEGY_TRAVERSE, 1);
+    largest_difference(&image, &image, &mean);
+    CHECK(mean > 0.05f);
+    slv_image_free(&image);
+    slv_gl_destroy(second);
 }
 
 static void make_cube(kit *k, uint64_t *random) {
@@ -86,6 +125,7 @@ int main(void) {
                     result = slv_gl_wrap(&env, host_proc, library, &host);
                     REQUIRE(result == SLV_OK);
                     CHECK(slv_gl_get_info(host)->backend == SLV_GL_HOST);
+                    dirty(library);
                 }
                 images[i] = draw(host ? host : gl, &k, (slv_strategy)strategy, msaa);
                 slv_gl_destroy(host);
@@ -98,6 +138,7 @@ int main(void) {
                 slv_image_free(&images[i]);
         }
     }
+    check_two_contexts(&k);
     kit_free(&k);
     return test_end();
 }

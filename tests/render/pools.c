@@ -108,6 +108,76 @@ static void check_extremes(void) {
     kit_free(&k);
 }
 
+/* A batch that may bind few arrays leaves neighbours out, and a whole quad may have lost one of the
+ * two sub-faces beside it: what comes out is a boundary there, and never another face's texels.
+ * Every face has its own value, so strangers would show. */
+static void check_missing_neighbours(uint64_t *random) {
+    for (int round = 0; round < 8; round++) {
+        kit k;
+        kit_pentagons(&k, random);
+        if (round >= 4) {
+            slv_env env = test_env();
+            slv_face_adjacency *records = malloc(k.nfaces * sizeof *records);
+            uint8_t *flags = malloc(k.nfaces);
+            slv_adjacency *cut = NULL;
+            REQUIRE(records && flags);
+            memcpy(records, slv_adjacency_faces(k.adjacency), k.nfaces * sizeof *records);
+            memcpy(flags, slv_mesh_face_flags(k.mesh), k.nfaces);
+            for (unsigned e = 0; e < 4;
+                 e++) /* a sub-face of the first pentagon loses all its neighbours */
+                records[round - 4].face[e] = SLV_BOUNDARY;
+            slv_result result = slv_adjacency_create(&env, k.nfaces, records, flags, &cut);
+            REQUIRE(result == SLV_OK);
+            slv_adjacency_destroy(k.adjacency);
+            k.adjacency = cut;
+            free(records);
+            free(flags);
+        }
+        kit_equal(&k, 3);
+        kit_begin_texture(&k, SLV_TYPE_FLOAT, 1);
+        for (uint32_t f = 0; f < k.nfaces; f++) {
+            float value = exp2f((float)f);
+            slv_result result = slv_texture_set_constant(k.texture, f, &value);
+            REQUIRE(result == SLV_OK);
+        }
+        for (uint32_t most = 1; most <= 8; most *= 2) {
+            static float values[4 * NPOINTS];
+            uint32_t batches;
+            slv_gl_texture_params params = {
+                .strategies = 1u << SLV_STRATEGY_TRAVERSE, .pool_layers = 1, .batch_pools = most};
+            random_points(&k, random);
+            for (int i = 0; i < NPOINTS;
+                 i++) /* magnified, on the middle of an edge: two or three faces take part */
+                dx[2 * i] = dy[2 * i + 1] = 1e-4f;
+            look_up(&k, &params, SLV_STRATEGY_TRAVERSE, values, &batches);
+            for (int i = 0; i < NPOINTS; i++) {
+                float least = exp2f((float)k.nfaces), greatest = 0;
+                for (uint32_t f = 0; f < k.nfaces; f++) {
+                    bool near = (int32_t)f == faces[i];
+                    for (unsigned corner = 0; corner < 4; corner++) {
+                        slv_ring ring = slv_adjacency_ring(k.adjacency, faces[i], corner, NULL);
+                        slv_neighbour across[2];
+                        uint32_t count =
+                            slv_adjacency_neighbours(k.adjacency, faces[i], corner, across);
+                        for (uint32_t n = 0; n < count; n++)
+                            near |= across[n].face == (int32_t)f;
+                        for (uint32_t n = 0; n < ring.count; n++)
+                            near |= ring.corners[n].face == (int32_t)f;
+                    }
+                    if (near) {
+                        least = fminf(least, exp2f((float)f));
+                        greatest = fmaxf(greatest, exp2f((float)f));
+                    }
+                }
+                CHECK_MSG(values[4 * i] > least * 0.999f && values[4 * i] < greatest * 1.001f,
+                          "%u pools: %g on face %d is none of its neighbours' (%g to %g)", most,
+                          (double)values[4 * i], faces[i], (double)least, (double)greatest);
+            }
+        }
+        kit_free(&k);
+    }
+}
+
 static void check_refusals(void) {
     slv_env env = test_env();
     uint64_t random = 1;
@@ -143,10 +213,10 @@ int main(void) {
     REQUIRE(result == SLV_OK);
     kit_grid(&k, 12, 12, false, 20, &random, NULL);
     kit_mixed(&k, 4, &random);
-    check_spread(&k, SLV_TYPE_U8, 3, &random);
     check_spread(&k, SLV_TYPE_HALF, 4, &random);
     kit_free(&k);
     check_extremes();
+    check_missing_neighbours(&random);
     check_refusals();
     slv_gl_destroy(gl);
     return test_end();
