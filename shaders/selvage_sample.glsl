@@ -173,8 +173,9 @@ vec4 slv_resolve(slv_tap tap) {
 
 #if SLV_STRATEGY == 0 || SLV_STRATEGY == 3
 
-// Discard clamps the centre into the face and leaves the derivatives: then at least a quarter of the filter is inside, and helper
-// pixels need no second lookup. Clamp's sampler repeats the face's own texels instead of adding nothing, so coverage is 1.
+// Discard clamps the centre into the face and leaves the derivatives: then at least a quarter of an isotropic filter is inside, of a
+// row of taps at least that of the one in the centre, and helper pixels need no second lookup. Clamp's sampler repeats the
+// face's own texels instead of adding nothing, so coverage is 1.
 vec4 slv_sample_grad(int face, vec2 uv, vec2 dx, vec2 dy) {
     slv_footprint f = slv_footprint_of(slv_face_size(face), dx, dy);
 #if SLV_STRATEGY == 0

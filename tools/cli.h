@@ -59,6 +59,10 @@ void cli_progress_end(cli_progress *progress);
 
 double cli_now(void); /* seconds */
 
+/* From now on an interrupt (Ctrl-C, a polite kill) only sets a flag, so that long work can end tidily; a second one kills. */
+void cli_catch_interrupts(void);
+bool cli_interrupted(void);
+
 /* The verbs: argv[0] is the verb. */
 int verb_render(int argc, char **argv);
 int verb_compare(int argc, char **argv);

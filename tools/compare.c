@@ -53,6 +53,14 @@ static bool parse_strategies(const char *list, report_data *report, char *bad, s
     return report->nstrategies > 0;
 }
 
+/* Whether to go on with a long loop. */
+static slv_result interruption(void) {
+    if (!cli_interrupted())
+        return SLV_OK;
+    cli_error("interrupted; nothing was written");
+    return SLV_ERROR_CANCELLED;
+}
+
 static slv_frame frame_at(const struct session *s, double turn, slv_strategy strategy) {
     const struct compare *o = s->options;
     slv_frame frame = {.width = s->report->width,
@@ -80,7 +88,7 @@ static slv_result time_frames(struct session *s) {
     }
     cli_progress progress =
         cli_progress_begin("timing frames", (uint64_t)n * (report->frames + 1), s->options->quiet);
-    for (uint32_t i = 0; !result && i <= report->frames; i++) {
+    for (uint32_t i = 0; !result && !(result = interruption()) && i <= report->frames; i++) {
         for (uint32_t k = 0; !result && k < n; k++) {
             uint32_t which = (k + i) % n;
             double seconds = 0;
@@ -118,7 +126,8 @@ static slv_result measure_seams(struct session *s) {
     for (uint32_t k = 0; !result && k < report->nstrategies; k++) {
         report_strategy *row = &report->strategies[k];
         row->stats = slv_gl_texture_get_stats(s->texture, row->strategy);
-        for (uint32_t level = 0; !result && level < REPORT_LEVELS; level++) {
+        for (uint32_t level = 0; !result && !(result = interruption()) && level < REPORT_LEVELS;
+             level++) {
             slv_gl_seam_params params = {.samples = s->options->quick ? 9 : 17, .level = level};
             result = slv_gl_texture_seam_jump(s->texture, &s->env, row->strategy,
                                               s->scene.adjacency, &params, &row->seams[level]);
@@ -361,6 +370,7 @@ static int compare(const struct compare *o, report_data *report) {
     double start = cli_now();
     if (output_folder_begin(o->out, beside, sizeof beside))
         return EXIT_FAILED; /* before minutes are spent */
+    cli_catch_interrupts();
     report->ptx = o->arguments[0];
     report->mesh = o->mesh;
     report->frames = o->frames_given ? o->frames : o->quick ? 8 : 60;
