@@ -67,5 +67,10 @@ bool cli_interrupted(void);
 int verb_render(int argc, char **argv);
 int verb_compare(int argc, char **argv);
 int verb_info(int argc, char **argv);
+int verb_check(int argc, char **argv);
+int verb_diff(int argc, char **argv);
+int verb_convert(int argc, char **argv);
+int verb_merge(int argc, char **argv);
+int verb_transfer(int argc, char **argv);
 
 #endif

@@ -63,18 +63,6 @@ json_t *info_adjacency_json(const slv_face_adjacency *adjacency, unsigned nedges
     return NULL;
 }
 
-int info_print_json(const char *path, json_t *root) {
-    int code = EXIT_OK;
-    if (!root)
-        return cli_error("%s: no memory to describe it", path);
-    if (json_dumpf(root, stdout, JSON_INDENT(2) | JSON_REAL_PRECISION(17)) == 0)
-        putchar('\n');
-    else if (!ferror(stdout))
-        code = cli_error("%s: no memory to print it", path);
-    json_decref(root);
-    return code;
-}
-
 static bool ends_with(const char *path, const char *extension) {
     size_t length = strlen(path), wanted = strlen(extension);
     return length > wanted && strcasecmp(path + length - wanted, extension) == 0;

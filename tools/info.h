@@ -23,7 +23,5 @@ void info_print_adjacency(const slv_face_adjacency *adjacency, unsigned nedges);
 json_t *info_adjacency_json(const slv_face_adjacency *adjacency, unsigned nedges, json_t *object);
 /* Appends to a list; NULL once anything has failed, as jansson's own packing has it. */
 json_t *info_append(json_t *list, json_t *item);
-/* Prints and releases; NULL means that there was no memory for it. Returns an exit code. */
-int info_print_json(const char *path, json_t *root);
 
 #endif

@@ -147,7 +147,7 @@ int info_mesh(const slv_env *env, const char *path, const info_options *options)
             json_decref(root);
             root = NULL;
         }
-        code = info_print_json(path, root);
+        code = output_print_json(path, root);
     } else {
         print_mesh(path, mesh, &stats);
         if (options->faces)

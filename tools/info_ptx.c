@@ -285,7 +285,7 @@ int info_ptx(const slv_env *env, const char *path, const info_options *options) 
     slv_ptx *ptx = NULL;
     int code = EXIT_FAILED;
     struct summary s = {.path = path};
-    if (slv_ptx_open(env, path, &ptx))
+    if (slv_ptx_open(env, path, &ptx) || slv_ptx_load_tables(ptx))
         goto done;
     s.ptx = ptx;
     s.info = slv_ptx_get_info(ptx);
@@ -293,7 +293,7 @@ int info_ptx(const slv_env *env, const char *path, const info_options *options) 
     if (summarise(env, &s))
         goto done;
     if (options->json) {
-        code = info_print_json(path, ptx_json(&s, options));
+        code = output_print_json(path, ptx_json(&s, options));
     } else {
         print_ptx(&s, options);
         code = EXIT_OK;

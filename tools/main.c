@@ -10,6 +10,11 @@ static const struct {
     {"render", "draw a .ptx on its subdivision surface into a PNG or EXR", verb_render},
     {"compare", "measure the seam strategies against each other and write a report", verb_compare},
     {"info", "say what a .ptx or a mesh holds", verb_info},
+    {"check", "say whether a .ptx is sound, naming face and edge of what is not", verb_check},
+    {"diff", "say which faces of two .ptx files differ, how much and where", verb_diff},
+    {"convert", "change type, channels or size of a .ptx; images in and out", verb_convert},
+    {"merge", "join several .ptx files into one", verb_merge},
+    {"transfer", "carry texels over to a changed model", verb_transfer},
 };
 
 static void print_help(FILE *stream) {

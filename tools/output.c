@@ -190,3 +190,15 @@ json_t *output_json_text(const char *text, size_t size) {
 json_t *output_json_number(double value) {
     return isfinite(value) ? json_real(value) : json_null();
 }
+
+int output_print_json(const char *path, json_t *root) {
+    int code = EXIT_OK;
+    if (!root)
+        return cli_error("%s: no memory to describe it", path);
+    if (json_dumpf(root, stdout, JSON_INDENT(2) | JSON_REAL_PRECISION(17)) == 0)
+        putchar('\n');
+    else if (!ferror(stdout))
+        code = cli_error("%s: no memory to print it", path);
+    json_decref(root);
+    return code;
+}

@@ -5,9 +5,34 @@
 
 enum { EDIT_FACE = 0, EDIT_META = 1 };
 
+/* Room for one more edit. */
+static slv_result reserve(slv_ptx *ptx) {
+    if (ptx->nedits < ptx->edit_capacity)
+        return SLV_OK;
+    uint64_t capacity = ptx->edit_capacity ? 2 * (uint64_t)ptx->edit_capacity : 16;
+    ptx_edit *edits = NULL;
+    uint8_t *values = NULL;
+    slv_result result = slv_alloc(&ptx->env, ptx->name, capacity, sizeof *edits, &edits);
+    if (!result)
+        result = slv_alloc(&ptx->env, ptx->name, capacity, ptx->pixel_size, &values);
+    if (result) {
+        free(edits);
+        return result;
+    }
+    if (ptx->nedits) {
+        memcpy(edits, ptx->edits, ptx->nedits * sizeof *edits);
+        memcpy(values, ptx->edit_values, ptx->nedits * ptx->pixel_size);
+    }
+    free(ptx->edits);
+    free(ptx->edit_values);
+    ptx->edits = edits;
+    ptx->edit_values = values;
+    ptx->edit_capacity = (uint32_t)capacity;
+    return SLV_OK;
+}
+
 static slv_result read_face_edit(slv_ptx *ptx, uint64_t position, uint32_t size, uint8_t *buffer) {
     uint64_t fixed = 4 + PTX_FACE_INFO_SIZE + 4 + (uint64_t)ptx->pixel_size;
-    slv_ptx_face face;
     if (size < fixed)
         return slv_fail(&ptx->env, SLV_ERROR_FORMAT,
                         "%s: the face edit at offset %llu has %u bytes, it needs %llu", ptx->name,
@@ -25,15 +50,36 @@ static slv_result read_face_edit(slv_ptx *ptx, uint64_t position, uint32_t size,
                         "%s: face %u: its edit at offset %llu holds %llu bytes of texels, not %u",
                         ptx->name, index, (unsigned long long)position,
                         (unsigned long long)(size - fixed), PTX_BLOCK_SIZE(header));
-    if ((result = ptx_parse_face(ptx, index, buffer + 4, &face)))
+    uint8_t *record = buffer + 4;
+    record[3] &= SLV_FACE_CONSTANT | SLV_FACE_NEIGHBOURS_CONSTANT | SLV_FACE_SUBFACE;
+    record[3] |= SLV_FACE_EDITED;
+    if ((result = ptx_check_record(ptx, index, record)) || (result = reserve(ptx)))
         return result;
-    face.flags |= SLV_FACE_EDITED;
-    ptx->faces[index] = face;
-    ptx->levels[0].headers[index] = header;
-    ptx->levels[0].positions[index] = position + fixed;
-    memcpy(ptx->constants + index * ptx->pixel_size, buffer + 8 + PTX_FACE_INFO_SIZE,
+    ptx_edit *edit = &ptx->edits[ptx->nedits];
+    *edit = (ptx_edit){
+        .face = index, .turn = ptx->nedits, .header = header, .position = position + fixed};
+    memcpy(edit->record, record, PTX_FACE_INFO_SIZE);
+    memcpy(ptx->edit_values + ptx->nedits++ * ptx->pixel_size, buffer + 8 + PTX_FACE_INFO_SIZE,
            ptx->pixel_size);
     return SLV_OK;
+}
+
+static int compare_edits(const void *a, const void *b) {
+    const ptx_edit *x = a, *y = b;
+    if (x->face != y->face)
+        return x->face < y->face ? -1 : 1;
+    return (x->turn > y->turn) - (x->turn < y->turn);
+}
+
+/* Sorts the edits by face and keeps the last of each. */
+static void finish_edits(slv_ptx *ptx) {
+    uint32_t kept = 0;
+    if (ptx->nedits)
+        qsort(ptx->edits, ptx->nedits, sizeof *ptx->edits, compare_edits);
+    for (uint32_t i = 0; i < ptx->nedits; i++)
+        if (i + 1 == ptx->nedits || ptx->edits[i + 1].face != ptx->edits[i].face)
+            ptx->edits[kept++] = ptx->edits[i];
+    ptx->nedits = kept;
 }
 
 static slv_result read_meta_edit(slv_ptx *ptx, struct libdeflate_decompressor *inflater,
@@ -62,6 +108,7 @@ slv_result ptx_read_edits(slv_ptx *ptx, struct libdeflate_decompressor *inflater
     uint8_t header[PTX_EDIT_HEADER_SIZE], *buffer = NULL;
     slv_result result =
         slv_alloc(&ptx->env, ptx->name, 8 + PTX_FACE_INFO_SIZE + ptx->pixel_size, 1, &buffer);
+    ptx->edit_end = position;
     while (!result && position < end) {
         /* files from before edits had a recorded size are scanned to their end, whatever is there
          */
@@ -87,7 +134,9 @@ slv_result ptx_read_edits(slv_ptx *ptx, struct libdeflate_decompressor *inflater
         else if (header[0] == EDIT_META)
             result = read_meta_edit(ptx, inflater, position, size);
         position += size;
+        ptx->edit_end = position;
     }
+    finish_edits(ptx);
     free(buffer);
     return result;
 }

@@ -65,9 +65,50 @@ static slv_result read_block(const slv_ptx *ptx, ptx_scratch *scratch, uint32_t 
             }                                                                                      \
     }
 
+/* The same with differences, for few channels: each is summed up by itself, from where the one
+ * before it ends, so that none waits for another. */
+#define DEFINE_SUM(NAME, T, N)                                                                     \
+    static void NAME(const T *in, size_t w, size_t h, T *out, size_t pitch) {                      \
+        T value[N] = {0};                                                                          \
+        for (size_t c = 0; c + 1 < N; c++) {                                                       \
+            T total = value[c];                                                                    \
+            for (size_t i = 0; i < w * h; i++)                                                     \
+                total = (T)(total + in[c * w * h + i]);                                            \
+            value[c + 1] = total;                                                                  \
+        }                                                                                          \
+        for (size_t y = 0; y < h; y++)                                                             \
+            for (size_t x = 0; x < w; x++)                                                         \
+                for (size_t c = 0; c < N; c++) {                                                   \
+                    value[c] = (T)(value[c] + in[c * w * h + y * w + x]);                          \
+                    out[y * pitch + x * N + c] = value[c];                                         \
+                }                                                                                  \
+    }
+
 DEFINE_INTERLEAVE(interleave_u8, uint8_t)
 DEFINE_INTERLEAVE(interleave_u16, uint16_t)
 DEFINE_INTERLEAVE(interleave_u32, uint32_t)
+DEFINE_SUM(sum_u8_3, uint8_t, 3)
+DEFINE_SUM(sum_u8_4, uint8_t, 4)
+DEFINE_SUM(sum_u16_3, uint16_t, 3)
+DEFINE_SUM(sum_u16_4, uint16_t, 4)
+
+static void sum_u8(const uint8_t *in, size_t n, size_t w, size_t h, uint8_t *out, size_t pitch) {
+    if (n == 3)
+        sum_u8_3(in, w, h, out, pitch);
+    else if (n == 4)
+        sum_u8_4(in, w, h, out, pitch);
+    else
+        interleave_u8(in, 0xff, n, w, h, out, pitch);
+}
+
+static void sum_u16(const uint16_t *in, size_t n, size_t w, size_t h, uint16_t *out, size_t pitch) {
+    if (n == 3)
+        sum_u16_3(in, w, h, out, pitch);
+    else if (n == 4)
+        sum_u16_4(in, w, h, out, pitch);
+    else
+        interleave_u16(in, 0xffff, n, w, h, out, pitch);
+}
 
 static slv_result corrupt(const slv_ptx *ptx, const ptx_scratch *scratch, uint32_t face,
                           const char *why) {
@@ -90,18 +131,22 @@ static slv_result unpack(const slv_ptx *ptx, ptx_scratch *scratch, uint32_t face
             return result;
         planes = scratch->planes.bytes;
     }
-    if (libdeflate_zlib_decompress(scratch->inflater, zipped, size, planes, (size_t)bytes, NULL) !=
-        LIBDEFLATE_SUCCESS)
+    if (!ptx_inflate_literals(zipped, size, planes, (size_t)bytes) &&
+        libdeflate_zlib_decompress(scratch->inflater, zipped, size, planes, (size_t)bytes, NULL) !=
+            LIBDEFLATE_SUCCESS)
         return corrupt(ptx, scratch, face, "its texels do not unpack to the size they should have");
     switch (ptx->info.type) {
     case SLV_TYPE_U8:
-        if (!in_place || differences)
-            interleave_u8(planes, differences ? 0xff : 0, n, w, h, out, pitch * n);
+        if (differences)
+            sum_u8(planes, n, w, h, out, pitch * n);
+        else if (!in_place)
+            interleave_u8(planes, 0, n, w, h, out, pitch * n);
         break;
     case SLV_TYPE_U16:
-        if (!in_place || differences)
-            interleave_u16((const uint16_t *)(const void *)planes, differences ? 0xffff : 0, n, w,
-                           h, out, pitch * n);
+        if (differences)
+            sum_u16((const uint16_t *)(const void *)planes, n, w, h, out, pitch * n);
+        else if (!in_place)
+            interleave_u16((const uint16_t *)(const void *)planes, 0, n, w, h, out, pitch * n);
         break;
     case SLV_TYPE_HALF:
         if (!in_place)
@@ -179,22 +224,32 @@ static slv_result decode_block(const slv_ptx *ptx, ptx_scratch *scratch, uint32_
     return SLV_OK;
 }
 
-bool ptx_face_is_plausible(const slv_ptx *ptx, uint32_t face) {
-    uint32_t header = ptx->levels[0].headers[face], encoding = PTX_BLOCK_ENCODING(header);
+/* Where the texels of a face at full resolution are. */
+static void find_texels(const slv_ptx *ptx, uint32_t face, const slv_ptx_face *f, uint32_t *header,
+                        uint64_t *position) {
+    const ptx_level *level = &ptx->tables->levels[0];
+    const ptx_edit *edit = f->flags & SLV_FACE_EDITED ? ptx_find_edit(ptx, face) : NULL;
+    *header = edit ? edit->header : level->headers[face];
+    *position = edit ? edit->position : ptx_block_position(level, face);
+}
+
+bool ptx_face_is_plausible(const slv_ptx *ptx, uint32_t face, const slv_ptx_face *f) {
+    uint64_t position;
+    uint32_t header;
+    find_texels(ptx, face, f, &header, &position);
+    uint32_t encoding = PTX_BLOCK_ENCODING(header);
     if (encoding == PTX_CONSTANT || encoding == PTX_TILED)
         return PTX_BLOCK_SIZE(header) != 0;
-    return ptx_zip_is_plausible(PTX_BLOCK_SIZE(header),
-                                ptx_texel_count(ptx->faces[face].res) * ptx->pixel_size);
+    return ptx_zip_is_plausible(PTX_BLOCK_SIZE(header), ptx_texel_count(f->res) * ptx->pixel_size);
 }
 
 /* The level that stores the face at `res`, or -1. */
-static int stored_level(const slv_ptx *ptx, uint32_t face, slv_res res) {
-    const slv_ptx_face *f = &ptx->faces[face];
+static int stored_level(const slv_ptx *ptx, uint32_t face, const slv_ptx_face *f, slv_res res) {
     int du = f->res.u - res.u, dv = f->res.v - res.v;
     if (du == 0 && dv == 0)
         return 0;
     if (du != dv || (uint32_t)du >= ptx->info.nlevels || (f->flags & SLV_FACE_EDITED) ||
-        ptx->ranks[face] >= ptx->levels[du].nfaces)
+        ptx->tables->ranks[face] >= ptx->tables->levels[du].nfaces)
         return -1;
     return du;
 }
@@ -211,26 +266,39 @@ static slv_res finer(const slv_ptx *ptx, const slv_ptx_face *face, slv_res res) 
     return res;
 }
 
-static slv_result read_reduced(const slv_ptx *ptx, ptx_scratch *scratch, uint32_t face, slv_res res,
-                               void *out) {
+static slv_result read_reduced(const slv_ptx *ptx, ptx_scratch *scratch, uint32_t face,
+                               const slv_ptx_face *f, slv_res res, void *out) {
     slv_res steps[2 * SLV_MAX_LOG2_RES + 1];
-    uint32_t nsteps = 0;
-    const slv_ptx_face *f = &ptx->faces[face];
+    uint32_t nsteps = 0, header;
+    uint64_t position;
     slv_res source = res;
+    bool reduced = res.u != f->res.u || res.v != f->res.v;
+    slv_result result = SLV_OK;
     int level;
-    while ((level = stored_level(ptx, face, source)) < 0) {
+    if (reduced && ptx->info.nlevels > 1 && (result = ptx_need(ptx, PTX_RANKS)))
+        return result;
+    while ((level = stored_level(ptx, face, f, source)) < 0) {
         steps[nsteps++] = source;
         source = finer(ptx, f, source);
     }
-    uint32_t index = level ? ptx->ranks[face] : face;
-    uint32_t header = ptx->levels[level].headers[index];
-    uint64_t position = ptx->levels[level].positions[index];
-    if (!nsteps)
-        return decode_block(ptx, scratch, face, header, position, res, out);
+    if ((result = ptx_need(ptx, PTX_LEVEL(level))))
+        return result;
+    if (level == 0)
+        find_texels(ptx, face, f, &header, &position);
+    else {
+        header = ptx->tables->levels[level].headers[ptx->tables->ranks[face]];
+        position = ptx_block_position(&ptx->tables->levels[level], ptx->tables->ranks[face]);
+    }
+    if (!nsteps) {
+        result = decode_block(ptx, scratch, face, header, position, res, out);
+        if (!result && ptx->premultiply && level == 0)
+            slv_ptx_premultiply(ptx->info.type, ptx->info.nchannels, ptx->info.alpha_channel, out,
+                                ptx_texel_count(res));
+        return result;
+    }
 
     uint64_t bytes = ptx_texel_count(source) * ptx->pixel_size;
-    slv_result result = SLV_OK;
-    if (level == 0 && !ptx_face_is_plausible(ptx, face))
+    if (level == 0 && !ptx_face_is_plausible(ptx, face, f))
         return corrupt(ptx, scratch, face, "its texels do not fit into so few bytes");
     if ((result = ptx_scratch_reserve(scratch, ptx, &scratch->work[0], bytes)) ||
         (result =
@@ -240,6 +308,9 @@ static slv_result read_reduced(const slv_ptx *ptx, ptx_scratch *scratch, uint32_
     if (triangle && (result = ptx_scratch_reserve(scratch, ptx, &scratch->work[1], bytes / 4)))
         return result;
     uint8_t *from = scratch->work[0].bytes, *other = scratch->work[1].bytes;
+    if (ptx->premultiply && level == 0)
+        slv_ptx_premultiply(ptx->info.type, ptx->info.nchannels, ptx->info.alpha_channel, from,
+                            ptx_texel_count(source));
     while (nsteps) {
         slv_res next = steps[--nsteps];
         uint8_t *to = nsteps ? triangle ? other : from : out;
@@ -261,15 +332,20 @@ slv_result ptx_read_face_with(const slv_ptx *ptx, ptx_scratch *scratch, uint32_t
     if (face >= ptx->info.nfaces)
         return slv_fail(scratch->env, SLV_ERROR_ARGUMENT, "%s: face %u: there are %u faces",
                         ptx->name, face, ptx->info.nfaces);
-    const slv_ptx_face *f = &ptx->faces[face];
+    slv_result result = ptx_need(ptx, PTX_FACES);
+    if (result)
+        return result;
+    slv_ptx_face f = ptx_face_at(ptx, face);
     bool triangle = ptx->info.mesh_type == SLV_PTX_TRIANGLE;
-    if (res.u < 0 || res.v < 0 || res.u > f->res.u || res.v > f->res.v ||
+    if (res.u < 0 || res.v < 0 || res.u > f.res.u || res.v > f.res.v ||
         (triangle && res.u != res.v))
         return slv_fail(scratch->env, SLV_ERROR_ARGUMENT,
                         "%s: face %u: has 2^%d x 2^%d texels, which do not reduce to 2^%d x 2^%d",
-                        ptx->name, face, f->res.u, f->res.v, res.u, res.v);
-    if ((f->flags & SLV_FACE_CONSTANT) || (res.u == 0 && res.v == 0)) {
-        ptx_fill(out, ptx->constants + face * ptx->pixel_size, ptx->pixel_size,
+                        ptx->name, face, f.res.u, f.res.v, res.u, res.v);
+    if ((f.flags & SLV_FACE_CONSTANT) || (res.u == 0 && res.v == 0)) {
+        if ((result = ptx_need(ptx, PTX_CONSTANTS)))
+            return result;
+        ptx_fill(out, ptx->tables->constants + face * ptx->pixel_size, ptx->pixel_size,
                  ptx_texel_count(res));
         return SLV_OK;
     }
@@ -279,7 +355,7 @@ slv_result ptx_read_face_with(const slv_ptx *ptx, ptx_scratch *scratch, uint32_t
             return slv_fail(scratch->env, SLV_ERROR_MEMORY, "%s: face %u: no memory to unpack it",
                             ptx->name, face);
     }
-    return read_reduced(ptx, scratch, face, res, out);
+    return read_reduced(ptx, scratch, face, &f, res, out);
 }
 
 slv_result slv_ptx_read_face(const slv_ptx *ptx, uint32_t face, slv_res res, void *out) {
@@ -287,4 +363,34 @@ slv_result slv_ptx_read_face(const slv_ptx *ptx, uint32_t face, slv_res res, voi
     slv_result result = ptx_read_face_with(ptx, &scratch, face, res, out);
     ptx_scratch_free(&scratch);
     return result;
+}
+
+struct slv_ptx_reader {
+    const slv_ptx *ptx;
+    slv_env env;
+    ptx_scratch scratch;
+};
+
+slv_result slv_ptx_reader_create(const slv_env *env, const slv_ptx *ptx, slv_ptx_reader **out) {
+    slv_ptx_reader *reader = NULL;
+    slv_result result = slv_alloc(env, ptx->name, 1, sizeof *reader, &reader);
+    *out = NULL;
+    if (result)
+        return result;
+    reader->ptx = ptx;
+    reader->env = slv_env_or_default(env);
+    reader->scratch.env = &reader->env;
+    *out = reader;
+    return SLV_OK;
+}
+
+void slv_ptx_reader_destroy(slv_ptx_reader *reader) {
+    if (!reader)
+        return;
+    ptx_scratch_free(&reader->scratch);
+    free(reader);
+}
+
+slv_result slv_ptx_reader_read(slv_ptx_reader *reader, uint32_t face, slv_res res, void *out) {
+    return ptx_read_face_with(reader->ptx, &reader->scratch, face, res, out);
 }

@@ -9,6 +9,7 @@
 
 #include <libdeflate.h>
 #include <pthread.h>
+#include <stdatomic.h>
 #include <string.h>
 
 #if __BYTE_ORDER__ != __ORDER_LITTLE_ENDIAN__
@@ -31,16 +32,51 @@ enum { PTX_CONSTANT = 0, PTX_ZIPPED = 1, PTX_DIFFZIPPED = 2, PTX_TILED = 3 };
 #define PTX_BLOCK_ENCODING(header) ((header) >> 30)
 #define PTX_MAX_BLOCK 0x3fffffffu
 
+/* Only every so many blocks of a level have their position kept: the others are a few additions
+ * away. */
+#define PTX_POSITION_STEP 32
+
 typedef struct ptx_level {
+    uint64_t position, size; /* the whole level in the file */
+    uint32_t zipped;         /* its table, at its start */
     uint32_t nfaces;
     uint32_t *headers;   /* face data headers; at level 0 by face, else by rank */
-    uint64_t *positions; /* of the blocks in the file */
+    uint64_t *positions; /* of every PTX_POSITION_STEP-th block */
 } ptx_level;
 
 typedef struct ptx_meta {
     slv_ptx_meta entry;
-    void *memory; /* the values, then the key */
+    void *memory;              /* a small value, then the key */
+    void *large;               /* a large value, once it has been read */
+    uint64_t position;         /* where it is in the file */
+    uint32_t zipped, unpacked; /* its sizes */
+    _Atomic(bool) loaded;
 } ptx_meta;
+
+/* A face edit: what it replaces. */
+typedef struct ptx_edit {
+    uint32_t face, turn, header;
+    uint64_t position; /* of the block */
+    uint8_t record[PTX_FACE_INFO_SIZE];
+} ptx_edit;
+
+/* What is read when it is first needed, as bits. */
+#define PTX_FACES UINT64_C(1)
+#define PTX_CONSTANTS UINT64_C(2)
+#define PTX_RANKS UINT64_C(4)
+#define PTX_LEVEL(level) (UINT64_C(8) << (level))
+
+/* Tables come into being under the lock, and are immutable once their bit is set. */
+typedef struct ptx_tables {
+    pthread_mutex_t lock;
+    _Atomic(uint64_t) ready;
+    uint64_t faces_position, constants_position;
+    uint32_t faces_zipped, constants_zipped;
+    uint8_t *records;   /* PTX_FACE_INFO_SIZE a face, edits included */
+    uint8_t *constants; /* pixel_size a face, edits included */
+    uint32_t *ranks;    /* place of each face in reduction order */
+    ptx_level levels[PTX_MAX_LEVELS];
+} ptx_tables;
 
 struct slv_ptx {
     slv_env env; /* its log is serialised: faces may be read on any thread */
@@ -48,12 +84,15 @@ struct slv_ptx {
     slv_ptx_source source;
     char *name;
     slv_ptx_info info;
+    bool premultiply;
     size_t pixel_size;
-    slv_ptx_face *faces;
-    uint8_t *constants; /* pixel_size a face */
-    ptx_level *levels;
-    uint32_t *level_faces;
-    uint32_t *ranks; /* place of each face in reduction order; NULL if nothing is reduced */
+    uint32_t level_faces[PTX_MAX_LEVELS];
+    uint64_t level_bytes[PTX_MAX_LEVELS];
+    ptx_tables *tables;
+    ptx_edit *edits; /* by face, one each */
+    uint8_t *edit_values;
+    uint32_t nedits, edit_capacity;
+    uint64_t edit_position, edit_end; /* where the edits begin and end */
     ptx_meta *meta;
     uint32_t meta_capacity;
     uint32_t *meta_by_key; /* indices, sorted */
@@ -89,25 +128,43 @@ slv_result ptx_read_bytes(const slv_env *env, const slv_ptx *ptx, const char *wh
 /* Whether a zlib stream of `zipped` bytes can hold `size`: deflate packs at most 1032 to 1. */
 bool ptx_zip_is_plausible(uint64_t zipped, uint64_t size);
 /* Unpacks the `zipped` bytes at `position`, which must give exactly `size`, into *out (for free()).
- */
-slv_result ptx_read_zip(slv_ptx *ptx, struct libdeflate_decompressor *inflater, const char *what,
-                        uint64_t position, uint64_t zipped, uint64_t size, void *out);
+ * A NUL follows them. */
+slv_result ptx_read_zip(const slv_ptx *ptx, struct libdeflate_decompressor *inflater,
+                        const char *what, uint64_t position, uint64_t zipped, uint64_t size,
+                        void *out);
 
 /* ptx_table.c */
-slv_result ptx_parse_face(slv_ptx *ptx, uint32_t face, const uint8_t *record, slv_ptx_face *out);
-slv_result ptx_read_tables(slv_ptx *ptx, struct libdeflate_decompressor *inflater,
-                           const uint8_t *header, uint64_t position);
+/* The list of levels; the tables themselves are put off. */
+slv_result ptx_read_levels(slv_ptx *ptx, const uint8_t *header, uint64_t position);
+slv_result ptx_load_parts(const slv_ptx *ptx, uint64_t parts);
+/* Sees that tables are there. */
+static inline slv_result ptx_need(const slv_ptx *ptx, uint64_t parts) {
+    uint64_t ready = atomic_load_explicit(&ptx->tables->ready, memory_order_acquire);
+    return (ready & parts) == parts ? SLV_OK : ptx_load_parts(ptx, parts);
+}
+/* Says what is wrong with a record of the face table. */
+slv_result ptx_check_record(const slv_ptx *ptx, uint32_t face, const uint8_t *record);
+/* A face; PTX_FACES must be there. */
+slv_ptx_face ptx_face_at(const slv_ptx *ptx, uint32_t face);
+void ptx_unpack_record(const uint8_t *record, bool triangle, slv_ptx_face *out);
+void ptx_pack_record(const slv_ptx_face *face, uint8_t *record);
+/* Where a level keeps a block, by face or rank; PTX_LEVEL(level) must be there. */
+uint64_t ptx_block_position(const ptx_level *level, uint32_t index);
+/* The edit of a face, or NULL. */
+const ptx_edit *ptx_find_edit(const slv_ptx *ptx, uint32_t face);
 
-/* The place of each face in reduction order. */
-void ptx_rank_faces(const slv_ptx_face *faces, uint32_t nfaces, uint32_t *ranks);
+/* The place in reduction order of faces whose table is `records`, made in two passes. */
+void ptx_rank_faces(const uint8_t *records, uint32_t nfaces, uint32_t *ranks);
 
 /* ptx_meta.c: entries are appended as they are met; ptx_meta_finish drops the replaced ones. */
 slv_result ptx_meta_parse(slv_ptx *ptx, const char *what, const uint8_t *bytes, uint64_t size);
-slv_result ptx_meta_read_large(slv_ptx *ptx, struct libdeflate_decompressor *inflater,
-                               const uint8_t *headers, uint64_t size, uint64_t position,
-                               uint64_t end);
+/* Large values stay in the file until they are asked for. */
+slv_result ptx_meta_read_large(slv_ptx *ptx, const uint8_t *headers, uint64_t size,
+                               uint64_t position, uint64_t end);
 slv_result ptx_meta_finish(slv_ptx *ptx);
 void ptx_meta_free(slv_ptx *ptx);
+/* The entry of a key, its value read or not, or NULL. */
+ptx_meta *ptx_meta_lookup(const slv_ptx *ptx, const char *key);
 
 /* ptx_edits.c */
 slv_result ptx_read_edits(slv_ptx *ptx, struct libdeflate_decompressor *inflater, uint64_t position,
@@ -128,14 +185,22 @@ typedef struct ptx_scratch {
     size_t input_size;
 } ptx_scratch;
 
+/* ptx_inflate.c: unpacks a zlib stream if it is of literals alone; else returns false, and `out` is
+ * of no use. */
+bool ptx_inflate_literals(const uint8_t *in, size_t size, uint8_t *out, size_t out_size);
+
 /* ptx_face.c */
 slv_result ptx_scratch_reserve(ptx_scratch *scratch, const slv_ptx *ptx, ptx_buffer *buffer,
                                uint64_t size);
 void ptx_scratch_free(ptx_scratch *scratch);
 slv_result ptx_read_face_with(const slv_ptx *ptx, ptx_scratch *scratch, uint32_t face, slv_res res,
                               void *out);
+/* Whether a face has one value, kept with the averages. */
+static inline bool ptx_is_one_texel(const slv_ptx_face *face) {
+    return (face->flags & SLV_FACE_CONSTANT) || (face->res.u == 0 && face->res.v == 0);
+}
 /* Whether the block of a face at level 0 can hold as many texels as the face claims. */
-bool ptx_face_is_plausible(const slv_ptx *ptx, uint32_t face);
+bool ptx_face_is_plausible(const slv_ptx *ptx, uint32_t face, const slv_ptx_face *f);
 
 /* ptx_errors.c: workers that fail at once, and the one line that says why. */
 typedef struct ptx_errors {

@@ -5,16 +5,23 @@
 #define MAX_STEPS 10 /* the format's own bound on a walk around a vertex */
 
 struct surroundings {
-    const slv_ptx_face *faces;
+    const uint8_t *records;
     const uint8_t *constants;
     size_t pixel_size;
+    unsigned nedges;
     bool borders_clamp;
 };
 
 enum walk { WALK_CLOSED, WALK_BOUNDARY, WALK_DIFFERENT };
 
+static slv_ptx_face face_at(const struct surroundings *s, int32_t face) {
+    slv_ptx_face out;
+    ptx_unpack_record(s->records + (size_t)face * PTX_FACE_INFO_SIZE, s->nedges == 3, &out);
+    return out;
+}
+
 static bool same_value(const struct surroundings *s, uint32_t face, int32_t other) {
-    return (s->faces[other].flags & SLV_FACE_CONSTANT) &&
+    return (s->records[(size_t)other * PTX_FACE_INFO_SIZE + 3] & SLV_FACE_CONSTANT) &&
            memcmp(s->constants + face * s->pixel_size, s->constants + (size_t)other * s->pixel_size,
                   s->pixel_size) == 0;
 }
@@ -22,24 +29,24 @@ static bool same_value(const struct surroundings *s, uint32_t face, int32_t othe
 /* Around the vertex where an edge starts, leaving over that edge. */
 static enum walk walk_clockwise(const struct surroundings *s, uint32_t start, unsigned edge) {
     int32_t previous = (int32_t)start;
-    const slv_ptx_face *from = &s->faces[start];
+    slv_ptx_face from = face_at(s, (int32_t)start);
     for (int step = 0; step < MAX_STEPS; step++) {
-        int32_t face = from->adjacency.face[edge];
-        unsigned arrived = from->adjacency.edge[edge];
+        int32_t face = from.adjacency.face[edge];
+        unsigned arrived = from.adjacency.edge[edge];
         if (face < 0)
             return WALK_BOUNDARY;
         if (face == (int32_t)start)
             return WALK_CLOSED;
         if (!same_value(s, start, face))
             return WALK_DIFFERENT;
-        const slv_ptx_face *to = &s->faces[face];
+        slv_ptx_face to = face_at(s, face);
         /* the vertex is in the middle of the whole quad's edge: there is nothing else around it */
-        if ((from->flags & SLV_FACE_SUBFACE) && !(to->flags & SLV_FACE_SUBFACE) &&
-            to->adjacency.face[arrived] == previous)
+        if ((from.flags & SLV_FACE_SUBFACE) && !(to.flags & SLV_FACE_SUBFACE) &&
+            to.adjacency.face[arrived] == previous)
             return WALK_CLOSED;
         previous = face;
         from = to;
-        edge = (arrived + 1) % 4;
+        edge = (arrived + 1) % s->nedges;
     }
     return WALK_CLOSED;
 }
@@ -47,20 +54,20 @@ static enum walk walk_clockwise(const struct surroundings *s, uint32_t start, un
 /* Around the same vertex the other way, leaving over the edge before. */
 static enum walk walk_counter_clockwise(const struct surroundings *s, uint32_t start,
                                         unsigned edge) {
-    const slv_ptx_face *from = &s->faces[start];
-    edge = (edge + 3) % 4;
+    slv_ptx_face from = face_at(s, (int32_t)start);
+    edge = (edge + s->nedges - 1) % s->nedges;
     for (int step = 0; step < MAX_STEPS; step++) {
-        int32_t face = from->adjacency.face[edge];
-        unsigned arrived = from->adjacency.edge[edge];
+        int32_t face = from.adjacency.face[edge];
+        unsigned arrived = from.adjacency.edge[edge];
         if (face < 0)
             return WALK_BOUNDARY;
-        if (!(from->flags & SLV_FACE_SUBFACE) && (s->faces[face].flags & SLV_FACE_SUBFACE)) {
+        if (!(from.flags & SLV_FACE_SUBFACE) && (face_at(s, face).flags & SLV_FACE_SUBFACE)) {
             /* the record names the sub-face at the edge's start; the one at its end touches the
              * vertex */
-            const slv_face_adjacency *primary = &s->faces[face].adjacency;
+            slv_face_adjacency primary = face_at(s, face).adjacency;
             unsigned across = (arrived + 3) % 4;
-            face = primary->face[across];
-            arrived = (primary->edge[across] + 3u) % 4;
+            face = primary.face[across];
+            arrived = (primary.edge[across] + 3u) % 4;
             if (face < 0)
                 return WALK_BOUNDARY;
         }
@@ -68,24 +75,25 @@ static enum walk walk_counter_clockwise(const struct surroundings *s, uint32_t s
             return WALK_CLOSED;
         if (!same_value(s, start, face))
             return WALK_DIFFERENT;
-        from = &s->faces[face];
-        edge = (arrived + 3) % 4;
+        from = face_at(s, face);
+        edge = (arrived + s->nedges - 1) % s->nedges;
     }
     return WALK_CLOSED;
 }
 
-void ptx_flag_neighbourhoods(slv_ptx_face *faces, uint32_t nfaces, const uint8_t *constants,
-                             size_t pixel_size, bool borders_clamp) {
-    struct surroundings s = {faces, constants, pixel_size, borders_clamp};
+void ptx_flag_neighbourhoods(uint8_t *records, uint32_t nfaces, const uint8_t *constants,
+                             size_t pixel_size, slv_ptx_mesh_type mesh_type, bool borders_clamp) {
+    unsigned nedges = mesh_type == SLV_PTX_TRIANGLE ? 3 : 4;
+    struct surroundings s = {records, constants, pixel_size, nedges, borders_clamp};
     for (uint32_t face = 0; face < nfaces; face++) {
-        bool constant = faces[face].flags & SLV_FACE_CONSTANT;
-        for (unsigned edge = 0; constant && edge < 4; edge++) {
+        bool constant = records[(size_t)face * PTX_FACE_INFO_SIZE + 3] & SLV_FACE_CONSTANT;
+        for (unsigned edge = 0; constant && edge < nedges; edge++) {
             enum walk walk = walk_clockwise(&s, face, edge);
             if (walk == WALK_BOUNDARY)
                 walk = s.borders_clamp ? walk_counter_clockwise(&s, face, edge) : WALK_DIFFERENT;
             constant = walk != WALK_DIFFERENT;
         }
         if (constant)
-            faces[face].flags |= SLV_FACE_NEIGHBOURS_CONSTANT;
+            records[(size_t)face * PTX_FACE_INFO_SIZE + 3] |= SLV_FACE_NEIGHBOURS_CONSTANT;
     }
 }

@@ -18,7 +18,8 @@ static void describe(char *out, size_t size, int32_t face, unsigned edge) {
 }
 
 static bool edge_matches(const struct match *match, uint32_t face, unsigned edge) {
-    const slv_face_adjacency *file = &match->ptx->faces[face].adjacency;
+    slv_ptx_face f = ptx_face_at(match->ptx, face);
+    const slv_face_adjacency *file = &f.adjacency;
     int32_t there = file->face[edge];
     slv_neighbour neighbours[2];
     uint32_t count = slv_adjacency_neighbours(match->adjacency, (int32_t)face, edge, neighbours);
@@ -38,8 +39,8 @@ static bool faces_match(const struct match *match, uint32_t count, char *out, si
     const uint8_t *flags = slv_mesh_face_flags(match->mesh);
     const slv_face_adjacency *mesh_faces = slv_adjacency_faces(match->adjacency);
     for (uint32_t face = 0; face < count; face++) {
-        const slv_ptx_face *f = &match->ptx->faces[face];
-        bool file_sub = f->flags & SLV_FACE_SUBFACE, mesh_sub = flags[face] & SLV_FACE_SUBFACE;
+        slv_ptx_face f = ptx_face_at(match->ptx, face);
+        bool file_sub = f.flags & SLV_FACE_SUBFACE, mesh_sub = flags[face] & SLV_FACE_SUBFACE;
         if (file_sub != mesh_sub) {
             snprintf(out, size, "face %u, from its edge 0 on: the file says %s, the mesh says %s",
                      face, file_sub ? "a sub-face of an n-gon" : "a whole quad",
@@ -52,7 +53,7 @@ static bool faces_match(const struct match *match, uint32_t count, char *out, si
             if (edge_matches(match, face, edge))
                 continue;
             char file_side[48], mesh_side[48];
-            describe(file_side, sizeof file_side, f->adjacency.face[edge], f->adjacency.edge[edge]);
+            describe(file_side, sizeof file_side, f.adjacency.face[edge], f.adjacency.edge[edge]);
             describe(mesh_side, sizeof mesh_side, mesh_faces[face].face[edge],
                      mesh_faces[face].edge[edge]);
             snprintf(out, size, "face %u edge %u: the file says %s, the mesh says %s", face, edge,
@@ -64,10 +65,12 @@ static bool faces_match(const struct match *match, uint32_t count, char *out, si
 }
 
 static bool has_adjacency(const slv_ptx *ptx) {
-    for (uint32_t face = 0; face < ptx->info.nfaces; face++)
+    for (uint32_t face = 0; face < ptx->info.nfaces; face++) {
+        slv_ptx_face f = ptx_face_at(ptx, face);
         for (unsigned edge = 0; edge < 4; edge++)
-            if (ptx->faces[face].adjacency.face[edge] >= 0)
+            if (f.adjacency.face[edge] >= 0)
                 return true;
+    }
     return false;
 }
 
@@ -82,6 +85,8 @@ slv_result slv_ptx_match_mesh(const slv_env *env, const slv_ptx *ptx, const slv_
                         "%s does not fit the mesh: it is a triangle-mesh texture, the mesh's faces "
                         "are quads (first at face 0 edge 3)",
                         ptx->name);
+    if ((result = ptx_need(ptx, PTX_FACES)))
+        return result;
     bool compare = has_adjacency(ptx);
     if (compare && (result = slv_mesh_adjacency(env, mesh, &adjacency)))
         return result;

@@ -8,6 +8,18 @@ static size_t element_size(unsigned type) {
     return sizes[type];
 }
 
+/* While a file is being opened nobody else looks at its entries. */
+static void move(ptx_meta *to, const ptx_meta *from) {
+    to->entry = from->entry;
+    to->memory = from->memory;
+    to->large = from->large;
+    to->position = from->position;
+    to->zipped = from->zipped;
+    to->unpacked = from->unpacked;
+    atomic_init(&to->loaded, atomic_load_explicit(&from->loaded, memory_order_relaxed));
+}
+
+/* Adds an entry: with its values' memory, or, where `values` is NULL, without. */
 static slv_result append(slv_ptx *ptx, const uint8_t *key, unsigned key_size, unsigned type,
                          uint32_t size, void **values) {
     if (key_size < 1 || key[key_size - 1] != 0)
@@ -23,24 +35,27 @@ static slv_result append(slv_ptx *ptx, const uint8_t *key, unsigned key_size, un
         slv_result result = slv_alloc(&ptx->env, ptx->name, capacity, sizeof *grown, &grown);
         if (result)
             return result;
-        if (ptx->info.nmeta)
-            memcpy(grown, ptx->meta, ptx->info.nmeta * sizeof *grown);
+        for (uint32_t i = 0; i < ptx->info.nmeta; i++)
+            move(&grown[i], &ptx->meta[i]);
         free(ptx->meta);
         ptx->meta = grown;
         ptx->meta_capacity = (uint32_t)capacity;
     }
     ptx_meta *meta = &ptx->meta[ptx->info.nmeta];
     /* one byte more, so that a string without its NUL gets one */
-    slv_result result =
-        slv_alloc(&ptx->env, ptx->name, (uint64_t)size + 1 + key_size, 1, &meta->memory);
+    uint64_t room = values ? (uint64_t)size + 1 : 0;
+    memset(meta, 0, sizeof *meta);
+    slv_result result = slv_alloc(&ptx->env, ptx->name, room + key_size, 1, &meta->memory);
     if (result)
         return result;
-    char *name = (char *)meta->memory + size + 1;
+    char *name = (char *)meta->memory + room;
     memcpy(name, key, key_size);
     meta->entry = (slv_ptx_meta){name, (slv_meta_type)type, size / (uint32_t)element_size(type),
-                                 meta->memory};
+                                 values ? meta->memory : NULL};
+    atomic_init(&meta->loaded, values != NULL);
     ptx->info.nmeta++;
-    *values = meta->memory;
+    if (values)
+        *values = meta->memory;
     return SLV_OK;
 }
 
@@ -72,9 +87,8 @@ slv_result ptx_meta_parse(slv_ptx *ptx, const char *what, const uint8_t *bytes, 
     return SLV_OK;
 }
 
-slv_result ptx_meta_read_large(slv_ptx *ptx, struct libdeflate_decompressor *inflater,
-                               const uint8_t *headers, uint64_t size, uint64_t position,
-                               uint64_t end) {
+slv_result ptx_meta_read_large(slv_ptx *ptx, const uint8_t *headers, uint64_t size,
+                               uint64_t position, uint64_t end) {
     uint64_t at = 0;
     while (at < size) {
         unsigned key_size = headers[at];
@@ -91,20 +105,18 @@ slv_result ptx_meta_read_large(slv_ptx *ptx, struct libdeflate_decompressor *inf
                             "section, which ends at %llu",
                             ptx->name, ptx->info.nmeta, zipped, (unsigned long long)position,
                             (unsigned long long)end);
-        uint8_t *unpacked = NULL;
-        void *values = NULL;
+        if (!ptx_zip_is_plausible(zipped, value_size))
+            return slv_fail(&ptx->env, SLV_ERROR_FORMAT,
+                            "%s: large metadata entry %u claims %u bytes packed into %u", ptx->name,
+                            ptx->info.nmeta, value_size, zipped);
         slv_result result =
-            ptx_read_zip(ptx, inflater, "large metadata", position, zipped, value_size, &unpacked);
-        if (!result)
-            result =
-                append(ptx, headers + at + 1, key_size, headers[next - 9], value_size, &values);
-        if (!result) {
-            memcpy(values, unpacked, value_size);
-            count_string(&ptx->meta[ptx->info.nmeta - 1].entry, value_size);
-        }
-        free(unpacked);
+            append(ptx, headers + at + 1, key_size, headers[next - 9], value_size, NULL);
         if (result)
             return result;
+        ptx_meta *meta = &ptx->meta[ptx->info.nmeta - 1];
+        meta->position = position;
+        meta->zipped = zipped;
+        meta->unpacked = value_size;
         position += zipped;
         at = next;
     }
@@ -143,8 +155,8 @@ slv_result ptx_meta_finish(slv_ptx *ptx) {
         for (uint32_t i = first + 1; i < end; i++) {
             ptx_meta *newer = &ptx->meta[sorted[i].index];
             free(place->memory);
-            *place = *newer;
-            memset(newer, 0, sizeof *newer);
+            move(place, newer);
+            newer->memory = NULL;
         }
         sorted[kept].key = place->entry.key;
         sorted[kept++].index = sorted[first].index;
@@ -153,7 +165,11 @@ slv_result ptx_meta_finish(slv_ptx *ptx) {
     for (uint32_t i = 0; i < count; i++)
         if (ptx->meta[i].memory) {
             moved[i] = to;
-            ptx->meta[to++] = ptx->meta[i];
+            if (to != i) {
+                move(&ptx->meta[to], &ptx->meta[i]);
+                ptx->meta[i].memory = NULL;
+            }
+            to++;
         }
     for (uint32_t i = 0; i < kept; i++)
         ptx->meta_by_key[i] = moved[sorted[i].index];
@@ -165,28 +181,61 @@ done:
 }
 
 void ptx_meta_free(slv_ptx *ptx) {
-    for (uint32_t i = 0; i < ptx->info.nmeta; i++)
-        free(ptx->meta[i].memory);
+    for (uint32_t i = 0; i < ptx->info.nmeta; i++) {
+        ptx_meta *meta = &ptx->meta[i];
+        free(meta->large);
+        free(meta->memory);
+    }
     free(ptx->meta);
     free(ptx->meta_by_key);
 }
 
-const slv_ptx_meta *slv_ptx_get_meta(const slv_ptx *ptx, uint32_t index) {
-    return index < ptx->info.nmeta ? &ptx->meta[index].entry : NULL;
+static slv_result load_large(const slv_ptx *ptx, ptx_meta *meta) {
+    struct libdeflate_decompressor *inflater = libdeflate_alloc_decompressor();
+    if (!inflater)
+        return slv_fail(&ptx->env, SLV_ERROR_MEMORY, "%s: no memory to unpack it", ptx->name);
+    slv_result result = ptx_read_zip(ptx, inflater, "large metadata", meta->position, meta->zipped,
+                                     meta->unpacked, &meta->large);
+    libdeflate_free_decompressor(inflater);
+    if (result)
+        return result;
+    meta->entry.values = meta->large;
+    count_string(&meta->entry, meta->unpacked);
+    return SLV_OK;
 }
 
-const slv_ptx_meta *slv_ptx_find_meta(const slv_ptx *ptx, const char *key) {
+static const slv_ptx_meta *loaded_entry(const slv_ptx *ptx, ptx_meta *meta) {
+    if (atomic_load_explicit(&meta->loaded, memory_order_acquire))
+        return &meta->entry;
+    pthread_mutex_lock(&ptx->tables->lock);
+    bool loaded = atomic_load_explicit(&meta->loaded, memory_order_relaxed) ||
+                  load_large(ptx, meta) == SLV_OK;
+    atomic_store_explicit(&meta->loaded, loaded, memory_order_release);
+    pthread_mutex_unlock(&ptx->tables->lock);
+    return loaded ? &meta->entry : NULL;
+}
+
+const slv_ptx_meta *slv_ptx_get_meta(const slv_ptx *ptx, uint32_t index) {
+    return index < ptx->info.nmeta ? loaded_entry(ptx, &ptx->meta[index]) : NULL;
+}
+
+ptx_meta *ptx_meta_lookup(const slv_ptx *ptx, const char *key) {
     uint32_t low = 0, high = ptx->info.nmeta;
     while (low < high) {
         uint32_t middle = low + (high - low) / 2;
-        const slv_ptx_meta *entry = &ptx->meta[ptx->meta_by_key[middle]].entry;
-        int order = strcmp(key, entry->key);
+        ptx_meta *meta = &ptx->meta[ptx->meta_by_key[middle]];
+        int order = strcmp(key, meta->entry.key);
         if (order == 0)
-            return entry;
+            return meta;
         if (order < 0)
             high = middle;
         else
             low = middle + 1;
     }
     return NULL;
+}
+
+const slv_ptx_meta *slv_ptx_find_meta(const slv_ptx *ptx, const char *key) {
+    ptx_meta *meta = ptx_meta_lookup(ptx, key);
+    return meta ? loaded_entry(ptx, meta) : NULL;
 }

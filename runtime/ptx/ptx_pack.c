@@ -56,24 +56,57 @@ slv_result ptx_bytes_append_zip(const slv_env *env, const char *path,
     return SLV_OK;
 }
 
-/* Interleaved rows `pitch` elements apart to planes, integers as differences to the element before.
- */
+/* Interleaved rows `pitch` elements apart to planes. */
 #define DEFINE_PLANES(NAME, T)                                                                     \
-    static void NAME(const T *in, size_t pitch, T keep, size_t n, size_t w, size_t h, T *out) {    \
-        T last = 0;                                                                                \
+    static void NAME(const T *in, size_t pitch, size_t n, size_t w, size_t h, T *out) {            \
         for (size_t c = 0; c < n; c++)                                                             \
             for (size_t y = 0; y < h; y++) {                                                       \
                 const T *from = in + y * pitch + c;                                                \
-                for (size_t x = 0; x < w; x++, from += n) {                                        \
-                    T value = *from;                                                               \
-                    *out++ = (T)(value - (last & keep));                                           \
-                    last = value;                                                                  \
-                }                                                                                  \
+                for (size_t x = 0; x < w; x++, from += n)                                          \
+                    *out++ = *from;                                                                \
             }                                                                                      \
     }
 
-DEFINE_PLANES(planes_u8, uint8_t)
-DEFINE_PLANES(planes_u16, uint16_t)
+/* The same, as differences to the element before. `N` is the number of channels where it is known
+ * when this is compiled: one pass over the rows then does for all of them. */
+#define DEFINE_DIFFERENCES(NAME, T, N)                                                             \
+    static void NAME(const T *in, size_t pitch, size_t w, size_t h, T *out) {                      \
+        T last[N] = {0};                                                                           \
+        for (size_t y = 0; y < h; y++, in += pitch)                                                \
+            for (size_t x = 0; x < w; x++)                                                         \
+                for (size_t c = 0; c < N; c++) {                                                   \
+                    out[c * w * h + y * w + x] = (T)(in[x * N + c] - last[c]);                     \
+                    last[c] = in[x * N + c];                                                       \
+                }                                                                                  \
+        for (size_t c = 1; c < N; c++)                                                             \
+            out[c * w * h] = (T)(out[c * w * h] - last[c - 1]);                                    \
+    }
+
+#define DEFINE_INTEGERS(TYPE, T)                                                                   \
+    DEFINE_PLANES(planes_##TYPE, T)                                                                \
+    DEFINE_DIFFERENCES(differences_##TYPE##_1, T, 1)                                               \
+    DEFINE_DIFFERENCES(differences_##TYPE##_2, T, 2)                                               \
+    DEFINE_DIFFERENCES(differences_##TYPE##_3, T, 3)                                               \
+    DEFINE_DIFFERENCES(differences_##TYPE##_4, T, 4)                                               \
+    static void differences_##TYPE(const T *in, size_t pitch, size_t n, size_t w, size_t h,        \
+                                   T *out) {                                                       \
+        if (n == 1)                                                                                \
+            differences_##TYPE##_1(in, pitch, w, h, out);                                          \
+        else if (n == 2)                                                                           \
+            differences_##TYPE##_2(in, pitch, w, h, out);                                          \
+        else if (n == 3)                                                                           \
+            differences_##TYPE##_3(in, pitch, w, h, out);                                          \
+        else if (n == 4)                                                                           \
+            differences_##TYPE##_4(in, pitch, w, h, out);                                          \
+        else {                                                                                     \
+            planes_##TYPE(in, pitch, n, w, h, out);                                                \
+            for (size_t i = n * w * h; i-- > 1;)                                                   \
+                out[i] = (T)(out[i] - out[i - 1]);                                                 \
+        }                                                                                          \
+    }
+
+DEFINE_INTEGERS(u8, uint8_t)
+DEFINE_INTEGERS(u16, uint16_t)
 DEFINE_PLANES(planes_u32, uint32_t)
 
 /* Appends one zipped array of `res` texels out of rows `pitch` texels apart. */
@@ -90,22 +123,31 @@ static slv_result pack_array(ptx_packer *packer, ptx_bytes *out, const uint8_t *
     void *planes = packer->planes.data;
     switch (packer->type) {
     case SLV_TYPE_U8:
-        planes_u8(in, pitch * n, 0xff, n, w, h, planes);
+        differences_u8(in, pitch * n, n, w, h, planes);
         encoding = PTX_DIFFZIPPED;
         break;
     case SLV_TYPE_U16:
-        planes_u16(in, pitch * n, 0xffff, n, w, h, planes);
+        differences_u16(in, pitch * n, n, w, h, planes);
         encoding = PTX_DIFFZIPPED;
         break;
     case SLV_TYPE_HALF:
-        planes_u16(in, pitch * n, 0, n, w, h, planes);
+        planes_u16(in, pitch * n, n, w, h, planes);
         break;
     case SLV_TYPE_FLOAT:
-        planes_u32(in, pitch * n, 0, n, w, h, planes);
+        planes_u32(in, pitch * n, n, w, h, planes);
         break;
     }
-    result = ptx_bytes_append_zip(packer->env, packer->path, packer->deflater, out, planes, size,
-                                  PTX_MAX_BLOCK, &length);
+    if (packer->own && encoding == PTX_DIFFZIPPED) {
+        size_t element = slv_type_size(packer->type);
+        if ((result = ptx_bytes_reserve(packer->env, packer->path, out, ptx_deflate_bound(size))))
+            return result;
+        length = (uint32_t)ptx_deflate(packer->own, planes, size, w * element, element,
+                                       out->data + out->size);
+        out->size += length;
+    }
+    if (!length)
+        result = ptx_bytes_append_zip(packer->env, packer->path, packer->deflater, out, planes,
+                                      size, PTX_MAX_BLOCK, &length);
     *header = length | encoding << 30;
     return result;
 }
@@ -178,9 +220,14 @@ slv_result ptx_pack(ptx_packer *packer, uint32_t face, const void *texels, slv_r
 }
 
 void ptx_packer_free(ptx_packer *packer) {
+    if (!packer)
+        return;
     libdeflate_free_compressor(packer->deflater);
+    free(packer->own);
     free(packer->out.data);
     free(packer->tiles.data);
     free(packer->planes.data);
-    free(packer->work.data);
+    free(packer->work[0].data);
+    free(packer->work[1].data);
+    free(packer);
 }

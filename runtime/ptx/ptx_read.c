@@ -105,7 +105,7 @@ static slv_result read_tail(slv_ptx *ptx, struct libdeflate_decompressor *inflat
         result = ptx_read_zip(ptx, inflater, "table of large metadata", position, large_zipped,
                               large_size, &bytes);
         if (!result)
-            result = ptx_meta_read_large(ptx, inflater, bytes, large_size, data_position, summed);
+            result = ptx_meta_read_large(ptx, bytes, large_size, data_position, summed);
         free(bytes);
     }
     if (result)
@@ -114,11 +114,13 @@ static slv_result read_tail(slv_ptx *ptx, struct libdeflate_decompressor *inflat
     /* Files without metadata lack the barrier that the sum counts, so their edits begin before it.
      */
     uint64_t start = summed, earliest = any_meta ? summed : summed - PTX_BARRIER_SIZE;
+    ptx->edit_position = ptx->edit_end = summed;
     if (edit_position) {
         if (edit_position >= earliest)
             start = edit_position;
         if (!edit_size)
             return SLV_OK;
+        ptx->edit_position = start;
         if (start > ptx->source.size || edit_size > ptx->source.size - start)
             return ptx_read_bytes(&ptx->env, ptx, "edit section", start, edit_size, NULL);
         edit_end = start + edit_size;
@@ -150,7 +152,7 @@ static slv_result read_all(slv_ptx *ptx) {
     inflater = libdeflate_alloc_decompressor();
     if (!inflater)
         return slv_fail(&ptx->env, SLV_ERROR_MEMORY, "%s: no memory to unpack it", ptx->name);
-    result = ptx_read_tables(ptx, inflater, header, position);
+    result = ptx_read_levels(ptx, header, position);
     /* the tables are within the file, so these sums cannot overflow */
     position += (uint64_t)ptx_get_u32(header + 32) + ptx_get_u32(header + 36) +
                 ptx_get_u32(header + 40) + ptx_get_u64(header + 48);
@@ -162,8 +164,8 @@ static slv_result read_all(slv_ptx *ptx) {
     return result;
 }
 
-slv_result slv_ptx_open_source(const slv_env *env, const char *name, const slv_ptx_source *source,
-                               slv_ptx **out) {
+static slv_result open_params(const slv_env *env, const char *name, const slv_ptx_source *source,
+                              bool premultiply, slv_ptx **out) {
     slv_ptx *ptx = NULL;
     *out = NULL;
     slv_result result = slv_alloc(env, name, 1, sizeof *ptx, &ptx);
@@ -173,8 +175,16 @@ slv_result slv_ptx_open_source(const slv_env *env, const char *name, const slv_p
         return result;
     }
     ptx->source = *source;
+    ptx->premultiply = premultiply;
+    ptx->info.level_faces = ptx->level_faces;
+    ptx->info.level_bytes = ptx->level_bytes;
     if (!(result = slv_parallel_env_begin(env, &ptx->log, &ptx->env)) &&
-        !(result = slv_alloc(env, name, strlen(name) + 1, 1, &ptx->name))) {
+        !(result = slv_alloc(env, name, 1, sizeof *ptx->tables, &ptx->tables))) {
+        pthread_mutex_init(&ptx->tables->lock, NULL);
+        atomic_init(&ptx->tables->ready, 0);
+        result = slv_alloc(env, name, strlen(name) + 1, 1, &ptx->name);
+    }
+    if (!result) {
         memcpy(ptx->name, name, strlen(name) + 1);
         result = read_all(ptx);
     }
@@ -186,11 +196,23 @@ slv_result slv_ptx_open_source(const slv_env *env, const char *name, const slv_p
     return SLV_OK;
 }
 
-slv_result slv_ptx_open(const slv_env *env, const char *path, slv_ptx **out) {
+slv_result slv_ptx_open_source(const slv_env *env, const char *name, const slv_ptx_source *source,
+                               slv_ptx **out) {
+    return open_params(env, name, source, false, out);
+}
+
+slv_result slv_ptx_open_with(const slv_env *env, const char *path,
+                             const slv_ptx_open_params *params, slv_ptx **out) {
     slv_ptx_source source;
     *out = NULL;
+    if (params && params->source)
+        return open_params(env, path, params->source, params->premultiply, out);
     slv_result result = ptx_source_open(env, path, &source);
-    return result ? result : slv_ptx_open_source(env, path, &source, out);
+    return result ? result : open_params(env, path, &source, params && params->premultiply, out);
+}
+
+slv_result slv_ptx_open(const slv_env *env, const char *path, slv_ptx **out) {
+    return slv_ptx_open_with(env, path, NULL, out);
 }
 
 void slv_ptx_close(slv_ptx *ptx) {
@@ -198,16 +220,20 @@ void slv_ptx_close(slv_ptx *ptx) {
         return;
     if (ptx->source.close)
         ptx->source.close(ptx->source.user);
-    for (uint32_t i = 0; ptx->levels && i < ptx->info.nlevels; i++) {
-        free(ptx->levels[i].headers);
-        free(ptx->levels[i].positions);
+    if (ptx->tables) {
+        for (uint32_t i = 0; i < PTX_MAX_LEVELS; i++) {
+            free(ptx->tables->levels[i].headers);
+            free(ptx->tables->levels[i].positions);
+        }
+        free(ptx->tables->records);
+        free(ptx->tables->constants);
+        free(ptx->tables->ranks);
+        pthread_mutex_destroy(&ptx->tables->lock);
+        free(ptx->tables);
     }
     ptx_meta_free(ptx);
-    free(ptx->levels);
-    free(ptx->level_faces);
-    free(ptx->ranks);
-    free(ptx->faces);
-    free(ptx->constants);
+    free(ptx->edits);
+    free(ptx->edit_values);
     free(ptx->name);
     slv_parallel_env_end(ptx->log);
     free(ptx);
@@ -221,10 +247,48 @@ const char *slv_ptx_name(const slv_ptx *ptx) {
     return ptx->name;
 }
 
+static slv_result check_face(const slv_ptx *ptx, uint32_t face) {
+    if (face < ptx->info.nfaces)
+        return SLV_OK;
+    return slv_fail(&ptx->env, SLV_ERROR_ARGUMENT, "%s: face %u: there are %u faces", ptx->name,
+                    face, ptx->info.nfaces);
+}
+
 slv_result slv_ptx_get_face(const slv_ptx *ptx, uint32_t face, slv_ptx_face *out) {
-    if (face >= ptx->info.nfaces)
-        return slv_fail(&ptx->env, SLV_ERROR_ARGUMENT, "%s: face %u: there are %u faces", ptx->name,
-                        face, ptx->info.nfaces);
-    *out = ptx->faces[face];
+    slv_result result = check_face(ptx, face);
+    if (result || (result = ptx_need(ptx, PTX_FACES)))
+        return result;
+    *out = ptx_face_at(ptx, face);
+    return SLV_OK;
+}
+
+slv_result slv_ptx_get_block(const slv_ptx *ptx, uint32_t face, uint32_t level,
+                             slv_ptx_block *out) {
+    memset(out, 0, sizeof *out);
+    slv_result result = check_face(ptx, face);
+    if (!result && level >= ptx->info.nlevels)
+        result = slv_fail(&ptx->env, SLV_ERROR_ARGUMENT, "%s: level %u: there are %u levels",
+                          ptx->name, level, ptx->info.nlevels);
+    if (result || (result = ptx_need(ptx, PTX_FACES | PTX_LEVEL(level) | (level ? PTX_RANKS : 0))))
+        return result;
+    slv_ptx_face f = ptx_face_at(ptx, face);
+    bool edited = f.flags & SLV_FACE_EDITED;
+    const ptx_level *table = &ptx->tables->levels[level];
+    uint32_t index = level ? ptx->tables->ranks[face] : face, header;
+    if ((f.flags & SLV_FACE_CONSTANT) || index >= table->nfaces || (level && edited) ||
+        (int)level > ptx_min_log2(f.res))
+        return SLV_OK;
+    if (edited) {
+        const ptx_edit *edit = ptx_find_edit(ptx, face);
+        header = edit->header;
+        out->position = edit->position;
+    } else {
+        header = table->headers[index];
+        out->position = ptx_block_position(table, index);
+    }
+    out->stored = true;
+    out->encoding = (slv_ptx_encoding)PTX_BLOCK_ENCODING(header);
+    out->bytes = PTX_BLOCK_SIZE(header);
+    out->res = (slv_res){(int8_t)(f.res.u - (int)level), (int8_t)(f.res.v - (int)level)};
     return SLV_OK;
 }

@@ -118,19 +118,28 @@ void ptx_halve_triangle(slv_type type, uint32_t nchannels, int log2, const void 
     SELECT(type, halve_triangle, nchannels, w, texels, out)
 }
 
-void ptx_average(slv_type type, uint32_t nchannels, const void *texels, uint64_t count, void *out) {
+void slv_ptx_reduce(slv_ptx_mesh_type mesh_type, slv_type type, uint32_t nchannels, slv_res res,
+                    const void *texels, void *out) {
+    if (mesh_type == SLV_PTX_TRIANGLE)
+        ptx_halve_triangle(type, nchannels, res.u, texels, out);
+    else
+        ptx_halve_both(type, nchannels, res, texels, out);
+}
+
+void slv_ptx_average(slv_type type, uint32_t nchannels, const void *texels, uint64_t count,
+                     void *out) {
     SELECT(type, average, nchannels, texels, count, out)
 }
 
-void ptx_premultiply(slv_type type, uint32_t nchannels, int32_t alpha, void *texels,
-                     uint64_t count) {
+void slv_ptx_premultiply(slv_type type, uint32_t nchannels, int32_t alpha, void *texels,
+                         uint64_t count) {
     if (alpha < 0 || (uint32_t)alpha >= nchannels)
         return;
     SELECT(type, scale, nchannels, (size_t)alpha, false, texels, count)
 }
 
-void ptx_unmultiply(slv_type type, uint32_t nchannels, int32_t alpha, void *texels,
-                    uint64_t count) {
+void slv_ptx_unmultiply(slv_type type, uint32_t nchannels, int32_t alpha, void *texels,
+                        uint64_t count) {
     if (alpha < 0 || (uint32_t)alpha >= nchannels)
         return;
     SELECT(type, scale, nchannels, (size_t)alpha, true, texels, count)

@@ -3,7 +3,7 @@
 #ifndef SLV_PTX_REDUCE_H
 #define SLV_PTX_REDUCE_H
 
-#include <selvage/texture.h>
+#include <selvage/ptx.h>
 
 /* Means of pairs along one axis, for resolutions that differ by it alone. `out` may be `texels`. */
 void ptx_halve_u(slv_type type, uint32_t nchannels, slv_res res, const void *texels, void *out);
@@ -12,12 +12,6 @@ void ptx_halve_v(slv_type type, uint32_t nchannels, slv_res res, const void *tex
 void ptx_halve_both(slv_type type, uint32_t nchannels, slv_res res, const void *texels, void *out);
 /* A triangle's 2^log2 x 2^log2 array to the next coarser one, which must not overlap it. */
 void ptx_halve_triangle(slv_type type, uint32_t nchannels, int log2, const void *texels, void *out);
-/* The mean of `count` texels, truncated to integer types. */
-void ptx_average(slv_type type, uint32_t nchannels, const void *texels, uint64_t count, void *out);
-/* Multiplies the channels that `alpha` covers by it, or divides them by it where it is not zero. */
-void ptx_premultiply(slv_type type, uint32_t nchannels, int32_t alpha, void *texels,
-                     uint64_t count);
-void ptx_unmultiply(slv_type type, uint32_t nchannels, int32_t alpha, void *texels, uint64_t count);
 /* Fills `out` with `count` copies of a texel of `size` bytes. */
 void ptx_fill(void *out, const void *texel, size_t size, uint64_t count);
 /* Whether the texels are all bitwise equal. */

@@ -71,8 +71,9 @@ bool ptx_zip_is_plausible(uint64_t zipped, uint64_t size) {
     return size / 1032 <= zipped;
 }
 
-slv_result ptx_read_zip(slv_ptx *ptx, struct libdeflate_decompressor *inflater, const char *what,
-                        uint64_t position, uint64_t zipped, uint64_t size, void *out) {
+slv_result ptx_read_zip(const slv_ptx *ptx, struct libdeflate_decompressor *inflater,
+                        const char *what, uint64_t position, uint64_t zipped, uint64_t size,
+                        void *out) {
     uint8_t *packed = NULL, *bytes = NULL;
     slv_result result = SLV_OK;
     memset(out, 0, sizeof(void *));
@@ -85,7 +86,7 @@ slv_result ptx_read_zip(slv_ptx *ptx, struct libdeflate_decompressor *inflater, 
     if (position > ptx->source.size || zipped > ptx->source.size - position)
         return ptx_read_bytes(&ptx->env, ptx, what, position, zipped, NULL);
     if ((result = slv_alloc(&ptx->env, ptx->name, zipped, 1, &packed)) ||
-        (result = slv_alloc(&ptx->env, ptx->name, size, 1, &bytes)) ||
+        (result = slv_alloc(&ptx->env, ptx->name, size + 1, 1, &bytes)) ||
         (result = ptx_read_bytes(&ptx->env, ptx, what, position, zipped, packed)))
         goto done;
     /* libdeflate cannot be given no room, and an empty stream says nothing */

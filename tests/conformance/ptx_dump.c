@@ -1,9 +1,11 @@
-/* ptx_dump FILE.ptx [QUESTIONS]: prints what a reader finds in a .ptx file, one fact a line:
- *   header, levels, metakeys, meta, face  what the tables say
- *   sum FACE ULOG2 VLOG2 FNV              64-bit FNV-1a of a face's texels at a resolution
- *   pix FACE ULOG2 VLOG2 X Y -> values    one texel as floats
- * QUESTIONS is a file of the same form: its face, sum and pix lines say which facts to print, in
- * its order. Without it all faces are listed and summed at each stored level. */
+/* ptx_dump FILE.ptx [QUESTIONS] [--premultiply]: prints what a reader finds in a .ptx file, one
+ * fact a line: header, levels, metakeys, meta, face  what the tables say sum FACE ULOG2 VLOG2 FNV
+ * 64-bit FNV-1a of a face's texels at a resolution pix FACE ULOG2 VLOG2 X Y -> values    one texel
+ * as floats QUESTIONS is a file of the same form: its face, sum and pix lines say which facts to
+ * print, in its order. It is, unless named, FILE.expect.txt or FILE.premult.expect.txt beside the
+ * file; where there is none all faces are listed and summed at each stored level. With
+ * --premultiply the file is opened so.
+ */
 #include <selvage/half.h>
 #include <selvage/ptx.h>
 
@@ -186,19 +188,45 @@ static slv_result print_all(const slv_ptx *ptx) {
     return result;
 }
 
+/* The questions that lie beside a file. */
+static FILE *open_questions(const char *name, bool premultiply) {
+    char path[4096];
+    size_t length = strlen(name);
+    if (length < 4 || strcmp(name + length - 4, ".ptx") != 0)
+        return NULL;
+    int written = snprintf(path, sizeof path, "%.*s%s.expect.txt", (int)length - 4, name,
+                           premultiply ? ".premult" : "");
+    return written > 0 && (size_t)written < sizeof path ? fopen(path, "r") : NULL;
+}
+
 int main(int argc, char **argv) {
     slv_env env = {.log = log_line};
+    slv_ptx_open_params params = {0};
+    const char *names[2] = {NULL, NULL};
     slv_ptx *ptx = NULL;
     FILE *questions = NULL;
-    if (argc < 2 || argc > 3) {
-        fprintf(stderr, "usage: ptx_dump FILE.ptx [QUESTIONS]\n");
+    int nnames = 0;
+    for (int i = 1; i < argc; i++) {
+        if (!strcmp(argv[i], "--premultiply"))
+            params.premultiply = true;
+        else if (nnames < 2)
+            names[nnames++] = argv[i];
+        else
+            nnames = 3;
+    }
+    if (nnames < 1 || nnames > 2) {
+        fprintf(stderr, "usage: ptx_dump FILE.ptx [QUESTIONS] [--premultiply]\n");
         return 2;
     }
-    if (argc == 3 && !(questions = fopen(argv[2], "r"))) {
-        perror(argv[2]);
+    if (names[1] && !(questions = fopen(names[1], "r"))) {
+        perror(names[1]);
         return 2;
     }
-    slv_result result = slv_ptx_open(&env, argv[1], &ptx);
+    if (!names[1])
+        questions = open_questions(names[0], params.premultiply);
+    slv_result result = slv_ptx_open_with(&env, names[0], &params, &ptx);
+    if (!result)
+        result = slv_ptx_load_tables(ptx);
     if (!result) {
         print_header(slv_ptx_get_info(ptx));
         for (uint32_t i = 0; i < slv_ptx_get_info(ptx)->nmeta; i++)

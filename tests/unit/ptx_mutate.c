@@ -37,12 +37,13 @@ static void use(const uint8_t *bytes, size_t size) {
     slv_mesh_destroy(mesh);
     for (uint32_t i = 0; i < info->nmeta; i++) {
         const slv_ptx_meta *meta = slv_ptx_get_meta(ptx, i);
-        CHECK(slv_ptx_find_meta(ptx, meta->key) == meta);
+        CHECK(!meta || slv_ptx_find_meta(ptx, meta->key) == meta);
     }
     for (uint32_t i = 0; i < 8 && info->nfaces; i++) {
         slv_ptx_face face;
         uint32_t id = test_random(&seed) % info->nfaces;
-        REQUIRE(slv_ptx_get_face(ptx, id, &face) == SLV_OK);
+        if (slv_ptx_get_face(ptx, id, &face))
+            break; /* the face table is damaged, which opening does not look at */
         slv_res res = {(int8_t)(test_random(&seed) % (uint32_t)(face.res.u + 1)),
                        (int8_t)(test_random(&seed) % (uint32_t)(face.res.v + 1))};
         if (res.u + res.v > 16)

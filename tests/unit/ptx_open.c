@@ -57,7 +57,7 @@ static void changed_headers(const uint8_t *original, size_t size) {
         {22, 2, 500, SLV_ERROR_FORMAT, "500 levels"},
         {24, 4, 0xffffffff, SLV_ERROR_FORMAT, "4294967295 faces"},
         {24, 4, 0x7fffffff, SLV_ERROR_FORMAT, "face table"},
-        {24, 4, 1, SLV_ERROR_FORMAT, "face table"},
+        {24, 4, 1, SLV_ERROR_FORMAT, "level 0 has 4 faces"},
         {28, 4, 0xfffffff0, SLV_ERROR_FORMAT, "truncated"},
         {32, 4, 0xfffffff0, SLV_ERROR_FORMAT, "face table"},
         {36, 4, 0xfffffff0, SLV_ERROR_FORMAT, "constant data"},

@@ -2,6 +2,8 @@
  * bit the same. */
 #include "ptx_kit.h"
 
+#include <selvage/ptx_writer.h>
+
 static void compare_face(const char *path, const slv_ptx *a, const slv_ptx *b, uint32_t face) {
     const slv_ptx_info *info = slv_ptx_get_info(a);
     slv_ptx_face fa, fb;
@@ -82,7 +84,55 @@ static void rewrite(const char *path) {
     remove(out);
 }
 
+/* The same through slv_ptx_rewrite, which takes triangles and edits as well. */
+static void copy(const char *path) {
+    slv_env env = test_env();
+    slv_ptx *ptx = NULL, *again = NULL;
+    const char *out = scratch_path("copy.ptx");
+    REQUIRE(slv_ptx_open(&env, path, &ptx) == SLV_OK);
+    REQUIRE(slv_ptx_rewrite(&env, ptx, out, NULL) == SLV_OK);
+    REQUIRE(slv_ptx_open(&env, out, &again) == SLV_OK);
+    const slv_ptx_info *a = slv_ptx_get_info(ptx), *b = slv_ptx_get_info(again);
+    CHECK(a->mesh_type == b->mesh_type && a->type == b->type && a->nchannels == b->nchannels &&
+          a->alpha_channel == b->alpha_channel && a->nfaces == b->nfaces &&
+          a->border_u == b->border_u && a->border_v == b->border_v &&
+          a->edge_filter == b->edge_filter && a->nmeta == b->nmeta && !b->has_edits);
+    for (uint32_t i = 0; i < a->nmeta; i++) {
+        const slv_ptx_meta *wanted = slv_ptx_get_meta(ptx, i);
+        const slv_ptx_meta *found = wanted ? slv_ptx_find_meta(again, wanted->key) : NULL;
+        static const uint8_t sizes[] = {1, 1, 2, 4, 4, 8};
+        CHECK(found && found->type == wanted->type && found->count == wanted->count &&
+              !memcmp(found->values, wanted->values, wanted->count * sizes[wanted->type]));
+    }
+    if (!a->has_edits) {
+        CHECK(a->nlevels == b->nlevels);
+        for (uint32_t face = 0; face < a->nfaces; face++)
+            compare_face(path, ptx, again, face);
+        CHECK_MSG(b->file_bytes <= a->file_bytes + a->file_bytes / 20 + 64,
+                  "%s: %llu bytes became %llu", path, (unsigned long long)a->file_bytes,
+                  (unsigned long long)b->file_bytes);
+    } else {
+        /* stored reductions of edited faces are new */
+        slv_texture *one = NULL, *two = NULL;
+        REQUIRE(slv_ptx_load_texture(&env, ptx, &one) == SLV_OK);
+        REQUIRE(slv_ptx_load_texture(&env, again, &two) == SLV_OK);
+        for (uint32_t face = 0; face < a->nfaces; face++) {
+            slv_res res = slv_texture_get_desc(one)->res[face];
+            size_t pixel = slv_type_size(a->type) * a->nchannels;
+            bool constant = slv_texture_is_constant(one, face);
+            CHECK(!memcmp(slv_texture_texels(one, face), slv_texture_texels(two, face),
+                          constant ? pixel : pixel << (res.u + res.v)));
+        }
+        slv_texture_destroy(one);
+        slv_texture_destroy(two);
+    }
+    slv_ptx_close(ptx);
+    slv_ptx_close(again);
+    remove(out);
+}
+
 int main(void) {
+    CHECK(each_sample(copy) > 0);
     CHECK(each_sample(rewrite) > 0);
     return test_end();
 }

@@ -1,4 +1,5 @@
-/* The .ptx file (Ptex 1.4): reading, and writing of new files. */
+/* The .ptx file (Ptex 1.4): reading, saving a store, and the format's own arithmetic. Writing face
+ * by face, edits and rewriting are in ptx_writer.h. */
 #ifndef SELVAGE_PTX_H
 #define SELVAGE_PTX_H
 
@@ -11,8 +12,15 @@ extern "C" {
 
 /* The enumerations have the values that the file has. */
 typedef enum slv_ptx_mesh_type { SLV_PTX_TRIANGLE = 0, SLV_PTX_QUAD = 1 } slv_ptx_mesh_type;
-typedef enum slv_border_mode { SLV_BORDER_CLAMP = 0, SLV_BORDER_BLACK = 1, SLV_BORDER_PERIODIC = 2 } slv_border_mode;
-typedef enum slv_edge_filter { SLV_EDGE_FILTER_NONE = 0, SLV_EDGE_FILTER_TANVEC = 1 } slv_edge_filter;
+typedef enum slv_border_mode {
+    SLV_BORDER_CLAMP = 0,
+    SLV_BORDER_BLACK = 1,
+    SLV_BORDER_PERIODIC = 2
+} slv_border_mode;
+typedef enum slv_edge_filter {
+    SLV_EDGE_FILTER_NONE = 0,
+    SLV_EDGE_FILTER_TANVEC = 1
+} slv_edge_filter;
 typedef enum slv_meta_type {
     SLV_META_STRING = 0,
     SLV_META_INT8 = 1,
@@ -30,7 +38,9 @@ typedef struct slv_ptx_info {
     uint32_t nfaces;
     uint32_t nlevels;            /* stored levels, 1 = no reductions */
     const uint32_t *level_faces; /* nlevels: how many faces each level stores. Owned by the file */
-    bool has_edits;              /* edits were appended after it was written */
+    const uint64_t
+        *level_bytes; /* nlevels: bytes that each level takes in the file. Owned by the file */
+    bool has_edits;   /* edits were appended after it was written */
     slv_border_mode border_u, border_v;
     slv_edge_filter edge_filter;
     uint32_t minor_version;
@@ -44,8 +54,8 @@ typedef struct slv_ptx_face {
     slv_face_adjacency adjacency;
 } slv_ptx_face;
 
-/* A metadata entry. `values` is `count` elements of the type, native byte order and aligned; a string's count leaves out its
- * terminating NUL, which is there. */
+/* A metadata entry. `values` is `count` elements of the type, native byte order and aligned; a
+ * string's count leaves out its terminating NUL, which is there. */
 typedef struct slv_ptx_meta {
     const char *key;
     slv_meta_type type;
@@ -53,7 +63,8 @@ typedef struct slv_ptx_meta {
     const void *values;
 } slv_ptx_meta;
 
-/* Where bytes come from, when not from a path. `read` returns 0 on success and is called from several threads at once. */
+/* Where bytes come from, when not from a path. `read` returns 0 on success and is called from
+ * several threads at once. */
 typedef struct slv_ptx_source {
     int (*read)(void *user, uint64_t offset, void *buffer, size_t size);
     void (*close)(void *user); /* may be NULL; called once, also when opening fails */
@@ -61,57 +72,134 @@ typedef struct slv_ptx_source {
     uint64_t size;
 } slv_ptx_source;
 
+/* Zero means default. */
+typedef struct slv_ptx_open_params {
+    bool premultiply; /* see slv_ptx_read_face */
+    const slv_ptx_source
+        *source; /* NULL: the path is opened; else it is a name for messages. Copied */
+} slv_ptx_open_params;
+
 /* An open file. Any number of threads may read it at once. */
 typedef struct slv_ptx slv_ptx;
 
-/* Reads the header, face table, level tables and metadata; no texels. Every size that the file claims is checked before
- * anything is allocated. */
+/* Reads the header, the list of levels, the small metadata and the list of edits. The face table,
+ * the averages, the level tables and large metadata are read, and checked, when something first
+ * needs them: any function that takes a file and returns a result may then say that they are
+ * damaged. Every size that the file claims is checked before anything is allocated. */
 SLV_API slv_result slv_ptx_open(const slv_env *env, const char *path, slv_ptx **out);
-SLV_API slv_result slv_ptx_open_source(const slv_env *env, const char *name, const slv_ptx_source *source,
-                                       slv_ptx **out);
+SLV_API slv_result slv_ptx_open_source(const slv_env *env, const char *name,
+                                       const slv_ptx_source *source, slv_ptx **out);
+SLV_API slv_result slv_ptx_open_with(const slv_env *env, const char *path,
+                                     const slv_ptx_open_params *params, slv_ptx **out);
 SLV_API void slv_ptx_close(slv_ptx *ptx);
+/* Reads and checks all that opening put off, texels excepted. */
+SLV_API slv_result slv_ptx_load_tables(const slv_ptx *ptx);
 
 SLV_API const slv_ptx_info *slv_ptx_get_info(const slv_ptx *ptx);
 SLV_API const char *slv_ptx_name(const slv_ptx *ptx); /* the path, for messages */
 SLV_API slv_result slv_ptx_get_face(const slv_ptx *ptx, uint32_t face, slv_ptx_face *out);
 
-/* Reads all texels of a face at resolution `res`, no finer than the face's: the stored texels, a stored reduction, or one
- * computed as the format prescribes. Constant faces are filled out; 1x1 of any face is the stored average. `out` has
- * room for 2^u * 2^v * nchannels values, tightly packed, v-major, row 0 at v=0. */
+/* How a face is stored at a level. */
+typedef enum slv_ptx_encoding {
+    SLV_PTX_CONSTANT = 0,
+    SLV_PTX_ZIPPED = 1,
+    SLV_PTX_DIFF_ZIPPED = 2,
+    SLV_PTX_TILED = 3
+} slv_ptx_encoding;
+
+typedef struct slv_ptx_block {
+    bool stored; /* false, and the rest zero: the face is constant, or the level lacks it */
+    slv_ptx_encoding encoding;
+    slv_res res;
+    uint32_t bytes;
+    uint64_t position; /* in the file */
+} slv_ptx_block;
+
+SLV_API slv_result slv_ptx_get_block(const slv_ptx *ptx, uint32_t face, uint32_t level,
+                                     slv_ptx_block *out);
+
+/* Reads all texels of a face at resolution `res`, no finer than the face's: the stored texels, a
+ * stored reduction, or one computed as the format prescribes. Constant faces are filled out; 1x1 of
+ * any face is the stored average. `out` has room for 2^u * 2^v * nchannels values, tightly packed,
+ * v-major, row 0 at v=0.
+ *
+ * In a file with alpha, texels at full resolution and averages are as painted while stored
+ * reductions are premultiplied: so is the format. Opened with `premultiply`, everything is
+ * premultiplied. */
 SLV_API slv_result slv_ptx_read_face(const slv_ptx *ptx, uint32_t face, slv_res res, void *out);
 
-/* Metadata by index, in the order of the file, or by key (NULL if there is none). Owned by the file. */
+/* Reads many faces one after the other: the same as slv_ptx_read_face, but buffers and the
+ * decompressor are kept. For one thread at a time; each thread has its own. The file must outlive
+ * it. */
+typedef struct slv_ptx_reader slv_ptx_reader;
+SLV_API slv_result slv_ptx_reader_create(const slv_env *env, const slv_ptx *ptx,
+                                         slv_ptx_reader **out);
+SLV_API void slv_ptx_reader_destroy(slv_ptx_reader *reader);
+SLV_API slv_result slv_ptx_reader_read(slv_ptx_reader *reader, uint32_t face, slv_res res,
+                                       void *out);
+
+/* Calls `visit` with every face at full resolution, on env->threads threads. A face with
+ * SLV_FACE_CONSTANT in its flags comes as one texel. `texels` is the visitor's to change, until it
+ * returns. A result other than SLV_OK ends the visit and is returned: log through `env` before
+ * that, each failing call one line; only the line of the lowest face is passed on. */
+typedef slv_result (*slv_ptx_visit_fn)(void *user, const slv_env *env, uint32_t face,
+                                       const slv_ptx_face *info, void *texels);
+SLV_API slv_result slv_ptx_visit_faces(const slv_env *env, const slv_ptx *ptx,
+                                       slv_ptx_visit_fn visit, void *user);
+
+/* Metadata by index, in the order of the file, or by key. NULL if there is none, or if a large
+ * value cannot be read (the log says why). Owned by the file. */
 SLV_API const slv_ptx_meta *slv_ptx_get_meta(const slv_ptx *ptx, uint32_t index);
 SLV_API const slv_ptx_meta *slv_ptx_find_meta(const slv_ptx *ptx, const char *key);
 
 /* All faces at full resolution as a store, read in parallel. */
 SLV_API slv_result slv_ptx_load_texture(const slv_env *env, const slv_ptx *ptx, slv_texture **out);
 /* The file's own adjacency. Triangle files are SLV_ERROR_UNSUPPORTED. */
-SLV_API slv_result slv_ptx_load_adjacency(const slv_env *env, const slv_ptx *ptx, slv_adjacency **out);
-/* The control mesh in PtexFaceVertCounts, PtexFaceVertIndices and PtexVertPositions. SLV_ERROR_UNSUPPORTED if they
- * are not there, SLV_ERROR_MISMATCH if they contradict each other or the file's number of faces. */
+SLV_API slv_result slv_ptx_load_adjacency(const slv_env *env, const slv_ptx *ptx,
+                                          slv_adjacency **out);
+/* The control mesh in PtexFaceVertCounts, PtexFaceVertIndices and PtexVertPositions.
+ * SLV_ERROR_UNSUPPORTED if they are not there, SLV_ERROR_MISMATCH if they contradict each other or
+ * the file's number of faces. */
 SLV_API slv_result slv_ptx_load_mesh(const slv_env *env, const slv_ptx *ptx, slv_mesh **out);
 
-/* Whether a mesh is the one that the file was painted on: mesh type, face count, sub-face flags, adjacency. SLV_ERROR_MISMATCH, with
- * the first face and edge that differ in the message. A file without any adjacency matches by its face count; edges of
- * holes may be either; of two sub-faces across an edge either may be named. */
+/* Whether a mesh is the one that the file was painted on: mesh type, face count, sub-face flags,
+ * adjacency. SLV_ERROR_MISMATCH, with the first face and edge that differ in the message. A file
+ * without any adjacency matches by its face count; edges of holes may be either; of two sub-faces
+ * across an edge either may be named. */
 SLV_API slv_result slv_ptx_match_mesh(const slv_env *env, const slv_ptx *ptx, const slv_mesh *mesh);
 
-/* What to write. Zero means default. */
+/* What to write with slv_ptx_save. Zero means default. */
 typedef struct slv_ptx_write_params {
     slv_border_mode border_u, border_v;
     slv_edge_filter edge_filter;
     bool no_reductions;
-    int compression; /* libdeflate's 1..12; 0 means 6 */
+    int compression; /* libdeflate's 1..12; 0: quick, and about as small as zlib's default level */
     const slv_mesh *mesh; /* if given, its geometry is written as metadata */
     uint32_t nmeta;
     const slv_ptx_meta *meta;
 } slv_ptx_write_params;
 
-/* Writes a quad file: constant faces detected, reductions and averages made as the format prescribes. Atomic: the path holds
- * the old file or the complete new one. `adjacency` may be NULL (all boundaries). */
+/* Writes a store as a quad file, on env->threads threads: constant faces detected, reductions and
+ * averages made as the format prescribes. Atomic: the path holds the old file or the complete new
+ * one. `adjacency` may be NULL (all boundaries). */
 SLV_API slv_result slv_ptx_save(const slv_env *env, const char *path, const slv_texture *texture,
                                 const slv_adjacency *adjacency, const slv_ptx_write_params *params);
+
+/* The arithmetic of the format, bit for bit. Texels are tightly packed. */
+
+/* The next stored reduction: both sides halved. `res` is that of `texels`, both of its sides at
+ * least 1; `out` must not overlap. */
+SLV_API void slv_ptx_reduce(slv_ptx_mesh_type mesh_type, slv_type type, uint32_t nchannels,
+                            slv_res res, const void *texels, void *out);
+/* The mean of `count` texels; a file's averages are those of the last stored reduction. */
+SLV_API void slv_ptx_average(slv_type type, uint32_t nchannels, const void *texels, uint64_t count,
+                             void *out);
+/* Multiplies by alpha, or divides where alpha is not zero, the channels that it covers: those
+ * before it, or, if it is channel 0, those behind it. Nothing happens with SLV_NO_ALPHA. */
+SLV_API void slv_ptx_premultiply(slv_type type, uint32_t nchannels, int32_t alpha_channel,
+                                 void *texels, uint64_t count);
+SLV_API void slv_ptx_unmultiply(slv_type type, uint32_t nchannels, int32_t alpha_channel,
+                                void *texels, uint64_t count);
 
 #ifdef __cplusplus
 }

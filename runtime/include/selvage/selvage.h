@@ -11,6 +11,10 @@
 #include <selvage/image.h>
 #include <selvage/mesh.h>
 #include <selvage/ptx.h>
+#include <selvage/ptx_check.h>
+#include <selvage/ptx_diff.h>
+#include <selvage/ptx_resize.h>
+#include <selvage/ptx_writer.h>
 #include <selvage/result.h>
 #include <selvage/surface.h>
 #include <selvage/texture.h>

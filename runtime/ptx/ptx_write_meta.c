@@ -3,39 +3,40 @@
 
 #include <stdlib.h>
 
-static const char *const geometry_keys[] = {"PtexFaceVertCounts", "PtexFaceVertIndices",
-                                            "PtexVertPositions"};
-
-static bool is_geometry(const char *key) {
-    for (size_t i = 0; i < 3; i++)
-        if (!strcmp(key, geometry_keys[i]))
-            return true;
-    return false;
-}
-
 struct meta_packer {
     const slv_env *env;
     const char *path;
     struct libdeflate_compressor *deflater;
+    bool all_small;
     ptx_bytes small, large_headers, large_data;
 };
 
-static slv_result add(struct meta_packer *m, const slv_ptx_meta *meta) {
+uint64_t ptx_meta_size(const slv_ptx_meta *meta) {
     static const uint8_t sizes[] = {1, 1, 2, 4, 4, 8};
+    return (uint64_t)meta->count * sizes[meta->type] + (meta->type == SLV_META_STRING);
+}
+
+slv_result ptx_meta_check(const slv_env *env, const char *path, const slv_ptx_meta *meta) {
+    if (!meta)
+        return slv_fail(env, SLV_ERROR_ARGUMENT, "%s: a metadata entry is missing", path);
     if (!meta->key || !meta->key[0] || strlen(meta->key) > PTX_MAX_KEY)
-        return slv_fail(m->env, SLV_ERROR_ARGUMENT, "%s: metadata keys have 1 to %d bytes", m->path,
+        return slv_fail(env, SLV_ERROR_ARGUMENT, "%s: metadata keys have 1 to %d bytes", path,
                         PTX_MAX_KEY);
     if ((unsigned)meta->type > SLV_META_DOUBLE || (meta->count && !meta->values) ||
         (!meta->count && meta->type != SLV_META_STRING))
-        return slv_fail(m->env, SLV_ERROR_ARGUMENT, "%s: metadata %s: %s", m->path, meta->key,
+        return slv_fail(env, SLV_ERROR_ARGUMENT, "%s: metadata %s: %s", path, meta->key,
                         (unsigned)meta->type > SLV_META_DOUBLE ? "unknown type" : "has no values");
+    if (ptx_meta_size(meta) > UINT32_MAX)
+        return slv_fail(env, SLV_ERROR_LIMIT, "%s: metadata %s: %llu bytes are too many", path,
+                        meta->key, (unsigned long long)ptx_meta_size(meta));
+    return SLV_OK;
+}
+
+static slv_result add(struct meta_packer *m, const slv_ptx_meta *meta) {
     bool text = meta->type == SLV_META_STRING;
-    uint64_t values_size = (uint64_t)meta->count * sizes[meta->type], size = values_size + text;
-    if (size > UINT32_MAX)
-        return slv_fail(m->env, SLV_ERROR_LIMIT, "%s: metadata %s: %llu bytes are too many",
-                        m->path, meta->key, (unsigned long long)size);
+    uint64_t size = ptx_meta_size(meta), values_size = size - text;
     unsigned key_size = (unsigned)strlen(meta->key) + 1;
-    bool large = size > PTX_LARGE_META;
+    bool large = size > PTX_LARGE_META && !m->all_small;
     uint8_t header[1 + PTX_MAX_KEY + 1 + 9];
     header[0] = (uint8_t)key_size;
     memcpy(header + 1, meta->key, key_size);
@@ -61,36 +62,14 @@ static slv_result add(struct meta_packer *m, const slv_ptx_meta *meta) {
     return result;
 }
 
-static slv_result add_mesh(struct meta_packer *m, const slv_mesh *mesh) {
-    const slv_mesh_view *view = slv_mesh_get_view(mesh);
-    uint64_t nindices = 0;
-    slv_result result;
-    for (uint32_t poly = 0; poly < view->npolys; poly++)
-        nindices += (uint32_t)view->poly_sizes[poly];
-    if (nindices > UINT32_MAX / 4 || view->nverts > UINT32_MAX / 12)
-        return slv_fail(m->env, SLV_ERROR_LIMIT, "%s: the mesh is too large to be written with it",
-                        m->path);
-    slv_ptx_meta entries[3] = {
-        {geometry_keys[0], SLV_META_INT32, view->npolys, view->poly_sizes},
-        {geometry_keys[1], SLV_META_INT32, (uint32_t)nindices, view->poly_verts},
-        {geometry_keys[2], SLV_META_FLOAT, 3 * view->nverts, view->positions}};
-    for (size_t i = 0; i < 3; i++)
-        if (entries[i].count && (result = add(m, &entries[i])))
-            return result;
-    return SLV_OK;
-}
-
 slv_result ptx_meta_pack(const slv_env *env, const char *path,
-                         struct libdeflate_compressor *deflater, const slv_ptx_write_params *params,
-                         ptx_meta_out *out) {
+                         struct libdeflate_compressor *deflater, const ptx_kept_meta *meta,
+                         uint32_t nmeta, ptx_meta_out *out) {
     static const uint8_t barrier[PTX_BARRIER_SIZE] = {0};
     struct meta_packer m = {.env = env, .path = path, .deflater = deflater};
     slv_result result = SLV_OK;
-    if (params->mesh)
-        result = add_mesh(&m, params->mesh);
-    for (uint32_t i = 0; !result && i < params->nmeta; i++)
-        if (!params->mesh || !params->meta[i].key || !is_geometry(params->meta[i].key))
-            result = add(&m, &params->meta[i]);
+    for (uint32_t i = 0; !result && i < nmeta; i++)
+        result = add(&m, &meta[i].entry);
     if (!result && (m.small.size > UINT32_MAX || m.large_headers.size > UINT32_MAX))
         result = slv_fail(env, SLV_ERROR_LIMIT, "%s: too much metadata", path);
     if (!result && m.small.size)
@@ -110,5 +89,17 @@ slv_result ptx_meta_pack(const slv_env *env, const char *path,
     free(m.small.data);
     free(m.large_headers.data);
     free(m.large_data.data);
+    return result;
+}
+
+slv_result ptx_meta_pack_edit(const slv_env *env, const char *path, const ptx_kept_meta *meta,
+                              uint32_t nmeta, ptx_bytes *out) {
+    struct meta_packer m = {.env = env, .path = path, .all_small = true};
+    slv_result result = SLV_OK;
+    for (uint32_t i = 0; !result && i < nmeta; i++)
+        result = add(&m, &meta[i].entry);
+    if (!result && m.small.size > UINT32_MAX / 2)
+        result = slv_fail(env, SLV_ERROR_LIMIT, "%s: too much metadata for one edit", path);
+    *out = m.small;
     return result;
 }

@@ -1,0 +1,290 @@
+#include "closest.h"
+
+#include "base/log.h"
+#include "base/parallel.h"
+
+#include <float.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { LEAF = 4, MAX_DEPTH = 64 };
+
+struct triangle {
+    uint32_t face, cell; /* cell: 2 * (y * segments + x) + which half */
+};
+
+struct node {
+    float low[3], high[3];
+    uint32_t first, count; /* a leaf: triangles; else count is 0, `first` is the left child, the
+                              right one follows it */
+};
+
+struct slv_closest {
+    uint32_t nfaces, segments, ntriangles, nnodes;
+    float *points; /* (segments + 1)^2 a face */
+    struct triangle *triangles;
+    struct node *nodes;
+};
+
+static const float *corner_of(const slv_closest *c, const struct triangle *t, unsigned corner,
+                              float uv[2]) {
+    uint32_t cell = t->cell / 2, side = c->segments + 1;
+    bool upper = t->cell & 1;
+    /* lower half: (0,0) (1,0) (1,1); upper half: (0,0) (1,1) (0,1) */
+    uint32_t x = cell % c->segments + (upper ? corner == 1 : corner > 0);
+    uint32_t y = cell / c->segments + (upper ? corner > 0 : corner == 2);
+    uv[0] = (float)x / (float)c->segments;
+    uv[1] = (float)y / (float)c->segments;
+    return c->points + 3 * ((size_t)t->face * side * side + (size_t)y * side + x);
+}
+
+static void bound(const slv_closest *c, uint32_t first, uint32_t count, float low[3],
+                  float high[3]) {
+    for (int k = 0; k < 3; k++) {
+        low[k] = FLT_MAX;
+        high[k] = -FLT_MAX;
+    }
+    for (uint32_t i = first; i < first + count; i++)
+        for (unsigned corner = 0; corner < 3; corner++) {
+            float uv[2];
+            const float *p = corner_of(c, &c->triangles[i], corner, uv);
+            for (int k = 0; k < 3; k++) {
+                low[k] = fminf(low[k], p[k]);
+                high[k] = fmaxf(high[k], p[k]);
+            }
+        }
+}
+
+static float middle(const slv_closest *c, const struct triangle *t, int axis) {
+    float sum = 0, uv[2];
+    for (unsigned corner = 0; corner < 3; corner++)
+        sum += corner_of(c, t, corner, uv)[axis];
+    return sum;
+}
+
+static bool before(const slv_closest *c, const struct triangle *a, const struct triangle *b,
+                   int axis) {
+    float x = middle(c, a, axis), y = middle(c, b, axis);
+    if (x != y)
+        return x < y;
+    return a->face != b->face ? a->face < b->face : a->cell < b->cell;
+}
+
+/* Puts the smaller half of first..end-1 before the larger one (Hoare's selection). */
+static void split(slv_closest *c, uint32_t first, uint32_t end, uint32_t at, int axis) {
+    int64_t low = first, high = (int64_t)end - 1;
+    while (low < high) {
+        struct triangle pivot = c->triangles[(low + high) / 2];
+        int64_t i = low, j = high;
+        while (i <= j) {
+            while (before(c, &c->triangles[i], &pivot, axis))
+                i++;
+            while (before(c, &pivot, &c->triangles[j], axis))
+                j--;
+            if (i <= j) {
+                struct triangle swap = c->triangles[i];
+                c->triangles[i++] = c->triangles[j];
+                c->triangles[j--] = swap;
+            }
+        }
+        if ((int64_t)at <= j)
+            high = j;
+        else if ((int64_t)at >= i)
+            low = i;
+        else
+            return;
+    }
+}
+
+static void build(slv_closest *c, uint32_t index, uint32_t first, uint32_t count) {
+    struct node *node = &c->nodes[index];
+    int axis = 0;
+    bound(c, first, count, node->low, node->high);
+    node->first = first;
+    node->count = count;
+    if (count <= LEAF)
+        return;
+    for (int k = 1; k < 3; k++)
+        if (node->high[k] - node->low[k] > node->high[axis] - node->low[axis])
+            axis = k;
+    split(c, first, first + count, first + count / 2, axis);
+    node->first = c->nnodes;
+    node->count = 0;
+    c->nnodes += 2;
+    build(c, node->first, first, count / 2);
+    build(c, node->first + 1, first + count / 2, count - count / 2);
+}
+
+struct sampling {
+    const slv_surface *surface;
+    slv_closest *closest;
+};
+
+static slv_result sample(void *user, uint64_t first, uint64_t end) {
+    struct sampling *s = user;
+    slv_closest *c = s->closest;
+    size_t side = c->segments + 1;
+    slv_result result = SLV_OK;
+    for (uint64_t face = first; face < end && !result; face++) {
+        slv_surface_arrays arrays = {.positions = c->points + 3 * face * side * side};
+        result =
+            slv_surface_evaluate_grid(s->surface, (int32_t)face, c->segments, c->segments, &arrays);
+    }
+    return result;
+}
+
+slv_result slv_closest_create(const slv_env *env, const slv_surface *surface, uint32_t segments,
+                              slv_closest **out) {
+    slv_closest *c = NULL;
+    uint64_t nfaces = slv_surface_face_count(surface),
+             ntriangles = nfaces * segments * segments * 2;
+    *out = NULL;
+    if (ntriangles > INT32_MAX)
+        return slv_fail(env, SLV_ERROR_LIMIT, "%llu triangles to search, the most is %d",
+                        (unsigned long long)ntriangles, INT32_MAX);
+    slv_result result = slv_alloc(env, "surface search", 1, sizeof *c, &c);
+    if (result)
+        return result;
+    *c = (slv_closest){.nfaces = (uint32_t)nfaces,
+                       .segments = segments,
+                       .ntriangles = (uint32_t)ntriangles,
+                       .nnodes = 1};
+    if ((result = slv_alloc(env, "surface points", nfaces * (segments + 1) * (segments + 1),
+                            3 * sizeof(float), &c->points)) ||
+        (result = slv_alloc(env, "triangles", ntriangles, sizeof *c->triangles, &c->triangles)) ||
+        (result = slv_alloc(env, "boxes", ntriangles + 1, sizeof *c->nodes, &c->nodes)))
+        goto done;
+    struct sampling sampling = {surface, c};
+    if ((result = slv_parallel_for(env, nfaces, 16, sample, &sampling)))
+        goto done;
+    for (uint32_t i = 0; i < c->ntriangles; i++)
+        c->triangles[i] =
+            (struct triangle){i / (segments * segments * 2), i % (segments * segments * 2)};
+    build(c, 0, 0, c->ntriangles);
+    *out = c;
+    c = NULL;
+done:
+    slv_closest_destroy(c);
+    return result;
+}
+
+void slv_closest_destroy(slv_closest *closest) {
+    if (!closest)
+        return;
+    free(closest->points);
+    free(closest->triangles);
+    free(closest->nodes);
+    free(closest);
+}
+
+float slv_closest_diagonal(const slv_closest *closest) {
+    const struct node *root = &closest->nodes[0];
+    float sum = 0;
+    for (int k = 0; k < 3 && closest->ntriangles; k++)
+        sum += (root->high[k] - root->low[k]) * (root->high[k] - root->low[k]);
+    return sqrtf(sum);
+}
+
+static void subtract(const float *a, const float *b, float *out) {
+    for (int k = 0; k < 3; k++)
+        out[k] = a[k] - b[k];
+}
+static float dot(const float *a, const float *b) {
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+}
+
+/* The weights of b and c at the nearest point of a triangle (Ericson, Real-Time Collision
+ * Detection, 5.1.5). */
+static void nearest_weights(const float *p, const float *a, const float *b, const float *c,
+                            float *wb, float *wc) {
+    float ab[3], ac[3], ap[3], bp[3], cp[3];
+    subtract(b, a, ab);
+    subtract(c, a, ac);
+    subtract(p, a, ap);
+    subtract(p, b, bp);
+    subtract(p, c, cp);
+    float d1 = dot(ab, ap), d2 = dot(ac, ap), d3 = dot(ab, bp), d4 = dot(ac, bp), d5 = dot(ab, cp),
+          d6 = dot(ac, cp);
+    float va = d3 * d6 - d5 * d4, vb = d5 * d2 - d1 * d6, vc = d1 * d4 - d3 * d2;
+    *wb = *wc = 0;
+    if (d1 <= 0 && d2 <= 0)
+        return;
+    if (d3 >= 0 && d4 <= d3)
+        *wb = 1;
+    else if (d6 >= 0 && d5 <= d6)
+        *wc = 1;
+    else if (vc <= 0 && d1 >= 0 && d3 <= 0)
+        *wb = d1 - d3 > 0 ? d1 / (d1 - d3) : 0;
+    else if (vb <= 0 && d2 >= 0 && d6 <= 0)
+        *wc = d2 - d6 > 0 ? d2 / (d2 - d6) : 0;
+    else if (va <= 0 && d4 - d3 >= 0 && d5 - d6 >= 0) {
+        float sum = d4 - d3 + d5 - d6;
+        *wc = sum > 0 ? (d4 - d3) / sum : 0;
+        *wb = 1 - *wc;
+    } else if (va + vb + vc > 0) {
+        *wb = vb / (va + vb + vc);
+        *wc = vc / (va + vb + vc);
+    }
+}
+
+static void try_triangle(const slv_closest *c, const struct triangle *t, const float *p,
+                         const float *normal, float *best, slv_closest_hit *hit) {
+    float uv[3][2], wb, wc, ab[3], ac[3], away[3];
+    const float *corners[3];
+    for (unsigned k = 0; k < 3; k++)
+        corners[k] = corner_of(c, t, k, uv[k]);
+    if (normal) {
+        subtract(corners[1], corners[0], ab);
+        subtract(corners[2], corners[0], ac);
+        const float facing[3] = {ab[1] * ac[2] - ab[2] * ac[1], ab[2] * ac[0] - ab[0] * ac[2],
+                                 ab[0] * ac[1] - ab[1] * ac[0]};
+        if (dot(facing, normal) < 0)
+            return;
+    }
+    nearest_weights(p, corners[0], corners[1], corners[2], &wb, &wc);
+    for (int k = 0; k < 3; k++)
+        away[k] = corners[0][k] * (1 - wb - wc) + corners[1][k] * wb + corners[2][k] * wc - p[k];
+    float distance = dot(away, away);
+    if (distance > *best ||
+        (distance == *best && hit->point.face >= 0 && hit->point.face <= (int32_t)t->face))
+        return;
+    *best = distance;
+    hit->point = (slv_surface_point){(int32_t)t->face,
+                                     uv[0][0] * (1 - wb - wc) + uv[1][0] * wb + uv[2][0] * wc,
+                                     uv[0][1] * (1 - wb - wc) + uv[1][1] * wb + uv[2][1] * wc};
+}
+
+static float box_distance(const struct node *node, const float *p) {
+    float sum = 0;
+    for (int k = 0; k < 3; k++) {
+        float outside = fmaxf(fmaxf(node->low[k] - p[k], p[k] - node->high[k]), 0);
+        sum += outside * outside;
+    }
+    return sum;
+}
+
+slv_closest_hit slv_closest_find(const slv_closest *closest, const float position[3],
+                                 const float *normal) {
+    slv_closest_hit hit = {{-1, 0, 0}, INFINITY};
+    float best = INFINITY;
+    uint32_t stack[2 * MAX_DEPTH], depth = 0;
+    if (closest->ntriangles)
+        stack[depth++] = 0;
+    while (depth) {
+        const struct node *node = &closest->nodes[stack[--depth]];
+        if (box_distance(node, position) > best)
+            continue;
+        if (node->count) {
+            for (uint32_t i = node->first; i < node->first + node->count; i++)
+                try_triangle(closest, &closest->triangles[i], position, normal, &best, &hit);
+            continue;
+        }
+        bool left_first = box_distance(&closest->nodes[node->first], position) <=
+                          box_distance(&closest->nodes[node->first + 1], position);
+        stack[depth++] = node->first + left_first;
+        stack[depth++] = node->first + !left_first;
+    }
+    hit.distance = sqrtf(best);
+    return hit;
+}

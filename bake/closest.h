@@ -1,0 +1,24 @@
+/* The nearest point of a surface given as triangles, through a tree of boxes. */
+#ifndef SLV_BAKE_CLOSEST_H
+#define SLV_BAKE_CLOSEST_H
+
+#include <selvage/surface.h>
+
+typedef struct slv_closest slv_closest;
+
+typedef struct slv_closest_hit {
+    slv_surface_point point; /* face -1: there is no triangle at all, or none that faces this way */
+    float distance;
+} slv_closest_hit;
+
+/* Samples every face of the surface on a grid of segments x segments. */
+slv_result slv_closest_create(const slv_env *env, const slv_surface *surface, uint32_t segments,
+                              slv_closest **out);
+void slv_closest_destroy(slv_closest *closest);
+/* If `normal` is not NULL, only triangles that face the same way count. Thread-safe. */
+slv_closest_hit slv_closest_find(const slv_closest *closest, const float position[3],
+                                 const float *normal);
+/* The length of the diagonal of the box around everything. */
+float slv_closest_diagonal(const slv_closest *closest);
+
+#endif

@@ -1,0 +1,249 @@
+#include "transfer.h"
+
+#include "base/log.h"
+#include "base/parallel.h"
+#include "closest.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+enum { SEGMENTS = 8, MAX_NEW_LOG2 = 12 };
+#define MATCH_TOLERANCE 1e-5f  /* of the source's diagonal */
+#define DEFAULT_DISTANCE 0.01f /* of the same */
+
+struct transfer {
+    slv_env env;
+    const slv_texture *texture;
+    const slv_texture_desc *desc;
+    slv_texture *out;
+    slv_transfer_params params;
+    slv_transfer_face *faces;
+    float *source_corners, *target_corners;
+    slv_surface *source, *target;
+    slv_closest *closest;
+    slv_res *res; /* of the target's faces */
+};
+
+static float length_of(const float *a, const float *b) {
+    float x = b[0] - a[0], y = b[1] - a[1], z = b[2] - a[2];
+    return sqrtf(x * x + y * y + z * z);
+}
+
+static int8_t log2_for(float texels) {
+    float log2 = texels > 1 ? roundf(log2f(texels)) : 0;
+    return (int8_t)(log2 < MAX_NEW_LOG2 ? log2 : MAX_NEW_LOG2);
+}
+
+/* As many texels a length as the source has where the middle of the face lies. */
+static slv_res choose_res(const struct transfer *t, uint32_t face, int32_t nearest) {
+    const float *c = t->target_corners + (size_t)12 * face;
+    if (nearest < 0)
+        return (slv_res){0, 0};
+    slv_res res = t->desc->res[nearest];
+    float area = transfer_area(t->source_corners + (size_t)12 * (size_t)nearest);
+    float density = area > 0 ? sqrtf(ldexpf(1, res.u + res.v) / area) : 0;
+    float u = 0.5f * (length_of(c, c + 3) + length_of(c + 9, c + 6)),
+          v = 0.5f * (length_of(c, c + 9) + length_of(c + 3, c + 6));
+    if (!(density > 0) || !isfinite(u * density) || !isfinite(v * density))
+        return res;
+    return (slv_res){log2_for(u * density), log2_for(v * density)};
+}
+
+/* The nearest point that faces the same way, or, if that is too far, that faces any way. */
+static slv_closest_hit find(const struct transfer *t, const float *position, const float *normal) {
+    slv_closest_hit hit = slv_closest_find(t->closest, position, normal);
+    if (hit.point.face >= 0 && hit.distance <= t->params.max_distance)
+        return hit;
+    return slv_closest_find(t->closest, position, NULL);
+}
+
+static slv_result prepare_range(void *user, uint64_t first, uint64_t end) {
+    struct transfer *t = user;
+    for (uint64_t i = first; i < end; i++) {
+        slv_transfer_face *f = &t->faces[i];
+        const float *corners = t->target_corners + 12 * i;
+        f->area = transfer_area(corners);
+        if (f->source >= 0) {
+            t->res[i] = transfer_turned(t->desc->res[f->source], f);
+            continue;
+        }
+        float position[3], normal[3];
+        slv_surface_point point = {(int32_t)i, 0.5f, 0.5f};
+        slv_surface_arrays arrays = {.positions = position, .normals = normal};
+        slv_result result = slv_surface_evaluate(t->target, 1, &point, &arrays);
+        if (result)
+            return result;
+        f->kind = SLV_TRANSFER_RESAMPLED;
+        f->source = find(t, position, normal).point.face;
+        t->res[i] = choose_res(t, (uint32_t)i, f->source);
+    }
+    return SLV_OK;
+}
+
+/* Linear between the centres of the face's own texels. */
+static void look_up(const struct transfer *t, const slv_surface_point *at, float *scratch,
+                    float *out) {
+    uint32_t face = (uint32_t)at->face, n = t->desc->nchannels;
+    float w = ldexpf(1, t->desc->res[face].u), h = ldexpf(1, t->desc->res[face].v);
+    float x = fminf(fmaxf(at->u * w - 0.5f, 0), w - 1),
+          y = fminf(fmaxf(at->v * h - 0.5f, 0), h - 1);
+    uint32_t x0 = (uint32_t)x, y0 = (uint32_t)y, x1 = x0 + ((float)x0 + 1 < w),
+             y1 = y0 + ((float)y0 + 1 < h);
+    float fx = x - (float)x0, fy = y - (float)y0;
+    const float weights[4] = {(1 - fx) * (1 - fy), fx * (1 - fy), (1 - fx) * fy, fx * fy};
+    const uint32_t xs[4] = {x0, x1, x0, x1}, ys[4] = {y0, y0, y1, y1};
+    for (uint32_t c = 0; c < n; c++)
+        out[c] = 0;
+    for (int k = 0; k < 4; k++) {
+        if (weights[k] == 0)
+            continue;
+        slv_texture_fetch(t->texture, face, xs[k], ys[k], scratch);
+        for (uint32_t c = 0; c < n; c++)
+            out[c] += weights[k] * scratch[c];
+    }
+}
+
+/* What one face needs: points and normals of a row, all values and texels. */
+struct buffers {
+    slv_surface_point *points;
+    float *positions, *normals, *values, *scratch;
+    void *texels;
+};
+
+static void free_buffers(struct buffers *b) {
+    free(b->points);
+    free(b->positions);
+    free(b->normals);
+    free(b->values);
+    free(b->scratch);
+    free(b->texels);
+}
+
+static slv_result allocate(const struct transfer *t, slv_res res, struct buffers *b) {
+    uint64_t w = UINT64_C(1) << res.u, count = UINT64_C(1) << (res.u + res.v);
+    uint32_t n = t->desc->nchannels;
+    slv_result result;
+    if ((result = slv_alloc(&t->env, "points", w, sizeof *b->points, &b->points)) ||
+        (result = slv_alloc(&t->env, "points", w, 3 * sizeof(float), &b->positions)) ||
+        (result = slv_alloc(&t->env, "normals", w, 3 * sizeof(float), &b->normals)) ||
+        (result = slv_alloc(&t->env, "values", count, n * sizeof(float), &b->values)) ||
+        (result = slv_alloc(&t->env, "values", n, sizeof(float), &b->scratch)))
+        return result;
+    return slv_alloc(&t->env, "texels", count, n * slv_type_size(t->desc->type), &b->texels);
+}
+
+static slv_result resample(const struct transfer *t, uint32_t face) {
+    slv_transfer_face *f = &t->faces[face];
+    slv_res res = t->res[face];
+    uint64_t w = UINT64_C(1) << res.u, h = UINT64_C(1) << res.v, near = 0;
+    uint32_t n = t->desc->nchannels;
+    struct buffers b = {0};
+    slv_result result = allocate(t, res, &b);
+    for (uint64_t y = 0; y < h && !result; y++) {
+        slv_surface_arrays arrays = {.positions = b.positions, .normals = b.normals};
+        for (uint64_t x = 0; x < w; x++)
+            b.points[x] = (slv_surface_point){(int32_t)face, ((float)x + 0.5f) / (float)w,
+                                              ((float)y + 0.5f) / (float)h};
+        if ((result = slv_surface_evaluate(t->target, w, b.points, &arrays)))
+            break;
+        for (uint64_t x = 0; x < w; x++) {
+            slv_closest_hit hit = find(t, b.positions + 3 * x, b.normals + 3 * x);
+            bool covered = hit.point.face >= 0 && hit.distance <= t->params.max_distance;
+            near += covered;
+            f->distance = fmaxf(f->distance, hit.distance);
+            if (hit.point.face >= 0 && (covered || !t->params.blank))
+                look_up(t, &hit.point, b.scratch, b.values + (y * w + x) * n);
+        }
+    }
+    if (!result) {
+        f->covered = (float)near / (float)(w * h);
+        f->kind = near == w * h ? SLV_TRANSFER_RESAMPLED
+                  : near        ? SLV_TRANSFER_PARTLY
+                                : SLV_TRANSFER_FAR;
+        slv_type_from_float(t->desc->type, b.values, w * h * n, b.texels);
+        result = slv_texture_set_face(t->out, face, b.texels);
+    }
+    free_buffers(&b);
+    return result;
+}
+
+static slv_result fill_range(void *user, uint64_t first, uint64_t end) {
+    struct transfer *t = user;
+    slv_result result = SLV_OK;
+    for (uint64_t i = first; i < end && !result; i++) {
+        slv_transfer_face *f = &t->faces[i];
+        if (f->kind != SLV_TRANSFER_COPIED) {
+            result = resample(t, (uint32_t)i);
+            continue;
+        }
+        f->covered = 1;
+        result = transfer_copy(&t->env, t->texture, f, t->out, (uint32_t)i);
+    }
+    return result;
+}
+
+static slv_result prepare(const slv_env *env, struct transfer *t, const slv_mesh *source,
+                          const slv_mesh *target) {
+    slv_surface_params surface = {.scheme = t->params.scheme};
+    uint32_t nsource = slv_mesh_face_count(source), ntarget = slv_mesh_face_count(target);
+    slv_result result;
+    if ((result = transfer_corners(env, source, &t->source_corners)) ||
+        (result = transfer_corners(env, target, &t->target_corners)) ||
+        (result = slv_surface_create(env, source, &surface, &t->source)) ||
+        (result = slv_surface_create(env, target, &surface, &t->target)) ||
+        (result = slv_closest_create(env, t->source, SEGMENTS, &t->closest)) ||
+        (result = slv_alloc(env, "resolutions", ntarget, sizeof *t->res, &t->res)))
+        return result;
+    float diagonal = slv_closest_diagonal(t->closest);
+    if (!(t->params.max_distance > 0))
+        t->params.max_distance = DEFAULT_DISTANCE * diagonal;
+    return transfer_match(env, t->params.no_copies ? 0 : nsource, t->source_corners, ntarget,
+                          t->target_corners, MATCH_TOLERANCE * diagonal, t->faces);
+}
+
+slv_result slv_transfer(const slv_env *env, const slv_mesh *source, const slv_texture *texture,
+                        const slv_mesh *target, const slv_transfer_params *params,
+                        slv_transfer_face *faces, float *covered, slv_texture **out) {
+    struct transfer t = {.texture = texture, .desc = slv_texture_get_desc(texture), .faces = faces};
+    uint32_t ntarget = slv_mesh_face_count(target);
+    slv_parallel_log *log = NULL;
+    double area = 0, near = 0;
+    slv_result result = slv_parallel_env_begin(env, &log, &t.env);
+    *out = NULL;
+    if (result)
+        return result;
+    if (params)
+        t.params = *params;
+    if (t.desc->nfaces != slv_mesh_face_count(source)) {
+        result = slv_fail(env, SLV_ERROR_MISMATCH, "the texture has %u faces, its mesh %u",
+                          t.desc->nfaces, slv_mesh_face_count(source));
+        goto done;
+    }
+    if ((result = prepare(env, &t, source, target)) ||
+        (result = slv_parallel_for(env, ntarget, 64, prepare_range, &t)))
+        goto done;
+    slv_texture_desc desc = *t.desc;
+    desc.nfaces = ntarget;
+    desc.res = t.res;
+    if ((result = slv_texture_create(env, &desc, &t.out)) ||
+        (result = slv_parallel_for(env, ntarget, 4, fill_range, &t)))
+        goto done;
+    for (uint32_t face = 0; face < ntarget; face++) {
+        area += (double)faces[face].area;
+        near += (double)faces[face].area * (double)faces[face].covered;
+    }
+    if (covered)
+        *covered = area > 0 ? (float)(near / area) : 0;
+    *out = t.out;
+    t.out = NULL;
+done:
+    slv_texture_destroy(t.out);
+    slv_closest_destroy(t.closest);
+    slv_surface_destroy(t.source);
+    slv_surface_destroy(t.target);
+    free(t.source_corners);
+    free(t.target_corners);
+    free(t.res);
+    slv_parallel_env_end(log);
+    return result;
+}

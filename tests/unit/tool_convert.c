@@ -1,0 +1,230 @@
+/* The command `selvage convert`: what comes back is what went in, and what was asked for is what
+ * comes. */
+#include "tool_kit.h"
+
+#include <selvage/image.h>
+#include <selvage/ptx_resize.h>
+
+#define SAME(a, b) RUNS(0, "diff '%s' '%s'", a, b)
+
+/* Through every form and back, nothing is lost. */
+static void there_and_back(const char *path) {
+    RUNS(0, "convert '%s' copy.ptx", path);
+    RUNS(0, "check --strict copy.ptx");
+    SAME(path, "copy.ptx");
+    RUNS(0, "convert '%s' faces", path);
+    RUNS(0, "convert faces copy.ptx");
+    SAME(path, "copy.ptx");
+    RUNS(0, "convert '%s' sheet.exr", path);
+    RUNS(0, "convert sheet.json copy.ptx");
+    SAME(path, "copy.ptx");
+}
+
+static slv_ptx_face face_of(const char *name, uint32_t face, void *texels) {
+    slv_ptx *ptx = tool_open(name);
+    slv_ptx_face info;
+    REQUIRE(!slv_ptx_get_face(ptx, face, &info));
+    if (texels)
+        REQUIRE(!slv_ptx_read_face(ptx, face, info.res, texels));
+    slv_ptx_close(ptx);
+    return info;
+}
+
+static slv_ptx_info info_of(const char *name) {
+    slv_ptx *ptx = tool_open(name);
+    slv_ptx_info info = *slv_ptx_get_info(ptx);
+    slv_ptx_close(ptx);
+    return info;
+}
+
+static void check_types(void) {
+    RUNS(0, "convert rgb.ptx half.ptx --type half");
+    CHECK(info_of("half.ptx").type == SLV_TYPE_HALF);
+    RUNS(0, "diff rgb.ptx half.ptx --texels --tolerance 0.0005");
+    RUNS(0, "convert half.ptx back.ptx --type uint8");
+    SAME("rgb.ptx", "back.ptx");
+    RUNS(0, "convert rgb.ptx wide.ptx -t uint16");
+    RUNS(0, "diff rgb.ptx wide.ptx --texels --tolerance 0.000001");
+    RUNS(0, "convert rgb.ptx small.ptx --compression 12 --no-reductions --border-u periodic "
+            "--border-v black --edge-filter tanvec --no-meta");
+    slv_ptx_info info = info_of("small.ptx");
+    CHECK(info.nlevels == 1 && info.border_u == SLV_BORDER_PERIODIC);
+    CHECK(info.border_v == SLV_BORDER_BLACK && info.edge_filter == SLV_EDGE_FILTER_TANVEC);
+    CHECK(info.nmeta == 0);
+    RUNS(0, "convert small.ptx large.ptx --reductions --border clamp");
+    info = info_of("large.ptx");
+    CHECK(info.nlevels == 3 && info.border_u == SLV_BORDER_CLAMP);
+    RUNS(0, "check --strict large.ptx");
+}
+
+static void check_channels(void) {
+    uint8_t rgb[256 * 3], four[256 * 4];
+    face_of("rgb.ptx", 2, rgb);
+    RUNS(0, "convert rgb.ptx four.ptx --channels 2,1,=1,0 --alpha 2");
+    CHECK(info_of("four.ptx").alpha_channel == 2);
+    face_of("four.ptx", 2, four);
+    for (int i = 0; i < 256; i++)
+        if (four[4 * i] != rgb[3 * i + 2] || four[4 * i + 1] != rgb[3 * i + 1] ||
+            four[4 * i + 2] != 255 || four[4 * i + 3] != rgb[3 * i]) {
+            CHECK_MSG(false, "texel %d", i);
+            break;
+        }
+    RUNS(0, "convert four.ptx moved.ptx --channels 2,0");
+    CHECK(info_of("moved.ptx").alpha_channel == 0);
+    RUNS(0, "convert four.ptx gone.ptx --channels 3,1,0");
+    CHECK(info_of("gone.ptx").alpha_channel == SLV_NO_ALPHA);
+    SAME("gone.ptx", "rgb.ptx");
+    tool_write_noise("alpha.ptx", SLV_TYPE_FLOAT, 4, 3, 9);
+    RUNS(0, "convert alpha.ptx multiplied.ptx --premultiply");
+    RUNS(0, "convert multiplied.ptx divided.ptx --unmultiply");
+    RUNS(1, "diff alpha.ptx multiplied.ptx --tolerance 0.00001");
+    RUNS(0, "diff alpha.ptx divided.ptx --tolerance 0.00001");
+    RUNS(1, "convert rgb.ptx x.ptx --premultiply");
+    HAS("has no alpha channel");
+}
+
+static void check_sizes(void) {
+    RUNS(0, "convert rgb.ptx sized.ptx --scale 1/4 --res 3=64x2,5=16 --max 8x32 --min 1x8");
+    slv_ptx_face f = face_of("sized.ptx", 0, NULL);
+    CHECK(f.res.u == 2 && f.res.v == 3);
+    f = face_of("sized.ptx", 3, NULL);
+    CHECK(f.res.u == 6 && f.res.v == 1);
+    RUNS(0, "diff rgb.ptx sized.ptx --texels --tolerance 0.4 --json");
+    RUNS(0, "check --strict sized.ptx");
+    uint8_t from[256 * 3], to[64 * 3];
+    RUNS(0, "convert rgb.ptx half.ptx --scale 1/2");
+    face_of("rgb.ptx", 1, from);
+    face_of("half.ptx", 1, to);
+    for (int i = 0; i < 64 * 3; i++) {
+        int x = i / 3 % 8, y = i / 24, c = i % 3;
+        const uint8_t *p = from + (2 * y * 16 + 2 * x) * 3 + c;
+        int sum = p[0] + p[3] + p[48] + p[51];
+        if (abs(4 * to[i] - sum) > 2) {
+            CHECK_MSG(false, "value %d: %d of %d", i, to[i], sum);
+            break;
+        }
+    }
+    RUNS(0, "convert rgb.ptx double.ptx --scale 2");
+    CHECK(face_of("double.ptx", 0, NULL).res.u == 5);
+    RUNS(0, "check --strict double.ptx");
+    const char *data = data_folder();
+    RUNS(0, "convert '%s/tri_closed_half_4.ptx' tri.ptx --scale 2", data);
+    RUNS(0, "check tri.ptx");
+    RUNS(0, "convert tri.ptx tri2.ptx --scale 1/2");
+    RUNS(0, "diff '%s/tri_closed_half_4.ptx' tri2.ptx --tolerance 0.001", data);
+    RUNS(2, "convert '%s/tri_closed_half_4.ptx' tri.ptx --max 4x8", data);
+}
+
+/* A slope stays a slope, and a texel's parts keep its value. */
+static void check_resize(void) {
+    slv_env env = test_env();
+    float from[8], to[32], triangle[4] = {1, 2, 3, 4}, larger[64];
+    for (int i = 0; i < 8; i++)
+        from[i] = (float)i + 0.5f;
+    REQUIRE(!slv_ptx_resize(&env, SLV_PTX_QUAD, 1, (slv_res){3, 0}, from, (slv_res){5, 0}, to));
+    for (int i = 4; i < 28; i++)
+        CHECK(fabsf(to[i] - ((float)i + 0.5f) / 4) < 1e-6f);
+    CHECK(to[0] == 0.5f && to[31] == 7.5f);
+    REQUIRE(!slv_ptx_resize(&env, SLV_PTX_TRIANGLE, 1, (slv_res){1, 1}, triangle, (slv_res){3, 3},
+                            larger));
+    REQUIRE(
+        !slv_ptx_resize(&env, SLV_PTX_TRIANGLE, 1, (slv_res){3, 3}, larger, (slv_res){1, 1}, to));
+    CHECK(memcmp(to, triangle, sizeof triangle) == 0);
+    CHECK(slv_ptx_resize(&env, SLV_PTX_TRIANGLE, 1, (slv_res){1, 2}, from, (slv_res){1, 1}, to) ==
+          SLV_ERROR_ARGUMENT);
+    CHECK(slv_ptx_resize(&env, SLV_PTX_QUAD, 1, (slv_res){17, 0}, from, (slv_res){0, 0}, to) ==
+          SLV_ERROR_ARGUMENT);
+}
+
+static void check_images(void) {
+    slv_env env = test_env();
+    slv_image image = {0};
+    uint8_t rgb[256 * 3];
+    face_of("rgb.ptx", 7, rgb);
+    RUNS(0, "convert rgb.ptx pictures/");
+    REQUIRE(!slv_image_load(&env, tool_path("pictures/face_000007.png"), &image));
+    CHECK(image.width == 16 && image.height == 16 && image.nchannels == 3);
+    CHECK(fabsf(image.pixels[15 * 16 * 3 + 1] * 255 - rgb[1]) < 1e-3f);
+    image.pixels[15 * 16 * 3 + 1] = 1.0f;
+    slv_image_params raw = {.encoding = SLV_ENCODE_RAW};
+    REQUIRE(!slv_image_save(&env, tool_path("pictures/face_000007.png"), &image, &raw));
+    slv_image_free(&image);
+    RUNS(0, "convert pictures painted.ptx");
+    face_of("painted.ptx", 7, rgb);
+    CHECK(rgb[1] == 255);
+    RUNS(1, "diff rgb.ptx painted.ptx");
+    HAS("face 7: 1 of 256 texels");
+    REQUIRE(!slv_image_create(&env, 12, 8, 3, &image));
+    REQUIRE(!slv_image_save(&env, tool_path("pictures/face_000003.png"), &image, &raw));
+    slv_image_free(&image);
+    RUNS(1, "convert pictures bad.ptx");
+    HAS("face 3: its image is 12 x 8, which is not made of powers of two");
+    CHECK(access(tool_path("bad.ptx"), F_OK) != 0);
+    RUNS(0, "convert rgb.ptx sheet.png --channels 0");
+    RUNS(0, "convert sheet.json grey.ptx --type half --scale 1/2");
+    CHECK(info_of("grey.ptx").nchannels == 1);
+}
+
+static void check_hostile(void) {
+    static const char *const texts[] = {
+        "",
+        "{",
+        "[]",
+        "{\"faces\": 3}",
+        "{\"mesh_type\":\"quad\",\"data_type\":\"uint8\",\"border_u\":\"clamp\",\"border_v\":"
+        "\"clamp\",\"edge_filter\":\"none\",\"channels\":1,\"faces\":[{\"width\":3,\"height\":1}]}",
+        "{\"mesh_type\":\"quad\",\"data_type\":\"uint8\",\"border_u\":\"clamp\",\"border_v\":"
+        "\"clamp\",\"edge_filter\":\"none\",\"channels\":1,\"faces\":[{\"width\":2,\"height\":1,"
+        "\"adjacent_faces\":[7]}]}",
+        "{\"mesh_type\":\"quad\",\"data_type\":\"uint8\",\"border_u\":\"clamp\",\"border_v\":"
+        "\"clamp\",\"edge_filter\":\"none\",\"channels\":1,\"images\":[\"sheet.png\"],\"faces\":"
+        "[{\"width\":1024,\"height\":1024,\"x\":5,\"y\":-1}]}",
+        "{\"mesh_type\":\"quad\",\"data_type\":\"uint8\",\"border_u\":\"clamp\",\"border_v\":"
+        "\"clamp\",\"edge_filter\":\"none\",\"channels\":1,\"faces\":[{\"width\":2,\"height\":1}],"
+        "\"meta\":[{\"key\":\"k\",\"type\":\"int8\",\"values\":[300]}]}"};
+    for (size_t i = 0; i < sizeof texts / sizeof *texts; i++) {
+        tool_write_file("bad.json", texts[i], strlen(texts[i]));
+        RUNS(1, "convert bad.json bad.ptx");
+        char *end = strchr(tool_out, '\n');
+        CHECK_MSG(end && !end[1], "text %zu: %s", i, tool_out);
+        CHECK(access(tool_path("bad.ptx"), F_OK) != 0);
+    }
+}
+
+static void check_usage(void) {
+    RUNS(2, "convert rgb.ptx");
+    RUNS(2, "convert rgb.ptx x.ptx --channels 3");
+    RUNS(2, "convert rgb.ptx x.ptx --channels 0,,1");
+    RUNS(2, "convert rgb.ptx x.ptx --channels =nan");
+    RUNS(2, "convert rgb.ptx x.ptx --alpha 3");
+    RUNS(2, "convert rgb.ptx x.ptx --scale 3");
+    RUNS(2, "convert rgb.ptx x.ptx --max 7");
+    RUNS(2, "convert rgb.ptx x.ptx --min 8 --max 4");
+    RUNS(2, "convert rgb.ptx x.ptx --res 10=8");
+    RUNS(2, "convert rgb.ptx x.ptx --res 1=8,1=4");
+    RUNS(2, "convert rgb.ptx x.ptx --premultiply --unmultiply");
+    RUNS(2, "convert rgb.ptx x.png --mesh x.obj");
+    RUNS(2, "convert faces x.png");
+    RUNS(1, "convert missing.ptx x.ptx");
+    RUNS(1, "convert rgb.ptx nowhere/x.ptx");
+    RUNS(1, "convert rgb.ptx rgb.ptx/x");
+    RUNS(0, "convert --help");
+    HAS("Examples:");
+    CHECK(access(tool_path("x.ptx"), F_OK) != 0);
+}
+
+int main(void) {
+    tool_begin();
+    CHECK(each_sample(there_and_back) > 0);
+    tool_write_noise("rgb.ptx", SLV_TYPE_U8, 3, SLV_NO_ALPHA, 1);
+    there_and_back("rgb.ptx");
+    check_types();
+    check_channels();
+    check_sizes();
+    check_resize();
+    check_images();
+    check_hostile();
+    check_usage();
+    tool_end();
+    return test_end();
+}

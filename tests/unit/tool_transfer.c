@@ -1,0 +1,165 @@
+/* The command `selvage transfer`, onto models whose every face is known. */
+#include "tool_kit.h"
+
+enum { SIDE = 4 };
+
+/* The grid of the kit as an OBJ whose polygon i is polygon order[i] of the grid, its vertices
+ * turned and flipped by ways[i]; the corner of the grid is `lift` above the rest. */
+static void write_obj(const char *name, const int *order, const int *ways, float lift) {
+    char text[8192];
+    size_t length = 0;
+    slv_mesh *mesh = grid_mesh(SIDE, SIDE, false);
+    const slv_mesh_view *view = slv_mesh_get_view(mesh);
+    for (uint32_t i = 0; i < view->nverts; i++)
+        length += (size_t)snprintf(text + length, sizeof text - length, "v %.9g %.9g %.9g\n",
+                                   (double)view->positions[3 * i],
+                                   (double)view->positions[3 * i + 1], i ? 0.0 : (double)lift);
+    for (uint32_t i = 0; i < view->npolys; i++) {
+        uint32_t poly = order ? (uint32_t)order[i] : i;
+        int way = ways ? ways[i] : 0;
+        length += (size_t)snprintf(text + length, sizeof text - length, "f");
+        for (int c = 0; c < 4; c++) {
+            int from = way >= 4 ? (way - c + 4) % 4 : (way + c) % 4;
+            length += (size_t)snprintf(text + length, sizeof text - length, " %d",
+                                       view->poly_verts[4 * poly + (uint32_t)from] + 1);
+        }
+        length += (size_t)snprintf(text + length, sizeof text - length, "\n");
+    }
+    slv_mesh_destroy(mesh);
+    tool_write_file(name, text, length);
+}
+
+/* Position in space is the colour: wherever a texel goes, it says where it comes from. */
+static void write_positions(const char *name, slv_res res) {
+    slv_env env = test_env();
+    slv_mesh *mesh = grid_mesh(SIDE, SIDE, false);
+    slv_ptx_writer_params params = {.mesh_type = SLV_PTX_QUAD,
+                                    .type = SLV_TYPE_FLOAT,
+                                    .nchannels = 2,
+                                    .alpha_channel = SLV_NO_ALPHA,
+                                    .nfaces = SIDE * SIDE};
+    slv_ptx_writer *writer = NULL;
+    float texels[2 * 32 * 32];
+    slv_ptx_meta meta = {"note", SLV_META_STRING, 5, "hello"};
+    REQUIRE(!slv_ptx_writer_create(&env, tool_path(name), &params, &writer));
+    REQUIRE(!slv_ptx_writer_set_mesh(writer, mesh) && !slv_ptx_writer_set_meta(writer, &meta));
+    for (uint32_t face = 0; face < params.nfaces; face++) {
+        slv_ptx_face info = {.res = res};
+        int w = 1 << res.u, h = 1 << res.v;
+        for (int i = 0; i < w * h; i++) {
+            texels[2 * i] = ((float)(face % SIDE) + ((float)(i % w) + 0.5f) / (float)w) / SIDE;
+            texels[2 * i + 1] =
+                ((float)(int)(face / SIDE) + ((float)(int)(i / w) + 0.5f) / (float)h) / SIDE;
+        }
+        REQUIRE(!slv_ptx_writer_write_face(writer, face, &info, texels));
+    }
+    REQUIRE(!slv_ptx_writer_finish(writer));
+    slv_ptx_writer_destroy(writer);
+    slv_mesh_destroy(mesh);
+}
+
+/* The largest distance between what a texel says and where it is, in a bilinear model. */
+static float worst_error(const char *name, const char *obj) {
+    slv_env env = test_env();
+    slv_ptx *ptx = tool_open(name);
+    slv_mesh *mesh = NULL;
+    float worst = 0, texels[2 * 64 * 64];
+    REQUIRE(!slv_mesh_load_obj(&env, tool_path(obj), &mesh));
+    const slv_mesh_view *view = slv_mesh_get_view(mesh);
+    for (uint32_t face = 0; face < slv_ptx_get_info(ptx)->nfaces; face++) {
+        slv_ptx_face info;
+        REQUIRE(!slv_ptx_get_face(ptx, face, &info) && info.res.u <= 6 && info.res.v <= 6);
+        REQUIRE(!slv_ptx_read_face(ptx, face, info.res, texels));
+        int w = 1 << info.res.u, h = 1 << info.res.v;
+        for (int i = 0; i < w * h; i++)
+            for (int axis = 0; axis < 2; axis++) {
+                float u = ((float)(i % w) + 0.5f) / (float)w,
+                      v = ((float)(int)(i / w) + 0.5f) / (float)h;
+                float p[4];
+                for (int c = 0; c < 4; c++)
+                    p[c] = view->positions[3 * view->poly_verts[4 * face + (uint32_t)c] + axis];
+                float at = (p[0] * (1 - u) + p[1] * u) * (1 - v) + (p[3] * (1 - u) + p[2] * u) * v;
+                worst = fmaxf(worst, fabsf(at - texels[2 * i + axis]));
+            }
+    }
+    slv_mesh_destroy(mesh);
+    slv_ptx_close(ptx);
+    return worst;
+}
+
+static void check_copies(void) {
+    int order[SIDE * SIDE], ways[SIDE * SIDE];
+    uint64_t seed = 5;
+    for (int i = 0; i < SIDE * SIDE; i++) {
+        order[i] = (i * 7 + 3) % (SIDE * SIDE);
+        ways[i] = i < 8 ? i : (int)(test_random(&seed) % 8);
+    }
+    write_obj("turned.obj", order, ways, 0);
+    write_positions("grid.ptx", (slv_res){3, 4});
+    RUNS(0, "transfer grid.ptx turned.ptx --to turned.obj --faces");
+    HAS("16 faces: 16 copied, 0 resampled, 0 partly, 0 too far away");
+    HAS("100% of the surface covered");
+    HAS("face 7: copied from face 4, turned by 3 and flipped");
+    CHECK(worst_error("turned.ptx", "turned.obj") < 1e-6f);
+    slv_ptx *ptx = tool_open("turned.ptx");
+    CHECK(slv_ptx_find_meta(ptx, "note") != NULL);
+    slv_ptx_close(ptx);
+    write_obj("same.obj", NULL, NULL, 0);
+    RUNS(0, "transfer turned.ptx back.ptx --from turned.obj --to same.obj --quiet");
+    RUNS(0, "diff grid.ptx back.ptx");
+}
+
+static void check_resampling(void) {
+    write_positions("fine.ptx", (slv_res){5, 5});
+    RUNS(0, "transfer fine.ptx again.ptx --to same.obj --no-copies --scheme bilinear --json");
+    HAS("\"resampled\": 16");
+    HAS("\"covered\": 1.0");
+    CHECK(worst_error("again.ptx", "same.obj") < 1e-5f);
+    static const char wider[] = "v 0 0 0\nv 0.5 0 0\nv 0.5 0.7 0\nv 0 0.7 0\n"
+                                "v 1.5 0 0\nv 1.5 0.7 0\nv 4 0 0\nv 4 1 0\n"
+                                "f 1 2 3 4\nf 2 5 6 3\nf 5 7 8 6\n";
+    tool_write_file("wider.obj", wider, sizeof wider - 1);
+    RUNS(0, "transfer fine.ptx wider.ptx --to wider.obj --scheme bilinear --faces --threads 3");
+    HAS("3 faces: 0 copied, 1 resampled, 1 partly, 1 too far away");
+    HAS("face 0: resampled, its middle from face 4");
+    HAS("face 1: partly");
+    HAS("face 2: far");
+    RUNS(0, "transfer fine.ptx blank.ptx --to wider.obj --scheme bilinear --blank --threads 1");
+    slv_ptx *ptx = tool_open("blank.ptx");
+    slv_ptx_face info;
+    REQUIRE(!slv_ptx_get_face(ptx, 2, &info));
+    CHECK(info.flags & SLV_FACE_CONSTANT);
+    REQUIRE(!slv_ptx_get_face(ptx, 0, &info));
+    CHECK(info.res.u == 6 && (info.res.v == 6 || info.res.v == 7));
+    slv_ptx_close(ptx);
+    RUNS(0, "check --strict wider.ptx");
+    RUNS(0, "transfer fine.ptx wider1.ptx --to wider.obj --scheme bilinear --threads 1");
+    RUNS(0, "diff wider.ptx wider1.ptx");
+    write_obj("bent.obj", NULL, NULL, 0.05f);
+    RUNS(0, "transfer fine.ptx bent.ptx --to bent.obj --distance 0.1");
+    HAS("15 copied, 1 resampled");
+}
+
+static void check_usage(void) {
+    const char *data = data_folder();
+    RUNS(2, "transfer grid.ptx x.ptx");
+    RUNS(2, "transfer grid.ptx --to same.obj");
+    RUNS(2, "transfer grid.ptx x.ptx --to same.obj --distance -1");
+    RUNS(1, "transfer grid.ptx x.ptx --to missing.obj");
+    RUNS(1, "transfer grid.ptx x.ptx --to same.obj --from wider.obj");
+    RUNS(1, "transfer '%s/tri_tiled_u8_1.ptx' x.ptx --to same.obj", data);
+    HAS("is of triangles");
+    RUNS(1, "transfer '%s/cube_u16_rgba.ptx' x.ptx --to same.obj", data);
+    RUNS(0, "transfer --help");
+    HAS("Examples:");
+    CHECK(access(tool_path("x.ptx"), F_OK) != 0);
+}
+
+int main(void) {
+    tool_begin();
+    check_copies();
+    check_resampling();
+    check_usage();
+    tool_end();
+    return test_end();
+}

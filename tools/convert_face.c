@@ -1,0 +1,90 @@
+#include "convert.h"
+
+#include <stdlib.h>
+
+/* Resampling wants colours multiplied by alpha, so that what is not covered does not bleed. */
+static slv_result resize(const slv_env *env, const convert_plan *plan, slv_res from, slv_res to,
+                         float **values, bool *multiplied) {
+    const slv_ptx_writer_params *source = &plan->source;
+    size_t count = (size_t)1 << (to.u + to.v);
+    float *out = count <= SIZE_MAX / sizeof *out / source->nchannels
+                     ? malloc(count * source->nchannels * sizeof *out)
+                     : NULL;
+    slv_result result;
+    if (!out)
+        return output_fail(env, SLV_ERROR_MEMORY, "no memory for %u x %u texels", 1u << to.u,
+                           1u << to.v);
+    if (source->alpha_channel >= 0 && !*multiplied) {
+        slv_ptx_premultiply(SLV_TYPE_FLOAT, source->nchannels, source->alpha_channel, *values,
+                            (uint64_t)1 << (from.u + from.v));
+        *multiplied = true;
+    }
+    if ((result =
+             slv_ptx_resize(env, source->mesh_type, source->nchannels, from, *values, to, out))) {
+        free(out);
+        return result;
+    }
+    free(*values);
+    *values = out;
+    return SLV_OK;
+}
+
+static float *select_channels(const convert_plan *plan, const float *values, size_t count) {
+    uint32_t from = plan->source.nchannels, to = plan->target.nchannels;
+    float *out = count <= SIZE_MAX / sizeof *out / to ? malloc(count * to * sizeof *out) : NULL;
+    for (size_t i = 0; out && i < count; i++)
+        for (uint32_t c = 0; c < to; c++) {
+            const convert_channel *channel = &plan->channels[c];
+            out[i * to + c] =
+                channel->source < 0 ? channel->value : values[i * from + (uint32_t)channel->source];
+        }
+    return out;
+}
+
+slv_result convert_face(const slv_env *env, const convert_plan *plan, uint32_t face,
+                        slv_ptx_face *info, const void **texels, void **own) {
+    const slv_ptx_writer_params *source = &plan->source, *target = &plan->target;
+    slv_res to = convert_plan_res(plan, face, info->res), from = info->res;
+    bool constant = info->flags & SLV_FACE_CONSTANT, multiplied = plan->unmultiply;
+    bool same_res = constant || (to.u == from.u && to.v == from.v);
+    size_t count = constant ? 1 : (size_t)1 << (from.u + from.v);
+    float *values = NULL, *selected = NULL;
+    void *out = NULL;
+    slv_result result = SLV_OK;
+    *own = NULL;
+    info->res = to;
+    if (same_res && plan->same_channels && source->type == target->type && !plan->premultiply &&
+        !plan->unmultiply)
+        return SLV_OK;
+    if (count <= SIZE_MAX / sizeof *values / source->nchannels)
+        values = malloc(count * source->nchannels * sizeof *values);
+    if (!values)
+        goto no_memory;
+    slv_type_to_float(source->type, *texels, count * source->nchannels, values);
+    if (!same_res) {
+        if ((result = resize(env, plan, from, to, &values, &multiplied)))
+            goto done;
+        count = (size_t)1 << (to.u + to.v);
+    }
+    if (multiplied && !plan->premultiply)
+        slv_ptx_unmultiply(SLV_TYPE_FLOAT, source->nchannels, source->alpha_channel, values, count);
+    else if (!multiplied && plan->premultiply)
+        slv_ptx_premultiply(SLV_TYPE_FLOAT, source->nchannels, source->alpha_channel, values,
+                            count);
+    selected = plan->same_channels ? values : select_channels(plan, values, count);
+    if (!selected)
+        goto no_memory;
+    out = malloc(count * target->nchannels * slv_type_size(target->type));
+    if (!out)
+        goto no_memory;
+    slv_type_from_float(target->type, selected, count * target->nchannels, out);
+    *texels = *own = out;
+    goto done;
+no_memory:
+    result = output_fail(env, SLV_ERROR_MEMORY, "face %u: no memory for its texels", face);
+done:
+    if (selected != values)
+        free(selected);
+    free(values);
+    return result;
+}
