@@ -299,10 +299,22 @@ static exr_result_t start_exr(exr_context_t *context, const char *path,
     return code ? code : exr_write_header(*context);
 }
 
+typedef exr_result_t (*compress_fn)(exr_encode_pipeline_t *);
+
+/* OpenEXRCore 3.1 keeps a compressed chunk that is just as long as the plain one, and readers take
+ * a chunk of that length for plain: such a chunk is stored plain. */
+static exr_result_t compress(exr_encode_pipeline_t *encoder) {
+    compress_fn original = *(compress_fn *)encoder->encoding_user_data;
+    exr_result_t code = original(encoder);
+    if (!code && encoder->compressed_bytes == encoder->packed_bytes)
+        memcpy(encoder->compressed_buffer, encoder->packed_buffer, encoder->packed_bytes);
+    return code;
+}
+
 /* Packs `lines` rows of pixels, converted to the file's type, as one chunk. */
 static exr_result_t encode_chunk(exr_context_t context, exr_encode_pipeline_t *encoder, bool first,
                                  const slv_image *image, const char *const *names, uint32_t y,
-                                 const uint8_t *pixels, size_t value_size) {
+                                 const uint8_t *pixels, size_t value_size, compress_fn *original) {
     exr_chunk_info_t chunk;
     exr_result_t code = exr_write_scanline_chunk_info(context, 0, (int)y, &chunk);
     if (!code)
@@ -322,8 +334,13 @@ static exr_result_t encode_chunk(exr_context_t context, exr_encode_pipeline_t *e
             channel->user_pixel_stride = (int32_t)(n * value_size);
             channel->user_line_stride = (int32_t)(image->width * n * value_size);
         }
-    if (first && (code = exr_encoding_choose_default_routines(context, 0, encoder)) != 0)
-        return code;
+    if (first) {
+        if ((code = exr_encoding_choose_default_routines(context, 0, encoder)) != 0)
+            return code;
+        *original = encoder->compress_fn;
+        encoder->encoding_user_data = original;
+        encoder->compress_fn = *original ? compress : NULL;
+    }
     return exr_encoding_run(context, 0, encoder);
 }
 
@@ -338,6 +355,7 @@ slv_result image_exr_save(const slv_env *env, const char *path, const slv_image 
     exr_encode_pipeline_t encoder = EXR_ENCODE_PIPELINE_INITIALIZER;
     slv_file_writer writer = {0};
     uint16_t *halves = NULL;
+    compress_fn original = NULL;
     int32_t lines = 0;
     if (bits != 16 && bits != 32)
         return slv_fail(env, SLV_ERROR_ARGUMENT, "%s: EXR has 16 or 32 bits, not %u", path, bits);
@@ -360,7 +378,8 @@ slv_result image_exr_save(const slv_env *env, const char *path, const slv_image 
         for (size_t i = 0; halves && i < count; i++)
             halves[i] = slv_half_from_float(pixels[i]);
         code = encode_chunk(context, &encoder, y == 0, image, names, y,
-                            halves ? (const uint8_t *)halves : (const uint8_t *)pixels, bits / 8);
+                            halves ? (const uint8_t *)halves : (const uint8_t *)pixels, bits / 8,
+                            &original);
     }
     exr_encoding_destroy(context, &encoder);
     exr_result_t finished = exr_finish(&context);

@@ -98,6 +98,30 @@ static void exr_round_trip(uint32_t width, uint32_t height, uint32_t n, uint32_t
     remove(path);
 }
 
+/* Now and then a chunk compresses to just the length that it had: small pictures of few values, and
+ * many of them. */
+static void exr_of_any_length(void) {
+    slv_env env = test_env();
+    uint64_t random = 9;
+    const char *path = in_folder("length.exr");
+    for (int round = 0; round < 1500; round++) {
+        uint32_t width = 1u << test_random(&random) % 6, height = 1u << test_random(&random) % 6;
+        uint32_t values = 1u << test_random(&random) % 11;
+        slv_image_params params = {SLV_ENCODE_SRGB, round % 2 ? 16 : 32};
+        slv_image image, back;
+        REQUIRE(slv_image_create(&env, width, height, 1, &image) == SLV_OK);
+        for (uint32_t i = 0; i < width * height; i++)
+            image.pixels[i] = (float)(test_random(&random) % values) / 16;
+        REQUIRE(slv_image_save(&env, path, &image, &params) == SLV_OK);
+        REQUIRE(slv_image_load(&env, path, &back) == SLV_OK);
+        CHECK_MSG(memcmp(image.pixels, back.pixels, width * height * sizeof(float)) == 0,
+                  "%u x %u of %u values came back changed", width, height, values);
+        slv_image_free(&image);
+        slv_image_free(&back);
+    }
+    remove(path);
+}
+
 static slv_result load_bytes(const void *bytes, size_t size, slv_image *out) {
     slv_env env = test_env();
     const char *path = in_folder("bytes");
@@ -203,6 +227,7 @@ int main(void) {
         exr_round_trip(33, 40, n, 32);
         exr_round_trip(5, 16, n, 32);
     }
+    exr_of_any_length();
     small_kinds();
     spoilt("s.png", 8);
     spoilt("s.exr", 16);
