@@ -1,4 +1,5 @@
-/* The smallest test kit that ctest needs: CHECK counts, a failing check says where, and main returns the verdict. */
+/* The smallest test kit that ctest needs: CHECK counts, a failing check says where, and main
+ * returns the verdict. */
 #ifndef SLV_TEST_H
 #define SLV_TEST_H
 

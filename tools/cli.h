@@ -35,17 +35,20 @@ typedef struct cli_command {
     uint32_t *npositional;
 } cli_command;
 
-/* Fills the values. Returns -1 to go on, or the exit code: help was asked for, or the usage is wrong. */
+/* Fills the values. Returns -1 to go on, or the exit code: help was asked for, or the usage is
+ * wrong. */
 int cli_parse(const cli_command *command, int argc, char **argv);
 /* One line about wrong usage; returns EXIT_USAGE. */
-int cli_usage(const cli_command *command, const char *format, ...) __attribute__((format(printf, 2, 3)));
+int cli_usage(const cli_command *command, const char *format, ...)
+    __attribute__((format(printf, 2, 3)));
 /* One line about a failure; returns EXIT_FAILED. */
 int cli_error(const char *format, ...) __attribute__((format(printf, 1, 2)));
 
 /* An environment that prints warnings and errors to stderr, "selvage: ..." a line. */
 slv_env cli_env(uint32_t threads);
 
-/* Progress on stderr: rewritten in place on a terminal, otherwise a line each time a tenth is done. `quiet` shows nothing. */
+/* Progress on stderr: rewritten in place on a terminal, otherwise a line each time a tenth is done.
+ * `quiet` shows nothing. */
 typedef struct cli_progress {
     const char *what;
     uint64_t total;
@@ -59,7 +62,8 @@ void cli_progress_end(cli_progress *progress);
 
 double cli_now(void); /* seconds */
 
-/* From now on an interrupt (Ctrl-C, a polite kill) only sets a flag, so that long work can end tidily; a second one kills. */
+/* From now on an interrupt (Ctrl-C, a polite kill) only sets a flag, so that long work can end
+ * tidily; a second one kills. */
 void cli_catch_interrupts(void);
 bool cli_interrupted(void);
 

@@ -59,8 +59,10 @@ int output_folder_begin(const char *folder, char *beside, size_t size) {
     int length = (int)strlen(folder);
     while (length > 1 && folder[length - 1] == '/')
         length--;
-    if (stat(folder, &status) == 0 && (!S_ISDIR(status.st_mode) || access(folder, W_OK | X_OK) != 0))
-        return cli_error("%s: %s", folder, S_ISDIR(status.st_mode) ? "cannot be written" : "is not a folder");
+    if (stat(folder, &status) == 0 &&
+        (!S_ISDIR(status.st_mode) || access(folder, W_OK | X_OK) != 0))
+        return cli_error("%s: %s", folder,
+                         S_ISDIR(status.st_mode) ? "cannot be written" : "is not a folder");
     if (snprintf(beside, size, "%.*s.XXXXXX", length, folder) >= (int)size)
         return cli_error("%s: the name is too long", folder);
     if (!mkdtemp(beside) || chmod(beside, 0755) != 0)
@@ -68,7 +70,8 @@ int output_folder_begin(const char *folder, char *beside, size_t size) {
     return EXIT_OK;
 }
 
-/* Moves every file of one folder into another, or removes them if that is NULL; then removes the folder. */
+/* Moves every file of one folder into another, or removes them if that is NULL; then removes the
+ * folder. */
 static int empty_folder(const char *from, const char *to) {
     DIR *list = opendir(from);
     int code = EXIT_OK;

@@ -18,8 +18,9 @@ typedef struct output_file {
 slv_result output_open(const slv_env *env, const char *path, output_file *out);
 /* Puts it in the path's place if `result` is success and all was written, else removes it. */
 slv_result output_close(output_file *file, slv_result result);
-/* A folder of files that appears complete: files are written into a new folder `beside` it. Ending with EXIT_OK makes that one the
- * folder, or moves its files over where the folder exists already; any other code removes it. Both return an exit code. */
+/* A folder of files that appears complete: files are written into a new folder `beside` it. Ending
+ * with EXIT_OK makes that one the folder, or moves its files over where the folder exists already;
+ * any other code removes it. Both return an exit code. */
 int output_folder_begin(const char *folder, char *beside, size_t size);
 int output_folder_end(const char *folder, const char *beside, int code);
 /* Logs one error line and returns `result`. */

@@ -140,6 +140,10 @@ static slv_result link_mesh(slv_ptx_writer *writer, const slv_mesh *mesh) {
 
 slv_result ptx_writer_set_geometry(slv_ptx_writer *writer, const slv_mesh *mesh) {
     const slv_mesh_view *view = slv_mesh_get_view(mesh);
+    if (view->ncreases || view->ncorners || view->nholes)
+        slv_logf(&writer->env, SLV_LOG_WARNING,
+                 "%s: the geometry inside does not keep the mesh's creases, corners and holes",
+                 writer->path);
     bool triangle = writer->params.mesh_type == SLV_PTX_TRIANGLE;
     uint64_t nindices = 0;
     slv_result result = SLV_OK;
