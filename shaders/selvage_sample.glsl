@@ -188,10 +188,14 @@ vec4 slv_sample_grad(int face, vec2 uv, vec2 dx, vec2 dy) {
 #else
 
 // Per face, for each edge: the face across it; 16 bits a link, edges 0 and 1 in the first word:
-//   bits 0-1 the adjacent edge   bits 2-3 kind: 0 boundary, 1 like to like, 2 whole quad to two sub-faces, 3 sub-face to whole
-//   bit 4 (kind 2) there is a second one, (kind 3) the second half of the whole quad's edge   bits 5-8 pool of the (first) neighbour   bits 9-12 of the second
-//   bits 13 and 15 texels are of one size on both sides at the edge's start and at its end   bit 14 the edge starts in the middle of a whole quad's edge: what lies across
-//   that edge continues straight past the corner, and nothing is missing there
+//   bits 0-1   the adjacent edge
+//   bits 2-3   kind: 0 boundary, 1 like to like, 2 whole quad to sub-faces, 3 sub-face to whole quad
+//   bit 4      kind 2: there are two; kind 3: this is the second half of the whole quad's edge
+//   bits 5-8   pool of the (first) neighbour
+//   bits 9-12  pool of the second
+//   bit 13     texels are of one size on both sides at the edge's start; bit 15 the same at its end
+//   bit 14     the edge starts in the middle of a whole quad's edge: what lies across continues
+//              straight past the corner, and nothing is missing there
 struct slv_links {
     ivec4 face;
     uint links01, links23;

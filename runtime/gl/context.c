@@ -2,6 +2,7 @@
 
 #include "base/log.h"
 
+#include <dlfcn.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -19,6 +20,12 @@ bool slv_gl_backend_from_name(const char *name, slv_gl_backend *out) {
         }
     }
     return false;
+}
+
+bool slv_gl_symbol(void *library, const char *name, void *out) {
+    void *symbol = dlsym(library, name);
+    memcpy(out, &symbol, sizeof symbol);
+    return symbol != NULL;
 }
 
 static slv_result load_functions(const slv_env *env, slv_gl_api *api, slv_gl_get_proc get_proc,

@@ -32,31 +32,25 @@ struct egl_state {
     EGLContext context;
 };
 
-static bool load(void *library, const char *name, void *out) {
-    void *symbol = dlsym(library, name);
-    memcpy(out, &symbol, sizeof symbol);
-    return symbol != NULL;
-}
-
 static bool load_egl(struct egl_functions *egl) {
     /* never closed: drivers leave threads and thread-local destructors behind */
     void *library = dlopen("libEGL.so.1", RTLD_NOW | RTLD_LOCAL);
-    return library && load(library, "eglGetProcAddress", &egl->GetProcAddress) &&
-           load(library, "eglInitialize", &egl->Initialize) &&
-           load(library, "eglBindAPI", &egl->BindAPI) &&
-           load(library, "eglChooseConfig", &egl->ChooseConfig) &&
-           load(library, "eglCreateContext", &egl->CreateContext) &&
-           load(library, "eglDestroyContext", &egl->DestroyContext) &&
-           load(library, "eglMakeCurrent", &egl->MakeCurrent) &&
-           load(library, "eglQueryString", &egl->QueryString) &&
-           load(library, "eglGetCurrentContext", &egl->GetCurrentContext);
+    return library && slv_gl_symbol(library, "eglGetProcAddress", &egl->GetProcAddress) &&
+           slv_gl_symbol(library, "eglInitialize", &egl->Initialize) &&
+           slv_gl_symbol(library, "eglBindAPI", &egl->BindAPI) &&
+           slv_gl_symbol(library, "eglChooseConfig", &egl->ChooseConfig) &&
+           slv_gl_symbol(library, "eglCreateContext", &egl->CreateContext) &&
+           slv_gl_symbol(library, "eglDestroyContext", &egl->DestroyContext) &&
+           slv_gl_symbol(library, "eglMakeCurrent", &egl->MakeCurrent) &&
+           slv_gl_symbol(library, "eglQueryString", &egl->QueryString) &&
+           slv_gl_symbol(library, "eglGetCurrentContext", &egl->GetCurrentContext);
 }
 
 static slv_gl_proc find_proc(void *user, const char *name) {
     get_proc_fn get_proc = NULL;
     void *library = dlopen("libEGL.so.1", RTLD_NOW | RTLD_LOCAL | RTLD_NOLOAD);
     (void)user;
-    if (!library || !load(library, "eglGetProcAddress", &get_proc))
+    if (!library || !slv_gl_symbol(library, "eglGetProcAddress", &get_proc))
         return NULL;
     return (slv_gl_proc)get_proc(name);
 }

@@ -24,12 +24,6 @@ struct osmesa_state {
     unsigned char pixel[16 * 4]; /* OSMesa cannot be current without somewhere to draw */
 };
 
-static bool load(void *library, const char *name, void *out) {
-    void *symbol = dlsym(library, name);
-    memcpy(out, &symbol, sizeof symbol);
-    return symbol != NULL;
-}
-
 static void *open_library(int flags) {
     static const char *const names[] = {"libOSMesa.so.8", "libOSMesa.so.6", "libOSMesa.so"};
     void *library = NULL;
@@ -42,7 +36,7 @@ static slv_gl_proc find_proc(void *user, const char *name) {
     slv_gl_proc (*get_proc)(const char *) = NULL;
     void *library = open_library(RTLD_NOLOAD);
     (void)user;
-    if (!library || !load(library, "OSMesaGetProcAddress", &get_proc))
+    if (!library || !slv_gl_symbol(library, "OSMesaGetProcAddress", &get_proc))
         return NULL;
     return get_proc(name);
 }
@@ -75,9 +69,9 @@ slv_result slv_gl_open_osmesa(char *why, size_t why_size, slv_gl_platform *out,
         reason = "out of memory";
     } else if (!library) {
         reason = "libOSMesa.so cannot be loaded";
-    } else if (!load(library, "OSMesaCreateContextAttribs", &state->create) ||
-               !load(library, "OSMesaMakeCurrent", &state->make_current) ||
-               !load(library, "OSMesaDestroyContext", &state->destroy)) {
+    } else if (!slv_gl_symbol(library, "OSMesaCreateContextAttribs", &state->create) ||
+               !slv_gl_symbol(library, "OSMesaMakeCurrent", &state->make_current) ||
+               !slv_gl_symbol(library, "OSMesaDestroyContext", &state->destroy)) {
         reason = "the library is too old";
     } else if (!(state->context = state->create(attributes, NULL))) {
         reason = "it makes no OpenGL 4.5 core context";

@@ -21,27 +21,11 @@ struct target {
 static slv_result lookup_program(slv_gl_texture *texture, const slv_env *env, slv_strategy strategy,
                                  uint32_t variant, GLuint *out) {
     GLuint *program = &texture->lookup_programs[strategy][variant];
-    const char *vertex = NULL, *fragment = NULL;
-    char *owned[2] = {NULL, NULL}, *full = NULL;
     slv_result result = SLV_OK;
-    if (!*program) {
-        if ((result = slv_gl_shader_text(env, "lookup.vert", &vertex, &owned[0])) ||
-            (result = slv_gl_shader_text(env, "lookup.frag", &fragment, &owned[1])))
-            goto done;
-        static const char version[] = "#version 450 core\n";
-        size_t size = sizeof version + strlen(vertex);
-        if ((result = slv_alloc(env, "shader", size, 1, &full)))
-            goto done;
-        memcpy(full, version, sizeof version - 1);
-        memcpy(full + sizeof version - 1, vertex, strlen(vertex) + 1);
-        const char *texts[] = {version, slv_gl_texture_glsl(texture, strategy, variant), fragment};
-        result = slv_gl_program(texture->gl, env, "lookup", full, texts, 3, program);
-    }
+    if (!*program)
+        result = slv_gl_program(texture->gl, env, "lookup",
+                                slv_gl_texture_glsl(texture, strategy, variant), program);
     *out = *program;
-done:
-    free(full);
-    free(owned[0]);
-    free(owned[1]);
     return result;
 }
 

@@ -53,33 +53,44 @@ static slv_result compile(const slv_gl *gl, const slv_env *env, const char *name
     return slv_fail(env, SLV_ERROR_GL, "shader %s does not compile: %s", name, words);
 }
 
-slv_result slv_gl_program(const slv_gl *gl, const slv_env *env, const char *name,
-                          const char *vertex, const char *const *fragment, uint32_t nfragment,
-                          GLuint *out) {
+static slv_result link_shaders(const slv_gl *gl, const slv_env *env, const char *name,
+                               const GLuint shaders[2], GLuint *out) {
     const slv_gl_api *api = &gl->api;
-    GLuint shaders[2] = {0, 0}, program = 0;
     GLint linked = 0;
     char words[512] = "no log";
-    slv_result result;
-    *out = 0;
-    if ((result = compile(gl, env, name, GL_VERTEX_SHADER, &vertex, 1, &shaders[0])) ||
-        (result = compile(gl, env, name, GL_FRAGMENT_SHADER, fragment, nfragment, &shaders[1])))
-        goto done;
-    program = api->CreateProgram();
+    GLuint program = api->CreateProgram();
     api->AttachShader(program, shaders[0]);
     api->AttachShader(program, shaders[1]);
     api->LinkProgram(program);
     api->GetProgramiv(program, GL_LINK_STATUS, &linked);
-    if (!linked) {
-        api->GetProgramInfoLog(program, sizeof words, NULL, words);
-        first_line(words);
-        result = slv_fail(env, SLV_ERROR_GL, "shader %s does not link: %s", name, words);
-        api->DeleteProgram(program);
-        goto done;
+    if (linked) {
+        *out = program;
+        return SLV_OK;
     }
-    *out = program;
-done:
-    api->DeleteShader(shaders[0]);
-    api->DeleteShader(shaders[1]);
+    api->GetProgramInfoLog(program, sizeof words, NULL, words);
+    first_line(words);
+    api->DeleteProgram(program);
+    return slv_fail(env, SLV_ERROR_GL, "shader %s does not link: %s", name, words);
+}
+
+slv_result slv_gl_program(const slv_gl *gl, const slv_env *env, const char *name,
+                          const char *lookups, GLuint *out) {
+    static const char version[] = "#version 450 core\n";
+    static const GLenum stages[2] = {GL_VERTEX_SHADER, GL_FRAGMENT_SHADER};
+    GLuint shaders[2] = {0, 0};
+    slv_result result = SLV_OK;
+    *out = 0;
+    for (int stage = 0; !result && stage < 2; stage++) {
+        const char *texts[3] = {version, stage ? lookups : "", NULL};
+        char file[64], *owned = NULL;
+        snprintf(file, sizeof file, "%s.%s", name, stage ? "frag" : "vert");
+        if (!(result = slv_gl_shader_text(env, file, &texts[2], &owned)))
+            result = compile(gl, env, file, stages[stage], texts, 3, &shaders[stage]);
+        free(owned);
+    }
+    if (!result)
+        result = link_shaders(gl, env, name, shaders, out);
+    gl->api.DeleteShader(shaders[0]);
+    gl->api.DeleteShader(shaders[1]);
     return result;
 }

@@ -167,10 +167,8 @@ static void free_programs(slv_gl_renderer *renderer) {
 
 static slv_result surface_program(slv_gl_renderer *renderer, const slv_env *env,
                                   const char *lookups, GLuint *out) {
-    static const char version[] = "#version 450 core\n";
-    const char *vertex = NULL, *fragment = NULL;
-    char *owned[2] = {NULL, NULL}, *full = NULL, *text = NULL;
-    slv_result result = SLV_OK;
+    char *text = NULL;
+    slv_result result;
     for (uint32_t i = 0; i < renderer->nprograms; i++) {
         if (strcmp(renderer->programs[i].text, lookups) == 0) {
             *out = renderer->programs[i].program;
@@ -179,24 +177,13 @@ static slv_result surface_program(slv_gl_renderer *renderer, const slv_env *env,
     }
     if (renderer->nprograms == MAX_PROGRAMS) /* a viewer that keeps making textures: start afresh */
         free_programs(renderer);
-    if ((result = slv_gl_shader_text(env, "surface.vert", &vertex, &owned[0])) ||
-        (result = slv_gl_shader_text(env, "surface.frag", &fragment, &owned[1])) ||
-        (result = slv_alloc(env, "shader", sizeof version + strlen(vertex), 1, &full)) ||
-        (result = slv_alloc(env, "shader", strlen(lookups) + 1, 1, &text)))
-        goto done;
-    memcpy(full, version, sizeof version - 1);
-    memcpy(full + sizeof version - 1, vertex, strlen(vertex) + 1);
+    if ((result = slv_alloc(env, "shader", strlen(lookups) + 1, 1, &text)))
+        return result;
     memcpy(text, lookups, strlen(lookups) + 1);
-    const char *texts[] = {version, lookups, fragment};
-    if ((result = slv_gl_program(renderer->gl, env, "surface", full, texts, 3, out)))
-        goto done;
-    renderer->programs[renderer->nprograms++] = (struct program){text, *out};
-    text = NULL;
-done:
-    free(text);
-    free(full);
-    free(owned[0]);
-    free(owned[1]);
+    if ((result = slv_gl_program(renderer->gl, env, "surface", lookups, out)))
+        free(text);
+    else
+        renderer->programs[renderer->nprograms++] = (struct program){text, *out};
     return result;
 }
 

@@ -26,26 +26,24 @@ typedef struct slv_procedural {
     float frequency;    /* periods per unit of length; default 1 */
     float direction[3]; /* of stripes, any length; default (0.36, 0.80, 0.48) */
     float offset[3];
-    float warp; /* how far noise, four periods wide, bends the stripes, in periods; default not at
-                   all */
+    float warp; /* how far noise, four periods wide, bends the stripes, in periods; default 0 */
     uint32_t octaves; /* default 4, at most 16 */
     uint32_t seed;
-    float color0[4],
-        color1[4];   /* where the pattern is 0 and where it is 1; default opaque black and white */
+    float color0[4]; /* where the pattern is 0; default opaque black */
+    float color1[4]; /* where it is 1; default opaque white */
     float face_tint; /* 0..1: how much of each face's own colour is mixed into RGB */
 } slv_procedural;
 
-/* The pattern at a point in space, as RGBA; `face` matters only to FACE_COLOR and face_tint. Pure.
- */
+/* The pattern at a point in space, as RGBA; `face` matters only to FACE_COLOR and
+ * face_tint. Pure. */
 SLV_API void slv_procedural_evaluate(const slv_procedural *pattern, int32_t face,
                                      const float position[3], float rgba[4]);
 
 /* Zero means default. */
 typedef struct slv_bake_params {
-    uint32_t samples; /* per texel and axis, 1..64; default 1, the texel's centre */
-    uint32_t
-        first_face; /* bakes only face_count faces from here on, leaving the others as they are */
-    uint32_t face_count; /* default all from first_face on */
+    uint32_t samples;    /* per texel and axis, 1..64; default 1, the texel's centre */
+    uint32_t first_face; /* where to begin; faces before it are left as they are */
+    uint32_t face_count; /* how many; default all from first_face on */
 } slv_bake_params;
 
 /* Evaluates a pattern into every texel of every face, at the limit position of the texel's centre

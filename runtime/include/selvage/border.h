@@ -36,7 +36,9 @@ SLV_API slv_result slv_border_build(const slv_levels *levels, const slv_adjacenc
                                     uint32_t face, uint32_t level, uint32_t bu, uint32_t bv,
                                     float *out, bool *out_of_range);
 
-/* The value M (`nchannels` floats) that all faces around a corner agree on at a level. */
+/* The value M (`nchannels` floats) that all faces around a corner agree on at a level: the mean of
+ * their corner texels, or around a pole of more than 256 faces that of every n-th, so that its cost
+ * stays bounded. In integer textures M is moved, where possible, to where no d leaves 0..1. */
 SLV_API void slv_border_vertex(const slv_levels *levels, const slv_adjacency *adjacency,
                                uint32_t face, uint32_t level, unsigned corner, float *out);
 

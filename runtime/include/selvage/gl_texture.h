@@ -9,12 +9,11 @@
  *         slv_gl_batch batch = slv_gl_texture_batch(texture, strategy, i);
  *         glUseProgram(programs[batch.variant]);
  *         slv_gl_texture_bind(texture, strategy, i);
- *         draw the triangles of batch.faces, with the face id as a flat input and (u,v) in 0..1 as
- * a smooth one
+ *         draw the triangles of batch.faces
  *     }
  *
- * and calls `vec4 slv_sample(int face, vec2 uv)` or `vec4 slv_sample_grad(int face, vec2 uv, vec2
- * dx, vec2 dy)`. */
+ * with the face id as a flat input and (u,v) in 0..1 as a smooth one, and calls slv_sample(face,
+ * uv) or slv_sample_grad(face, uv, dx, dy); see shaders/selvage_sample.glsl. */
 #ifndef SELVAGE_GL_TEXTURE_H
 #define SELVAGE_GL_TEXTURE_H
 

@@ -12,7 +12,8 @@ extern "C" {
 SLV_API float slv_half_to_float(uint16_t half);
 
 /* Rounds half up in magnitude (not to even), as .ptx writers do: too large becomes infinity, -0
- * becomes 0, below 2^-14 is rounded to a multiple of 2^-24. */
+ * becomes 0, below 2^-14 is rounded to a multiple of 2^-24. Of a NaN the top ten
+ * mantissa bits are kept; where those are zero it becomes infinity, as there. */
 SLV_API uint16_t slv_half_from_float(float value);
 
 #ifdef __cplusplus
