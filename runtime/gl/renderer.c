@@ -175,8 +175,6 @@ static slv_result surface_program(slv_gl_renderer *renderer, const slv_env *env,
             return SLV_OK;
         }
     }
-    if (renderer->nprograms == MAX_PROGRAMS) /* a viewer that keeps making textures: start afresh */
-        free_programs(renderer);
     if ((result = slv_alloc(env, "shader", strlen(lookups) + 1, 1, &text)))
         return result;
     memcpy(text, lookups, strlen(lookups) + 1);
@@ -380,6 +378,10 @@ slv_result slv_gl_renderer_draw(slv_gl_renderer *renderer, const slv_env *env,
         (result = make_indices(renderer, env, texture, frame.strategy,
                                &renderer->indices[frame.strategy])))
         return result;
+    /* A viewer that keeps making textures starts afresh now and then: before a frame has collected
+     * its programs, not amid. */
+    if (renderer->nprograms + SLV_GL_MAX_VARIANTS > MAX_PROGRAMS)
+        free_programs(renderer);
     for (uint32_t b = 0; b < batches->count; b++) {
         uint32_t variant = batches->ranges[b].variant;
         if (programs[variant])

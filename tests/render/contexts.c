@@ -107,6 +107,53 @@ static void make_cube(kit *k, uint64_t *random) {
     kit_noise(k, SLV_TYPE_U8, 3, random);
 }
 
+/* One renderer with many textures, as in a viewer whose settings change: more programs than it
+ * keeps, several of them in one frame (faces of many sizes need shaders that reach different
+ * numbers of arrays). */
+static void check_many_programs(uint64_t *random) {
+    slv_env env = test_env();
+    slv_gl *gl = NULL;
+    slv_gl_renderer *renderer = NULL;
+    slv_surface *surface = NULL;
+    kit k;
+    kit_grid(&k, 6, 6, false, 0, random, NULL);
+    kit_mixed(&k, 3, random);
+    kit_noise(&k, SLV_TYPE_U8, 3, random);
+    slv_result result = slv_gl_create(&env, SLV_GL_EGL, &gl);
+    REQUIRE(result == SLV_OK);
+    result = slv_surface_create(&env, k.mesh, NULL, &surface);
+    REQUIRE(result == SLV_OK);
+    result = slv_gl_renderer_create(gl, &env, k.mesh, surface, 2, &renderer);
+    REQUIRE(result == SLV_OK);
+    /* cheap programs up to two below what the renderer keeps, then one frame that needs several
+     * more */
+    for (uint32_t made = 0; made < 63; made++) {
+        slv_gl_texture *texture = NULL;
+        slv_strategy strategy = made < 62 ? SLV_STRATEGY_BORDERS : SLV_STRATEGY_TRAVERSE;
+        slv_gl_texture_params params = {
+            .strategies = 1u << strategy, .border = 1 + made, .pool_layers = 4};
+        slv_frame frame = {.width = 16, .height = 16, .strategy = strategy};
+        const float low[3] = {0, 0, 0}, high[3] = {100, 100, 100};
+        uint32_t variants = 0;
+        frame.camera = slv_camera_orbit(low, high, 0, 30, 40, 1);
+        result = slv_gl_texture_create(gl, &env, k.texture, k.adjacency, &params, &texture);
+        REQUIRE(result == SLV_OK);
+        for (uint32_t b = 0; b < slv_gl_texture_batch_count(texture, strategy); b++)
+            variants |= 1u << slv_gl_texture_batch(texture, strategy, b).variant;
+        uint32_t kinds = 0;
+        for (uint32_t v = variants; v; v &= v - 1)
+            kinds++;
+        CHECK(made < 62 || kinds > 2);
+        result = slv_gl_renderer_draw(renderer, &env, texture, &frame, NULL, NULL);
+        CHECK_MSG(result == SLV_OK, "after %u programs: %s", made, test_last_log);
+        slv_gl_texture_destroy(texture);
+    }
+    slv_gl_renderer_destroy(renderer);
+    slv_surface_destroy(surface);
+    slv_gl_destroy(gl);
+    kit_free(&k);
+}
+
 int main(void) {
     slv_env env = test_env();
     uint64_t random = 3;
@@ -139,6 +186,7 @@ int main(void) {
         }
     }
     check_two_contexts(&k);
+    check_many_programs(&random);
     kit_free(&k);
     return test_end();
 }
