@@ -163,6 +163,8 @@ slv_result ptx_meta_read_large(slv_ptx *ptx, const uint8_t *headers, uint64_t si
                                uint64_t position, uint64_t end);
 slv_result ptx_meta_finish(slv_ptx *ptx);
 void ptx_meta_free(slv_ptx *ptx);
+/* Bytes of memory that the entries take, or would take once all large values were read. */
+uint64_t ptx_meta_bytes(const slv_ptx *ptx, bool all);
 /* The entry of a key, its value read or not, or NULL. */
 ptx_meta *ptx_meta_lookup(const slv_ptx *ptx, const char *key);
 
@@ -170,31 +172,7 @@ ptx_meta *ptx_meta_lookup(const slv_ptx *ptx, const char *key);
 slv_result ptx_read_edits(slv_ptx *ptx, struct libdeflate_decompressor *inflater, uint64_t position,
                           uint64_t end, bool open_ended);
 
-/* What one thread needs to read faces; zeroed but for `env` at first. */
-typedef struct ptx_buffer {
-    uint8_t *bytes;
-    size_t capacity;
-} ptx_buffer;
-
-typedef struct ptx_scratch {
-    const slv_env *env;
-    struct libdeflate_decompressor *inflater;
-    size_t read_ahead; /* how much to read at a time when blocks are small and follow each other */
-    ptx_buffer input, planes, tiles, work[2];
-    uint64_t input_position;
-    size_t input_size;
-} ptx_scratch;
-
-/* ptx_inflate.c: unpacks a zlib stream if it is of literals alone; else returns false, and `out` is
- * of no use. */
-bool ptx_inflate_literals(const uint8_t *in, size_t size, uint8_t *out, size_t out_size);
-
 /* ptx_face.c */
-slv_result ptx_scratch_reserve(ptx_scratch *scratch, const slv_ptx *ptx, ptx_buffer *buffer,
-                               uint64_t size);
-void ptx_scratch_free(ptx_scratch *scratch);
-slv_result ptx_read_face_with(const slv_ptx *ptx, ptx_scratch *scratch, uint32_t face, slv_res res,
-                              void *out);
 /* Whether a face has one value, kept with the averages. */
 static inline bool ptx_is_one_texel(const slv_ptx_face *face) {
     return (face->flags & SLV_FACE_CONSTANT) || (face->res.u == 0 && face->res.v == 0);

@@ -1,7 +1,7 @@
 /* Inflating streams that hold nothing but literals, as the noise of painted texels is packed: two
  * of them can be looked up at once, where a general decoder must be ready for a repeat after each.
  */
-#include "ptx/ptx_file.h"
+#include "ptx/ptx_texels.h"
 
 #define MAX_BITS 11
 #define MASK ((1u << MAX_BITS) - 1)

@@ -1,5 +1,5 @@
 /* From a file to the library's own objects. */
-#include "ptx/ptx_file.h"
+#include "ptx/ptx_texels.h"
 
 #include <stdlib.h>
 

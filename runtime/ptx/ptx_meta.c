@@ -239,3 +239,16 @@ const slv_ptx_meta *slv_ptx_find_meta(const slv_ptx *ptx, const char *key) {
     ptx_meta *meta = ptx_meta_lookup(ptx, key);
     return meta ? loaded_entry(ptx, meta) : NULL;
 }
+
+uint64_t ptx_meta_bytes(const slv_ptx *ptx, bool all) {
+    uint64_t bytes = (uint64_t)ptx->meta_capacity * sizeof *ptx->meta + 4ull * ptx->info.nmeta;
+    for (uint32_t i = 0; i < ptx->info.nmeta; i++) {
+        const ptx_meta *meta = &ptx->meta[i];
+        bytes += strlen(meta->entry.key) + 1;
+        if (!meta->position)
+            bytes += (uint64_t)meta->entry.count * element_size(meta->entry.type) + 1;
+        else if (all || atomic_load_explicit(&meta->loaded, memory_order_acquire))
+            bytes += meta->unpacked + 1;
+    }
+    return bytes;
+}

@@ -47,11 +47,12 @@ static uint16_t u16_from_float(float x) {
                     out[c] =                                                                       \
                         MEAN4(in[c], in[n + c], in[w * n + c], in[w * n + n + c], T, GET, PUT);    \
     }                                                                                              \
-    static void halve_triangle_##NAME(size_t n, size_t w, const T *in, T *out) {                   \
-        for (size_t y = 0; y < w / 2; y++)                                                         \
+    static void halve_triangle_##NAME(size_t n, size_t w, const T *in, const T *mirrored, T *out,  \
+                                      size_t pitch) {                                              \
+        for (size_t y = 0; y < w / 2; y++, out += (pitch - w / 2) * n)                             \
             for (size_t x = 0; x < w / 2; x++, out += n) {                                         \
                 const T *even = in + (2 * y * w + 2 * x) * n;                                      \
-                const T *odd = in + ((w - 1 - 2 * x) * w + (w - 1 - 2 * y)) * n;                   \
+                const T *odd = mirrored + ((w - 1 - 2 * x) * w + (w - 1 - 2 * y)) * n;             \
                 for (size_t c = 0; c < n; c++)                                                     \
                     out[c] = MEAN4(even[c], even[n + c], even[w * n + c], odd[c], T, GET, PUT);    \
             }                                                                                      \
@@ -113,15 +114,15 @@ void ptx_halve_both(slv_type type, uint32_t nchannels, slv_res res, const void *
 }
 
 void ptx_halve_triangle(slv_type type, uint32_t nchannels, int log2, const void *texels,
-                        void *out) {
+                        const void *mirrored, void *out, size_t pitch) {
     size_t w = (size_t)1 << log2;
-    SELECT(type, halve_triangle, nchannels, w, texels, out)
+    SELECT(type, halve_triangle, nchannels, w, texels, mirrored, out, pitch)
 }
 
 void slv_ptx_reduce(slv_ptx_mesh_type mesh_type, slv_type type, uint32_t nchannels, slv_res res,
                     const void *texels, void *out) {
     if (mesh_type == SLV_PTX_TRIANGLE)
-        ptx_halve_triangle(type, nchannels, res.u, texels, out);
+        ptx_halve_triangle(type, nchannels, res.u, texels, texels, out, (size_t)1 << res.u >> 1);
     else
         ptx_halve_both(type, nchannels, res, texels, out);
 }

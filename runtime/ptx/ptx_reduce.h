@@ -10,8 +10,11 @@ void ptx_halve_u(slv_type type, uint32_t nchannels, slv_res res, const void *tex
 void ptx_halve_v(slv_type type, uint32_t nchannels, slv_res res, const void *texels, void *out);
 /* Means of 2x2 texels; `out` may be `texels`. */
 void ptx_halve_both(slv_type type, uint32_t nchannels, slv_res res, const void *texels, void *out);
-/* A triangle's 2^log2 x 2^log2 array to the next coarser one, which must not overlap it. */
-void ptx_halve_triangle(slv_type type, uint32_t nchannels, int log2, const void *texels, void *out);
+/* 2^log2 x 2^log2 texels of a triangle to the next coarser ones, in rows `pitch` texels apart. For
+ * a part of the triangle `mirrored` is the part that the anti-diagonal of the whole maps it to:
+ * where its odd texels are. Nothing may overlap `out`. */
+void ptx_halve_triangle(slv_type type, uint32_t nchannels, int log2, const void *texels,
+                        const void *mirrored, void *out, size_t pitch);
 /* Fills `out` with `count` copies of a texel of `size` bytes. */
 void ptx_fill(void *out, const void *texel, size_t size, uint64_t count);
 /* Whether the texels are all bitwise equal. */

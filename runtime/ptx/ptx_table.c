@@ -231,15 +231,48 @@ slv_result ptx_load_parts(const slv_ptx *ptx, uint64_t parts) {
     return result;
 }
 
-slv_result slv_ptx_load_tables(const slv_ptx *ptx) {
-    uint64_t parts = PTX_FACES | PTX_CONSTANTS;
+static uint64_t all_parts(const slv_ptx *ptx) {
+    uint64_t parts = PTX_FACES | PTX_CONSTANTS | (ptx->info.nlevels > 1 ? PTX_RANKS : 0);
     for (uint32_t i = 0; i < ptx->info.nlevels; i++)
         parts |= PTX_LEVEL(i);
-    slv_result result = ptx_need(ptx, parts | (ptx->info.nlevels > 1 ? PTX_RANKS : 0));
+    return parts;
+}
+
+slv_result slv_ptx_load_tables(const slv_ptx *ptx) {
+    slv_result result = ptx_need(ptx, all_parts(ptx));
     for (uint32_t i = 0; !result && i < ptx->info.nmeta; i++)
         if (!slv_ptx_get_meta(ptx, i))
             result = SLV_ERROR_FORMAT;
     return result;
+}
+
+const void *slv_ptx_get_averages(const slv_ptx *ptx) {
+    return ptx_need(ptx, PTX_CONSTANTS) ? NULL : ptx->tables->constants;
+}
+
+static uint64_t table_bytes(const slv_ptx *ptx, uint64_t parts, bool all) {
+    uint64_t nfaces = ptx->info.nfaces, edit = sizeof *ptx->edits + ptx->pixel_size;
+    uint64_t bytes = sizeof *ptx + sizeof *ptx->tables + strlen(ptx->name) + 1 +
+                     ptx->edit_capacity * edit + ptx_meta_bytes(ptx, all);
+    if (parts & PTX_FACES)
+        bytes += nfaces * PTX_FACE_INFO_SIZE;
+    if (parts & PTX_CONSTANTS)
+        bytes += nfaces * ptx->pixel_size;
+    if (parts & PTX_RANKS)
+        bytes += nfaces * sizeof *ptx->tables->ranks;
+    for (uint32_t i = 0; i < ptx->info.nlevels; i++)
+        if (parts & PTX_LEVEL(i))
+            bytes += 4 * (uint64_t)ptx->level_faces[i] +
+                     8 * (uint64_t)(ptx->level_faces[i] / PTX_POSITION_STEP + 1);
+    return bytes;
+}
+
+uint64_t slv_ptx_table_bytes(const slv_ptx *ptx) {
+    return table_bytes(ptx, atomic_load_explicit(&ptx->tables->ready, memory_order_acquire), false);
+}
+
+uint64_t slv_ptx_full_table_bytes(const slv_ptx *ptx) {
+    return table_bytes(ptx, all_parts(ptx), true);
 }
 
 slv_result ptx_read_levels(slv_ptx *ptx, const uint8_t *header, uint64_t position) {

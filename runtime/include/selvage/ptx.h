@@ -94,10 +94,19 @@ SLV_API slv_result slv_ptx_open_with(const slv_env *env, const char *path,
 SLV_API void slv_ptx_close(slv_ptx *ptx);
 /* Reads and checks all that opening put off, texels excepted. */
 SLV_API slv_result slv_ptx_load_tables(const slv_ptx *ptx);
+/* About how many bytes of memory the tables and the metadata hold now, and how many once everything
+ * has been read. */
+SLV_API uint64_t slv_ptx_table_bytes(const slv_ptx *ptx);
+SLV_API uint64_t slv_ptx_full_table_bytes(const slv_ptx *ptx);
 
 SLV_API const slv_ptx_info *slv_ptx_get_info(const slv_ptx *ptx);
 SLV_API const char *slv_ptx_name(const slv_ptx *ptx); /* the path, for messages */
 SLV_API slv_result slv_ptx_get_face(const slv_ptx *ptx, uint32_t face, slv_ptx_face *out);
+
+/* One texel of the file's type for each face, tightly packed: the value of a constant face, of
+ * others the stored average; premultiplied if the file was opened so. Owned by the file. NULL if
+ * they cannot be read (the log says why). */
+SLV_API const void *slv_ptx_get_averages(const slv_ptx *ptx);
 
 /* How a face is stored at a level. */
 typedef enum slv_ptx_encoding {
@@ -137,6 +146,19 @@ SLV_API slv_result slv_ptx_reader_create(const slv_env *env, const slv_ptx *ptx,
 SLV_API void slv_ptx_reader_destroy(slv_ptx_reader *reader);
 SLV_API slv_result slv_ptx_reader_read(slv_ptx_reader *reader, uint32_t face, slv_res res,
                                        void *out);
+/* A tile of what slv_ptx_reader_read gives: the 2^size.u * 2^size.v texels from (x, y) on, tightly
+ * packed, bit for bit the same. `size` is no larger than `res`, and in triangle files square; x and
+ * y are multiples of the tile's width and height.
+ *
+ * Tiles need not be those of the file; only those of the file that the answer is made of are
+ * unpacked, and a last one is kept for neighbouring requests. A reduction that the file does not
+ * store is made of blocks of finer texels, never of the whole finer level. So the reader holds
+ * about half a MiB and the file's table of tiles (4 bytes each) however large the face is, unless
+ * texels have thousands of channels; on top of that the unpacked block while it reads one that the
+ * file stores without tiles, which other software may write at any size. Such a block is kept only
+ * up to 256 KiB, so each call for a part of a larger one unpacks it again. */
+SLV_API slv_result slv_ptx_reader_read_tile(slv_ptx_reader *reader, uint32_t face, slv_res res,
+                                            slv_res size, uint32_t x, uint32_t y, void *out);
 
 /* Calls `visit` with every face at full resolution, on env->threads threads. A face with
  * SLV_FACE_CONSTANT in its flags comes as one texel. `texels` is the visitor's to change, until it
