@@ -76,7 +76,7 @@ static bool is_on_grid(uint32_t at, int size, int whole) {
 
 static slv_result read_region(const slv_ptx *ptx, ptx_scratch *scratch, uint32_t face, slv_res res,
                               ptx_region region, void *out) {
-    slv_res chain[2 * SLV_MAX_LOG2_RES + 1] = {res};
+    slv_res chain[2 * SLV_MAX_LOG2_RES + 1];
     uint32_t steps;
     ptx_block block;
     if (face >= ptx->info.nfaces)
@@ -112,6 +112,7 @@ static slv_result read_region(const slv_ptx *ptx, ptx_scratch *scratch, uint32_t
             return slv_fail(scratch->env, SLV_ERROR_MEMORY, "%s: face %u: no memory to unpack it",
                             ptx->name, face);
     }
+    chain[0] = res;
     if ((result = find_block(ptx, face, &f, chain, &steps, &block)))
         return result;
     result = ptx_read_reduced(ptx, scratch, &block, chain, steps, region, out);

@@ -104,13 +104,15 @@ static slv_result make_triangle(const struct plan *plan, uint32_t i, int size, u
     if (grown_bytes(plan, i, square) > plan->limit[i]) {
         uint32_t half = side / 2;
         for (uint32_t quarter = 0; quarter < 4 && !result; quarter++) {
-            uint32_t right = quarter & 1, up = quarter >> 1;
+            /* each shares a row with the one before, or a column, so its image a column or a row:
+             * likely a tile of the file */
+            uint32_t up = quarter >> 1, right = (quarter & 1) ^ up;
             size_t at = (up * half * pitch + right * half) * ptx->pixel_size;
             size_t there = ((1 - right) * half * pitch + (1 - up) * half) * ptx->pixel_size;
             uint8_t *also = mirrored ? mirrored + there : NULL;
-            if (own_mirror && quarter == 3) /* came with the first */
-                break;
-            if (own_mirror && quarter == 0)
+            if (own_mirror && up && right) /* came with the first */
+                continue;
+            if (own_mirror && !up && !right)
                 also = out + there;
             result = make_triangle(plan, i, size - 1, x + right * half, y + up * half, out + at,
                                    also, pitch);
@@ -129,19 +131,17 @@ static slv_result make_triangle(const struct plan *plan, uint32_t i, int size, u
     return SLV_OK;
 }
 
-slv_result ptx_read_reduced(const slv_ptx *ptx, ptx_scratch *scratch, const ptx_block *block,
-                            const slv_res *res, uint32_t steps, ptx_region region, uint8_t *out) {
+static slv_result read_reduced(const slv_ptx *ptx, ptx_scratch *scratch, const ptx_block *block,
+                               const slv_res *res, uint32_t last, ptx_region region, uint8_t *out) {
     struct plan plan = {.ptx = ptx,
                         .scratch = scratch,
                         .block = block,
                         .res = res,
-                        .last = steps - 1,
+                        .last = last,
                         .unit = block->res};
     bool triangle = is_triangle(&plan);
     slv_result result = SLV_OK;
     size_t pitch = (size_t)1 << region.size.u;
-    if (!plan.last)
-        return ptx_read_stored(ptx, scratch, block, region, out, pitch);
     if (PTX_BLOCK_ENCODING(block->header) == PTX_TILED) {
         if ((result = ptx_need_tiles(ptx, scratch, block)))
             return result;
@@ -170,4 +170,11 @@ slv_result ptx_read_reduced(const slv_ptx *ptx, ptx_scratch *scratch, const ptx_
         return result;
     return triangle ? make_triangle(&plan, 0, region.size.u, region.x, region.y, out, NULL, pitch)
                     : make_quad(&plan, 0, region, out, pitch);
+}
+
+slv_result ptx_read_reduced(const slv_ptx *ptx, ptx_scratch *scratch, const ptx_block *block,
+                            const slv_res *res, uint32_t steps, ptx_region region, uint8_t *out) {
+    if (steps == 1) /* many faces are small: nothing may be slow for them */
+        return ptx_read_stored(ptx, scratch, block, region, out, (size_t)1 << region.size.u);
+    return read_reduced(ptx, scratch, block, res, steps - 1, region, out);
 }
