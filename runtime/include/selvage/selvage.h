@@ -4,6 +4,8 @@
 
 #include <selvage/adjacency.h>
 #include <selvage/border.h>
+#include <selvage/cache.h>
+#include <selvage/filter.h>
 #include <selvage/gl_context.h>
 #include <selvage/gl_renderer.h>
 #include <selvage/gl_texture.h>

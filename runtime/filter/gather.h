@@ -1,0 +1,208 @@
+/* Weighted sums of texels under a kernel. */
+#ifndef SLV_FILTER_GATHER_H
+#define SLV_FILTER_GATHER_H
+
+#include "filter/kernel.h"
+#include "filter/sampler.h"
+#include "filter/vector.h"
+
+#define MAX_VECTORS (KERNEL_MAX * 4 / 8)
+
+/* Only the lanes that were summed up are looked at, which compilers do not see. */
+#if defined(__GNUC__) && !defined(__clang__)
+#pragma GCC diagnostic push
+#pragma GCC diagnostic ignored "-Wmaybe-uninitialized"
+#endif
+
+/* Few channels: rows are added up as they lie in memory, whole vectors at a time, and the columns
+ * of the sum weighted at the end. Vectors may read beyond a row: texels have padding behind them.
+ */
+#define DEFINE_GATHER_ROWS(TYPE, T)                                                                \
+    static inline __attribute__((always_inline)) void gather_rows_##TYPE(                          \
+        const T *p, size_t pitch, const kernel *k, size_t nvectors, v8f *acc) {                    \
+        int rows = k->a[1].n;                                                                      \
+        float weight = k->a[1].k[0];                                                               \
+        v8f sums[MAX_VECTORS];                                                                     \
+        _Pragma("GCC unroll 9") for (size_t i = 0; i < nvectors; i++) sums[i] =                    \
+            v8_load_##TYPE(p + 8 * i) * weight;                                                    \
+        for (int j = 1; j < rows; j++) {                                                           \
+            p += pitch;                                                                            \
+            weight = k->a[1].k[j];                                                                 \
+            _Pragma("GCC unroll 9") for (size_t i = 0; i < nvectors; i++) sums[i] +=               \
+                v8_load_##TYPE(p + 8 * i) * weight;                                                \
+        }                                                                                          \
+        _Pragma("GCC unroll 9") for (size_t i = 0; i < nvectors; i++) acc[i] = sums[i];            \
+    }                                                                                              \
+    static inline __attribute__((always_inline))                                                   \
+    v4f gather_few_##TYPE(const T *texels, size_t pitch, size_t n, const kernel *k) {              \
+        union {                                                                                    \
+            v8f v[MAX_VECTORS + 1];                                                                \
+            float f[8 * MAX_VECTORS + 8];                                                          \
+        } acc;                                                                                     \
+        const T *p = texels + (size_t)k->a[1].start * pitch + (size_t)k->a[0].start * n;           \
+        size_t nvectors = ((size_t)k->a[0].n * n + 7) / 8;                                         \
+        switch (nvectors) {                                                                        \
+        case 1:                                                                                    \
+            gather_rows_##TYPE(p, pitch, k, 1, acc.v);                                             \
+            break;                                                                                 \
+        case 2:                                                                                    \
+            gather_rows_##TYPE(p, pitch, k, 2, acc.v);                                             \
+            break;                                                                                 \
+        case 3:                                                                                    \
+            gather_rows_##TYPE(p, pitch, k, 3, acc.v);                                             \
+            break;                                                                                 \
+        case 4:                                                                                    \
+            gather_rows_##TYPE(p, pitch, k, 4, acc.v);                                             \
+            break;                                                                                 \
+        default:                                                                                   \
+            gather_rows_##TYPE(p, pitch, k, nvectors, acc.v);                                      \
+        }                                                                                          \
+        v4f even = {0, 0, 0, 0}, odd = even;                                                       \
+        int i = 0;                                                                                 \
+        for (; i + 1 < k->a[0].n; i += 2) {                                                        \
+            v4f a, b;                                                                              \
+            memcpy(&a, acc.f + (size_t)i * n, sizeof a);                                           \
+            memcpy(&b, acc.f + (size_t)(i + 1) * n, sizeof b);                                     \
+            even += a * k->a[0].k[i];                                                              \
+            odd += b * k->a[0].k[i + 1];                                                           \
+        }                                                                                          \
+        if (i < k->a[0].n) {                                                                       \
+            v4f a;                                                                                 \
+            memcpy(&a, acc.f + (size_t)i * n, sizeof a);                                           \
+            even += a * k->a[0].k[i];                                                              \
+        }                                                                                          \
+        return even + odd;                                                                         \
+    }                                                                                              \
+    /* Any number of channels, of which `count` are wanted. */                                     \
+    static inline void gather_many_##TYPE(const T *texels, size_t pitch, size_t n, size_t first,   \
+                                          size_t count, const kernel *k, float *sum) {             \
+        for (int j = 0; j < k->a[1].n; j++) {                                                      \
+            const T *p =                                                                           \
+                texels + (size_t)(k->a[1].start + j) * pitch + (size_t)k->a[0].start * n + first;  \
+            for (int i = 0; i < k->a[0].n; i++, p += n) {                                          \
+                float weight = k->a[0].k[i] * k->a[1].k[j];                                        \
+                size_t c = 0;                                                                      \
+                for (; c + 8 <= count; c += 8) {                                                   \
+                    v8f s;                                                                         \
+                    memcpy(&s, sum + c, sizeof s);                                                 \
+                    s += v8_load_##TYPE(p + c) * weight;                                           \
+                    memcpy(sum + c, &s, sizeof s);                                                 \
+                }                                                                                  \
+                if (c < count) {                                                                   \
+                    v8f s = v8_load_##TYPE(p + c) * weight;                                        \
+                    for (int lane = 0; c < count; c++, lane++)                                     \
+                        sum[c] += s[lane];                                                         \
+                }                                                                                  \
+            }                                                                                      \
+        }                                                                                          \
+    }
+
+DEFINE_GATHER_ROWS(u8, uint8_t)
+DEFINE_GATHER_ROWS(u16, uint16_t)
+DEFINE_GATHER_ROWS(half, uint16_t)
+DEFINE_GATHER_ROWS(float, float)
+
+/* The sum over up to four channels, all of them. */
+#define DEFINE_GATHER_FEW(TYPE, T)                                                                 \
+    static inline __attribute__((always_inline))                                                   \
+    v4f gather_channels_##TYPE(const void *texels, size_t pitch, size_t n, const kernel *k) {      \
+        const T *p = texels;                                                                       \
+        switch (n) {                                                                               \
+        case 1:                                                                                    \
+            return gather_few_##TYPE(p, pitch, 1, k);                                              \
+        case 2:                                                                                    \
+            return gather_few_##TYPE(p, 2 * pitch, 2, k);                                          \
+        case 3:                                                                                    \
+            return gather_few_##TYPE(p, 3 * pitch, 3, k);                                          \
+        default:                                                                                   \
+            return gather_few_##TYPE(p, 4 * pitch, 4, k);                                          \
+        }                                                                                          \
+    }
+
+DEFINE_GATHER_FEW(u8, uint8_t)
+DEFINE_GATHER_FEW(u16, uint16_t)
+DEFINE_GATHER_FEW(half, uint16_t)
+DEFINE_GATHER_FEW(float, float)
+
+/* Texels of up to four channels in rows `pitch` texels apart. */
+static inline __attribute__((always_inline)) v4f
+gather_few(const cache_tables *t, const uint8_t *texels, size_t pitch, const kernel *k) {
+    switch (t->type) {
+    case SLV_TYPE_U8:
+        return gather_channels_u8(texels, pitch, t->nchannels, k);
+    case SLV_TYPE_U16:
+        return gather_channels_u16(texels, pitch, t->nchannels, k);
+    case SLV_TYPE_HALF:
+        return gather_channels_half(texels, pitch, t->nchannels, k);
+    default:
+        return gather_channels_float(texels, pitch, t->nchannels, k);
+    }
+}
+
+/* Eight values from a texel's first on; there is memory behind it. */
+static inline __attribute__((always_inline)) v8f load_texel(slv_type type, const uint8_t *texel) {
+    const void *p = texel;
+    switch (type) {
+    case SLV_TYPE_U8:
+        return v8_load_u8(p);
+    case SLV_TYPE_U16:
+        return v8_load_u16(p);
+    case SLV_TYPE_HALF:
+        return v8_load_half(p);
+    default:
+        return v8_load_float(p);
+    }
+}
+
+/* Adds `count` values of a texel, from `first` on, times a weight. */
+static inline void add_texel(slv_type type, const uint8_t *texel, size_t first, size_t count,
+                             float weight, float *sum) {
+    for (size_t c = 0; c < count; c += 8) {
+        size_t left = count - c < 8 ? count - c : 8;
+        uint8_t bytes[32] = {0};
+        v8f x;
+        memcpy(bytes, texel + (first + c) * slv_type_size(type), left * slv_type_size(type));
+        if (type == SLV_TYPE_U8)
+            x = v8_load_u8(bytes);
+        else if (type == SLV_TYPE_U16)
+            x = v8_load_u16((const uint16_t *)(const void *)bytes);
+        else if (type == SLV_TYPE_HALF)
+            x = v8_load_half((const uint16_t *)(const void *)bytes);
+        else
+            x = v8_load_float((const float *)(const void *)bytes);
+        for (size_t lane = 0; lane < left; lane++)
+            sum[c + lane] += x[lane] * weight;
+    }
+}
+
+/* The sum of texels that lie in rows `pitch` texels apart. */
+static inline void gather(const cache_tables *t, const uint8_t *texels, size_t pitch,
+                          const kernel *k, size_t first, size_t count, float *sum) {
+    size_t n = t->nchannels;
+    const void *p = texels;
+    if (n <= 4) {
+        v4f s = gather_few(t, texels, pitch, k);
+        for (size_t c = 0; c < count; c++)
+            sum[c] += s[first + c];
+        return;
+    }
+    switch (t->type) {
+    case SLV_TYPE_U8:
+        gather_many_u8(p, pitch * n, n, first, count, k, sum);
+        break;
+    case SLV_TYPE_U16:
+        gather_many_u16(p, pitch * n, n, first, count, k, sum);
+        break;
+    case SLV_TYPE_HALF:
+        gather_many_half(p, pitch * n, n, first, count, k, sum);
+        break;
+    default:
+        gather_many_float(p, pitch * n, n, first, count, k, sum);
+    }
+}
+
+#if defined(__GNUC__) && !defined(__clang__)
+#pragma GCC diagnostic pop
+#endif
+
+#endif

@@ -1,0 +1,79 @@
+/* A sampler from the inside, and the functions that lookups are made of. */
+#ifndef SLV_FILTER_SAMPLER_H
+#define SLV_FILTER_SAMPLER_H
+
+#include "filter/cache_data.h"
+#include "filter/kernel_build.h"
+
+/* The lookups are compiled once for every kind of processor. */
+typedef struct lookup_functions {
+    slv_result (*one)(slv_sampler *sampler, const slv_lookup *lookup, float *out);
+    /* `order` (may be NULL) says which lookup comes when. */
+    slv_result (*many)(slv_sampler *sampler, const slv_lookup *lookups, const uint32_t *order,
+                       size_t count, float *out, size_t stride, slv_result *results);
+} lookup_functions;
+
+extern const lookup_functions lookup_portable[SLV_FILTER_COUNT];
+#ifdef SLV_HAVE_AVX2
+extern const lookup_functions lookup_avx2[SLV_FILTER_COUNT];
+#endif
+
+struct slv_sampler {
+    cache_thread thread; /* first: on a line of memory of its own */
+    kernel_shape shape;
+    float width, blur;
+    bool no_edge_blend;
+    uint32_t first_channel, nchannels;
+    lookup_functions functions;
+};
+
+/* One lookup under way. The thread is pinned. */
+typedef struct lookup_state {
+    slv_sampler *sampler;
+    cache_tables *tables;
+    uint32_t first, count; /* the channels that are wanted and there */
+    float *sum;            /* count, added to */
+    float weight;
+    uint32_t pieces;
+    slv_result result; /* of what could not be read */
+    bool gone;         /* the tables were dropped: begin anew */
+    uint8_t depth;
+} lookup_state;
+
+/* triangle.c: the elliptical filter of triangle meshes. u and v are finite. */
+void triangle_sum(lookup_state *state, const slv_lookup *lookup);
+
+/* Texels of a face at a resolution that it has, untiled; NULL when state says why. */
+static inline const uint8_t *find_whole(lookup_state *state, uint32_t face, cache_face *f,
+                                        int res_u, int res_v) {
+    cache_thread *thread = &state->sampler->thread;
+    const uint8_t *texels =
+        res_u == f->res_u && res_v == f->res_v
+            ? cache_find_full(thread->cache, f)
+            : cache_find_hashed(thread->cache, state->tables, face, res_u, res_v, 0);
+    state->pieces++;
+    if (!texels) {
+        texels = cache_load_block(thread, state->tables, face, res_u, res_v, 0, &state->result);
+        state->gone = !texels && !state->result;
+    }
+    return texels;
+}
+
+static inline const uint8_t *find_tile(lookup_state *state, uint32_t face, int res_u, int res_v,
+                                       uint32_t tile) {
+    cache_thread *thread = &state->sampler->thread;
+    const uint8_t *texels =
+        cache_find_hashed(thread->cache, state->tables, face, res_u, res_v, tile);
+    state->pieces++;
+    if (!texels) {
+        texels = cache_load_block(thread, state->tables, face, res_u, res_v, tile, &state->result);
+        state->gone = !texels && !state->result;
+    }
+    return texels;
+}
+
+static inline bool is_over(const lookup_state *state) {
+    return state->gone || state->result != SLV_OK;
+}
+
+#endif

@@ -1,0 +1,109 @@
+/* Vectors of eight floats, in the compiler's own syntax: what the processor has is chosen by
+ * compiling the files that include this more than once. */
+#ifndef SLV_FILTER_VECTOR_H
+#define SLV_FILTER_VECTOR_H
+
+#include <stdint.h>
+#include <string.h>
+
+#if defined(__AVX2__)
+#include <immintrin.h>
+#elif defined(__SSE2__)
+#include <emmintrin.h>
+#endif
+
+typedef float v4f __attribute__((vector_size(16)));
+typedef float v8f __attribute__((vector_size(32)));
+typedef int32_t v8i __attribute__((vector_size(32)));
+typedef uint8_t v8u8 __attribute__((vector_size(8)));
+typedef uint16_t v8u16 __attribute__((vector_size(16)));
+typedef uint32_t v8u32 __attribute__((vector_size(32)));
+
+static inline __attribute__((always_inline)) v8f v8_splat(float x) {
+    return (v8f){x, x, x, x, x, x, x, x};
+}
+
+static inline __attribute__((always_inline)) v8f v8_join(v4f low, v4f high) {
+    return (v8f){low[0], low[1], low[2], low[3], high[0], high[1], high[2], high[3]};
+}
+
+static inline __attribute__((always_inline)) v8f v8_select(v8i mask, v8f yes, v8f no) {
+    return (v8f)(((v8i)yes & mask) | ((v8i)no & ~mask));
+}
+
+static inline __attribute__((always_inline)) v8f v8_abs(v8f x) {
+    return (v8f)((v8i)x & 0x7fffffff);
+}
+
+/* 2^x for -126 < x < 127, to 2e-7: a polynomial for the fraction in -0.5..0.5 (Taylor's, of degree
+ * 7), and the exponent put in. */
+static inline __attribute__((always_inline)) v8f v8_exp2(v8f x) {
+    v8f shifted = x + 12582912.0f; /* 1.5 * 2^23: rounds to an integer */
+    v8f f = x - (shifted - 12582912.0f);
+    v8f y = v8_splat(1.5252734e-5f);
+    y = y * f + 1.5403530e-4f;
+    y = y * f + 1.3333558e-3f;
+    y = y * f + 9.6181291e-3f;
+    y = y * f + 5.5504109e-2f;
+    y = y * f + 0.24022651f;
+    y = y * f + 0.69314718f;
+    y = y * f + 1.0f;
+    return (v8f)((v8u32)y + ((v8u32)shifted << 23));
+}
+
+/* Eight texel values as floats. Compilers take the plain conversion apart value by value. */
+static inline __attribute__((always_inline)) v8f v8_load_u8(const uint8_t *p) {
+#if defined(__AVX2__)
+    __m128i x = _mm_loadl_epi64((const __m128i *)(const void *)p);
+    return (v8f)_mm256_cvtepi32_ps(_mm256_cvtepu8_epi32(x));
+#elif defined(__SSE2__)
+    __m128i zero = _mm_setzero_si128();
+    __m128i x = _mm_unpacklo_epi8(_mm_loadl_epi64((const __m128i *)(const void *)p), zero);
+    return v8_join((v4f)_mm_cvtepi32_ps(_mm_unpacklo_epi16(x, zero)),
+                   (v4f)_mm_cvtepi32_ps(_mm_unpackhi_epi16(x, zero)));
+#else
+    v8u8 x;
+    memcpy(&x, p, sizeof x);
+    return __builtin_convertvector(__builtin_convertvector(x, v8i), v8f);
+#endif
+}
+
+static inline __attribute__((always_inline)) v8f v8_load_u16(const uint16_t *p) {
+#if defined(__AVX2__)
+    __m128i x = _mm_loadu_si128((const __m128i *)(const void *)p);
+    return (v8f)_mm256_cvtepi32_ps(_mm256_cvtepu16_epi32(x));
+#elif defined(__SSE2__)
+    __m128i zero = _mm_setzero_si128(), x = _mm_loadu_si128((const __m128i *)(const void *)p);
+    return v8_join((v4f)_mm_cvtepi32_ps(_mm_unpacklo_epi16(x, zero)),
+                   (v4f)_mm_cvtepi32_ps(_mm_unpackhi_epi16(x, zero)));
+#else
+    v8u16 x;
+    memcpy(&x, p, sizeof x);
+    return __builtin_convertvector(__builtin_convertvector(x, v8i), v8f);
+#endif
+}
+
+static inline __attribute__((always_inline)) v8f v8_load_half(const uint16_t *p) {
+#if defined(__AVX2__) && defined(__F16C__)
+    return (v8f)_mm256_cvtph_ps(_mm_loadu_si128((const __m128i *)(const void *)p));
+#else
+    v8u16 x;
+    memcpy(&x, p, sizeof x);
+    v8u32 h = __builtin_convertvector(x, v8u32);
+    /* the exponent is put right by a product, which treats denormals well; infinity and NaN are
+     * then made anew */
+    v8u32 magnitude = (h & 0x7fff) << 13;
+    v8f f = (v8f)magnitude * 5.192296858534828e33f; /* 2^112 */
+    v8i huge = (v8i)(magnitude >= 0x7c00u << 13);
+    v8u32 bits = (v8u32)f | ((v8u32)huge & 0x7f800000u);
+    return (v8f)(bits | (h & 0x8000) << 16);
+#endif
+}
+
+static inline __attribute__((always_inline)) v8f v8_load_float(const float *p) {
+    v8f x;
+    memcpy(&x, p, sizeof x);
+    return x;
+}
+
+#endif

@@ -1,0 +1,76 @@
+/* Texels of many open .ptx files, in bounded memory, for lookups from any number of threads. */
+#ifndef SELVAGE_CACHE_H
+#define SELVAGE_CACHE_H
+
+#include <selvage/ptx.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/* Zero means default. */
+typedef struct slv_cache_params {
+    uint64_t max_bytes; /* texels and tables together; 0 means 1 GiB, less than 8 MiB means 8 MiB,
+                           more than 64 GiB means that. Reserved at once, used when needed */
+    uint32_t max_files; /* file handles open at a time, which lookups that miss at once may exceed
+                           by one a thread; 0 means 100 */
+    bool premultiply;   /* files with alpha are read premultiplied, see slv_ptx_read_face */
+} slv_cache_params;
+
+/* A cache holds what lookups touched, tile by tile: full faces of less than 128 KiB in one piece.
+ * What was not used lately goes first. A hit takes no lock. Any thread may call any function of a
+ * cache at any time. */
+typedef struct slv_cache slv_cache;
+
+/* Which file, in lookups: never 0, and never given out twice by one cache (but after 65535
+ * files opened and closed). */
+typedef uint32_t slv_file_id;
+
+SLV_API slv_result slv_cache_create(const slv_env *env, const slv_cache_params *params,
+                                    slv_cache **out);
+/* All samplers must have been destroyed. */
+SLV_API void slv_cache_destroy(slv_cache *cache);
+
+/* Adds a file. Opening the same path twice gives two ids. The file is read when something first
+ * needs it, but for its header, so that what is not a .ptx file is refused here. At most 65535
+ * files are open at a time. */
+SLV_API slv_result slv_cache_open(slv_cache *cache, const char *path, slv_file_id *out);
+/* Forgets a file. Lookups by its id give SLV_ERROR_ARGUMENT from now on; those under way on other
+ * threads end with either. */
+SLV_API slv_result slv_cache_close(slv_cache *cache, slv_file_id file);
+/* Forgets what is known of a file, or of every file if `file` is 0, so that the next lookups read
+ * it anew: call it when the file was changed. A file that changes without it gives
+ * SLV_ERROR_MISMATCH when more of it is read after its handle was given up, never a mix. */
+SLV_API slv_result slv_cache_invalidate(slv_cache *cache, slv_file_id file);
+/* A description of a file. `level_faces` and `level_bytes` are NULL. */
+SLV_API slv_result slv_cache_get_info(slv_cache *cache, slv_file_id file, slv_ptx_info *out);
+
+/* Asks for the texels of a face at full resolution, in the background; returns at once. Requests
+ * beyond 4096 waiting ones are dropped in silence. */
+SLV_API slv_result slv_cache_prefetch(slv_cache *cache, slv_file_id file, uint32_t face);
+/* Waits until all that was asked for before is there. */
+SLV_API void slv_cache_wait(slv_cache *cache);
+
+/* What happened since the cache was made. */
+typedef struct slv_cache_stats {
+    uint64_t lookups;    /* of all samplers, those destroyed included */
+    uint64_t hits;       /* pieces of faces that a lookup needed and found */
+    uint64_t misses;     /* that had to be read, or made from finer ones */
+    uint64_t evictions;  /* pieces thrown away to stay within the limit */
+    uint64_t bytes_read; /* from files */
+    uint64_t bytes;      /* now in use */
+    uint64_t peak_bytes; /* most ever in use */
+    uint32_t files;      /* now open by slv_cache_open */
+    uint32_t handles;    /* file handles open now */
+    uint64_t reopened;   /* handles opened again after they were given up */
+    uint64_t reloaded;   /* tables of files read again after they were thrown away */
+} slv_cache_stats;
+
+/* Numbers of samplers at work are a little behind. */
+SLV_API void slv_cache_get_stats(slv_cache *cache, slv_cache_stats *out);
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif

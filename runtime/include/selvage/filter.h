@@ -1,0 +1,92 @@
+/* Filtered lookups on the CPU, across every seam. */
+#ifndef SELVAGE_FILTER_H
+#define SELVAGE_FILTER_H
+
+#include <selvage/cache.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/* The filters of Ptex (Burley and Lacewell 2008, as its library computes them), and one of our own.
+ * Those of Ptex take the bounding box of the footprint; on triangle meshes all of them but point
+ * are one elliptical gaussian. Their values are those of the Ptex library to 1e-5 wherever it
+ * defines any. */
+typedef enum slv_filter {
+    SLV_FILTER_POINT,
+    SLV_FILTER_BILINEAR,
+    SLV_FILTER_BOX,
+    SLV_FILTER_GAUSSIAN,
+    SLV_FILTER_BICUBIC, /* with a sharpness */
+    SLV_FILTER_BSPLINE,
+    SLV_FILTER_CATMULL_ROM,
+    SLV_FILTER_MITCHELL,
+    SLV_FILTER_COUNT
+} slv_filter;
+
+/* point, bilinear, box, gaussian, bicubic, bspline, catmullrom, mitchell */
+SLV_API const char *slv_filter_name(slv_filter filter);
+/* False if no filter has that name. */
+SLV_API bool slv_filter_from_name(const char *name, slv_filter *out);
+
+/* How to filter. Zero means default, but for `filter`. */
+typedef struct slv_filter_params {
+    slv_filter filter;
+    bool lerp;          /* interpolate between resolutions (the gaussian and cubic filters) */
+    bool no_edge_blend; /* stay on the face: its border texels continue outside, or are black */
+    float sharpness;    /* 0..1: how sharp SLV_FILTER_BICUBIC is */
+    float width;        /* the footprint is scaled by this, 0 means 1 */
+    float blur;         /* and widened by this, in units of the face */
+    uint32_t first_channel, nchannels; /* which channels; 0 channels means all from the first on */
+} slv_filter_params;
+
+/* Where to look: a position on a face and the footprint's two vectors, each a change of (u,v) from
+ * one sample to the next, in units of the face. */
+typedef struct slv_lookup {
+    slv_file_id file;
+    uint32_t face;
+    float u, v;
+    float uw1, vw1, uw2, vw2;
+} slv_lookup;
+
+/* Looks texels up by one set of parameters. For one thread at a time; each thread has its own. The
+ * cache must outlive it. */
+typedef struct slv_sampler slv_sampler;
+
+/* SLV_ERROR_ARGUMENT if the parameters are out of range: an unknown filter, sharpness outside 0..1,
+ * width or blur negative or not finite. */
+SLV_API slv_result slv_sampler_create(slv_cache *cache, const slv_filter_params *params,
+                                      slv_sampler **out);
+SLV_API void slv_sampler_destroy(slv_sampler *sampler);
+
+/* How many floats a lookup in this file gives: the parameters' channels as far as the file has
+ * them, or 0 for no such file. */
+SLV_API uint32_t slv_sampler_channels(slv_sampler *sampler, slv_file_id file);
+
+/* One lookup: integers as 0..1, half and float as themselves, in the file's own colour space, into
+ * `out`, which has room for all requested channels; those that the file lacks are 0.
+ *
+ * SLV_ERROR_ARGUMENT for a file or face that does not exist, u or v not finite, or a footprint that
+ * is not a number (infinite ones average the face); other errors if the file cannot be read. `out`
+ * is then zeros. Wrong arguments are not logged; a face that cannot be read is, each time. */
+SLV_API slv_result slv_sample(slv_sampler *sampler, const slv_lookup *lookup, float *out);
+
+/* `count` lookups in one go, quicker than one by one: the same numbers. `out` is count rows of
+ * `stride` floats, at least the number of requested channels (all of the widest file, if that is
+ * 0). Returns the error of the first lookup that failed; all others are done. `results` (count, may
+ * be NULL) says how each one went. */
+SLV_API slv_result slv_sample_batch(slv_sampler *sampler, const slv_lookup *lookups, size_t count,
+                                    float *out, size_t stride, slv_result *results);
+
+/* The same for lookups in no order: visits them by file and face. `workspace` has room for
+ * slv_sample_workspace(count) bytes. */
+SLV_API slv_result slv_sample_sorted(slv_sampler *sampler, const slv_lookup *lookups, size_t count,
+                                     float *out, size_t stride, slv_result *results,
+                                     void *workspace);
+SLV_API size_t slv_sample_workspace(size_t count);
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif
