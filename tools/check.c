@@ -6,9 +6,8 @@
 struct check {
     const char *path, *mesh, *repair;
     float seams;
-    bool seams_given, strict, tables, json, quiet;
+    bool seams_given, strict, tables, json, quiet, progress;
     uint32_t shown, threads;
-    cli_progress progress;
 };
 
 /* What the findings add up to. */
@@ -108,23 +107,17 @@ failed:
     return NULL;
 }
 
-static void show_progress(void *user, uint64_t done, uint64_t total) {
-    cli_progress *progress = user;
-    progress->total = total;
-    cli_progress_update(progress, done);
-}
-
-static int check_one(struct check *c, const slv_env *env, const char *path, const slv_mesh *mesh,
-                     slv_ptx_report **out) {
+static int check_one(const struct check *c, const slv_env *env, const char *path,
+                     const slv_mesh *mesh, slv_ptx_report **out) {
+    cli_progress progress = cli_progress_fleeting("check", c->progress, c->quiet || c->json);
     slv_ptx_check_params params = {.mesh = mesh,
                                    .seams = c->seams_given,
                                    .seam_tolerance = c->seams,
                                    .no_texels = c->tables,
-                                   .progress = c->progress.terminal ? show_progress : NULL,
-                                   .progress_user = &c->progress};
+                                   .progress = cli_progress_report,
+                                   .progress_user = &progress};
     slv_result result = slv_ptx_check(env, path, &params, out);
-    if (c->progress.terminal)
-        cli_progress_end(&c->progress);
+    cli_progress_end(&progress);
     return result ? EXIT_FAILED : EXIT_OK;
 }
 
@@ -207,6 +200,8 @@ int verb_check(int argc, char **argv) {
         {"--strict", CLI_FLAG, &c.strict, "warnings count as errors", NULL, 0, 0, NULL},
         {"--show", CLI_UINT, &c.shown, "findings of each kind to print (20)", NULL, 0, 1000, NULL},
         {"--json", CLI_FLAG, &c.json, "print JSON, for scripts", NULL, 0, 0, NULL},
+        {"--progress", CLI_FLAG, &c.progress, "say on stderr how far it is, terminal or not", NULL,
+         0, 0, NULL},
         {"--threads", CLI_UINT, &c.threads, "worker threads (one per processor)", NULL, 1, 256,
          NULL},
         {"--quiet|-q", CLI_FLAG, &c.quiet, "print nothing: the exit code says it", NULL, 0, 0,
@@ -233,9 +228,6 @@ int verb_check(int argc, char **argv) {
         return cli_usage(&command, "--seams: expected 0 or more");
     if (c.tables && c.seams_given)
         return cli_usage(&command, "--seams looks at texels, --tables does not");
-    c.progress = cli_progress_begin("check", 1, true);
-    c.progress.quiet = c.quiet || c.json || !c.progress.terminal;
-    c.progress.terminal &= !c.progress.quiet;
     code = run_check(&c);
     if (fflush(stdout) != 0 || ferror(stdout))
         return code ? code : cli_error("cannot write the answer: %s", strerror(errno));

@@ -10,6 +10,12 @@
 #include <time.h>
 #include <unistd.h>
 
+/* An unfinished line of progress may stand there. */
+static void begin_line(void) {
+    if (isatty(STDERR_FILENO) == 1)
+        fputs("\r\033[K", stderr);
+}
+
 int cli_usage(const cli_command *command, const char *format, ...) {
     va_list args;
     va_start(args, format);
@@ -23,6 +29,7 @@ int cli_usage(const cli_command *command, const char *format, ...) {
 int cli_error(const char *format, ...) {
     va_list args;
     va_start(args, format);
+    begin_line();
     fputs("selvage: ", stderr);
     vfprintf(stderr, format, args);
     fputc('\n', stderr);
@@ -30,10 +37,22 @@ int cli_error(const char *format, ...) {
     return EXIT_FAILED;
 }
 
+void cli_warning(const char *format, ...) {
+    va_list args;
+    va_start(args, format);
+    begin_line();
+    fputs("selvage: warning: ", stderr);
+    vfprintf(stderr, format, args);
+    fputc('\n', stderr);
+    va_end(args);
+}
+
 static void print_log(void *user, slv_log_level level, const char *message) {
     (void)user;
-    if (level != SLV_LOG_INFO)
-        fprintf(stderr, "selvage: %s%s\n", level == SLV_LOG_WARNING ? "warning: " : "", message);
+    if (level == SLV_LOG_INFO)
+        return;
+    begin_line();
+    fprintf(stderr, "selvage: %s%s\n", level == SLV_LOG_WARNING ? "warning: " : "", message);
 }
 
 slv_env cli_env(uint32_t threads) {
@@ -231,23 +250,38 @@ int cli_parse(const cli_command *command, int argc, char **argv) {
     return -1;
 }
 
+static cli_progress begin_progress(const char *what, uint64_t total, bool quiet) {
+    return (cli_progress){.what = what,
+                          .total = total ? total : 1,
+                          .quiet = quiet,
+                          .terminal = isatty(STDERR_FILENO) == 1,
+                          .started = cli_now(),
+                          .busy = ATOMIC_FLAG_INIT};
+}
+
 cli_progress cli_progress_begin(const char *what, uint64_t total, bool quiet) {
-    cli_progress progress = {.what = what,
-                             .total = total ? total : 1,
-                             .quiet = quiet,
-                             .terminal = isatty(STDERR_FILENO) == 1,
-                             .started = cli_now()};
+    cli_progress progress = begin_progress(what, total, quiet);
     if (!quiet && !progress.terminal)
         fprintf(stderr, "%s\n", what);
     return progress;
 }
 
+cli_progress cli_progress_fleeting(const char *what, bool forced, bool quiet) {
+    cli_progress progress = begin_progress(what, 1, quiet);
+    progress.fleeting = true;
+    progress.quiet = !forced && (quiet || !progress.terminal);
+    if (!forced)
+        progress.shown = progress.started + 0.4;
+    return progress;
+}
+
 void cli_progress_update(cli_progress *progress, uint64_t done) {
-    double time = cli_now(), spent = time - progress->started;
-    int tenths = (int)(done * 10 / progress->total);
     if (progress->quiet)
         return;
-    if (progress->terminal && (time - progress->shown > 0.1 || done == progress->total)) {
+    double time = cli_now(), spent = time - progress->started;
+    int tenths = (int)(done * 10 / progress->total);
+    bool last = done == progress->total && !progress->fleeting;
+    if (progress->terminal && (time - progress->shown > 0.1 || last)) {
         double left = done ? spent / (double)done * (double)(progress->total - done) : 0;
         fprintf(stderr, "\r\033[K%s: %llu of %llu, %.0f s left", progress->what,
                 (unsigned long long)done, (unsigned long long)progress->total, left);
@@ -258,8 +292,31 @@ void cli_progress_update(cli_progress *progress, uint64_t done) {
     progress->tenths = tenths;
 }
 
+void cli_progress_report(void *user, uint64_t done, uint64_t total) {
+    cli_progress *progress = user;
+    progress->total = total ? total : 1;
+    cli_progress_update(progress, done);
+}
+
+void cli_progress_step(cli_progress *progress) {
+    if (progress->quiet)
+        return;
+    uint64_t done = atomic_fetch_add(&progress->done, 1) + 1;
+    /* who finds another thread at it leaves the showing to that one, but for the last step */
+    while (atomic_flag_test_and_set(&progress->busy))
+        if (done != progress->total)
+            return;
+    cli_progress_update(progress, atomic_load(&progress->done));
+    atomic_flag_clear(&progress->busy);
+}
+
 void cli_progress_end(cli_progress *progress) {
-    if (!progress->quiet && progress->terminal)
+    if (progress->quiet || !progress->terminal)
+        return;
+    if (progress->fleeting)
+        fputs("\r\033[K", stderr);
+    else
         fprintf(stderr, "\r\033[K%s: done in %.1f s\n", progress->what,
                 cli_now() - progress->started);
+    progress->quiet = true;
 }

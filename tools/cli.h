@@ -4,6 +4,8 @@
 
 #include <selvage/selvage.h>
 
+#include <stdatomic.h>
+
 enum { EXIT_OK = 0, EXIT_FAILED = 1, EXIT_USAGE = 2 };
 
 typedef enum cli_kind {
@@ -44,6 +46,9 @@ int cli_usage(const cli_command *command, const char *format, ...)
 /* One line about a failure; returns EXIT_FAILED. */
 int cli_error(const char *format, ...) __attribute__((format(printf, 1, 2)));
 
+/* One line that begins with "warning". */
+void cli_warning(const char *format, ...) __attribute__((format(printf, 1, 2)));
+
 /* An environment that prints warnings and errors to stderr, "selvage: ..." a line. */
 slv_env cli_env(uint32_t threads);
 
@@ -52,12 +57,21 @@ slv_env cli_env(uint32_t threads);
 typedef struct cli_progress {
     const char *what;
     uint64_t total;
-    bool quiet, terminal;
+    bool quiet, terminal, fleeting;
     double started, shown;
     int tenths;
+    atomic_uint_fast64_t done; /* by steps */
+    atomic_flag busy;          /* a step is being shown */
 } cli_progress;
 cli_progress cli_progress_begin(const char *what, uint64_t total, bool quiet);
+/* For verbs that scripts use: unless it is `forced`, nothing that is `quiet` or goes anywhere but
+ * to a terminal, and nothing in the first moment of the work. Leaves nothing on a terminal. */
+cli_progress cli_progress_fleeting(const char *what, bool forced, bool quiet);
 void cli_progress_update(cli_progress *progress, uint64_t done);
+/* The same as the callback that libraries take, `user` being the progress. */
+void cli_progress_report(void *user, uint64_t done, uint64_t total);
+/* One more of the total is done; from any thread. */
+void cli_progress_step(cli_progress *progress);
 void cli_progress_end(cli_progress *progress);
 
 double cli_now(void); /* seconds */

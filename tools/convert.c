@@ -1,5 +1,6 @@
 #include "convert.h"
 
+#include <errno.h>
 #include <string.h>
 #include <strings.h>
 #include <sys/stat.h>
@@ -14,12 +15,32 @@ static bool is_folder(const char *path) {
     return stat(path, &status) == 0 && S_ISDIR(status.st_mode);
 }
 
+static json_t *convert_json(const convert_plan *plan, const char *const paths[2],
+                            const char *made) {
+    const slv_ptx_writer_params *target = &plan->target;
+    const convert_totals *totals = plan->totals;
+    bool folder = is_folder(paths[1]);
+    return json_pack(
+        "{s:i, s:o, s:o, s:s, s:I, s:I, s:s, s:I, s:o, s:I, s:I, s:o, s:I}", "schema", 1, "source",
+        output_json_text(paths[0], strlen(paths[0])), "path",
+        output_json_text(paths[1], strlen(paths[1])), "made", made, "faces",
+        (json_int_t)totals->faces, "resized_faces", (json_int_t)totals->resized, "data_type",
+        slv_type_name(target->type), "channels", (json_int_t)target->nchannels, "alpha_channel",
+        target->alpha_channel < 0 ? json_null() : json_integer(target->alpha_channel), "texels",
+        (json_int_t)totals->texels, "texel_bytes",
+        (json_int_t)(totals->texels * target->nchannels * slv_type_size(target->type)),
+        "file_bytes", folder ? json_null() : json_integer((json_int_t)output_file_bytes(paths[1])),
+        "clipped_values", (json_int_t)totals->clipped);
+}
+
 static int run_convert(const cli_command *command, const convert_options *options,
                        const char *const paths[2]) {
     slv_env env = cli_env(options->threads);
     slv_ptx *ptx = NULL;
     slv_mesh *mesh = NULL;
     convert_plan plan = {0};
+    convert_totals totals = {.progress = cli_progress_fleeting("convert", options->progress,
+                                                               options->quiet || options->json)};
     int code = EXIT_FAILED;
     bool to_ptx = ends_with(paths[1], ".ptx"),
          to_sheet = ends_with(paths[1], ".png") || ends_with(paths[1], ".exr");
@@ -29,17 +50,28 @@ static int run_convert(const cli_command *command, const convert_options *option
         if (!to_ptx)
             code = cli_usage(command, "from images only a .ptx can be made, not '%s'", paths[1]);
         else
-            code = convert_from_index(command, &env, options, mesh, paths[0], paths[1]);
-        goto done;
+            code = convert_from_index(command, &env, options, mesh, paths[0], paths[1], &totals,
+                                      &plan);
+        goto report;
     }
     if (slv_ptx_open(&env, paths[0], &ptx) || slv_ptx_load_tables(ptx))
         goto done;
     slv_ptx_writer_params source = slv_ptx_writer_params_like(ptx);
-    if ((code = convert_plan_make(command, options, &source, &plan)))
+    if ((code = convert_plan_make(command, options, &source, &totals, &plan)))
         goto done;
+    totals.progress.total = source.nfaces;
     code = to_ptx     ? convert_to_ptx(&env, options, &plan, ptx, mesh, paths[1])
            : to_sheet ? convert_to_sheet(&env, options, &plan, ptx, paths[1])
                       : convert_to_folder(&env, options, &plan, ptx, paths[1]);
+report:
+    cli_progress_end(&totals.progress);
+    if (code == EXIT_OK)
+        convert_warn_clipped(&totals, plan.target.type);
+    if (code == EXIT_OK && options->json)
+        code = output_print_json(paths[1], convert_json(&plan, paths,
+                                                        to_ptx     ? "ptx"
+                                                        : to_sheet ? "sheet"
+                                                                   : "folder"));
 done:
     convert_plan_free(&plan);
     slv_mesh_destroy(mesh);
@@ -83,8 +115,12 @@ int verb_convert(int argc, char **argv) {
          "control mesh whose geometry and adjacency go into OUT.ptx", "FILE.obj", 0, 0, NULL},
         {"--format", CLI_CHOICE, &o.format, "of a folder's images (png, or exr for half and float)",
          "png|exr", 0, 0, &o.format_given},
+        {"--json", CLI_FLAG, &o.json, "print what was done as JSON", NULL, 0, 0, NULL},
+        {"--progress", CLI_FLAG, &o.progress, "say on stderr how far it is, terminal or not", NULL,
+         0, 0, NULL},
         {"--threads", CLI_UINT, &o.threads, "worker threads (one per processor)", NULL, 1, 256,
          NULL},
+        {"--quiet|-q", CLI_FLAG, &o.quiet, "no progress on a terminal either", NULL, 0, 0, NULL},
     };
     const cli_command command = {
         .name = "convert",
@@ -111,5 +147,8 @@ int verb_convert(int argc, char **argv) {
         return cli_usage(&command, "--reductions and --no-reductions contradict each other");
     if (o.mesh && !ends_with(paths[1], ".ptx"))
         return cli_usage(&command, "--mesh: only a .ptx holds geometry");
-    return run_convert(&command, &o, paths);
+    code = run_convert(&command, &o, paths);
+    if (fflush(stdout) != 0 || ferror(stdout))
+        return code ? code : cli_error("cannot write the answer: %s", strerror(errno));
+    return code;
 }

@@ -21,9 +21,16 @@ typedef struct convert_options {
     bool type_given, border_given, border_u_given, border_v_given, edge_filter_given, format_given;
     bool max_given, min_given;
     uint32_t max[2], min[2];
-    bool premultiply, unmultiply, reductions, no_reductions, no_meta, quiet;
+    bool premultiply, unmultiply, reductions, no_reductions, no_meta, json, progress, quiet;
     uint32_t compression, threads;
 } convert_options;
+
+/* What was done so far; faces are counted by many threads. */
+typedef struct convert_totals {
+    atomic_uint_fast64_t faces, resized, texels;
+    atomic_uint_fast64_t clipped; /* values that the new type could not hold */
+    cli_progress progress;        /* steps once a face */
+} convert_totals;
 
 /* What becomes of every face, once options have met the source. */
 typedef struct convert_plan {
@@ -34,16 +41,19 @@ typedef struct convert_plan {
     int8_t max[2], min[2];
     convert_face_res *face_res; /* sorted by face */
     uint32_t nface_res;
+    convert_totals *totals;
 } convert_plan;
 
 /* convert_plan.c. Returns an exit code; a plan is freed whatever that is. */
 int convert_plan_make(const cli_command *command, const convert_options *options,
-                      const slv_ptx_writer_params *source, convert_plan *plan);
+                      const slv_ptx_writer_params *source, convert_totals *totals,
+                      convert_plan *plan);
 void convert_plan_free(convert_plan *plan);
 slv_res convert_plan_res(const convert_plan *plan, uint32_t face, slv_res res);
 
-/* convert_face.c: a face of the source, one texel if it is constant, as a face of the target.
- * `*texels` is then the same memory, or memory of its own that `*own` names, for free(). */
+/* convert_face.c: a face of the source, one texel if it is constant, as a face of the target; it is
+ * added to the totals. `*texels` is then the same memory, or memory of its own that `*own` names,
+ * for free(). */
 slv_result convert_face(const slv_env *env, const convert_plan *plan, uint32_t face,
                         slv_ptx_face *info, const void **texels, void **own);
 
@@ -56,7 +66,10 @@ int convert_to_sheet(const slv_env *env, const convert_options *options, const c
                      const slv_ptx *ptx, const char *path);
 int convert_from_index(const cli_command *command, const slv_env *env,
                        const convert_options *options, const slv_mesh *mesh, const char *index,
-                       const char *path);
+                       const char *path, convert_totals *totals, convert_plan *plan);
+
+/* Says in one warning how many values were clipped, if any were. */
+void convert_warn_clipped(const convert_totals *totals, slv_type type);
 
 /* The words of options and of the index, in the order of the enumerations. */
 #define CONVERT_TYPES "uint8|uint16|half|float"

@@ -115,8 +115,7 @@ int convert_to_folder(const slv_env *env, const convert_options *options, const 
     if (code)
         return code;
     if (is_lossy(type, e.exr))
-        fprintf(stderr, "selvage: warning: PNG holds 0..1 in 16 bits, the texels are %s\n",
-                slv_type_name(type));
+        cli_warning("PNG holds 0..1 in 16 bits, the texels are %s", slv_type_name(type));
     e.folder = beside;
     snprintf(path, sizeof path, "%s/index.json", beside);
     code = slv_ptx_visit_faces(env, ptx, export_face, &e) ? EXIT_FAILED : EXIT_OK;
@@ -201,8 +200,8 @@ int convert_to_sheet(const slv_env *env, const convert_options *options, const c
         goto done;
     e.places = (const uint32_t(*)[2])places;
     if (is_lossy(plan->target.type, e.exr))
-        fprintf(stderr, "selvage: warning: PNG holds 0..1 in 16 bits, the texels are %s\n",
-                slv_type_name(plan->target.type));
+        cli_warning("PNG holds 0..1 in 16 bits, the texels are %s",
+                    slv_type_name(plan->target.type));
     for (uint32_t group = 0; group < ngroups; group++)
         if (slv_image_create(env, size[0], size[1], index_group_size(plan->target.nchannels, group),
                              &e.sheets[group]))

@@ -1,5 +1,6 @@
 #include "convert.h"
 
+#include <math.h>
 #include <stdlib.h>
 
 /* Resampling wants colours multiplied by alpha, so that what is not covered does not bleed. */
@@ -41,6 +42,37 @@ static float *select_channels(const convert_plan *plan, const float *values, siz
     return out;
 }
 
+/* Values that become another number by more than rounding. */
+static uint64_t count_clipped(slv_type type, const float *values, size_t count) {
+    float half_unit = type == SLV_TYPE_U8 ? 0.5f / 255 : 0.5f / 65535;
+    uint64_t clipped = 0;
+    if (type == SLV_TYPE_FLOAT)
+        return 0;
+    if (type == SLV_TYPE_HALF) {
+        for (size_t i = 0; i < count; i++)
+            clipped += fabsf(values[i]) >= 65520 && isfinite(values[i]);
+        return clipped;
+    }
+    for (size_t i = 0; i < count; i++)
+        clipped += !(values[i] >= -half_unit && values[i] <= 1 + half_unit);
+    return clipped;
+}
+
+void convert_warn_clipped(const convert_totals *totals, slv_type type) {
+    if (totals->clipped)
+        cli_warning("%llu value%s did not fit into %s and %s clipped",
+                    (unsigned long long)totals->clipped, totals->clipped == 1 ? "" : "s",
+                    slv_type_name(type), totals->clipped == 1 ? "was" : "were");
+}
+
+static void count_face(const convert_plan *plan, slv_res from, const slv_ptx_face *info) {
+    convert_totals *totals = plan->totals;
+    totals->faces++;
+    totals->resized += from.u != info->res.u || from.v != info->res.v;
+    totals->texels += (uint64_t)1 << (info->res.u + info->res.v);
+    cli_progress_step(&totals->progress);
+}
+
 slv_result convert_face(const slv_env *env, const convert_plan *plan, uint32_t face,
                         slv_ptx_face *info, const void **texels, void **own) {
     const slv_ptx_writer_params *source = &plan->source, *target = &plan->target;
@@ -53,6 +85,7 @@ slv_result convert_face(const slv_env *env, const convert_plan *plan, uint32_t f
     slv_result result = SLV_OK;
     *own = NULL;
     info->res = to;
+    count_face(plan, from, info);
     if (same_res && plan->same_channels && source->type == target->type && !plan->premultiply &&
         !plan->unmultiply)
         return SLV_OK;
@@ -78,6 +111,7 @@ slv_result convert_face(const slv_env *env, const convert_plan *plan, uint32_t f
     if (!out)
         goto no_memory;
     slv_type_from_float(target->type, selected, count * target->nchannels, out);
+    plan->totals->clipped += count_clipped(target->type, selected, count * target->nchannels);
     *texels = *own = out;
     goto done;
 no_memory:

@@ -165,10 +165,9 @@ static int open_index(struct import *m, const char *given, char *index, size_t s
 
 int convert_from_index(const cli_command *command, const slv_env *env,
                        const convert_options *options, const slv_mesh *mesh, const char *given,
-                       const char *path) {
+                       const char *path, convert_totals *totals, convert_plan *plan) {
     struct import m = {.env = env};
     slv_ptx_writer_params source;
-    convert_plan plan = {0};
     slv_ptx_writer *writer = NULL;
     char index[1024];
     int code = EXIT_FAILED;
@@ -176,9 +175,10 @@ int convert_from_index(const cli_command *command, const slv_env *env,
         index_read_params(env, index, m.root, &source))
         goto done;
     m.source = &source;
-    if ((code = convert_plan_make(command, options, &source, &plan)))
+    if ((code = convert_plan_make(command, options, &source, totals, plan)))
         goto done;
     code = EXIT_FAILED;
+    totals->progress.total = source.nfaces;
     m.images = calloc(index_groups(source.nchannels), sizeof *m.images);
     if (!m.images) {
         cli_error("%s: no memory for its images", index);
@@ -187,18 +187,17 @@ int convert_from_index(const cli_command *command, const slv_env *env,
     const json_t *sheets = json_object_get(m.root, "images");
     m.sheet = json_array_size(sheets) > 0;
     if ((m.sheet && load_images(&m, sheets, "the sheet")) ||
-        slv_ptx_writer_create(env, path, &plan.target, &writer) ||
+        slv_ptx_writer_create(env, path, &plan->target, &writer) ||
         (!options->no_meta && index_read_meta(env, index, m.root, writer)) ||
         (mesh && slv_ptx_writer_set_mesh(writer, mesh)))
         goto done;
     for (uint32_t face = 0; face < source.nfaces; face++)
-        if (import_face(&m, &plan, writer, face))
+        if (import_face(&m, plan, writer, face))
             goto done;
     if (slv_ptx_writer_finish(writer) == SLV_OK)
         code = EXIT_OK;
 done:
     slv_ptx_writer_destroy(writer);
-    convert_plan_free(&plan);
     for (uint32_t group = 0; m.images && group < index_groups(source.nchannels); group++)
         slv_image_free(&m.images[group]);
     free(m.images);

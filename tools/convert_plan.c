@@ -184,9 +184,11 @@ static int choose_sizes(const cli_command *command, const convert_options *optio
 }
 
 int convert_plan_make(const cli_command *command, const convert_options *options,
-                      const slv_ptx_writer_params *source, convert_plan *plan) {
+                      const slv_ptx_writer_params *source, convert_totals *totals,
+                      convert_plan *plan) {
     *plan = (convert_plan){.source = *source,
                            .target = *source,
+                           .totals = totals,
                            .premultiply = options->premultiply,
                            .unmultiply = options->unmultiply};
     int code = choose_channels(command, options, plan);

@@ -5,12 +5,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-static void show_progress(void *user, uint64_t done, uint64_t total) {
-    cli_progress *progress = user;
-    progress->total = total;
-    cli_progress_update(progress, done);
-}
-
 /* What to leave out is taken away here, so that all that follows counts and shows the same. */
 static void ignore_what_is_allowed(struct diff *d) {
     uint8_t mask = d->texels ? SLV_DIFF_TEXELS | SLV_DIFF_MISSING : UINT8_MAX;
@@ -125,11 +119,10 @@ failed:
 
 static int run_diff(struct diff *d) {
     slv_env env = cli_env(d->threads);
-    cli_progress progress = cli_progress_begin("diff", 1, true);
-    slv_ptx_diff_params params = {.tolerance = d->tolerance, .progress_user = &progress};
+    cli_progress progress = cli_progress_fleeting("diff", d->progress, d->quiet || d->json);
+    slv_ptx_diff_params params = {
+        .tolerance = d->tolerance, .progress = cli_progress_report, .progress_user = &progress};
     int code = EXIT_FAILED;
-    progress.quiet = d->quiet || d->json || !progress.terminal;
-    params.progress = progress.quiet ? NULL : show_progress;
     d->largest_face = -1;
     for (int i = 0; i < 2; i++)
         if (slv_ptx_open(&env, d->paths[i], &d->files[i]))
@@ -144,8 +137,7 @@ static int run_diff(struct diff *d) {
     }
     if (slv_ptx_diff(&env, d->files[0], d->files[1], &params, d->faces))
         goto done;
-    if (!progress.quiet)
-        cli_progress_end(&progress);
+    cli_progress_end(&progress);
     ignore_what_is_allowed(d);
     if (diff_files(d))
         goto done;
@@ -158,6 +150,7 @@ static int run_diff(struct diff *d) {
         goto done;
     code = d->equal ? EXIT_OK : EXIT_FAILED;
 done:
+    cli_progress_end(&progress);
     for (int i = 0; i < 2; i++)
         slv_ptx_close(d->files[i]);
     for (uint32_t i = 0; i < d->nnotes; i++)
@@ -182,6 +175,8 @@ int verb_diff(int argc, char **argv) {
          "png|exr", 0, 0, NULL},
         {"--show", CLI_UINT, &d.show, "faces to print (20)", NULL, 0, UINT32_MAX, NULL},
         {"--json", CLI_FLAG, &d.json, "print JSON, for scripts", NULL, 0, 0, NULL},
+        {"--progress", CLI_FLAG, &d.progress, "say on stderr how far it is, terminal or not", NULL,
+         0, 0, NULL},
         {"--threads", CLI_UINT, &d.threads, "worker threads (one per processor)", NULL, 1, 256,
          NULL},
         {"--quiet|-q", CLI_FLAG, &d.quiet, "print nothing: the exit code says it", NULL, 0, 0,

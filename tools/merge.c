@@ -32,7 +32,7 @@ static slv_result write_part(const cli_command *command, const slv_env *env, str
     convert_options options = {.type = (int)m->target.type, .type_given = true};
     slv_ptx_writer_params source = slv_ptx_writer_params_like(m->files[index]);
     slv_result result = SLV_ERROR_ARGUMENT;
-    if (convert_plan_make(command, &options, &source, &part.plan) == EXIT_OK)
+    if (convert_plan_make(command, &options, &source, &m->totals, &part.plan) == EXIT_OK)
         result = slv_ptx_visit_faces(env, m->files[index], write_face, &part);
     convert_plan_free(&part.plan);
     return result;
@@ -59,10 +59,8 @@ static int plan_result(struct merge *m) {
                              m->target.nchannels, m->target.alpha_channel);
         if (part.border_u != m->target.border_u || part.border_v != m->target.border_v ||
             part.edge_filter != m->target.edge_filter)
-            fprintf(stderr,
-                    "selvage: warning: %s: its border modes or edge filter differ: those of %s are "
-                    "taken\n",
-                    m->paths[i], m->paths[0]);
+            cli_warning("%s: its border modes or edge filter differ: those of %s are taken",
+                        m->paths[i], m->paths[0]);
         m->target.type = wider(m->target.type, part.type);
         m->first_face[i] = (uint32_t)nfaces;
         nfaces += part.nfaces;
@@ -88,10 +86,14 @@ static json_t *merge_json(const struct merge *m) {
             json_decref(parts);
             return NULL;
         }
-    return json_pack("{s:i, s:o, s:I, s:s, s:b, s:o}", "schema", 1, "path",
-                     output_json_text(m->out, strlen(m->out)), "faces",
-                     (json_int_t)m->target.nfaces, "data_type", slv_type_name(m->target.type),
-                     "geometry", (int)m->geometry, "parts", parts);
+    return json_pack(
+        "{s:i, s:o, s:I, s:s, s:I, s:I, s:I, s:I, s:I, s:b, s:o}", "schema", 1, "path",
+        output_json_text(m->out, strlen(m->out)), "faces", (json_int_t)m->target.nfaces,
+        "data_type", slv_type_name(m->target.type), "channels", (json_int_t)m->target.nchannels,
+        "texels", (json_int_t)m->totals.texels, "texel_bytes",
+        (json_int_t)(m->totals.texels * m->target.nchannels * slv_type_size(m->target.type)),
+        "file_bytes", (json_int_t)output_file_bytes(m->out), "clipped_values",
+        (json_int_t)m->totals.clipped, "geometry", (int)m->geometry, "parts", parts);
 }
 
 static int print_result(const struct merge *m) {
@@ -111,18 +113,24 @@ static int print_result(const struct merge *m) {
 static int run_merge(const cli_command *command, struct merge *m) {
     slv_env env = cli_env(m->threads);
     int code = EXIT_FAILED;
+    m->totals.progress = cli_progress_fleeting("merge", m->progress, m->quiet || m->json);
     for (uint32_t i = 0; i < m->npaths; i++)
         if (slv_ptx_open(&env, m->paths[i], &m->files[i]) || slv_ptx_load_tables(m->files[i]))
             goto done;
     if (plan_result(m) || slv_ptx_writer_create(&env, m->out, &m->target, &m->writer) ||
         merge_meta(&env, m))
         goto done;
+    m->totals.progress.total = m->target.nfaces;
     for (uint32_t i = 0; i < m->npaths; i++)
         if (write_part(command, &env, m, i))
             goto done;
-    if (slv_ptx_writer_finish(m->writer) == SLV_OK)
-        code = print_result(m);
+    if (slv_ptx_writer_finish(m->writer))
+        goto done;
+    cli_progress_end(&m->totals.progress);
+    convert_warn_clipped(&m->totals, m->target.type);
+    code = print_result(m);
 done:
+    cli_progress_end(&m->totals.progress);
     slv_ptx_writer_destroy(m->writer);
     for (uint32_t i = 0; i < m->npaths; i++)
         slv_ptx_close(m->files[i]);
@@ -138,6 +146,8 @@ int verb_merge(int argc, char **argv) {
         {"--no-reductions", CLI_FLAG, &m.no_reductions, "store no reductions", NULL, 0, 0, NULL},
         {"--compression", CLI_UINT, &m.compression, "1 (fast) to 12 (small)", NULL, 1, 12, NULL},
         {"--json", CLI_FLAG, &m.json, "print where the faces went as JSON", NULL, 0, 0, NULL},
+        {"--progress", CLI_FLAG, &m.progress, "say on stderr how far it is, terminal or not", NULL,
+         0, 0, NULL},
         {"--threads", CLI_UINT, &m.threads, "worker threads (one per processor)", NULL, 1, 256,
          NULL},
         {"--quiet|-q", CLI_FLAG, &m.quiet, "print nothing on success", NULL, 0, 0, NULL},

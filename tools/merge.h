@@ -11,12 +11,13 @@ struct merge {
     uint32_t npaths;
     const char *out;
     int type;
-    bool type_given, json, quiet, no_reductions;
+    bool type_given, json, progress, quiet, no_reductions;
     uint32_t compression, threads;
     slv_ptx *files[MERGE_MAX_FILES];
     uint32_t first_face[MERGE_MAX_FILES]; /* of each file in the result */
     slv_ptx_writer_params target;
     slv_ptx_writer *writer;
+    convert_totals totals;
     bool geometry; /* all files have it, and so has the result */
 };
 

@@ -88,9 +88,8 @@ slv_result merge_meta(const slv_env *env, struct merge *m) {
     }
     m->geometry = with_geometry == m->npaths;
     if (with_geometry && !m->geometry)
-        fprintf(stderr,
-                "selvage: warning: %u of %u files have no usable geometry inside: none is kept\n",
-                m->npaths - with_geometry, m->npaths);
+        cli_warning("%u of %u files have no usable geometry inside: none is kept",
+                    m->npaths - with_geometry, m->npaths);
     for (int which = 0; m->geometry && which < GEOMETRY_KEYS && !result; which++)
         result = join_geometry(env, m, which);
     for (uint32_t i = 0; i < m->npaths && !result; i++)

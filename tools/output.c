@@ -22,6 +22,11 @@ slv_result output_fail(const slv_env *env, slv_result result, const char *format
     return result;
 }
 
+uint64_t output_file_bytes(const char *path) {
+    struct stat status;
+    return stat(path, &status) == 0 ? (uint64_t)status.st_size : 0;
+}
+
 slv_result output_open(const slv_env *env, const char *path, output_file *out) {
     size_t length = strlen(path);
     *out = (output_file){.env = env, .path = path, .beside = malloc(length + sizeof ".tmp")};

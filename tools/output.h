@@ -23,6 +23,7 @@ slv_result output_close(output_file *file, slv_result result);
  * any other code removes it. Both return an exit code. */
 int output_folder_begin(const char *folder, char *beside, size_t size);
 int output_folder_end(const char *folder, const char *beside, int code);
+uint64_t output_file_bytes(const char *path); /* 0 if there is none */
 /* Logs one error line and returns `result`. */
 slv_result output_fail(const slv_env *env, slv_result result, const char *format, ...)
     __attribute__((format(printf, 3, 4)));
