@@ -98,12 +98,24 @@ int verb_info(int argc, char **argv) {
         {"--faces|-f", CLI_FLAG, &o.faces, "also list every face: size, flags, neighbours", NULL, 0,
          0, NULL},
         {"--meta", CLI_FLAG, &o.meta, "also show the metadata's values (.ptx)", NULL, 0, 0, NULL},
+        {"--sheet|-s", CLI_TEXT, &o.sheet, "also write a picture of all faces, each in a cell",
+         "OUT.png|.exr", 0, 0, NULL},
+        {"--sheet-faces", CLI_TEXT, &o.sheet_faces, "draw these only: 0-99,250", "LIST", 0, 0,
+         NULL},
+        {"--cell", CLI_UINT, &o.cell, "pixels of a cell's side (so that all faces fit)", NULL, 1,
+         4096, NULL},
+        {"--encoding", CLI_CHOICE, &o.encoding,
+         "of a PNG: values as they stand, or through the sRGB curve (raw, srgb for half and float)",
+         "srgb|raw", 0, 0, &o.encoding_given},
+        {"--progress", CLI_FLAG, &o.progress, "say on stderr how far the sheet is, terminal or not",
+         NULL, 0, 0, NULL},
     };
     const cli_command command = {.name = "info",
                                  .summary = "say what a .ptx or a mesh holds",
                                  .arguments = "FILE.ptx|FILE.obj",
                                  .examples = "  selvage info teapot.ptx\n"
                                              "  selvage info teapot.ptx --meta --faces\n"
+                                             "  selvage info teapot.ptx --sheet faces.png\n"
                                              "  selvage info cage.obj --json | jq .valences\n",
                                  .options = options,
                                  .noptions = sizeof options / sizeof *options,
@@ -114,6 +126,10 @@ int verb_info(int argc, char **argv) {
     int code = cli_parse(&command, argc, argv);
     if (code >= 0)
         return code;
+    if (o.sheet && !ends_with(o.sheet, ".png") && !ends_with(o.sheet, ".exr"))
+        return cli_usage(&command, "--sheet: expected a name that ends in .png or .exr");
+    if (!o.sheet && (o.sheet_faces || o.cell || o.encoding_given))
+        return cli_usage(&command, "--sheet is missing: where does the picture go?");
     slv_env env = cli_env(0);
     switch (find_kind(path)) {
     case KIND_UNREADABLE:
@@ -121,11 +137,12 @@ int verb_info(int argc, char **argv) {
     case KIND_UNKNOWN:
         return cli_error("%s: neither a .ptx nor an .obj file", path);
     case KIND_PTX:
-        code = info_ptx(&env, path, &o);
+        code = info_ptx(&command, &env, path, &o);
         break;
     case KIND_MESH:
-        if (o.meta)
-            return cli_usage(&command, "--meta: a mesh has no metadata");
+        if (o.meta || o.sheet)
+            return cli_usage(&command, o.meta ? "--meta: a mesh has no metadata"
+                                              : "--sheet: a mesh has no texels");
         code = info_mesh(&env, path, &o);
         break;
     }

@@ -1,16 +1,39 @@
-/* The two halves of `selvage info`. */
+/* The parts of `selvage info`. */
 #ifndef SELVAGE_TOOLS_INFO_H
 #define SELVAGE_TOOLS_INFO_H
 
 #include "output.h"
 
 typedef struct info_options {
-    bool json, faces, meta;
+    bool json, faces, meta, progress;
+    const char *sheet, *sheet_faces; /* a picture of faces, and of which */
+    uint32_t cell;                   /* pixels of a side, 0: as many as fit */
+    bool encoding_given;
+    int encoding; /* slv_image_encoding */
 } info_options;
 
+/* What the contact sheet looks like. */
+typedef struct info_sheet_layout {
+    uint32_t columns, rows, cell, gap, width, height, shown;
+    uint64_t faces; /* asked for */
+} info_sheet_layout;
+
 /* Each returns an exit code. */
-int info_ptx(const slv_env *env, const char *path, const info_options *options);
+int info_ptx(const cli_command *command, const slv_env *env, const char *path,
+             const info_options *options);
 int info_mesh(const slv_env *env, const char *path, const info_options *options);
+
+/* What each stored level holds and how it is packed; for free(). */
+typedef struct info_levels info_levels;
+slv_result info_levels_make(const slv_env *env, const slv_ptx *ptx, info_levels **out);
+void info_levels_print(const info_levels *levels);
+json_t *info_levels_json(const info_levels *levels);
+json_t *info_edits_json(const info_levels *levels);
+const char *info_encoding_name(slv_ptx_encoding encoding);
+
+/* info_sheet.c: draws and writes a contact sheet. Returns an exit code. */
+int info_sheet(const cli_command *command, const slv_env *env, const info_options *options,
+               const char *path, info_sheet_layout *out);
 
 /* Prints a label in a column of its own, and what follows it. */
 void info_line(const char *label, const char *format, ...) __attribute__((format(printf, 2, 3)));

@@ -1,14 +1,9 @@
 #include "info.h"
 
+#include <stdlib.h>
 #include <string.h>
 
-enum {
-    RES_COUNT = SLV_MAX_LOG2_RES + 1,
-    KEY_SHOWN = 60,
-    STRING_SHOWN = 200,
-    VALUES_SHOWN = 12,
-    JSON_VALUES = 65536
-};
+enum { RES_COUNT = SLV_MAX_LOG2_RES + 1, KEY_SHOWN = 60, STRING_SHOWN = 200, VALUES_SHOWN = 12 };
 
 static const char *const border_names[] = {
     [SLV_BORDER_CLAMP] = "clamp", [SLV_BORDER_BLACK] = "black", [SLV_BORDER_PERIODIC] = "periodic"};
@@ -29,6 +24,8 @@ struct summary {
     uint32_t by_res[RES_COUNT][RES_COUNT]; /* faces by log2 of height and width */
     slv_mesh *mesh;                        /* the geometry inside, or NULL */
     slv_result geometry;
+    info_levels *levels;
+    info_sheet_layout sheet; /* if there is one */
 };
 
 static slv_result summarise(const slv_env *env, struct summary *s) {
@@ -47,6 +44,9 @@ static slv_result summarise(const slv_env *env, struct summary *s) {
         for (unsigned e = 0; e < s->nedges; e++)
             s->boundary_edges += face.adjacency.face[e] < 0;
     }
+    slv_result result = info_levels_make(env, s->ptx, &s->levels);
+    if (result)
+        return result;
     /* a texture without geometry is no failure, so nothing is logged */
     slv_env silent = {.threads = env->threads, .max_bytes = env->max_bytes};
     s->geometry = slv_ptx_load_mesh(&silent, s->ptx, &s->mesh);
@@ -131,15 +131,16 @@ static void print_geometry(const struct summary *s) {
 }
 
 static void print_faces(const struct summary *s) {
-    printf("  %8s %13s  %-5s neighbours (face:edge over edges 0 to %u); flags: c constant, "
+    printf("  %8s %13s %9s  %-5s neighbours (face:edge over edges 0 to %u); flags: c constant, "
            "n neighbours constant, s sub-face, e edited\n",
-           "face", "texels", "flags", s->nedges - 1);
+           "face", "texels", "bytes", "flags", s->nedges - 1);
     for (uint32_t f = 0; f < s->info->nfaces; f++) {
         slv_ptx_face face;
-        if (slv_ptx_get_face(s->ptx, f, &face))
+        slv_ptx_block block;
+        if (slv_ptx_get_face(s->ptx, f, &face) || slv_ptx_get_block(s->ptx, f, 0, &block))
             continue;
-        printf("  %8u %5u x %-5u  %c%c%c%c ", f, 1u << face.res.u, 1u << face.res.v,
-               face.flags & SLV_FACE_CONSTANT ? 'c' : '-',
+        printf("  %8u %5u x %-5u %9u  %c%c%c%c ", f, 1u << face.res.u, 1u << face.res.v,
+               block.bytes, face.flags & SLV_FACE_CONSTANT ? 'c' : '-',
                face.flags & SLV_FACE_NEIGHBOURS_CONSTANT ? 'n' : '-',
                face.flags & SLV_FACE_SUBFACE ? 's' : '-', face.flags & SLV_FACE_EDITED ? 'e' : '-');
         info_print_adjacency(&face.adjacency, s->nedges);
@@ -162,24 +163,27 @@ static void print_ptx(const struct summary *s, const info_options *options) {
     info_line("Texels", "%llu, %s; the file has %s", (unsigned long long)s->texels,
               info_bytes(texel_bytes(s), a, sizeof a), info_bytes(info->file_bytes, b, sizeof b));
     print_resolutions(s);
-    printf("  %-14s%u stored:", "Levels", info->nlevels);
-    for (uint32_t i = 0; i < info->nlevels; i++)
-        printf(" %u", info->level_faces[i]);
-    fputs(" faces\n", stdout);
+    info_levels_print(s->levels);
     info_line("Boundary", "%llu of %llu face edges", (unsigned long long)s->boundary_edges,
               (unsigned long long)info->nfaces * s->nedges);
     info_line("Border modes", "%s in u, %s in v", border_names[info->border_u],
               border_names[info->border_v]);
     info_line("Edge filter", "%s", filter_names[info->edge_filter]);
     print_geometry(s);
+    if (options->sheet) {
+        printf("  %-14s", "Sheet");
+        output_terminal(stdout, options->sheet, strlen(options->sheet), SIZE_MAX);
+        printf(": %u x %u pixels, %u x %u cells of %u\n", s->sheet.width, s->sheet.height,
+               s->sheet.columns, s->sheet.rows, s->sheet.cell);
+    }
     print_meta(s, options->meta);
     if (options->faces)
         print_faces(s);
 }
 
-static json_t *values_json(const slv_ptx_meta *meta, uint32_t limit) {
+static json_t *values_json(const slv_ptx_meta *meta) {
     json_t *list = json_array();
-    for (uint32_t i = 0; i < meta->count && i < limit; i++) {
+    for (uint32_t i = 0; i < meta->count; i++) {
         double value = meta_value(meta, i);
         list = info_append(list, is_real(meta) ? output_json_number(value)
                                                : json_integer((json_int_t)value));
@@ -196,12 +200,8 @@ static json_t *meta_json(const struct summary *s, bool values) {
                       "type", meta_names[meta->type], "count", (json_int_t)meta->count);
         if (values && item) {
             bool text = meta->type == SLV_META_STRING;
-            json_t *value =
-                text ? output_json_text(meta->values, meta->count) : values_json(meta, JSON_VALUES);
-            bool failed = json_object_set_new(item, text ? "value" : "values", value) != 0;
-            failed |= !text && meta->count > JSON_VALUES &&
-                      json_object_set_new(item, "truncated", json_true()) != 0;
-            if (failed) {
+            json_t *value = text ? output_json_text(meta->values, meta->count) : values_json(meta);
+            if (json_object_set_new(item, text ? "value" : "values", value)) {
                 json_decref(item);
                 item = NULL;
             }
@@ -235,9 +235,13 @@ static json_t *faces_json(const struct summary *s) {
         slv_ptx_face face;
         if (slv_ptx_get_face(s->ptx, f, &face))
             continue;
+        slv_ptx_block block;
+        if (slv_ptx_get_block(s->ptx, f, 0, &block))
+            continue;
         json_t *item = json_pack(
-            "{s:I, s:I, s:I, s:b, s:b, s:b, s:b}", "face", (json_int_t)f, "width",
-            (json_int_t)1 << face.res.u, "height", (json_int_t)1 << face.res.v, "constant",
+            "{s:I, s:I, s:I, s:s, s:I, s:b, s:b, s:b, s:b}", "face", (json_int_t)f, "width",
+            (json_int_t)1 << face.res.u, "height", (json_int_t)1 << face.res.v, "encoding",
+            info_encoding_name(block.encoding), "block_bytes", (json_int_t)block.bytes, "constant",
             (face.flags & SLV_FACE_CONSTANT) != 0, "neighbours_constant",
             (face.flags & SLV_FACE_NEIGHBOURS_CONSTANT) != 0, "subface",
             (face.flags & SLV_FACE_SUBFACE) != 0, "edited", (face.flags & SLV_FACE_EDITED) != 0);
@@ -254,6 +258,16 @@ static json_t *geometry_json(const struct summary *s) {
                      (json_int_t)view->nverts);
 }
 
+static json_t *sheet_json(const struct summary *s, const char *path) {
+    const info_sheet_layout *sheet = &s->sheet;
+    return json_pack("{s:o, s:I, s:I, s:I, s:I, s:I, s:I, s:I, s:I}", "path",
+                     output_json_text(path, strlen(path)), "width", (json_int_t)sheet->width,
+                     "height", (json_int_t)sheet->height, "columns", (json_int_t)sheet->columns,
+                     "rows", (json_int_t)sheet->rows, "cell", (json_int_t)sheet->cell, "gap",
+                     (json_int_t)sheet->gap, "faces", (json_int_t)sheet->faces, "shown",
+                     (json_int_t)sheet->shown);
+}
+
 static json_t *ptx_json(const struct summary *s, const info_options *options) {
     const slv_ptx_info *info = s->info;
     char version[16];
@@ -261,7 +275,7 @@ static json_t *ptx_json(const struct summary *s, const info_options *options) {
     json_t *root = json_pack(
         "{s:i, s:s, s:o, s:s, s:s, s:s, s:I, s:o, s:I, s:I, s:o, s:s, s:s, s:s, s:b, s:I, s:I, "
         "s:I, "
-        "s:I, s:I, s:I, s:o, s:o, s:o}",
+        "s:I, s:I, s:I, s:o, s:o, s:o, s:o, s:o}",
         "schema", 1, "kind", "ptx", "path", output_json_text(s->path, strlen(s->path)), "version",
         version, "mesh_type", info->mesh_type == SLV_PTX_QUAD ? "quad" : "triangle", "data_type",
         slv_type_name(info->type), "channels", (json_int_t)info->nchannels, "alpha_channel",
@@ -273,15 +287,19 @@ static json_t *ptx_json(const struct summary *s, const info_options *options) {
         (json_int_t)s->texels, "texel_bytes", (json_int_t)texel_bytes(s), "constant_faces",
         (json_int_t)s->constant, "subfaces", (json_int_t)s->subfaces, "boundary_edges",
         (json_int_t)s->boundary_edges, "resolutions", resolutions_json(s), "geometry",
-        geometry_json(s), "meta", meta_json(s, options->meta));
-    if (options->faces && json_object_set_new(root, "face_table", faces_json(s))) {
+        geometry_json(s), "meta", meta_json(s, options->meta), "level_table",
+        info_levels_json(s->levels), "edits", info_edits_json(s->levels));
+    bool failed = options->faces && json_object_set_new(root, "face_table", faces_json(s));
+    failed |= options->sheet && json_object_set_new(root, "sheet", sheet_json(s, options->sheet));
+    if (failed) {
         json_decref(root);
         root = NULL;
     }
     return root;
 }
 
-int info_ptx(const slv_env *env, const char *path, const info_options *options) {
+int info_ptx(const cli_command *command, const slv_env *env, const char *path,
+             const info_options *options) {
     slv_ptx *ptx = NULL;
     int code = EXIT_FAILED;
     struct summary s = {.path = path};
@@ -290,6 +308,9 @@ int info_ptx(const slv_env *env, const char *path, const info_options *options) 
     s.ptx = ptx;
     s.info = slv_ptx_get_info(ptx);
     s.nedges = s.info->mesh_type == SLV_PTX_TRIANGLE ? 3 : 4;
+    if (options->sheet && (code = info_sheet(command, env, options, path, &s.sheet)))
+        goto done;
+    code = EXIT_FAILED;
     if (summarise(env, &s))
         goto done;
     if (options->json) {
@@ -299,6 +320,7 @@ int info_ptx(const slv_env *env, const char *path, const info_options *options) 
         code = EXIT_OK;
     }
 done:
+    free(s.levels);
     slv_mesh_destroy(s.mesh);
     slv_ptx_close(ptx);
     return code;
