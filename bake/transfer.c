@@ -4,10 +4,13 @@
 #include "base/parallel.h"
 #include "closest.h"
 
+#include <selvage/ptx.h>
+
 #include <math.h>
+#include <pthread.h>
 #include <stdlib.h>
 
-enum { SEGMENTS = 8, MAX_NEW_LOG2 = 12 };
+enum { SEGMENTS = 8, MAX_NEW_LOG2 = 12, MAX_SAMPLES = 4 };
 #define MATCH_TOLERANCE 1e-5f  /* of the source's diagonal */
 #define DEFAULT_DISTANCE 0.01f /* of the same */
 
@@ -21,7 +24,10 @@ struct transfer {
     float *source_corners, *target_corners;
     slv_surface *source, *target;
     slv_closest *closest;
+    transfer_source look;
     slv_res *res; /* of the target's faces */
+    pthread_mutex_t lock;
+    uint64_t done, total;
 };
 
 static float length_of(const float *a, const float *b) {
@@ -80,29 +86,6 @@ static slv_result prepare_range(void *user, uint64_t first, uint64_t end) {
     return SLV_OK;
 }
 
-/* Linear between the centres of the face's own texels. */
-static void look_up(const struct transfer *t, const slv_surface_point *at, float *scratch,
-                    float *out) {
-    uint32_t face = (uint32_t)at->face, n = t->desc->nchannels;
-    float w = ldexpf(1, t->desc->res[face].u), h = ldexpf(1, t->desc->res[face].v);
-    float x = fminf(fmaxf(at->u * w - 0.5f, 0), w - 1),
-          y = fminf(fmaxf(at->v * h - 0.5f, 0), h - 1);
-    uint32_t x0 = (uint32_t)x, y0 = (uint32_t)y, x1 = x0 + ((float)x0 + 1 < w),
-             y1 = y0 + ((float)y0 + 1 < h);
-    float fx = x - (float)x0, fy = y - (float)y0;
-    const float weights[4] = {(1 - fx) * (1 - fy), fx * (1 - fy), (1 - fx) * fy, fx * fy};
-    const uint32_t xs[4] = {x0, x1, x0, x1}, ys[4] = {y0, y0, y1, y1};
-    for (uint32_t c = 0; c < n; c++)
-        out[c] = 0;
-    for (int k = 0; k < 4; k++) {
-        if (weights[k] == 0)
-            continue;
-        slv_texture_fetch(t->texture, face, xs[k], ys[k], scratch);
-        for (uint32_t c = 0; c < n; c++)
-            out[c] += weights[k] * scratch[c];
-    }
-}
-
 /* What one face needs: points and normals of a row, all values and texels. */
 struct buffers {
     slv_surface_point *points;
@@ -119,8 +102,8 @@ static void free_buffers(struct buffers *b) {
     free(b->texels);
 }
 
-static slv_result allocate(const struct transfer *t, slv_res res, struct buffers *b) {
-    uint64_t w = UINT64_C(1) << res.u, count = UINT64_C(1) << (res.u + res.v);
+static slv_result allocate(const struct transfer *t, uint64_t w, uint64_t count,
+                           struct buffers *b) {
     uint32_t n = t->desc->nchannels;
     slv_result result;
     if ((result = slv_alloc(&t->env, "points", w, sizeof *b->points, &b->points)) ||
@@ -132,27 +115,78 @@ static slv_result allocate(const struct transfer *t, slv_res res, struct buffers
     return slv_alloc(&t->env, "texels", count, n * slv_type_size(t->desc->type), &b->texels);
 }
 
+/* Where a row of samples lies: one a texel, or `count` of them across one texel. */
+static slv_result evaluate_row(const struct transfer *t, struct buffers *b, uint32_t face,
+                               float first, float step, float v, uint64_t count) {
+    const slv_surface_arrays arrays = {.positions = b->positions, .normals = b->normals};
+    for (uint64_t i = 0; i < count; i++)
+        b->points[i] = (slv_surface_point){(int32_t)face, first + step * (float)i, v};
+    return slv_surface_evaluate(t->target, count, b->points, &arrays);
+}
+
+static bool is_near(const struct transfer *t, const slv_closest_hit *hit) {
+    return hit->point.face >= 0 && hit->distance <= t->params.max_distance;
+}
+
+/* How many samples a side it takes so that no texel of the source is missed; beyond the most, each
+ * sample is a mean. */
+static uint32_t samples_for(float texel, float finest) {
+    float ratio = texel / finest;
+    return !(ratio > 1.5f) ? 1 : ratio < MAX_SAMPLES ? (uint32_t)ceilf(ratio) : MAX_SAMPLES;
+}
+
+/* A texel that covers many of the source is the mean of a grid of samples. */
+static slv_result average(const struct transfer *t, uint32_t face, uint64_t x, uint64_t y,
+                          const float size[2], float finest, struct buffers *b, float *out) {
+    float w = ldexpf(1, t->res[face].u), h = ldexpf(1, t->res[face].v);
+    uint32_t nu = samples_for(size[0], finest), nv = samples_for(size[1], finest), count = 0;
+    float footprint = fmaxf(size[0] / (float)nu, size[1] / (float)nv);
+    slv_result result = SLV_OK;
+    for (uint32_t j = 0; j < nv && !result; j++) {
+        float v = ((float)y + ((float)j + 0.5f) / (float)nv) / h;
+        result = evaluate_row(t, &b[1], face, ((float)x + 0.5f / (float)nu) / w,
+                              1 / ((float)nu * w), v, nu);
+        for (uint32_t i = 0; i < nu && !result; i++) {
+            slv_closest_hit hit =
+                find(t, b[1].positions + 3 * (size_t)i, b[1].normals + 3 * (size_t)i);
+            if (hit.point.face < 0 || (t->params.blank && !is_near(t, &hit)))
+                continue;
+            transfer_look_up(&t->look, &hit.point, footprint, b->scratch, out);
+            count++;
+        }
+    }
+    for (uint32_t c = 0; count && c < t->desc->nchannels; c++)
+        out[c] /= (float)count;
+    return result;
+}
+
 static slv_result resample(const struct transfer *t, uint32_t face) {
     slv_transfer_face *f = &t->faces[face];
     slv_res res = t->res[face];
     uint64_t w = UINT64_C(1) << res.u, h = UINT64_C(1) << res.v, near = 0;
     uint32_t n = t->desc->nchannels;
-    struct buffers b = {0};
-    slv_result result = allocate(t, res, &b);
+    const float *c = t->target_corners + (size_t)12 * face;
+    const float size[2] = {ldexpf(0.5f * (length_of(c, c + 3) + length_of(c + 9, c + 6)), -res.u),
+                           ldexpf(0.5f * (length_of(c, c + 9) + length_of(c + 3, c + 6)), -res.v)};
+    struct buffers b[2] = {0};
+    slv_result result = allocate(t, w, w * h, &b[0]);
+    if (!result)
+        result = allocate(t, MAX_SAMPLES, 0, &b[1]);
     for (uint64_t y = 0; y < h && !result; y++) {
-        slv_surface_arrays arrays = {.positions = b.positions, .normals = b.normals};
-        for (uint64_t x = 0; x < w; x++)
-            b.points[x] = (slv_surface_point){(int32_t)face, ((float)x + 0.5f) / (float)w,
-                                              ((float)y + 0.5f) / (float)h};
-        if ((result = slv_surface_evaluate(t->target, w, b.points, &arrays)))
-            break;
-        for (uint64_t x = 0; x < w; x++) {
-            slv_closest_hit hit = find(t, b.positions + 3 * x, b.normals + 3 * x);
-            bool covered = hit.point.face >= 0 && hit.distance <= t->params.max_distance;
-            near += covered;
+        result = evaluate_row(t, b, face, 0.5f / (float)w, 1 / (float)w,
+                              ((float)y + 0.5f) / (float)h, w);
+        for (uint64_t x = 0; x < w && !result; x++) {
+            slv_closest_hit hit = find(t, b->positions + 3 * x, b->normals + 3 * x);
+            float *out = b->values + (y * w + x) * n;
+            near += is_near(t, &hit);
             f->distance = fmaxf(f->distance, hit.distance);
-            if (hit.point.face >= 0 && (covered || !t->params.blank))
-                look_up(t, &hit.point, b.scratch, b.values + (y * w + x) * n);
+            if (hit.point.face < 0 || (t->params.blank && !is_near(t, &hit)))
+                continue;
+            float finest = transfer_finest_texel(&t->look, &hit.point, fmaxf(size[0], size[1]));
+            if (samples_for(size[0], finest) > 1 || samples_for(size[1], finest) > 1)
+                result = average(t, face, x, y, size, finest, b, out);
+            else
+                transfer_look_up(&t->look, &hit.point, 0, b->scratch, out);
         }
     }
     if (!result) {
@@ -160,11 +194,22 @@ static slv_result resample(const struct transfer *t, uint32_t face) {
         f->kind = near == w * h ? SLV_TRANSFER_RESAMPLED
                   : near        ? SLV_TRANSFER_PARTLY
                                 : SLV_TRANSFER_FAR;
-        slv_type_from_float(t->desc->type, b.values, w * h * n, b.texels);
-        result = slv_texture_set_face(t->out, face, b.texels);
+        slv_ptx_unmultiply(SLV_TYPE_FLOAT, n, t->desc->alpha_channel, b->values, w * h);
+        slv_type_from_float(t->desc->type, b->values, w * h * n, b->texels);
+        result = slv_texture_set_face(t->out, face, b->texels);
     }
-    free_buffers(&b);
+    free_buffers(&b[0]);
+    free_buffers(&b[1]);
     return result;
+}
+
+static void show_progress(struct transfer *t, uint64_t faces) {
+    if (!t->params.progress)
+        return;
+    pthread_mutex_lock(&t->lock);
+    t->done += faces;
+    t->params.progress(t->params.progress_user, t->done, t->total);
+    pthread_mutex_unlock(&t->lock);
 }
 
 static slv_result fill_range(void *user, uint64_t first, uint64_t end) {
@@ -179,6 +224,7 @@ static slv_result fill_range(void *user, uint64_t first, uint64_t end) {
         f->covered = 1;
         result = transfer_copy(&t->env, t->texture, f, t->out, (uint32_t)i);
     }
+    show_progress(t, end - first);
     return result;
 }
 
@@ -192,6 +238,7 @@ static slv_result prepare(const slv_env *env, struct transfer *t, const slv_mesh
         (result = slv_surface_create(env, source, &surface, &t->source)) ||
         (result = slv_surface_create(env, target, &surface, &t->target)) ||
         (result = slv_closest_create(env, t->source, SEGMENTS, &t->closest)) ||
+        (result = transfer_source_begin(env, source, t->texture, t->source_corners, &t->look)) ||
         (result = slv_alloc(env, "resolutions", ntarget, sizeof *t->res, &t->res)))
         return result;
     float diagonal = slv_closest_diagonal(t->closest);
@@ -214,6 +261,8 @@ slv_result slv_transfer(const slv_env *env, const slv_mesh *source, const slv_te
         return result;
     if (params)
         t.params = *params;
+    t.total = ntarget;
+    pthread_mutex_init(&t.lock, NULL);
     if (t.desc->nfaces != slv_mesh_face_count(source)) {
         result = slv_fail(env, SLV_ERROR_MISMATCH, "the texture has %u faces, its mesh %u",
                           t.desc->nfaces, slv_mesh_face_count(source));
@@ -239,6 +288,8 @@ slv_result slv_transfer(const slv_env *env, const slv_mesh *source, const slv_te
 done:
     slv_texture_destroy(t.out);
     slv_closest_destroy(t.closest);
+    transfer_source_end(&t.look);
+    pthread_mutex_destroy(&t.lock);
     slv_surface_destroy(t.source);
     slv_surface_destroy(t.target);
     free(t.source_corners);

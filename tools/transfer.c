@@ -9,7 +9,7 @@
 struct transfer {
     const char *paths[2], *from, *to;
     float distance;
-    bool blank, no_copies, faces, json, quiet;
+    bool blank, no_copies, faces, json, progress, quiet;
     int scheme;
     uint32_t compression, threads;
     slv_transfer_face *list;
@@ -110,10 +110,13 @@ static int run_transfer(struct transfer *t) {
     slv_ptx *ptx = NULL;
     slv_mesh *source = NULL, *target = NULL;
     slv_texture *texture = NULL, *moved = NULL;
+    cli_progress progress = cli_progress_fleeting("transfer", t->progress, t->quiet || t->json);
     slv_transfer_params params = {.max_distance = t->distance,
                                   .blank = t->blank,
                                   .no_copies = t->no_copies,
-                                  .scheme = (slv_scheme)t->scheme};
+                                  .scheme = (slv_scheme)t->scheme,
+                                  .progress = cli_progress_report,
+                                  .progress_user = &progress};
     int code = EXIT_FAILED;
     if (slv_mesh_load_obj(&env, t->to, &target) || slv_ptx_open(&env, t->paths[0], &ptx))
         goto done;
@@ -135,6 +138,7 @@ static int run_transfer(struct transfer *t) {
     if (slv_transfer(&env, source, texture, target, &params, t->list, &t->covered, &moved) ||
         save(&env, t, ptx, moved, target))
         goto done;
+    cli_progress_end(&progress);
     for (uint32_t face = 0; face < t->nfaces; face++)
         t->counts[t->list[face].kind]++;
     code = EXIT_OK;
@@ -143,6 +147,7 @@ static int run_transfer(struct transfer *t) {
     else if (!t->quiet)
         print_result(t);
 done:
+    cli_progress_end(&progress);
     free(t->list);
     slv_texture_destroy(texture);
     slv_texture_destroy(moved);
@@ -172,6 +177,8 @@ int verb_transfer(int argc, char **argv) {
         {"--faces|-f", CLI_FLAG, &t.faces, "say of every face what was done", NULL, 0, 0, NULL},
         {"--compression", CLI_UINT, &t.compression, "1 (fast) to 12 (small)", NULL, 1, 12, NULL},
         {"--json", CLI_FLAG, &t.json, "print JSON, for scripts", NULL, 0, 0, NULL},
+        {"--progress", CLI_FLAG, &t.progress, "say on stderr how far it is, terminal or not", NULL,
+         0, 0, NULL},
         {"--threads", CLI_UINT, &t.threads, "worker threads (one per processor)", NULL, 1, 256,
          NULL},
         {"--quiet|-q", CLI_FLAG, &t.quiet, "print nothing on success", NULL, 0, 0, NULL},

@@ -140,6 +140,105 @@ static void check_resampling(void) {
     HAS("15 copied, 1 resampled");
 }
 
+/* Faces of the grid of their own kinds: fill() makes a texel of face, x, y. */
+static void write_grid(const char *name, slv_type type, uint32_t nchannels, int32_t alpha,
+                       const slv_res *res,
+                       void (*fill)(uint32_t face, int x, int y, float *texel)) {
+    slv_env env = test_env();
+    slv_mesh *mesh = grid_mesh(SIDE, SIDE, false);
+    slv_ptx_writer_params params = {.mesh_type = SLV_PTX_QUAD,
+                                    .type = type,
+                                    .nchannels = nchannels,
+                                    .alpha_channel = alpha,
+                                    .nfaces = SIDE * SIDE};
+    slv_ptx_writer *writer = NULL;
+    static float values[4 * 256 * 256], texels[4 * 256 * 256];
+    REQUIRE(!slv_ptx_writer_create(&env, tool_path(name), &params, &writer));
+    REQUIRE(!slv_ptx_writer_set_mesh(writer, mesh));
+    for (uint32_t face = 0; face < params.nfaces; face++) {
+        slv_ptx_face info = {.res = res[face]};
+        int w = 1 << info.res.u, count = 1 << (info.res.u + info.res.v);
+        for (int i = 0; i < count; i++)
+            fill(face, i % w, i / w, values + (size_t)i * nchannels);
+        slv_type_from_float(type, values, (size_t)count * nchannels, texels);
+        REQUIRE(!slv_ptx_writer_write_face(writer, face, &info, texels));
+    }
+    REQUIRE(!slv_ptx_writer_finish(writer));
+    slv_ptx_writer_destroy(writer);
+    slv_mesh_destroy(mesh);
+}
+
+/* A texel of a chessboard, white or black; those in the middle of the grid are grey. */
+static void fill_chess(uint32_t face, int x, int y, float *texel) {
+    bool middle = face == 5 || face == 6 || face == 9 || face == 10;
+    *texel = middle ? 0.5f : (float)((x + y) % 2);
+}
+
+/* Red that is covered on the left of each face, and green that is not. */
+static void fill_half_covered(uint32_t face, int x, int y, float *texel) {
+    (void)face, (void)y;
+    texel[0] = texel[3] = x < 4 ? 1 : 0;
+    texel[1] = x < 4 ? 0 : 1;
+    texel[2] = 0.25f;
+}
+
+static uint32_t read_only_face(const char *name, float *texels) {
+    slv_ptx *ptx = tool_open(name);
+    slv_ptx_face info;
+    uint32_t n = slv_ptx_get_info(ptx)->nchannels;
+    REQUIRE(slv_ptx_get_info(ptx)->nfaces == 1 && !slv_ptx_get_face(ptx, 0, &info));
+    uint32_t count = 1u << (info.res.u + info.res.v);
+    void *raw = calloc(count, 16);
+    REQUIRE(info.res.u + info.res.v <= 14 && !slv_ptx_read_face(ptx, 0, info.res, raw));
+    slv_type_to_float(slv_ptx_get_info(ptx)->type, raw, (size_t)count * n, texels);
+    free(raw);
+    slv_ptx_close(ptx);
+    return count;
+}
+
+static void check_filtering(void) {
+    static float texels[4 << 14];
+    static const char inner[] = "v 0.1 0.13 0\nv 0.85 0.13 0\nv 0.85 0.88 0\nv 0.1 0.88 0\n"
+                                "f 1 2 3 4\n",
+                      all[] = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf 1 2 3 4\n";
+    tool_write_file("inner.obj", inner, sizeof inner - 1);
+    tool_write_file("all.obj", all, sizeof all - 1);
+    /* a slope stays one across the edges of the source, of equal faces and of others */
+    write_positions("coarse.ptx", (slv_res){3, 2});
+    RUNS(0, "transfer coarse.ptx inner.ptx --to inner.obj --scheme bilinear");
+    HAS("1 resampled");
+    CHECK(worst_error("inner.ptx", "inner.obj") < 1e-5f);
+
+    /* the middle says how many texels; those around are the mean of many */
+    slv_res res[SIDE * SIDE];
+    for (int i = 0; i < SIDE * SIDE; i++)
+        res[i] = i == 5 || i == 6 || i == 9 || i == 10 ? (slv_res){1, 1} : (slv_res){8, 7};
+    write_grid("chess.ptx", SLV_TYPE_U8, 1, SLV_NO_ALPHA, res, fill_chess);
+    RUNS(0, "transfer chess.ptx mean.ptx --to all.obj --scheme bilinear --threads 1");
+    uint32_t count = read_only_face("mean.ptx", texels);
+    float worst = 0;
+    for (uint32_t i = 0; i < count; i++)
+        worst = fmaxf(worst, fabsf(texels[i] - 0.5f));
+    CHECK_MSG(count == 64 && worst < 0.02f, "%u texels, off by %g", count, (double)worst);
+    RUNS(0, "transfer chess.ptx mean3.ptx --to all.obj --scheme bilinear --threads 3");
+    RUNS(0, "diff mean.ptx mean3.ptx");
+
+    /* what is not covered has no colour to give */
+    for (int i = 0; i < SIDE * SIDE; i++)
+        res[i] = (slv_res){3, 3};
+    write_grid("alpha.ptx", SLV_TYPE_FLOAT, 4, 3, res, fill_half_covered);
+    RUNS(0, "transfer alpha.ptx cover.ptx --to inner.obj --scheme bilinear --progress");
+    count = read_only_face("cover.ptx", texels);
+    uint32_t partly = 0, wrong = 0;
+    for (uint32_t i = 0; i < count; i++) {
+        const float *t = texels + (size_t)4 * i;
+        partly += t[3] > 0.01f && t[3] < 0.99f;
+        wrong += t[3] > 0.01f &&
+                 (fabsf(t[0] - 1) > 1e-4f || fabsf(t[1]) > 1e-4f || fabsf(t[2] - 0.25f) > 1e-4f);
+    }
+    CHECK_MSG(partly > count / 16 && wrong == 0, "%u partly covered, %u wrong", partly, wrong);
+}
+
 static void check_usage(void) {
     const char *data = data_folder();
     RUNS(2, "transfer grid.ptx x.ptx");
@@ -159,6 +258,7 @@ int main(void) {
     tool_begin();
     check_copies();
     check_resampling();
+    check_filtering();
     check_usage();
     tool_end();
     return test_end();

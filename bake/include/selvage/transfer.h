@@ -32,12 +32,16 @@ typedef struct slv_transfer_params {
     bool blank;         /* texels further away stay zero instead of the nearest value */
     bool no_copies;     /* resample matching faces as well */
     slv_scheme scheme;
+    void (*progress)(void *user, uint64_t done, uint64_t total); /* one thread at a time */
+    void *progress_user;
 } slv_transfer_params;
 
 /* Makes a texture for `target`, in the type and channels of `texture`, which belongs to `source`.
  * Copied faces keep their resolution (turned with them), others have the density of texels of the
- * source where they lie. Values are interpolated within one face, on limit surfaces; of two sheets
- * close together the one that faces the same way is taken. `faces` has room for the target's faces,
+ * source where they lie. Values are interpolated, across edges too, at the nearest point of the
+ * limit surface; a texel that covers many of the source is the mean of those. Colours are
+ * multiplied by alpha meanwhile. Of two sheets close together the one that faces the same way is
+ * taken. `faces` has room for the target's faces,
  * `*covered` (may be NULL) is the share of the target's area. On env->threads threads; the same
  * bytes with any number of them. */
 SLV_API slv_result slv_transfer(const slv_env *env, const slv_mesh *source,
