@@ -89,7 +89,7 @@ slv_result slv_file_writer_write(const slv_env *env, slv_file_writer *writer, co
 
 slv_result slv_file_writer_commit(const slv_env *env, slv_file_writer *writer) {
     slv_result result = SLV_OK;
-    bool flushed = fflush(writer->stream) == 0 && fsync(fileno(writer->stream)) == 0;
+    bool flushed = fflush(writer->stream) == 0;
     flushed = fclose(writer->stream) == 0 && flushed;
     writer->stream = NULL;
     if (!flushed || rename(writer->temporary, writer->path) != 0) {

@@ -20,8 +20,8 @@ typedef struct slv_file_writer {
 slv_result slv_file_writer_open(const slv_env *env, const char *path, slv_file_writer *out);
 slv_result slv_file_writer_write(const slv_env *env, slv_file_writer *writer, const void *data,
                                  size_t size);
-/* Flushes to disk and renames over the target. On failure the target is untouched and the temporary
- * gone. */
+/* Renames over the target. On failure the target is untouched and the temporary gone. It does not
+ * wait for the disk: a folder of images would take minutes. */
 slv_result slv_file_writer_commit(const slv_env *env, slv_file_writer *writer);
 /* Removes the temporary. Does nothing after a commit, or on a zeroed struct. */
 void slv_file_writer_abandon(slv_file_writer *writer);
