@@ -133,9 +133,14 @@ static int write_copy(const struct check *c, const slv_env *env, const slv_ptx_r
     slv_mesh *inside = NULL;
     int code = EXIT_FAILED;
     slv_env silent = {.threads = env->threads};
-    if (report->counts[SLV_CHECK_TEXELS] || report->counts[SLV_CHECK_STRUCTURE])
-        return cli_error("%s: what cannot be read cannot be repaired", c->path);
-    if (slv_ptx_open(env, c->path, &ptx))
+    const slv_ptx_open_params lenient = {.lenient = true};
+    for (uint32_t i = 0; i < report->nfindings; i++) {
+        const slv_check_finding *finding = &report->findings[i];
+        if (finding->kind == SLV_CHECK_STRUCTURE || finding->kind == SLV_CHECK_TEXELS)
+            return cli_error("%s: what cannot be read cannot be repaired: %s", c->path,
+                             finding->message);
+    }
+    if (slv_ptx_open_with(env, c->path, &lenient, &ptx))
         return EXIT_FAILED;
     if (!given && needs_geometry(report) && slv_ptx_load_mesh(&silent, ptx, &inside) == SLV_OK)
         given = inside;

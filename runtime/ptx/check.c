@@ -117,7 +117,8 @@ slv_result slv_ptx_check(const slv_env *env, const char *path, const slv_ptx_che
         (slv_check_finding){.kind = SLV_CHECK_SEAMS, .face = -1, .edge = -1, .level = -1};
     if ((result = check_findings_create(env, check.params.max_findings, &check.findings)))
         goto done;
-    if ((result = slv_ptx_open(&quiet, path, &ptx))) {
+    const slv_ptx_open_params lenient = {.lenient = true};
+    if ((result = slv_ptx_open_with(&quiet, path, &lenient, &ptx))) {
         result = find_failure(&check, SLV_CHECK_STRUCTURE, result, path, &log);
     } else {
         check.ptx = ptx;

@@ -1,5 +1,6 @@
 /* Whether the edges of the face table lead back to each other. */
 #include "ptx/check.h"
+#include "ptx/ptx_file.h"
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -53,6 +54,14 @@ static void check_edge(check_context *check, int32_t face, unsigned edge) {
     slv_check_finding finding = {
         .kind = SLV_CHECK_ADJACENCY, .face = face, .edge = (int32_t)edge, .level = -1};
     char back[64];
+    if (ptx_edge_is_lost(check->ptx, (uint32_t)face, edge, &there)) {
+        finding.repairable = true;
+        check_find(check->findings, &finding,
+                   "face %d edge %u: leads to face %d, but there are %u faces: readers refuse the "
+                   "file",
+                   face, edge, there, check->info->nfaces);
+        return;
+    }
     if (there < 0)
         return;
     if (there_edge >= check->nedges) {

@@ -84,7 +84,7 @@ struct slv_ptx {
     slv_ptx_source source;
     char *name;
     slv_ptx_info info;
-    bool premultiply;
+    bool premultiply, lenient;
     size_t pixel_size;
     uint32_t level_faces[PTX_MAX_LEVELS];
     uint64_t level_bytes[PTX_MAX_LEVELS];
@@ -146,6 +146,8 @@ static inline slv_result ptx_need(const slv_ptx *ptx, uint64_t parts) {
 slv_result ptx_check_record(const slv_ptx *ptx, uint32_t face, const uint8_t *record);
 /* A face; PTX_FACES must be there. */
 slv_ptx_face ptx_face_at(const slv_ptx *ptx, uint32_t face);
+/* The edge leads to a face that the file does not have: only in one opened leniently. */
+bool ptx_edge_is_lost(const slv_ptx *ptx, uint32_t face, unsigned edge, int32_t *to);
 void ptx_unpack_record(const uint8_t *record, bool triangle, slv_ptx_face *out);
 void ptx_pack_record(const slv_ptx_face *face, uint8_t *record);
 /* Where a level keeps a block, by face or rank; PTX_LEVEL(level) must be there. */

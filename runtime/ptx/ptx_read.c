@@ -165,7 +165,7 @@ static slv_result read_all(slv_ptx *ptx) {
 }
 
 static slv_result open_params(const slv_env *env, const char *name, const slv_ptx_source *source,
-                              bool premultiply, slv_ptx **out) {
+                              const slv_ptx_open_params *params, slv_ptx **out) {
     slv_ptx *ptx = NULL;
     *out = NULL;
     slv_result result = slv_alloc(env, name, 1, sizeof *ptx, &ptx);
@@ -175,7 +175,8 @@ static slv_result open_params(const slv_env *env, const char *name, const slv_pt
         return result;
     }
     ptx->source = *source;
-    ptx->premultiply = premultiply;
+    ptx->premultiply = params && params->premultiply;
+    ptx->lenient = params && params->lenient;
     ptx->info.level_faces = ptx->level_faces;
     ptx->info.level_bytes = ptx->level_bytes;
     if (!(result = slv_parallel_env_begin(env, &ptx->log, &ptx->env)) &&
@@ -198,7 +199,7 @@ static slv_result open_params(const slv_env *env, const char *name, const slv_pt
 
 slv_result slv_ptx_open_source(const slv_env *env, const char *name, const slv_ptx_source *source,
                                slv_ptx **out) {
-    return open_params(env, name, source, false, out);
+    return open_params(env, name, source, NULL, out);
 }
 
 slv_result slv_ptx_open_with(const slv_env *env, const char *path,
@@ -206,9 +207,9 @@ slv_result slv_ptx_open_with(const slv_env *env, const char *path,
     slv_ptx_source source;
     *out = NULL;
     if (params && params->source)
-        return open_params(env, path, params->source, params->premultiply, out);
+        return open_params(env, path, params->source, params, out);
     slv_result result = ptx_source_open(env, path, &source);
-    return result ? result : open_params(env, path, &source, params && params->premultiply, out);
+    return result ? result : open_params(env, path, &source, params, out);
 }
 
 slv_result slv_ptx_open(const slv_env *env, const char *path, slv_ptx **out) {

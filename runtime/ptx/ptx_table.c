@@ -27,11 +27,28 @@ void ptx_pack_record(const slv_ptx_face *face, uint8_t *record) {
     }
 }
 
+static bool is_lost(const slv_ptx *ptx, int32_t there) {
+    return (uint32_t)there + 1 > ptx->info.nfaces; /* a boundary, -1, becomes 0 */
+}
+
 slv_ptx_face ptx_face_at(const slv_ptx *ptx, uint32_t face) {
     slv_ptx_face out;
     ptx_unpack_record(ptx->tables->records + (size_t)face * PTX_FACE_INFO_SIZE,
                       ptx->info.mesh_type == SLV_PTX_TRIANGLE, &out);
+    for (unsigned edge = 0; ptx->lenient && edge < 4; edge++)
+        if (is_lost(ptx, out.adjacency.face[edge])) {
+            out.adjacency.face[edge] = SLV_BOUNDARY;
+            out.adjacency.edge[edge] = 0;
+        }
     return out;
+}
+
+bool ptx_edge_is_lost(const slv_ptx *ptx, uint32_t face, unsigned edge, int32_t *to) {
+    slv_ptx_face f;
+    ptx_unpack_record(ptx->tables->records + (size_t)face * PTX_FACE_INFO_SIZE,
+                      ptx->info.mesh_type == SLV_PTX_TRIANGLE, &f);
+    *to = f.adjacency.face[edge];
+    return is_lost(ptx, *to);
 }
 
 /* Whether nothing in a record is impossible; written so that it costs little for a million. */
@@ -59,7 +76,9 @@ slv_result ptx_check_record(const slv_ptx *ptx, uint32_t face, const uint8_t *re
                         "%s: face %u: a triangle of 2^%d x 2^%d texels is not square", ptx->name,
                         face, f.res.u, f.res.v);
     unsigned edge = 0;
-    while (edge < 3 && (uint32_t)f.adjacency.face[edge] + 1 <= ptx->info.nfaces)
+    if (ptx->lenient)
+        return SLV_OK;
+    while (edge < 3 && !is_lost(ptx, f.adjacency.face[edge]))
         edge++;
     return slv_fail(&ptx->env, SLV_ERROR_FORMAT,
                     "%s: face %u edge %u: the adjacent face is %d, but there are %u faces",

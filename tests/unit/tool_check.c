@@ -109,12 +109,13 @@ static void check_texels(void) {
     RUNS(1, "check texels.ptx");
     HAS("texels: 1 finding\n    face 5");
     RUNS(1, "check texels.ptx --repair mended2.ptx");
-    HAS("what cannot be read cannot be repaired");
+    HAS("what cannot be read cannot be repaired: face 5");
     CHECK(access(tool_path("mended2.ptx"), F_OK) != 0);
     tool_write_file("short.ptx", bytes, size / 2);
     tool_write_file("empty.ptx", bytes, 0);
-    RUNS(1, "check short.ptx");
+    RUNS(1, "check short.ptx --repair mended2.ptx");
     HAS("verdict: unreadable");
+    HAS("what cannot be read cannot be repaired: truncated: ");
     RUNS(1, "check empty.ptx --json");
     HAS("\"verdict\": \"unreadable\"");
     free(bytes);
@@ -125,6 +126,78 @@ static void check_texels(void) {
     RUNS(0, "check nan.ptx");
     HAS("warning: face 3: 1 of 512 values are not finite, the first in texel 3 channel 1");
     RUNS(1, "check nan.ptx --strict");
+}
+
+/* The file's face table with the first edge of face 4 leading to a face that is not there: the
+ * table is packed anew, stored, and all that follows moves. */
+static void lose_neighbour(const char *from, const char *to) {
+    size_t size = 0;
+    uint8_t *bytes = read_whole(tool_path(from), &size);
+    slv_ptx *ptx = tool_open(from);
+    uint32_t nfaces = slv_ptx_get_info(ptx)->nfaces, old, length = 20 * nfaces;
+    REQUIRE(bytes && length < 65536);
+    memcpy(&old, bytes + 32, 4);
+    uint8_t *table = malloc(length + 11), *out = malloc(size + length + 11);
+    uint32_t a = 1, b = 0;
+    for (uint32_t face = 0; face < nfaces; face++) {
+        slv_ptx_face f;
+        REQUIRE(!slv_ptx_get_face(ptx, face, &f));
+        uint8_t *record = table + 7 + 20 * face;
+        record[0] = (uint8_t)f.res.u;
+        record[1] = (uint8_t)f.res.v;
+        record[2] = 0;
+        record[3] = f.flags;
+        for (int edge = 0; edge < 4; edge++)
+            record[2] |= (uint8_t)(f.adjacency.edge[edge] << (2 * edge));
+        if (face == 4)
+            f.adjacency.face[0] = 999;
+        memcpy(record + 4, f.adjacency.face, 16);
+    }
+    const uint8_t head[7] = {0x78,
+                             0x01,
+                             1,
+                             (uint8_t)length,
+                             (uint8_t)(length >> 8),
+                             (uint8_t)~length,
+                             (uint8_t)(~length >> 8)};
+    memcpy(table, head, sizeof head);
+    for (uint32_t i = 0; i < length; i++) {
+        a = (a + table[7 + i]) % 65521;
+        b = (b + a) % 65521;
+    }
+    const uint8_t sum[4] = {(uint8_t)(b >> 8), (uint8_t)b, (uint8_t)(a >> 8), (uint8_t)a};
+    memcpy(table + 7 + length, sum, sizeof sum);
+    uint32_t zipped = length + 11;
+    uint64_t edits;
+    memcpy(out, bytes, 104);
+    memcpy(out + 32, &zipped, 4);
+    memcpy(&edits, out + 96, 8);
+    edits += zipped - old;
+    memcpy(out + 96, &edits, 8);
+    memcpy(out + 104, table, zipped);
+    memcpy(out + 104 + zipped, bytes + 104 + old, size - 104 - old);
+    tool_write_file(to, out, size + zipped - old);
+    slv_ptx_close(ptx);
+    free(bytes);
+    free(table);
+    free(out);
+}
+
+static void check_lost_neighbours(void) {
+    lose_neighbour("good.ptx", "lost.ptx");
+    RUNS(1, "info lost.ptx");
+    HAS("the adjacent face is 999, but there are 10 faces");
+    RUNS(1, "check lost.ptx");
+    HAS("face 4 edge 0: leads to face 999, but there are 10 faces: readers refuse the file "
+        "(--repair can help)");
+    HAS("verdict: damaged");
+    RUNS(0, "check lost.ptx --repair found.ptx");
+    RUNS(0, "diff good.ptx found.ptx");
+    RUNS(0, "convert good.ptx bare4.ptx --no-meta");
+    lose_neighbour("bare4.ptx", "lost4.ptx");
+    RUNS(1, "check lost4.ptx --repair cut.ptx");
+    HAS("face 1 edge 2: leads to face 4 edge 0, which is a boundary");
+    RUNS(0, "info cut.ptx");
 }
 
 /* An edit leaves the flags of the faces around it as they were. */
@@ -204,6 +277,7 @@ int main(void) {
     check_adjacency();
     check_reductions();
     check_texels();
+    check_lost_neighbours();
     check_flags();
     check_mesh();
     check_threads();

@@ -75,6 +75,8 @@ typedef struct slv_ptx_source {
 /* Zero means default. */
 typedef struct slv_ptx_open_params {
     bool premultiply; /* see slv_ptx_read_face */
+    bool lenient;     /* an edge that leads to a face which the file does not have is a boundary,
+                         instead of SLV_ERROR_FORMAT: for repairs */
     const slv_ptx_source
         *source; /* NULL: the path is opened; else it is a name for messages. Copied */
 } slv_ptx_open_params;

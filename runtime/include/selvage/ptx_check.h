@@ -64,7 +64,8 @@ SLV_API void slv_ptx_report_destroy(slv_ptx_report *report);
 
 /* Writes a copy with reductions, averages and flags made anew, edits applied and, if `mesh` is
  * given, its adjacency and geometry in place of the file's. SLV_ERROR_MISMATCH if the mesh has
- * another number of faces. `path` may be the file's own. */
+ * another number of faces. `path` may be the file's own. A file opened leniently can be repaired
+ * though an edge leads to no face: without a mesh such an edge becomes a boundary. */
 SLV_API slv_result slv_ptx_repair(const slv_env *env, const slv_ptx *ptx, const slv_mesh *mesh,
                                   const char *path);
 
