@@ -263,6 +263,8 @@ static void check_usage(void) {
     RUNS(1, "check good.ptx >/dev/full");
     RUNS(0, "check good.ptx --quiet");
     CHECK(!tool_out[0]);
+    RUNS(0, "check good.ptx --quiet --progress");
+    HAS("check: 100% after");
     RUNS(0, "check --help");
     HAS("Examples:");
 }

@@ -5,6 +5,8 @@
 #include <selvage/image.h>
 #include <selvage/ptx_resize.h>
 
+#include <sys/stat.h>
+
 #define SAME(a, b) RUNS(0, "diff '%s' '%s'", a, b)
 
 /* Through every form and back, nothing is lost. */
@@ -191,6 +193,49 @@ static void check_hostile(void) {
     }
 }
 
+/* What was done, in numbers; and what no longer fits is said. */
+static void check_summary(void) {
+    static const char *const forms[] = {"sum.ptx", "sum.png", "sums"};
+    char line[64];
+    for (int i = 0; i < 3; i++) {
+        RUNS(0, "convert rgb.ptx %s --scale 1/2 --channels 0,1 --json", forms[i]);
+        snprintf(line, sizeof line, "\"made\": \"%s\"",
+                 i == 0   ? "ptx"
+                 : i == 1 ? "sheet"
+                          : "folder");
+        HAS(line);
+        HAS("\"faces\": 10");
+        HAS("\"resized_faces\": 10");
+        HAS("\"texels\": 640,");
+        HAS("\"texel_bytes\": 1280");
+        HAS("\"clipped_values\": 0");
+        LACKS("warning");
+    }
+    struct stat status;
+    REQUIRE(stat(tool_path("sum.png"), &status) == 0);
+    RUNS(0, "convert rgb.ptx sum.png --scale 1/2 --channels 0,1 --json");
+    snprintf(line, sizeof line, "\"file_bytes\": %lld", (long long)status.st_size);
+    HAS(line);
+    RUNS(0, "convert sums sum2.ptx --json");
+    HAS("\"source\": \"sums\"");
+    HAS("\"texels\": 640,");
+    RUNS(0, "convert rgb.ptx wide.ptx --type float --channels 0,=2,=-1");
+    RUNS(0, "convert wide.ptx narrow.ptx --type uint8 --json --threads 3");
+    HAS("\"clipped_values\": 5120");
+    HAS("warning: 5120 values did not fit into uint8 and were clipped");
+    RUNS(0, "convert wide.ptx narrow.ptx --type half --progress");
+    LACKS("warning");
+    HAS("convert: 50% after");
+    HAS("convert: 100% after");
+    RUNS(0, "convert wide.ptx narrow.ptx");
+    CHECK(!tool_out[0]);
+    RUNS(0, "convert wide.ptx huge.ptx --channels 0,=100000");
+    RUNS(0, "convert huge.ptx narrow.ptx --type half --json");
+    HAS("\"clipped_values\": 2560");
+    RUNS(1, "convert rgb.ptx sum3.ptx --json >/dev/full");
+    HAS("cannot write the answer");
+}
+
 static void check_usage(void) {
     RUNS(2, "convert rgb.ptx");
     RUNS(2, "convert rgb.ptx x.ptx --channels 3");
@@ -223,6 +268,7 @@ int main(void) {
     check_sizes();
     check_resize();
     check_images();
+    check_summary();
     check_hostile();
     check_usage();
     tool_end();

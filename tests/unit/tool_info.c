@@ -96,12 +96,17 @@ static void check_ptx(void) {
     HAS("uint8, 3 channels, no alpha");
     HAS("4, of them 1 constant, 3 sub-faces");
     HAS("8 x 4");
+    HAS("0: 3 faces, 120 bytes of texels in ");
+    HAS(": 3 diff-zipped");
     HAS("inside: 2 polygons, 5 vertices");
     HAS("0.333333333333333 nan 2");
     HAS("bell \\x07 and \\xff");
     CHECK(!strchr(out, '\x1b') && !strchr(out, '\a'));
     CHECK(info("texture.data --json --meta", out, sizeof out) == 0);
     HAS("\"texels\": 56");
+    HAS("\"level_table\": [");
+    HAS("\"texel_bytes\": 120,");
+    HAS("\"diff-zipped\": 3");
     HAS("\"alpha_channel\": null");
     HAS("0.33333333333333331");
     HAS("bell \\u0007 and \xEF\xBF\xBD");

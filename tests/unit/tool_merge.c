@@ -91,6 +91,12 @@ int main(void) {
     check_faces("a.ptx", "all.ptx", 20);
     RUNS(0, "merge a.ptx -o alone.ptx --json");
     HAS("\"first_face\": 0");
+    HAS("\"texels\": 2560");
+    HAS("\"texel_bytes\": 7680");
+    HAS("\"clipped_values\": 0");
+    LACKS("merge: ");
+    RUNS(0, "merge a.ptx b.ptx -o both.ptx --quiet --progress");
+    HAS("merge: 100% after");
     RUNS(0, "diff a.ptx alone.ptx");
     check_meta();
     check_usage();

@@ -106,7 +106,10 @@ static void check_copies(void) {
     slv_ptx_close(ptx);
     write_obj("same.obj", NULL, NULL, 0);
     RUNS(0, "transfer turned.ptx back.ptx --from turned.obj --to same.obj --quiet");
-    RUNS(0, "diff grid.ptx back.ptx");
+    RUNS(0, "diff grid.ptx back.ptx --progress");
+    HAS("diff: 100% after");
+    RUNS(0, "transfer grid.ptx again.ptx --to same.obj --progress --json");
+    HAS("transfer: 100% after");
 }
 
 static void check_resampling(void) {
@@ -227,7 +230,7 @@ static void check_filtering(void) {
     for (int i = 0; i < SIDE * SIDE; i++)
         res[i] = (slv_res){3, 3};
     write_grid("alpha.ptx", SLV_TYPE_FLOAT, 4, 3, res, fill_half_covered);
-    RUNS(0, "transfer alpha.ptx cover.ptx --to inner.obj --scheme bilinear --progress");
+    RUNS(0, "transfer alpha.ptx cover.ptx --to inner.obj --scheme bilinear");
     count = read_only_face("cover.ptx", texels);
     uint32_t partly = 0, wrong = 0;
     for (uint32_t i = 0; i < count; i++) {
