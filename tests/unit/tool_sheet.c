@@ -185,7 +185,7 @@ static void check_usage(void) {
     RUNS(2, "info quads.ptx --sheet x.png --sheet-faces 1,");
     RUNS(2, "info quads.ptx --sheet x.png --sheet-faces -1");
     RUNS(1, "info quads.ptx --sheet nowhere/x.png");
-    tool_write_file("mesh.obj", "v 0 0 0\nv 1 0 0\nv 1 1 0\nf 1 2 3\n", 34);
+    tool_write_file("mesh.obj", "v 0 0 0\nv 1 0 0\nv 1 1 0\nf 1 2 3\n", 32);
     RUNS(2, "info mesh.obj --sheet x.png");
     CHECK(access(tool_path("x.png"), F_OK) != 0);
 }
