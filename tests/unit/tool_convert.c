@@ -1,5 +1,6 @@
 /* The command `selvage convert`: what comes back is what went in, and what was asked for is what
  * comes. */
+#include "ptx_same.h"
 #include "tool_kit.h"
 
 #include <selvage/image.h>
@@ -9,17 +10,27 @@
 
 #define SAME(a, b) RUNS(0, "diff '%s' '%s'", a, b)
 
+static void copy_is_same(const char *path) {
+    char original[512], copy[512];
+    snprintf(original, sizeof original, "%s", path[0] == '/' ? path : tool_path(path));
+    snprintf(copy, sizeof copy, "%s", tool_path("copy.ptx"));
+    same_content(original, copy);
+    remove(copy);
+}
+
 /* Through every form and back, nothing is lost. */
 static void there_and_back(const char *path) {
+    char first[240];
     RUNS(0, "convert '%s' copy.ptx", path);
-    RUNS(0, "check --strict copy.ptx");
-    SAME(path, "copy.ptx");
+    CHECK_MSG(count_findings(tool_path("copy.ptx"), first, sizeof first) == 0, "%s: %s", path,
+              first);
+    copy_is_same(path);
     RUNS(0, "convert '%s' faces", path);
     RUNS(0, "convert faces copy.ptx");
-    SAME(path, "copy.ptx");
+    copy_is_same(path);
     RUNS(0, "convert '%s' sheet.exr", path);
     RUNS(0, "convert sheet.json copy.ptx");
-    SAME(path, "copy.ptx");
+    copy_is_same(path);
 }
 
 static slv_ptx_face face_of(const char *name, uint32_t face, void *texels) {
