@@ -1,12 +1,9 @@
 #include "gl/store.h"
-#include "gl/tessellation.h"
 
 #include "base/log.h"
 
 #include <selvage/gl_renderer.h>
 
-#include <float.h>
-#include <math.h>
 #include <stddef.h>
 #include <stdlib.h>
 #include <string.h>
@@ -228,26 +225,13 @@ void slv_gl_renderer_destroy(slv_gl_renderer *renderer) {
 
 /* Column-major, from window and the depth range of the surface seen from the eye. */
 static void projection(const slv_gl_renderer *renderer, const slv_camera *camera, float out[16]) {
-    const float *m = camera->world_to_camera, *w = camera->window;
-    float nearest = -INFINITY, farthest = INFINITY; /* z in eye space: the eye looks down -z */
-    for (int corner = 0; corner < 8; corner++) {
-        float z = m[11];
-        for (int c = 0; c < 3; c++)
-            z += m[8 + c] *
-                 (corner >> c & 1 ? renderer->mesh.bounds_max[c] : renderer->mesh.bounds_min[c]);
-        nearest = fmaxf(nearest, z);
-        farthest = fminf(farthest, z);
-    }
-    float margin =
-        (nearest - farthest) * 0.01f + fmaxf(fabsf(nearest), fabsf(farthest)) * 1e-6f + FLT_MIN;
-    float n = -(nearest + margin), f = -(farthest - margin);
+    const float *w = camera->window;
+    float n, f;
+    slv_camera_depths(camera, renderer->mesh.bounds_min, renderer->mesh.bounds_max, &n, &f);
     memset(out, 0, 16 * sizeof *out);
     out[0] = 2 / (w[1] - w[0]);
     out[5] = 2 / (w[3] - w[2]);
     if (camera->perspective) {
-        f = fmaxf(f, FLT_MIN * 1e5f);
-        n = fmaxf(n, f * 1e-4f);
-        f = fmaxf(f, n * 1.001f);
         out[8] = (w[1] + w[0]) / (w[1] - w[0]);
         out[9] = (w[3] + w[2]) / (w[3] - w[2]);
         out[10] = (n + f) / (n - f);
@@ -262,22 +246,6 @@ static void projection(const slv_gl_renderer *renderer, const slv_camera *camera
     }
 }
 
-/* The inverse transpose of the upper left 3x3, up to a positive factor, row-major in, column-major
- * out. */
-static void normal_matrix(const float *m, float out[9]) {
-    float determinant = 0;
-    for (int r = 0; r < 3; r++) {
-        for (int c = 0; c < 3; c++) {
-            int r1 = (r + 1) % 3, r2 = (r + 2) % 3, c1 = (c + 1) % 3, c2 = (c + 2) % 3;
-            float cofactor = m[4 * r1 + c1] * m[4 * r2 + c2] - m[4 * r1 + c2] * m[4 * r2 + c1];
-            out[3 * c + r] = cofactor;
-            determinant += r == 0 ? cofactor * m[c] : 0;
-        }
-    }
-    for (int i = 0; determinant < 0 && i < 9; i++)
-        out[i] = -out[i];
-}
-
 static void set_frame(const slv_gl_renderer *renderer, const slv_frame *frame, GLuint program) {
     const slv_gl_api *api = &renderer->gl->api;
     float to_eye[16], to_clip[16], normals[9];
@@ -285,10 +253,10 @@ static void set_frame(const slv_gl_renderer *renderer, const slv_frame *frame, G
         for (int c = 0; c < 4; c++)
             to_eye[4 * c + r] = frame->camera.world_to_camera[4 * r + c];
     projection(renderer, &frame->camera, to_clip);
-    normal_matrix(frame->camera.world_to_camera, normals);
+    slv_camera_normal_matrix(&frame->camera, normals);
     api->ProgramUniformMatrix4fv(program, 0, 1, GL_FALSE, to_eye);
     api->ProgramUniformMatrix4fv(program, 1, 1, GL_FALSE, to_clip);
-    api->ProgramUniformMatrix3fv(program, 2, 1, GL_FALSE, normals);
+    api->ProgramUniformMatrix3fv(program, 2, 1, GL_TRUE, normals);
     api->ProgramUniform1i(program, 3, (GLint)frame->shading);
     api->ProgramUniform1i(program, 4, frame->camera.perspective);
     api->ProgramUniform2f(program, 5, frame->ka, frame->kd);

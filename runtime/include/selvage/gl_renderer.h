@@ -4,36 +4,11 @@
 
 #include <selvage/gl_texture.h>
 #include <selvage/image.h>
-#include <selvage/surface.h>
+#include <selvage/tessellation.h>
 
 #ifdef __cplusplus
 extern "C" {
 #endif
-
-/* A right-handed eye that looks down its own -z. Matrices are row-major and act on column vectors.
- */
-typedef struct slv_camera {
-    float world_to_camera[16];
-    bool perspective;
-    /* left, right, bottom, top: on the plane at distance 1 with perspective, else in eye units */
-    float window[4];
-} slv_camera;
-
-/* Frames a box from a direction: azimuth in degrees from +z towards +x around the y axis, elevation
- * in degrees above the horizon, vertical field of view in degrees (0 means orthographic), aspect =
- * width / height. */
-SLV_API slv_camera slv_camera_orbit(const float bounds_min[3], const float bounds_max[3],
-                                    float azimuth, float elevation, float fov, float aspect);
-
-typedef enum slv_shading {
-    SLV_SHADE_HEADLIGHT = 0, /* c * (kd * max(dot(n, -i), 0) + ka), i from the eye to the surface */
-    SLV_SHADE_HEADLIGHT_ABS, /* c * kd * clamp(abs(dot(n, i)) + ka, 0, 1) */
-    SLV_SHADE_UNLIT,         /* c */
-    SLV_SHADE_FACES,         /* a colour per face, lit: where the faces are */
-    SLV_SHADE_LEVELS         /* the level that a lookup uses, from 0 (red) to coarse (blue) */
-} slv_shading;
-
-SLV_API bool slv_shading_from_name(const char *name, slv_shading *out);
 
 /* Zero means default. */
 typedef struct slv_frame {
@@ -49,15 +24,8 @@ typedef struct slv_frame {
 
 typedef struct slv_gl_renderer slv_gl_renderer;
 
-/* How many segments a face edge should have, a power of two from 2 to 64: at most about 3 pixels
- * each on the largest face of the mesh seen by `camera` at this size, but no more than two cells
- * for each pixel of the picture in all. */
-SLV_API uint32_t slv_tessellation_for(const slv_mesh *mesh, const slv_camera *camera,
-                                      uint32_t width, uint32_t height);
-
-/* Tessellates every face into segments * segments quads (sub-faces into half as many each way, so
- * that vertices meet), with the vertices of edges that the mesh's faces share made identical: no
- * cracks. Holes are left out. `segments` is a power of two, 2 to 128. */
+/* Tessellates as slv_tessellate does, by the mesh's own adjacency. `segments` is a power of two, 2
+ * to 128; see slv_tessellation_for. */
 SLV_API slv_result slv_gl_renderer_create(slv_gl *gl, const slv_env *env, const slv_mesh *mesh,
                                           const slv_surface *surface, uint32_t segments,
                                           slv_gl_renderer **out);

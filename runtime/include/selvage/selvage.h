@@ -5,6 +5,7 @@
 #include <selvage/adjacency.h>
 #include <selvage/border.h>
 #include <selvage/cache.h>
+#include <selvage/camera.h>
 #include <selvage/filter.h>
 #include <selvage/gl_context.h>
 #include <selvage/gl_renderer.h>
@@ -19,6 +20,7 @@
 #include <selvage/ptx_writer.h>
 #include <selvage/result.h>
 #include <selvage/surface.h>
+#include <selvage/tessellation.h>
 #include <selvage/texture.h>
 
 #endif

@@ -1,4 +1,4 @@
-#include "gl/tessellation.h"
+#include <selvage/tessellation.h>
 
 #include "base/log.h"
 #include "base/parallel.h"
@@ -8,6 +8,51 @@
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
+
+static float longest_edge_in_pixels(const slv_mesh_view *mesh, const slv_camera *camera,
+                                    uint32_t width, uint32_t height) {
+    const float *m = camera->world_to_camera;
+    float scale_x = (float)width / (camera->window[1] - camera->window[0]);
+    float scale_y = (float)height / (camera->window[3] - camera->window[2]);
+    float longest = 0;
+    const int32_t *verts = mesh->poly_verts;
+    for (uint32_t p = 0; p < mesh->npolys; verts += mesh->poly_sizes[p++]) {
+        float first[2] = {0}, before[2] = {0};
+        bool behind = false;
+        float here = 0;
+        for (int32_t k = 0; k < mesh->poly_sizes[p]; k++) {
+            const float *v = mesh->positions + 3 * (size_t)verts[k];
+            float eye[3], at[2];
+            for (int r = 0; r < 3; r++)
+                eye[r] = m[4 * r] * v[0] + m[4 * r + 1] * v[1] + m[4 * r + 2] * v[2] + m[4 * r + 3];
+            float depth = camera->perspective ? -eye[2] : 1;
+            behind |= depth <= 1e-6f;
+            at[0] = eye[0] / depth * scale_x;
+            at[1] = eye[1] / depth * scale_y;
+            if (k == 0)
+                memcpy(first, at, sizeof first);
+            else
+                here = fmaxf(here, hypotf(at[0] - before[0], at[1] - before[1]));
+            memcpy(before, at, sizeof before);
+        }
+        here = fmaxf(here, hypotf(first[0] - before[0], first[1] - before[1]));
+        /* an edge seen from next to it is as long as the picture at most */
+        here = behind || here > (float)(width + height) ? (float)(width + height) : here;
+        longest = fmaxf(longest, here);
+    }
+    return longest;
+}
+
+uint32_t slv_tessellation_for(const slv_mesh *mesh, const slv_camera *camera, uint32_t width,
+                              uint32_t height) {
+    float wanted = longest_edge_in_pixels(slv_mesh_get_view(mesh), camera, width, height) / 3;
+    uint64_t nfaces = slv_mesh_face_count(mesh), most = 2 * (uint64_t)width * height;
+    uint32_t segments = 2;
+    while (segments < 64 && (float)segments < wanted &&
+           nfaces * segments * 2 * segments * 2 <= most)
+        segments *= 2;
+    return segments;
+}
 
 struct job {
     const slv_surface *surface;

@@ -1,0 +1,54 @@
+/* The limit surface as triangles: one grid per face, identical vertices where grids meet. What the
+ * renderer draws, and what the reference casts its rays at. */
+#ifndef SELVAGE_TESSELLATION_H
+#define SELVAGE_TESSELLATION_H
+
+#include <selvage/camera.h>
+#include <selvage/surface.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/* 32 bytes. */
+typedef struct slv_vertex {
+    float position[3], normal[3];
+    uint16_t uv[2]; /* half floats, exact */
+    int32_t face;
+} slv_vertex;
+
+/* A face with n segments has (n + 1) * (n + 1) vertices from first[face] on, v-major, u fastest. */
+typedef struct slv_tessellation {
+    uint32_t nfaces;
+    slv_vertex *vertices; /* first[nfaces] */
+    uint32_t *first;      /* per face, and one past the last: its first vertex */
+    uint8_t *segments;    /* per face; 0 for holes, which have no vertices */
+    float bounds_min[3], bounds_max[3];
+} slv_tessellation;
+
+/* How many segments a face edge should have, a power of two from 2 to 64: at most about 3 pixels
+ * each on the largest face of the mesh seen by `camera` at this size, but no more than two cells
+ * for each pixel of the picture in all. */
+SLV_API uint32_t slv_tessellation_for(const slv_mesh *mesh, const slv_camera *camera,
+                                      uint32_t width, uint32_t height);
+
+/* Tessellates every face into segments * segments quads (sub-faces into half as many each way, so
+ * that vertices meet), with the vertices of edges that `adjacency` shares made identical: no
+ * cracks. Holes are left out. `segments` is a power of two, 2 to 128. The same bytes with any
+ * number of threads. slv_tessellation_free releases what is in `out`. */
+SLV_API slv_result slv_tessellate(const slv_env *env, const slv_mesh *mesh,
+                                  const slv_surface *surface, const slv_adjacency *adjacency,
+                                  uint32_t segments, slv_tessellation *out);
+/* Frees the arrays and zeroes the struct. */
+SLV_API void slv_tessellation_free(slv_tessellation *tessellation);
+
+/* Six indices for each cell of a face's grid, two triangles on both sides of its diagonal from
+ * lowest to highest (u,v); returns how many were written (NULL only counts). */
+SLV_API uint32_t slv_tessellation_indices(const slv_tessellation *tessellation, uint32_t face,
+                                          uint32_t *out);
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif
