@@ -1,0 +1,93 @@
+/* A picture that owes nothing to any strategy: rays cast through every pixel at the tessellated
+ * limit surface, the texture taken as a continuous function where they land, and the result
+ * weighted by a pixel filter. No level, footprint or lookup of the GPU is involved; with samples
+ * without end it is the integral of the shaded texture under the filter.
+ *
+ * For the same mesh, segments, camera and shading it shows what slv_gl_renderer_draw shows, pixel
+ * for pixel. Rays are cast by Embree. */
+#ifndef SELVAGE_REFERENCE_H
+#define SELVAGE_REFERENCE_H
+
+#include <selvage/image.h>
+#include <selvage/tessellation.h>
+#include <selvage/texture.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/* Zero means default. */
+typedef struct slv_reference_params {
+    uint32_t segments;      /* as slv_tessellate takes them; default 32 */
+    uint32_t first_channel; /* of the texture, shown as red */
+    uint32_t nchannels;     /* 1 (shown as grey) to 4; 0 means as many as there are, up to 4 */
+} slv_reference_params;
+
+/* A surface and its texture, ready for rays. Immutable; any number of threads may use it. */
+typedef struct slv_reference slv_reference;
+
+/* Copies what it needs: every texel of level 0 as a float for each shown channel but alpha, with a
+ * border of one texel (slv_border_build), and the triangles. `adjacency`, the texture's, must have
+ * as many faces as the mesh, the surface and the texture. */
+SLV_API slv_result slv_reference_create(const slv_env *env, const slv_mesh *mesh,
+                                        const slv_surface *surface, const slv_texture *texture,
+                                        const slv_adjacency *adjacency,
+                                        const slv_reference_params *params, slv_reference **out);
+SLV_API void slv_reference_destroy(slv_reference *reference);
+
+/* The texture as a function: texels of level 0, bilinear between their centres, and across edges
+ * and corners continuous as border.h says. Writes RGB, three floats a point. A face id out of range
+ * is SLV_ERROR_ARGUMENT; (u,v) is clamped to the face. */
+SLV_API slv_result slv_reference_lookup(const slv_reference *reference, size_t count,
+                                        const slv_surface_point *points, float *rgb);
+
+/* How much the surroundings of a pixel's centre count. */
+typedef enum slv_pixel_filter {
+    SLV_PIXEL_BOX = 0, /* the pixel's own square, evenly: what multisampling resolves to */
+    SLV_PIXEL_MITCHELL /* Mitchell and Netravali 1988 with B = C = 1/3, two pixels to each side; its
+                          negative lobes may take values out of range beside strong edges */
+} slv_pixel_filter;
+
+SLV_API bool slv_pixel_filter_from_name(const char *name, slv_pixel_filter *out);
+
+/* Zero means default. Camera, shading, ka, kd and background are those of slv_frame. */
+typedef struct slv_reference_frame {
+    slv_camera camera;
+    uint32_t width, height; /* default 512 */
+    slv_shading shading; /* SLV_SHADE_LEVELS, which knows no reference, is SLV_ERROR_UNSUPPORTED */
+    float ka, kd;        /* both zero means 0.2 and 0.8 */
+    float background[4]; /* linear RGBA, colour multiplied by alpha */
+    slv_pixel_filter filter;
+    uint32_t samples; /* per pixel, to SLV_REFERENCE_MAX_SAMPLES; default 64; powers of two converge
+                         best */
+    uint32_t seed;    /* another one makes errors that have nothing to do with this one's */
+    /* Called now and then, by one thread at a time; false stops with SLV_ERROR_CANCELLED. */
+    bool (*progress)(void *user, uint64_t done, uint64_t total);
+    void *progress_user;
+} slv_reference_frame;
+
+#define SLV_REFERENCE_MAX_SAMPLES (UINT32_C(1) << 20)
+
+/* What a picture is worth. Errors are NaN with one sample. */
+typedef struct slv_reference_stats {
+    uint64_t samples;  /* in all */
+    double error;      /* the RMS of the estimated error, over all pixels and RGB */
+    double worst;      /* the largest of a pixel */
+    uint64_t ncovered; /* pixels at least half covered by the surface */
+} slv_reference_stats;
+
+/* Renders linear RGBA with colour multiplied by alpha, alpha the coverage of the pixel. The samples
+ * of a pixel are two Owen-scrambled Sobol sequences of half their number each, the halves
+ * independent of each other and of those of any other pixel; half the difference of the two is the
+ * estimate of the pixel's error. `error` (may be NULL) receives its RMS over RGB as an image of one
+ * channel; with one sample that is zero. `stats` may be NULL. On env->threads threads; the same
+ * bytes with any number of them. */
+SLV_API slv_result slv_reference_render(const slv_reference *reference, const slv_env *env,
+                                        const slv_reference_frame *frame, slv_image *image,
+                                        slv_image *error, slv_reference_stats *stats);
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif

@@ -1,0 +1,85 @@
+/* What the files of the reference share. */
+#ifndef SLV_BAKE_REFERENCE_DATA_H
+#define SLV_BAKE_REFERENCE_DATA_H
+
+#include <selvage/reference.h>
+
+#if SLV_EMBREE_VERSION >= 4
+#include <embree4/rtcore.h>
+#else
+#include <embree3/rtcore.h>
+#endif
+
+/* The shown channels of level 0 of every face, bordered by one texel. */
+typedef struct reference_texels {
+    uint32_t nchannels; /* 1 to 3 */
+    slv_res *res;
+    uint64_t *first; /* per face: its first value */
+    float *values;
+} reference_texels;
+
+slv_result reference_texels_create(const slv_env *env, const slv_texture *texture,
+                                   const slv_adjacency *adjacency, uint32_t first_channel,
+                                   uint32_t nchannels, reference_texels *out);
+void reference_texels_free(reference_texels *texels);
+
+/* Quads on the vertices of the tessellation, (x+1,y) (x+1,y+1) (x,y+1) (x,y) for cell (x,y): Embree
+ * splits a quad between its second and fourth vertex, which is where the renderer splits it. */
+struct slv_reference {
+    slv_env env;
+    reference_texels texels;
+    slv_tessellation mesh;
+    uint32_t *quads; /* 4 each */
+    RTCDevice device;
+    RTCScene scene;
+};
+
+static inline float reference_clamp(float x, float most) {
+    return x > 0.0f ? x < most ? x : most : 0.0f;
+}
+
+/* (u,v) inside the face, or a little outside by rounding. */
+static inline void reference_fetch(const reference_texels *texels, uint32_t face, float u, float v,
+                                   float rgb[3]) {
+    uint32_t width = 1u << texels->res[face].u, height = 1u << texels->res[face].v;
+    float x = reference_clamp(u, 1.0f) * (float)width + 0.5f;
+    float y = reference_clamp(v, 1.0f) * (float)height + 0.5f;
+    uint32_t i = (uint32_t)x, j = (uint32_t)y, n = texels->nchannels;
+    float s = x - (float)i, t = y - (float)j;
+    const float *low = texels->values + texels->first[face] + ((size_t)j * (width + 2) + i) * n;
+    const float *high = low + (size_t)(width + 2) * n;
+    for (uint32_t c = 0; c < n; c++) {
+        float a = low[c] + s * (low[n + c] - low[c]);
+        float b = high[c] + s * (high[n + c] - high[c]);
+        rgb[c] = a + t * (b - a);
+    }
+    if (n < 3) {
+        rgb[1] = n == 1 ? rgb[0] : rgb[1];
+        rgb[2] = n == 1 ? rgb[0] : 0.0f;
+    }
+}
+
+/* Where samples fall. */
+typedef struct reference_sampler {
+    slv_pixel_filter filter;
+    uint32_t seed;
+    uint32_t *sobol;  /* the second dimension, bits reversed; the first one's are the index */
+    float *positions; /* Mitchell: equal shares of the absolute filter's area, SHARES + 1 */
+} reference_sampler;
+
+/* `samples` is the most that one sequence will have. */
+slv_result reference_sampler_create(const slv_env *env, slv_pixel_filter filter, uint32_t seed,
+                                    uint32_t samples, reference_sampler *out);
+void reference_sampler_free(reference_sampler *sampler);
+
+/* A sequence of its own for each pixel and half. */
+typedef struct reference_sequence {
+    uint32_t scramble[2];
+} reference_sequence;
+reference_sequence reference_sequence_begin(const reference_sampler *sampler, uint32_t x,
+                                            uint32_t y, uint32_t half);
+/* Sample `index`: its offset from the pixel's upper left corner and its weight. */
+float reference_sample(const reference_sampler *sampler, const reference_sequence *sequence,
+                       uint32_t index, float offset[2]);
+
+#endif
