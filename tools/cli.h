@@ -84,6 +84,7 @@ bool cli_interrupted(void);
 /* The verbs: argv[0] is the verb. */
 int verb_render(int argc, char **argv);
 int verb_compare(int argc, char **argv);
+int verb_reference(int argc, char **argv);
 int verb_info(int argc, char **argv);
 int verb_check(int argc, char **argv);
 int verb_diff(int argc, char **argv);

@@ -9,6 +9,8 @@ static const struct {
 } verbs[] = {
     {"render", "draw a .ptx on its subdivision surface into a PNG or EXR", verb_render},
     {"compare", "measure the seam strategies against each other and write a report", verb_compare},
+    {"reference", "ray-cast a .ptx: the picture that strategies are measured against",
+     verb_reference},
     {"info", "say what a .ptx or a mesh holds", verb_info},
     {"check", "say whether a .ptx is sound, naming face and edge of what is not", verb_check},
     {"diff", "say which faces of two .ptx files differ, how much and where", verb_diff},

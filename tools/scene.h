@@ -40,6 +40,37 @@ typedef struct scene {
 slv_result scene_load(const slv_env *env, const scene_params *params, scene_data *out);
 void scene_free(scene_data *scene);
 
+/* What the verbs that make one picture ask about the scene and the view of it. */
+typedef struct scene_options {
+    const char *mesh, *view, *focus;
+    int scheme, boundary, shading, adjacency;
+    bool scheme_given, boundary_given, shading_given, size_given, orbit_given;
+    uint32_t size[2], tess, threads, channel, nchannels;
+    float azimuth, elevation, fov, background[4];
+} scene_options;
+
+enum { SCENE_OPTION_ROWS = 16 };
+
+scene_options scene_options_default(void);
+/* SCENE_OPTION_ROWS rows for a verb's table. */
+void scene_options_rows(scene_options *options, cli_option *rows);
+/* What is wrong with them, for cli_usage; NULL if nothing is. */
+const char *scene_options_problem(const scene_options *options);
+
+/* A scene as it is to be shown. */
+typedef struct scene_shot {
+    scene_data scene;
+    slv_camera camera;
+    uint32_t width, height, segments;
+    slv_shading shading;
+    float ka, kd, background[4]; /* colour multiplied by alpha */
+} scene_shot;
+
+/* Loads the view and the scene, and says where the camera stands. scene_free(&out->scene) releases
+ * it, after a failure too. */
+slv_result scene_load_shot(const slv_env *env, const char *ptx, const scene_options *options,
+                           scene_shot *out);
+
 /* Words for options, in the order of the enumerations. */
 #define SCENE_STRATEGIES "clamp|borders|traverse|discard"
 #define SCENE_SCHEMES "catmark|bilinear"
