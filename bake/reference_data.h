@@ -10,12 +10,24 @@
 #include <embree3/rtcore.h>
 #endif
 
+/* Where a face's edge runs along a neighbour of longer texels, and takes its values from there. */
+typedef struct reference_link {
+    uint32_t face; /* the neighbour */
+    uint32_t edge;
+    float t0, t1; /* counter-clockwise along the edge */
+    slv_affine map;
+} reference_link;
+
 /* The shown channels of level 0 of every face, bordered by one texel. */
 typedef struct reference_texels {
     uint32_t nchannels; /* 1 to 3 */
     slv_res *res;
     uint64_t *first; /* per face: its first value */
     float *values;
+    uint32_t *first_link; /* per face, and one past the last */
+    reference_link *links;
+    float *corners; /* 4 * nchannels per face: what each corner lacks of its vertex's value */
+    bool *mended;   /* per face: it has links, or a corner that lacks something */
 } reference_texels;
 
 slv_result reference_texels_create(const slv_env *env, const slv_texture *texture,
@@ -38,12 +50,11 @@ static inline float reference_clamp(float x, float most) {
     return x > 0.0f ? x < most ? x : most : 0.0f;
 }
 
-/* (u,v) inside the face, or a little outside by rounding. */
-static inline void reference_fetch(const reference_texels *texels, uint32_t face, float u, float v,
-                                   float rgb[3]) {
+/* Bilinear in the bordered texels; true if one of them was a border texel. */
+static inline bool reference_bilinear(const reference_texels *texels, uint32_t face, float u,
+                                      float v, float rgb[3]) {
     uint32_t width = 1u << texels->res[face].u, height = 1u << texels->res[face].v;
-    float x = reference_clamp(u, 1.0f) * (float)width + 0.5f;
-    float y = reference_clamp(v, 1.0f) * (float)height + 0.5f;
+    float x = u * (float)width + 0.5f, y = v * (float)height + 0.5f;
     uint32_t i = (uint32_t)x, j = (uint32_t)y, n = texels->nchannels;
     float s = x - (float)i, t = y - (float)j;
     const float *low = texels->values + texels->first[face] + ((size_t)j * (width + 2) + i) * n;
@@ -53,9 +64,22 @@ static inline void reference_fetch(const reference_texels *texels, uint32_t face
         float b = high[c] + s * (high[n + c] - high[c]);
         rgb[c] = a + t * (b - a);
     }
-    if (n < 3) {
-        rgb[1] = n == 1 ? rgb[0] : rgb[1];
-        rgb[2] = n == 1 ? rgb[0] : 0.0f;
+    return i == 0 || j == 0 || i == width || j == height;
+}
+
+/* A value beside an edge of a face that needs it, made to meet the neighbours' on the edge. */
+void reference_mend(const reference_texels *texels, uint32_t face, float u, float v, float rgb[3]);
+
+/* The texture as a function; (u,v) is clamped. */
+static inline void reference_fetch(const reference_texels *texels, uint32_t face, float u, float v,
+                                   float rgb[3]) {
+    u = reference_clamp(u, 1.0f);
+    v = reference_clamp(v, 1.0f);
+    if (reference_bilinear(texels, face, u, v, rgb) && texels->mended[face])
+        reference_mend(texels, face, u, v, rgb);
+    if (texels->nchannels < 3) {
+        rgb[1] = texels->nchannels == 1 ? rgb[0] : rgb[1];
+        rgb[2] = texels->nchannels == 1 ? rgb[0] : 0.0f;
     }
 }
 
@@ -64,7 +88,7 @@ typedef struct reference_sampler {
     slv_pixel_filter filter;
     uint32_t seed;
     uint32_t *sobol;  /* the second dimension, bits reversed; the first one's are the index */
-    float *positions; /* Mitchell: equal shares of the absolute filter's area, SHARES + 1 */
+    float *positions; /* Mitchell: bounds of equally likely intervals */
 } reference_sampler;
 
 /* `samples` is the most that one sequence will have. */

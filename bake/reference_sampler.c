@@ -30,9 +30,15 @@ static double mitchell(double x) {
     return 0;
 }
 
-/* Positions between which the filter's absolute value has the same area everywhere, so that a
- * uniform number becomes a sample where the filter is strong. What the table gets wrong the weight
- * makes good: it is the filter over the density that the table really has. */
+/* Samples are denser where the filter is strong. A little is added everywhere so that the weight,
+ * filter over density, passes through zero where the filter changes its sign: a jump there would
+ * cost the Sobol points their evenness (measured: 1.6 times the error at 1024 samples). */
+static double density(double x) {
+    return fabs(mitchell(x)) + 0.05;
+}
+
+/* Positions between which the density has the same area everywhere. What the table gets wrong the
+ * weight makes good: it is the filter over the density that the table really has. */
 static slv_result make_positions(const slv_env *env, float **out) {
     float *positions = NULL;
     double total = 0, sum = 0;
@@ -41,10 +47,10 @@ static slv_result make_positions(const slv_env *env, float **out) {
         return result;
     const double step = 2 * RADIUS / STEPS;
     for (int i = 0; i < STEPS; i++)
-        total += fabs(mitchell(-RADIUS + (i + 0.5) * step));
+        total += density(-RADIUS + (i + 0.5) * step);
     int next = 1;
     for (int i = 0; i < STEPS; i++) {
-        double here = fabs(mitchell(-RADIUS + (i + 0.5) * step));
+        double here = density(-RADIUS + (i + 0.5) * step);
         for (; next < SHARES && sum + here > total * next / SHARES; next++)
             positions[next] = (float)(-RADIUS + (i + (total * next / SHARES - sum) / here) * step);
         sum += here;
