@@ -40,7 +40,7 @@ typedef struct packet {
     struct RTCRayHit16 rays;
     float x[RAYS], y[RAYS], weight[RAYS]; /* in eye units on the window's plane */
     sum *to[RAYS];
-    int valid[RAYS];
+    _Alignas(64) int valid[RAYS]; /* as Embree reads it */
     uint32_t count;
 } packet;
 
