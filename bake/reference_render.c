@@ -298,10 +298,12 @@ static slv_result prepare(const slv_env *env, const slv_reference_frame *given,
     if ((unsigned)frame->filter > SLV_PIXEL_MITCHELL)
         return slv_fail(env, SLV_ERROR_ARGUMENT, "reference: there is no pixel filter %d",
                         (int)frame->filter);
-    if ((unsigned)frame->shading >= SLV_SHADE_LEVELS)
-        return slv_fail(env, SLV_ERROR_UNSUPPORTED,
-                        "reference: the shading %d is not one of a surface and its texture alone",
+    if ((unsigned)frame->shading > SLV_SHADE_LEVELS)
+        return slv_fail(env, SLV_ERROR_ARGUMENT, "reference: there is no shading %d",
                         (int)frame->shading);
+    if (frame->shading == SLV_SHADE_LEVELS)
+        return slv_fail(env, SLV_ERROR_UNSUPPORTED,
+                        "reference: the shading by levels is about lookups, of which it has none");
     return SLV_OK;
 }
 

@@ -1,3 +1,4 @@
+#include "compare_reference.h"
 #include "output.h"
 #include "report.h"
 #include "scene.h"
@@ -11,9 +12,9 @@ struct compare {
     const char *arguments[1];
     uint32_t narguments;
     const char *mesh, *out, *strategies, *focus;
-    int scheme, boundary, shading, context, adjacency;
+    int scheme, boundary, shading, context, adjacency, reference, filter;
     bool quick, quiet, size_given, frames_given;
-    uint32_t size[2], msaa, aniso, frames, tess, threads;
+    uint32_t size[2], msaa, aniso, frames, tess, threads, samples;
     float azimuth, elevation, fov, orbit;
 };
 
@@ -283,6 +284,20 @@ static slv_result draw_spots(struct session *s) {
     return result;
 }
 
+static slv_result cast_views(struct session *s) {
+    report_data *report = s->report;
+    slv_frame frames[REPORT_MAX_VIEWS];
+    if (!s->options->reference)
+        return SLV_OK;
+    report->reference.filter = (slv_pixel_filter)s->options->filter;
+    report->reference.samples = s->options->samples ? s->options->samples
+                                : s->options->quick ? 64
+                                                    : 256;
+    for (uint32_t v = 0; v < report->nviews; v++)
+        frames[v] = frame_at(s, (double)v / report->nviews, SLV_STRATEGY_CLAMP);
+    return compare_reference(&s->env, &s->scene, frames, s->options->quiet, report);
+}
+
 static uint32_t count_resolutions(const slv_texture *texture) {
     const slv_texture_desc *desc = slv_texture_get_desc(texture);
     bool seen[SLV_MAX_LOG2_RES + 1][SLV_MAX_LOG2_RES + 1] = {{false}};
@@ -325,7 +340,7 @@ static slv_result run(struct session *s) {
         (result = slv_gl_renderer_create(s->gl, &s->env, s->scene.mesh, s->scene.surface,
                                          report->segments, &s->renderer)) ||
         (result = time_frames(s)) || (result = measure_seams(s)) || (result = draw_views(s)) ||
-        (result = compare_pictures(s)))
+        (result = compare_pictures(s)) || (result = cast_views(s)))
         return result;
     find_spots(report);
     return draw_spots(s);
@@ -361,6 +376,7 @@ static void print_summary(const report_data *report, const char *folder) {
            "scale is 1)\n",
            report->gl.renderer, report->frames, report->width, report->height, report->msaa,
            report->anisotropy);
+    compare_print_errors(report);
     printf("report: %s/report.html\n", folder);
 }
 
@@ -432,6 +448,12 @@ int verb_compare(int argc, char **argv) {
         {"--adjacency", CLI_CHOICE, &o.adjacency,
          "neighbours: refuse if file and mesh differ (agree), or take the one's", SCENE_ADJACENCIES,
          0, 0, NULL},
+        {"--reference", CLI_CHOICE, &o.reference, "hold the pictures against ray-cast ones (none)",
+         "none|raycast", 0, 0, NULL},
+        {"--reference-samples", CLI_UINT, &o.samples, "rays per pixel (256)", NULL, 2,
+         SLV_REFERENCE_MAX_SAMPLES, NULL},
+        {"--reference-filter", CLI_CHOICE, &o.filter, "how they count (box)", "box|mitchell", 0, 0,
+         NULL},
         {"--quick", CLI_FLAG, &o.quick, "fewer frames, smaller pictures", NULL, 0, 0, NULL},
         {"--context", CLI_CHOICE, &o.context, "where OpenGL comes from (auto)", SCENE_CONTEXTS, 0,
          0, NULL},
@@ -465,6 +487,8 @@ int verb_compare(int argc, char **argv) {
         code = cli_usage(&command, "--msaa: expected 1, 2, 4 or 8");
     else if (o.tess & (o.tess - 1))
         code = cli_usage(&command, "--tess: expected a power of two from 2 to 128");
+    else if (o.reference && o.shading == SLV_SHADE_LEVELS)
+        code = cli_usage(&command, "--reference: the shading by levels has none");
     else if (!parse_strategies(o.strategies, report, bad, sizeof bad))
         code = cli_usage(&command,
                          "--strategies: unknown strategy '%s', expected some of " SCENE_STRATEGIES,

@@ -116,7 +116,7 @@ static void write_guide(const plot *p, const convergence *c, double order, const
             "<path d=\"M%.1f %.1fL%.1f %.1f\" stroke=\"#999\" stroke-dasharray=\"5 4\"/>"
             "<text x=\"%.1f\" y=\"%.1f\" text-anchor=\"end\" fill=\"#777\">%s</text>\n",
             plot_x(p, from), plot_y(p, error), plot_x(p, to), plot_y(p, end), plot_x(p, to) - 4,
-            plot_y(p, end) - 6, name);
+            plot_y(p, end) - 14, name);
 }
 
 static void write_series(const plot *p, const convergence *c, bool measured, const char *color,

@@ -4,7 +4,20 @@
 
 #include "cli.h"
 
-enum { REPORT_LEVELS = 5, REPORT_MAX_VIEWS = 4, REPORT_MAX_SPOTS = 6 };
+#include <selvage/reference.h>
+
+#include <stdio.h>
+
+enum { REPORT_LEVELS = 5, REPORT_MAX_VIEWS = 4, REPORT_MAX_SPOTS = 6, REPORT_ERROR_STEPS = 41 };
+
+/* How far a strategy's pictures are from the reference, over all views. A pixel's error is the
+ * length of the difference of its linear RGB. */
+typedef struct report_error {
+    double rms, max;
+    double over_1, over_4, over_16;   /* share of pixels further away than 1/255, 4/255, 16/255 */
+    double share[REPORT_ERROR_STEPS]; /* and than each of report_error_step */
+    uint64_t npixels;
+} report_error;
 
 typedef struct report_strategy {
     slv_strategy strategy;
@@ -14,6 +27,7 @@ typedef struct report_strategy {
     slv_gl_seam seams[REPORT_LEVELS]; /* footprint magnified, then 2, 4, ... texels */
     slv_image views[REPORT_MAX_VIEWS];
     slv_image spots[REPORT_MAX_SPOTS];
+    report_error all, inside; /* of all pixels, and of those that the surface covers in full */
 } report_strategy;
 
 /* How two strategies' pictures differ, over the pixels that both cover, values in 0..1 linear. */
@@ -29,6 +43,15 @@ typedef struct report_spot {
     float x, y, zoom; /* in the view, 0..1 from the upper left; how many times enlarged */
 } report_spot;
 
+/* The ray-cast pictures, if they were asked for. */
+typedef struct report_reference {
+    uint32_t samples; /* per pixel; 0: there is none */
+    slv_pixel_filter filter;
+    double estimate; /* RMS of its own error */
+    double seconds;
+    slv_image views[REPORT_MAX_VIEWS];
+} report_reference;
+
 typedef struct report_data {
     const char *ptx, *mesh;
     slv_gl_info gl;
@@ -37,6 +60,7 @@ typedef struct report_data {
     report_strategy strategies[SLV_STRATEGY_COUNT];
     report_pair pairs[SLV_STRATEGY_COUNT * SLV_STRATEGY_COUNT];
     report_spot spots[REPORT_MAX_SPOTS];
+    report_reference reference;
     uint32_t nresolutions; /* distinct face resolutions */
     double seconds;        /* the whole run */
 } report_data;
@@ -47,6 +71,11 @@ slv_result report_write_pictures(const slv_env *env, const char *folder, const r
 slv_result report_write_json(const slv_env *env, const char *path, const report_data *report);
 /* One file with everything in it; needs no network and no neighbours. */
 slv_result report_write_html(const slv_env *env, const char *path, const report_data *report);
+
+/* The section about the reference, for the page; nothing without one. */
+void report_write_errors(FILE *stream, const report_data *report);
+/* Error number i of a curve: 1/1024 to 1 in steps of a quarter of an octave. */
+double report_error_step(uint32_t i);
 
 void report_free(report_data *report);
 

@@ -142,6 +142,8 @@ static void write_options(const page *p, uint32_t selected) {
     for (uint32_t i = 0; i < p->report->nstrategies; i++)
         fprintf(p->stream, "<option value=\"%u\"%s>%s</option>", i,
                 i == selected ? " selected" : "", strategy_name(p, i));
+    if (p->report->reference.samples)
+        fprintf(p->stream, "<option value=\"%u\">reference</option>", p->report->nstrategies);
 }
 
 static slv_result left_options(const page *p) {
@@ -165,7 +167,14 @@ static slv_result view_options(const page *p) {
 
 static slv_result views(const page *p) {
     slv_result result = SLV_OK;
-    for (uint32_t v = 0; v < p->report->nviews; v++)
+    for (uint32_t v = 0; v < p->report->nviews; v++) {
+        if (p->report->reference.samples) {
+            fprintf(p->stream,
+                    "<img alt=\"View %u, ray-cast\" data-view=\"%u\" data-strategy=\"%u\"", v + 1,
+                    v, p->report->nstrategies);
+            result = write_source(p, &p->report->reference.views[v]);
+            fputs(">\n", p->stream);
+        }
         for (uint32_t i = 0; !result && i < p->report->nstrategies; i++) {
             fprintf(p->stream,
                     "<img alt=\"View %u, drawn with %s\" data-view=\"%u\" data-strategy=\"%u\"",
@@ -173,6 +182,7 @@ static slv_result views(const page *p) {
             result = write_source(p, &p->report->strategies[i].views[v]);
             fputs(">\n", p->stream);
         }
+    }
     return result;
 }
 
@@ -306,8 +316,18 @@ static slv_result facts(const page *p) {
     write_fact(p, "Faces", text);
     snprintf(text, sizeof text, "%u segments along each face's edge", r->segments);
     write_fact(p, "Tessellation", text);
+    if (r->reference.samples) {
+        snprintf(text, sizeof text, "%u samples per pixel, %.0f seconds", r->reference.samples,
+                 r->reference.seconds);
+        write_fact(p, "Ray-cast reference", text);
+    }
     snprintf(text, sizeof text, "%.0f seconds", r->seconds);
     write_fact(p, "The whole comparison took", text);
+    return SLV_OK;
+}
+
+static slv_result errors(const page *p) {
+    report_write_errors(p->stream, p->report);
     return SLV_OK;
 }
 
@@ -394,6 +414,7 @@ static const struct {
     {"pairs", pairs},
     {"method", method},
     {"facts", facts},
+    {"errors", errors},
     {"version", version},
 };
 

@@ -40,6 +40,33 @@ static json_t *seams_json(const report_strategy *row) {
     return list;
 }
 
+static json_t *error_json(const report_error *error) {
+    json_t *curve = json_array();
+    for (uint32_t i = 0; i < REPORT_ERROR_STEPS; i++)
+        curve = append(curve, json_pack("[o, o]", output_json_number(report_error_step(i)),
+                                        output_json_number(error->share[i])));
+    return json_pack("{s:I, s:o, s:o, s:o, s:o, s:o, s:o}", "pixels", (json_int_t)error->npixels,
+                     "rms", output_json_number(error->rms), "max", output_json_number(error->max),
+                     "share_over_1_255", output_json_number(error->over_1), "share_over_4_255",
+                     output_json_number(error->over_4), "share_over_16_255",
+                     output_json_number(error->over_16), "curve", curve);
+}
+
+static json_t *errors_json(const report_data *report, const report_strategy *row) {
+    return report->reference.samples ? json_pack("{s:o, s:o}", "all", error_json(&row->all),
+                                                 "inside", error_json(&row->inside))
+                                     : json_null();
+}
+
+static json_t *reference_json(const report_reference *r) {
+    return r->samples
+               ? json_pack("{s:s, s:I, s:o, s:o}", "filter",
+                           r->filter == SLV_PIXEL_BOX ? "box" : "mitchell", "samples",
+                           (json_int_t)r->samples, "estimated_rms", output_json_number(r->estimate),
+                           "seconds", output_json_number(r->seconds))
+               : json_null();
+}
+
 static json_t *strategies_json(const report_data *report) {
     json_t *list = json_array();
     for (uint32_t i = 0; i < report->nstrategies; i++) {
@@ -47,14 +74,15 @@ static json_t *strategies_json(const report_data *report) {
         const slv_gl_texture_stats *stats = &row->stats;
         double texels = (double)stats->texel_bytes;
         json_t *item = json_pack(
-            "{s:s, s:o, s:o, s:o, s:o, s:I, s:I, s:o, s:I, s:I, s:I, s:o}", "name",
+            "{s:s, s:o, s:o, s:o, s:o, s:I, s:I, s:o, s:I, s:I, s:I, s:o, s:o}", "name",
             slv_strategy_name(row->strategy), "median_ms", output_json_number(row->median_ms),
             "min_ms", output_json_number(row->min_ms), "max_ms", output_json_number(row->max_ms),
             "time_ratio", output_json_number(row->ratio), "texel_bytes",
             (json_int_t)stats->texel_bytes, "gpu_bytes", (json_int_t)stats->gpu_bytes,
             "memory_ratio", output_json_number((double)stats->gpu_bytes / texels), "pools",
             (json_int_t)stats->pools, "batches", (json_int_t)stats->batches, "widened_faces",
-            (json_int_t)stats->widened, "seams", seams_json(row));
+            (json_int_t)stats->widened, "seams", seams_json(row), "errors",
+            errors_json(report, row));
         list = append(list, item);
     }
     return list;
@@ -104,11 +132,12 @@ static json_t *report_json(const report_data *report) {
     char version[32];
     uint32_t v = slv_version();
     snprintf(version, sizeof version, "%u.%u.%u", v >> 16, v >> 8 & 255, v & 255);
-    return json_pack("{s:i, s:s, s:s, s:o, s:o, s:I, s:I, s:o, s:o, s:o, s:o}", "schema", 1, "tool",
-                     "selvage compare", "version", version, "texture", text(report->ptx), "mesh",
-                     text(report->mesh), "faces", (json_int_t)report->nfaces, "resolutions",
+    return json_pack("{s:i, s:s, s:s, s:o, s:o, s:I, s:I, s:o, s:o, s:o, s:o, s:o}", "schema", 1,
+                     "tool", "selvage compare", "version", version, "texture", text(report->ptx),
+                     "mesh", text(report->mesh), "faces", (json_int_t)report->nfaces, "resolutions",
                      (json_int_t)report->nresolutions, "conditions", conditions_json(report),
-                     "strategies", strategies_json(report), "pairs", pairs_json(report), "spots",
+                     "reference", reference_json(&report->reference), "strategies",
+                     strategies_json(report), "pairs", pairs_json(report), "spots",
                      spots_json(report));
 }
 

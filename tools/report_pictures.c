@@ -35,6 +35,10 @@ slv_result report_write_pictures(const slv_env *env, const char *folder,
             result = save(env, folder, name, &row->spots[s]);
         }
     }
+    for (uint32_t v = 0; !result && v < report->nviews; v++) {
+        snprintf(name, sizeof name, "view%u_reference.png", v);
+        result = save(env, folder, name, &report->reference.views[v]);
+    }
     for (uint32_t i = 0; !result && i < report->npairs; i++) {
         const report_pair *pair = &report->pairs[i];
         snprintf(name, sizeof name, "difference_%s_%s.png",
@@ -54,6 +58,8 @@ void report_free(report_data *report) {
         for (uint32_t s = 0; s < REPORT_MAX_SPOTS; s++)
             slv_image_free(&report->strategies[i].spots[s]);
     }
+    for (uint32_t v = 0; v < REPORT_MAX_VIEWS; v++)
+        slv_image_free(&report->reference.views[v]);
     for (uint32_t i = 0; i < SLV_STRATEGY_COUNT * SLV_STRATEGY_COUNT; i++)
         slv_image_free(&report->pairs[i].heat);
 }

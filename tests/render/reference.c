@@ -522,7 +522,9 @@ static void check_refusals(void) {
     refuse(m.reference, &bad, SLV_ERROR_ARGUMENT, "samples per pixel");
     bad = good;
     bad.shading = SLV_SHADE_LEVELS;
-    refuse(m.reference, &bad, SLV_ERROR_UNSUPPORTED, "shading");
+    refuse(m.reference, &bad, SLV_ERROR_UNSUPPORTED, "levels");
+    bad.shading = (slv_shading)9;
+    refuse(m.reference, &bad, SLV_ERROR_ARGUMENT, "shading 9");
     bad = good;
     bad.filter = (slv_pixel_filter)7;
     refuse(m.reference, &bad, SLV_ERROR_ARGUMENT, "filter");
