@@ -35,9 +35,11 @@ SLV_API slv_result slv_reference_create(const slv_env *env, const slv_mesh *mesh
                                         const slv_reference_params *params, slv_reference **out);
 SLV_API void slv_reference_destroy(slv_reference *reference);
 
-/* The texture as a function: texels of level 0, bilinear between their centres, and across edges
- * and corners continuous as border.h says. Writes RGB, three floats a point. A face id out of range
- * is SLV_ERROR_ARGUMENT; (u,v) is clamped to the face. */
+/* The texture as a function: texels of level 0, bilinear between their centres, with the borders of
+ * border.h. Continuous everywhere: on an edge a face of shorter texels follows its neighbour
+ * between its own texel centres too, and all faces around a vertex have one value there. Writes
+ * RGB, three floats a point. A face id out of range is SLV_ERROR_ARGUMENT; (u,v) is clamped to the
+ * face. */
 SLV_API slv_result slv_reference_lookup(const slv_reference *reference, size_t count,
                                         const slv_surface_point *points, float *rgb);
 
