@@ -14,6 +14,7 @@
 #define MAX_BYTES (UINT64_C(64) << 30)
 #define MIN_SLAB (UINT64_C(512) << 10) /* a texel of 65535 channels fits */
 #define MAX_SLAB (UINT64_C(1) << 20)
+#define HUGE_PAGE (UINT64_C(2) << 20)
 
 static bool needs_fences(void) {
 #ifdef __linux__
@@ -55,13 +56,19 @@ static slv_result make_arena(slv_cache *cache) {
     if (!cache->buckets)
         return slv_fail(&cache->env, SLV_ERROR_MEMORY, "cache: no memory for its table");
     memset(cache->buckets, 0, buckets * CACHE_WAYS * sizeof *cache->buckets);
-    cache->arena = mmap(NULL, cache->nslabs * slab, PROT_READ | PROT_WRITE,
-                        MAP_PRIVATE | MAP_ANONYMOUS | MAP_NORESERVE, -1, 0);
-    if (cache->arena == MAP_FAILED) {
-        cache->arena = NULL;
+    cache->mapped_bytes = cache->nslabs * slab + HUGE_PAGE;
+    cache->mapped = mmap(NULL, cache->mapped_bytes, PROT_READ | PROT_WRITE,
+                         MAP_PRIVATE | MAP_ANONYMOUS | MAP_NORESERVE, -1, 0);
+    if (cache->mapped == MAP_FAILED) {
+        cache->mapped = NULL;
         return slv_fail(&cache->env, SLV_ERROR_MEMORY, "cache: %llu bytes cannot be reserved",
                         (unsigned long long)(cache->nslabs * slab));
     }
+    cache->arena = (uint8_t *)cache->mapped + HUGE_PAGE - (uintptr_t)cache->mapped % HUGE_PAGE;
+#ifdef MADV_HUGEPAGE
+    /* lookups at random would miss the translation of small pages */
+    madvise(cache->arena, cache->nslabs * slab, MADV_HUGEPAGE);
+#endif
     return SLV_OK;
 }
 
@@ -105,8 +112,8 @@ void slv_cache_destroy(slv_cache *cache) {
             free(file);
         }
     }
-    if (cache->arena)
-        munmap(cache->arena, (size_t)cache->nslabs * cache->slab_units * CACHE_UNIT);
+    if (cache->mapped)
+        munmap(cache->mapped, cache->mapped_bytes);
     free(cache->slabs);
     free(cache->queue);
     free(cache->files);

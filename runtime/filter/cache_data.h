@@ -37,7 +37,8 @@ typedef struct cache_block {
     bool direct;           /* found through its face, not through the hash table */
     uint32_t units;        /* its length, this included */
     uint32_t place;        /* of the file */
-    uint32_t unused[2];
+    uint32_t note;         /* of whoever made it */
+    uint32_t unused;
 } cache_block;
 
 _Static_assert(sizeof(cache_block) == CACHE_HEADER, "texels are aligned");
@@ -66,6 +67,7 @@ typedef struct cache_tables {
     slv_type type;
     slv_border_mode border_u, border_v;
     bool tanvec, triangle;
+    bool simple;      /* quads of up to four channels, none of them vectors */
     int whole_log2;   /* more texels than 2^this come in tiles */
     float one, scale; /* what stands for 1, and its inverse */
     uint64_t bytes;
@@ -143,6 +145,8 @@ struct slv_cache {
     _Atomic(uint64_t) *buckets; /* offset in the low half, hash in the high half */
     _Atomic(cache_file *) *files;
 
+    void *mapped; /* holds the arena */
+    size_t mapped_bytes;
     slv_env env;
     slv_parallel_log *log;
     bool premultiply;
@@ -204,6 +208,11 @@ slv_res cache_tile_res(const cache_tables *tables, int res_u, int res_v);
  * the tables were dropped meanwhile: they must not be looked at again. */
 const uint8_t *cache_load_block(cache_thread *thread, cache_tables *tables, uint32_t face,
                                 int res_u, int res_v, uint32_t tile, slv_result *result);
+/* Puts in texels that the caller made of others: lets go of its pin as cache_load_block does. NULL
+ * if the tables were dropped. */
+const uint8_t *cache_publish(cache_thread *thread, cache_tables *tables, uint32_t face, int res_u,
+                             int res_v, uint32_t tile, const void *texels, size_t bytes,
+                             uint32_t note);
 /* Whether a block can be found, and was looked at since this was last asked. */
 bool cache_take_use(slv_cache *cache, cache_block *block);
 void cache_unlink(slv_cache *cache, cache_block *block);
@@ -287,6 +296,10 @@ static inline const uint8_t *cache_find_hashed(const slv_cache *cache, const cac
         return texels;
     }
     return NULL;
+}
+
+static inline uint32_t cache_block_note(const uint8_t *texels) {
+    return ((const cache_block *)(const void *)(texels - CACHE_HEADER))->note;
 }
 
 /* The texels of a face at full resolution, if they come in one piece and are there; or NULL. */

@@ -113,6 +113,24 @@ static void end_load(slv_cache *cache, const cache_load *load) {
     *at = load->next;
 }
 
+static size_t block_units(size_t bytes) {
+    return (CACHE_HEADER + bytes + CACHE_PADDING + CACHE_UNIT - 1) / CACHE_UNIT;
+}
+
+/* Says what a block is, and lets it be found. */
+static void identify(slv_cache *cache, cache_tables *tables, const cache_load *load, bool direct,
+                     cache_block *block) {
+    block->face = load->face;
+    block->tile = load->tile;
+    block->res_u = load->res_u;
+    block->res_v = load->res_v;
+    block->place = tables->place;
+    block->direct = direct;
+    block->serial = tables->serial;
+    atomic_store_explicit(&block->used, 1, memory_order_relaxed);
+    link_block(cache, tables, block);
+}
+
 /* Under the lock, which it lets go while it reads. */
 static const uint8_t *load_block(cache_thread *thread, cache_tables *tables, cache_load *load,
                                  bool direct, slv_result *result) {
@@ -120,7 +138,7 @@ static const uint8_t *load_block(cache_thread *thread, cache_tables *tables, cac
     slv_res res = {load->res_u, load->res_v};
     slv_res tile_res = cache_tile_res(tables, res.u, res.v);
     size_t bytes = ((size_t)tables->pixel_size << (tile_res.u + tile_res.v));
-    size_t units = (CACHE_HEADER + bytes + CACHE_PADDING + CACHE_UNIT - 1) / CACHE_UNIT;
+    size_t units = block_units(bytes);
     cache_block *block;
     load->next = cache->loads;
     cache->loads = load;
@@ -133,17 +151,8 @@ static const uint8_t *load_block(cache_thread *thread, cache_tables *tables, cac
 
     pthread_mutex_lock(&cache->lock);
     end_load(cache, load);
-    if (!*result && !tables->dropped) {
-        block->face = load->face;
-        block->tile = load->tile;
-        block->res_u = res.u;
-        block->res_v = res.v;
-        block->place = tables->place;
-        block->direct = direct;
-        block->serial = tables->serial;
-        atomic_store_explicit(&block->used, 1, memory_order_relaxed);
-        link_block(cache, tables, block);
-    }
+    if (!*result && !tables->dropped)
+        identify(cache, tables, load, direct, block);
     cache_settle(cache, block);
     return *result ? NULL : texels;
 }
@@ -182,4 +191,39 @@ const uint8_t *cache_load_block(cache_thread *thread, cache_tables *tables, uint
         pthread_cond_broadcast(&cache->changed);
     pthread_mutex_unlock(&cache->lock);
     return texels;
+}
+
+const uint8_t *cache_publish(cache_thread *thread, cache_tables *tables, uint32_t face, int res_u,
+                             int res_v, uint32_t tile, const void *texels, size_t bytes,
+                             uint32_t note) {
+    slv_cache *cache = thread->cache;
+    cache_load load = {tables, face, tile, (int8_t)res_u, (int8_t)res_v, NULL};
+    const uint8_t *found = NULL;
+    size_t units = block_units(bytes);
+    atomic_fetch_add_explicit(&tables->users, 1, memory_order_relaxed);
+    cache_unpin(thread);
+    thread->moves++;
+    pthread_mutex_lock(&cache->lock);
+    cache_block *block = tables->dropped ? NULL : cache_allocate(cache, (uint32_t)units);
+    if (block) {
+        uint8_t *to = (uint8_t *)block + CACHE_HEADER;
+        /* allocating lets go of the lock at times */
+        found = cache_find_hashed(cache, tables, face, res_u, res_v, tile);
+        if (!found && !tables->dropped) {
+            memcpy(to, texels, bytes);
+            memset(to + bytes, 0, units * CACHE_UNIT - CACHE_HEADER - bytes);
+            block->note = note;
+            identify(cache, tables, &load, false, block);
+            found = to;
+        }
+        cache_settle(cache, block);
+    }
+    cache_pin(thread);
+    if (tables->dropped)
+        found = NULL;
+    atomic_fetch_sub_explicit(&tables->users, 1, memory_order_release);
+    if (tables->dropped)
+        pthread_cond_broadcast(&cache->changed);
+    pthread_mutex_unlock(&cache->lock);
+    return found;
 }

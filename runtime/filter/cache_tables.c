@@ -37,6 +37,7 @@ static slv_result make_tables(slv_cache *cache, const char *path, cache_tables *
     t->tanvec = info->edge_filter == SLV_EDGE_FILTER_TANVEC && info->nchannels >= 2;
     t->triangle = info->mesh_type == SLV_PTX_TRIANGLE;
     t->one = info->type == SLV_TYPE_U8 ? 255 : info->type == SLV_TYPE_U16 ? 65535 : 1;
+    t->simple = !t->triangle && !t->tanvec && t->nchannels <= 4;
     t->scale = 1 / t->one;
     /* tiles begin at 128 KiB */
     while ((uint64_t)t->pixel_size << (t->whole_log2 + 1) < 131072)
