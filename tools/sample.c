@@ -82,7 +82,7 @@ int verb_sample(int argc, char **argv) {
             "  echo 'bicubic 0 0.5 0 1 0 0 3 12 0.25 0.75 0.01 0 0 0.01' | selvage sample "
             "teapot.ptx\n"
             "  selvage sample teapot.ptx --queries lookups.txt --out answers.txt\n"
-            "  selvage sample teapot.ptx --queries lookups.txt --json | jq .lookups[0].values\n"
+            "  selvage sample teapot.ptx --queries lookups.txt --json | jq '.lookups[0].values'\n"
             "  selvage sample teapot.ptx --queries lookups.txt --bench --threads 1\n\n"
             "A line says, in this order:\n"
             "  FILTER lerp sharpness noedgeblend width blur firstchan nchan faceid u v uw1 vw1 uw2 "
