@@ -335,6 +335,33 @@ static void check_bench(void) {
     CHECK(access(tool_path("rates.txt"), F_OK) != 0);
 }
 
+/* Whoever feeds lines one by one is answered one by one; a reader that fails, or an end before the
+ * time, leaves nothing behind. */
+static void check_streams(void) {
+    const char *bin = getenv("SELVAGE_BIN");
+    char line[4096];
+    snprintf(line, sizeof line,
+             "cd '%s' && mkfifo to from && timeout 60 sh -c \"'%s/selvage' sample "
+             "'%s/cube_u16_rgba.ptx' <to >from & exec 3>to 4<from; echo '%s' >&3; read one <&4; "
+             "echo 'point 0 0 0 1 0 0 1 0 0 0 0 0 0 0' >&3; read two <&4; exec 3>&-; wait; "
+             "echo \\$one, \\$two >both.txt\"",
+             tool_folder, bin ? bin : "bin", data_folder(), CUBE_QUERY);
+    CHECK(system(line) == 0);
+    char *text = read_text(tool_path("both.txt"));
+    CHECK_MSG(strncmp(text, CUBE_QUERY " -> 0.", strlen(CUBE_QUERY) + 6) == 0 &&
+                  strstr(text, ", point 0 0 0 1 0 0 1 0 0 0 0 0 0 0 -> 0."),
+              "%s", text);
+    free(text);
+    RUNS(1, "sample '%s/cube_u16_rgba.ptx' -i '%s/cube_u16_rgba.filter.txt' >/dev/full",
+         data_folder(), data_folder());
+    HAS("cannot write the answers: No space left");
+    snprintf(line, sizeof line,
+             "cd '%s' && sleep 3 | timeout 1 '%s/selvage' sample '%s/cube_u16_rgba.ptx' -o stopped",
+             tool_folder, bin ? bin : "bin", data_folder());
+    CHECK(system(line) != 0);
+    CHECK(access(tool_path("stopped"), F_OK) != 0 && access(tool_path("stopped.tmp"), F_OK) != 0);
+}
+
 static void check_usage(void) {
     RUNS(2, "sample");
     RUNS(2, "sample a.ptx b.ptx");
@@ -369,6 +396,7 @@ int main(void) {
     check_damaged();
     check_parameters();
     check_bench();
+    check_streams();
     tool_end();
     return test_end();
 }
