@@ -135,7 +135,7 @@ static size_t piece_of(const bench *b, const set *s, size_t done) {
     return s->count - done < b->piece ? s->count - done : b->piece;
 }
 
-/* The whole once puts texels into the cache, and finds those that fail: they are not repeated. */
+/* One pass puts texels into the cache and finds the lookups that fail, which are not repeated. */
 static void drop_failures(bench *b, runner *r, const sample_reader *reader, uint64_t *failed) {
     char reason[640];
     size_t kept = 0;
