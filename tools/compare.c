@@ -364,11 +364,11 @@ static int write_report(const slv_env *env, const char *folder, const report_dat
 }
 
 static void print_summary(const report_data *report, const char *folder) {
-    printf("%-10s %10s %8s %10s %12s %12s\n", "strategy", "frame ms", "ratio", "GPU MB", "max jump",
+    printf("%-13s %10s %8s %10s %12s %12s\n", "strategy", "frame ms", "ratio", "GPU MB", "max jump",
            "mean jump");
     for (uint32_t k = 0; k < report->nstrategies; k++) {
         const report_strategy *row = &report->strategies[k];
-        printf("%-10s %10.2f %8.2f %10.1f %12.5f %12.6f\n", slv_strategy_name(row->strategy),
+        printf("%-13s %10.2f %8.2f %10.1f %12.5f %12.6f\n", slv_strategy_name(row->strategy),
                row->median_ms, row->ratio, (double)row->stats.gpu_bytes / 1e6,
                (double)row->seams[0].max, (double)row->seams[0].mean);
     }
@@ -408,7 +408,7 @@ static int compare(const struct compare *o, report_data *report) {
 
 int verb_compare(int argc, char **argv) {
     struct compare o = {.out = "selvage-report",
-                        .strategies = "clamp,borders,traverse,discard",
+                        .strategies = "clamp,borders,traverse,discard,hybrid",
                         .msaa = 4,
                         .aniso = 16,
                         .elevation = 20,
@@ -421,7 +421,7 @@ int verb_compare(int argc, char **argv) {
         {"--out|-o|--output", CLI_TEXT, &o.out,
          "folder for report.html, report.json and pictures (selvage-report)", "DIR", 0, 0, NULL},
         {"--strategies|-s", CLI_TEXT, &o.strategies,
-         "comma-separated (clamp,borders,traverse,discard)", "LIST", 0, 0, NULL},
+         "comma-separated (clamp,borders,traverse,discard,hybrid)", "LIST", 0, 0, NULL},
         {"--frames", CLI_UINT, &o.frames, "frames of the orbit (60, quick 8)", NULL, 1, 100000,
          &o.frames_given},
         {"--size", CLI_SIZE, o.size, "pixels (960x540, quick 640x360)", NULL, 48, 16384,

@@ -78,7 +78,7 @@ static void check_picture(const char *path, const char *name) {
 }
 
 int main(void) {
-    static const char *const strategies[] = {"clamp", "borders", "traverse", "discard"};
+    static const char *const strategies[] = {"clamp", "borders", "traverse", "discard", "hybrid"};
     char ptx[KIT_PATH], missing[KIT_PATH], png[KIT_PATH];
     kit_scratch_make(&scratch);
     make_texture(kit_join(ptx, scratch.folder, "prism.ptx"));
@@ -101,7 +101,7 @@ int main(void) {
     run_example("example_sample", (const char *const[]){missing, NULL});
     CHECK(run.code == 1 && !run.out[0] && kit_lines(run.err) == 1);
 
-    for (int s = 0; s < 4; s++) {
+    for (int s = 0; s < 5; s++) {
         kit_join(png, scratch.folder, strategies[s]);
         strcat(png, ".png");
         run_example("example_sample_in_your_shader",
