@@ -2,8 +2,8 @@
  *
  * Each face is a layer of an array texture of its size class (a pool); a class with more faces than
  * one array holds has several. Draws go in batches: a batch is a set of faces whose pools, and for
- * `traverse` their neighbours' pools, fit the texture units that it binds. A host draws every batch
- * with a program whose fragment shader contains the text of slv_gl_texture_glsl:
+ * `traverse` and `hybrid` their neighbours' pools, fit the texture units that it binds. A host
+ * draws every batch with a program whose fragment shader contains the text of slv_gl_texture_glsl:
  *
  *     for (uint32_t i = 0; i < slv_gl_texture_batch_count(texture, strategy); i++) {
  *         slv_gl_batch batch = slv_gl_texture_batch(texture, strategy, i);
@@ -106,7 +106,8 @@ SLV_API slv_gl_batch slv_gl_texture_batch(const slv_gl_texture *texture, slv_str
 
 /* The GLSL that a fragment shader includes, after `#version 450 core` and before its own code: the
  * definitions of a variant and shaders/selvage_sample.glsl. It depends on the strategy, the
- * variant, and the texture's channels and anisotropy; only `traverse` has variants other than 0.
+ * variant, and the texture's channels and anisotropy; only `traverse`, `traverse-full` and `hybrid`
+ * have variants other than 0.
  * Owned by the texture; "" if an argument is out of range or memory is short. */
 SLV_API const char *slv_gl_texture_glsl(slv_gl_texture *texture, slv_strategy strategy,
                                         uint32_t variant);
