@@ -39,6 +39,7 @@ static slv_result make_arena(slv_cache *cache) {
     cache->bucket_mask = buckets - 1;
     cache->fixed_bytes = sizeof *cache + buckets * CACHE_WAYS * sizeof *cache->buckets +
                          CACHE_FILES * sizeof *cache->files +
+                         CACHE_REQUESTS * sizeof *cache->requests +
                          cache->nslabs * (sizeof *cache->slabs + sizeof *cache->queue);
     slv_env unlimited = cache->env;
     unlimited.max_bytes = UINT64_MAX;
@@ -177,6 +178,7 @@ slv_result slv_cache_open(slv_cache *cache, const char *path, slv_file_id *out) 
         copy = NULL;
         file->info = info;
         file->loaded_before = false;
+        file->identified = false;
         file->generation = (file->generation & 0xffff) + 1;
         if (file->generation > 0xffff)
             file->generation = 1;
@@ -228,9 +230,10 @@ slv_result slv_cache_invalidate(slv_cache *cache, slv_file_id id) {
                             : any ? atomic_load_explicit(&any->id, memory_order_relaxed)
                                   : 0;
         cache_file *file = find_file(cache, which);
-        if (file)
+        if (file) {
+            file->identified = false;
             cache_drop_tables(cache, file);
-        else if (id)
+        } else if (id)
             result = SLV_ERROR_ARGUMENT;
     }
     pthread_mutex_unlock(&cache->lock);
@@ -263,7 +266,7 @@ void slv_cache_get_stats(slv_cache *cache, slv_cache_stats *out) {
         out->misses += atomic_load_explicit(&t->misses, memory_order_relaxed);
     }
     out->hits = out->hits > out->misses ? out->hits - out->misses : 0;
-    out->bytes = cache_slab_bytes(cache) + cache->table_bytes + cache->fixed_bytes;
+    out->bytes = cache_used_bytes(cache);
     out->peak_bytes = out->peak_bytes > out->bytes ? out->peak_bytes : out->bytes;
     out->files = cache->nfiles;
     pthread_mutex_unlock(&cache->lock);

@@ -86,16 +86,17 @@ static slv_result read_texels(cache_thread *thread, const cache_tables *tables, 
     if (thread->reader_serial != tables->serial) {
         slv_ptx_reader_destroy(thread->reader);
         thread->reader_serial = 0;
-        slv_result result =
-            slv_ptx_reader_create(&thread->cache->env, tables->ptx, &thread->reader);
+        slv_env env = cache_handle_env(tables->handle);
+        slv_result result = slv_ptx_reader_create(&env, tables->ptx, &thread->reader);
         if (result)
             return result;
         thread->reader_serial = tables->serial;
     }
     uint32_t columns = 1u << (res.u - tile_res.u);
-    return slv_ptx_reader_read_tile(thread->reader, face, res, tile_res,
-                                    tile % columns << tile_res.u, tile / columns << tile_res.v,
-                                    out);
+    slv_result result =
+        slv_ptx_reader_read_tile(thread->reader, face, res, tile_res, tile % columns << tile_res.u,
+                                 tile / columns << tile_res.v, out);
+    return cache_handle_result(tables->handle, result);
 }
 
 static bool is_loading(const slv_cache *cache, const cache_load *load) {
@@ -187,7 +188,7 @@ const uint8_t *cache_load_block(cache_thread *thread, cache_tables *tables, uint
     if (tables->dropped)
         texels = NULL;
     atomic_fetch_sub_explicit(&tables->users, 1, memory_order_release);
-    if (tables->dropped)
+    if (tables->dropped || cache->table_waiters)
         pthread_cond_broadcast(&cache->changed);
     pthread_mutex_unlock(&cache->lock);
     return texels;
