@@ -66,7 +66,9 @@ struct reader {
 
 static void *read_all(void *user) {
     struct reader *r = user;
-    slv_sampler *sampler = kit_sampler(r->cache, &bilinear);
+    slv_sampler *sampler;
+    if (slv_sampler_create(r->cache, &bilinear, &sampler))
+        return NULL;
     for (int i = 0; i < 600; i++) {
         uint32_t file = test_random(&r->random) % FILES, face = test_random(&r->random) % FACES;
         float out[4];
@@ -236,18 +238,21 @@ static void write_many_faces(const char *path, uint32_t nfaces, float value) {
 struct table_reader {
     slv_cache *cache;
     const slv_file_id *ids;
-    int turn, wrong;
+    int turn, done, wrong;
 };
 
 static void *read_tables(void *user) {
     struct table_reader *r = user;
-    slv_sampler *sampler =
-        kit_sampler(r->cache, &(slv_filter_params){.filter = SLV_FILTER_POINT, .nchannels = 1});
+    slv_filter_params params = {.filter = SLV_FILTER_POINT, .nchannels = 1};
+    slv_sampler *sampler;
+    if (slv_sampler_create(r->cache, &params, &sampler))
+        return NULL;
     for (int i = 0; i < 60; i++) {
         int file = (i + r->turn) % 4;
         slv_lookup l = {.file = r->ids[file], .face = (uint32_t)i * 100, .u = 0.1f, .v = 0.1f};
         float out;
         r->wrong += slv_sample(sampler, &l, &out) != SLV_OK || out != (float)file;
+        r->done++;
     }
     slv_sampler_destroy(sampler);
     return NULL;
@@ -269,12 +274,13 @@ static void test_tables(void) {
         ids[i] = kit_open(cache, path[i]);
     }
     for (int i = 0; i < THREADS; i++) {
-        readers[i] = (struct table_reader){cache, ids, i, 0};
+        readers[i] = (struct table_reader){cache, ids, i, 0, 0};
         REQUIRE(pthread_create(&threads[i], NULL, read_tables, &readers[i]) == 0);
     }
     for (int i = 0; i < THREADS; i++) {
         pthread_join(threads[i], NULL);
-        CHECK_MSG(!readers[i].wrong, "%d wrong: %s", readers[i].wrong, test_last_log);
+        CHECK_MSG(readers[i].done == 60 && !readers[i].wrong, "%d wrong: %s", readers[i].wrong,
+                  test_last_log);
     }
     slv_cache_get_stats(cache, &stats);
     CHECK(stats.reloaded > 0);

@@ -234,7 +234,9 @@ struct share {
 
 static void *sample_share(void *user) {
     struct share *share = user;
-    slv_sampler *sampler = kit_sampler(share->cache, &all_params[2]);
+    slv_sampler *sampler;
+    if (slv_sampler_create(share->cache, &all_params[2], &sampler))
+        return NULL;
     slv_sample_batch(sampler, share->lookups, share->count, share->out[0], ROOM, NULL);
     slv_sampler_destroy(sampler);
     return NULL;
