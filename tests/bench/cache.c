@@ -3,10 +3,12 @@
  *
  * Lookups out of core: N (200) files that hold R (64) times as many texels as the cache may (256
  * MiB), scaled down where the disk has no room, looked up by two threads. `camera`: a window moves
- * over the faces of a few files at a time, at a footprint that varies slowly, and most of what it
- * shows is seen again in the next frame. `random`: any texel of any face of any file.
+ * over the faces of a file, and most of what it shows is seen again in the next frame, until there
+ * is a cut. `random`: any texel of any face of any file.
  *
- * The yardstick is the same pattern in the same cache over so few files that everything stays in
+ * Rates are in millions a second that the threads were busy, for others may use the machine, and by
+ * the clock on the wall. The cache is full, by random lookups, when the measurement begins. The
+ * yardstick is the same pattern in the same cache over so few files that everything stays in
  * memory. Some of the lookups are compared with what the texture is known to be there. Memory is
  * what the operating system counts for the process above what it took before the cache was made. */
 #include <selvage/filter.h>
@@ -43,7 +45,8 @@ struct scene {
 };
 
 struct result {
-    double rate; /* lookups a second */
+    double rate;      /* lookups a second of a processor, of all threads */
+    double wall_rate; /* lookups a second */
     uint64_t lookups, checked, wrong;
     slv_cache_stats stats;
     uint64_t resident, peak; /* bytes */
@@ -73,9 +76,9 @@ static float random_unit(uint32_t *state) {
     return (float)(random_next(state) >> 8) * (1.0f / 16777216.0f);
 }
 
-static double seconds_now(void) {
+static double seconds_now(clockid_t clock) {
     struct timespec t;
-    clock_gettime(CLOCK_MONOTONIC, &t);
+    clock_gettime(clock, &t);
     return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
 }
 
@@ -138,18 +141,24 @@ struct worker {
     const struct scene *scene;
     uint32_t number;
     uint64_t lookups, checked, wrong, frame;
-    double path;
+    uint32_t file;
+    float left, below, footprint;
+    double busy; /* seconds of a processor */
 };
 
 /* A frame of the camera: 64 by 64 pixels, tile by tile, a footprint apart. It sees from 64 texels
- * of a face to two faces, moves by an eighth of that from one frame to the next, row after row of
- * faces of one file after the other. */
+ * of a face to two faces and moves by an eighth of that from one frame to the next; after 32 frames
+ * there is a cut to some other place of some file. */
 static void make_frame(const struct scene *s, struct worker *w, uint32_t *state, slv_lookup *out) {
-    float footprint = powf(2, 2 + 2 * sinf((float)w->frame++ * 0.01f)) / SIZE;
-    uint32_t across = s->side - 1, row = (uint32_t)w->path / across;
-    uint32_t file = row / across * THREADS + w->number;
-    float left = (float)(w->path - row * across), below = (float)(row % across);
-    w->path += 8 * footprint;
+    if (w->frame++ % 32 == 0) {
+        w->footprint = powf(2, 4 * random_unit(state)) / SIZE;
+        w->file = random_next(state) % s->files;
+        w->left = (float)s->side * random_unit(state);
+        w->below = (float)s->side * random_unit(state);
+    }
+    float footprint = w->footprint, left = w->left, below = w->below;
+    uint32_t file = w->file;
+    w->left += 8 * footprint;
     for (uint32_t i = 0; i < FRAME; i++) {
         if (s->random) {
             uint32_t face = random_next(state) % (s->side * s->side);
@@ -163,7 +172,7 @@ static void make_frame(const struct scene *s, struct worker *w, uint32_t *state,
         uint32_t tile = i / 256, x = tile % 4 * 16 + i % 16, y = tile / 4 * 16 + i / 16 % 16;
         float u = left + (float)x * footprint, v = below + (float)y * footprint;
         uint32_t column = (uint32_t)u % s->side, line = (uint32_t)v % s->side;
-        out[i] = (slv_lookup){.file = s->ids[file % s->files],
+        out[i] = (slv_lookup){.file = s->ids[file],
                               .face = line * s->side + column,
                               .u = u - floorf(u),
                               .v = v - floorf(v),
@@ -203,26 +212,27 @@ static void *work(void *user) {
     if (!lookups || !out)
         stop(SLV_ERROR_MEMORY);
     stop(slv_sampler_create(s->cache, &params, &sampler));
-    double end = seconds_now() + s->seconds;
-    while (seconds_now() < end) {
+    double end = seconds_now(CLOCK_MONOTONIC) + s->seconds;
+    while (seconds_now(CLOCK_MONOTONIC) < end) {
         make_frame(s, w, &state, lookups);
         stop(slv_sample_batch(sampler, lookups, FRAME, out, CHANNELS, NULL));
         for (uint32_t i = random_next(&state) % 61; i < FRAME; i += 61)
             check(w, &lookups[i], out + (size_t)i * CHANNELS);
         w->lookups += FRAME;
     }
+    w->busy = seconds_now(CLOCK_THREAD_CPUTIME_ID);
     slv_sampler_destroy(sampler);
     free(lookups);
     free(out);
     return NULL;
 }
 
-static void run_threads(const struct scene *s, struct result *out) {
+static void run_threads(const struct scene *s, uint32_t run, struct result *out) {
     pthread_t threads[THREADS];
     struct worker workers[THREADS];
-    double start = seconds_now();
+    double start = seconds_now(CLOCK_MONOTONIC);
     for (uint32_t i = 0; i < THREADS; i++) {
-        workers[i] = (struct worker){.scene = s, .number = i};
+        workers[i] = (struct worker){.scene = s, .number = run * THREADS + i};
         if (pthread_create(&threads[i], NULL, work, &workers[i]))
             stop(SLV_ERROR_MEMORY);
     }
@@ -231,12 +241,13 @@ static void run_threads(const struct scene *s, struct result *out) {
         out->lookups += workers[i].lookups;
         out->checked += workers[i].checked;
         out->wrong += workers[i].wrong;
+        out->rate += (double)workers[i].lookups / workers[i].busy;
     }
-    out->rate = (double)out->lookups / (seconds_now() - start);
+    out->wall_rate = (double)out->lookups / (seconds_now(CLOCK_MONOTONIC) - start);
 }
 
 static void measure(const struct options *o, const char *const *paths, uint32_t files,
-                    uint32_t side, bool random, bool warm, struct result *out) {
+                    uint32_t side, bool random, bool full, struct result *out) {
     slv_env env = {.log = log_line};
     slv_cache_params params = {.max_bytes = o->limit};
     slv_cache *cache;
@@ -253,13 +264,21 @@ static void measure(const struct options *o, const char *const *paths, uint32_t 
     for (uint32_t i = 0; i < files; i++)
         stop(slv_cache_open(cache, paths[i], &ids[i]));
     struct scene scene = {cache, ids, files, side, o->seconds, random};
-    if (warm) {
+    if (full) {
         struct result ignored = {0};
-        run_threads(&scene, &ignored);
+        scene.random = true;
+        run_threads(&scene, 0, &ignored);
+        scene.random = random;
     }
+    for (uint32_t face = 0; !full && face < side * side * files; face++) {
+        slv_cache_prefetch(cache, ids[face % files], face / files);
+        if (face % 1024 == 1023)
+            slv_cache_wait(cache);
+    }
+    slv_cache_wait(cache);
     slv_cache_stats first;
     slv_cache_get_stats(cache, &first);
-    run_threads(&scene, out);
+    run_threads(&scene, 1, out);
     slv_cache_get_stats(cache, &out->stats);
     out->stats.hits -= first.hits;
     out->stats.misses -= first.misses;
@@ -277,23 +296,24 @@ static void measure(const struct options *o, const char *const *paths, uint32_t 
 static void print(const struct options *o, const char *name, const struct result *r) {
     const slv_cache_stats *s = &r->stats;
     if (o->json)
-        printf("{\"pattern\":\"%s\",\"lookups_per_second\":%.0f,\"checked\":%llu,\"wrong\":%llu,"
+        printf("{\"pattern\":\"%s\",\"lookups_per_second\":%.0f,\"by_wall_clock\":%.0f,\"checked\":"
+               "%llu,\"wrong\":%llu,"
                "\"hits\":%llu,\"misses\":%llu,\"evictions\":%llu,\"reloaded\":%llu,"
                "\"bytes_read\":%llu,\"limit\":%llu,\"bytes\":%llu,\"resident\":%llu,"
                "\"resident_peak\":%llu}\n",
-               name, r->rate, (unsigned long long)r->checked, (unsigned long long)r->wrong,
-               (unsigned long long)s->hits, (unsigned long long)s->misses,
-               (unsigned long long)s->evictions, (unsigned long long)s->reloaded,
-               (unsigned long long)s->bytes_read, (unsigned long long)o->limit,
-               (unsigned long long)s->bytes, (unsigned long long)r->resident,
-               (unsigned long long)r->peak);
+               name, r->rate, r->wall_rate, (unsigned long long)r->checked,
+               (unsigned long long)r->wrong, (unsigned long long)s->hits,
+               (unsigned long long)s->misses, (unsigned long long)s->evictions,
+               (unsigned long long)s->reloaded, (unsigned long long)s->bytes_read,
+               (unsigned long long)o->limit, (unsigned long long)s->bytes,
+               (unsigned long long)r->resident, (unsigned long long)r->peak);
     else
-        printf("%-16s %9.3f %9llu %6llu %11llu %9llu %9llu %7llu %7.0f %7.0f %7.0f\n", name,
-               r->rate / 1e6, (unsigned long long)r->checked, (unsigned long long)r->wrong,
-               (unsigned long long)s->hits, (unsigned long long)s->misses,
-               (unsigned long long)s->evictions, (unsigned long long)s->reloaded,
-               (double)s->bytes_read / 1048576, (double)r->resident / 1048576,
-               (double)r->peak / 1048576);
+        printf("%-13s %8.3f %8.3f %9llu %6llu %11llu %9llu %9llu %7llu %7.0f %7.0f %7.0f\n", name,
+               r->rate / 1e6, r->wall_rate / 1e6, (unsigned long long)r->checked,
+               (unsigned long long)r->wrong, (unsigned long long)s->hits,
+               (unsigned long long)s->misses, (unsigned long long)s->evictions,
+               (unsigned long long)s->reloaded, (double)s->bytes_read / 1048576,
+               (double)r->resident / 1048576, (double)r->peak / 1048576);
     fflush(stdout);
 }
 
@@ -355,7 +375,8 @@ int main(int argc, char **argv) {
     if (!o.json)
         printf("%u files of %u faces of 512x512 RGB: %.0f MiB of texels, %.0f MiB on disk; limit "
                "%.0f MiB\n"
-               "pattern          M looked   checked  wrong        hits    misses evictions reloads "
+               "pattern       M/s busy M/s wall   checked  wrong        hits    misses evictions "
+               "reloads "
                "MiB rd resident peak\n",
                o.files, side * side, (double)texels / 1048576, (double)stored / 1048576,
                (double)o.limit / 1048576);
@@ -366,9 +387,9 @@ int main(int argc, char **argv) {
     for (int random = 0; random < 2; random++) {
         const char *names[2][2] = {{"camera", "camera, few"}, {"random", "random, few"}};
         struct result all, warm;
-        measure(&o, (const char *const *)paths, few, side, random, true, &warm);
+        measure(&o, (const char *const *)paths, few, side, random, false, &warm);
         print(&o, names[random][1], &warm);
-        measure(&o, (const char *const *)paths, o.files, side, random, false, &all);
+        measure(&o, (const char *const *)paths, o.files, side, random, true, &all);
         print(&o, names[random][0], &all);
         if (!o.json)
             printf("%.2f of what it is in memory; memory at most %.2f of the limit\n",
