@@ -312,15 +312,17 @@ static void test_damage(void) {
     slv_env env = {.log = count_lines};
     slv_cache *cache = NULL;
     slv_ptx *ptx = NULL;
-    slv_ptx_block block;
+    slv_ptx_block block, coarse;
     float out[4];
     snprintf(path, sizeof path, "%s", scratch_path("damage.ptx"));
     write_strip(path, FACES, LOG2, 0.25f);
     REQUIRE(slv_ptx_open(&env, path, &ptx) == SLV_OK);
     REQUIRE(slv_ptx_get_block(ptx, 5, 0, &block) == SLV_OK && block.stored);
+    REQUIRE(slv_ptx_get_block(ptx, 5, 4, &coarse) == SLV_OK && coarse.stored);
     slv_ptx_close(ptx);
     int descriptor = open(path, O_WRONLY);
     REQUIRE(descriptor >= 0 && pwrite(descriptor, "selvage", 7, (off_t)block.position) == 7);
+    REQUIRE(pwrite(descriptor, "selvage", 7, (off_t)coarse.position) == 7);
     close(descriptor);
     REQUIRE(slv_cache_create(&env, &(slv_cache_params){.max_bytes = LIMIT}, &cache) == SLV_OK);
     slv_file_id id = kit_open(cache, path);
@@ -334,6 +336,15 @@ static void test_damage(void) {
             else
                 CHECK(result == SLV_OK && lines == 0 && out[0] == strip_value(face, 0.25f));
         }
+    /* a neighbour that cannot be read is one error, and one line, for a lookup across the edge */
+    for (int width = 1; width < 512; width *= 2) {
+        slv_lookup l = {.file = id, .face = 4, .u = 0.999f, .v = 0.5f};
+        l.uw1 = l.vw2 = 1.5f / (float)width;
+        lines = 0;
+        slv_result result = slv_sample(sampler, &l, out);
+        CHECK_MSG(result ? result == SLV_ERROR_FORMAT && lines == 1 && out[0] == 0 : lines == 0,
+                  "footprint 1.5/%d: %s and %d lines", width, slv_result_string(result), lines);
+    }
     CHECK(slv_cache_prefetch(cache, id, 5) == SLV_OK && slv_cache_prefetch(cache, id, 6) == SLV_OK);
     slv_cache_wait(cache);
     slv_cache_stats stats;
