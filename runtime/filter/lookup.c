@@ -30,8 +30,8 @@ static void point_sum(lookup_state *state, const slv_lookup *l) {
     const uint8_t *texels;
     size_t at;
     if (f->res_u + f->res_v <= t->whole_log2) {
-        texels = find_whole(state, l->face, f, f->res_u, f->res_v);
         at = ((size_t)y << f->res_u) + (size_t)x;
+        texels = find_whole(state, l->face, f, f->res_u, f->res_v);
     } else {
         slv_res tile = cache_tile_res(t, f->res_u, f->res_v);
         uint32_t index = ((uint32_t)(y >> tile.v) << (f->res_u - tile.u)) + (uint32_t)(x >> tile.u);

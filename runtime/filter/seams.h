@@ -292,9 +292,11 @@ static void apply_side(lookup_state *state, uint32_t face, const cache_face *f, 
         kernel_split(&part, EDGE_TOP, &corner);
         apply_corner(state, face, f, above, &corner);
     }
+    if (is_over(state))
+        return;
     if (bottom && f->adjacent[EDGE_BOTTOM] < 0)
         kernel_merge(&part, EDGE_BOTTOM, drop);
-    else if (bottom && !is_over(state)) {
+    else if (bottom) {
         kernel_split(&part, EDGE_BOTTOM, &corner);
         apply_corner(state, face, f, below, &corner);
     }
