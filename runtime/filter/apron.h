@@ -10,9 +10,9 @@
 
 #include <selvage/half.h>
 
-#define APRON_TILE UINT32_MAX /* what it is called in the cache */
-#define APRON_LOG2 3          /* up to 8x8 texels */
-#define APRON_WIDTH 4         /* no wider than the face */
+#define APRON_LOG2 3  /* up to 8x8 texels */
+#define APRON_WIDTH 4 /* no wider than the face */
+#define APRON_WHOLE 0x1ffu
 #define APRON_SIDE ((1 << APRON_LOG2) + 2 * APRON_WIDTH)
 
 static inline int apron_width(int res) {
@@ -24,9 +24,8 @@ static inline bool apron_fits_axis(const kernel_axis *a) {
     return a->res <= APRON_LOG2 && a->start >= -width && a->start + a->n <= (1 << a->res) + width;
 }
 
-static inline bool apron_fits(const lookup_state *state, const kernel *k) {
-    return state->tables->simple && !state->sampler->no_edge_blend && apron_fits_axis(&k->a[0]) &&
-           apron_fits_axis(&k->a[1]);
+static inline bool apron_fits(const kernel *k) {
+    return apron_fits_axis(&k->a[0]) && apron_fits_axis(&k->a[1]);
 }
 
 /* The thirds of an axis that a range reaches: 1 before the face, 2 within, 4 behind. */
@@ -73,7 +72,7 @@ static __attribute__((noinline)) const uint8_t *make_apron(lookup_state *state, 
     float texels[APRON_SIDE * APRON_SIDE * 4];
     int width_u = apron_width(res_u), width_v = apron_width(res_v);
     int side_u = (1 << res_u) + 2 * width_u, side_v = (1 << res_v) + 2 * width_v;
-    unsigned there = 0x1ff;
+    unsigned there = APRON_WHOLE;
     memset(texels, 0, sizeof texels);
     for (int y = 0; y < side_v; y++)
         for (int x = 0; x < side_u; x++) {
@@ -100,30 +99,48 @@ static __attribute__((noinline)) const uint8_t *make_apron(lookup_state *state, 
                 there &= ~region;
         }
     const uint8_t *made =
-        cache_publish(&state->sampler->thread, t, face, res_u, res_v, APRON_TILE, texels,
+        cache_publish(&state->sampler->thread, t, face, res_u, res_v, CACHE_APRON, texels,
                       (size_t)side_u * (size_t)side_v * t->pixel_size, there);
     state->gone = !made;
     return made;
 }
 
+/* The apron of a face at a resolution; NULL when state says why. */
+static inline const uint8_t *find_apron(lookup_state *state, uint32_t face, const cache_face *f,
+                                        int res_u, int res_v) {
+    const slv_cache *cache = state->sampler->thread.cache;
+    const uint8_t *texels = cache_find_apron(cache, f, res_u, res_v);
+    if (!texels)
+        texels = cache_find_hashed(cache, state->tables, face, res_u, res_v, CACHE_APRON);
+    state->pieces++;
+    return texels ? texels : make_apron(state, face, res_u, res_v);
+}
+
+/* Whether an apron has all texels under a kernel; which is then moved to the apron's own. */
+static inline __attribute__((always_inline)) bool apron_covers(const uint8_t *apron, kernel *k) {
+    kernel_axis *u = &k->a[0], *v = &k->a[1];
+    uint32_t there = cache_block_note(apron);
+    if (there != APRON_WHOLE &&
+        (apron_regions(apron_thirds(u->start, u->n, u->res), apron_thirds(v->start, v->n, v->res)) &
+         ~there))
+        return false;
+    u->start += apron_width(u->res);
+    v->start += apron_width(v->res);
+    return true;
+}
+
+/* Texels in a row of it. */
+static inline size_t apron_pitch(int res_u) {
+    return ((size_t)1 << res_u) + 2 * (size_t)apron_width(res_u);
+}
+
 /* Sums up texels of a face and around it. False, and nothing was summed, where the apron has holes:
  * the kernel must then be taken apart. */
-static inline bool apply_apron(lookup_state *state, uint32_t face, kernel *k) {
-    const cache_tables *t = state->tables;
-    kernel_axis *u = &k->a[0], *v = &k->a[1];
-    const uint8_t *texels =
-        cache_find_hashed(state->sampler->thread.cache, t, face, u->res, v->res, APRON_TILE);
-    state->pieces++;
-    if (!texels && !(texels = make_apron(state, face, u->res, v->res)))
+static inline bool apply_apron(lookup_state *state, uint32_t face, const cache_face *f, kernel *k) {
+    const uint8_t *texels = find_apron(state, face, f, k->a[0].res, k->a[1].res);
+    if (!texels || !apron_covers(texels, k))
         return false;
-    unsigned regions =
-        apron_regions(apron_thirds(u->start, u->n, u->res), apron_thirds(v->start, v->n, v->res));
-    if (regions & ~cache_block_note(texels))
-        return false;
-    int width_u = apron_width(u->res), width_v = apron_width(v->res);
-    u->start += width_u;
-    v->start += width_v;
-    v4f sum = gather_few(t, texels, ((size_t)1 << u->res) + 2 * (size_t)width_u, k);
+    v4f sum = gather_few(state->tables, texels, apron_pitch(k->a[0].res), k);
     for (uint32_t c = 0; c < state->count; c++)
         state->sum[c] += sum[state->first + c];
     return true;

@@ -22,11 +22,12 @@
 #include <stdatomic.h>
 #include <string.h>
 
-#define CACHE_UNIT 16     /* bytes */
-#define CACHE_HEADER 32   /* bytes in front of a block's texels */
-#define CACHE_PADDING 32  /* bytes behind them, which vectors may read */
-#define CACHE_FILES 65536 /* a file id has its place in the low 16 bits */
-#define CACHE_WAYS 8      /* offsets in a bucket of the hash table: a line of memory */
+#define CACHE_UNIT 16          /* bytes */
+#define CACHE_HEADER 32        /* bytes in front of a block's texels */
+#define CACHE_PADDING 32       /* bytes behind them, which vectors may read */
+#define CACHE_FILES 65536      /* a file id has its place in the low 16 bits */
+#define CACHE_APRON UINT32_MAX /* instead of a tile: coarse texels with those around */
+#define CACHE_WAYS 8           /* offsets in a bucket of the hash table: a line of memory */
 
 /* Texels of a face at one resolution, or a tile of them, follow this. */
 typedef struct cache_block {
@@ -52,8 +53,10 @@ typedef struct cache_face {
     uint8_t flags; /* SLV_FACE_... */
     int8_t res_u, res_v;
     _Atomic(uint32_t) texels; /* where they are at full resolution, or 0 */
+    _Atomic(uint32_t) apron;  /* where the apron is that was made last, or 0 */
     _Atomic(uint8_t) state, used;
-    uint8_t unused[6];
+    bool plain; /* most lookups can be done quickly: no sub-face, and not constant */
+    uint8_t unused;
 } cache_face;
 
 _Static_assert(sizeof(cache_face) == 32, "two faces to a line");
@@ -320,6 +323,19 @@ static inline const uint8_t *cache_find_hashed(const slv_cache *cache, const cac
         return texels;
     }
     return NULL;
+}
+
+/* The apron of a face at a resolution if it is the one that was made last, or NULL. */
+static inline const uint8_t *cache_find_apron(const slv_cache *cache, const cache_face *f,
+                                              int res_u, int res_v) {
+    uint32_t at = atomic_load_explicit(&f->apron, memory_order_acquire);
+    uint8_t *texels = cache->arena + (uint64_t)at * CACHE_UNIT;
+    cache_block *block = (cache_block *)(void *)(texels - CACHE_HEADER);
+    if (!at || block->res_u != res_u || block->res_v != res_v)
+        return NULL;
+    if (!atomic_load_explicit(&block->used, memory_order_relaxed))
+        atomic_store_explicit(&block->used, 1, memory_order_relaxed);
+    return texels;
 }
 
 static inline uint32_t cache_block_note(const uint8_t *texels) {

@@ -18,6 +18,8 @@ static void link_block(slv_cache *cache, cache_tables *tables, cache_block *bloc
         atomic_store_explicit(&tables->faces[block->face].texels, at, memory_order_release);
         return;
     }
+    if (block->tile == CACHE_APRON)
+        atomic_store_explicit(&tables->faces[block->face].apron, at, memory_order_release);
     uint64_t hash = cache_hash(block->serial, block->face, block->res_u, block->res_v, block->tile);
     _Atomic(uint64_t) *bucket = bucket_of(cache, hash);
     /* a full bucket loses what was not used, or what its hash picks */
@@ -38,15 +40,19 @@ static void link_block(slv_cache *cache, cache_tables *tables, cache_block *bloc
     atomic_store_explicit(&bucket[way], hash >> 32 << 32 | at, memory_order_release);
 }
 
-/* The tables of a block if its face points to it. */
-static cache_face *direct_face(const slv_cache *cache, const cache_block *block) {
+/* Where a face points to a block, or NULL. */
+static _Atomic(uint32_t) *face_entry(const slv_cache *cache, const cache_block *block,
+                                     cache_face **out) {
     cache_file *file = atomic_load_explicit(&cache->files[block->place], memory_order_relaxed);
     cache_tables *tables = file ? atomic_load_explicit(&file->tables, memory_order_relaxed) : NULL;
-    if (!tables || tables->serial != block->serial)
+    if (!tables || tables->serial != block->serial ||
+        (!block->direct && block->tile != CACHE_APRON))
         return NULL;
     cache_face *face = &tables->faces[block->face];
-    uint32_t at = atomic_load_explicit(&face->texels, memory_order_relaxed);
-    return at == block_offset(cache, block) ? face : NULL;
+    _Atomic(uint32_t) *entry = block->direct ? &face->texels : &face->apron;
+    *out = face;
+    return atomic_load_explicit(entry, memory_order_relaxed) == block_offset(cache, block) ? entry
+                                                                                           : NULL;
 }
 
 static _Atomic(uint64_t) *hashed_entry(const slv_cache *cache, const cache_block *block) {
@@ -60,25 +66,27 @@ static _Atomic(uint64_t) *hashed_entry(const slv_cache *cache, const cache_block
 }
 
 bool cache_take_use(slv_cache *cache, cache_block *block) {
+    cache_face *face;
     if (!block->serial)
         return false;
-    if (!block->direct)
-        return atomic_exchange_explicit(&block->used, 0, memory_order_relaxed) &&
-               hashed_entry(cache, block);
-    cache_face *face = direct_face(cache, block);
-    return face && atomic_exchange_explicit(&face->used, 0, memory_order_relaxed);
+    _Atomic(uint32_t) *entry = face_entry(cache, block, &face);
+    if (block->direct)
+        return entry && atomic_exchange_explicit(&face->used, 0, memory_order_relaxed);
+    return atomic_exchange_explicit(&block->used, 0, memory_order_relaxed) &&
+           (entry || hashed_entry(cache, block));
 }
 
 void cache_unlink(slv_cache *cache, cache_block *block) {
+    cache_face *face;
     if (!block->serial)
         return;
-    cache_face *face = block->direct ? direct_face(cache, block) : NULL;
+    _Atomic(uint32_t) *pointer = face_entry(cache, block, &face);
     _Atomic(uint64_t) *entry = block->direct ? NULL : hashed_entry(cache, block);
-    if (face)
-        atomic_store_explicit(&face->texels, 0, memory_order_seq_cst);
+    if (pointer)
+        atomic_store_explicit(pointer, 0, memory_order_seq_cst);
     if (entry)
         atomic_store_explicit(entry, 0, memory_order_seq_cst);
-    cache->stats.evictions += face || entry;
+    cache->stats.evictions += pointer || entry;
 }
 
 static slv_result read_texels(cache_thread *thread, const cache_tables *tables, uint32_t face,

@@ -216,6 +216,9 @@ void cache_learn_face(cache_tables *tables, uint32_t index) {
         f->edges |= (uint8_t)((face.adjacency.edge[e] & 3) << 2 * e);
     }
     f->flags = face.flags;
+    f->plain =
+        tables->simple &&
+        !(face.flags & (SLV_FACE_CONSTANT | SLV_FACE_SUBFACE | SLV_FACE_NEIGHBOURS_CONSTANT));
     f->res_u = face.res.u;
     f->res_v = face.res.v;
     atomic_store_explicit(&f->state, CACHE_KNOWN, memory_order_release);

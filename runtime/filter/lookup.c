@@ -75,20 +75,25 @@ static inline __attribute__((always_inline)) float build(const kernel_shape *sha
     return sum;
 }
 
-static inline bool is_inside(const kernel_axis *a) {
-    return a->start >= 0 && a->start + a->n <= 1 << a->res;
+static inline __attribute__((always_inline)) bool is_inside(const kernel *k) {
+    const kernel_axis *u = &k->a[0], *v = &k->a[1];
+    int outside =
+        u->start | ((1 << u->res) - u->n - u->start) | v->start | ((1 << v->res) - v->n - v->start);
+    return outside >= 0;
 }
 
 /* Lays a kernel of a known weight onto its face and those around. */
 static inline void sum_kernel(lookup_state *state, uint32_t face, cache_face *f, kernel *k,
                               float weight) {
+    bool inside = is_inside(k);
     state->weight = weight;
-    if (is_inside(&k->a[0]) && is_inside(&k->a[1])) {
+    if (f->plain && !state->sampler->no_edge_blend && apron_fits(k) &&
+        (apply_apron(state, face, f, k) || is_over(state)))
+        return;
+    if (inside) {
         apply_inside(state, face, f, k);
         return;
     }
-    if (!is_subface(f) && apron_fits(state, k) && (apply_apron(state, face, k) || is_over(state)))
-        return;
     axis_strip(&k->a[0]);
     axis_strip(&k->a[1]);
     apply_across(state, face, k);
@@ -158,28 +163,35 @@ typedef struct prepared {
     cache_tables *t;
     cache_face *f;
     const uint8_t *texels;
+    size_t pitch;
     float weight;
     kernel k;
 } prepared;
+
+/* Whether 0 <= x < 1; false for -0, which is no loss. */
+static inline bool is_unit(float x) {
+    uint32_t bits;
+    memcpy(&bits, &x, sizeof bits);
+    return bits < 0x3f800000;
+}
 
 /* Most lookups: on a quad whose texels are of few channels, from the first on. Returns false if
  * this is not one of them. */
 static inline __attribute__((always_inline)) bool prepare(const slv_sampler *s, const slv_lookup *l,
                                                           slv_filter filter, prepared *p) {
-    cache_tables *t = cache_find_tables(s->thread.cache, l->file);
-    if (!t || l->face >= t->nfaces || !t->simple || s->first_channel)
+    const slv_cache *cache = s->thread.cache;
+    cache_tables *t = cache_find_tables(cache, l->file);
+    if (!t || l->face >= t->nfaces || s->first_channel)
         return false;
     cache_face *f = &t->faces[l->face];
-    float u = l->u, v = l->v;
-    if (atomic_load_explicit(&f->state, memory_order_acquire) != CACHE_KNOWN ||
-        (f->flags & (SLV_FACE_CONSTANT | SLV_FACE_SUBFACE | SLV_FACE_NEIGHBOURS_CONSTANT)) ||
-        !(u >= 0 && u < 1 && v >= 0 && v < 1))
+    if (atomic_load_explicit(&f->state, memory_order_acquire) != CACHE_KNOWN || !f->plain ||
+        !is_unit(l->u) || !is_unit(l->v))
         return false;
     p->t = t;
     p->f = f;
     if (filter == SLV_FILTER_POINT) {
-        int x = (int)(u * power_of_two(f->res_u)), y = (int)(v * power_of_two(f->res_v));
-        p->texels = cache_find_full(s->thread.cache, f);
+        int x = (int)(l->u * power_of_two(f->res_u)), y = (int)(l->v * power_of_two(f->res_v));
+        p->texels = cache_find_full(cache, f);
         if (!p->texels)
             return false;
         p->texels += (((size_t)y << f->res_u) + (size_t)x) * t->pixel_size;
@@ -192,15 +204,23 @@ static inline __attribute__((always_inline)) bool prepare(const slv_sampler *s, 
     kernel_shape shape = s->shape;
     shape.filter = filter;
     p->k.turns = 0;
-    p->weight = build_axis(&shape, u, uw, f->res_u, &p->k.a[0]) *
-                build_axis(&shape, v, vw, f->res_v, &p->k.a[1]);
+    p->weight = build_axis(&shape, l->u, uw, f->res_u, &p->k.a[0]) *
+                build_axis(&shape, l->v, vw, f->res_v, &p->k.a[1]);
     int res_u = p->k.a[0].res, res_v = p->k.a[1].res;
     p->texels = NULL;
-    if (is_inside(&p->k.a[0]) && is_inside(&p->k.a[1]) && res_u <= f->res_u && res_v <= f->res_v &&
-        res_u + res_v <= t->whole_log2)
-        p->texels = res_u == f->res_u && res_v == f->res_v
-                        ? cache_find_full(s->thread.cache, f)
-                        : cache_find_hashed(s->thread.cache, t, l->face, res_u, res_v, 0);
+    p->pitch = (size_t)1 << res_u;
+    if ((res_u | res_v) <= APRON_LOG2 && !s->no_edge_blend && apron_fits(&p->k)) {
+        const uint8_t *apron = cache_find_apron(cache, f, res_u, res_v);
+        if (apron && apron_covers(apron, &p->k)) {
+            p->texels = apron;
+            p->pitch = apron_pitch(res_u);
+        }
+    } else if (res_u == f->res_u && res_v == f->res_v) {
+        if (is_inside(&p->k))
+            p->texels = cache_find_full(cache, f);
+    } else if (is_inside(&p->k) && res_u < f->res_u && res_v < f->res_v &&
+               res_u + res_v <= t->whole_log2)
+        p->texels = cache_find_hashed(cache, t, l->face, res_u, res_v, 0);
     return true;
 }
 
@@ -222,7 +242,7 @@ static inline __attribute__((always_inline)) bool complete(slv_sampler *s, uint3
     }
     if (!p->texels)
         return look_across(s, p->t, face, p->f, &p->k, p->weight, count, out, result);
-    v4f sum = gather_few(t, p->texels, (size_t)1 << p->k.a[0].res, &p->k);
+    v4f sum = gather_few(t, p->texels, p->pitch, &p->k);
     put(sum * (t->scale / p->weight) + 0, count, out);
     return true;
 }
@@ -238,7 +258,7 @@ static inline __attribute__((always_inline)) void fetch_ahead(const prepared *p,
     if (!at)
         return;
     const kernel_axis *u = &p->k.a[0], *v = &p->k.a[1];
-    size_t pixel = p->t->pixel_size, pitch = pixel << u->res, width = (size_t)u->n * pixel - 1;
+    size_t pixel = p->t->pixel_size, pitch = pixel * p->pitch, width = (size_t)u->n * pixel - 1;
     at += (size_t)v->start * pitch + (size_t)u->start * pixel;
     for (int i = 0; i < v->n; i++, at += pitch) {
         __builtin_prefetch(at);
