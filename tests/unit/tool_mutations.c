@@ -142,7 +142,8 @@ static void start(struct slot *slot) {
     write_words(slot->words[0]);
     write_words(slot->words[1]);
     if (slot->verb == INFO)
-        execl(command, command, "info", "--faces", "--meta", slot->in, (char *)NULL);
+        execl(command, command, "info", slot->mutation % 3 ? "--faces" : "--json", "--meta",
+              slot->in, (char *)NULL);
     else if (slot->verb == CHECKS)
         execl(command, command, "check", slot->mutation % 4 ? "--show=3" : "--seams=0.1", slot->in,
               (char *)NULL);
@@ -154,7 +155,7 @@ static void start(struct slot *slot) {
     _exit(98);
 }
 
-static bool begin(struct slot *slot, uint32_t mutation) {
+static void begin(struct slot *slot, uint32_t mutation) {
     size_t size;
     uint8_t *bytes = spoil(mutation, &slot->sample, &size);
     FILE *stream = fopen(slot->in, "wb");
@@ -163,7 +164,6 @@ static bool begin(struct slot *slot, uint32_t mutation) {
     slot->mutation = mutation;
     slot->verb = 0;
     start(slot);
-    return true;
 }
 
 static bool has_words(const char *path) {
@@ -235,8 +235,10 @@ int main(void) {
         snprintf(slot->words[0], sizeof slot->words[0], "%s.out", slot->folder);
         snprintf(slot->words[1], sizeof slot->words[1], "%s.err", slot->folder);
         REQUIRE(mkdir(slot->folder, 0700) == 0);
-        if (next < count)
-            running += begin(slot, next++);
+        if (next < count) {
+            begin(slot, next++);
+            running++;
+        }
     }
     while (running) {
         int status;
