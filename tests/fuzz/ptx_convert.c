@@ -63,7 +63,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size) {
             files = !FUZZ_CALL(slv_ptx_rewrite(&env, ptx, fuzz_path("out.ptx"), NULL));
             if (files)
                 read_back(&env);
-        } else {
+        } else if (!FUZZ_CALL(slv_ptx_load_tables(ptx))) {
             files = convert(&env, ptx, control);
         }
     }
