@@ -28,6 +28,8 @@ static void write_images(const slv_env *env) {
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size) {
     const cli_command command = {.name = "convert"};
+    convert_totals totals = {0};
+    convert_plan plan = {0};
     convert_options options = {.scale = size & 1 ? "1/2" : NULL};
     slv_env env = fuzz_env();
     slv_ptx *ptx = NULL;
@@ -36,7 +38,8 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size) {
     snprintf(index, sizeof index, "%s", fuzz_path("index.json"));
     snprintf(out, sizeof out, "%s", fuzz_path("out.ptx"));
     fuzz_write("index.json", data, size);
-    int code = convert_from_index(&command, &env, &options, NULL, index, out);
+    int code = convert_from_index(&command, &env, &options, NULL, index, out, &totals, &plan);
+    convert_plan_free(&plan);
     FUZZ_REQUIRE(fuzz_errors == (code != EXIT_OK), "%d lines, code %d: %s", fuzz_errors, code,
                  fuzz_last);
     fuzz_errors = 0;

@@ -35,9 +35,11 @@ static int convert(const slv_env *env, const slv_ptx *ptx, uint32_t control) {
     const cli_command command = {.name = "convert"};
     slv_ptx_writer_params source = slv_ptx_writer_params_like(ptx);
     convert_options options = choose(control, &source);
+    convert_totals totals = {0};
     convert_plan plan = {0};
     int files = 0;
-    FUZZ_REQUIRE(convert_plan_make(&command, &options, &source, &plan) == EXIT_OK, "no plan");
+    FUZZ_REQUIRE(convert_plan_make(&command, &options, &source, &totals, &plan) == EXIT_OK,
+                 "no plan");
     bool sheet = (control >> 10 & 3) == 3;
     int code = sheet ? convert_to_sheet(env, &options, &plan, ptx, fuzz_path("out.exr"))
                      : convert_to_ptx(env, &options, &plan, ptx, NULL, fuzz_path("out.ptx"));
