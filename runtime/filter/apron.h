@@ -89,13 +89,13 @@ static __attribute__((noinline)) const uint8_t *make_apron(lookup_state *state, 
                                 .weight = 1};
             apply_across(&one, face, &k);
             state->pieces += one.pieces;
-            if (one.gone) {
-                state->gone = true;
+            if (is_over(&one)) {
+                state->gone = one.gone;
+                state->result = one.result;
                 return NULL;
             }
             uint8_t *to = (uint8_t *)texels + (size_t)(y * side_u + x) * t->pixel_size;
-            if (one.result || one.subfaces || one.weight != 1 ||
-                !apron_store(t->type, sum, t->nchannels, to))
+            if (one.subfaces || one.weight != 1 || !apron_store(t->type, sum, t->nchannels, to))
                 there &= ~region;
         }
     const uint8_t *made =

@@ -102,9 +102,9 @@ DEFINE_GATHER_ROWS(u16, uint16_t)
 DEFINE_GATHER_ROWS(half, uint16_t)
 DEFINE_GATHER_ROWS(float, float)
 
-/* The sum over up to four channels, all of them. */
+/* The sum over up to four channels, all of them. Not inlined: there is too much of it. */
 #define DEFINE_GATHER_FEW(TYPE, T)                                                                 \
-    static inline __attribute__((always_inline))                                                   \
+    static __attribute__((noinline))                                                               \
     v4f gather_channels_##TYPE(const void *texels, size_t pitch, size_t n, const kernel *k) {      \
         const T *p = texels;                                                                       \
         switch (n) {                                                                               \

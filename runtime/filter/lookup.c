@@ -122,11 +122,11 @@ static void quad_sum(lookup_state *state, const slv_lookup *l) {
     sum_kernel(state, l->face, f, &k, weight);
 }
 
-static inline bool is_sound(const slv_lookup *l) {
+static inline bool is_sound(const slv_sampler *s, const slv_lookup *l) {
     /* x - x is 0 for all but infinity and NaN */
     float position = (l->u - l->u) + (l->v - l->v);
     float footprint = fabsf(l->uw1) + fabsf(l->vw1) + fabsf(l->uw2) + fabsf(l->vw2);
-    return position == 0 && footprint == footprint;
+    return position == 0 && (s->shape.filter == SLV_FILTER_POINT || footprint == footprint);
 }
 
 static inline __attribute__((always_inline)) void put(v4f sum, uint32_t count, float *out) {
@@ -287,7 +287,7 @@ static inline slv_result look_up(slv_sampler *s, const slv_lookup *l, size_t roo
                               .count = there < s->nchannels ? there : s->nchannels,
                               .sum = out};
         memset(out, 0, (room ? room : state.count) * sizeof *out);
-        if (l->face >= t->nfaces || !is_sound(l))
+        if (l->face >= t->nfaces || !is_sound(s, l))
             return SLV_ERROR_ARGUMENT;
         if (!state.count)
             return SLV_OK;
