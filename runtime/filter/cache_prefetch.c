@@ -1,27 +1,37 @@
 /* Reading ahead, by a thread of the cache's own. */
 #include "filter/cache_data.h"
 
-/* Reads a face tile by tile. */
+static bool is_stopping(slv_cache *cache) {
+    pthread_mutex_lock(&cache->lock);
+    bool stops = cache->worker_stops;
+    pthread_mutex_unlock(&cache->lock);
+    return stops;
+}
+
+/* Reads a face tile by tile. Tables that are thrown away meanwhile are made anew. */
 static void fetch(cache_thread *thread, cache_request request) {
     slv_cache *cache = thread->cache;
-    if (cache_load_tables(cache, request.file))
-        return;
-    for (uint32_t tile = 0, ntiles = 1; tile < ntiles; tile++) {
+    uint64_t tile = 0, ntiles = 1;
+    while (tile < ntiles && !is_stopping(cache) && !cache_load_tables(cache, request.file)) {
         slv_result result = SLV_OK;
         cache_pin(thread);
         cache_tables *tables = cache_find_tables(cache, request.file);
-        if (tables && request.face < tables->nfaces) {
+        if (tables && request.face >= tables->nfaces)
+            ntiles = 0;
+        else if (tables) {
             cache_face *f = cache_find_face(tables, request.face);
             slv_res res = {f->res_u, f->res_v};
             slv_res part = cache_tile_res(tables, res.u, res.v);
             bool direct = res.u + res.v <= tables->whole_log2;
-            ntiles = 1u << (res.u - part.u + res.v - part.v);
-            bool one_texel = (f->flags & SLV_FACE_CONSTANT) || res.u + res.v == 0;
-            if (one_texel)
+            ntiles = UINT64_C(1) << (res.u - part.u + res.v - part.v);
+            if ((f->flags & SLV_FACE_CONSTANT) || res.u + res.v == 0)
                 ntiles = 0;
-            else if (!(direct ? cache_find_full(cache, f)
-                              : cache_find_hashed(cache, tables, request.face, res.u, res.v, tile)))
-                cache_load_block(thread, tables, request.face, res.u, res.v, tile, &result);
+            else if ((direct ? cache_find_full(cache, f)
+                             : cache_find_hashed(cache, tables, request.face, res.u, res.v,
+                                                 (uint32_t)tile)) ||
+                     cache_load_block(thread, tables, request.face, res.u, res.v, (uint32_t)tile,
+                                      &result))
+                tile++;
         }
         cache_unpin(thread);
         if (result)

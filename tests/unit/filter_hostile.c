@@ -347,7 +347,7 @@ int main(int argc, char **argv) {
     seed = argc > 1 ? strtoull(argv[1], NULL, 10) : 1;
     rounds = argc > 2 ? strtoull(argv[2], NULL, 10) : 1;
     /* whoever hangs is killed */
-    alarm((unsigned)(110 * rounds));
+    alarm((unsigned)(600 * rounds));
     test_params();
     for (uint64_t i = 0; i < 150 * rounds; i++)
         test_nonsense(i, i % 5 ? SLV_PTX_QUAD : SLV_PTX_TRIANGLE, (slv_border_mode)(i % 3));

@@ -39,8 +39,9 @@ SLV_API slv_result slv_cache_open(slv_cache *cache, const char *path, slv_file_i
  * threads end with either. */
 SLV_API slv_result slv_cache_close(slv_cache *cache, slv_file_id file);
 /* Forgets what is known of a file, or of every file if `file` is 0, so that the next lookups read
- * it anew: call it when the file was changed. A file that changes without it gives
- * SLV_ERROR_MISMATCH when more of it is read after its handle was given up, never a mix. */
+ * it anew: call it when the file was changed. Without it, what is read of a file that
+ * was changed gives SLV_ERROR_MISMATCH, never a mix; but a file that another was renamed over stays
+ * what it was while its handle is open. */
 SLV_API slv_result slv_cache_invalidate(slv_cache *cache, slv_file_id file);
 /* A description of a file. `level_faces` and `level_bytes` are NULL. */
 SLV_API slv_result slv_cache_get_info(slv_cache *cache, slv_file_id file, slv_ptx_info *out);
