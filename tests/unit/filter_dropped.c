@@ -68,7 +68,7 @@ int main(void) {
     };
     const char *triangles = data_folder();
     pthread_t thread;
-    alarm(100);
+    alarm(600);
     atomic_store(&reads_left, -1);
     for (int shape = 0; shape < 3; shape++) {
         uint64_t random = 61;

@@ -381,7 +381,7 @@ static void test_ways(void) {
 }
 
 int main(void) {
-    alarm(115);
+    alarm(600);
     test_constants();
     test_constant_triangles();
     test_ramp();
