@@ -1,4 +1,6 @@
 #include "output.h"
+#include "report_experiment.h"
+#include "report_findings.h"
 #include "report_verdict.h"
 
 #include <math.h>
@@ -16,6 +18,7 @@ typedef struct page {
     FILE *stream;
     const report_data *report;
     report_verdict verdict;
+    report_advice advice;
 } page;
 
 static const char *const strategy_phrases[SLV_STRATEGY_COUNT] = {
@@ -24,6 +27,10 @@ static const char *const strategy_phrases[SLV_STRATEGY_COUNT] = {
     [SLV_STRATEGY_TRAVERSE] = "reads the neighbours that a lookup reaches as well",
     [SLV_STRATEGY_DISCARD] = "drops what falls outside its face; multisampling blends",
 };
+
+static bool has_reference(const page *p) {
+    return p->report->reference.first < REPORT_SOURCES;
+}
 
 static const char *find_text(const char *name, size_t length) {
     for (const struct report_table_row *row = report_table; row->name; row++)
@@ -104,7 +111,9 @@ static slv_result strategy_rows(const page *p) {
                 strategy_name(p, i));
         if (best)
             fprintf(p->stream, " <span class=\"pick\">%s</span>", picks[p->verdict.outcome]);
-        fprintf(p->stream, "<small>%s</small></th>", strategy_phrases[row->strategy]);
+        if (strategy_phrases[row->strategy])
+            fprintf(p->stream, "<small>%s</small>", strategy_phrases[row->strategy]);
+        fputs("</th>", p->stream);
         fprintf(p->stream, "<td>%.2f<small>%.2f to %.2f</small></td><td>%.2f</td>", row->median_ms,
                 row->min_ms, row->max_ms, row->ratio);
         double megabytes = (double)row->stats.gpu_bytes / 1e6;
@@ -142,7 +151,7 @@ static void write_options(const page *p, uint32_t selected) {
     for (uint32_t i = 0; i < p->report->nstrategies; i++)
         fprintf(p->stream, "<option value=\"%u\"%s>%s</option>", i,
                 i == selected ? " selected" : "", strategy_name(p, i));
-    if (p->report->reference.samples)
+    if (has_reference(p))
         fprintf(p->stream, "<option value=\"%u\">reference</option>", p->report->nstrategies);
 }
 
@@ -152,7 +161,7 @@ static slv_result left_options(const page *p) {
 }
 
 static slv_result right_options(const page *p) {
-    uint32_t other = p->verdict.best;
+    uint32_t other = p->advice.measured ? p->advice.take : p->verdict.best;
     if (other == p->verdict.baseline && p->report->nstrategies > 1)
         other = (other + 1) % p->report->nstrategies;
     write_options(p, other);
@@ -168,10 +177,10 @@ static slv_result view_options(const page *p) {
 static slv_result views(const page *p) {
     slv_result result = SLV_OK;
     for (uint32_t v = 0; v < p->report->nviews; v++) {
-        if (p->report->reference.samples) {
+        if (has_reference(p)) {
             fprintf(p->stream,
-                    "<img alt=\"View %u, ray-cast\" data-view=\"%u\" data-strategy=\"%u\"", v + 1,
-                    v, p->report->nstrategies);
+                    "<img alt=\"View %u, the reference\" data-view=\"%u\" data-strategy=\"%u\"",
+                    v + 1, v, p->report->nstrategies);
             result = write_source(p, &p->report->reference.views[v]);
             fputs(">\n", p->stream);
         }
@@ -190,16 +199,18 @@ static slv_result spots(const page *p) {
     const report_data *report = p->report;
     slv_result result = SLV_OK;
     if (!report->nspots) {
-        fputs("<p>There is no place in the first view where the strategies' pictures differ by a "
-              "visible "
-              "amount.</p>\n",
-              p->stream);
+        fputs(
+            "<p>There is no place in the views where the strategies' pictures differ by a visible "
+            "amount.</p>\n",
+            p->stream);
         return result;
     }
-    fputs("<p>The places where the strategies disagree most, drawn again by a camera that looks at "
-          "nothing "
-          "else. Nothing was smoothed: each square is a pixel of that drawing.</p>\n",
-          p->stream);
+    fprintf(p->stream,
+            "<p>%s, drawn again by a camera that looks at nothing else. Nothing was smoothed: each "
+            "square is a pixel of that drawing.</p>\n",
+            has_reference(p) ? "The places of all views where the worst strategy is further from "
+                               "the reference than the best"
+                             : "The places of all views where the strategies disagree most");
     for (uint32_t s = 0; !result && s < report->nspots; s++) {
         const report_spot *spot = &report->spots[s];
         fprintf(p->stream,
@@ -211,7 +222,12 @@ static slv_result spots(const page *p) {
                 "the picture</button></div>\n<div class=\"row\" style=\"--n:%u\">\n",
                 s + 1, spot->view + 1, (double)spot->x * 100, (double)spot->y * 100,
                 (double)spot->zoom, spot->view, (double)spot->x, (double)spot->y,
-                report->nstrategies);
+                report->nstrategies + has_reference(p));
+        if (has_reference(p)) {
+            fprintf(p->stream, "<figure><img alt=\"Seam %u, enlarged, the reference\"", s + 1);
+            result = write_source(p, &report->reference.spots[s]);
+            fputs("><figcaption>reference</figcaption></figure>\n", p->stream);
+        }
         for (uint32_t i = 0; !result && i < report->nstrategies; i++) {
             fprintf(p->stream, "<figure><img alt=\"Seam %u, enlarged, drawn with %s\"", s + 1,
                     strategy_name(p, i));
@@ -223,50 +239,80 @@ static slv_result spots(const page *p) {
     return result;
 }
 
+static void write_legend(FILE *stream) {
+    fputs(
+        "<div class=\"legend\"><div class=\"legend-bar\" role=\"img\" aria-label=\"Scale: black is "
+        "equal, then blue, red and yellow, white is a difference of 16/255 and more\"></div>"
+        "<div class=\"legend-ticks\" aria-hidden=\"true\"><span>equal</span>"
+        "<span style=\"--i:2\">4/255</span><span style=\"--i:3\">8/255</span>"
+        "<span style=\"--i:4\">12/255</span><span>16/255</span></div></div>\n",
+        stream);
+}
+
+static slv_result write_heats(const page *p) {
+    const report_data *report = p->report;
+    slv_result result = SLV_OK;
+    fputs("<h3>From the reference</h3>\n<div class=\"pairs\">\n", p->stream);
+    for (uint32_t i = 0; !result && i < report->nstrategies; i++) {
+        const char *name = strategy_name(p, i);
+        fprintf(p->stream, "<figure><img alt=\"Map of the distance of %s from the reference\"",
+                name);
+        result = write_source(p, &report->strategies[i].heat);
+        fprintf(p->stream, ">\n<figcaption>%s</figcaption></figure>\n", name);
+    }
+    fputs("</div>\n<h3>From each other</h3>\n", p->stream);
+    return result;
+}
+
+static void write_pair_row(const page *p, const report_pair *pair) {
+    fprintf(p->stream, "<tr><th scope=\"row\">%s and %s</th><td>", strategy_name(p, pair->a),
+            strategy_name(p, pair->b));
+    report_write_jump(p->stream, pair->max);
+    fputs("</td><td>", p->stream);
+    report_write_jump(p->stream, pair->mean);
+    if (isfinite(pair->psnr))
+        fprintf(p->stream, "</td><td>%.1f dB", pair->psnr);
+    else
+        fputs("</td><td>identical", p->stream);
+    fprintf(p->stream, "</td><td>%.2f %%</td><td>%.2f %%</td></tr>\n", pair->over_1 * 100,
+            pair->over_4 * 100);
+}
+
 static slv_result pairs(const page *p) {
     const report_data *report = p->report;
     slv_result result = SLV_OK;
-    if (!report->npairs) {
+    if (!report->npairs && !has_reference(p)) {
         fputs("<p>One strategy alone has nothing to be compared with.</p>\n", p->stream);
         return result;
     }
-    fprintf(p->stream,
-            "<p>Each map shows the first view: how far two strategies' pixels are apart in their "
-            "most different "
-            "channel, in linear light. The numbers are over all %u views, where the surface covers "
-            "the whole "
-            "pixel.</p>\n"
-            "<div class=\"legend\"><div class=\"legend-bar\" role=\"img\" aria-label=\"Scale: "
-            "black is equal, "
-            "then blue, red and yellow, white is a difference of 16/255 and more\"></div>"
-            "<div class=\"legend-ticks\" aria-hidden=\"true\"><span>equal</span>"
-            "<span style=\"--i:2\">4/255</span><span style=\"--i:3\">8/255</span>"
-            "<span style=\"--i:4\">12/255</span><span>16/255</span></div></div>\n"
-            "<div class=\"pairs\">\n",
-            report->nviews);
+    fputs("<p>Each map shows the first view: how far two pictures' pixels are apart in their most "
+          "different channel, in linear light.</p>\n",
+          p->stream);
+    write_legend(p->stream);
+    if (has_reference(p))
+        result = write_heats(p);
+    fputs("<div class=\"pairs\">\n", p->stream);
     for (uint32_t i = 0; !result && i < report->npairs; i++) {
         const report_pair *pair = &report->pairs[i];
         const char *a = strategy_name(p, pair->a), *b = strategy_name(p, pair->b);
         fprintf(p->stream, "<figure><img alt=\"Map of the differences between %s and %s\"", a, b);
         result = write_source(p, &pair->heat);
-        fprintf(p->stream, ">\n<figcaption>%s and %s</figcaption>\n<table><tbody>\n", a, b);
-        fputs("<tr><th scope=\"row\">Largest difference</th><td>", p->stream);
-        report_write_jump(p->stream, pair->max);
-        fputs(" /255</td></tr>\n<tr><th scope=\"row\">Mean difference</th><td>", p->stream);
-        report_write_jump(p->stream, pair->mean);
-        fputs(" /255</td></tr>\n<tr><th scope=\"row\">PSNR, higher is closer</th><td>", p->stream);
-        if (isfinite(pair->psnr))
-            fprintf(p->stream, "%.1f dB", pair->psnr);
-        else
-            fputs("identical", p->stream);
-        fprintf(p->stream,
-                "</td></tr>\n<tr><th scope=\"row\">Pixels further apart than 1/255</th><td>%.2f "
-                "%%</td></tr>\n"
-                "<tr><th scope=\"row\">Pixels further apart than 4/255</th><td>%.2f %%</td></tr>\n"
-                "</tbody></table></figure>\n",
-                pair->over_1 * 100, pair->over_4 * 100);
+        fprintf(p->stream, ">\n<figcaption>%s and %s</figcaption></figure>\n", a, b);
     }
-    fputs("</div>\n", p->stream);
+    fprintf(p->stream,
+            "</div>\n<p class=\"caption\" id=\"pairs-what\">Over all %u views, where the surface "
+            "covers the whole pixel.</p>\n<div class=\"scroll\" tabindex=\"0\" role=\"region\" "
+            "aria-labelledby=\"differences\">\n<table aria-labelledby=\"differences\" "
+            "aria-describedby=\"pairs-what\">\n<thead>\n<tr><th scope=\"col\" "
+            "rowspan=\"2\">Strategies</th><th scope=\"colgroup\" colspan=\"2\">Difference, "
+            "1/255</th><th scope=\"col\" rowspan=\"2\">PSNR</th><th scope=\"colgroup\" "
+            "colspan=\"2\">Pixels further apart than</th></tr>\n<tr><th scope=\"col\">largest</th>"
+            "<th scope=\"col\">mean</th><th scope=\"col\">1/255</th><th "
+            "scope=\"col\">4/255</th></tr>\n</thead>\n<tbody>\n",
+            report->nviews);
+    for (uint32_t i = 0; i < report->npairs; i++)
+        write_pair_row(p, &report->pairs[i]);
+    fputs("</tbody>\n</table>\n</div>\n", p->stream);
     return result;
 }
 
@@ -298,7 +344,7 @@ static void write_fact(const page *p, const char *name, const char *value) {
 
 static slv_result facts(const page *p) {
     const report_data *r = p->report;
-    char text[320];
+    char text[320], name[64];
     write_fact(p, "Texture file", r->ptx);
     write_fact(p, "Mesh", r->mesh ? r->mesh : "the geometry inside the texture file");
     write_fact(p, "Driver", r->gl.renderer);
@@ -306,8 +352,27 @@ static slv_result facts(const page *p) {
     write_fact(p, "OpenGL", text);
     snprintf(text, sizeof text, "%u x %u pixels", r->width, r->height);
     write_fact(p, "Picture size", text);
-    snprintf(text, sizeof text, "%u", r->msaa > 1 ? r->msaa : 1);
-    write_fact(p, "Multisampling (MSAA), samples per pixel", text);
+    snprintf(text, sizeof text, "%u%s", r->rates[r->shown].samples,
+             r->rates[r->shown].frames > 1 ? ", from several pictures averaged" : "");
+    write_fact(p, "Samples per pixel (MSAA) of pictures", text);
+    if (r->left_out[0])
+        write_fact(p, "Sampling rates left out", r->left_out);
+    for (uint32_t i = 0; i < r->nrates; i++) {
+        if (r->rates[i].frames == 1)
+            continue;
+        snprintf(text, sizeof text,
+                 "%u pictures of %u, moved by exact parts of a pixel, averaged in linear light; "
+                 "their time is that of all",
+                 r->rates[i].frames, r->rates[i].msaa);
+        snprintf(name, sizeof name, "%u samples per pixel", r->rates[i].samples);
+        write_fact(p, name, text);
+    }
+    snprintf(text, sizeof text,
+             "%g degrees from %g on; elevation %g, swinging by %g three times; distance from 1/%g "
+             "to %g times that which frames the model, once",
+             (double)r->path.turn, (double)r->path.azimuth, (double)r->path.elevation,
+             (double)r->path.tilt, (double)r->path.dolly, (double)r->path.dolly);
+    write_fact(p, "Orbit", text);
     snprintf(text, sizeof text, r->anisotropy > 1 ? "up to %u times" : "none", r->anisotropy);
     write_fact(p, "Anisotropic filtering, for slanted views", text);
     snprintf(text, sizeof text, "%u per strategy, %u strategies", r->frames, r->nstrategies);
@@ -316,18 +381,53 @@ static slv_result facts(const page *p) {
     write_fact(p, "Faces", text);
     snprintf(text, sizeof text, "%u segments along each face's edge", r->segments);
     write_fact(p, "Tessellation", text);
-    if (r->reference.samples) {
-        snprintf(text, sizeof text, "%u samples per pixel, %.0f seconds", r->reference.samples,
-                 r->reference.seconds);
-        write_fact(p, "Ray-cast reference", text);
+    for (int k = 0; k < REPORT_SOURCES; k++) {
+        if (!r->reference.used[k])
+            continue;
+        if (k == REPORT_SUPERSAMPLED)
+            snprintf(text, sizeof text, "drawn with traverse, 8 x 8 times as large, %u frames",
+                     r->reference.frames);
+        else
+            snprintf(text, sizeof text, "%u rays per pixel, %u frames", r->reference.samples,
+                     r->reference.frames);
+        snprintf(name, sizeof name, "Reference '%s'", report_source_name((report_source)k));
+        write_fact(p, name, text);
     }
     snprintf(text, sizeof text, "%.0f seconds", r->seconds);
     write_fact(p, "The whole comparison took", text);
     return SLV_OK;
 }
 
-static slv_result errors(const page *p) {
+static slv_result orbit_sections(const page *p) {
+    report_write_rates(p->stream, p->report);
     report_write_errors(p->stream, p->report);
+    report_write_curves(p->stream, p->report);
+    report_write_findings(p->stream, p->report);
+    return SLV_OK;
+}
+
+static slv_result papers(const page *p) {
+    return report_write_papers(p->env, p->stream, p->report);
+}
+
+static slv_result advice(const page *p) {
+    if (p->advice.measured) {
+        fputs("<p class=\"verdict\">", p->stream);
+        report_write_advice(p->stream, p->report, &p->advice);
+        fputs("</p>\n", p->stream);
+    }
+    return SLV_OK;
+}
+
+static slv_result rule(const page *p) {
+    if (p->advice.measured)
+        fprintf(
+            p->stream,
+            "<p class=\"small\">The rule: of the strategies whose RMS error at seams is at most "
+            "%.1f times the smallest, the quickest; of those within %.0f %% of its time, the one "
+            "with the least memory. The second paragraph is about close views, where texels are "
+            "larger than pixels: the cheapest whose seam jumps are all hidden.</p>\n",
+            REPORT_NEAR_BEST, 100 * (REPORT_SAME_TIME - 1));
     return SLV_OK;
 }
 
@@ -360,6 +460,8 @@ static slv_result resolutions(const page *p) {
 }
 
 static slv_result verdict(const page *p) {
+    if (p->advice.measured)
+        fputs("Close up, where texels are larger than pixels: ", p->stream);
     report_write_verdict(p->stream, p->report, &p->verdict);
     return SLV_OK;
 }
@@ -414,7 +516,10 @@ static const struct {
     {"pairs", pairs},
     {"method", method},
     {"facts", facts},
-    {"errors", errors},
+    {"orbit_sections", orbit_sections},
+    {"papers", papers},
+    {"advice", advice},
+    {"rule", rule},
     {"version", version},
 };
 
@@ -457,6 +562,10 @@ slv_result report_write_html(const slv_env *env, const char *path, const report_
     slv_result result = output_open(env, path, &file);
     if (result)
         return result;
-    page p = {.env = env, .stream = file.stream, .report = report, .verdict = report_judge(report)};
+    page p = {.env = env,
+              .stream = file.stream,
+              .report = report,
+              .verdict = report_judge(report),
+              .advice = report_advise(report)};
     return output_close(&file, write_page(&p));
 }
