@@ -72,7 +72,7 @@ static void write_left(FILE *stream, const report_data *report) {
     report_curve curves[REPORT_MAX_RATES];
     char names[REPORT_MAX_RATES][16];
     for (uint32_t r = 0; r < report->nrates; r++) {
-        snprintf(names[r], sizeof names[r], "%ux", report->rates[r].samples);
+        snprintf(names[r], sizeof names[r], "%u\u00d7", report->rates[r].samples);
         curves[r] = (report_curve){names[r], r, &report->apart[r]};
     }
     fputs("<h3>Traverse from discard</h3>\n<div class=\"plots\">\n", stream);
@@ -239,8 +239,10 @@ void report_write_findings(FILE *stream, const report_data *report) {
         return;
     fputs("<section aria-labelledby=\"toth\">\n<h2 id=\"toth\">What Toth found, and what is found "
           "here</h2>\n<p class=\"caption\">Robert Toth, <cite>Avoiding Texture Seams by Discarding "
-          "Filter Taps</cite>, 2013, section 4. Errors are RMS at seams; a difference of less than "
-          "2 % decides nothing, and up to 10 % is roughly equal.</p>\n<ol class=\"findings\">\n",
+          "Filter Taps</cite>, 2013, section 4. Errors are RMS over all pixels, as his curves are, "
+          "from his kind of reference (<code>supersampled</code>) if it was asked for; a "
+          "difference of less than 2 % decides nothing, and up to 10 % is roughly equal.</p>\n<ol "
+          "class=\"findings\">\n",
           stream);
     for (int i = 0; i < REPORT_FINDINGS; i++) {
         const report_finding *f = &findings[i];

@@ -113,12 +113,15 @@ typedef struct contest {
     bool both;
 } contest;
 
-static double error_ratio(const contest *c, uint32_t rate) {
+static double seam_ratio(const contest *c, uint32_t rate) {
     return report_seam_error(c->report, c->source, rate, c->discard) /
            report_seam_error(c->report, c->source, rate, c->traverse);
 }
 
-static double all_ratio(const contest *c, uint32_t rate) {
+/* Over all pixels, as Toth's curves are. */
+static double error_ratio(const contest *c, uint32_t rate) {
+    if (c->source == REPORT_SOURCES)
+        return NAN;
     report_tally a = report_errors_part(
         &c->report->strategies[c->discard].rates[rate].errors[c->source], REPORT_ALL);
     report_tally b = report_errors_part(
@@ -150,9 +153,8 @@ static void judge_error(const contest *c, uint32_t samples, report_finding *find
                            : ratio < ROUGHLY && ratio > 1 / ROUGHLY ? REPORT_REPRODUCED
                                                                     : REPORT_REFUTED;
     finding->judgement = stricter(finding->judgement, one);
-    say(finding,
-        "%sat %ux the error of discard is %.3f times that of traverse (%.3f over all pixels)",
-        finding->numbers[0] ? "; " : "", samples, ratio, all_ratio(c, rate));
+    say(finding, "%sat %ux the error of discard is %.3f times that of traverse (%.3f at seams)",
+        finding->numbers[0] ? "; " : "", samples, ratio, seam_ratio(c, rate));
 }
 
 static void judge_apart(const contest *c, report_finding *finding) {

@@ -38,7 +38,8 @@ typedef struct report_finding {
     char numbers[256];
 } report_finding;
 
-/* Against the supersampled reference, which is Toth's own, or else the first that there is. */
+/* By the RMS error of all pixels, outlines included, against the supersampled reference, which is
+ * Toth's own, or else the first that there is. */
 void report_find_out(const report_data *report, report_finding findings[REPORT_FINDINGS]);
 const char *report_judgement_name(report_judgement judgement);
 

@@ -111,6 +111,8 @@ static slv_result strategy_rows(const page *p) {
                 strategy_name(p, i));
         if (best)
             fprintf(p->stream, " <span class=\"pick\">%s</span>", picks[p->verdict.outcome]);
+        if (p->advice.measured && i == p->advice.take)
+            fputs(" <span class=\"pick\">for this orbit</span>", p->stream);
         if (strategy_phrases[row->strategy])
             fprintf(p->stream, "<small>%s</small>", strategy_phrases[row->strategy]);
         fputs("</th>", p->stream);
