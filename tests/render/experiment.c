@@ -3,6 +3,8 @@
 #include "render/command_kit.h"
 #include "render/cube_kit.h"
 
+#include <selvage/camera.h>
+
 #include <jansson.h>
 
 #include <signal.h>
@@ -260,6 +262,99 @@ static void check_left_out(void) {
     json_decref(root);
 }
 
+enum { SIDE = 3, TEXELS = 8, PIXELS = 100 };
+
+/* A flat grid of SIDE * SIDE faces with TEXELS * TEXELS texels each, on y = 0, 0 to SIDE. */
+static void write_grid(const char *path) {
+    char obj[4096] = "";
+    size_t length = 0;
+    slv_res res[SIDE * SIDE];
+    const slv_texture_desc desc = {SIDE * SIDE, SLV_TYPE_U8, 3, SLV_NO_ALPHA, res};
+    const slv_procedural noise = {.pattern = SLV_PATTERN_NOISE, .frequency = 2, .face_tint = 0.5f};
+    slv_env env = test_env();
+    slv_mesh *mesh = NULL;
+    slv_adjacency *adjacency = NULL;
+    slv_surface *surface = NULL;
+    slv_texture *texture = NULL;
+    for (int i = 0; i < (SIDE + 1) * (SIDE + 1); i++)
+        length += (size_t)snprintf(obj + length, sizeof obj - length, "v %d 0 %d\n", i % (SIDE + 1),
+                                   i / (SIDE + 1));
+    for (int i = 0; i < SIDE * SIDE; i++) {
+        int a = 1 + i / SIDE * (SIDE + 1) + i % SIDE;
+        res[i] = (slv_res){3, 3};
+        length += (size_t)snprintf(obj + length, sizeof obj - length, "f %d %d %d %d\n", a,
+                                   a + SIDE + 1, a + SIDE + 2, a + 1);
+    }
+    const slv_surface_params flat = {.scheme = SLV_SCHEME_BILINEAR};
+    REQUIRE(slv_mesh_parse_obj(&env, "grid", obj, length, &mesh) == SLV_OK);
+    REQUIRE(slv_mesh_adjacency(&env, mesh, &adjacency) == SLV_OK);
+    REQUIRE(slv_surface_create(&env, mesh, &flat, &surface) == SLV_OK);
+    REQUIRE(slv_texture_create(&env, &desc, &texture) == SLV_OK);
+    REQUIRE(slv_bake_procedural(&env, surface, &noise, NULL, texture) == SLV_OK);
+    REQUIRE(slv_ptx_save(&env, path, texture, adjacency, &(slv_ptx_write_params){.mesh = mesh}) ==
+            SLV_OK);
+    slv_texture_destroy(texture);
+    slv_surface_destroy(surface);
+    slv_adjacency_destroy(adjacency);
+    slv_mesh_destroy(mesh);
+}
+
+/* Which kind each pixel is can be told by hand where all is flat and seen from above. */
+static void check_kinds(void) {
+    static const char *const labels[] = {"outline", "interior", "edge", "regular", "extraordinary"};
+    const float low[3] = {0, 0, 0}, high[3] = {SIDE, 0, SIDE};
+    const slv_camera camera = slv_camera_orbit(low, high, 0, 90, 0, 1);
+    const double size = (double)(camera.window[1] - camera.window[0]) / PIXELS;
+    const double reach = size / 2 + 0.5 / TEXELS; /* texels are larger than pixels */
+    uint32_t expected[5] = {0};
+    char grid[KIT_PATH];
+    REQUIRE(size < 1.0 / TEXELS);
+    for (int i = 0; i < PIXELS * PIXELS; i++) {
+        double at[2] = {SIDE / 2.0 + size * (i % PIXELS + 0.5 - PIXELS / 2),
+                        SIDE / 2.0 + size * (i / PIXELS + 0.5 - PIXELS / 2)};
+        int inner = 0, outer = 0; /* edges within reach, shared and boundary */
+        bool outside = false;
+        for (int k = 0; k < 2; k++) {
+            double line = round(at[k]);
+            outside |= at[k] - size / 2 < 0 || at[k] + size / 2 > SIDE;
+            if (fabs(at[k] - line) < reach)
+                line > 0 && line < SIDE ? inner++ : outer++;
+        }
+        expected[outside ? 0 : inner + outer == 2 && inner ? 3 : inner ? 2 : 1]++;
+    }
+    kit_selvage(&scratch, NULL,
+                ARGUMENTS("compare", (write_grid(kit_join(grid, scratch.root, "grid.ptx")), grid),
+                          "-q", "--quick", "--scheme", "bilinear", "--size", "100", "--frames", "1",
+                          "--orbit", "0", "--azimuth", "0", "--elevation", "90", "--tilt", "0",
+                          "--dolly", "1", "--fov", "0", "--msaa", "1", "--tess", "2",
+                          "--strategies", "clamp,traverse", "--reference-samples", "16", "-o",
+                          "grid"),
+                &run);
+    CHECK_MSG(run.code == 0, "%d: %s", run.code, run.err);
+    REQUIRE(run.code == 0);
+    json_t *root = load_report("grid");
+    const json_t *pixels = json_object_get(json_object_get(root, "reference"), "pixels");
+    for (int k = 0; k < 5; k++)
+        CHECK_MSG(number(pixels, labels[k]) == expected[k], "%g pixels are %s, expected %u",
+                  number(pixels, labels[k]), labels[k], expected[k]);
+    const json_t *rows = json_object_get(root, "strategies");
+    const json_t *errors[2];
+    for (size_t s = 0; s < 2; s++)
+        errors[s] = json_object_get(
+            json_object_get(json_array_get(json_object_get(json_array_get(rows, s), "rates"), 0),
+                            "errors"),
+            "raycast");
+    double interior[2], seams[2];
+    for (size_t s = 0; s < 2; s++) {
+        interior[s] = number(json_object_get(errors[s], "interior"), "rms");
+        seams[s] = number(json_object_get(errors[s], "seams"), "rms");
+    }
+    CHECK_MSG(interior[0] < 0.003 && interior[1] < 0.003, "inside %g and %g", interior[0],
+              interior[1]); /* software clamps in 8 bits */
+    CHECK_MSG(seams[0] > 2 * seams[1], "at seams %g and %g", seams[0], seams[1]);
+    json_decref(root);
+}
+
 int main(void) {
     kit_scratch_make(&scratch);
     cube_write(kit_join(ptx, scratch.root, "cube.ptx"));
@@ -273,6 +368,7 @@ int main(void) {
     refuse(2, "borders|traverse", "--strategies", "clamp,best");
     refuse(1, "64 samples", "--msaa", "64");
     check_left_out();
+    check_kinds();
     kit_remove(scratch.folder);
     REQUIRE(mkdir(scratch.folder, 0777) == 0);
     check_whole();
