@@ -95,7 +95,8 @@ static slv_result measure_seams(struct session *s) {
             cli_progress_update(&progress, k * REPORT_LEVELS + level + 1);
         }
     }
-    cli_progress_end(&progress);
+    if (!result && !cli_interrupted())
+        cli_progress_end(&progress);
     return result;
 }
 
@@ -212,12 +213,15 @@ static slv_result prepare(struct session *s) {
 }
 
 static slv_result run(struct session *s) {
-    char path[1100];
+    char path[1100], older[1100];
     slv_result result = prepare(s);
     if (result)
         return result;
     json_t *given = conditions(s);
     snprintf(path, sizeof path, "%s/frames.jsonl", s->options->out);
+    snprintf(older, sizeof older, "%s/frames.old.jsonl", s->options->out);
+    if (!s->options->resume)
+        rename(path, older); /* there may be hours in it, and --resume forgotten */
     if (!given)
         result = output_fail(&s->env, SLV_ERROR_MEMORY, "%s: no memory for it", path);
     else if (mkdir(s->options->out, 0777) != 0 && errno != EEXIST)

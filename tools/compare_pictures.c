@@ -28,7 +28,8 @@ static slv_result draw_views(experiment *e) {
             result = experiment_reference(e, report->reference.first, &frame,
                                           &report->reference.views[v], &estimate);
     }
-    cli_progress_end(&progress);
+    if (!result)
+        cli_progress_end(&progress);
     return result;
 }
 

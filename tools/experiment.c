@@ -253,7 +253,8 @@ static slv_result run_frames(experiment *e, totals *t, experiment_state *state,
             result = add_frame(t, frame);
         cli_progress_update(&progress, t->ndone - before);
     }
-    cli_progress_end(&progress);
+    if (!result)
+        cli_progress_end(&progress);
     return result;
 }
 

@@ -1,10 +1,7 @@
 #include "output.h"
 #include "report_experiment.h"
-#include "report_findings.h"
-#include "report_verdict.h"
+#include "report_page.h"
 
-#include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
 /* Made by the build from the files of tools/report. */
@@ -13,24 +10,12 @@ struct report_table_row {
 };
 extern const struct report_table_row report_table[];
 
-typedef struct page {
-    const slv_env *env;
-    FILE *stream;
-    const report_data *report;
-    report_verdict verdict;
-    report_advice advice;
-} page;
-
 static const char *const strategy_phrases[SLV_STRATEGY_COUNT] = {
     [SLV_STRATEGY_CLAMP] = "reads its own face only; the baseline that shows the problem",
     [SLV_STRATEGY_BORDERS] = "every level stored with a border copied from the neighbours",
     [SLV_STRATEGY_TRAVERSE] = "reads the neighbours that a lookup reaches as well",
     [SLV_STRATEGY_DISCARD] = "drops what falls outside its face; multisampling blends",
 };
-
-static bool has_reference(const page *p) {
-    return p->report->reference.first < REPORT_SOURCES;
-}
 
 static const char *find_text(const char *name, size_t length) {
     for (const struct report_table_row *row = report_table; row->name; row++)
@@ -42,46 +27,6 @@ static const char *find_text(const char *name, size_t length) {
 static const char *file_name(const char *path) {
     const char *slash = strrchr(path, '/');
     return slash && slash[1] ? slash + 1 : path;
-}
-
-static const char *strategy_name(const page *p, uint32_t index) {
-    return slv_strategy_name(p->report->strategies[index].strategy);
-}
-
-static void write_base64(FILE *stream, const unsigned char *bytes, size_t size) {
-    static const char digits[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-    char line[4096];
-    size_t filled = 0;
-    for (size_t i = 0; i < size; i += 3) {
-        size_t left = size - i;
-        uint32_t triple = (uint32_t)bytes[i] << 16 | (left > 1 ? (uint32_t)bytes[i + 1] << 8 : 0) |
-                          (left > 2 ? bytes[i + 2] : 0u);
-        line[filled++] = digits[triple >> 18];
-        line[filled++] = digits[triple >> 12 & 63];
-        line[filled++] = left > 1 ? digits[triple >> 6 & 63] : '=';
-        line[filled++] = left > 2 ? digits[triple & 63] : '=';
-        if (filled == sizeof line) {
-            fwrite(line, 1, filled, stream);
-            filled = 0;
-        }
-    }
-    fwrite(line, 1, filled, stream);
-}
-
-/* The attributes src, width and height of a picture. */
-static slv_result write_source(const page *p, const slv_image *image) {
-    static const slv_image_params params = {.encoding = SLV_ENCODE_SRGB, .bits = 8};
-    void *bytes = NULL;
-    size_t size = 0;
-    slv_result result = slv_image_encode_png(p->env, image, &params, &bytes, &size);
-    if (result)
-        return result;
-    fprintf(p->stream, " width=\"%u\" height=\"%u\" src=\"data:image/png;base64,", image->width,
-            image->height);
-    write_base64(p->stream, bytes, size);
-    fputs("\"", p->stream);
-    free(bytes);
-    return SLV_OK;
 }
 
 static void write_jump_cell(FILE *stream, const slv_gl_seam *seam, bool equal) {
@@ -108,7 +53,7 @@ static slv_result strategy_rows(const page *p) {
         const report_strategy *row = &p->report->strategies[i];
         bool best = i == p->verdict.best;
         fprintf(p->stream, "<tr%s><th scope=\"row\">%s", best ? " class=\"best\"" : "",
-                strategy_name(p, i));
+                page_strategy_name(p, i));
         if (best)
             fprintf(p->stream, " <span class=\"pick\">%s</span>", picks[p->verdict.outcome]);
         if (p->advice.measured && i == p->advice.take)
@@ -130,7 +75,7 @@ static slv_result strategy_rows(const page *p) {
 
 static slv_result level_rows(const page *p) {
     for (uint32_t i = 0; i < p->report->nstrategies; i++) {
-        fprintf(p->stream, "<tr><th scope=\"row\">%s</th>", strategy_name(p, i));
+        fprintf(p->stream, "<tr><th scope=\"row\">%s</th>", page_strategy_name(p, i));
         for (uint32_t level = 0; level < REPORT_LEVELS; level++) {
             const slv_gl_seam *seam = &p->report->strategies[i].seams[level];
             if (!seam->nedges) {
@@ -152,8 +97,8 @@ static slv_result level_rows(const page *p) {
 static void write_options(const page *p, uint32_t selected) {
     for (uint32_t i = 0; i < p->report->nstrategies; i++)
         fprintf(p->stream, "<option value=\"%u\"%s>%s</option>", i,
-                i == selected ? " selected" : "", strategy_name(p, i));
-    if (has_reference(p))
+                i == selected ? " selected" : "", page_strategy_name(p, i));
+    if (page_has_reference(p))
         fprintf(p->stream, "<option value=\"%u\">reference</option>", p->report->nstrategies);
 }
 
@@ -174,148 +119,6 @@ static slv_result view_options(const page *p) {
     for (uint32_t v = 0; v < p->report->nviews; v++)
         fprintf(p->stream, "<option value=\"%u\">%u of %u</option>", v, v + 1, p->report->nviews);
     return SLV_OK;
-}
-
-static slv_result views(const page *p) {
-    slv_result result = SLV_OK;
-    for (uint32_t v = 0; v < p->report->nviews; v++) {
-        if (has_reference(p)) {
-            fprintf(p->stream,
-                    "<img alt=\"View %u, the reference\" data-view=\"%u\" data-strategy=\"%u\"",
-                    v + 1, v, p->report->nstrategies);
-            result = write_source(p, &p->report->reference.views[v]);
-            fputs(">\n", p->stream);
-        }
-        for (uint32_t i = 0; !result && i < p->report->nstrategies; i++) {
-            fprintf(p->stream,
-                    "<img alt=\"View %u, drawn with %s\" data-view=\"%u\" data-strategy=\"%u\"",
-                    v + 1, strategy_name(p, i), v, i);
-            result = write_source(p, &p->report->strategies[i].views[v]);
-            fputs(">\n", p->stream);
-        }
-    }
-    return result;
-}
-
-static slv_result spots(const page *p) {
-    const report_data *report = p->report;
-    slv_result result = SLV_OK;
-    if (!report->nspots) {
-        fputs(
-            "<p>There is no place in the views where the strategies' pictures differ by a visible "
-            "amount.</p>\n",
-            p->stream);
-        return result;
-    }
-    fprintf(p->stream,
-            "<p>%s, drawn again by a camera that looks at nothing else. Nothing was smoothed: each "
-            "square is a pixel of that drawing.</p>\n",
-            has_reference(p) ? "The places of all views where the worst strategy is further from "
-                               "the reference than the best"
-                             : "The places of all views where the strategies disagree most");
-    for (uint32_t s = 0; !result && s < report->nspots; s++) {
-        const report_spot *spot = &report->spots[s];
-        fprintf(p->stream,
-                "<div class=\"spot\">\n<div class=\"spot-head\"><h3>Seam %u</h3><p>View %u, %.0f "
-                "%% from the "
-                "left and %.0f %% from the top, enlarged %g times</p>"
-                "<button type=\"button\" hidden data-view=\"%u\" data-x=\"%.5f\" "
-                "data-y=\"%.5f\">Find it in "
-                "the picture</button></div>\n<div class=\"row\" style=\"--n:%u\">\n",
-                s + 1, spot->view + 1, (double)spot->x * 100, (double)spot->y * 100,
-                (double)spot->zoom, spot->view, (double)spot->x, (double)spot->y,
-                report->nstrategies + has_reference(p));
-        if (has_reference(p)) {
-            fprintf(p->stream, "<figure><img alt=\"Seam %u, enlarged, the reference\"", s + 1);
-            result = write_source(p, &report->reference.spots[s]);
-            fputs("><figcaption>reference</figcaption></figure>\n", p->stream);
-        }
-        for (uint32_t i = 0; !result && i < report->nstrategies; i++) {
-            fprintf(p->stream, "<figure><img alt=\"Seam %u, enlarged, drawn with %s\"", s + 1,
-                    strategy_name(p, i));
-            result = write_source(p, &report->strategies[i].spots[s]);
-            fprintf(p->stream, "><figcaption>%s</figcaption></figure>\n", strategy_name(p, i));
-        }
-        fputs("</div>\n</div>\n", p->stream);
-    }
-    return result;
-}
-
-static void write_legend(FILE *stream) {
-    fputs(
-        "<div class=\"legend\"><div class=\"legend-bar\" role=\"img\" aria-label=\"Scale: black is "
-        "equal, then blue, red and yellow, white is a difference of 16/255 and more\"></div>"
-        "<div class=\"legend-ticks\" aria-hidden=\"true\"><span>equal</span>"
-        "<span style=\"--i:2\">4/255</span><span style=\"--i:3\">8/255</span>"
-        "<span style=\"--i:4\">12/255</span><span>16/255</span></div></div>\n",
-        stream);
-}
-
-static slv_result write_heats(const page *p) {
-    const report_data *report = p->report;
-    slv_result result = SLV_OK;
-    fputs("<h3>From the reference</h3>\n<div class=\"pairs\">\n", p->stream);
-    for (uint32_t i = 0; !result && i < report->nstrategies; i++) {
-        const char *name = strategy_name(p, i);
-        fprintf(p->stream, "<figure><img alt=\"Map of the distance of %s from the reference\"",
-                name);
-        result = write_source(p, &report->strategies[i].heat);
-        fprintf(p->stream, ">\n<figcaption>%s</figcaption></figure>\n", name);
-    }
-    fputs("</div>\n<h3>From each other</h3>\n", p->stream);
-    return result;
-}
-
-static void write_pair_row(const page *p, const report_pair *pair) {
-    fprintf(p->stream, "<tr><th scope=\"row\">%s and %s</th><td>", strategy_name(p, pair->a),
-            strategy_name(p, pair->b));
-    report_write_jump(p->stream, pair->max);
-    fputs("</td><td>", p->stream);
-    report_write_jump(p->stream, pair->mean);
-    if (isfinite(pair->psnr))
-        fprintf(p->stream, "</td><td>%.1f dB", pair->psnr);
-    else
-        fputs("</td><td>identical", p->stream);
-    fprintf(p->stream, "</td><td>%.2f %%</td><td>%.2f %%</td></tr>\n", pair->over_1 * 100,
-            pair->over_4 * 100);
-}
-
-static slv_result pairs(const page *p) {
-    const report_data *report = p->report;
-    slv_result result = SLV_OK;
-    if (!report->npairs && !has_reference(p)) {
-        fputs("<p>One strategy alone has nothing to be compared with.</p>\n", p->stream);
-        return result;
-    }
-    fputs("<p>Each map shows the first view: how far two pictures' pixels are apart in their most "
-          "different channel, in linear light.</p>\n",
-          p->stream);
-    write_legend(p->stream);
-    if (has_reference(p))
-        result = write_heats(p);
-    fputs("<div class=\"pairs\">\n", p->stream);
-    for (uint32_t i = 0; !result && i < report->npairs; i++) {
-        const report_pair *pair = &report->pairs[i];
-        const char *a = strategy_name(p, pair->a), *b = strategy_name(p, pair->b);
-        fprintf(p->stream, "<figure><img alt=\"Map of the differences between %s and %s\"", a, b);
-        result = write_source(p, &pair->heat);
-        fprintf(p->stream, ">\n<figcaption>%s and %s</figcaption></figure>\n", a, b);
-    }
-    fprintf(p->stream,
-            "</div>\n<p class=\"caption\" id=\"pairs-what\">Over all %u views, where the surface "
-            "covers the whole pixel.</p>\n<div class=\"scroll\" tabindex=\"0\" role=\"region\" "
-            "aria-labelledby=\"differences\">\n<table aria-labelledby=\"differences\" "
-            "aria-describedby=\"pairs-what\">\n<thead>\n<tr><th scope=\"col\" "
-            "rowspan=\"2\">Strategies</th><th scope=\"colgroup\" colspan=\"2\">Difference, "
-            "1/255</th><th scope=\"col\" rowspan=\"2\">PSNR</th><th scope=\"colgroup\" "
-            "colspan=\"2\">Pixels further apart than</th></tr>\n<tr><th scope=\"col\">largest</th>"
-            "<th scope=\"col\">mean</th><th scope=\"col\">1/255</th><th "
-            "scope=\"col\">4/255</th></tr>\n</thead>\n<tbody>\n",
-            report->nviews);
-    for (uint32_t i = 0; i < report->npairs; i++)
-        write_pair_row(p, &report->pairs[i]);
-    fputs("</tbody>\n</table>\n</div>\n", p->stream);
-    return result;
 }
 
 static slv_result method(const page *p) {
@@ -469,12 +272,12 @@ static slv_result verdict(const page *p) {
 }
 
 static slv_result baseline(const page *p) {
-    fputs(strategy_name(p, p->verdict.baseline), p->stream);
+    fputs(page_strategy_name(p, p->verdict.baseline), p->stream);
     return SLV_OK;
 }
 
 static slv_result ratio_to_baseline(const page *p) {
-    fprintf(p->stream, "ratio to %s", strategy_name(p, p->verdict.baseline));
+    fprintf(p->stream, "ratio to %s", page_strategy_name(p, p->verdict.baseline));
     return SLV_OK;
 }
 
@@ -511,11 +314,11 @@ static const struct {
     {"left_options", left_options},
     {"right_options", right_options},
     {"view_options", view_options},
-    {"views", views},
+    {"views", page_views},
     {"width", width},
     {"height", height},
-    {"spots", spots},
-    {"pairs", pairs},
+    {"spots", page_spots},
+    {"pairs", page_pairs},
     {"method", method},
     {"facts", facts},
     {"orbit_sections", orbit_sections},

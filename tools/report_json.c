@@ -192,15 +192,32 @@ static json_t *spots_json(const report_data *report) {
     return list;
 }
 
+static json_t *orbit_json(const orbit *path) {
+    return json_pack("{s:f, s:f, s:f, s:f, s:f, s:f}", "azimuth", (double)path->azimuth, "turn",
+                     (double)path->turn, "elevation", (double)path->elevation, "tilt",
+                     (double)path->tilt, "dolly", (double)path->dolly, "fov", (double)path->fov);
+}
+
+static json_t *how_json(const report_data *report) {
+    json_t *list = json_array();
+    for (uint32_t r = 0; r < report->nrates; r++)
+        list = append(list,
+                      json_pack("{s:I, s:I, s:I}", "samples", (json_int_t)report->rates[r].samples,
+                                "pictures", (json_int_t)report->rates[r].frames, "msaa",
+                                (json_int_t)report->rates[r].msaa));
+    return list;
+}
+
 static json_t *conditions_json(const report_data *report) {
     const slv_gl_info *gl = &report->gl;
-    return json_pack("{s:o, s:o, s:o, s:b, s:I, s:I, s:I, s:I, s:I, s:I, s:I, s:o}", "vendor",
-                     text(gl->vendor), "renderer", text(gl->renderer), "gl_version",
+    return json_pack("{s:o, s:o, s:o, s:b, s:I, s:I, s:I, s:o, s:s, s:I, s:I, s:I, s:I, s:o, s:o}",
+                     "vendor", text(gl->vendor), "renderer", text(gl->renderer), "gl_version",
                      text(gl->version), "software", (int)gl->software, "width",
                      (json_int_t)report->width, "height", (json_int_t)report->height, "msaa",
-                     (json_int_t)report->rates[report->shown].samples, "anisotropy",
-                     (json_int_t)report->anisotropy, "frames", (json_int_t)report->frames, "views",
-                     (json_int_t)report->nviews, "segments", (json_int_t)report->segments,
+                     (json_int_t)report->rates[report->shown].samples, "rates", how_json(report),
+                     "left_out", report->left_out, "anisotropy", (json_int_t)report->anisotropy,
+                     "frames", (json_int_t)report->frames, "views", (json_int_t)report->nviews,
+                     "segments", (json_int_t)report->segments, "orbit", orbit_json(&report->path),
                      "seconds", output_json_number(report->seconds));
 }
 
