@@ -89,7 +89,7 @@ static slv_result measure_seams(struct session *s) {
         report_strategy *row = &report->strategies[k];
         row->stats = slv_gl_texture_get_stats(s->texture, row->strategy);
         for (uint32_t level = 0; !result && !cli_interrupted() && level < REPORT_LEVELS; level++) {
-            slv_gl_seam_params params = {.samples = s->options->quick ? 9 : 17, .level = level};
+            slv_gl_seam_params params = {.level = level};
             result = slv_gl_texture_seam_jump(s->texture, &s->env, row->strategy,
                                               s->scene.adjacency, &params, &row->seams[level]);
             cli_progress_update(&progress, k * REPORT_LEVELS + level + 1);

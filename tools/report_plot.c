@@ -2,7 +2,7 @@
 
 #include <math.h>
 
-enum { WIDTH = 480, HEIGHT = 320, LEFT = 62, RIGHT = 470, TOP = 12, BOTTOM = 268 };
+enum { WIDTH = 480, HEIGHT = 320, LEFT = 62, RIGHT = 470, TOP = 12, BOTTOM = 268, PALETTE = 8 };
 
 static double plot_x(double error) {
     return LEFT + (RIGHT - LEFT) * (log2(error) + 10) / 10;
@@ -22,7 +22,7 @@ static void write_curve(FILE *stream, const report_curve *curve, double low) {
     }
     if (any)
         fprintf(stream, "\" fill=\"none\" stroke=\"var(--c%u)\" stroke-width=\"1.75\"/>\n",
-                curve->color);
+                curve->color % PALETTE);
 }
 
 static void write_axes(FILE *stream, double low) {
@@ -57,7 +57,7 @@ void report_write_plot(FILE *stream, const char *title, const char *label,
         write_curve(stream, &curves[i], low);
     fputs("</svg><p class=\"key\">", stream);
     for (uint32_t i = 0; i < ncurves; i++)
-        fprintf(stream, "<span><i style=\"background:var(--c%u)\"></i>%s</span>", curves[i].color,
-                curves[i].name);
+        fprintf(stream, "<span><i style=\"background:var(--c%u)\"></i>%s</span>",
+                curves[i].color % PALETTE, curves[i].name);
     fputs("</p></figure>\n", stream);
 }
