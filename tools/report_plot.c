@@ -2,7 +2,7 @@
 
 #include <math.h>
 
-enum { WIDTH = 480, HEIGHT = 320, LEFT = 62, RIGHT = 470, TOP = 12, BOTTOM = 268, PALETTE = 8 };
+enum { WIDTH = 480, HEIGHT = 320, LEFT = 74, RIGHT = 470, TOP = 12, BOTTOM = 268, PALETTE = 8 };
 
 static double plot_x(double error) {
     return LEFT + (RIGHT - LEFT) * (log2(error) + 10) / 10;
@@ -13,7 +13,7 @@ static double plot_y(double share, double low) {
     return TOP + (BOTTOM - TOP) * log(share) / log(low);
 }
 
-static void write_curve(FILE *stream, const report_curve *curve, double low) {
+static void write_curve(FILE *stream, const report_curve *curve, double low, double width) {
     bool any = false;
     for (uint32_t i = 0; i < REPORT_ERROR_STEPS && report_share(curve->errors, i) >= low; i++) {
         fprintf(stream, "%s%.1f %.1f", any ? "L" : "<path d=\"M", plot_x(report_error_step(i)),
@@ -21,8 +21,8 @@ static void write_curve(FILE *stream, const report_curve *curve, double low) {
         any = true;
     }
     if (any)
-        fprintf(stream, "\" fill=\"none\" stroke=\"var(--c%u)\" stroke-width=\"1.75\"/>\n",
-                curve->color % PALETTE);
+        fprintf(stream, "\" fill=\"none\" stroke=\"var(--c%u)\" stroke-width=\"%.2f\"/>\n",
+                curve->color % PALETTE, width);
 }
 
 static void write_axes(FILE *stream, double low) {
@@ -53,8 +53,8 @@ void report_write_plot(FILE *stream, const char *title, const char *label,
             "role=\"img\" aria-label=\"%s\" font-size=\"12\" fill=\"currentColor\">\n",
             title, WIDTH, HEIGHT, label);
     write_axes(stream, low);
-    for (uint32_t i = 0; i < ncurves; i++)
-        write_curve(stream, &curves[i], low);
+    for (uint32_t i = 0; i < ncurves; i++) /* the first is seen beneath others that lie on it */
+        write_curve(stream, &curves[i], low, i + 1 < ncurves ? 4.5 - 3.0 * i / ncurves : 1.5);
     fputs("</svg><p class=\"key\">", stream);
     for (uint32_t i = 0; i < ncurves; i++)
         fprintf(stream, "<span><i style=\"background:var(--c%u)\"></i>%s</span>",
