@@ -88,8 +88,8 @@ SLV_API slv_result slv_reference_render(const slv_reference *reference, const sl
                                         const slv_reference_frame *frame, slv_image *image,
                                         slv_image *error, slv_reference_stats *stats);
 
-/* What the ray through a pixel's centre meets. Derivatives are by one pixel to the right [0] and one
- * down [1], along the plane of the triangle that was hit: the footprint of the pixel is the
+/* What the ray through a pixel's centre meets. Derivatives are by one pixel to the right [0] and
+ * one down [1], along the plane of the triangle that was hit: the footprint of the pixel is the
  * parallelogram of the two. */
 typedef struct slv_reference_hit {
     int32_t face; /* -1: nothing is hit, and the rest is zero */
