@@ -1,8 +1,6 @@
 #include "experiment.h"
 #include "output.h"
 
-#include <GL/glcorearb.h>
-
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -31,29 +29,6 @@ bool experiment_parse_rates(const char *list, report_data *report) {
     return report->nrates > 0;
 }
 
-/* Whether the driver gives just as many samples when they are asked for: what it does not have it
- * replaces by more without a word. */
-static bool driver_has(const slv_gl *gl, uint32_t samples) {
-    static const GLenum formats[2] = {GL_RGBA16F, GL_DEPTH_COMPONENT32F};
-    PFNGLGETINTERNALFORMATIVPROC get =
-        (PFNGLGETINTERNALFORMATIVPROC)slv_gl_get_function(gl, "glGetInternalformativ");
-    bool all = true;
-    if (samples == 1)
-        return true;
-    if (!get || samples > slv_gl_get_info(gl)->max_msaa)
-        return false;
-    for (int i = 0; i < 2; i++) {
-        GLint count = 0, list[32] = {0};
-        bool any = false;
-        get(GL_RENDERBUFFER, formats[i], GL_NUM_SAMPLE_COUNTS, 1, &count);
-        get(GL_RENDERBUFFER, formats[i], GL_SAMPLES, 32, list);
-        for (GLint k = 0; k < count && k < 32; k++)
-            any |= list[k] == (GLint)samples;
-        all &= any;
-    }
-    return all;
-}
-
 static void add_words(char *text, size_t size, const char *format, uint32_t number) {
     size_t length = strlen(text);
     snprintf(text + length, size - length, format, number);
@@ -64,12 +39,12 @@ slv_result experiment_find_rates(const slv_env *env, const slv_gl *gl, uint32_t 
     char had[64] = "1", missing[64] = "";
     uint32_t kept = 0;
     for (uint32_t n = 2; n <= MAX_SAMPLES; n *= 2)
-        if (driver_has(gl, n))
+        if (slv_gl_has_samples(gl, n))
             add_words(had, sizeof had, ", %u", n);
     for (uint32_t i = 0; i < report->nrates; i++) {
         report_rate rate = report->rates[i];
         rate.msaa = rate.samples;
-        while (!driver_has(gl, rate.msaa))
+        while (!slv_gl_has_samples(gl, rate.msaa))
             rate.msaa /= 2;
         rate.frames = rate.samples / rate.msaa;
         if (rate.frames <= accumulate)
