@@ -9,14 +9,21 @@
 // alpha is 1. Nothing here divides by zero, whatever the helper pixels hold.
 //
 // The text comes from slv_gl_texture_glsl with these defined before it:
-//   SLV_STRATEGY        0 clamp, 1 borders, 2 traverse, 3 discard
+//   SLV_STRATEGY        0 clamp, 1 borders, 2 traverse, 3 discard, 4 hybrid, 5 traverse-full
 //   SLV_POOLS           array textures bound; the batch's own is number 0
 //   SLV_SUBFACES        1 if a face of the batch has two sub-faces across one edge
 //   SLV_SPLIT_COVERAGE  1 if coverage has textures of its own (four-channel data)
 //   SLV_ANISOTROPY, SLV_BORDER, SLV_FIRST_UNIT, SLV_FIRST_STORAGE
 //   SLV_TAPS            1 if anisotropic taps are made here and not by the sampler: software drivers take the long axis of a
 //                       footprint from the coordinates of neighbouring fragments, whatever derivatives they are given
+//   SLV_VECTORS         1 if fragments run in vectors that only a loop's end can leave early (llvmpipe). Both sides of an `if` run
+//                       there for all, every case of a `switch`, and the body of a loop once more than needed if its condition
+//                       stands at the top
+#if SLV_VECTORS
+#extension GL_ARB_shader_ballot : require
+#endif
 
+const float SLV_HYBRID_RANGE = 0.5; // levels over which hybrid goes over from traverse to discard
 const int SLV_LEVELS = 17; // room for 65536 x 65536
 
 layout(binding = SLV_FIRST_UNIT) uniform sampler2DArray slv_pool[SLV_POOLS];
@@ -43,12 +50,26 @@ struct slv_footprint {
     float level; // of each tap
 };
 
+// Coordinates and derivatives at silhouettes and of degenerate triangles can be anything. What is no number counts as huge.
+vec2 slv_bounded(vec2 v) {
+    const float huge = 1e9;
+    return mix(vec2(huge), v, lessThanEqual(abs(v), vec2(huge)));
+}
+vec2 slv_inside(vec2 uv) {
+    return mix(vec2(0.0), min(uv, 1.0), greaterThanEqual(uv, vec2(0.0)));
+}
+
 slv_footprint slv_footprint_of(vec2 size, vec2 dx, vec2 dy) {
+    dx = slv_bounded(dx);
+    dy = slv_bounded(dy);
     float px = length(dx * size), py = length(dy * size);
     float longest = max(px, py), shortest = min(px, py);
     int taps = int(clamp(ceil(longest / max(shortest, 1e-12)), 1.0, float(SLV_ANISOTROPY)));
 #if SLV_TAPS
     taps |= 1; // an odd number has one in the centre, which the face cannot miss however small it is
+#if SLV_VECTORS && SLV_STRATEGY != 5
+    taps = gl_HelperInvocation ? 1 : taps;
+#endif
 #endif
     return slv_footprint(dx, dy, px > py ? dx : dy, taps, log2(max(longest / float(taps), 1e-12)));
 }
@@ -83,8 +104,10 @@ vec4 slv_bordered_level(uint pool, float layer, int level, vec2 size, vec2 uv, s
     vec2 scale = rect.xy * min(1.0, min(fit.x, fit.y));
 #if SLV_TAPS
     vec4 sum = vec4(0.0);
-    for (int k = 1; k <= f.taps; k++)
+    int k = 1;
+    do {
         sum += textureLod(slv_pool[0], p + vec3(slv_tap_offset(f, k) * scale, 0.0), 0.0);
+    } while (++k <= f.taps);
     return sum / float(f.taps);
 #else
     return textureGrad(slv_pool[0], p, f.dx * scale, f.dy * scale);
@@ -101,7 +124,7 @@ vec4 slv_sample_grad(int face, vec2 uv, vec2 dx, vec2 dy) {
     float coarsest = log2(max(size.x, size.y));
     float level = clamp(f.level, 0.0, coarsest);
     float fine = floor(level);
-    uv = clamp(uv, 0.0, 1.0);
+    uv = slv_inside(uv);
     vec4 a = slv_bordered_level(pool, layer, int(fine), size, uv, f);
     vec4 b = slv_bordered_level(pool, layer, int(min(fine + 1.0, coarsest)), size, uv, f);
     return mix(a, b, level - fine);
@@ -143,8 +166,10 @@ slv_tap slv_scaled(slv_tap tap, float scale) {
 #if SLV_TAPS
 #define SLV_GATHER(lookup, p, f)                                                                   \
     slv_tap sum = slv_tap(vec4(0.0), 0.0);                                                         \
-    for (int k = 1; k <= f.taps; k++)                                                              \
+    int k = 1;                                                                                     \
+    do {                                                                                           \
         slv_add(sum, lookup(p + vec3(slv_tap_offset(f, k), 0.0), f));                              \
+    } while (++k <= f.taps);                                                                       \
     return slv_tap(sum.color / float(f.taps), sum.coverage / float(f.taps))
 #else
 #define SLV_GATHER(lookup, p, f) return lookup(p, f)
@@ -179,9 +204,9 @@ vec4 slv_resolve(slv_tap tap) {
 vec4 slv_sample_grad(int face, vec2 uv, vec2 dx, vec2 dy) {
     slv_footprint f = slv_footprint_of(slv_face_size(face), dx, dy);
 #if SLV_STRATEGY == 0
-    return slv_own(face, clamp(uv, 0.0, 1.0), f).color;
+    return slv_own(face, slv_inside(uv), f).color;
 #else
-    return slv_resolve(slv_own(face, clamp(uv, 0.0, 1.0), f));
+    return slv_resolve(slv_own(face, slv_inside(uv), f));
 #endif
 }
 
@@ -197,8 +222,8 @@ vec4 slv_sample_grad(int face, vec2 uv, vec2 dx, vec2 dy) {
 //   bit 14     the edge starts in the middle of a whole quad's edge: what lies across continues
 //              straight past the corner, and nothing is missing there
 struct slv_links {
-    ivec4 face;
-    uint links01, links23;
+    int face[4];
+    uvec2 links;
     uint corners; // index of the first corner value
     uint levels;
 };
@@ -211,6 +236,38 @@ layout(std430, binding = SLV_FIRST_STORAGE + 3) readonly buffer slv_corner_block
     vec4 slv_corner[];
 };
 
+// One lookup of those that make up a value.
+struct slv_site {
+    int pool, face;
+    vec2 uv;
+    slv_footprint f;
+};
+
+#if SLV_VECTORS && SLV_STRATEGY != 5
+// An index that is the same for a whole vector may select any array: one round for each that occurs among its fragments, which
+// for neighbours across one edge is one.
+slv_tap slv_fetch(slv_site site) {
+    vec3 p = vec3(site.uv, float(slv_store[site.face].x >> 16));
+    slv_tap sum = slv_tap(vec4(0.0), 0.0);
+    bool waiting = !gl_HelperInvocation;
+    do {
+        int pool = readFirstInvocationARB(site.pool);
+        if (pool == site.pool) {
+#if SLV_TAPS
+            int k = 1;
+            do {
+                slv_add(sum, SLV_LOOKUP(pool, p + vec3(slv_tap_offset(site.f, k), 0.0), site.f));
+            } while (++k <= site.f.taps);
+            sum = slv_tap(sum.color / float(site.f.taps), sum.coverage / float(site.f.taps));
+#else
+            sum = SLV_LOOKUP(pool, p, site.f);
+#endif
+            waiting = false;
+        }
+    } while (waiting);
+    return sum;
+}
+#else
 slv_tap slv_fetch_one(int pool, vec3 p, slv_footprint f) {
 #if SLV_POOLS == 1
     return SLV_LOOKUP(0, p, f);
@@ -260,73 +317,69 @@ slv_tap slv_fetch_one(int pool, vec3 p, slv_footprint f) {
 #endif
 }
 
-slv_tap slv_fetch(int pool, int face, vec2 uv, slv_footprint f) {
-    vec3 p = vec3(uv, float(slv_store[face].x >> 16));
-#define SLV_POOL_LOOKUP(p, f) slv_fetch_one(pool, p, f)
-    SLV_GATHER(SLV_POOL_LOOKUP, p, f);
+slv_tap slv_fetch(slv_site site) {
+    vec3 p = vec3(site.uv, float(slv_store[site.face].x >> 16));
+#define SLV_POOL_LOOKUP(p, f) slv_fetch_one(site.pool, p, f)
+    SLV_GATHER(SLV_POOL_LOOKUP, p, site.f);
 }
+#endif
 
-// An edge's own frame: x runs along the edge counter-clockwise from 0 to 1, y points out of the face.
-mat2 slv_edge_axes(int edge) { // columns: what u and v contribute
-    return edge == 0   ? mat2(1, 0, 0, -1)
-           : edge == 1 ? mat2(0, 1, 1, 0)
-           : edge == 2 ? mat2(-1, 0, 0, 1)
-                       : mat2(0, -1, -1, 0);
-}
 vec2 slv_edge_origin(int edge) { // the corner where the edge starts
-    return edge == 0 ? vec2(0, 0) : edge == 1 ? vec2(1, 0) : edge == 2 ? vec2(1, 1) : vec2(0, 1);
+    return vec2(edge == 1 || edge == 2 ? 1.0 : 0.0, edge > 1 ? 1.0 : 0.0);
 }
-vec2 slv_to_edge(int edge, vec2 uv) {
-    return slv_edge_axes(edge) * (uv - slv_edge_origin(edge));
-}
-
-uint slv_link(slv_links links, int edge) {
-    uint word = edge < 2 ? links.links01 : links.links23;
+uint slv_link(uvec2 links, int edge) {
+    uint word = edge < 2 ? links.x : links.y;
     return (edge & 1) == 0 ? word & 0xffffu : word >> 16;
 }
 
-// A lookup in a neighbour: p in the frame of this face's edge; `scale` the edge's length in units of the neighbour's and `end`
-// where, in the neighbour's frame, the edge's start lies. The axes matrices are their own inverses up to transposition. The taps
-// are this face's, so that the weights of all lookups add up to 1; their level is the neighbour's own.
-slv_tap slv_across(int pool, int face, int edge, int adjacent, float scale, float end, vec2 p, slv_footprint f) {
-    mat2 back = transpose(slv_edge_axes(adjacent)) * -scale;
-    mat2 across = back * slv_edge_axes(edge);
-    vec2 uv = back * (p - vec2(end / scale, 0.0)) + slv_edge_origin(adjacent);
+bool slv_linked(uvec2 links, int edge) {
+    return (slv_link(links, edge) & 12u) != 0u;
+}
+
+// A lookup in a neighbour; `scale` is the edge's length in units of the neighbour's and `end` where, along the neighbour's edge,
+// this edge starts. Faces are turned against each other by quarters. The taps are this face's, so that the weights of all
+// lookups add up to 1; their level is the neighbour's own.
+slv_site slv_across(int pool, int face, int edge, int adjacent, float scale, float end, vec2 uv, slv_footprint f) {
+    int turns = (adjacent - edge + 2) & 3;
+    float c = (turns & 1) != 0 ? 0.0 : turns == 0 ? scale : -scale, s = (turns & 1) == 0 ? 0.0 : turns == 1 ? scale : -scale;
+    mat2 across = mat2(c, s, -s, c);
+    float signed_end = adjacent < 2 ? end : -end;
+    vec2 along = (adjacent & 1) == 0 ? vec2(signed_end, 0.0) : vec2(0.0, signed_end);
     vec2 size = slv_face_size(face);
     f.dx = across * f.dx;
     f.dy = across * f.dy;
     f.axis = across * f.axis;
     f.level = log2(max(max(length(f.dx * size), length(f.dy * size)) / float(f.taps), 1e-12));
-    return slv_fetch(pool, face, uv, f);
+    return slv_site(pool, face, across * (uv - slv_edge_origin(edge)) + slv_edge_origin(adjacent) + along, f);
 }
 
 // Across one edge; `second` asks for the second of two sub-faces, which lies across the first one's edge before the shared one.
-slv_tap slv_neighbour(slv_links links, int edge, bool second, vec2 uv, slv_footprint f) {
+slv_site slv_neighbour(int own, uvec2 links, int edge, bool second, vec2 uv, slv_footprint f) {
     uint link = slv_link(links, edge);
     uint kind = link >> 2 & 3u;
-    int face = links.face[edge], adjacent = int(link & 3u);
+    int face = slv_adjacent[own].face[edge], adjacent = int(link & 3u);
     int pool = int(link >> 5 & 15u);
     float scale = kind == 3u ? 0.5 : kind == 2u ? 2.0 : 1.0;
     float end = kind == 3u && (link & 16u) == 0u ? 0.5 : 1.0;
 #if SLV_SUBFACES
     if (second) {
         int before = (adjacent + 3) & 3;
-        uint beside = slv_link(slv_adjacent[face], before);
+        uint beside = slv_link(slv_adjacent[face].links, before);
         face = slv_adjacent[face].face[before];
         if (face < 0)
-            return slv_tap(vec4(0.0), 0.0); // its own batch had no room for that link
+            return slv_site(-1, 0, vec2(0.0), f); // its own batch had no room for that link
         adjacent = (int(beside & 3u) + 3) & 3;
         pool = int(link >> 9 & 15u);
         end = 2.0;
     }
 #endif
-    return slv_across(pool, face, edge, adjacent, scale, end, slv_to_edge(edge, uv), f);
+    return slv_across(pool, face, edge, adjacent, scale, end, uv, f);
 }
 
-bool slv_same_at(slv_links links, int edge, bool at_start) {
-    return links.face[edge] >= 0 && (slv_link(links, edge) & (at_start ? 0x2000u : 0x8000u)) != 0u;
+bool slv_same_at(uvec2 links, int edge, bool at_start) {
+    return (slv_link(links, edge) & (at_start ? 0x2000u : 0x8000u)) != 0u;
 }
-bool slv_same_texels(slv_links links, int edge) {
+bool slv_same_texels(uvec2 links, int edge) {
     return (slv_link(links, edge) & 0xa000u) == 0xa000u;
 }
 
@@ -354,14 +407,15 @@ vec4 slv_blend_corner(slv_tap own, slv_tap first, slv_tap second, bool same_firs
     return (1.0 - s - t) * a + t * (1.0 - 2.0 * s) * b + s * (1.0 - 2.0 * t) * c + 4.0 * s * t * vertex;
 }
 
-vec4 slv_sample_grad(int face, vec2 uv, vec2 dx, vec2 dy) {
-    slv_links links = slv_adjacent[face];
-    vec2 size = slv_face_size(face);
-    uv = clamp(uv, 0.0, 1.0);
-    slv_footprint f = slv_footprint_of(size, dx, dy);
-    slv_tap own = slv_own(face, uv, f);
+// Which edges a footprint crosses, how far from them taps still leave the face: the row of taps, and half a texel of the coarser
+// level.
+struct slv_reach {
+    bvec4 edges;
+    int corner;   // the nearest; its own edge and the one before meet there
+    uint pending; // visits still to make: bit e across edge e, bit 4 + e to the second of two sub-faces there
+};
 
-    // how far from an edge taps still leave the face: the row of taps, and half a texel of the coarser level
+bvec4 slv_reached_edges(vec2 size, vec2 uv, slv_footprint f) {
 #if SLV_TAPS || SLV_ANISOTROPY == 1
     float spread = float(f.taps) / float(f.taps + 1) - 0.5, halves = 0.501;
 #else
@@ -369,68 +423,153 @@ vec4 slv_sample_grad(int face, vec2 uv, vec2 dx, vec2 dy) {
 #endif
     vec2 reach = spread * abs(f.axis) + halves * exp2(ceil(max(f.level, 0.0))) / size;
     bvec2 low = lessThan(uv, reach), high = greaterThan(uv, 1.0 - reach);
-    bvec4 reached = bvec4(low.y, high.x, high.y, low.x); // by edge
-    int corner = uv.y < 0.5 ? (uv.x < 0.5 ? 0 : 1) : (uv.x < 0.5 ? 3 : 2);
-    int after = corner, before = (corner + 3) & 3; // the edges that meet there
+    return bvec4(low.y, high.x, high.y, low.x);
+}
 
-    // one loop over what is reached, so that interior fragments skip it all and the lookup's code exists once
-    uint pending = 0u;
+slv_reach slv_reach_of(int face, uvec2 links, bvec4 edges, vec2 uv) {
+    slv_reach reach = slv_reach(edges, uv.y < 0.5 ? (uv.x < 0.5 ? 0 : 1) : (uv.x < 0.5 ? 3 : 2), 0u);
     for (int e = 0; e < 4; e++) {
-        if (reached[e] && links.face[e] >= 0) {
-            pending |= 1u << e;
+#if SLV_STRATEGY == 5
+        bool linked = slv_adjacent[face].face[e] >= 0;
+#else
+        bool linked = slv_linked(links, e);
+#endif
+        if (edges[e] && linked) {
+            reach.pending |= 1u << e;
 #if SLV_SUBFACES
             if ((slv_link(links, e) >> 2 & 7u) == 6u)
-                pending |= 16u << e;
+                reach.pending |= 16u << e;
 #endif
         }
     }
-    slv_tap none = slv_tap(vec4(0.0), 0.0);
-    slv_tap first = none, second = none, others = none, unlike = none;
-    while (pending != 0u) {
-        int visit = findLSB(pending), edge = visit & 3;
-        pending &= pending - 1u;
-        slv_tap tap = slv_neighbour(links, edge, visit > 3, uv, f);
-        if (edge == after)
-            slv_add(first, tap);
-        else if (edge == before)
-            slv_add(second, tap);
-        else if (slv_same_texels(links, edge))
-            slv_add(others, tap);
-        else
-            slv_add(unlike, tap);
-    }
+    return reach;
+}
+
+struct slv_sums {
+    slv_tap own, first, second; // the face; across the two edges at the nearest corner, in their order
+    slv_tap others, unlike;     // across the far edges, where texels are of one size and where not
+};
+
+void slv_place(inout slv_sums sum, uvec2 links, int corner, int edge, slv_tap tap) {
+    if (edge == corner)
+        slv_add(sum.first, tap);
+    else if (edge == ((corner + 3) & 3))
+        slv_add(sum.second, tap);
+    else if (slv_same_texels(links, edge))
+        slv_add(sum.others, tap);
+    else
+        slv_add(sum.unlike, tap);
+}
+
+vec4 slv_total(int face, slv_sums sum, uvec2 links, slv_reach reach, slv_footprint f) {
+    int after = reach.corner, before = (reach.corner + 3) & 3;
 
     // Neighbours with larger texels reach further into this face than its own filter reaches out: together they get no more
     // weight than is missing, so that their influence ends where the filter lies inside.
     bool same_first = slv_same_texels(links, after), same_second = slv_same_texels(links, before);
-    float exact = own.coverage + others.coverage + (same_first ? first.coverage : 0.0) + (same_second ? second.coverage : 0.0);
-    float spare = unlike.coverage + (same_first ? 0.0 : first.coverage) + (same_second ? 0.0 : second.coverage);
+    float exact = sum.own.coverage + sum.others.coverage + (same_first ? sum.first.coverage : 0.0) +
+                  (same_second ? sum.second.coverage : 0.0);
+    float spare = sum.unlike.coverage + (same_first ? 0.0 : sum.first.coverage) +
+                  (same_second ? 0.0 : sum.second.coverage);
     float share = clamp((1.0 - exact) / max(spare, 1e-6), 0.0, 1.0);
-    first = same_first ? first : slv_scaled(first, share);
-    second = same_second ? second : slv_scaled(second, share);
-    slv_add(others, slv_scaled(unlike, share));
+    sum.first = same_first ? sum.first : slv_scaled(sum.first, share);
+    sum.second = same_second ? sum.second : slv_scaled(sum.second, share);
+    slv_add(sum.others, slv_scaled(sum.unlike, share));
 
     // what the far edges do not cover belongs to the corner
-    float rest = 1.0 - others.coverage;
-    bool has_after = links.face[after] >= 0, has_before = links.face[before] >= 0;
-    bool passed = (slv_link(links, corner) & 0x4000u) != 0u;
-    if (reached[after] && reached[before] && (has_after || has_before) && rest > 1e-3 && !passed) {
-        float level = clamp(f.level, 0.0, float(links.levels - 1u));
-        uint start = links.corners + uint(corner) * links.levels;
-        vec4 vertex = mix(slv_corner[start + uint(level)], slv_corner[start + min(uint(level) + 1u, links.levels - 1u)],
+    float rest = 1.0 - sum.others.coverage;
+    bool has_after = slv_linked(links, after), has_before = slv_linked(links, before);
+    bool passed = (slv_link(links, reach.corner) & 0x4000u) != 0u;
+    if (reach.edges[after] && reach.edges[before] && (has_after || has_before) && rest > 1e-3 && !passed) {
+        uint levels = slv_adjacent[face].levels, start = slv_adjacent[face].corners + uint(reach.corner) * levels;
+        float level = clamp(f.level, 0.0, float(levels - 1u));
+        vec4 vertex = mix(slv_corner[start + uint(level)], slv_corner[start + min(uint(level) + 1u, levels - 1u)],
                           fract(level));
-        vec4 near = slv_blend_corner(slv_scaled(own, 1.0 / rest), slv_scaled(first, 1.0 / rest),
-                                     slv_scaled(second, 1.0 / rest), slv_same_at(links, after, true),
+        vec4 near = slv_blend_corner(slv_scaled(sum.own, 1.0 / rest), slv_scaled(sum.first, 1.0 / rest),
+                                     slv_scaled(sum.second, 1.0 / rest), slv_same_at(links, after, true),
                                      slv_same_at(links, before, false), has_after, has_before, vertex);
 #if !SLV_SPLIT_COVERAGE
         near.a = 1.0;
 #endif
-        return others.color + rest * near;
+        return sum.others.color + rest * near;
     }
-    slv_add(own, first);
-    slv_add(own, second);
-    slv_add(own, others);
-    return slv_resolve(own);
+    slv_add(sum.own, sum.first);
+    slv_add(sum.own, sum.second);
+    slv_add(sum.own, sum.others);
+    return slv_resolve(sum.own);
+}
+
+vec4 slv_sample_grad(int face, vec2 uv, vec2 dx, vec2 dy) {
+    vec2 size = slv_face_size(face);
+    uv = slv_inside(uv);
+    slv_footprint f = slv_footprint_of(size, dx, dy);
+    bvec4 edges = slv_reached_edges(size, uv, f);
+#if SLV_STRATEGY == 4
+    float crossing = clamp(1.0 - f.level / SLV_HYBRID_RANGE, 0.0, 1.0);
+    edges = crossing > 0.0 ? edges : bvec4(false);
+#endif
+    slv_tap none = slv_tap(vec4(0.0), 0.0);
+    slv_sums sum = slv_sums(none, none, none, none, none);
+    uvec2 links = uvec2(0u);
+#if SLV_STRATEGY == 5 // the plain form, which the other ways below are measured against
+    links = slv_adjacent[face].links;
+    sum.own = slv_own(face, uv, f);
+    slv_reach reach = slv_reach_of(face, links, edges, uv);
+    while (reach.pending != 0u) {
+        int visit = findLSB(reach.pending), edge = visit & 3;
+        reach.pending &= reach.pending - 1u;
+        slv_site site = slv_neighbour(face, links, edge, visit > 3, uv, f);
+        if (site.pool >= 0)
+            slv_place(sum, links, reach.corner, edge, slv_fetch(site));
+    }
+    return slv_total(face, sum, links, reach, f);
+#elif SLV_VECTORS
+    // the face itself is the first round of the loop, so that fragments away from edges make no other
+    if (any(edges))
+        links = slv_adjacent[face].links;
+    slv_reach reach = slv_reach_of(face, links, edges, uv);
+    reach.pending = gl_HelperInvocation ? 0u : reach.pending;
+    slv_site site = slv_site(0, face, uv, f);
+    int edge = -1;
+    bool more;
+    do {
+        slv_tap tap = none;
+        if (site.pool >= 0)
+            tap = slv_fetch(site);
+        if (edge < 0)
+            sum.own = tap;
+        else
+            slv_place(sum, links, reach.corner, edge, tap);
+        more = reach.pending != 0u;
+        int visit = findLSB(reach.pending);
+        edge = visit & 3;
+        reach.pending &= reach.pending - 1u;
+        site = slv_neighbour(face, links, edge, visit > 3, uv, f);
+    } while (more);
+    vec4 value = slv_total(face, sum, links, reach, f);
+#else
+    sum.own = slv_own(face, uv, f);
+    vec4 value = slv_resolve(sum.own);
+    if (any(edges)) {
+        links = slv_adjacent[face].links;
+        slv_reach reach = slv_reach_of(face, links, edges, uv);
+        if (reach.pending != 0u) {
+            do {
+                int visit = findLSB(reach.pending), edge = visit & 3;
+                reach.pending &= reach.pending - 1u;
+                slv_site site = slv_neighbour(face, links, edge, visit > 3, uv, f);
+                if (site.pool >= 0)
+                    slv_place(sum, links, reach.corner, edge, slv_fetch(site));
+            } while (reach.pending != 0u);
+            value = slv_total(face, sum, links, reach, f);
+        }
+    }
+#endif
+#if SLV_STRATEGY == 4
+    return mix(slv_resolve(sum.own), value, crossing);
+#elif SLV_STRATEGY == 2
+    return value;
+#endif
 }
 
 #endif

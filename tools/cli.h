@@ -91,5 +91,6 @@ int verb_diff(int argc, char **argv);
 int verb_convert(int argc, char **argv);
 int verb_merge(int argc, char **argv);
 int verb_transfer(int argc, char **argv);
+int verb_sample(int argc, char **argv);
 
 #endif

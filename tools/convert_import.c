@@ -146,21 +146,21 @@ static slv_result import_face(struct import *m, const convert_plan *plan, slv_pt
     return result;
 }
 
-static int open_index(struct import *m, const char *given, char *index, size_t size) {
+static slv_result open_index(struct import *m, const char *given, char *index, size_t size) {
     struct stat status;
     json_error_t error;
     bool folder = stat(given, &status) == 0 && S_ISDIR(status.st_mode);
     if (snprintf(index, size, "%s%s", given, folder ? "/index.json" : "") >= (int)size)
-        return cli_error("%s: the name is too long", given);
+        return output_fail(m->env, SLV_ERROR_IO, "%s: the name is too long", given);
     snprintf(m->folder, sizeof m->folder, "%s", index);
     char *slash = strrchr(m->folder, '/');
     slash ? (slash[1] = 0) : (m->folder[0] = 0);
     m->index = index;
     m->root = json_load_file(index, JSON_REJECT_DUPLICATES, &error);
     if (!m->root)
-        return cli_error("%s:%d: %s", index, error.line, error.text);
+        return output_fail(m->env, SLV_ERROR_FORMAT, "%s:%d: %s", index, error.line, error.text);
     m->faces = json_object_get(m->root, "faces");
-    return EXIT_OK;
+    return SLV_OK;
 }
 
 int convert_from_index(const cli_command *command, const slv_env *env,
@@ -181,7 +181,7 @@ int convert_from_index(const cli_command *command, const slv_env *env,
     totals->progress.total = source.nfaces;
     m.images = calloc(index_groups(source.nchannels), sizeof *m.images);
     if (!m.images) {
-        cli_error("%s: no memory for its images", index);
+        output_fail(env, SLV_ERROR_MEMORY, "%s: no memory for its images", index);
         goto done;
     }
     const json_t *sheets = json_object_get(m.root, "images");

@@ -17,6 +17,7 @@ static const struct {
     {"convert", "change type, channels or size of a .ptx; images in and out", verb_convert},
     {"merge", "join several .ptx files into one", verb_merge},
     {"transfer", "carry texels over to a changed model", verb_transfer},
+    {"sample", "filtered lookups in a .ptx, a line each; how many a second", verb_sample},
 };
 
 static void print_help(FILE *stream) {

@@ -45,18 +45,20 @@ static slv_type wider(slv_type a, slv_type b) {
     return low == SLV_TYPE_U16 && high == SLV_TYPE_HALF ? SLV_TYPE_FLOAT : high;
 }
 
-static int plan_result(struct merge *m) {
+static slv_result plan_result(const slv_env *env, struct merge *m) {
     uint64_t nfaces = 0;
     m->target = slv_ptx_writer_params_like(m->files[0]);
     for (uint32_t i = 0; i < m->npaths; i++) {
         slv_ptx_writer_params part = slv_ptx_writer_params_like(m->files[i]);
         if (part.mesh_type != m->target.mesh_type)
-            return cli_error("%s: is of %s, %s is not", m->paths[i],
-                             part.mesh_type == SLV_PTX_QUAD ? "quads" : "triangles", m->paths[0]);
+            return output_fail(env, SLV_ERROR_MISMATCH, "%s: is of %s, %s is not", m->paths[i],
+                               part.mesh_type == SLV_PTX_QUAD ? "quads" : "triangles", m->paths[0]);
         if (part.nchannels != m->target.nchannels || part.alpha_channel != m->target.alpha_channel)
-            return cli_error("%s: has %u channels and alpha %d, %s has %u and %d: convert it first",
-                             m->paths[i], part.nchannels, part.alpha_channel, m->paths[0],
-                             m->target.nchannels, m->target.alpha_channel);
+            return output_fail(
+                env, SLV_ERROR_MISMATCH,
+                "%s: has %u channels and alpha %d, %s has %u and %d: convert it first", m->paths[i],
+                part.nchannels, part.alpha_channel, m->paths[0], m->target.nchannels,
+                m->target.alpha_channel);
         if (part.border_u != m->target.border_u || part.border_v != m->target.border_v ||
             part.edge_filter != m->target.edge_filter)
             cli_warning("%s: its border modes or edge filter differ: those of %s are taken",
@@ -65,14 +67,15 @@ static int plan_result(struct merge *m) {
         m->first_face[i] = (uint32_t)nfaces;
         nfaces += part.nfaces;
         if (nfaces > INT32_MAX)
-            return cli_error("%s: with it there are more than %d faces", m->paths[i], INT32_MAX);
+            return output_fail(env, SLV_ERROR_LIMIT, "%s: with it there are more than %d faces",
+                               m->paths[i], INT32_MAX);
     }
     m->target.nfaces = (uint32_t)nfaces;
     m->target.no_reductions |= m->no_reductions;
     m->target.compression = (int)m->compression;
     if (m->type_given)
         m->target.type = (slv_type)m->type;
-    return EXIT_OK;
+    return SLV_OK;
 }
 
 static json_t *merge_json(const struct merge *m) {
@@ -110,19 +113,18 @@ static int print_result(const struct merge *m) {
     return EXIT_OK;
 }
 
-static int run_merge(const cli_command *command, struct merge *m) {
-    slv_env env = cli_env(m->threads);
+int merge_files(const cli_command *command, const slv_env *env, struct merge *m) {
     int code = EXIT_FAILED;
     m->totals.progress = cli_progress_fleeting("merge", m->progress, m->quiet || m->json);
     for (uint32_t i = 0; i < m->npaths; i++)
-        if (slv_ptx_open(&env, m->paths[i], &m->files[i]) || slv_ptx_load_tables(m->files[i]))
+        if (slv_ptx_open(env, m->paths[i], &m->files[i]) || slv_ptx_load_tables(m->files[i]))
             goto done;
-    if (plan_result(m) || slv_ptx_writer_create(&env, m->out, &m->target, &m->writer) ||
-        merge_meta(&env, m))
+    if (plan_result(env, m) || slv_ptx_writer_create(env, m->out, &m->target, &m->writer) ||
+        merge_meta(env, m))
         goto done;
     m->totals.progress.total = m->target.nfaces;
     for (uint32_t i = 0; i < m->npaths; i++)
-        if (write_part(command, &env, m, i))
+        if (write_part(command, env, m, i))
             goto done;
     if (slv_ptx_writer_finish(m->writer))
         goto done;
@@ -169,7 +171,8 @@ int verb_merge(int argc, char **argv) {
         return code;
     if (!m.out)
         return cli_usage(&command, "--out is missing: where does the result go?");
-    code = run_merge(&command, &m);
+    slv_env env = cli_env(m.threads);
+    code = merge_files(&command, &env, &m);
     if (fflush(stdout) != 0 || ferror(stdout))
         return code ? code : cli_error("cannot write the answer: %s", strerror(errno));
     return code;

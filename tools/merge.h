@@ -21,6 +21,8 @@ struct merge {
     bool geometry; /* all files have it, and so has the result */
 };
 
+/* Joins m->paths into m->out; exit code. */
+int merge_files(const cli_command *command, const slv_env *env, struct merge *m);
 /* merge_meta.c: geometry joined into one mesh, other values kept once if they are equal, else under
  * names of their own. */
 slv_result merge_meta(const slv_env *env, struct merge *m);

@@ -15,6 +15,8 @@ static const char *const strategy_phrases[SLV_STRATEGY_COUNT] = {
     [SLV_STRATEGY_BORDERS] = "every level stored with a border copied from the neighbours",
     [SLV_STRATEGY_TRAVERSE] = "reads the neighbours that a lookup reaches as well",
     [SLV_STRATEGY_DISCARD] = "drops what falls outside its face; multisampling blends",
+    [SLV_STRATEGY_HYBRID] = "traverse where texels are larger than pixels, else discard",
+    [SLV_STRATEGY_TRAVERSE_FULL] = "traverse in its plain form, for comparison",
 };
 
 static const char *find_text(const char *name, size_t length) {

@@ -14,6 +14,7 @@
 #define MAX_BYTES (UINT64_C(64) << 30)
 #define MIN_SLAB (UINT64_C(512) << 10) /* a texel of 65535 channels fits */
 #define MAX_SLAB (UINT64_C(1) << 20)
+#define HUGE_PAGE (UINT64_C(2) << 20)
 
 static bool needs_fences(void) {
 #ifdef __linux__
@@ -38,6 +39,7 @@ static slv_result make_arena(slv_cache *cache) {
     cache->bucket_mask = buckets - 1;
     cache->fixed_bytes = sizeof *cache + buckets * CACHE_WAYS * sizeof *cache->buckets +
                          CACHE_FILES * sizeof *cache->files +
+                         CACHE_REQUESTS * sizeof *cache->requests +
                          cache->nslabs * (sizeof *cache->slabs + sizeof *cache->queue);
     slv_env unlimited = cache->env;
     unlimited.max_bytes = UINT64_MAX;
@@ -55,13 +57,19 @@ static slv_result make_arena(slv_cache *cache) {
     if (!cache->buckets)
         return slv_fail(&cache->env, SLV_ERROR_MEMORY, "cache: no memory for its table");
     memset(cache->buckets, 0, buckets * CACHE_WAYS * sizeof *cache->buckets);
-    cache->arena = mmap(NULL, cache->nslabs * slab, PROT_READ | PROT_WRITE,
-                        MAP_PRIVATE | MAP_ANONYMOUS | MAP_NORESERVE, -1, 0);
-    if (cache->arena == MAP_FAILED) {
-        cache->arena = NULL;
+    cache->mapped_bytes = cache->nslabs * slab + HUGE_PAGE;
+    cache->mapped = mmap(NULL, cache->mapped_bytes, PROT_READ | PROT_WRITE,
+                         MAP_PRIVATE | MAP_ANONYMOUS | MAP_NORESERVE, -1, 0);
+    if (cache->mapped == MAP_FAILED) {
+        cache->mapped = NULL;
         return slv_fail(&cache->env, SLV_ERROR_MEMORY, "cache: %llu bytes cannot be reserved",
                         (unsigned long long)(cache->nslabs * slab));
     }
+    cache->arena = (uint8_t *)cache->mapped + HUGE_PAGE - (uintptr_t)cache->mapped % HUGE_PAGE;
+#ifdef MADV_HUGEPAGE
+    /* lookups at random would miss the translation of small pages */
+    madvise(cache->arena, cache->nslabs * slab, MADV_HUGEPAGE);
+#endif
     return SLV_OK;
 }
 
@@ -105,8 +113,8 @@ void slv_cache_destroy(slv_cache *cache) {
             free(file);
         }
     }
-    if (cache->arena)
-        munmap(cache->arena, (size_t)cache->nslabs * cache->slab_units * CACHE_UNIT);
+    if (cache->mapped)
+        munmap(cache->mapped, cache->mapped_bytes);
     free(cache->slabs);
     free(cache->queue);
     free(cache->files);
@@ -170,6 +178,7 @@ slv_result slv_cache_open(slv_cache *cache, const char *path, slv_file_id *out) 
         copy = NULL;
         file->info = info;
         file->loaded_before = false;
+        file->identified = false;
         file->generation = (file->generation & 0xffff) + 1;
         if (file->generation > 0xffff)
             file->generation = 1;
@@ -221,9 +230,10 @@ slv_result slv_cache_invalidate(slv_cache *cache, slv_file_id id) {
                             : any ? atomic_load_explicit(&any->id, memory_order_relaxed)
                                   : 0;
         cache_file *file = find_file(cache, which);
-        if (file)
+        if (file) {
+            file->identified = false;
             cache_drop_tables(cache, file);
-        else if (id)
+        } else if (id)
             result = SLV_ERROR_ARGUMENT;
     }
     pthread_mutex_unlock(&cache->lock);
@@ -256,7 +266,7 @@ void slv_cache_get_stats(slv_cache *cache, slv_cache_stats *out) {
         out->misses += atomic_load_explicit(&t->misses, memory_order_relaxed);
     }
     out->hits = out->hits > out->misses ? out->hits - out->misses : 0;
-    out->bytes = cache_slab_bytes(cache) + cache->table_bytes + cache->fixed_bytes;
+    out->bytes = cache_used_bytes(cache);
     out->peak_bytes = out->peak_bytes > out->bytes ? out->peak_bytes : out->bytes;
     out->files = cache->nfiles;
     pthread_mutex_unlock(&cache->lock);

@@ -22,11 +22,12 @@
 #include <stdatomic.h>
 #include <string.h>
 
-#define CACHE_UNIT 16     /* bytes */
-#define CACHE_HEADER 32   /* bytes in front of a block's texels */
-#define CACHE_PADDING 32  /* bytes behind them, which vectors may read */
-#define CACHE_FILES 65536 /* a file id has its place in the low 16 bits */
-#define CACHE_WAYS 8      /* offsets in a bucket of the hash table: a line of memory */
+#define CACHE_UNIT 16          /* bytes */
+#define CACHE_HEADER 32        /* bytes in front of a block's texels */
+#define CACHE_PADDING 32       /* bytes behind them, which vectors may read */
+#define CACHE_FILES 65536      /* a file id has its place in the low 16 bits */
+#define CACHE_APRON UINT32_MAX /* instead of a tile: coarse texels with those around */
+#define CACHE_WAYS 8           /* offsets in a bucket of the hash table: a line of memory */
 
 /* Texels of a face at one resolution, or a tile of them, follow this. */
 typedef struct cache_block {
@@ -37,7 +38,8 @@ typedef struct cache_block {
     bool direct;           /* found through its face, not through the hash table */
     uint32_t units;        /* its length, this included */
     uint32_t place;        /* of the file */
-    uint32_t unused[2];
+    uint32_t note;         /* of whoever made it */
+    uint32_t unused;
 } cache_block;
 
 _Static_assert(sizeof(cache_block) == CACHE_HEADER, "texels are aligned");
@@ -51,8 +53,10 @@ typedef struct cache_face {
     uint8_t flags; /* SLV_FACE_... */
     int8_t res_u, res_v;
     _Atomic(uint32_t) texels; /* where they are at full resolution, or 0 */
+    _Atomic(uint32_t) apron;  /* where the apron is that was made last, or 0 */
     _Atomic(uint8_t) state, used;
-    uint8_t unused[6];
+    bool plain; /* most lookups can be done quickly: no sub-face, and not constant */
+    uint8_t unused;
 } cache_face;
 
 _Static_assert(sizeof(cache_face) == 32, "two faces to a line");
@@ -60,12 +64,15 @@ _Static_assert(sizeof(cache_face) == 32, "two faces to a line");
 /* What is known of a file, texels excepted. Immutable while linked, but for the faces. */
 typedef struct cache_tables {
     slv_ptx *ptx;
+    struct cache_handle *handle;
     cache_face *faces; /* filled in one by one */
     const uint8_t *averages;
+    slv_file_id id;
     uint32_t nfaces, nchannels, pixel_size, serial, place;
     slv_type type;
     slv_border_mode border_u, border_v;
     bool tanvec, triangle;
+    bool simple;      /* quads of up to four channels, none of them vectors */
     int whole_log2;   /* more texels than 2^this come in tiles */
     float one, scale; /* what stands for 1, and its inverse */
     uint64_t bytes;
@@ -74,18 +81,23 @@ typedef struct cache_tables {
     bool dropped; /* under the lock */
 } cache_tables;
 
+/* What tells a file from another that took its place, and from itself rewritten. */
+typedef struct cache_identity {
+    uint64_t device, inode, size;
+    int64_t seconds, nanoseconds;
+} cache_identity;
+
 /* A file's bytes, through handles that come and go. */
 typedef struct cache_handle {
     struct slv_cache *cache;
     char *path;
     int descriptor; /* or -1 */
-    uint32_t readers;
+    uint32_t readers, owners;
     uint64_t turn; /* when it was last used */
     bool opened_before;
-    struct {
-        uint64_t device, inode, size;
-        int64_t seconds, nanoseconds;
-    } identity;
+    _Atomic(bool) changed; /* it is not the file any more that it was */
+    _Atomic(int) error;    /* why the last read failed: an errno, or 0 */
+    cache_identity identity;
     struct cache_handle *next;
 } cache_handle;
 
@@ -95,7 +107,8 @@ typedef struct cache_file {
     uint32_t generation;
     char *path;
     slv_ptx_info info;
-    bool loading, loaded_before;
+    cache_identity identity; /* since it was first loaded, or invalidated */
+    bool loading, loaded_before, identified;
 } cache_file;
 
 enum { SLAB_EMPTY, SLAB_FILLED, SLAB_RETIRED };
@@ -143,6 +156,8 @@ struct slv_cache {
     _Atomic(uint64_t) *buckets; /* offset in the low half, hash in the high half */
     _Atomic(cache_file *) *files;
 
+    void *mapped; /* holds the arena */
+    size_t mapped_bytes;
     slv_env env;
     slv_parallel_log *log;
     bool premultiply;
@@ -158,7 +173,9 @@ struct slv_cache {
     cache_load *loads;
     cache_thread *threads;
     uint32_t nfiles, file_end, next_serial, file_hand;
-    uint64_t table_bytes, fixed_bytes;
+    uint64_t table_bytes; /* promised to tables, of which those of table_held are there */
+    uint64_t table_held, fixed_bytes;
+    uint32_t table_waiters; /* threads that wait for room for tables */
     slv_cache_stats stats;
 
     pthread_mutex_t handle_lock;
@@ -167,10 +184,11 @@ struct slv_cache {
     uint64_t handle_turn, bytes_read, reopened;
 
     pthread_t worker;
-    bool worker_runs, worker_stops, worker_busy;
+    bool worker_runs, worker_stops;
     pthread_cond_t requested;
     cache_request *requests;
     uint32_t request_first, request_count;
+    uint64_t requests_made, requests_done;
 };
 
 /* cache.c */
@@ -182,13 +200,15 @@ void cache_thread_end(cache_thread *thread);
  * the lock. */
 cache_block *cache_allocate(slv_cache *cache, uint32_t units);
 void cache_settle(slv_cache *cache, const cache_block *block);
-/* Gives slabs back, as far as tables need the room. */
+/* Gives slabs back, as far as tables need the room. May let go of the lock. */
 void cache_trim_slabs(slv_cache *cache);
+/* All that counts against the limit. */
+uint64_t cache_used_bytes(const slv_cache *cache);
+void cache_note_peak(slv_cache *cache);
 /* Begins an epoch after something was unlinked; returns it. */
 uint64_t cache_begin_epoch(slv_cache *cache);
 /* Waits until no thread can see what was unlinked before that epoch. */
 void cache_wait_for_readers(slv_cache *cache, uint64_t epoch);
-uint64_t cache_slab_bytes(const slv_cache *cache);
 
 /* cache_tables.c; those that take an id lock by themselves, the others are called under the lock.
  */
@@ -204,20 +224,33 @@ slv_res cache_tile_res(const cache_tables *tables, int res_u, int res_v);
  * the tables were dropped meanwhile: they must not be looked at again. */
 const uint8_t *cache_load_block(cache_thread *thread, cache_tables *tables, uint32_t face,
                                 int res_u, int res_v, uint32_t tile, slv_result *result);
+/* Puts in texels that the caller made of others: lets go of its pin as cache_load_block does. NULL
+ * if the tables were dropped. */
+const uint8_t *cache_publish(cache_thread *thread, cache_tables *tables, uint32_t face, int res_u,
+                             int res_v, uint32_t tile, const void *texels, size_t bytes,
+                             uint32_t note);
 /* Whether a block can be found, and was looked at since this was last asked. */
 bool cache_take_use(slv_cache *cache, cache_block *block);
 void cache_unlink(slv_cache *cache, cache_block *block);
 
 /* cache_handle.c */
-/* A source that opens the file when it is read from and closes it when others need the handle. */
-slv_result cache_handle_create(slv_cache *cache, const char *path, slv_ptx_source *out);
+/* A handle, and a source that opens the file when it is read from and closes it when others need
+ * the handle. `identity` (may be NULL) is what the file must be. The source owns the handle too. */
+slv_result cache_handle_create(slv_cache *cache, const char *path, const cache_identity *identity,
+                               slv_ptx_source *source, cache_handle **out);
+void cache_handle_release(cache_handle *handle);
+/* An environment whose log says of reads that failed why they did. */
+slv_env cache_handle_env(cache_handle *handle);
+/* What a result means that came of reading through a handle. */
+slv_result cache_handle_result(const cache_handle *handle, slv_result result);
 
 /* cache_prefetch.c */
 void cache_stop_worker(slv_cache *cache);
 
 static inline void cache_pin(cache_thread *thread) {
     slv_cache *cache = thread->cache;
-    uint64_t epoch = atomic_load_explicit(&cache->epoch, memory_order_relaxed);
+    /* acquire: who shows this epoch must not see what was unlinked before it */
+    uint64_t epoch = atomic_load_explicit(&cache->epoch, memory_order_acquire);
     if (cache->fences)
         atomic_exchange_explicit(&thread->epoch, epoch, memory_order_seq_cst);
     else
@@ -238,10 +271,13 @@ static inline void cache_count(_Atomic(uint64_t) *counter, uint64_t more) {
 /* The tables of a file, or NULL: not there yet, or no such file. */
 static inline cache_tables *cache_find_tables(const slv_cache *cache, slv_file_id id) {
     cache_file *file = atomic_load_explicit(&cache->files[id % CACHE_FILES], memory_order_acquire);
-    if (!file || !id || atomic_load_explicit(&file->id, memory_order_relaxed) != id)
+    if (!file)
         return NULL;
+    /* by the tables' own id: the place may have gone to another file a moment ago */
     cache_tables *tables = atomic_load_explicit(&file->tables, memory_order_acquire);
-    if (tables && !atomic_load_explicit(&tables->used, memory_order_relaxed))
+    if (!tables || tables->id != id)
+        return NULL;
+    if (!atomic_load_explicit(&tables->used, memory_order_relaxed))
         atomic_store_explicit(&tables->used, 1, memory_order_relaxed);
     return tables;
 }
@@ -287,6 +323,23 @@ static inline const uint8_t *cache_find_hashed(const slv_cache *cache, const cac
         return texels;
     }
     return NULL;
+}
+
+/* The apron of a face at a resolution if it is the one that was made last, or NULL. */
+static inline const uint8_t *cache_find_apron(const slv_cache *cache, const cache_face *f,
+                                              int res_u, int res_v) {
+    uint32_t at = atomic_load_explicit(&f->apron, memory_order_acquire);
+    uint8_t *texels = cache->arena + (uint64_t)at * CACHE_UNIT;
+    cache_block *block = (cache_block *)(void *)(texels - CACHE_HEADER);
+    if (!at || block->res_u != res_u || block->res_v != res_v)
+        return NULL;
+    if (!atomic_load_explicit(&block->used, memory_order_relaxed))
+        atomic_store_explicit(&block->used, 1, memory_order_relaxed);
+    return texels;
+}
+
+static inline uint32_t cache_block_note(const uint8_t *texels) {
+    return ((const cache_block *)(const void *)(texels - CACHE_HEADER))->note;
 }
 
 /* The texels of a face at full resolution, if they come in one piece and are there; or NULL. */

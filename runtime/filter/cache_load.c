@@ -18,6 +18,8 @@ static void link_block(slv_cache *cache, cache_tables *tables, cache_block *bloc
         atomic_store_explicit(&tables->faces[block->face].texels, at, memory_order_release);
         return;
     }
+    if (block->tile == CACHE_APRON)
+        atomic_store_explicit(&tables->faces[block->face].apron, at, memory_order_release);
     uint64_t hash = cache_hash(block->serial, block->face, block->res_u, block->res_v, block->tile);
     _Atomic(uint64_t) *bucket = bucket_of(cache, hash);
     /* a full bucket loses what was not used, or what its hash picks */
@@ -38,15 +40,19 @@ static void link_block(slv_cache *cache, cache_tables *tables, cache_block *bloc
     atomic_store_explicit(&bucket[way], hash >> 32 << 32 | at, memory_order_release);
 }
 
-/* The tables of a block if its face points to it. */
-static cache_face *direct_face(const slv_cache *cache, const cache_block *block) {
+/* Where a face points to a block, or NULL. */
+static _Atomic(uint32_t) *face_entry(const slv_cache *cache, const cache_block *block,
+                                     cache_face **out) {
     cache_file *file = atomic_load_explicit(&cache->files[block->place], memory_order_relaxed);
     cache_tables *tables = file ? atomic_load_explicit(&file->tables, memory_order_relaxed) : NULL;
-    if (!tables || tables->serial != block->serial)
+    if (!tables || tables->serial != block->serial ||
+        (!block->direct && block->tile != CACHE_APRON))
         return NULL;
     cache_face *face = &tables->faces[block->face];
-    uint32_t at = atomic_load_explicit(&face->texels, memory_order_relaxed);
-    return at == block_offset(cache, block) ? face : NULL;
+    _Atomic(uint32_t) *entry = block->direct ? &face->texels : &face->apron;
+    *out = face;
+    return atomic_load_explicit(entry, memory_order_relaxed) == block_offset(cache, block) ? entry
+                                                                                           : NULL;
 }
 
 static _Atomic(uint64_t) *hashed_entry(const slv_cache *cache, const cache_block *block) {
@@ -60,25 +66,27 @@ static _Atomic(uint64_t) *hashed_entry(const slv_cache *cache, const cache_block
 }
 
 bool cache_take_use(slv_cache *cache, cache_block *block) {
+    cache_face *face;
     if (!block->serial)
         return false;
-    if (!block->direct)
-        return atomic_exchange_explicit(&block->used, 0, memory_order_relaxed) &&
-               hashed_entry(cache, block);
-    cache_face *face = direct_face(cache, block);
-    return face && atomic_exchange_explicit(&face->used, 0, memory_order_relaxed);
+    _Atomic(uint32_t) *entry = face_entry(cache, block, &face);
+    if (block->direct)
+        return entry && atomic_exchange_explicit(&face->used, 0, memory_order_relaxed);
+    return atomic_exchange_explicit(&block->used, 0, memory_order_relaxed) &&
+           (entry || hashed_entry(cache, block));
 }
 
 void cache_unlink(slv_cache *cache, cache_block *block) {
+    cache_face *face;
     if (!block->serial)
         return;
-    cache_face *face = block->direct ? direct_face(cache, block) : NULL;
+    _Atomic(uint32_t) *pointer = face_entry(cache, block, &face);
     _Atomic(uint64_t) *entry = block->direct ? NULL : hashed_entry(cache, block);
-    if (face)
-        atomic_store_explicit(&face->texels, 0, memory_order_seq_cst);
+    if (pointer)
+        atomic_store_explicit(pointer, 0, memory_order_seq_cst);
     if (entry)
         atomic_store_explicit(entry, 0, memory_order_seq_cst);
-    cache->stats.evictions += face || entry;
+    cache->stats.evictions += pointer || entry;
 }
 
 static slv_result read_texels(cache_thread *thread, const cache_tables *tables, uint32_t face,
@@ -86,16 +94,17 @@ static slv_result read_texels(cache_thread *thread, const cache_tables *tables, 
     if (thread->reader_serial != tables->serial) {
         slv_ptx_reader_destroy(thread->reader);
         thread->reader_serial = 0;
-        slv_result result =
-            slv_ptx_reader_create(&thread->cache->env, tables->ptx, &thread->reader);
+        slv_env env = cache_handle_env(tables->handle);
+        slv_result result = slv_ptx_reader_create(&env, tables->ptx, &thread->reader);
         if (result)
             return result;
         thread->reader_serial = tables->serial;
     }
     uint32_t columns = 1u << (res.u - tile_res.u);
-    return slv_ptx_reader_read_tile(thread->reader, face, res, tile_res,
-                                    tile % columns << tile_res.u, tile / columns << tile_res.v,
-                                    out);
+    slv_result result =
+        slv_ptx_reader_read_tile(thread->reader, face, res, tile_res, tile % columns << tile_res.u,
+                                 tile / columns << tile_res.v, out);
+    return cache_handle_result(tables->handle, result);
 }
 
 static bool is_loading(const slv_cache *cache, const cache_load *load) {
@@ -113,6 +122,24 @@ static void end_load(slv_cache *cache, const cache_load *load) {
     *at = load->next;
 }
 
+static size_t block_units(size_t bytes) {
+    return (CACHE_HEADER + bytes + CACHE_PADDING + CACHE_UNIT - 1) / CACHE_UNIT;
+}
+
+/* Says what a block is, and lets it be found. */
+static void identify(slv_cache *cache, cache_tables *tables, const cache_load *load, bool direct,
+                     cache_block *block) {
+    block->face = load->face;
+    block->tile = load->tile;
+    block->res_u = load->res_u;
+    block->res_v = load->res_v;
+    block->place = tables->place;
+    block->direct = direct;
+    block->serial = tables->serial;
+    atomic_store_explicit(&block->used, 1, memory_order_relaxed);
+    link_block(cache, tables, block);
+}
+
 /* Under the lock, which it lets go while it reads. */
 static const uint8_t *load_block(cache_thread *thread, cache_tables *tables, cache_load *load,
                                  bool direct, slv_result *result) {
@@ -120,7 +147,7 @@ static const uint8_t *load_block(cache_thread *thread, cache_tables *tables, cac
     slv_res res = {load->res_u, load->res_v};
     slv_res tile_res = cache_tile_res(tables, res.u, res.v);
     size_t bytes = ((size_t)tables->pixel_size << (tile_res.u + tile_res.v));
-    size_t units = (CACHE_HEADER + bytes + CACHE_PADDING + CACHE_UNIT - 1) / CACHE_UNIT;
+    size_t units = block_units(bytes);
     cache_block *block;
     load->next = cache->loads;
     cache->loads = load;
@@ -133,17 +160,8 @@ static const uint8_t *load_block(cache_thread *thread, cache_tables *tables, cac
 
     pthread_mutex_lock(&cache->lock);
     end_load(cache, load);
-    if (!*result && !tables->dropped) {
-        block->face = load->face;
-        block->tile = load->tile;
-        block->res_u = res.u;
-        block->res_v = res.v;
-        block->place = tables->place;
-        block->direct = direct;
-        block->serial = tables->serial;
-        atomic_store_explicit(&block->used, 1, memory_order_relaxed);
-        link_block(cache, tables, block);
-    }
+    if (!*result && !tables->dropped)
+        identify(cache, tables, load, direct, block);
     cache_settle(cache, block);
     return *result ? NULL : texels;
 }
@@ -178,8 +196,43 @@ const uint8_t *cache_load_block(cache_thread *thread, cache_tables *tables, uint
     if (tables->dropped)
         texels = NULL;
     atomic_fetch_sub_explicit(&tables->users, 1, memory_order_release);
-    if (tables->dropped)
+    if (tables->dropped || cache->table_waiters)
         pthread_cond_broadcast(&cache->changed);
     pthread_mutex_unlock(&cache->lock);
     return texels;
+}
+
+const uint8_t *cache_publish(cache_thread *thread, cache_tables *tables, uint32_t face, int res_u,
+                             int res_v, uint32_t tile, const void *texels, size_t bytes,
+                             uint32_t note) {
+    slv_cache *cache = thread->cache;
+    cache_load load = {tables, face, tile, (int8_t)res_u, (int8_t)res_v, NULL};
+    const uint8_t *found = NULL;
+    size_t units = block_units(bytes);
+    atomic_fetch_add_explicit(&tables->users, 1, memory_order_relaxed);
+    cache_unpin(thread);
+    thread->moves++;
+    pthread_mutex_lock(&cache->lock);
+    cache_block *block = tables->dropped ? NULL : cache_allocate(cache, (uint32_t)units);
+    if (block) {
+        uint8_t *to = (uint8_t *)block + CACHE_HEADER;
+        /* allocating lets go of the lock at times */
+        found = cache_find_hashed(cache, tables, face, res_u, res_v, tile);
+        if (!found && !tables->dropped) {
+            memcpy(to, texels, bytes);
+            memset(to + bytes, 0, units * CACHE_UNIT - CACHE_HEADER - bytes);
+            block->note = note;
+            identify(cache, tables, &load, false, block);
+            found = to;
+        }
+        cache_settle(cache, block);
+    }
+    cache_pin(thread);
+    if (tables->dropped)
+        found = NULL;
+    atomic_fetch_sub_explicit(&tables->users, 1, memory_order_release);
+    if (tables->dropped)
+        pthread_cond_broadcast(&cache->changed);
+    pthread_mutex_unlock(&cache->lock);
+    return found;
 }

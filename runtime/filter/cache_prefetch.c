@@ -36,18 +36,17 @@ static void *work(void *user) {
     pthread_mutex_lock(&cache->lock);
     while (!cache->worker_stops) {
         if (!cache->request_count) {
-            cache->worker_busy = false;
-            pthread_cond_broadcast(&cache->changed);
             pthread_cond_wait(&cache->requested, &cache->lock);
             continue;
         }
         cache_request request = cache->requests[cache->request_first];
         cache->request_first = (cache->request_first + 1) % CACHE_REQUESTS;
         cache->request_count--;
-        cache->worker_busy = true;
         pthread_mutex_unlock(&cache->lock);
         fetch(&thread, request);
         pthread_mutex_lock(&cache->lock);
+        cache->requests_done++;
+        pthread_cond_broadcast(&cache->changed);
     }
     pthread_mutex_unlock(&cache->lock);
     cache_thread_end(&thread);
@@ -69,6 +68,7 @@ slv_result slv_cache_prefetch(slv_cache *cache, slv_file_id file, uint32_t face)
     if (!result && cache->request_count < CACHE_REQUESTS) {
         uint32_t at = (cache->request_first + cache->request_count++) % CACHE_REQUESTS;
         cache->requests[at] = (cache_request){file, face};
+        cache->requests_made++;
         pthread_cond_signal(&cache->requested);
     }
     pthread_mutex_unlock(&cache->lock);
@@ -77,7 +77,8 @@ slv_result slv_cache_prefetch(slv_cache *cache, slv_file_id file, uint32_t face)
 
 void slv_cache_wait(slv_cache *cache) {
     pthread_mutex_lock(&cache->lock);
-    while (cache->request_count || cache->worker_busy)
+    uint64_t made = cache->requests_made;
+    while (cache->requests_done < made)
         pthread_cond_wait(&cache->changed, &cache->lock);
     pthread_mutex_unlock(&cache->lock);
 }

@@ -15,8 +15,14 @@ static size_t slab_bytes(const slv_cache *cache) {
     return (size_t)cache->slab_units * CACHE_UNIT;
 }
 
-uint64_t cache_slab_bytes(const slv_cache *cache) {
-    return (uint64_t)cache->nbacked * slab_bytes(cache);
+uint64_t cache_used_bytes(const slv_cache *cache) {
+    return (uint64_t)cache->nbacked * slab_bytes(cache) + cache->table_held + cache->fixed_bytes;
+}
+
+void cache_note_peak(slv_cache *cache) {
+    uint64_t bytes = cache_used_bytes(cache);
+    if (bytes > cache->stats.peak_bytes)
+        cache->stats.peak_bytes = bytes;
 }
 
 uint64_t cache_begin_epoch(slv_cache *cache) {
@@ -151,9 +157,7 @@ cache_block *cache_allocate(slv_cache *cache, uint32_t units) {
     block->units = units;
     slab->units += units;
     slab->pending++;
-    uint64_t bytes = cache_slab_bytes(cache) + cache->table_bytes + cache->fixed_bytes;
-    if (bytes > cache->stats.peak_bytes)
-        cache->stats.peak_bytes = bytes;
+    cache_note_peak(cache);
     return block;
 }
 
@@ -170,7 +174,7 @@ void cache_trim_slabs(slv_cache *cache) {
             index = find_slab(cache, SLAB_RETIRED, true);
             if (index == cache->nslabs) {
                 if (!retire_one(cache))
-                    return;
+                    pthread_cond_wait(&cache->changed, &cache->lock);
                 continue;
             }
             cache_wait_for_readers(cache, cache->slabs[index].epoch);

@@ -15,62 +15,14 @@ static void free_tables(cache_tables *tables) {
     if (tables->faces)
         munmap(tables->faces, faces_bytes(tables->nfaces));
     slv_ptx_close(tables->ptx);
+    if (tables->handle)
+        cache_handle_release(tables->handle);
     free(tables);
 }
 
-static slv_result make_tables(slv_cache *cache, const char *path, cache_tables **out) {
-    cache_tables *t = NULL;
-    slv_ptx_source source;
-    slv_ptx_open_params params = {.premultiply = cache->premultiply, .source = &source};
-    slv_result result = slv_alloc(&cache->env, path, 1, sizeof *t, &t);
-    if (result || (result = cache_handle_create(cache, path, &source)))
-        goto done;
-    if ((result = slv_ptx_open_with(&cache->env, path, &params, &t->ptx)))
-        goto done;
-    const slv_ptx_info *info = slv_ptx_get_info(t->ptx);
-    t->nfaces = info->nfaces;
-    t->nchannels = info->nchannels;
-    t->type = info->type;
-    t->pixel_size = (uint32_t)(info->nchannels * slv_type_size(info->type));
-    t->border_u = info->border_u;
-    t->border_v = info->border_v;
-    t->tanvec = info->edge_filter == SLV_EDGE_FILTER_TANVEC && info->nchannels >= 2;
-    t->triangle = info->mesh_type == SLV_PTX_TRIANGLE;
-    t->one = info->type == SLV_TYPE_U8 ? 255 : info->type == SLV_TYPE_U16 ? 65535 : 1;
-    t->scale = 1 / t->one;
-    /* tiles begin at 128 KiB */
-    while ((uint64_t)t->pixel_size << (t->whole_log2 + 1) < 131072)
-        t->whole_log2++;
-    t->averages = slv_ptx_get_averages(t->ptx);
-    if (!t->averages) {
-        result = SLV_ERROR_FORMAT;
-        goto done;
-    }
-    slv_ptx_face face;
-    if (t->nfaces && (result = slv_ptx_get_face(t->ptx, 0, &face)))
-        goto done;
-    t->bytes = slv_ptx_full_table_bytes(t->ptx) + faces_bytes(t->nfaces) + sizeof *t;
-    if (t->bytes > cache->max_bytes / 2) {
-        result = slv_fail(&cache->env, SLV_ERROR_LIMIT,
-                          "%s: its tables take %llu bytes, more than half of the cache's %llu",
-                          path, (unsigned long long)t->bytes, (unsigned long long)cache->max_bytes);
-        goto done;
-    }
-    /* the operating system gives memory to those pages alone that are written to */
-    t->faces = mmap(NULL, faces_bytes(t->nfaces), PROT_READ | PROT_WRITE,
-                    MAP_PRIVATE | MAP_ANONYMOUS | MAP_NORESERVE, -1, 0);
-    if (t->faces == MAP_FAILED) {
-        t->faces = NULL;
-        result =
-            slv_fail(&cache->env, SLV_ERROR_MEMORY, "%s: no memory for %u faces", path, t->nfaces);
-    }
-done:
-    if (result) {
-        free_tables(t);
-        t = NULL;
-    }
-    *out = t;
-    return result;
+static void give_room(slv_cache *cache, uint64_t bytes) {
+    cache->table_bytes -= bytes;
+    pthread_cond_broadcast(&cache->changed);
 }
 
 void cache_drop_tables(slv_cache *cache, cache_file *file) {
@@ -82,26 +34,145 @@ void cache_drop_tables(slv_cache *cache, cache_file *file) {
     cache_wait_for_readers(cache, cache_begin_epoch(cache));
     while (atomic_load_explicit(&tables->users, memory_order_acquire))
         pthread_cond_wait(&cache->changed, &cache->lock);
-    cache->table_bytes -= tables->bytes;
+    cache->table_held -= tables->bytes;
+    give_room(cache, tables->bytes);
     free_tables(tables);
 }
 
-/* Throws away the tables of files that were not looked at since the hand last came by. */
-static void trim_tables(slv_cache *cache, const cache_file *keep) {
-    for (uint32_t left = 2 * cache->file_end; left && cache->table_bytes > cache->max_bytes / 2;
-         left--) {
+/* Throws away the tables of a file that was not looked at since the hand last came by. False if
+ * all are being read from. */
+static bool drop_some(slv_cache *cache) {
+    for (uint32_t left = 2 * cache->file_end; left; left--) {
         cache->file_hand = (cache->file_hand + 1) % cache->file_end;
         cache_file *file =
             atomic_load_explicit(&cache->files[cache->file_hand], memory_order_relaxed);
         cache_tables *tables =
             file ? atomic_load_explicit(&file->tables, memory_order_relaxed) : NULL;
-        if (!tables || file == keep ||
-            atomic_exchange_explicit(&tables->used, 0, memory_order_relaxed) ||
+        if (!tables || atomic_exchange_explicit(&tables->used, 0, memory_order_relaxed) ||
             atomic_load_explicit(&tables->users, memory_order_relaxed))
             continue;
         cache_drop_tables(cache, file);
+        return true;
     }
+    return false;
+}
+
+/* Promises room to tables, at most half of all to all of them. Whoever waits for it has been
+ * promised none, so that those who have go on. */
+static void take_room(slv_cache *cache, uint64_t bytes) {
+    while (cache->table_bytes + bytes > cache->max_bytes / 2)
+        if (!drop_some(cache)) {
+            cache->table_waiters++;
+            pthread_cond_wait(&cache->changed, &cache->lock);
+            cache->table_waiters--;
+        }
+    cache->table_bytes += bytes;
     cache_trim_slabs(cache);
+    cache->table_held += bytes;
+    cache_note_peak(cache);
+}
+
+/* The caller lets go of t also when this fails. */
+static slv_result fill_tables(slv_cache *cache, const char *path, const cache_identity *identity,
+                              cache_tables *t) {
+    slv_ptx_source source;
+    slv_ptx_open_params params = {.premultiply = cache->premultiply, .source = &source};
+    slv_result result = cache_handle_create(cache, path, identity, &source, &t->handle);
+    if (result)
+        return result;
+    slv_env env = cache_handle_env(t->handle);
+    if ((result = slv_ptx_open_with(&env, path, &params, &t->ptx)))
+        return result;
+    const slv_ptx_info *info = slv_ptx_get_info(t->ptx);
+    t->nfaces = info->nfaces;
+    t->nchannels = info->nchannels;
+    t->type = info->type;
+    t->pixel_size = (uint32_t)(info->nchannels * slv_type_size(info->type));
+    t->border_u = info->border_u;
+    t->border_v = info->border_v;
+    t->tanvec = info->edge_filter == SLV_EDGE_FILTER_TANVEC && info->nchannels >= 2;
+    t->triangle = info->mesh_type == SLV_PTX_TRIANGLE;
+    t->one = info->type == SLV_TYPE_U8 ? 255 : info->type == SLV_TYPE_U16 ? 65535 : 1;
+    t->simple = !t->triangle && !t->tanvec && t->nchannels <= 4;
+    t->scale = 1 / t->one;
+    /* tiles begin at 128 KiB */
+    while ((uint64_t)t->pixel_size << (t->whole_log2 + 1) < 131072)
+        t->whole_log2++;
+    uint64_t bytes = slv_ptx_full_table_bytes(t->ptx) + faces_bytes(t->nfaces) + sizeof *t;
+    if (bytes > cache->max_bytes / 2)
+        return slv_fail(&cache->env, SLV_ERROR_LIMIT,
+                        "%s: its tables take %llu bytes, more than half of the cache's %llu", path,
+                        (unsigned long long)bytes, (unsigned long long)cache->max_bytes);
+    pthread_mutex_lock(&cache->lock);
+    take_room(cache, bytes);
+    pthread_mutex_unlock(&cache->lock);
+    t->bytes = bytes;
+    t->averages = slv_ptx_get_averages(t->ptx);
+    if (!t->averages)
+        return SLV_ERROR_FORMAT;
+    slv_ptx_face face;
+    if (t->nfaces && (result = slv_ptx_get_face(t->ptx, 0, &face)))
+        return result;
+    /* the operating system gives memory to those pages alone that are written to */
+    t->faces = mmap(NULL, faces_bytes(t->nfaces), PROT_READ | PROT_WRITE,
+                    MAP_PRIVATE | MAP_ANONYMOUS | MAP_NORESERVE, -1, 0);
+    if (t->faces == MAP_FAILED) {
+        t->faces = NULL;
+        return slv_fail(&cache->env, SLV_ERROR_MEMORY, "%s: no memory for %u faces", path,
+                        t->nfaces);
+    }
+    return SLV_OK;
+}
+
+static slv_result make_tables(slv_cache *cache, const char *path, const cache_identity *identity,
+                              cache_tables **out) {
+    cache_tables *t = NULL;
+    *out = NULL;
+    slv_result result = slv_alloc(&cache->env, path, 1, sizeof *t, &t);
+    if (result)
+        return result;
+    result = fill_tables(cache, path, identity, t);
+    if (result) {
+        uint64_t bytes = t->bytes;
+        result = t->handle ? cache_handle_result(t->handle, result) : result;
+        free_tables(t);
+        pthread_mutex_lock(&cache->lock);
+        cache->table_held -= bytes;
+        give_room(cache, bytes);
+        pthread_mutex_unlock(&cache->lock);
+        return result;
+    }
+    *out = t;
+    return SLV_OK;
+}
+
+/* Under the lock, which it lets go while it reads. */
+static slv_result load_file(slv_cache *cache, cache_file *file, slv_file_id id) {
+    cache_tables *tables = NULL;
+    file->loading = true;
+    pthread_mutex_unlock(&cache->lock);
+    slv_result result =
+        make_tables(cache, file->path, file->identified ? &file->identity : NULL, &tables);
+    pthread_mutex_lock(&cache->lock);
+    file->loading = false;
+    pthread_cond_broadcast(&cache->changed);
+    if (result)
+        return result;
+    tables->id = id;
+    tables->place = id % CACHE_FILES;
+    tables->serial = ++cache->next_serial;
+    if (tables->serial == 0)
+        tables->serial = ++cache->next_serial;
+    cache->stats.reloaded += file->loaded_before;
+    file->loaded_before = true;
+    file->identity = tables->handle->identity;
+    file->identified = true;
+    file->info = *slv_ptx_get_info(tables->ptx);
+    file->info.level_faces = NULL;
+    file->info.level_bytes = NULL;
+    atomic_store_explicit(&tables->used, 1, memory_order_relaxed);
+    atomic_store_explicit(&file->tables, tables, memory_order_release);
+    return SLV_OK;
 }
 
 slv_result cache_load_tables(slv_cache *cache, slv_file_id id) {
@@ -116,33 +187,11 @@ slv_result cache_load_tables(slv_cache *cache, slv_file_id id) {
         }
         if (atomic_load_explicit(&file->tables, memory_order_relaxed))
             break;
-        if (file->loading) {
-            pthread_cond_wait(&cache->changed, &cache->lock);
-            continue;
-        }
-        cache_tables *tables = NULL;
-        file->loading = true;
-        pthread_mutex_unlock(&cache->lock);
-        result = make_tables(cache, file->path, &tables);
-        pthread_mutex_lock(&cache->lock);
-        file->loading = false;
-        pthread_cond_broadcast(&cache->changed);
-        if (result)
+        if (!file->loading) {
+            result = load_file(cache, file, id);
             break;
-        tables->place = id % CACHE_FILES;
-        tables->serial = ++cache->next_serial;
-        if (tables->serial == 0)
-            tables->serial = ++cache->next_serial;
-        cache->stats.reloaded += file->loaded_before;
-        file->loaded_before = true;
-        cache->table_bytes += tables->bytes;
-        file->info = *slv_ptx_get_info(tables->ptx);
-        file->info.level_faces = NULL;
-        file->info.level_bytes = NULL;
-        atomic_store_explicit(&tables->used, 1, memory_order_relaxed);
-        atomic_store_explicit(&file->tables, tables, memory_order_release);
-        trim_tables(cache, file);
-        break;
+        }
+        pthread_cond_wait(&cache->changed, &cache->lock);
     }
     pthread_mutex_unlock(&cache->lock);
     return result;
@@ -167,6 +216,9 @@ void cache_learn_face(cache_tables *tables, uint32_t index) {
         f->edges |= (uint8_t)((face.adjacency.edge[e] & 3) << 2 * e);
     }
     f->flags = face.flags;
+    f->plain =
+        tables->simple &&
+        !(face.flags & (SLV_FACE_CONSTANT | SLV_FACE_SUBFACE | SLV_FACE_NEIGHBOURS_CONSTANT));
     f->res_u = face.res.u;
     f->res_v = face.res.v;
     atomic_store_explicit(&f->state, CACHE_KNOWN, memory_order_release);

@@ -47,7 +47,9 @@ static inline int ceil_int(float x) {
     return i + ((float)i < x);
 }
 
-static inline void build_bilinear(float u, float w, int face_res, kernel_axis *out) {
+/* All of these return the sum of the weights. */
+
+static inline float build_bilinear(float u, float w, int face_res, kernel_axis *out) {
     float least = power_of_two(-face_res);
     w = w > 1 ? 1 : w < least ? least : w;
     out->res = negative_log2(w);
@@ -57,9 +59,10 @@ static inline void build_bilinear(float u, float w, int face_res, kernel_axis *o
     out->n = 2;
     out->k[0] = 1 - t;
     out->k[1] = t;
+    return out->k[0] + t;
 }
 
-static inline void build_box(float u, float w, int face_res, kernel_axis *out) {
+static inline float build_box(float u, float w, int face_res, kernel_axis *out) {
     float least = power_of_two(-face_res);
     w = w > 1 ? 1 : w < least ? least : w;
     out->res = negative_log2(w);
@@ -71,12 +74,12 @@ static inline void build_box(float u, float w, int face_res, kernel_axis *out) {
     float first = 1 - (a - (float)out->start), last = 1 - ((float)end - b);
     if (out->n == 1) {
         out->k[0] = first + last - 1;
-        return;
+        return out->k[0];
     }
     out->k[0] = first;
-    for (int i = 1; i < out->n - 1; i++)
-        out->k[i] = 1;
+    out->k[1] = 1;
     out->k[out->n - 1] = last;
+    return first + last + (float)(out->n - 2);
 }
 
 static inline v8f smooth_step(v8f x) {
@@ -88,29 +91,28 @@ static inline v8f smooth_step(v8f x) {
 static inline __attribute__((always_inline)) v8f filter_curve(const kernel_shape *shape, v8f x) {
     if (shape->filter == SLV_FILTER_GAUSSIAN)
         return v8_exp2(x * x * -2.885390082f);
-    v8f a = v8_abs(x);
+    v8f a = v8_abs(x), a2 = a * a;
     const float *n = shape->cubic.near, *f = shape->cubic.far;
-    v8f near = (n[3] * a + n[2]) * a * a + n[0];
-    v8f far = ((f[3] * a + f[2]) * a + f[1]) * a + f[0];
+    v8f near = (n[3] * a + n[2]) * a2 + n[0];
+    v8f far = (f[3] * a + f[2]) * a2 + (f[1] * a + f[0]);
     return v8_select(a < 1.0f, near, v8_select(a < 2.0f, far, v8_splat(0)));
 }
 
-static inline v8f v8_iota(float first) {
-    return (v8f){0, 1, 2, 3, 4, 5, 6, 7} + first;
-}
-
 /* Weights from the one at `at` on, as far as there are so many. */
-static inline __attribute__((always_inline)) void store_weights(kernel_axis *out, int at,
-                                                                v8f weights) {
+static inline __attribute__((always_inline)) float store_weights(kernel_axis *out, int at,
+                                                                 v8f weights) {
     v8i there = (v8i){0, 1, 2, 3, 4, 5, 6, 7} + at < out->n;
     weights = v8_select(there, weights, v8_splat(0));
     memcpy(out->k + at, &weights, sizeof weights);
+    return v8_sum(weights);
 }
 
 /* The filters that span four texels at each resolution: gaussian and cubics. Between resolutions
  * the weights of pairs of texels go over to those of the next coarser resolution. */
-static inline __attribute__((always_inline)) void
+static inline __attribute__((always_inline)) float
 build_wide(const kernel_shape *shape, float u, float w, int face_res, kernel_axis *out) {
+    const v8f each = {0, 1, 2, 3, 4, 5, 6, 7};
+    const v8f even = {0, 0, 2, 2, 4, 4, 6, 6}, odd = {0, 1, 0, 1, 0, 1, 0, 1};
     float least = power_of_two(-face_res);
     w = w < least ? least : w;
     if (w >= 1) {
@@ -121,7 +123,7 @@ build_wide(const kernel_shape *shape, float u, float w, int face_res, kernel_axi
         out->n = 2;
         out->k[0] = (2 * t - 3) * t * t + 1;
         out->k[1] = 1 - out->k[0];
-        return;
+        return out->k[0] + out->k[1];
     }
     out->res = negative_log2(w);
     float size = power_of_two(out->res);
@@ -132,51 +134,49 @@ build_wide(const kernel_shape *shape, float u, float w, int face_res, kernel_axi
         if (coarse == 0) {
             out->start = first;
             out->n = end - first;
-            v8f at = (v8_iota((float)first) - x) / p;
-            store_weights(out, 0, filter_curve(shape, at));
-            return;
+            return store_weights(out, 0, filter_curve(shape, (each + ((float)first - x)) * step));
         }
+        float sum = 0;
         first &= ~1;
         end = (end + 1) & ~1;
         out->start = first;
         out->n = end - first;
         for (int i = 0; i < out->n; i += 8) {
-            v8f even = {0, 0, 2, 2, 4, 4, 6, 6}, odd = {0, 1, 0, 1, 0, 1, 0, 1};
-            v8f a = (even + (float)(first + i) - x) / p;
-            v8f at = a + odd * step;
-            v8f both = (a + (a + step)) * 0.5f;
-            store_weights(out, i,
-                          fine * filter_curve(shape, at) + coarse * filter_curve(shape, both));
+            v8f a = (even + ((float)(first + i) - x)) * step;
+            v8f near = filter_curve(shape, a + odd * step);
+            v8f far = filter_curve(shape, (a + (a + step)) * 0.5f);
+            sum += store_weights(out, i, fine * near + coarse * far);
         }
-        return;
+        return sum;
     }
-    v8f even = {0, 0, 2, 2, 4, 4, 6, 6}, odd = {0, 1, 0, 1, 0, 1, 0, 1};
     if (w < 0.5f) {
         float x = 4 * u - 0.5f, s = 1 / (w + 0.75f);
         int first = ceil_int(x - 2) & ~1, end = (ceil_int(x + 2) + 1) & ~1;
         out->start = first;
         out->n = end - first;
-        v8f a = even + (float)first - x;
-        v8f both = (a + (a + 1)) * 0.25f;
-        store_weights(out, 0, fine * filter_curve(shape, a + odd) + coarse * smooth_step(both * s));
-        return;
+        v8f a = even + ((float)first - x), both = (a + (a + 1)) * 0.25f;
+        v8f near = filter_curve(shape, a + odd);
+        if (coarse == 0)
+            return store_weights(out, 0, near);
+        return store_weights(out, 0, fine * near + coarse * smooth_step(both * s));
     }
     float x = 2 * u - 0.5f, s = 1 / (1.5f * w + 0.5f);
     out->start = 2 * floor_int(u - 0.5f);
     out->n = 4;
-    v8f a = even + (float)out->start - x;
-    v8f both = (a + (a + 1)) * 0.5f;
-    store_weights(out, 0, fine * smooth_step((a + odd) * s) + coarse * smooth_step(both * s));
+    v8f a = even + ((float)out->start - x), both = (a + (a + 1)) * 0.5f;
+    v8f near = smooth_step((a + odd) * s);
+    if (coarse == 0)
+        return store_weights(out, 0, near);
+    return store_weights(out, 0, fine * near + coarse * smooth_step(both * s));
 }
 
-static inline __attribute__((always_inline)) void
+static inline __attribute__((always_inline)) float
 build_axis(const kernel_shape *shape, float u, float w, int face_res, kernel_axis *out) {
     if (shape->filter == SLV_FILTER_BILINEAR)
-        build_bilinear(u, w, face_res, out);
-    else if (shape->filter == SLV_FILTER_BOX)
-        build_box(u, w, face_res, out);
-    else
-        build_wide(shape, u, w, face_res, out);
+        return build_bilinear(u, w, face_res, out);
+    if (shape->filter == SLV_FILTER_BOX)
+        return build_box(u, w, face_res, out);
+    return build_wide(shape, u, w, face_res, out);
 }
 
 #endif

@@ -1,12 +1,12 @@
 /* Lookups on quad meshes, from position and footprint to value. Compiled once for every kind of
  * processor; the numbers are the same. */
-#include "filter/seams.h"
+#include "filter/apron.h"
 
 #ifndef LOOKUP_FUNCTIONS
 #define LOOKUP_FUNCTIONS lookup_portable
 #endif
 
-#define BATCH 16
+#define GROUP 8 /* lookups of a batch that are under way at once */
 
 static void point_sum(lookup_state *state, const slv_lookup *l) {
     const cache_tables *t = state->tables;
@@ -30,8 +30,8 @@ static void point_sum(lookup_state *state, const slv_lookup *l) {
     const uint8_t *texels;
     size_t at;
     if (f->res_u + f->res_v <= t->whole_log2) {
-        texels = find_whole(state, l->face, f, f->res_u, f->res_v);
         at = ((size_t)y << f->res_u) + (size_t)x;
+        texels = find_whole(state, l->face, f, f->res_u, f->res_v);
     } else {
         slv_res tile = cache_tile_res(t, f->res_u, f->res_v);
         uint32_t index = ((uint32_t)(y >> tile.v) << (f->res_u - tile.u)) + (uint32_t)(x >> tile.u);
@@ -56,26 +56,47 @@ static inline bool border(slv_border_mode mode, float *x) {
     }
 }
 
-static inline void build(const slv_sampler *s, const cache_face *f, float u, float v, float uw,
-                         float vw, kernel *k) {
+/* Returns the kernel's whole weight. */
+static inline __attribute__((always_inline)) float build(const kernel_shape *shape,
+                                                         const cache_face *f, float u, float v,
+                                                         float uw, float vw, kernel *k) {
     k->turns = 0;
-    if (!is_subface(f)) {
-        build_axis(&s->shape, u, uw, f->res_u, &k->a[0]);
-        build_axis(&s->shape, v, vw, f->res_v, &k->a[1]);
-        return;
-    }
+    if (!is_subface(f))
+        return build_axis(shape, u, uw, f->res_u, &k->a[0]) *
+               build_axis(shape, v, vw, f->res_v, &k->a[1]);
     /* a quarter of a whole face */
-    build_axis(&s->shape, u * 0.5f, uw * 0.5f, f->res_u + 1, &k->a[0]);
-    build_axis(&s->shape, v * 0.5f, vw * 0.5f, f->res_v + 1, &k->a[1]);
+    float sum = build_axis(shape, u * 0.5f, uw * 0.5f, f->res_u + 1, &k->a[0]) *
+                build_axis(shape, v * 0.5f, vw * 0.5f, f->res_v + 1, &k->a[1]);
     for (int axis = 0; axis < 2; axis++) {
         if (k->a[axis].res == 0)
             axis_upsample(&k->a[axis]);
         k->a[axis].res--;
     }
+    return sum;
 }
 
-static inline bool is_inside(const kernel_axis *a) {
-    return a->start >= 0 && a->start + a->n <= 1 << a->res;
+static inline __attribute__((always_inline)) bool is_inside(const kernel *k) {
+    const kernel_axis *u = &k->a[0], *v = &k->a[1];
+    int outside =
+        u->start | ((1 << u->res) - u->n - u->start) | v->start | ((1 << v->res) - v->n - v->start);
+    return outside >= 0;
+}
+
+/* Lays a kernel of a known weight onto its face and those around. */
+static inline void sum_kernel(lookup_state *state, uint32_t face, cache_face *f, kernel *k,
+                              float weight) {
+    bool inside = is_inside(k);
+    state->weight = weight;
+    if (f->plain && !state->sampler->no_edge_blend && apron_fits(k) &&
+        (apply_apron(state, face, f, k) || is_over(state)))
+        return;
+    if (inside) {
+        apply_inside(state, face, f, k);
+        return;
+    }
+    axis_strip(&k->a[0]);
+    axis_strip(&k->a[1]);
+    apply_across(state, face, k);
 }
 
 static void quad_sum(lookup_state *state, const slv_lookup *l) {
@@ -93,21 +114,12 @@ static void quad_sum(lookup_state *state, const slv_lookup *l) {
         state->weight = 1;
         return;
     }
-    bool half = is_subface(f);
-    float uw = (fabsf(l->uw1) + fabsf(l->uw2)) * s->width + s->blur * (half ? 2 : 1);
-    float vw = (fabsf(l->vw1) + fabsf(l->vw2)) * s->width + s->blur * (half ? 2 : 1);
+    float blur = is_subface(f) ? 2 * s->blur : s->blur;
+    float uw = (fabsf(l->uw1) + fabsf(l->uw2)) * s->width + blur;
+    float vw = (fabsf(l->vw1) + fabsf(l->vw2)) * s->width + blur;
     kernel k;
-    build(s, f, u, v, uw, vw, &k);
-    bool inside = is_inside(&k.a[0]) && is_inside(&k.a[1]);
-    if (!inside) {
-        axis_strip(&k.a[0]);
-        axis_strip(&k.a[1]);
-    }
-    state->weight = kernel_weight(&k);
-    if (inside)
-        apply_inside(state, l->face, f, &k);
-    else
-        apply_across(state, l->face, &k);
+    float weight = build(&s->shape, f, u, v, uw, vw, &k);
+    sum_kernel(state, l->face, f, &k, weight);
 }
 
 static inline bool is_sound(const slv_lookup *l) {
@@ -117,56 +129,7 @@ static inline bool is_sound(const slv_lookup *l) {
     return position == 0 && footprint == footprint;
 }
 
-/* Most lookups: inside of a face whose texels are there, of few channels from the first on. Returns
- * false, and nothing happened, if this is not one of them. */
-static inline __attribute__((always_inline)) bool
-look_up_quickly(slv_sampler *s, const slv_lookup *l, slv_filter filter, float *out) {
-    cache_tables *t = cache_find_tables(s->thread.cache, l->file);
-    if (!t || l->face >= t->nfaces || t->nchannels > 4 || s->first_channel || t->triangle)
-        return false;
-    cache_face *f = &t->faces[l->face];
-    if (atomic_load_explicit(&f->state, memory_order_acquire) != CACHE_KNOWN ||
-        (f->flags & (SLV_FACE_CONSTANT | SLV_FACE_SUBFACE)))
-        return false;
-    float u = l->u, v = l->v;
-    if (!(u >= 0 && u <= 1 && v >= 0 && v <= 1))
-        return false;
-    v4f sum;
-    const uint8_t *texels;
-    if (filter == SLV_FILTER_POINT) {
-        int x = (int)(u * power_of_two(f->res_u)), y = (int)(v * power_of_two(f->res_v));
-        x -= x >> f->res_u;
-        y -= y >> f->res_v;
-        texels = cache_find_full(s->thread.cache, f);
-        if (!texels)
-            return false;
-        v8f texel =
-            load_texel(t->type, texels + (((size_t)y << f->res_u) + (size_t)x) * t->pixel_size);
-        memcpy(&sum, &texel, sizeof sum);
-        sum = sum * t->scale + 0;
-    } else {
-        float uw = (fabsf(l->uw1) + fabsf(l->uw2)) * s->width + s->blur;
-        float vw = (fabsf(l->vw1) + fabsf(l->vw2)) * s->width + s->blur;
-        if (!(uw + vw < INFINITY))
-            return false;
-        kernel k;
-        k.turns = 0;
-        kernel_shape shape = s->shape;
-        shape.filter = filter;
-        build_axis(&shape, u, uw, f->res_u, &k.a[0]);
-        build_axis(&shape, v, vw, f->res_v, &k.a[1]);
-        int res_u = k.a[0].res, res_v = k.a[1].res;
-        if (!is_inside(&k.a[0]) || !is_inside(&k.a[1]) || res_u > f->res_u || res_v > f->res_v)
-            return false;
-        texels = res_u == f->res_u && res_v == f->res_v
-                     ? cache_find_full(s->thread.cache, f)
-                     : cache_find_hashed(s->thread.cache, t, l->face, res_u, res_v, 0);
-        if (!texels || res_u + res_v > t->whole_log2)
-            return false;
-        sum = gather_few(t, texels, (size_t)1 << res_u, &k);
-        sum = sum * (t->scale / kernel_weight(&k)) + 0;
-    }
-    uint32_t count = t->nchannels < s->nchannels ? t->nchannels : s->nchannels;
+static inline __attribute__((always_inline)) void put(v4f sum, uint32_t count, float *out) {
     if (count >= 2)
         memcpy(out, &sum, 2 * sizeof *out);
     else
@@ -175,10 +138,132 @@ look_up_quickly(slv_sampler *s, const slv_lookup *l, slv_filter filter, float *o
         out[2] = sum[2];
     if (count >= 4)
         out[3] = sum[3];
+}
+
+/* A kernel that reaches beyond its face, or whose texels are not there yet. */
+static __attribute__((noinline)) bool look_across(slv_sampler *s, cache_tables *t, uint32_t face,
+                                                  cache_face *f, kernel *k, float weight,
+                                                  uint32_t count, float *out, slv_result *result) {
+    float sum[4] = {0};
+    lookup_state state = {.sampler = s, .tables = t, .count = count, .sum = sum};
+    sum_kernel(&state, face, f, k, weight);
+    cache_count(&s->thread.pieces, state.pieces);
+    cache_count(&s->thread.slow, 1);
+    *result = state.result;
+    if (state.gone)
+        return false;
+    float scale = state.weight == 0 || state.result ? 0 : t->scale / state.weight;
+    for (uint32_t c = 0; c < count; c++)
+        out[c] = scale == 0 ? 0 : sum[c] * scale + 0;
+    return true;
+}
+
+/* A lookup that is nearly done: what is left is to sum up texels, if they were found. */
+typedef struct prepared {
+    cache_tables *t;
+    cache_face *f;
+    const uint8_t *texels;
+    size_t pitch;
+    float weight;
+    kernel k;
+} prepared;
+
+/* Whether 0 <= x < 1; false for -0, which is no loss. */
+static inline bool is_unit(float x) {
+    uint32_t bits;
+    memcpy(&bits, &x, sizeof bits);
+    return bits < 0x3f800000;
+}
+
+/* Most lookups: on a quad whose texels are of few channels, from the first on. Returns false if
+ * this is not one of them. */
+static inline __attribute__((always_inline)) bool prepare(const slv_sampler *s, const slv_lookup *l,
+                                                          slv_filter filter, prepared *p) {
+    const slv_cache *cache = s->thread.cache;
+    cache_tables *t = cache_find_tables(cache, l->file);
+    if (!t || l->face >= t->nfaces || s->first_channel)
+        return false;
+    cache_face *f = &t->faces[l->face];
+    if (atomic_load_explicit(&f->state, memory_order_acquire) != CACHE_KNOWN || !f->plain ||
+        !is_unit(l->u) || !is_unit(l->v))
+        return false;
+    p->t = t;
+    p->f = f;
+    if (filter == SLV_FILTER_POINT) {
+        int x = (int)(l->u * power_of_two(f->res_u)), y = (int)(l->v * power_of_two(f->res_v));
+        p->texels = cache_find_full(cache, f);
+        if (!p->texels)
+            return false;
+        p->texels += (((size_t)y << f->res_u) + (size_t)x) * t->pixel_size;
+        return true;
+    }
+    float uw = (fabsf(l->uw1) + fabsf(l->uw2)) * s->width + s->blur;
+    float vw = (fabsf(l->vw1) + fabsf(l->vw2)) * s->width + s->blur;
+    if (!(uw + vw < INFINITY))
+        return false;
+    kernel_shape shape = s->shape;
+    shape.filter = filter;
+    p->k.turns = 0;
+    p->weight = build_axis(&shape, l->u, uw, f->res_u, &p->k.a[0]) *
+                build_axis(&shape, l->v, vw, f->res_v, &p->k.a[1]);
+    int res_u = p->k.a[0].res, res_v = p->k.a[1].res;
+    p->texels = NULL;
+    p->pitch = (size_t)1 << res_u;
+    if ((res_u | res_v) <= APRON_LOG2 && !s->no_edge_blend && apron_fits(&p->k)) {
+        const uint8_t *apron = cache_find_apron(cache, f, res_u, res_v);
+        if (apron && apron_covers(apron, &p->k)) {
+            p->texels = apron;
+            p->pitch = apron_pitch(res_u);
+        }
+    } else if (res_u == f->res_u && res_v == f->res_v) {
+        if (is_inside(&p->k))
+            p->texels = cache_find_full(cache, f);
+    } else if (is_inside(&p->k) && res_u < f->res_u && res_v < f->res_v &&
+               res_u + res_v <= t->whole_log2)
+        p->texels = cache_find_hashed(cache, t, l->face, res_u, res_v, 0);
+    return true;
+}
+
+/* Does what is left. False if the tables were dropped: the lookup must begin anew. */
+static inline __attribute__((always_inline)) bool complete(slv_sampler *s, uint32_t face,
+                                                           slv_filter filter, prepared *p,
+                                                           float *out, slv_result *result) {
+    const cache_tables *t = p->t;
+    uint32_t count = t->nchannels < s->nchannels ? t->nchannels : s->nchannels;
     if (s->nchannels != UINT32_MAX)
         for (uint32_t c = count; c < s->nchannels; c++)
             out[c] = 0;
+    if (filter == SLV_FILTER_POINT) {
+        v8f texel = load_texel(t->type, p->texels);
+        v4f sum;
+        memcpy(&sum, &texel, sizeof sum);
+        put(sum * t->scale + 0, count, out);
+        return true;
+    }
+    if (!p->texels)
+        return look_across(s, p->t, face, p->f, &p->k, p->weight, count, out, result);
+    v4f sum = gather_few(t, p->texels, p->pitch, &p->k);
+    put(sum * (t->scale / p->weight) + 0, count, out);
     return true;
+}
+
+/* Asks for the memory that a prepared lookup will read. */
+static inline __attribute__((always_inline)) void fetch_ahead(const prepared *p,
+                                                              slv_filter filter) {
+    const uint8_t *at = p->texels;
+    if (filter == SLV_FILTER_POINT) {
+        __builtin_prefetch(at);
+        return;
+    }
+    if (!at)
+        return;
+    const kernel_axis *u = &p->k.a[0], *v = &p->k.a[1];
+    size_t pixel = p->t->pixel_size, pitch = pixel * p->pitch, width = (size_t)u->n * pixel - 1;
+    at += (size_t)v->start * pitch + (size_t)u->start * pixel;
+    for (int i = 0; i < v->n; i++, at += pitch) {
+        __builtin_prefetch(at);
+        __builtin_prefetch(at + width);
+    }
 }
 
 /* The thread is pinned. `room`: how many values to set, or 0 for as many as the file gives. */
@@ -226,32 +311,63 @@ static inline slv_result look_up(slv_sampler *s, const slv_lookup *l, size_t roo
 static inline __attribute__((always_inline)) slv_result
 look_up_one(slv_sampler *s, const slv_lookup *l, slv_filter filter, float *out) {
     slv_result result = SLV_OK;
+    prepared p;
     cache_pin(&s->thread);
-    if (!look_up_quickly(s, l, filter, out))
+    if (!prepare(s, l, filter, &p) || !complete(s, l->face, filter, &p, out, &result))
         result = look_up(s, l, s->nchannels == UINT32_MAX ? 0 : s->nchannels, out);
     cache_unpin(&s->thread);
     cache_count(&s->thread.lookups, 1);
     return result;
 }
 
+/* Some lookups at a time go through each step together, so that none waits for memory or for the
+ * steps before. */
 static inline __attribute__((always_inline)) slv_result
 look_up_many(slv_sampler *s, const slv_lookup *lookups, const uint32_t *order, size_t count,
              slv_filter filter, float *out, size_t stride, slv_result *results) {
     slv_result first = SLV_OK;
     size_t first_at = count, room = s->nchannels == UINT32_MAX ? stride : s->nchannels;
-    for (size_t i = 0; i < count; i++) {
-        size_t at = order ? order[i] : i;
-        slv_result result = SLV_OK;
+    prepared group[GROUP];
+    for (size_t begin = 0; begin < count; begin += GROUP) {
+        size_t n = count - begin < GROUP ? count - begin : GROUP, at[GROUP];
+        bool ready[GROUP];
+        uintptr_t near = 0;
+        uint32_t face = UINT32_MAX;
         cache_pin(&s->thread);
-        if (!look_up_quickly(s, &lookups[at], filter, out + at * stride))
-            result = look_up(s, &lookups[at], room, out + at * stride);
-        cache_unpin(&s->thread);
-        if (results)
-            results[at] = result;
-        if (result && at < first_at) {
-            first = result;
-            first_at = at;
+        for (size_t i = 0; i < n; i++) {
+            at[i] = order ? order[begin + i] : begin + i;
+            const slv_lookup *l = &lookups[at[i]];
+            if (l->face == face)
+                continue;
+            face = l->face;
+            cache_tables *t = cache_find_tables(s->thread.cache, l->file);
+            if (t && face < t->nfaces)
+                __builtin_prefetch(&t->faces[face]);
         }
+        for (size_t i = 0; i < n; i++) {
+            ready[i] = prepare(s, &lookups[at[i]], filter, &group[i]);
+            /* neighbours are in the processor's cache, or soon will be */
+            if (ready[i] && (uintptr_t)group[i].texels - near + 2048 > 4096)
+                fetch_ahead(&group[i], filter);
+            near = ready[i] ? (uintptr_t)group[i].texels : near;
+        }
+        uint64_t moves = s->thread.moves;
+        for (size_t i = 0; i < n; i++) {
+            slv_result result = SLV_OK;
+            const slv_lookup *l = &lookups[at[i]];
+            float *to = out + at[i] * stride;
+            /* what was found is worth nothing once the pin was let go */
+            if (!ready[i] || s->thread.moves != moves ||
+                !complete(s, l->face, filter, &group[i], to, &result))
+                result = look_up(s, l, room, to);
+            if (results)
+                results[at[i]] = result;
+            if (result && at[i] < first_at) {
+                first = result;
+                first_at = at[i];
+            }
+        }
+        cache_unpin(&s->thread);
     }
     cache_count(&s->thread.lookups, count);
     return first;

@@ -37,6 +37,7 @@ typedef struct lookup_state {
     uint32_t pieces;
     slv_result result; /* of what could not be read */
     bool gone;         /* the tables were dropped: begin anew */
+    bool subfaces;     /* something was laid onto sub-faces */
     uint8_t depth;
 } lookup_state;
 

@@ -161,9 +161,10 @@ static void to_whole_face(kernel *k, int edge) {
 /* A sub-face may be smaller than the kernel expects: cut again. */
 static void arrive(lookup_state *state, uint32_t face, kernel *k) {
     cache_face *f = face_at(state, face);
-    if (is_subface(f))
+    if (is_subface(f)) {
+        state->subfaces = true;
         apply_across(state, face, k);
-    else
+    } else
         apply_inside(state, face, f, k);
 }
 
@@ -254,6 +255,7 @@ static void apply_corner(lookup_state *state, uint32_t face, const cache_face *f
         edges[i] = next;
         if (is_subface(at) && !is_subface(g) && g->adjacent[(next + 3) & 3] == (int32_t)from) {
             /* the vertex lies within an edge of a whole face */
+            state->subfaces = true;
             bool primary = i == 1;
             to_whole_face(k, edge + 2 * primary);
             kernel_turn(k, edge - next + 3 - primary);
@@ -290,9 +292,11 @@ static void apply_side(lookup_state *state, uint32_t face, const cache_face *f, 
         kernel_split(&part, EDGE_TOP, &corner);
         apply_corner(state, face, f, above, &corner);
     }
+    if (is_over(state))
+        return;
     if (bottom && f->adjacent[EDGE_BOTTOM] < 0)
         kernel_merge(&part, EDGE_BOTTOM, drop);
-    else if (bottom && !is_over(state)) {
+    else if (bottom) {
         kernel_split(&part, EDGE_BOTTOM, &corner);
         apply_corner(state, face, f, below, &corner);
     }

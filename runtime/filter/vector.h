@@ -35,20 +35,21 @@ static inline __attribute__((always_inline)) v8f v8_abs(v8f x) {
     return (v8f)((v8i)x & 0x7fffffff);
 }
 
-/* 2^x for -126 < x < 127, to 2e-7: a polynomial for the fraction in -0.5..0.5 (Taylor's, of degree
- * 7), and the exponent put in. */
+/* 2^x for -126 < x < 127, to 2e-7: the exponent put in, and for the fraction in -0.5..0.5 the
+ * polynomial that is right at the Chebyshev points. */
 static inline __attribute__((always_inline)) v8f v8_exp2(v8f x) {
     v8f shifted = x + 12582912.0f; /* 1.5 * 2^23: rounds to an integer */
-    v8f f = x - (shifted - 12582912.0f);
-    v8f y = v8_splat(1.5252734e-5f);
-    y = y * f + 1.5403530e-4f;
-    y = y * f + 1.3333558e-3f;
-    y = y * f + 9.6181291e-3f;
-    y = y * f + 5.5504109e-2f;
-    y = y * f + 0.24022651f;
-    y = y * f + 0.69314718f;
-    y = y * f + 1.0f;
+    v8f f = x - (shifted - 12582912.0f), f2 = f * f;
+    v8f low = 0.693147182f * f + 1.00000012f, middle = 0.0555035695f * f + 0.240221068f;
+    v8f high = 0.00133908633f * f + 0.00967603177f;
+    v8f y = (high * f2 + middle) * f2 + low;
     return (v8f)((v8u32)y + ((v8u32)shifted << 23));
+}
+
+static inline __attribute__((always_inline)) float v8_sum(v8f x) {
+    v4f low = {x[0], x[1], x[2], x[3]}, high = {x[4], x[5], x[6], x[7]};
+    low += high;
+    return (low[0] + low[2]) + (low[1] + low[3]);
 }
 
 /* Eight texel values as floats. Compilers take the plain conversion apart value by value. */

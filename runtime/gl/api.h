@@ -114,6 +114,7 @@ struct slv_gl {
     slv_gl_platform platform;
     slv_gl_get_proc get_proc; /* NULL for a host's context */
     uint64_t max_storage;     /* bytes of a shader storage block */
+    bool ballot;              /* has GL_ARB_shader_ballot */
     uint64_t serial;          /* of the last texture made, so that caches can tell textures apart */
 };
 

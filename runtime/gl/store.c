@@ -63,7 +63,7 @@ struct widen_job {
     uint8_t *wide;
 };
 
-/* Only the innermost border can leave the range of an integer type, so one texel of border is
+/* Only the innermost border can leave the range of a type, so one texel of border is
  * enough to know. */
 static slv_result find_wide(void *user, uint64_t first, uint64_t end) {
     struct widen_job *job = user;
@@ -381,7 +381,6 @@ done:
 slv_result slv_gl_store_build(const slv_gl_source *source, bool bordered, slv_gl_store *out) {
     const slv_texture_desc *desc = slv_levels_get_desc(source->levels);
     uint32_t first = source->params.first_channel, nchannels = source->params.nchannels;
-    bool integer = desc->type == SLV_TYPE_U8 || desc->type == SLV_TYPE_U16;
     unsigned char *staging = NULL;
     uint64_t capacity = 0;
     uint8_t *wide = NULL;
@@ -395,7 +394,7 @@ slv_result slv_gl_store_build(const slv_gl_source *source, bool bordered, slv_gl
     if ((result = slv_parallel_env_begin(source->env, &log, &env)) ||
         (result = slv_alloc(source->env, "wide faces", desc->nfaces, 1, &wide)))
         goto done;
-    if (bordered && integer) {
+    if (bordered && desc->type != SLV_TYPE_FLOAT) {
         struct widen_job job = {.source = source, .env = env, .wide = wide};
         if ((result = slv_parallel_for(&env, desc->nfaces, 64, find_wide, &job)))
             goto done;

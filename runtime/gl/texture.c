@@ -6,8 +6,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-static const char *const strategy_names[SLV_STRATEGY_COUNT] = {"clamp", "borders", "traverse",
-                                                               "discard"};
+static const char *const strategy_names[SLV_STRATEGY_COUNT] = {
+    "clamp", "borders", "traverse", "discard", "hybrid", "traverse-full"};
 
 const char *slv_strategy_name(slv_strategy strategy) {
     return strategy < SLV_STRATEGY_COUNT ? strategy_names[strategy] : "unknown";
@@ -24,9 +24,16 @@ bool slv_strategy_from_name(const char *name, slv_strategy *out) {
 }
 
 /* Software samplers take an anisotropic footprint from neighbouring fragments' coordinates and
- * ignore explicit derivatives. */
+ * ignore explicit derivatives; of an isotropic one they only estimate the length. */
 static bool taps_in_shader(const slv_gl_texture *texture) {
-    return texture->params.anisotropy > 1 && texture->gl->info.software;
+    return texture->gl->info.software;
+}
+
+static bool in_vectors(const slv_gl_texture *texture) {
+    slv_gl_branching branching = texture->params.branching;
+    return texture->gl->ballot &&
+           (branching == SLV_GL_BRANCHING_AUTO ? texture->gl->info.software
+                                               : branching == SLV_GL_BRANCHING_VECTORS);
 }
 
 enum { SAMPLER_CLAMPED, SAMPLER_ZERO_BORDER, SAMPLER_BORDERED };
@@ -103,6 +110,12 @@ static bool wants(const slv_gl_texture *texture, slv_strategy strategy) {
     return texture->params.strategies >> strategy & 1;
 }
 
+/* Those that look into neighbours share one set of tables. */
+static bool reaches(slv_strategy strategy) {
+    return strategy == SLV_STRATEGY_TRAVERSE || strategy == SLV_STRATEGY_HYBRID ||
+           strategy == SLV_STRATEGY_TRAVERSE_FULL;
+}
+
 slv_result slv_gl_texture_create(slv_gl *gl, const slv_env *env, const slv_texture *texture,
                                  const slv_adjacency *adjacency,
                                  const slv_gl_texture_params *params, slv_gl_texture **out) {
@@ -130,12 +143,13 @@ slv_result slv_gl_texture_create(slv_gl *gl, const slv_env *env, const slv_textu
     made->texel_bytes = texel_bytes(desc, made->params.nchannels);
     slv_gl_source source = {
         .env = env, .gl = gl, .levels = levels, .adjacency = adjacency, .params = made->params};
-    bool bare = wants(made, SLV_STRATEGY_CLAMP) || wants(made, SLV_STRATEGY_DISCARD) ||
-                wants(made, SLV_STRATEGY_TRAVERSE);
+    bool reaching = wants(made, SLV_STRATEGY_TRAVERSE) || wants(made, SLV_STRATEGY_HYBRID) ||
+                    wants(made, SLV_STRATEGY_TRAVERSE_FULL);
+    bool bare = reaching || wants(made, SLV_STRATEGY_CLAMP) || wants(made, SLV_STRATEGY_DISCARD);
     if (bare && ((result = slv_gl_store_build(&source, false, &made->bare)) ||
                  (result = slv_gl_batches_by_pool(&source, &made->bare, &made->own[0]))))
         goto done;
-    if (wants(made, SLV_STRATEGY_TRAVERSE) &&
+    if (reaching &&
         (result = slv_gl_batches_with_neighbours(&source, &made->bare, &made->reach, &made->links,
                                                  &made->corners, &made->reach_bytes)))
         goto done;
@@ -179,8 +193,8 @@ void slv_gl_texture_destroy(slv_gl_texture *texture) {
 }
 
 static bool split_coverage(const slv_gl_texture *texture, slv_strategy strategy) {
-    return texture->params.nchannels == 4 &&
-           (strategy == SLV_STRATEGY_TRAVERSE || strategy == SLV_STRATEGY_DISCARD);
+    return texture->params.nchannels == 4 && strategy != SLV_STRATEGY_CLAMP &&
+           strategy != SLV_STRATEGY_BORDERS;
 }
 
 static const slv_gl_store *store_of(const slv_gl_texture *texture, slv_strategy strategy) {
@@ -191,8 +205,7 @@ const slv_gl_batches *slv_gl_texture_batches(const slv_gl_texture *texture, slv_
     static const slv_gl_batches none;
     if ((unsigned)strategy >= SLV_STRATEGY_COUNT || !wants(texture, strategy))
         return &none;
-    return strategy == SLV_STRATEGY_TRAVERSE ? &texture->reach
-                                             : &texture->own[strategy == SLV_STRATEGY_BORDERS];
+    return reaches(strategy) ? &texture->reach : &texture->own[strategy == SLV_STRATEGY_BORDERS];
 }
 
 slv_gl_texture_stats slv_gl_texture_get_stats(const slv_gl_texture *texture,
@@ -205,7 +218,7 @@ slv_gl_texture_stats slv_gl_texture_get_stats(const slv_gl_texture *texture,
                                   .widened = store->nwide};
     if (split_coverage(texture, strategy))
         stats.gpu_bytes += store->coverage_bytes;
-    if (strategy == SLV_STRATEGY_TRAVERSE)
+    if (reaches(strategy))
         stats.gpu_bytes += texture->reach_bytes;
     return stats;
 }
@@ -239,14 +252,15 @@ const char *slv_gl_texture_glsl(slv_gl_texture *texture, slv_strategy strategy, 
         *text = malloc(size);
         if (!*text)
             return "";
-        snprintf(
-            *text, size,
-            "#define SLV_STRATEGY %d\n#define SLV_POOLS %u\n#define SLV_SUBFACES %u\n"
-            "#define SLV_SPLIT_COVERAGE %d\n#define SLV_ANISOTROPY %u\n#define SLV_BORDER %u\n"
-            "#define SLV_TAPS %d\n#define SLV_FIRST_UNIT %d\n#define SLV_FIRST_STORAGE %d\n%s\n",
-            (int)strategy, slv_gl_variant_pools(variant), variant & 1,
-            split_coverage(texture, strategy), texture->params.anisotropy, texture->params.border,
-            taps_in_shader(texture), SLV_GL_FIRST_UNIT, SLV_GL_FIRST_STORAGE, texture->sample_text);
+        snprintf(*text, size,
+                 "#define SLV_STRATEGY %d\n#define SLV_POOLS %u\n#define SLV_SUBFACES %u\n"
+                 "#define SLV_SPLIT_COVERAGE %d\n#define SLV_ANISOTROPY %u\n#define SLV_BORDER %u\n"
+                 "#define SLV_TAPS %d\n#define SLV_VECTORS %d\n#define SLV_FIRST_UNIT %d\n#define "
+                 "SLV_FIRST_STORAGE %d\n%s\n",
+                 (int)strategy, slv_gl_variant_pools(variant), variant & 1,
+                 split_coverage(texture, strategy), texture->params.anisotropy,
+                 texture->params.border, taps_in_shader(texture), in_vectors(texture),
+                 SLV_GL_FIRST_UNIT, SLV_GL_FIRST_STORAGE, texture->sample_text);
     }
     return *text;
 }
@@ -273,7 +287,7 @@ void slv_gl_texture_bind(slv_gl_texture *texture, slv_strategy strategy, uint32_
         }
     }
     api->BindBufferBase(GL_SHADER_STORAGE_BUFFER, SLV_GL_FIRST_STORAGE, store->table);
-    if (strategy == SLV_STRATEGY_TRAVERSE) {
+    if (reaches(strategy)) {
         api->BindBufferBase(GL_SHADER_STORAGE_BUFFER, SLV_GL_FIRST_STORAGE + 1, texture->links);
         api->BindBufferBase(GL_SHADER_STORAGE_BUFFER, SLV_GL_FIRST_STORAGE + 3, texture->corners);
     }

@@ -151,6 +151,8 @@ static bool read_png_header(png_structp png, png_infop info, struct png_stream *
         return false;
     png_set_read_fn(png, stream, on_read);
     png_set_user_limits(png, IMAGE_MAX_SIDE, IMAGE_MAX_SIDE);
+    /* comments and profiles are of no use here, and libpng reserves what their lengths claim */
+    png_set_keep_unknown_chunks(png, PNG_HANDLE_CHUNK_NEVER, NULL, -1);
     png_set_chunk_malloc_max(png, 1 << 24);
     png_read_info(png, info);
     png_set_expand(png);

@@ -11,22 +11,17 @@ static slv_result copy_face(void *user, const slv_env *env, uint32_t face, const
 
 static slv_result copy_with_mesh(const slv_env *env, const slv_ptx *ptx, const slv_mesh *mesh,
                                  const char *path) {
-    slv_ptx_writer_params params = slv_ptx_writer_params_like(ptx);
     const slv_ptx_info *info = slv_ptx_get_info(ptx);
     slv_ptx_writer *writer = NULL;
-    slv_result result = slv_ptx_writer_create(env, path, &params, &writer);
+    slv_result result = slv_ptx_load_tables(ptx);
     if (result)
+        return result;
+    slv_ptx_writer_params params = slv_ptx_writer_params_like(ptx);
+    if ((result = slv_ptx_writer_create(env, path, &params, &writer)))
         goto done;
-    for (uint32_t i = 0; i < info->nmeta; i++) {
-        const slv_ptx_meta *meta = slv_ptx_get_meta(ptx, i);
-        if (!meta) {
-            result = slv_fail(env, SLV_ERROR_FORMAT, "%s: metadata entry %u cannot be read",
-                              slv_ptx_name(ptx), i);
+    for (uint32_t i = 0; i < info->nmeta; i++)
+        if ((result = slv_ptx_writer_set_meta(writer, slv_ptx_get_meta(ptx, i))))
             goto done;
-        }
-        if ((result = slv_ptx_writer_set_meta(writer, meta)))
-            goto done;
-    }
     if ((result = slv_ptx_writer_set_mesh(writer, mesh)) ||
         (result = slv_ptx_visit_faces(env, ptx, copy_face, writer)))
         goto done;

@@ -49,7 +49,7 @@ slv_result slv_ptx_writer_edit(const slv_env *env, const char *path,
                           "%s: its header has no room for edits; it can be rewritten", path);
         goto done;
     }
-    slv_ptx_writer_params own = slv_ptx_writer_params_like(ptx);
+    slv_ptx_writer_params own = ptx_writer_params_of_header(ptx);
     if (params) {
         own.compression = params->compression;
         own.sync = params->sync;

@@ -80,6 +80,9 @@ static slv_result rewrite_face(void *user, const slv_env *env, uint32_t face,
 slv_result slv_ptx_rewrite(const slv_env *env, const slv_ptx *ptx, const char *path,
                            const slv_ptx_writer_params *params) {
     slv_ptx_writer *writer = NULL;
+    slv_result result = slv_ptx_load_tables(ptx);
+    if (result)
+        return result;
     slv_ptx_writer_params own = slv_ptx_writer_params_like(ptx);
     if (params) {
         own.no_reductions |= params->no_reductions;
@@ -87,8 +90,7 @@ slv_result slv_ptx_rewrite(const slv_env *env, const slv_ptx *ptx, const char *p
         own.sync = params->sync;
         own.memory = params->memory;
     }
-    slv_result result = slv_ptx_writer_create(env, path, &own, &writer);
-    if (result)
+    if ((result = slv_ptx_writer_create(env, path, &own, &writer)))
         return result;
     for (uint32_t i = 0; !result && i < ptx->info.nmeta; i++) {
         const slv_ptx_meta *meta = slv_ptx_get_meta(ptx, i);

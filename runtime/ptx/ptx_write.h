@@ -142,7 +142,9 @@ struct slv_ptx_writer {
 /* ptx_assemble.c, ptx_append.c */
 slv_result ptx_writer_assemble(slv_ptx_writer *writer);
 slv_result ptx_writer_append(slv_ptx_writer *writer);
-/* ptx_writer.c, for both kinds. `path` is resolved. */
+/* ptx_writer.c: as slv_ptx_writer_params_like, but for no_reductions, which edits do not have. */
+slv_ptx_writer_params ptx_writer_params_of_header(const slv_ptx *ptx);
+/* For both kinds. `path` is resolved. */
 slv_result ptx_writer_begin(const slv_env *env, const char *path,
                             const slv_ptx_writer_params *params, slv_ptx_writer **out);
 /* slv_ptx_writer_write_face with an environment of the caller's. */

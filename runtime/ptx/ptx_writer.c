@@ -22,7 +22,7 @@ static bool could_reduce(const slv_ptx *ptx) {
     return false;
 }
 
-slv_ptx_writer_params slv_ptx_writer_params_like(const slv_ptx *ptx) {
+slv_ptx_writer_params ptx_writer_params_of_header(const slv_ptx *ptx) {
     const slv_ptx_info *info = &ptx->info;
     return (slv_ptx_writer_params){.mesh_type = info->mesh_type,
                                    .type = info->type,
@@ -31,8 +31,13 @@ slv_ptx_writer_params slv_ptx_writer_params_like(const slv_ptx *ptx) {
                                    .nfaces = info->nfaces,
                                    .border_u = info->border_u,
                                    .border_v = info->border_v,
-                                   .edge_filter = info->edge_filter,
-                                   .no_reductions = info->nlevels == 1 && could_reduce(ptx)};
+                                   .edge_filter = info->edge_filter};
+}
+
+slv_ptx_writer_params slv_ptx_writer_params_like(const slv_ptx *ptx) {
+    slv_ptx_writer_params params = ptx_writer_params_of_header(ptx);
+    params.no_reductions = ptx->info.nlevels == 1 && could_reduce(ptx);
+    return params;
 }
 
 static slv_result check_params(const slv_env *env, const char *path,

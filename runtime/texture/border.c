@@ -309,13 +309,15 @@ static void fill_corner(const build *b, const slv_border_edge edges[4], uint32_t
     store(b, own_x + step_x, own_y + step_y, d);
 }
 
-static bool outside(const float *from, size_t count) {
+#define HALF_MOST 65504.0f
+
+static bool outside(const float *from, size_t count, float low, float high) {
     float least = 0.0f, most = 1.0f;
     for (size_t i = 0; i < count; i++) {
         least = from[i] < least ? from[i] : least;
         most = from[i] > most ? from[i] : most;
     }
-    return least < -1e-6f || most > 1.0f + 1e-6f;
+    return least < low || most > high;
 }
 
 slv_result slv_border_build(const slv_levels *levels, const slv_adjacency *adjacency, uint32_t face,
@@ -358,8 +360,10 @@ slv_result slv_border_build(const slv_levels *levels, const slv_adjacency *adjac
     }
     if (out_of_range) {
         bool integers = desc->type == SLV_TYPE_U8 || desc->type == SLV_TYPE_U16;
+        float low = integers ? -1e-6f : -HALF_MOST, high = integers ? 1 + 1e-6f : HALF_MOST;
         /* Own texels are never outside, so the whole is looked at in one go. */
-        *out_of_range = integers && outside(out, (size_t)b.pitch * (height + 2 * bv));
+        *out_of_range = desc->type != SLV_TYPE_FLOAT &&
+                        outside(out, (size_t)b.pitch * (height + 2 * bv), low, high);
     }
     return SLV_OK;
 }

@@ -16,6 +16,7 @@ enum { MAX_FRAMES = 999, MAX_PATH = 1024 };
 typedef struct options {
     const char *folder;
     uint32_t frames, width, height;
+    uint32_t msaa, anisotropy; /* 0: several */
     bool json;
 } options;
 
@@ -33,6 +34,8 @@ typedef struct scene {
 typedef struct row {
     uint32_t msaa, anisotropy;
     double median[SLV_STRATEGY_COUNT], low[SLV_STRATEGY_COUNT], high[SLV_STRATEGY_COUNT]; /* ms */
+    double ratio[SLV_STRATEGY_COUNT]; /* to clamp, the median of those of each frame */
+    double to_full;                   /* traverse to traverse-full, likewise */
 } row;
 
 static const char *const file_names[] = {"scene.obj", "scene.ptx", "scene_faces.ptx"};
@@ -120,6 +123,14 @@ static int by_value(const void *a, const void *b) {
     return (x > y) - (x < y);
 }
 
+static double median_ratio(const double *times, const double *to, uint32_t count) {
+    double ratios[MAX_FRAMES];
+    for (uint32_t i = 0; i < count; i++)
+        ratios[i] = times[i] / to[i];
+    qsort(ratios, count, sizeof *ratios, by_value);
+    return ratios[count / 2];
+}
+
 /* One round of frames is not counted: it compiles shaders. */
 static slv_result measure(const scene *s, const options *o, slv_gl_texture *texture, row *out) {
     static double times[SLV_STRATEGY_COUNT][MAX_FRAMES];
@@ -134,6 +145,11 @@ static slv_result measure(const scene *s, const options *o, slv_gl_texture *text
                 times[frame.strategy][i - 1] = seconds * 1e3;
         }
     }
+    for (int k = 0; !result && k < SLV_STRATEGY_COUNT; k++)
+        out->ratio[k] = median_ratio(times[k], times[SLV_STRATEGY_CLAMP], o->frames);
+    if (!result)
+        out->to_full = median_ratio(times[SLV_STRATEGY_TRAVERSE], times[SLV_STRATEGY_TRAVERSE_FULL],
+                                    o->frames);
     for (int k = 0; !result && k < SLV_STRATEGY_COUNT; k++) {
         qsort(times[k], o->frames, sizeof times[k][0], by_value);
         out->median[k] = times[k][o->frames / 2];
@@ -150,19 +166,13 @@ static void print_table(const scene *s, const options *o, const row *rows, uint3
     printf(
         "%u x %u, %u faces of %u x %u segments, %u frames of an orbit, strategies interleaved\n\n",
         o->width, o->height, s->stats.nfaces, s->segments, s->segments, o->frames);
-    printf("%4s %5s", "MSAA", "aniso");
-    for (int k = 0; k < SLV_STRATEGY_COUNT; k++)
-        printf(" %11s ms", slv_strategy_name((slv_strategy)k));
-    for (int k = 1; k < SLV_STRATEGY_COUNT; k++)
-        printf(" %8s/c", slv_strategy_name((slv_strategy)k));
-    printf("\n");
     for (uint32_t i = 0; i < nrows; i++) {
-        printf("%4u %5u", rows[i].msaa, rows[i].anisotropy);
+        printf("%ux MSAA, %ux anisotropy\n  %-14s %10s %10s\n", rows[i].msaa, rows[i].anisotropy,
+               "", "ms", "to clamp");
         for (int k = 0; k < SLV_STRATEGY_COUNT; k++)
-            printf(" %14.2f", rows[i].median[k]);
-        for (int k = 1; k < SLV_STRATEGY_COUNT; k++)
-            printf(" %10.2f", rows[i].median[k] / rows[i].median[0]);
-        printf("\n");
+            printf("  %-14s %10.2f %10.2f\n", slv_strategy_name((slv_strategy)k), rows[i].median[k],
+                   rows[i].ratio[k]);
+        printf("  traverse to traverse-full: %.2f\n\n", rows[i].to_full);
     }
 }
 
@@ -184,8 +194,8 @@ static void print_json(const scene *s, const options *o, const row *rows, uint32
             printf("%s\n      \"%s\": {\"median_ms\": %.4f, \"p10_ms\": %.4f, \"p90_ms\": %.4f, "
                    "\"ratio\": %.4f}",
                    k ? "," : "", slv_strategy_name((slv_strategy)k), rows[i].median[k],
-                   rows[i].low[k], rows[i].high[k], rows[i].median[k] / rows[i].median[0]);
-        printf("}}");
+                   rows[i].low[k], rows[i].high[k], rows[i].ratio[k]);
+        printf("\n    }, \"traverse_to_full\": %.4f}", rows[i].to_full);
     }
     printf("\n  ]\n}\n");
 }
@@ -202,8 +212,12 @@ static slv_result run(const options *o, const char *folder) {
             anisotropies[a] < info->max_anisotropy ? anisotropies[a] : info->max_anisotropy;
         slv_gl_texture_params params = {.anisotropy = anisotropy};
         slv_gl_texture *texture = NULL;
+        if (o->anisotropy && o->anisotropy != anisotropies[a])
+            continue;
         result = slv_gl_texture_create(s.gl, &env, s.texture, s.adjacency, &params, &texture);
         for (uint32_t msaa = 1; !result && msaa <= 8 && msaa <= info->max_msaa; msaa *= 2) {
+            if (o->msaa && o->msaa != msaa)
+                continue;
             rows[nrows] = (row){.msaa = msaa, .anisotropy = anisotropy};
             result = measure(&s, o, texture, &rows[nrows++]);
         }
@@ -228,6 +242,10 @@ static bool parse(int argc, char **argv, options *o) {
             if (frames < 1 || frames > MAX_FRAMES)
                 return false;
             o->frames = (uint32_t)frames;
+        } else if (strcmp(argv[i], "--msaa") == 0 && i + 1 < argc) {
+            o->msaa = (uint32_t)atoi(argv[++i]);
+        } else if (strcmp(argv[i], "--aniso") == 0 && i + 1 < argc) {
+            o->anisotropy = (uint32_t)atoi(argv[++i]);
         } else if (argv[i][0] != '-' && !o->folder) {
             o->folder = argv[i];
         } else {
@@ -242,7 +260,8 @@ int main(int argc, char **argv) {
     char made[MAX_PATH] = "";
     bool good = parse(argc, argv, &o);
     if (!good) {
-        fputs("usage: bench_strategies [FOLDER] [--frames N] [--json] [--smoke]\n"
+        fputs("usage: bench_strategies [FOLDER] [--frames N] [--msaa N] [--aniso N] "
+              "[--json] [--smoke]\n"
               "  FOLDER  where selvage-assets has written the demo scene; without it the scene is "
               "made for the while\n",
               stderr);

@@ -92,7 +92,7 @@ static void check_usage(void) {
         {"--msaa", "-4", "--msaa", NULL},
         {"--msaa", "4x", "--msaa", NULL},
         {"--bits", "12", "8 or 16", NULL},
-        {"--strategy", "best", "clamp|borders|traverse|discard", NULL},
+        {"--strategy", "best", "clamp|borders|traverse|discard|hybrid|traverse-full", NULL},
         {"--context", "glx", "auto|egl|osmesa", NULL},
         {"--size", "0x5", "--size", NULL},
         {"--size", "5x", "--size", NULL},

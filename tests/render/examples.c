@@ -78,7 +78,7 @@ static void check_picture(const char *path, const char *name) {
 }
 
 int main(void) {
-    static const char *const strategies[] = {"clamp", "borders", "traverse", "discard"};
+    static const char *const strategies[] = {"clamp", "borders", "traverse", "discard", "hybrid"};
     char ptx[KIT_PATH], missing[KIT_PATH], png[KIT_PATH];
     kit_scratch_make(&scratch);
     make_texture(kit_join(ptx, scratch.folder, "prism.ptx"));
@@ -90,7 +90,18 @@ int main(void) {
     run_example("example_hello", (const char *const[]){missing, NULL});
     CHECK(run.code == 1 && !run.out[0]);
 
-    for (int s = 0; s < 4; s++) {
+    double means[3] = {-1, -2, -3};
+    run_example("example_sample", (const char *const[]){ptx, NULL});
+    CHECK_MSG(run.code == 0 && !run.err[0], "sample ended with %d: %s", run.code, run.err);
+    CHECK_MSG(sscanf(run.out, "one by one %lf batched %lf sorted %lf 15 faces, 45 lookups",
+                     &means[0], &means[1], &means[2]) == 3 &&
+                  means[0] > 0.3 && means[0] < 0.7 && means[0] == means[1] &&
+                  means[0] == means[2] && strstr(run.out, "15 faces, 45 lookups, "),
+              "sample says: %s", run.out);
+    run_example("example_sample", (const char *const[]){missing, NULL});
+    CHECK(run.code == 1 && !run.out[0] && kit_lines(run.err) == 1);
+
+    for (int s = 0; s < 5; s++) {
         kit_join(png, scratch.folder, strategies[s]);
         strcat(png, ".png");
         run_example("example_sample_in_your_shader",

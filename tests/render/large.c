@@ -136,7 +136,8 @@ static void check_agreement(const slv_image *a, const slv_image *b, const char *
 
 int main(void) {
     static const slv_strategy strategies[] = {SLV_STRATEGY_CLAMP, SLV_STRATEGY_BORDERS,
-                                              SLV_STRATEGY_TRAVERSE, SLV_STRATEGY_DISCARD};
+                                              SLV_STRATEGY_TRAVERSE, SLV_STRATEGY_DISCARD,
+                                              SLV_STRATEGY_HYBRID};
     slv_env env = test_env();
     slv_mesh_stats stats;
     slv_adjacency *adjacency = NULL;
@@ -165,7 +166,7 @@ int main(void) {
                        .msaa = 4,
                        .camera =
                            slv_camera_orbit(stats.bounds_min, stats.bounds_max, 30, 40, 35, 1)};
-    for (int s = 0; s < 4; s++) {
+    for (int s = 0; s < 5; s++) {
         const char *name = slv_strategy_name(strategies[s]);
         slv_gl_texture_params params = {.strategies = 1u << strategies[s], .anisotropy = 4};
         slv_gl_texture *uploaded = NULL;

@@ -110,9 +110,10 @@ static slv_image cast_rays(const char *ptx, const char *mesh, const char *view) 
 /* `least` in dB by strategy, and of the ray-cast picture, which has nothing of a strategy in it.
  * RenderMan's picture of nonquad is softer than the integral of its small texels: blurred by 0.7
  * pixels the ray-cast one is at 49.7 dB, with the box filter. */
-static void check_sample(const char *samples, const char *name, const double least[5],
+static void check_sample(const char *samples, const char *name, const double least[6],
                          uint32_t most_alpha) {
-    static const char *const strategies[] = {"clamp", "borders", "traverse", "discard", "ray-cast"};
+    static const char *const strategies[] = {"clamp",   "borders", "traverse",
+                                             "discard", "hybrid",  "ray-cast"};
     slv_env env = test_env();
     slv_image reference = {0};
     char folder[KIT_PATH], path[4][KIT_PATH], file[64];
@@ -124,8 +125,8 @@ static void check_sample(const char *samples, const char *name, const double lea
     kit_join(path[2], folder, file);
     kit_join(path[3], folder, "view.json");
     REQUIRE(slv_image_load(&env, path[0], &reference) == SLV_OK);
-    for (int s = 0; s < 5; s++) {
-        slv_image image = s < 4 ? render(path[1], path[2], path[3], strategies[s], "catmark")
+    for (int s = 0; s < 6; s++) {
+        slv_image image = s < 5 ? render(path[1], path[2], path[3], strategies[s], "catmark")
                                 : cast_rays(path[1], path[2], path[3]);
         score right = compare(&reference, &image);
         fprintf(stderr, "%s %s: %.2f dB over %u pixels, %u differ in alpha\n", name, strategies[s],
@@ -203,13 +204,13 @@ static bool cast(uint32_t x, uint32_t y, uint32_t size, float hit[3]) {
 }
 
 static void check_cube(void) {
-    static const char *const strategies[] = {"clamp", "borders", "traverse", "discard"};
+    static const char *const strategies[] = {"clamp", "borders", "traverse", "discard", "hybrid"};
     char obj[KIT_PATH], ptx[KIT_PATH], view[KIT_PATH];
     kit_join(obj, scratch.root, "cube.obj");
     kit_join(ptx, scratch.root, "cube.ptx");
     kit_join(view, scratch.root, "view.json");
     make_cube(obj, ptx, view);
-    for (int s = 0; s < 4; s++) {
+    for (int s = 0; s < 5; s++) {
         slv_image image = render(ptx, obj, view, strategies[s], "bilinear"), expected;
         float largest = 0;
         double sum = 0;
@@ -258,7 +259,7 @@ static void check_cube(void) {
 
 int main(void) {
     const char *samples = getenv("SELVAGE_SAMPLES");
-    const double teapot[5] = {40, 42, 42, 40, 48}, nonquad[5] = {37, 40, 40, 37, 40};
+    const double teapot[6] = {40, 42, 42, 40, 40, 48}, nonquad[6] = {37, 40, 40, 37, 37, 40};
     kit_scratch_make(&scratch);
     check_cube();
     if (samples && *samples) {

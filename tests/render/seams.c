@@ -43,7 +43,20 @@ static void check_equal(const kit *k, const char *name, uint32_t anisotropy) {
         slv_gl_seam clamp = jump(texture, k, SLV_STRATEGY_CLAMP, level);
         slv_gl_seam borders = jump(texture, k, SLV_STRATEGY_BORDERS, level);
         slv_gl_seam traverse = jump(texture, k, SLV_STRATEGY_TRAVERSE, level);
+        slv_gl_seam full = jump(texture, k, SLV_STRATEGY_TRAVERSE_FULL, level);
         CHECK(clamp.nedges > 0 && clamp.nequal == clamp.nedges);
+        CHECK_MSG(full.max <= 1.0f / 255, "%s level %u: traverse-full jumps by %g", name, level,
+                  (double)full.max);
+        if (level == 0) {
+            slv_gl_seam hybrid = jump(texture, k, SLV_STRATEGY_HYBRID, 0);
+            slv_gl_seam discard = jump(texture, k, SLV_STRATEGY_DISCARD, 0);
+            CHECK_MSG(hybrid.max <= 1.0f / 255,
+                      "%s %s %u channels aniso %u: hybrid jumps by %g at face %d edge %d t %g",
+                      name, slv_type_name(k->type), k->nchannels, anisotropy, (double)hybrid.max,
+                      hybrid.face, hybrid.edge, (double)hybrid.t);
+            CHECK_MSG(discard.max > 0.2f, "%s: discard jumps by only %g when magnified", name,
+                      (double)discard.max);
+        }
         if (level == 0)
             CHECK_MSG(clamp.max > 0.2f,
                       "%s: clamp jumps by only %g: the measure does not see seams", name,
@@ -79,6 +92,7 @@ static void check_mixed(kit *k, const char *name, uint64_t *random) {
     slv_gl_seam clamp = jump(texture, k, SLV_STRATEGY_CLAMP, 0);
     slv_gl_seam borders = jump(texture, k, SLV_STRATEGY_BORDERS, 0);
     slv_gl_seam traverse = jump(texture, k, SLV_STRATEGY_TRAVERSE, 0);
+    slv_gl_seam hybrid = jump(texture, k, SLV_STRATEGY_HYBRID, 0);
     CHECK_MSG(borders.mean < clamp.mean / 8, "%s mixed: borders %g clamp %g", name,
               (double)borders.mean, (double)clamp.mean);
     CHECK_MSG(traverse.mean < clamp.mean / 8, "%s mixed: traverse %g clamp %g", name,
@@ -92,6 +106,10 @@ static void check_mixed(kit *k, const char *name, uint64_t *random) {
         subfaces |= kit_sub(k, f);
     CHECK_MSG(subfaces || borders.equal_max <= 1.0f / 255,
               "%s mixed: borders jump by %g between equals", name, (double)borders.equal_max);
+    CHECK_MSG(hybrid.mean < clamp.mean / 8, "%s mixed: hybrid %g clamp %g", name,
+              (double)hybrid.mean, (double)clamp.mean);
+    CHECK_MSG(subfaces || hybrid.equal_max <= 1.0f / 255,
+              "%s mixed: hybrid jumps by %g between equals", name, (double)hybrid.equal_max);
     CHECK_MSG(subfaces || traverse.equal_max <= 1.0f / 255,
               "%s mixed: traverse jumps by %g between equals", name, (double)traverse.equal_max);
     slv_gl_texture_destroy(texture);
@@ -122,8 +140,9 @@ static void check_no_inner_line(uint64_t *random) {
                 tiny[2 * i] = 1e-4f;
                 zero[2 * i + 1] = 1e-4f;
             }
-            slv_result result = slv_gl_texture_lookup(texture, &env, SLV_STRATEGY_TRAVERSE, STEPS,
-                                                      faces, uv, tiny, zero, values);
+            slv_strategy strategy = f % 4 < 2 ? SLV_STRATEGY_TRAVERSE : SLV_STRATEGY_HYBRID;
+            slv_result result = slv_gl_texture_lookup(texture, &env, strategy, STEPS, faces, uv,
+                                                      tiny, zero, values);
             REQUIRE(result == SLV_OK);
             for (int i = 1; i < STEPS; i++)
                 for (int c = 0; c < 3; c++)
@@ -134,6 +153,63 @@ static void check_no_inner_line(uint64_t *random) {
         slv_gl_texture_destroy(texture);
         kit_free(&k);
     }
+}
+
+/* Beside a seam, while the view goes from magnified to minified: what hybrid shows goes over from
+ * traverse's value to discard's without a jump. */
+static void check_transition(uint64_t *random) {
+    enum { STEPS = 257, PLACES = 16 };
+    static int32_t faces[STEPS];
+    static float uv[2 * STEPS], dx[2 * STEPS], dy[2 * STEPS];
+    static float values[3][4 * STEPS];
+    static const slv_strategy strategies[3] = {SLV_STRATEGY_TRAVERSE, SLV_STRATEGY_DISCARD,
+                                               SLV_STRATEGY_HYBRID};
+    slv_env env = test_env();
+    kit k;
+    kit_disc(&k, 5, random);
+    kit_equal(&k, 4);
+    kit_noise(&k, SLV_TYPE_FLOAT, 3, random);
+    slv_gl_texture *texture = upload(&k, 1);
+    float apart = 0;
+    int blended = 0;
+    for (int place = 0; place < PLACES; place++) {
+        float u = (float)(test_random(random) % 1000) / 1000;
+        for (int i = 0; i < STEPS; i++) {
+            float texels = exp2f(-1 + 2 * (float)i / (STEPS - 1));
+            faces[i] = place % 5;
+            uv[2 * i] = u;
+            uv[2 * i + 1] = 0.2f / 16;
+            dx[2 * i] = dy[2 * i + 1] = texels / 16;
+            dx[2 * i + 1] = dy[2 * i] = 0;
+        }
+        for (int s = 0; s < 3; s++)
+            REQUIRE(slv_gl_texture_lookup(texture, &env, strategies[s], STEPS, faces, uv, dx, dy,
+                                          values[s]) == SLV_OK);
+        for (int i = 0; i < STEPS; i++) {
+            float level = -1 + 2 * (float)i / (STEPS - 1), step = 0;
+            for (int c = 0; c < 3; c++) {
+                float traverse = values[0][4 * i + c], discard = values[1][4 * i + c];
+                float hybrid = values[2][4 * i + c];
+                apart = fmaxf(apart, fabsf(traverse - discard));
+                CHECK(hybrid >= fminf(traverse, discard) - 1e-5f &&
+                      hybrid <= fmaxf(traverse, discard) + 1e-5f);
+                if (level < -0.01f)
+                    CHECK_MSG(fabsf(hybrid - traverse) < 1e-6f, "level %g: %g, traverse has %g",
+                              (double)level, (double)hybrid, (double)traverse);
+                if (level > 0.51f)
+                    CHECK_MSG(fabsf(hybrid - discard) < 1e-6f, "level %g: %g, discard has %g",
+                              (double)level, (double)hybrid, (double)discard);
+                if (i)
+                    step = fmaxf(step, fabsf(hybrid - values[2][4 * i - 4 + c]));
+                blended += fabsf(hybrid - traverse) > 1e-4f && fabsf(hybrid - discard) > 1e-4f;
+            }
+            CHECK_MSG(step < 4.0f / 255, "level %g: a step of %g", (double)level, (double)step);
+        }
+    }
+    CHECK(blended > 0);
+    CHECK_MSG(apart > 0.1f, "traverse and discard are only %g apart", (double)apart);
+    slv_gl_texture_destroy(texture);
+    kit_free(&k);
 }
 
 int main(void) {
@@ -173,6 +249,7 @@ int main(void) {
         kit_free(&k);
     }
     check_no_inner_line(&random);
+    check_transition(&random);
     slv_gl_destroy(gl);
     return test_end();
 }

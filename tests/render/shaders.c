@@ -102,23 +102,33 @@ static void check_text(const char *lookups, const char *name) {
     }
 }
 
-/* What the library decides by the driver is checked both ways on every driver. */
-static void check_both_taps(const char *lookups, uint32_t anisotropy, const char *name) {
-    static const char define[] = "#define SLV_TAPS ";
-    char other_name[96];
-    check_text(lookups, name);
-    if (anisotropy == 1)
-        return;
+static char *flipped(const char *lookups, const char *define) {
     char *other = strdup(lookups);
     REQUIRE(other);
     char *at = strstr(other, define);
     REQUIRE(at);
-    at += sizeof define - 1;
+    at += strlen(define);
     REQUIRE(*at == '0' || *at == '1');
     *at = *at == '0' ? '1' : '0';
+    return other;
+}
+
+/* What the library decides by the driver is checked both ways on every driver. */
+static void check_all_ways(const char *lookups, const char *name) {
+    char other_name[96];
+    char *vectors = flipped(lookups, "#define SLV_VECTORS ");
+    check_text(lookups, name);
+    snprintf(other_name, sizeof other_name, "%s_othervectors", name);
+    check_text(vectors, other_name);
+    char *taps = flipped(lookups, "#define SLV_TAPS ");
+    char *both = flipped(vectors, "#define SLV_TAPS ");
     snprintf(other_name, sizeof other_name, "%s_othertaps", name);
-    check_text(other, other_name);
-    free(other);
+    check_text(taps, other_name);
+    snprintf(other_name, sizeof other_name, "%s_otherboth", name);
+    check_text(both, other_name);
+    free(taps);
+    free(both);
+    free(vectors);
 }
 
 static void check_texture(uint32_t nchannels, uint32_t anisotropy) {
@@ -140,7 +150,7 @@ static void check_texture(uint32_t nchannels, uint32_t anisotropy) {
                      slv_strategy_name((slv_strategy)s), v, nchannels, anisotropy);
             const char *lookups = slv_gl_texture_glsl(uploaded, (slv_strategy)s, v);
             CHECK_MSG(strstr(lookups, "slv_sample_grad") != NULL, "%s: no text", name);
-            check_both_taps(lookups, anisotropy, name);
+            check_all_ways(lookups, name);
         }
         CHECK(slv_gl_texture_glsl(uploaded, (slv_strategy)s, SLV_GL_MAX_VARIANTS)[0] == 0);
     }
@@ -192,14 +202,15 @@ int main(void) {
         check_texture(nchannels, 1);
         check_texture(nchannels, 16);
     }
-    /* with and without coverage of their own for two strategies, without for the other two; three
-     * kinds of taps */
-    CHECK_MSG(nseen == (2 * 1 + 2 * 2) * 3 * SLV_GL_MAX_VARIANTS, "%d texts", nseen);
+    /* with and without coverage of their own for four strategies, without for the other two; two
+     * anisotropies; taps made by either; with branches and in vectors */
+    CHECK_MSG(nseen == (2 * 1 + 4 * 2) * 2 * 2 * 2 * SLV_GL_MAX_VARIANTS, "%d texts", nseen);
     CHECK(kit_count_files(scratch.folder) == nfiles);
 
     for (int stage = 0; stage < STAGES; stage++) {
-        static const char *const patterns[] = {"clamp", "borders", "traverse", "discard"};
-        for (int s = 0; s < 4; s++) {
+        static const char *const patterns[] = {"clamp",   "borders", "traverse",
+                                               "discard", "hybrid",  "traverse-full"};
+        for (int s = 0; s < 6; s++) {
             char pattern[64];
             snprintf(pattern, sizeof pattern, "%s_%s_*.frag", stage_names[stage], patterns[s]);
             int code = reference_compiler(pattern);

@@ -29,9 +29,9 @@ extern "C" {
  * (2^u + 2 bu) * (2^v + 2 bv) * nchannels floats, v-major, row 0 lowest. bu and bv are at least 1
  * and at most the level's own width and height. The innermost ring of border texels is exact in the
  * sense above; those further out are looked up in the neighbours, bilinear, one face away at most.
- * `*out_of_range` (may be NULL) says whether an integer texture's border fell outside 0..1, which
- * 2E - own and d can do: such a face needs a wider type on its way to a sampler. Thread-safe.
- * `levels` and `adjacency` must have the same number of faces. */
+ * `*out_of_range` (may be NULL) says whether an integer texture's border fell outside 0..1, or a
+ * half texture's beyond 65504, which 2E - own and d can do: such a face needs a wider type on its
+ * way to a sampler. Thread-safe. `levels` and `adjacency` must have the same number of faces. */
 SLV_API slv_result slv_border_build(const slv_levels *levels, const slv_adjacency *adjacency,
                                     uint32_t face, uint32_t level, uint32_t bu, uint32_t bv,
                                     float *out, bool *out_of_range);

@@ -2,8 +2,8 @@
  *
  * Each face is a layer of an array texture of its size class (a pool); a class with more faces than
  * one array holds has several. Draws go in batches: a batch is a set of faces whose pools, and for
- * `traverse` their neighbours' pools, fit the texture units that it binds. A host draws every batch
- * with a program whose fragment shader contains the text of slv_gl_texture_glsl:
+ * `traverse` and `hybrid` their neighbours' pools, fit the texture units that it binds. A host
+ * draws every batch with a program whose fragment shader contains the text of slv_gl_texture_glsl:
  *
  *     for (uint32_t i = 0; i < slv_gl_texture_batch_count(texture, strategy); i++) {
  *         slv_gl_batch batch = slv_gl_texture_batch(texture, strategy, i);
@@ -32,11 +32,23 @@ typedef enum slv_strategy {
                                coverage (McDonald 2013) */
     SLV_STRATEGY_DISCARD, /* own face with a zero border, colour over coverage; multisampling blends
                              (Toth 2013) */
+    SLV_STRATEGY_HYBRID,  /* traverse where texels are larger than pixels, discard where smaller */
+    SLV_STRATEGY_TRAVERSE_FULL, /* the same values as traverse from the plain form of it, which a
+                                   report compares it with */
     SLV_STRATEGY_COUNT
 } slv_strategy;
 
 SLV_API const char *slv_strategy_name(slv_strategy strategy);
 SLV_API bool slv_strategy_from_name(const char *name, slv_strategy *out);
+
+/* How shaders leave out the work that a fragment does not need. A GPU branches. Software drivers
+ * run both sides of a branch for all fragments of a vector, and only a loop ends when none of them
+ * needs another round. Values are the same. */
+typedef enum slv_gl_branching {
+    SLV_GL_BRANCHING_AUTO = 0, /* by the driver */
+    SLV_GL_BRANCHING_REAL,
+    SLV_GL_BRANCHING_VECTORS /* as REAL where the driver lacks GL_ARB_shader_ballot */
+} slv_gl_branching;
 
 /* Zero means default. */
 typedef struct slv_gl_texture_params {
@@ -50,6 +62,7 @@ typedef struct slv_gl_texture_params {
                              0 means 16, or what the driver has units for; below 9 a face can have
                              neighbours that do not fit */
     uint32_t pool_layers; /* most layers in one array; 0 means what the driver has */
+    slv_gl_branching branching;
 } slv_gl_texture_params;
 
 /* Programs are needed for each variant that occurs; see slv_gl_batch. */
@@ -69,9 +82,9 @@ typedef struct slv_gl_batch {
 typedef struct slv_gl_texture slv_gl_texture;
 
 /* Uploads. Types keep their range: 8 and 16 bit as normalised integers, half and float as such; a
- * face whose border leaves 0..1 goes to a pool of half (8 bit) or float (16 bit). Neither argument
- * is needed afterwards. `adjacency` must have as many faces as `texture`. Changes GL state as
- * slv_gl_wrap says. */
+ * face whose border leaves the range goes to a pool of half (8 bit) or float (16 bit, half).
+ * Neither argument is needed afterwards. `adjacency` must have as many faces as `texture`. Changes
+ * GL state as slv_gl_wrap says. */
 SLV_API slv_result slv_gl_texture_create(slv_gl *gl, const slv_env *env, const slv_texture *texture,
                                          const slv_adjacency *adjacency,
                                          const slv_gl_texture_params *params, slv_gl_texture **out);
@@ -93,7 +106,8 @@ SLV_API slv_gl_batch slv_gl_texture_batch(const slv_gl_texture *texture, slv_str
 
 /* The GLSL that a fragment shader includes, after `#version 450 core` and before its own code: the
  * definitions of a variant and shaders/selvage_sample.glsl. It depends on the strategy, the
- * variant, and the texture's channels and anisotropy; only `traverse` has variants other than 0.
+ * variant, and the texture's channels and anisotropy; only `traverse`, `traverse-full` and `hybrid`
+ * have variants other than 0.
  * Owned by the texture; "" if an argument is out of range or memory is short. */
 SLV_API const char *slv_gl_texture_glsl(slv_gl_texture *texture, slv_strategy strategy,
                                         uint32_t variant);

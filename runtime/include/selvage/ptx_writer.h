@@ -24,7 +24,8 @@ typedef struct slv_ptx_writer_params {
                         target; 0: 128 MiB */
 } slv_ptx_writer_params;
 
-/* The same kind of file as an open one: all of the above but compression, sync and memory. */
+/* The same kind of file as an open one: all of the above but compression, sync and memory. Reads
+ * the face table of a file without reductions; damage there is logged. */
 SLV_API slv_ptx_writer_params slv_ptx_writer_params_like(const slv_ptx *ptx);
 
 /* A file being written. Nothing is seen of it before slv_ptx_writer_finish, which puts it in the

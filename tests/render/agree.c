@@ -1,0 +1,324 @@
+/* What strategies share: traverse and its plain form draw the same pictures, all give the same
+ * value in the middle of a face, and none ever returns what is not a finite number. */
+#include "unit/border_kit.h"
+
+#include <selvage/gl_renderer.h>
+
+enum { POINTS = 4096 };
+
+static slv_gl *gl;
+static int32_t faces[POINTS];
+static float uv[2 * POINTS], dx[2 * POINTS], dy[2 * POINTS];
+static float values[SLV_STRATEGY_COUNT][4 * POINTS];
+
+static float uniform(uint64_t *random) {
+    return (float)(test_random(random) % 65536) / 65535;
+}
+
+static slv_gl_texture *upload(const kit *k, uint32_t anisotropy, slv_gl_branching branching) {
+    slv_env env = test_env();
+    slv_gl_texture_params params = {.anisotropy = anisotropy, .branching = branching};
+    slv_gl_texture *texture = NULL;
+    REQUIRE(slv_gl_texture_create(gl, &env, k->texture, k->adjacency, &params, &texture) == SLV_OK);
+    return texture;
+}
+
+static void look_up(slv_gl_texture *texture, slv_strategy strategy) {
+    slv_env env = test_env();
+    REQUIRE(slv_gl_texture_lookup(texture, &env, strategy, POINTS, faces, uv, dx, dy,
+                                  values[strategy]) == SLV_OK);
+}
+
+static void random_footprints(const kit *k, uint64_t *random) {
+    for (int i = 0; i < POINTS; i++) {
+        uint32_t face = test_random(random) % k->nfaces;
+        float angle = 6.2831853f * uniform(random);
+        float longest = exp2f(-6 + 10 * uniform(random)), shape = exp2f(-5 * uniform(random));
+        float texel[2] = {exp2f(-(float)k->res[face].u), exp2f(-(float)k->res[face].v)};
+        faces[i] = (int32_t)face;
+        for (int c = 0; c < 2; c++) {
+            float at = uniform(random);
+            uint32_t where = test_random(random) % 8;
+            uv[2 * i + c] = where == 0 ? 0 : where == 1 ? 1 : where == 2 ? at * texel[c] : at;
+            dx[2 * i + c] = longest * texel[c] * (c ? sinf(angle) : cosf(angle));
+            dy[2 * i + c] = longest * shape * texel[c] * (c ? cosf(angle) : -sinf(angle));
+        }
+    }
+}
+
+/* The mesh with a shape, so that it can be drawn. */
+static void place(kit *k, const float *positions) {
+    slv_env env = test_env();
+    slv_mesh_view view = {.nverts = k->nverts,
+                          .positions = positions,
+                          .npolys = k->npolys,
+                          .poly_sizes = k->sizes,
+                          .poly_verts = k->verts};
+    slv_mesh_destroy(k->mesh);
+    REQUIRE(slv_mesh_create(&env, &view, &k->mesh) == SLV_OK);
+}
+
+static void place_grid(kit *k, uint32_t across, float bump, uint64_t *random) {
+    static float positions[3 * KIT_VERTS];
+    for (uint32_t i = 0; i < k->nverts; i++) {
+        positions[3 * i] = (float)(i % across);
+        positions[3 * i + 1] = bump * uniform(random);
+        positions[3 * i + 2] = (float)(i / across);
+    }
+    place(k, positions);
+}
+
+static void place_cube(kit *k) {
+    float positions[24];
+    for (int i = 0; i < 24; i++)
+        positions[i] = (float)(i / 3 >> i % 3 & 1);
+    place(k, positions);
+}
+
+static slv_image draw(slv_gl_renderer *renderer, slv_gl_texture *texture, slv_frame frame,
+                      slv_strategy strategy) {
+    slv_env env = test_env();
+    slv_image image = {0};
+    frame.strategy = strategy;
+    REQUIRE(slv_gl_renderer_draw(renderer, &env, texture, &frame, &image, NULL) == SLV_OK);
+    return image;
+}
+
+static float largest_difference(const float *a, const float *b, size_t count) {
+    float largest = 0;
+    for (size_t i = 0; i < count; i++)
+        largest = fmaxf(largest, isfinite(a[i]) && isfinite(b[i]) ? fabsf(a[i] - b[i]) : INFINITY);
+    return largest;
+}
+
+/* From close by, from above, and along the ground. */
+static const float views[][4] = {{30, 60, 6, 1}, {200, 80, 50, 1}, {45, 3, 25, 1}};
+
+static void check_pictures(const kit *k, slv_gl_texture *const textures[2], const char *name,
+                           float most) {
+    slv_env env = test_env();
+    slv_surface *surface = NULL;
+    slv_gl_renderer *renderer = NULL;
+    slv_mesh_stats stats;
+    float visible = 0;
+    REQUIRE(slv_mesh_get_stats(&env, k->mesh, &stats) == SLV_OK);
+    REQUIRE(slv_surface_create(&env, k->mesh, NULL, &surface) == SLV_OK);
+    REQUIRE(slv_gl_renderer_create(gl, &env, k->mesh, surface, 4, &renderer) == SLV_OK);
+    for (size_t v = 0; v < sizeof views / sizeof *views; v++) {
+        for (uint32_t msaa = 1; msaa <= 4; msaa *= 4) {
+            slv_frame frame = {.width = 96,
+                               .height = 64,
+                               .msaa = msaa,
+                               .float_target = true,
+                               .shading = SLV_SHADE_UNLIT,
+                               .camera =
+                                   slv_camera_orbit(stats.bounds_min, stats.bounds_max, views[v][0],
+                                                    views[v][1], views[v][2], 1.5f)};
+            slv_image full = draw(renderer, textures[0], frame, SLV_STRATEGY_TRAVERSE_FULL);
+            slv_image clamp = draw(renderer, textures[0], frame, SLV_STRATEGY_CLAMP);
+            size_t count = (size_t)96 * 64 * 4;
+            for (int t = 0; t < 2; t++) {
+                slv_image cheap = draw(renderer, textures[t], frame, SLV_STRATEGY_TRAVERSE);
+                float apart = largest_difference(full.pixels, cheap.pixels, count);
+                CHECK_MSG(apart <= most, "%s view %zu msaa %u %s: traverse is %g off its full form",
+                          name, v, msaa, t ? "vectors" : "branches", (double)apart);
+                slv_image_free(&cheap);
+            }
+            visible = fmaxf(visible, largest_difference(full.pixels, clamp.pixels, count));
+            slv_image_free(&full);
+            slv_image_free(&clamp);
+        }
+    }
+    CHECK_MSG(visible > 0.05f, "%s: clamp is only %g off: there are no seams to see", name,
+              (double)visible);
+    slv_gl_renderer_destroy(renderer);
+    slv_surface_destroy(surface);
+}
+
+static void check_full(const kit *k, uint32_t anisotropy, const char *name, uint64_t *random) {
+    /* a GPU's compiler may contract products differently in two programs */
+    float most = slv_gl_get_info(gl)->software ? 0 : 1e-5f;
+    slv_gl_texture *textures[2] = {upload(k, anisotropy, SLV_GL_BRANCHING_REAL),
+                                   upload(k, anisotropy, SLV_GL_BRANCHING_VECTORS)};
+    random_footprints(k, random);
+    look_up(textures[0], SLV_STRATEGY_TRAVERSE_FULL);
+    for (int t = 0; t < 2; t++) {
+        look_up(textures[t], SLV_STRATEGY_TRAVERSE);
+        float apart = largest_difference(values[SLV_STRATEGY_TRAVERSE_FULL],
+                                         values[SLV_STRATEGY_TRAVERSE], 4 * POINTS);
+        CHECK_MSG(apart <= most, "%s aniso %u %s: lookups of traverse are %g off its full form",
+                  name, anisotropy, t ? "vectors" : "branches", (double)apart);
+    }
+    for (int s = SLV_STRATEGY_DISCARD; s <= SLV_STRATEGY_HYBRID; s++) {
+        static float other[4 * POINTS];
+        look_up(textures[0], (slv_strategy)s);
+        memcpy(other, values[s], sizeof other);
+        look_up(textures[1], (slv_strategy)s);
+        CHECK(largest_difference(other, values[s], 4 * POINTS) <= most);
+    }
+    check_pictures(k, textures, name, most);
+    slv_gl_texture_destroy(textures[0]);
+    slv_gl_texture_destroy(textures[1]);
+}
+
+static void check_all_full(uint64_t *random) {
+    for (int round = 0; round < 4; round++) {
+        kit k;
+        char name[32];
+        snprintf(name, sizeof name, "round %d", round);
+        if (round % 4 == 3) {
+            kit_cube(&k, random);
+            place_cube(&k);
+        } else {
+            kit_grid(&k, 5, 4, false, round % 4 == 2 ? 40 : 0, random, NULL);
+            place_grid(&k, 6, round % 4 ? 0.7f : 0, random);
+        }
+        if (round < 2)
+            kit_equal(&k, round ? 0 : 4);
+        else
+            kit_mixed(&k, 2, random);
+        for (uint32_t f = 0; round == 3 && f < k.nfaces; f++)
+            k.res[f].v = (int8_t)(1 + test_random(random) % 3);
+        kit_noise(&k, (slv_type)(round % 4), 1 + test_random(random) % 4, random);
+        check_full(&k, round % 2 ? 16 : 1, name, random);
+        kit_free(&k);
+    }
+}
+
+/* Footprints that end well inside the face, of all shapes. */
+static void check_interior(uint64_t *random) {
+    kit k;
+    kit_grid(&k, 4, 4, false, 0, random, NULL);
+    kit_equal(&k, 6);
+    kit_noise(&k, SLV_TYPE_U8, 3, random);
+    for (uint32_t anisotropy = 1; anisotropy <= 16; anisotropy *= 4) {
+        slv_gl_texture *texture = upload(&k, anisotropy, SLV_GL_BRANCHING_AUTO);
+        random_footprints(&k, random);
+        for (int i = 0; i < 2 * POINTS; i++) {
+            uv[i] = 0.35f + 0.3f * uv[i];
+            dx[i] /= 4; /* four texels at most */
+            dy[i] /= 4;
+        }
+        for (int s = 0; s < SLV_STRATEGY_COUNT; s++)
+            look_up(texture, (slv_strategy)s);
+        for (int s = 1; s < SLV_STRATEGY_COUNT; s++) {
+            for (int t = 0; t < s; t++) {
+                float apart = largest_difference(values[s], values[t], 4 * POINTS);
+                CHECK_MSG(apart <= 2.0f / 255, "aniso %u: %s and %s are %g apart inside faces",
+                          anisotropy, slv_strategy_name((slv_strategy)s),
+                          slv_strategy_name((slv_strategy)t), (double)apart);
+            }
+        }
+        slv_gl_texture_destroy(texture);
+    }
+    kit_free(&k);
+}
+
+static void extreme_texels(kit *k, slv_type type, uint32_t nchannels, uint64_t *random) {
+    float high = type == SLV_TYPE_FLOAT ? 1e30f : 65504;
+    kit_begin_texture(k, type, nchannels);
+    for (uint32_t f = 0; f < k->nfaces; f++) {
+        size_t count = kit_texels(k->res[f]) * nchannels;
+        float *texels = malloc(count * sizeof *texels);
+        REQUIRE(texels);
+        for (size_t i = 0; i < count; i++)
+            texels[i] = test_random(random) % 3 ? high : test_random(random) % 2 ? -high : 0;
+        kit_set(k, f, texels);
+        free(texels);
+    }
+    kit_end_texture(k);
+}
+
+static void extreme_footprints(const kit *k, uint64_t *random) {
+    static const float odd[] = {0, 1e-30f, 1e-6f, 1, -1, 100, 1e8f, -1e20f, 3e38f, INFINITY, NAN};
+    random_footprints(k, random);
+    for (int i = 0; i < 2 * POINTS; i++) {
+        const uint32_t nodd = sizeof odd / sizeof *odd;
+        if (test_random(random) % 2)
+            dx[i] = odd[test_random(random) % nodd];
+        if (test_random(random) % 2)
+            dy[i] = odd[test_random(random) % nodd];
+        if (test_random(random) % 4 == 0)
+            uv[i] = odd[test_random(random) % nodd];
+    }
+}
+
+static void check_finite_picture(const kit *k, slv_gl_texture *texture, const char *name) {
+    slv_env env = test_env();
+    slv_surface *surface = NULL;
+    slv_gl_renderer *renderer = NULL;
+    const float low[3] = {0, 0, 0}, high[3] = {5, 1, 4};
+    uint32_t most = slv_gl_get_info(gl)->max_msaa;
+    REQUIRE(slv_surface_create(&env, k->mesh, NULL, &surface) == SLV_OK);
+    REQUIRE(slv_gl_renderer_create(gl, &env, k->mesh, surface, 4, &renderer) == SLV_OK);
+    for (int s = 0; s < SLV_STRATEGY_COUNT; s++) {
+        slv_frame frame = {.width = 80,
+                           .height = 60,
+                           .msaa = most < 4 ? most : 4,
+                           .float_target = true,
+                           .camera = slv_camera_orbit(low, high, 20, 4, 40, 4.0f / 3)};
+        slv_image image = draw(renderer, texture, frame, (slv_strategy)s);
+        uint32_t wrong = 0, covered = 0;
+        for (uint32_t i = 0; i < 80 * 60 * 4; i++) {
+            wrong += !isfinite(image.pixels[i]);
+            covered += i % 4 == 3 && image.pixels[i] > 0;
+        }
+        CHECK_MSG(wrong == 0, "%s %s: %u values of a picture are not finite", name,
+                  slv_strategy_name((slv_strategy)s), wrong);
+        CHECK(covered > 200);
+        slv_image_free(&image);
+    }
+    slv_gl_renderer_destroy(renderer);
+    slv_surface_destroy(surface);
+}
+
+static void check_finite(uint64_t *random) {
+    for (int round = 0; round < 3; round++) {
+        kit k;
+        char name[64];
+        slv_type type = round % 2 ? SLV_TYPE_FLOAT : SLV_TYPE_HALF;
+        uint32_t anisotropy = round % 3 == 0 ? 1 : round % 3 == 1 ? 4 : 16;
+        kit_grid(&k, 5, 4, false, round % 4 == 1 ? 30 : 0, random, NULL);
+        /* with a height of zero every other time, triangles degenerate at the horizon */
+        place_grid(&k, 6, round % 2 ? 0.9f : 0, random);
+        if (round % 3 == 2)
+            kit_equal(&k, 0);
+        else
+            kit_mixed(&k, 1, random);
+        extreme_texels(&k, type, 1 + (uint32_t)round % 4, random);
+        snprintf(name, sizeof name, "%s %u channels aniso %u", slv_type_name(type), k.nchannels,
+                 anisotropy);
+        for (int b = 0; b < 2; b++) {
+            slv_gl_texture *texture =
+                upload(&k, anisotropy, b ? SLV_GL_BRANCHING_VECTORS : SLV_GL_BRANCHING_REAL);
+            extreme_footprints(&k, random);
+            for (int s = 0; s < SLV_STRATEGY_COUNT; s++) {
+                int wrong = -1;
+                look_up(texture, (slv_strategy)s);
+                for (int i = 0; i < 4 * POINTS; i++)
+                    wrong = isfinite(values[s][i]) ? wrong : i / 4;
+                CHECK_MSG(wrong < 0, "%s %s: not finite at %g %g with %g %g, %g %g of a face %dx%d",
+                          name, slv_strategy_name((slv_strategy)s), (double)uv[2 * wrong],
+                          (double)uv[2 * wrong + 1], (double)dx[2 * wrong],
+                          (double)dx[2 * wrong + 1], (double)dy[2 * wrong],
+                          (double)dy[2 * wrong + 1], 1 << k.res[faces[wrong]].u,
+                          1 << k.res[faces[wrong]].v);
+            }
+            if ((round + b) % 2)
+                check_finite_picture(&k, texture, name);
+            slv_gl_texture_destroy(texture);
+        }
+        kit_free(&k);
+    }
+}
+
+int main(void) {
+    uint64_t random = 11;
+    slv_env env = test_env();
+    REQUIRE(slv_gl_create(&env, SLV_GL_AUTO, &gl) == SLV_OK);
+    check_all_full(&random);
+    check_interior(&random);
+    check_finite(&random);
+    slv_gl_destroy(gl);
+    return test_end();
+}
