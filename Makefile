@@ -8,7 +8,7 @@ JOBS ?= 2
 BIN = build/bin
 DEMO = build/demo
 
-.PHONY: all build configure dependencies demo test install format clean help
+.PHONY: all build configure dependencies dependencies-tests demo test install format clean help
 .DEFAULT_GOAL := build
 
 all: build ## the same as build
@@ -19,6 +19,9 @@ build: configure ## installs what is missing, configures, and compiles everythin
 dependencies:
 	@tools/dependencies.sh
 
+dependencies-tests:
+	@tools/dependencies.sh tests
+
 configure: dependencies
 	@cmake --preset release --log-level=WARNING
 
@@ -27,7 +30,7 @@ demo: build ## makes the demo scene, compares the strategies on it, and says whe
 	@$(BIN)/selvage compare $(DEMO)/scene_faces.ptx --mesh $(DEMO)/scene.obj --focus creature --quick --out $(DEMO)/report
 	@echo "The report: $(CURDIR)/$(DEMO)/report/report.html"
 
-test: build ## builds and runs the tests; JOBS=n at a time (2)
+test: dependencies-tests build ## builds and runs the tests; JOBS=n at a time (2)
 	@ctest --preset release -j $(JOBS)
 
 install: build ## installs under PREFIX (/usr/local), DESTDIR in front

@@ -83,6 +83,29 @@ static inline void reference_fetch(const reference_texels *texels, uint32_t face
     }
 }
 
+/* The camera turned round: eye space to world space, columns x, y, z, and the origin. */
+typedef struct reference_eye {
+    float x[3], y[3], z[3], origin[3];
+    bool perspective;
+    float window[4], nearest;
+    float normal_matrix[9];
+} reference_eye;
+
+/* False if the camera cannot be inverted, or its window is empty. */
+bool reference_eye_make(const slv_reference *reference, const slv_camera *camera,
+                        reference_eye *out);
+
+/* The ray through (x,y) of the window's plane. Distances along it are depths: its direction has
+ * length 1 along the eye's -z. */
+static inline void reference_eye_ray(const reference_eye *e, float x, float y, float origin[3],
+                                     float direction[3]) {
+    for (int k = 0; k < 3; k++) {
+        float across = x * e->x[k] + y * e->y[k];
+        direction[k] = e->perspective ? across - e->z[k] : -e->z[k];
+        origin[k] = e->perspective ? e->origin[k] : e->origin[k] + across - e->nearest * e->z[k];
+    }
+}
+
 /* Where samples fall. */
 typedef struct reference_sampler {
     slv_pixel_filter filter;

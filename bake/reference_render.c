@@ -10,19 +10,11 @@
 
 enum { TILE = 16, RAYS = 16 };
 
-/* The camera turned round: eye space to world space, columns x, y, z, and the origin. */
-typedef struct eye {
-    float x[3], y[3], z[3], origin[3];
-    bool perspective;
-    float window[4], nearest;
-    float normal_matrix[9];
-} eye;
-
 typedef struct work {
     const slv_reference *reference;
     const slv_reference_frame *frame;
     reference_sampler sampler;
-    eye eye;
+    reference_eye eye;
     uint32_t tiles_across;
     uint64_t ntiles, done;
     pthread_mutex_t lock;
@@ -147,20 +139,15 @@ static void flush(const work *w, packet *p) {
     p->count = 0;
 }
 
-/* Distances along a ray are depths: its direction has length 1 along the eye's -z. */
 static void add_ray(const work *w, packet *p, float pixel_x, float pixel_y, float weight, sum *to) {
-    const eye *e = &w->eye;
+    const reference_eye *e = &w->eye;
     struct RTCRay16 *ray = &p->rays.ray;
     const float *window = e->window;
     uint32_t lane = p->count++;
     float x = window[0] + pixel_x / (float)w->frame->width * (window[1] - window[0]);
     float y = window[3] - pixel_y / (float)w->frame->height * (window[3] - window[2]);
     float origin[3], direction[3];
-    for (int k = 0; k < 3; k++) {
-        float across = x * e->x[k] + y * e->y[k];
-        direction[k] = e->perspective ? across - e->z[k] : -e->z[k];
-        origin[k] = e->perspective ? e->origin[k] : e->origin[k] + across - e->nearest * e->z[k];
-    }
+    reference_eye_ray(e, x, y, origin, direction);
     ray->org_x[lane] = origin[0];
     ray->org_y[lane] = origin[1];
     ray->org_z[lane] = origin[2];
@@ -247,41 +234,6 @@ static slv_result render_tiles(void *user, uint64_t first, uint64_t end) {
     return result;
 }
 
-static bool make_eye(const slv_reference *reference, const slv_camera *camera, eye *out) {
-    const float *m = camera->world_to_camera, *w = camera->window;
-    double columns[3][3], determinant = 0;
-    float farthest;
-    for (int c = 0; c < 3; c++) { /* of the inverse */
-        for (int r = 0; r < 3; r++) {
-            int r1 = (r + 1) % 3, r2 = (r + 2) % 3, c1 = (c + 1) % 3, c2 = (c + 2) % 3;
-            columns[c][r] =
-                (double)m[4 * c1 + r1] * m[4 * c2 + r2] - (double)m[4 * c1 + r2] * m[4 * c2 + r1];
-        }
-    }
-    for (int r = 0; r < 3; r++)
-        determinant += m[r] * columns[0][r];
-    for (int r = 0; r < 3; r++) {
-        double origin = 0;
-        for (int c = 0; c < 3; c++) {
-            columns[c][r] /= determinant;
-            origin -= columns[c][r] * m[4 * c + 3];
-        }
-        out->x[r] = (float)columns[0][r];
-        out->y[r] = (float)columns[1][r];
-        out->z[r] = (float)columns[2][r];
-        out->origin[r] = (float)origin;
-        if (!isfinite(out->x[r]) || !isfinite(out->y[r]) || !isfinite(out->z[r]) ||
-            !isfinite(out->origin[r]))
-            return false;
-    }
-    out->perspective = camera->perspective;
-    memcpy(out->window, w, sizeof out->window);
-    slv_camera_depths(camera, reference->mesh.bounds_min, reference->mesh.bounds_max, &out->nearest,
-                      &farthest);
-    slv_camera_normal_matrix(camera, out->normal_matrix);
-    return w[1] > w[0] && w[3] > w[2] && isfinite(w[1] - w[0]) && isfinite(w[3] - w[2]);
-}
-
 static slv_result prepare(const slv_env *env, const slv_reference_frame *given,
                           slv_reference_frame *frame) {
     *frame = *given;
@@ -331,7 +283,7 @@ slv_result slv_reference_render(const slv_reference *reference, const slv_env *e
     slv_result result = prepare(env, given, &frame);
     if (result)
         return result;
-    if (!make_eye(reference, &frame.camera, &w.eye))
+    if (!reference_eye_make(reference, &frame.camera, &w.eye))
         return slv_fail(env, SLV_ERROR_ARGUMENT,
                         "reference: the camera cannot be inverted, or its window is empty");
     if ((result = slv_image_create(env, frame.width, frame.height, 4, &w.image)) ||

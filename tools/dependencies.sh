@@ -1,6 +1,7 @@
 #!/bin/sh
 # Makes sure that what Selvage is built with is installed: says what is missing, and installs it with apt-get where there
-# is one. Elsewhere it prints the list and leaves the rest to whoever runs it.
+# is one. Elsewhere it prints the list and leaves the rest to whoever runs it. With the argument `tests` it also sees to a
+# browser, in which a test opens a report; that test makes do without one where there is none to be had.
 set -eu
 
 packages="cmake ninja-build gcc g++ pkg-config libosd-dev libopenexr-dev libpng-dev libdeflate-dev libjansson-dev
@@ -12,12 +13,18 @@ if ! command -v apt-get >/dev/null || ! command -v dpkg-query >/dev/null; then
     exit 0
 fi
 
+browser=""
+if [ "${1:-}" = tests ] && ! command -v chromium >/dev/null && ! command -v chromium-browser >/dev/null &&
+    ! command -v google-chrome >/dev/null; then
+    browser=chromium
+fi
+
 missing=""
 for package in $packages; do
     status=$(dpkg-query -W -f '${db:Status-Status}' "$package" 2>/dev/null || true)
     [ "$status" = installed ] || missing="$missing $package"
 done
-if [ -z "$missing" ]; then
+if [ -z "$missing$browser" ]; then
     exit 0
 fi
 
@@ -26,10 +33,13 @@ if [ "$(id -u)" = 0 ]; then
 elif command -v sudo >/dev/null; then
     as_root=sudo
 else
+    [ -z "$missing" ] && exit 0
     echo "These packages are missing, and installing them takes root or sudo:$missing" >&2
     exit 1
 fi
-echo "Installing:$missing"
+echo "Installing:$missing${browser:+ $browser}"
 $as_root env DEBIAN_FRONTEND=noninteractive apt-get update -q
 # shellcheck disable=SC2086
-$as_root env DEBIAN_FRONTEND=noninteractive apt-get install -q -y --no-install-recommends $missing
+[ -z "$missing" ] || $as_root env DEBIAN_FRONTEND=noninteractive apt-get install -q -y --no-install-recommends $missing
+[ -z "$browser" ] || $as_root env DEBIAN_FRONTEND=noninteractive apt-get install -q -y --no-install-recommends $browser ||
+    echo "No browser could be installed: the report is tested without."

@@ -1,8 +1,7 @@
 #include "output.h"
-#include "report_verdict.h"
+#include "report_experiment.h"
+#include "report_page.h"
 
-#include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
 /* Made by the build from the files of tools/report. */
@@ -10,13 +9,6 @@ struct report_table_row {
     const char *name, *text;
 };
 extern const struct report_table_row report_table[];
-
-typedef struct page {
-    const slv_env *env;
-    FILE *stream;
-    const report_data *report;
-    report_verdict verdict;
-} page;
 
 static const char *const strategy_phrases[SLV_STRATEGY_COUNT] = {
     [SLV_STRATEGY_CLAMP] = "reads its own face only; the baseline that shows the problem",
@@ -37,46 +29,6 @@ static const char *find_text(const char *name, size_t length) {
 static const char *file_name(const char *path) {
     const char *slash = strrchr(path, '/');
     return slash && slash[1] ? slash + 1 : path;
-}
-
-static const char *strategy_name(const page *p, uint32_t index) {
-    return slv_strategy_name(p->report->strategies[index].strategy);
-}
-
-static void write_base64(FILE *stream, const unsigned char *bytes, size_t size) {
-    static const char digits[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-    char line[4096];
-    size_t filled = 0;
-    for (size_t i = 0; i < size; i += 3) {
-        size_t left = size - i;
-        uint32_t triple = (uint32_t)bytes[i] << 16 | (left > 1 ? (uint32_t)bytes[i + 1] << 8 : 0) |
-                          (left > 2 ? bytes[i + 2] : 0u);
-        line[filled++] = digits[triple >> 18];
-        line[filled++] = digits[triple >> 12 & 63];
-        line[filled++] = left > 1 ? digits[triple >> 6 & 63] : '=';
-        line[filled++] = left > 2 ? digits[triple & 63] : '=';
-        if (filled == sizeof line) {
-            fwrite(line, 1, filled, stream);
-            filled = 0;
-        }
-    }
-    fwrite(line, 1, filled, stream);
-}
-
-/* The attributes src, width and height of a picture. */
-static slv_result write_source(const page *p, const slv_image *image) {
-    static const slv_image_params params = {.encoding = SLV_ENCODE_SRGB, .bits = 8};
-    void *bytes = NULL;
-    size_t size = 0;
-    slv_result result = slv_image_encode_png(p->env, image, &params, &bytes, &size);
-    if (result)
-        return result;
-    fprintf(p->stream, " width=\"%u\" height=\"%u\" src=\"data:image/png;base64,", image->width,
-            image->height);
-    write_base64(p->stream, bytes, size);
-    fputs("\"", p->stream);
-    free(bytes);
-    return SLV_OK;
 }
 
 static void write_jump_cell(FILE *stream, const slv_gl_seam *seam, bool equal) {
@@ -103,10 +55,14 @@ static slv_result strategy_rows(const page *p) {
         const report_strategy *row = &p->report->strategies[i];
         bool best = i == p->verdict.best;
         fprintf(p->stream, "<tr%s><th scope=\"row\">%s", best ? " class=\"best\"" : "",
-                strategy_name(p, i));
+                page_strategy_name(p, i));
         if (best)
             fprintf(p->stream, " <span class=\"pick\">%s</span>", picks[p->verdict.outcome]);
-        fprintf(p->stream, "<small>%s</small></th>", strategy_phrases[row->strategy]);
+        if (p->advice.measured && i == p->advice.take)
+            fputs(" <span class=\"pick\">for this orbit</span>", p->stream);
+        if (strategy_phrases[row->strategy])
+            fprintf(p->stream, "<small>%s</small>", strategy_phrases[row->strategy]);
+        fputs("</th>", p->stream);
         fprintf(p->stream, "<td>%.2f<small>%.2f to %.2f</small></td><td>%.2f</td>", row->median_ms,
                 row->min_ms, row->max_ms, row->ratio);
         double megabytes = (double)row->stats.gpu_bytes / 1e6;
@@ -121,7 +77,7 @@ static slv_result strategy_rows(const page *p) {
 
 static slv_result level_rows(const page *p) {
     for (uint32_t i = 0; i < p->report->nstrategies; i++) {
-        fprintf(p->stream, "<tr><th scope=\"row\">%s</th>", strategy_name(p, i));
+        fprintf(p->stream, "<tr><th scope=\"row\">%s</th>", page_strategy_name(p, i));
         for (uint32_t level = 0; level < REPORT_LEVELS; level++) {
             const slv_gl_seam *seam = &p->report->strategies[i].seams[level];
             if (!seam->nedges) {
@@ -143,8 +99,8 @@ static slv_result level_rows(const page *p) {
 static void write_options(const page *p, uint32_t selected) {
     for (uint32_t i = 0; i < p->report->nstrategies; i++)
         fprintf(p->stream, "<option value=\"%u\"%s>%s</option>", i,
-                i == selected ? " selected" : "", strategy_name(p, i));
-    if (p->report->reference.samples)
+                i == selected ? " selected" : "", page_strategy_name(p, i));
+    if (page_has_reference(p))
         fprintf(p->stream, "<option value=\"%u\">reference</option>", p->report->nstrategies);
 }
 
@@ -154,7 +110,7 @@ static slv_result left_options(const page *p) {
 }
 
 static slv_result right_options(const page *p) {
-    uint32_t other = p->verdict.best;
+    uint32_t other = p->advice.measured ? p->advice.take : p->verdict.best;
     if (other == p->verdict.baseline && p->report->nstrategies > 1)
         other = (other + 1) % p->report->nstrategies;
     write_options(p, other);
@@ -165,111 +121,6 @@ static slv_result view_options(const page *p) {
     for (uint32_t v = 0; v < p->report->nviews; v++)
         fprintf(p->stream, "<option value=\"%u\">%u of %u</option>", v, v + 1, p->report->nviews);
     return SLV_OK;
-}
-
-static slv_result views(const page *p) {
-    slv_result result = SLV_OK;
-    for (uint32_t v = 0; v < p->report->nviews; v++) {
-        if (p->report->reference.samples) {
-            fprintf(p->stream,
-                    "<img alt=\"View %u, ray-cast\" data-view=\"%u\" data-strategy=\"%u\"", v + 1,
-                    v, p->report->nstrategies);
-            result = write_source(p, &p->report->reference.views[v]);
-            fputs(">\n", p->stream);
-        }
-        for (uint32_t i = 0; !result && i < p->report->nstrategies; i++) {
-            fprintf(p->stream,
-                    "<img alt=\"View %u, drawn with %s\" data-view=\"%u\" data-strategy=\"%u\"",
-                    v + 1, strategy_name(p, i), v, i);
-            result = write_source(p, &p->report->strategies[i].views[v]);
-            fputs(">\n", p->stream);
-        }
-    }
-    return result;
-}
-
-static slv_result spots(const page *p) {
-    const report_data *report = p->report;
-    slv_result result = SLV_OK;
-    if (!report->nspots) {
-        fputs("<p>There is no place in the first view where the strategies' pictures differ by a "
-              "visible "
-              "amount.</p>\n",
-              p->stream);
-        return result;
-    }
-    fputs("<p>The places where the strategies disagree most, drawn again by a camera that looks at "
-          "nothing "
-          "else. Nothing was smoothed: each square is a pixel of that drawing.</p>\n",
-          p->stream);
-    for (uint32_t s = 0; !result && s < report->nspots; s++) {
-        const report_spot *spot = &report->spots[s];
-        fprintf(p->stream,
-                "<div class=\"spot\">\n<div class=\"spot-head\"><h3>Seam %u</h3><p>View %u, %.0f "
-                "%% from the "
-                "left and %.0f %% from the top, enlarged %g times</p>"
-                "<button type=\"button\" hidden data-view=\"%u\" data-x=\"%.5f\" "
-                "data-y=\"%.5f\">Find it in "
-                "the picture</button></div>\n<div class=\"row\" style=\"--n:%u\">\n",
-                s + 1, spot->view + 1, (double)spot->x * 100, (double)spot->y * 100,
-                (double)spot->zoom, spot->view, (double)spot->x, (double)spot->y,
-                report->nstrategies);
-        for (uint32_t i = 0; !result && i < report->nstrategies; i++) {
-            fprintf(p->stream, "<figure><img alt=\"Seam %u, enlarged, drawn with %s\"", s + 1,
-                    strategy_name(p, i));
-            result = write_source(p, &report->strategies[i].spots[s]);
-            fprintf(p->stream, "><figcaption>%s</figcaption></figure>\n", strategy_name(p, i));
-        }
-        fputs("</div>\n</div>\n", p->stream);
-    }
-    return result;
-}
-
-static slv_result pairs(const page *p) {
-    const report_data *report = p->report;
-    slv_result result = SLV_OK;
-    if (!report->npairs) {
-        fputs("<p>One strategy alone has nothing to be compared with.</p>\n", p->stream);
-        return result;
-    }
-    fprintf(p->stream,
-            "<p>Each map shows the first view: how far two strategies' pixels are apart in their "
-            "most different "
-            "channel, in linear light. The numbers are over all %u views, where the surface covers "
-            "the whole "
-            "pixel.</p>\n"
-            "<div class=\"legend\"><div class=\"legend-bar\" role=\"img\" aria-label=\"Scale: "
-            "black is equal, "
-            "then blue, red and yellow, white is a difference of 16/255 and more\"></div>"
-            "<div class=\"legend-ticks\" aria-hidden=\"true\"><span>equal</span>"
-            "<span style=\"--i:2\">4/255</span><span style=\"--i:3\">8/255</span>"
-            "<span style=\"--i:4\">12/255</span><span>16/255</span></div></div>\n"
-            "<div class=\"pairs\">\n",
-            report->nviews);
-    for (uint32_t i = 0; !result && i < report->npairs; i++) {
-        const report_pair *pair = &report->pairs[i];
-        const char *a = strategy_name(p, pair->a), *b = strategy_name(p, pair->b);
-        fprintf(p->stream, "<figure><img alt=\"Map of the differences between %s and %s\"", a, b);
-        result = write_source(p, &pair->heat);
-        fprintf(p->stream, ">\n<figcaption>%s and %s</figcaption>\n<table><tbody>\n", a, b);
-        fputs("<tr><th scope=\"row\">Largest difference</th><td>", p->stream);
-        report_write_jump(p->stream, pair->max);
-        fputs(" /255</td></tr>\n<tr><th scope=\"row\">Mean difference</th><td>", p->stream);
-        report_write_jump(p->stream, pair->mean);
-        fputs(" /255</td></tr>\n<tr><th scope=\"row\">PSNR, higher is closer</th><td>", p->stream);
-        if (isfinite(pair->psnr))
-            fprintf(p->stream, "%.1f dB", pair->psnr);
-        else
-            fputs("identical", p->stream);
-        fprintf(p->stream,
-                "</td></tr>\n<tr><th scope=\"row\">Pixels further apart than 1/255</th><td>%.2f "
-                "%%</td></tr>\n"
-                "<tr><th scope=\"row\">Pixels further apart than 4/255</th><td>%.2f %%</td></tr>\n"
-                "</tbody></table></figure>\n",
-                pair->over_1 * 100, pair->over_4 * 100);
-    }
-    fputs("</div>\n", p->stream);
-    return result;
 }
 
 static slv_result method(const page *p) {
@@ -300,7 +151,7 @@ static void write_fact(const page *p, const char *name, const char *value) {
 
 static slv_result facts(const page *p) {
     const report_data *r = p->report;
-    char text[320];
+    char text[320], name[64];
     write_fact(p, "Texture file", r->ptx);
     write_fact(p, "Mesh", r->mesh ? r->mesh : "the geometry inside the texture file");
     write_fact(p, "Driver", r->gl.renderer);
@@ -308,8 +159,27 @@ static slv_result facts(const page *p) {
     write_fact(p, "OpenGL", text);
     snprintf(text, sizeof text, "%u x %u pixels", r->width, r->height);
     write_fact(p, "Picture size", text);
-    snprintf(text, sizeof text, "%u", r->msaa > 1 ? r->msaa : 1);
-    write_fact(p, "Multisampling (MSAA), samples per pixel", text);
+    snprintf(text, sizeof text, "%u%s", r->rates[r->shown].samples,
+             r->rates[r->shown].frames > 1 ? ", from several pictures averaged" : "");
+    write_fact(p, "Samples per pixel (MSAA) of pictures", text);
+    if (r->left_out[0])
+        write_fact(p, "Sampling rates left out", r->left_out);
+    for (uint32_t i = 0; i < r->nrates; i++) {
+        if (r->rates[i].frames == 1)
+            continue;
+        snprintf(text, sizeof text,
+                 "%u pictures of %u, moved by exact parts of a pixel, averaged in linear light; "
+                 "their time is that of all",
+                 r->rates[i].frames, r->rates[i].msaa);
+        snprintf(name, sizeof name, "%u samples per pixel", r->rates[i].samples);
+        write_fact(p, name, text);
+    }
+    snprintf(text, sizeof text,
+             "%g degrees from %g on; elevation %g, swinging by %g three times; distance from 1/%g "
+             "to %g times that which frames the model, once",
+             (double)r->path.turn, (double)r->path.azimuth, (double)r->path.elevation,
+             (double)r->path.tilt, (double)r->path.dolly, (double)r->path.dolly);
+    write_fact(p, "Orbit", text);
     snprintf(text, sizeof text, r->anisotropy > 1 ? "up to %u times" : "none", r->anisotropy);
     write_fact(p, "Anisotropic filtering, for slanted views", text);
     snprintf(text, sizeof text, "%u per strategy, %u strategies", r->frames, r->nstrategies);
@@ -318,18 +188,53 @@ static slv_result facts(const page *p) {
     write_fact(p, "Faces", text);
     snprintf(text, sizeof text, "%u segments along each face's edge", r->segments);
     write_fact(p, "Tessellation", text);
-    if (r->reference.samples) {
-        snprintf(text, sizeof text, "%u samples per pixel, %.0f seconds", r->reference.samples,
-                 r->reference.seconds);
-        write_fact(p, "Ray-cast reference", text);
+    for (int k = 0; k < REPORT_SOURCES; k++) {
+        if (!r->reference.used[k])
+            continue;
+        if (k == REPORT_SUPERSAMPLED)
+            snprintf(text, sizeof text, "drawn with traverse, 8 x 8 times as large, %u frames",
+                     r->reference.frames);
+        else
+            snprintf(text, sizeof text, "%u rays per pixel, %u frames", r->reference.samples,
+                     r->reference.frames);
+        snprintf(name, sizeof name, "Reference '%s'", report_source_name((report_source)k));
+        write_fact(p, name, text);
     }
     snprintf(text, sizeof text, "%.0f seconds", r->seconds);
     write_fact(p, "The whole comparison took", text);
     return SLV_OK;
 }
 
-static slv_result errors(const page *p) {
+static slv_result orbit_sections(const page *p) {
+    report_write_rates(p->stream, p->report);
     report_write_errors(p->stream, p->report);
+    report_write_curves(p->stream, p->report);
+    report_write_findings(p->stream, p->report);
+    return SLV_OK;
+}
+
+static slv_result papers(const page *p) {
+    return report_write_papers(p->env, p->stream, p->report);
+}
+
+static slv_result advice(const page *p) {
+    if (p->advice.measured) {
+        fputs("<p class=\"verdict\">", p->stream);
+        report_write_advice(p->stream, p->report, &p->advice);
+        fputs("</p>\n", p->stream);
+    }
+    return SLV_OK;
+}
+
+static slv_result rule(const page *p) {
+    if (p->advice.measured)
+        fprintf(
+            p->stream,
+            "<p class=\"small\">The rule: of the strategies whose RMS error at seams is at most "
+            "%.1f times the smallest, the quickest; of those within %.0f %% of its time, the one "
+            "with the least memory. The second paragraph is about close views, where texels are "
+            "larger than pixels: the cheapest whose seam jumps are all hidden.</p>\n",
+            REPORT_NEAR_BEST, 100 * (REPORT_SAME_TIME - 1));
     return SLV_OK;
 }
 
@@ -362,17 +267,19 @@ static slv_result resolutions(const page *p) {
 }
 
 static slv_result verdict(const page *p) {
+    if (p->advice.measured)
+        fputs("Close up, where texels are larger than pixels: ", p->stream);
     report_write_verdict(p->stream, p->report, &p->verdict);
     return SLV_OK;
 }
 
 static slv_result baseline(const page *p) {
-    fputs(strategy_name(p, p->verdict.baseline), p->stream);
+    fputs(page_strategy_name(p, p->verdict.baseline), p->stream);
     return SLV_OK;
 }
 
 static slv_result ratio_to_baseline(const page *p) {
-    fprintf(p->stream, "ratio to %s", strategy_name(p, p->verdict.baseline));
+    fprintf(p->stream, "ratio to %s", page_strategy_name(p, p->verdict.baseline));
     return SLV_OK;
 }
 
@@ -409,14 +316,17 @@ static const struct {
     {"left_options", left_options},
     {"right_options", right_options},
     {"view_options", view_options},
-    {"views", views},
+    {"views", page_views},
     {"width", width},
     {"height", height},
-    {"spots", spots},
-    {"pairs", pairs},
+    {"spots", page_spots},
+    {"pairs", page_pairs},
     {"method", method},
     {"facts", facts},
-    {"errors", errors},
+    {"orbit_sections", orbit_sections},
+    {"papers", papers},
+    {"advice", advice},
+    {"rule", rule},
     {"version", version},
 };
 
@@ -459,6 +369,10 @@ slv_result report_write_html(const slv_env *env, const char *path, const report_
     slv_result result = output_open(env, path, &file);
     if (result)
         return result;
-    page p = {.env = env, .stream = file.stream, .report = report, .verdict = report_judge(report)};
+    page p = {.env = env,
+              .stream = file.stream,
+              .report = report,
+              .verdict = report_judge(report),
+              .advice = report_advise(report)};
     return output_close(&file, write_page(&p));
 }

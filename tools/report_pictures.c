@@ -34,6 +34,12 @@ slv_result report_write_pictures(const slv_env *env, const char *folder,
             snprintf(name, sizeof name, "seam%u_%s.png", s, strategy);
             result = save(env, folder, name, &row->spots[s]);
         }
+        snprintf(name, sizeof name, "error_%s.png", strategy);
+        result = result ? result : save(env, folder, name, &row->heat);
+    }
+    for (uint32_t s = 0; !result && s < report->nspots; s++) {
+        snprintf(name, sizeof name, "seam%u_reference.png", s);
+        result = save(env, folder, name, &report->reference.spots[s]);
     }
     for (uint32_t v = 0; !result && v < report->nviews; v++) {
         snprintf(name, sizeof name, "view%u_reference.png", v);
@@ -57,7 +63,10 @@ void report_free(report_data *report) {
             slv_image_free(&report->strategies[i].views[v]);
         for (uint32_t s = 0; s < REPORT_MAX_SPOTS; s++)
             slv_image_free(&report->strategies[i].spots[s]);
+        slv_image_free(&report->strategies[i].heat);
     }
+    for (uint32_t s = 0; s < REPORT_MAX_SPOTS; s++)
+        slv_image_free(&report->reference.spots[s]);
     for (uint32_t v = 0; v < REPORT_MAX_VIEWS; v++)
         slv_image_free(&report->reference.views[v]);
     for (uint32_t i = 0; i < SLV_STRATEGY_COUNT * SLV_STRATEGY_COUNT; i++)

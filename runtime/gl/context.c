@@ -60,20 +60,38 @@ static bool has_extension(const slv_gl_api *api, const char *wanted) {
     return false;
 }
 
+static const GLenum target_formats[] = {GL_RGBA16F, GL_RGBA32F, GL_DEPTH_COMPONENT32F};
+enum { TARGET_FORMATS = sizeof target_formats / sizeof *target_formats, MAX_COUNTS = 16 };
+
+static void list_samples(const slv_gl_api *api, GLenum format, GLint counts[MAX_COUNTS]) {
+    memset(counts, 0, MAX_COUNTS * sizeof *counts);
+    api->GetInternalformativ(GL_RENDERBUFFER, format, GL_SAMPLES, MAX_COUNTS, counts);
+}
+
 static uint32_t max_samples(const slv_gl_api *api) {
-    GLint counts[16] = {0};
-    GLint best = 1;
-    static const GLenum formats[] = {GL_RGBA16F, GL_RGBA32F, GL_DEPTH_COMPONENT32F};
-    for (size_t f = 0; f < sizeof formats / sizeof *formats; f++) {
+    GLint counts[MAX_COUNTS], best = 1;
+    for (size_t f = 0; f < TARGET_FORMATS; f++) {
         GLint found = 1;
-        memset(counts, 0, sizeof counts);
-        api->GetInternalformativ(GL_RENDERBUFFER, formats[f], GL_SAMPLES, 16, counts);
-        for (size_t i = 0; i < 16; i++)
+        list_samples(api, target_formats[f], counts);
+        for (size_t i = 0; i < MAX_COUNTS; i++)
             if (counts[i] > found)
                 found = counts[i];
         best = f == 0 || found < best ? found : best;
     }
     return (uint32_t)best;
+}
+
+bool slv_gl_has_samples(const slv_gl *gl, uint32_t samples) {
+    GLint counts[MAX_COUNTS];
+    bool all = samples > 0 && samples <= INT32_MAX;
+    for (size_t f = 0; f < TARGET_FORMATS && samples > 1; f++) {
+        bool any = false;
+        list_samples(&gl->api, target_formats[f], counts);
+        for (size_t i = 0; i < MAX_COUNTS; i++)
+            any |= counts[i] == (GLint)samples;
+        all &= any;
+    }
+    return all;
 }
 
 static slv_result fill_info(const slv_env *env, slv_gl *gl, slv_gl_backend backend) {

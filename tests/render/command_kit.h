@@ -10,7 +10,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-enum { KIT_TEXT = 1 << 17, KIT_PATH = 1024, KIT_ARGUMENTS = 32 };
+enum { KIT_TEXT = 1 << 17, KIT_PATH = 1024, KIT_ARGUMENTS = 48 };
 
 typedef struct kit_scratch {
     char folder[KIT_PATH]; /* where programs run */

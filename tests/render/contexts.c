@@ -172,8 +172,12 @@ int main(void) {
                     result = slv_gl_wrap(&env, host_proc, library, &host);
                     REQUIRE(result == SLV_OK);
                     CHECK(slv_gl_get_info(host)->backend == SLV_GL_HOST);
+                    CHECK(slv_gl_has_samples(host, slv_gl_get_info(host)->max_msaa));
                     dirty(library);
                 }
+                CHECK(slv_gl_has_samples(gl, 1) && slv_gl_has_samples(gl, 4));
+                CHECK(!slv_gl_has_samples(gl, 0) && !slv_gl_has_samples(gl, 3) &&
+                      !slv_gl_has_samples(gl, 2 * slv_gl_get_info(gl)->max_msaa));
                 images[i] = draw(host ? host : gl, &k, (slv_strategy)strategy, msaa);
                 slv_gl_destroy(host);
                 slv_gl_destroy(gl);

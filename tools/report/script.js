@@ -1,5 +1,19 @@
 "use strict";
 (() => {
+  for (const button of document.querySelectorAll("button[data-copy]")) {
+    const text = button.closest("figure").querySelector("pre");
+    button.hidden = false;
+    button.addEventListener("click", () => {
+      const range = document.createRange();
+      range.selectNodeContents(text);
+      getSelection().removeAllRanges();
+      getSelection().addRange(range);
+      button.textContent = document.execCommand("copy") ? "Copied" : "Selected";
+    });
+  }
+})();
+
+(() => {
   const get = (id) => document.getElementById(id);
   const viewport = get("viewport"), stage = get("stage"), wipe = get("wipe");
   const left = get("left"), right = get("right"), view = get("view"), zoom = get("zoom");
@@ -98,4 +112,36 @@
   stage.classList.add("live");
   magnify(0.5, 0.5);
   show();
+
+  /* With #selftest at the end of its address the page works its own controls, and leaves what came
+   * of it in an attribute of its root: what the tests read. */
+  if (location.hash === "#selftest") window.addEventListener("load", () => {
+    const at = () => stage.style.getPropertyValue("--at");
+    const set = (control, value, event) => {
+      control.value = value;
+      control.dispatchEvent(new Event(event));
+    };
+    const shown = () => pictures.filter((picture) => getComputedStyle(picture).display !== "none");
+    const outcome = {};
+    set(wipe, "20", "input");
+    const low = at();
+    set(wipe, "80", "input");
+    outcome.slider = low !== at() && parseFloat(at()) > parseFloat(low);
+    outcome.clipped = getComputedStyle(stage.querySelector("img.left")).clipPath !== "none";
+    set(left, left.options[0].value, "change");
+    set(right, right.options[right.options.length - 1].value, "change");
+    const names = [name(left), name(right)];
+    get("swap").click();
+    outcome.swapped = name(left) === names[1] && name(right) === names[0];
+    outcome.pictures = shown().length;
+    outcome.decoded = shown().every((picture) => picture.complete && picture.naturalWidth > 0);
+    set(zoom, "4", "change");
+    outcome.zoomed = stage.clientWidth === 4 * Number(viewport.dataset.width);
+    outcome.dark = matchMedia("(prefers-color-scheme: dark)").matches;
+    outcome.paper = getComputedStyle(document.body).backgroundColor;
+    outcome.ink = getComputedStyle(document.body).color;
+    const scrolls = document.documentElement.scrollWidth - document.documentElement.clientWidth;
+    outcome.sideways = scrolls > 0;
+    document.documentElement.dataset.selftest = JSON.stringify(outcome);
+  });
 })();

@@ -88,6 +88,23 @@ SLV_API slv_result slv_reference_render(const slv_reference *reference, const sl
                                         const slv_reference_frame *frame, slv_image *image,
                                         slv_image *error, slv_reference_stats *stats);
 
+/* What the ray through a pixel's centre meets. Derivatives are by one pixel to the right [0] and
+ * one down [1], along the plane of the triangle that was hit: the footprint of the pixel is the
+ * parallelogram of the two. */
+typedef struct slv_reference_hit {
+    int32_t face; /* -1: nothing is hit, and the rest is zero */
+    float u, v;
+    float du[2], dv[2];
+    float depth, ddepth[2]; /* distance along the eye's -z; with an orthographic camera from the
+                               nearest depth that is drawn */
+} slv_reference_hit;
+
+/* Casts one ray through the centre of each of width * height pixels, row 0 at the top. On
+ * env->threads threads; the same bytes with any number of them. */
+SLV_API slv_result slv_reference_trace(const slv_reference *reference, const slv_env *env,
+                                       const slv_camera *camera, uint32_t width, uint32_t height,
+                                       slv_reference_hit *hits);
+
 #ifdef __cplusplus
 }
 #endif

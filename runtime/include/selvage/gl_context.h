@@ -53,6 +53,10 @@ SLV_API void slv_gl_destroy(slv_gl *gl);
 
 SLV_API const slv_gl_info *slv_gl_get_info(const slv_gl *gl);
 
+/* Whether the driver draws with exactly so many samples per pixel. For a number up to max_msaa that
+ * it does not have, it takes more without saying so. Changes no GL state. */
+SLV_API bool slv_gl_has_samples(const slv_gl *gl, uint32_t samples);
+
 /* An OpenGL function by its full name ("glClear"), for drawing of one's own in a context that
  * slv_gl_create made. NULL if the driver has none of that name (some drivers return a pointer for
  * every name), and in a wrapped context, whose application has a loader. */

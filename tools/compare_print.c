@@ -1,0 +1,68 @@
+#include "compare.h"
+
+#include "report_findings.h"
+
+#include <math.h>
+#include <stdio.h>
+
+static void print_rates(const report_data *report) {
+    printf("%-14s", "frame ms");
+    for (uint32_t r = 0; r < report->nrates; r++)
+        printf(" %9ux", report->rates[r].samples);
+    putchar('\n');
+    for (uint32_t k = 0; k < report->nstrategies; k++) {
+        printf("%-14s", slv_strategy_name(report->strategies[k].strategy));
+        for (uint32_t r = 0; r < report->nrates; r++)
+            printf(" %10.2f", report->strategies[k].rates[r].median_ms);
+        putchar('\n');
+    }
+    for (uint32_t r = 0; r < report->nrates; r++)
+        if (report->rates[r].frames > 1)
+            printf("(%ux is %u pictures of %ux, averaged)\n", report->rates[r].samples,
+                   report->rates[r].frames, report->rates[r].msaa);
+    if (report->left_out[0])
+        printf("(left out: %s samples per pixel)\n", report->left_out);
+    putchar('\n');
+}
+
+static void print_errors(const report_data *report) {
+    const report_reference *ref = &report->reference;
+    if (ref->first == REPORT_SOURCES)
+        return;
+    printf("\n%-14s %10s %10s %10s %10s %10s\n", "RMS error", "interior", "edge", "regular",
+           "other", "all pixels");
+    for (uint32_t k = 0; k < report->nstrategies; k++) {
+        const report_errors *errors =
+            &report->strategies[k].rates[report->shown].errors[ref->first];
+        report_tally all = report_errors_part(errors, REPORT_ALL);
+        printf("%-14s", slv_strategy_name(report->strategies[k].strategy));
+        for (int label = REPORT_INTERIOR; label < REPORT_LABELS; label++)
+            printf(" %10.6f", report_rms(&errors->labels[label]));
+        printf(" %10.6f\n", report_rms(&all));
+    }
+    printf("(%ux MSAA against the reference '%s', of %u frame%s)\n",
+           report->rates[report->shown].samples, report_source_name(ref->first), ref->frames,
+           ref->frames == 1 ? "" : "s");
+}
+
+void compare_print(const report_data *report, const char *folder) {
+    if (report->nrates > 1 || report->left_out[0])
+        print_rates(report);
+    printf("%-14s %10s %8s %10s %12s %12s\n", "strategy", "frame ms", "ratio", "GPU MB", "max jump",
+           "mean jump");
+    for (uint32_t k = 0; k < report->nstrategies; k++) {
+        const report_strategy *row = &report->strategies[k];
+        printf("%-14s %10.2f %8.2f %10.1f %12.5f %12.6f\n", slv_strategy_name(row->strategy),
+               row->median_ms, row->ratio, (double)row->stats.gpu_bytes / 1e6,
+               (double)row->seams[0].max, (double)row->seams[0].mean);
+    }
+    printf("(%s; %u frames of %u x %u, %ux MSAA, %ux anisotropy; jumps of magnified lookups, full "
+           "scale is 1)\n",
+           report->gl.renderer, report->frames, report->width, report->height,
+           report->rates[report->shown].samples, report->anisotropy);
+    print_errors(report);
+    report_advice advice = report_advise(report);
+    if (advice.measured)
+        printf("for this orbit: %s\n", slv_strategy_name(report->strategies[advice.take].strategy));
+    printf("report: %s/report.html\n", folder);
+}
