@@ -38,7 +38,8 @@ static cubic_pieces make_cubic(float sharpness) {
 
 static const lookup_functions *best_functions(void) {
 #ifdef SLV_HAVE_AVX2
-    if (__builtin_cpu_supports("avx2") && __builtin_cpu_supports("f16c"))
+    /* no processor has the one without F16C, which not all compilers can ask for */
+    if (__builtin_cpu_supports("avx2"))
         return lookup_avx2;
 #endif
     return lookup_portable;
