@@ -28,7 +28,7 @@ static void write_images(const slv_env *env) {
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size) {
     const cli_command command = {.name = "convert"};
-    convert_totals totals = {0};
+    convert_totals totals = {.progress.quiet = true};
     convert_plan plan = {0};
     convert_options options = {.scale = size & 1 ? "1/2" : NULL};
     slv_env env = fuzz_env();

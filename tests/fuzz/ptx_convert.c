@@ -35,7 +35,7 @@ static int convert(const slv_env *env, const slv_ptx *ptx, uint32_t control) {
     const cli_command command = {.name = "convert"};
     slv_ptx_writer_params source = slv_ptx_writer_params_like(ptx);
     convert_options options = choose(control, &source);
-    convert_totals totals = {0};
+    convert_totals totals = {.progress.quiet = true};
     convert_plan plan = {0};
     int files = 0;
     FUZZ_REQUIRE(convert_plan_make(&command, &options, &source, &totals, &plan) == EXIT_OK,
