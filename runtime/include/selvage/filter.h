@@ -8,10 +8,9 @@
 extern "C" {
 #endif
 
-/* The filters of Ptex (Burley and Lacewell 2008, as its library computes them), and one of our own.
- * Those of Ptex take the bounding box of the footprint; on triangle meshes all of them but point
- * are one elliptical gaussian. Their values are those of the Ptex library to 1e-5 wherever it
- * defines any. */
+/* The filters of Ptex (Burley and Lacewell 2008, as its library computes them): they take the
+ * bounding box of the footprint; on triangle meshes all of them but point are one elliptical
+ * gaussian. Their values are those of the Ptex library to 1e-5 wherever it defines any. */
 typedef enum slv_filter {
     SLV_FILTER_POINT,
     SLV_FILTER_BILINEAR,
