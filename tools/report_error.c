@@ -10,6 +10,9 @@ static const char *const colors[SLV_STRATEGY_COUNT] = {
     [SLV_STRATEGY_BORDERS] = "#7a52c7",
     [SLV_STRATEGY_TRAVERSE] = "#0a78b4",
     [SLV_STRATEGY_DISCARD] = "#3c8f2f",
+    [SLV_STRATEGY_HYBRID] = "#b0379a",
+    [SLV_STRATEGY_TRAVERSE_FULL] = "#6d7a86",
+    [SLV_STRATEGY_EDGE_ALIGNED] = "#a37b00",
 };
 
 double report_error_step(uint32_t i) {

@@ -91,8 +91,8 @@ void slv_gl_convert_float(const slv_gl_format *format, const float *texels, uint
     }
 }
 
-void slv_gl_pack_levels(slv_res res, uint32_t border, slv_gl_pool *pool) {
-    uint32_t x = 0, y = 0, shelf = 0;
+void slv_gl_pack_levels(slv_res res, slv_gl_layout layout, uint32_t border, slv_gl_pool *pool) {
+    uint32_t x = 0, y = 0, shelf = 0, more = layout == SLV_GL_EDGE_ALIGNED ? 1 : 0;
     pool->width = 0;
     pool->nlevels = slv_res_level_count(res);
     for (uint32_t level = 0; level < pool->nlevels; level++) {
@@ -100,9 +100,9 @@ void slv_gl_pack_levels(slv_res res, uint32_t border, slv_gl_pool *pool) {
         slv_gl_rect *rect = &pool->rects[level];
         rect->width = 1u << r.u;
         rect->height = 1u << r.v;
-        rect->bu = border < rect->width ? border : rect->width;
-        rect->bv = border < rect->height ? border : rect->height;
-        uint32_t w = rect->width + 2 * rect->bu, h = rect->height + 2 * rect->bv;
+        rect->bu = more ? 0 : border < rect->width ? border : rect->width;
+        rect->bv = more ? 0 : border < rect->height ? border : rect->height;
+        uint32_t w = rect->width + 2 * rect->bu + more, h = rect->height + 2 * rect->bv + more;
         if (level == 0)
             pool->width = w;
         if (x + w > pool->width) { /* rows of levels below the first; each level is no taller than

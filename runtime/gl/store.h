@@ -23,7 +23,8 @@ typedef struct slv_gl_format {
 typedef struct slv_gl_rect {
     uint32_t x, y;          /* of the bordered level's first texel in the layer */
     uint32_t bu, bv;        /* border */
-    uint32_t width, height; /* inside, without border */
+    uint32_t width, height; /* inside, without border; of edge-aligned levels the intervals between
+                               samples, of which there is one more */
 } slv_gl_rect;
 
 typedef struct slv_gl_pool {
@@ -32,20 +33,28 @@ typedef struct slv_gl_pool {
     bool wide;
     uint32_t nlayers, width, height, nlevels;
     const uint32_t *faces;            /* of each layer */
-    slv_gl_rect rects[SLV_GL_LEVELS]; /* bordered pools only */
+    slv_gl_rect rects[SLV_GL_LEVELS]; /* packed pools only */
 } slv_gl_pool;
 
-/* A store: every face in a layer of one pool. Bare: plain texels with OpenGL's own levels.
- * Bordered: all levels side by side in one layer, each with its border. */
+/* Bare: plain texels with OpenGL's own levels. The others are packed, all levels side by side in
+ * one layer: each with its border, or as samples that lie on the edges. */
+typedef enum slv_gl_layout {
+    SLV_GL_BARE = 0,
+    SLV_GL_BORDERED,
+    SLV_GL_EDGE_ALIGNED,
+    SLV_GL_LAYOUT_COUNT
+} slv_gl_layout;
+
+/* A store: every face in a layer of one pool. */
 typedef struct slv_gl_store {
-    bool built, bordered;
+    slv_gl_layout layout;
     slv_gl_format format, wide_format;
     slv_gl_pool *pools;
     uint32_t npools, nwide;
     uint32_t *order; /* faces in the order of pools and layers */
     uint32_t *pool_of, *layer_of;
     GLuint table;                   /* per face: pool | layer << 16, res */
-    GLuint rects;                   /* bordered only */
+    GLuint rects;                   /* packed only */
     uint64_t bytes, coverage_bytes; /* coverage apart, for not every strategy binds it */
 } slv_gl_store;
 
@@ -84,9 +93,9 @@ void slv_gl_convert_float(const slv_gl_format *format, const float *texels, uint
                           size_t count, void *out);
 
 /* Lays one size class's levels out in a layer; fills rects, width and height. */
-void slv_gl_pack_levels(slv_res res, uint32_t border, slv_gl_pool *pool);
+void slv_gl_pack_levels(slv_res res, slv_gl_layout layout, uint32_t border, slv_gl_pool *pool);
 
-slv_result slv_gl_store_build(const slv_gl_source *source, bool bordered, slv_gl_store *out);
+slv_result slv_gl_store_build(const slv_gl_source *source, slv_gl_layout layout, slv_gl_store *out);
 void slv_gl_store_free(const slv_gl *gl, slv_gl_store *store);
 
 /* One batch a pool. */
@@ -112,12 +121,12 @@ struct slv_gl_texture {
     uint32_t nfaces;
     slv_res *res; /* of each face */
     uint64_t texel_bytes;
-    slv_gl_store bare, bordered;
-    slv_gl_batches own[2]; /* clamp and discard; borders */
-    slv_gl_batches reach;  /* traverse */
+    slv_gl_store stores[SLV_GL_LAYOUT_COUNT];
+    slv_gl_batches own[SLV_GL_LAYOUT_COUNT]; /* clamp and discard; borders; edge-aligned */
+    slv_gl_batches reach;                    /* traverse */
     GLuint links, corners;
     uint64_t reach_bytes;
-    GLuint samplers[3]; /* clamped, zero border, bordered */
+    GLuint samplers[3]; /* clamped, zero border, packed */
     char *glsl[SLV_STRATEGY_COUNT][SLV_GL_MAX_VARIANTS];
     char *sample_owned;
     const char *sample_text;

@@ -17,7 +17,7 @@
 #ifndef SELVAGE_GL_TEXTURE_H
 #define SELVAGE_GL_TEXTURE_H
 
-#include <selvage/border.h>
+#include <selvage/edge_aligned.h>
 #include <selvage/gl_context.h>
 
 #ifdef __cplusplus
@@ -35,6 +35,9 @@ typedef enum slv_strategy {
     SLV_STRATEGY_HYBRID,  /* traverse where texels are larger than pixels, discard where smaller */
     SLV_STRATEGY_TRAVERSE_FULL, /* the same values as traverse from the plain form of it, which a
                                    report compares it with */
+    SLV_STRATEGY_EDGE_ALIGNED, /* samples on the edges of faces in place of borders (edge_aligned.h;
+                                  Purnomo 2004): the same values from both sides at any resolution,
+                                  of a texture that is slightly blurred */
     SLV_STRATEGY_COUNT
 } slv_strategy;
 
