@@ -100,7 +100,15 @@ static uint32_t class_of(slv_res res, bool wide) {
 #define NCLASSES (1u << 11)
 
 static uint64_t layer_bytes(const slv_gl_pool *pool, const slv_gl_format *format, bool packed) {
-    uint64_t texels = 0;
+    uint64_t texels = 0, bytes = 0;
+    if (format->block) {
+        for (uint32_t level = 0; level < (packed ? 1 : pool->nlevels); level++) {
+            slv_res r = slv_res_level(pool->res, level);
+            bytes += slv_gl_compressed_bytes(format->block, packed ? pool->width : 1u << r.u,
+                                             packed ? pool->height : 1u << r.v);
+        }
+        return bytes;
+    }
     if (packed)
         return (uint64_t)pool->width * pool->height * format->texel_bytes;
     for (uint32_t level = 0; level < pool->nlevels; level++) {
@@ -138,7 +146,8 @@ static slv_result assign_pools(const slv_gl_source *source, const uint8_t *wide,
             pool->wide = c >> 10;
             const slv_gl_format *format = pool->wide ? &store->wide_format : &store->format;
             if (store->layout) {
-                slv_gl_pack_levels(pool->res, store->layout, source->params.border, pool);
+                slv_gl_pack_levels(pool->res, store->layout, source->params.border, format->block,
+                                   pool);
             } else {
                 pool->width = 1u << pool->res.u;
                 pool->height = 1u << pool->res.v;
@@ -202,8 +211,11 @@ struct fill_job {
     slv_gl_layout layout;
     const slv_edge_aligned *aligned;
     uint32_t first_layer, level;
-    uint64_t layer_size;
-    unsigned char *staging;
+    uint64_t layer_size, block_size; /* of a layer before and after compression */
+    uint32_t width, height;
+    unsigned char *staging, *blocks;
+    unsigned char *used;        /* NULL: all texels */
+    slv_gl_block_error *errors; /* per layer */
 };
 
 static slv_result fill_bare(const struct fill_job *job, uint32_t layer) {
@@ -262,21 +274,72 @@ static slv_result fill(void *user, uint64_t first, uint64_t end) {
                            (uint64_t)job->pool->width * job->pool->height * nchannels,
                            sizeof *scratch, &scratch);
     }
-    for (uint64_t layer = first; !result && layer < end; layer++)
+    for (uint64_t layer = first; !result && layer < end; layer++) {
         result = job->layout == SLV_GL_BORDERED ? fill_bordered(job, (uint32_t)layer, scratch)
                  : job->layout == SLV_GL_BARE   ? fill_bare(job, (uint32_t)layer)
                                                 : fill_aligned(job, (uint32_t)layer);
+        if (!result && job->format->block)
+            result = slv_gl_compress(&job->env, job->format->block, job->format->ncomponents,
+                                     job->format->nsource, job->width, job->height,
+                                     job->staging + layer * job->layer_size, job->used,
+                                     job->blocks + layer * job->block_size, &job->errors[layer]);
+    }
     free(scratch);
     return result;
 }
 
+/* Which texels of a packed layer belong to a level. */
+static void mark_used(const slv_gl_pool *pool, slv_gl_layout layout, unsigned char *used) {
+    uint32_t more = layout == SLV_GL_EDGE_ALIGNED ? 1 : 0;
+    for (uint32_t level = 0; level < pool->nlevels; level++) {
+        const slv_gl_rect *rect = &pool->rects[level];
+        uint32_t width = rect->width + 2 * rect->bu + more;
+        uint32_t height = rect->height + 2 * rect->bv + more;
+        for (uint32_t y = 0; y < height; y++)
+            memset(used + (size_t)(rect->y + y) * pool->width + rect->x, 1, width);
+    }
+}
+
+/* What compressing the layers of one upload takes. */
+static slv_result begin_blocks(const slv_gl_source *source, uint32_t count, struct fill_job *job) {
+    uint64_t texels = (uint64_t)job->width * job->height;
+    slv_result result;
+    job->block_size = slv_gl_compressed_bytes(job->format->block, job->width, job->height);
+    if ((result = slv_alloc(source->env, "blocks", job->block_size * count, 1, &job->blocks)) ||
+        (result = slv_alloc(source->env, "errors of blocks", count, sizeof *job->errors,
+                            &job->errors)) ||
+        (job->layout && (result = slv_alloc(source->env, "layer", texels, 1, &job->used))))
+        return result;
+    if (job->layout)
+        mark_used(job->pool, job->layout, job->used);
+    return SLV_OK;
+}
+
+static void end_blocks(struct fill_job *job) {
+    free(job->blocks);
+    free(job->errors);
+    free(job->used);
+}
+
+static void send(const slv_gl_api *api, const struct fill_job *job, uint32_t count) {
+    const slv_gl_format *format = job->format;
+    GLuint texture = job->pool->texture;
+    GLint level = (GLint)job->level, first = (GLint)job->first_layer;
+    GLsizei width = (GLsizei)job->width, height = (GLsizei)job->height, depth = (GLsizei)count;
+    if (format->block)
+        api->CompressedTextureSubImage3D(texture, level, 0, 0, first, width, height, depth,
+                                         format->internal, (GLsizei)(job->block_size * count),
+                                         job->blocks);
+    else
+        api->TextureSubImage3D(texture, level, 0, 0, first, width, height, depth, format->external,
+                               format->data, job->staging);
+}
+
 /* Uploads one level of every layer (packed: the whole layer), as many layers at a time as the
  * staging holds. */
-static slv_result upload_level(const slv_gl_source *source, const slv_env *env,
-                               const slv_gl_store *store, const slv_edge_aligned *aligned,
-                               const slv_gl_pool *pool, uint32_t level, unsigned char **staging,
-                               uint64_t *capacity) {
-    const slv_gl_api *api = &source->gl->api;
+static slv_result upload_level(const slv_gl_source *source, const slv_env *env, slv_gl_store *store,
+                               const slv_edge_aligned *aligned, const slv_gl_pool *pool,
+                               uint32_t level, unsigned char **staging, uint64_t *capacity) {
     const slv_gl_format *format = pool->wide ? &store->wide_format : &store->format;
     slv_res res = slv_res_level(pool->res, level);
     uint32_t width = store->layout ? pool->width : 1u << res.u;
@@ -303,14 +366,21 @@ static slv_result upload_level(const slv_gl_source *source, const slv_env *env,
                                .first_layer = first,
                                .level = level,
                                .layer_size = layer_size,
+                               .width = width,
+                               .height = height,
                                .staging = *staging};
         if (store->layout)
             memset(*staging, 0, layer_size * count);
-        result = slv_parallel_for(source->env, count, count > 512 ? 64 : count / 8 + 1, fill, &job);
+        if (format->block)
+            result = begin_blocks(source, count, &job);
         if (!result)
-            api->TextureSubImage3D(pool->texture, (GLint)level, 0, 0, (GLint)first, (GLsizei)width,
-                                   (GLsizei)height, (GLsizei)count, format->external, format->data,
-                                   *staging);
+            result =
+                slv_parallel_for(source->env, count, count > 512 ? 64 : count / 8 + 1, fill, &job);
+        if (!result)
+            send(&source->gl->api, &job, count);
+        for (uint32_t i = 0; !result && format->block && i < count; i++)
+            slv_gl_block_error_add(&store->error, &job.errors[i]);
+        end_blocks(&job);
     }
     return result;
 }
@@ -337,6 +407,15 @@ static slv_result make_coverage(const slv_gl_source *source, slv_gl_pool *pool) 
     return SLV_OK;
 }
 
+static uint64_t coverage_bytes(const slv_gl_pool *pool) {
+    uint64_t texels = 0;
+    for (uint32_t level = 0; level < pool->nlevels; level++) {
+        slv_res r = slv_res_level(pool->res, level);
+        texels += (uint64_t)1 << (r.u + r.v);
+    }
+    return texels;
+}
+
 static slv_result upload_pool(const slv_gl_source *source, const slv_env *env, slv_gl_store *store,
                               const slv_edge_aligned *aligned, slv_gl_pool *pool,
                               unsigned char **staging, uint64_t *capacity) {
@@ -355,7 +434,7 @@ static slv_result upload_pool(const slv_gl_source *source, const slv_env *env, s
         result = upload_level(source, env, store, aligned, pool, level, staging, capacity);
     if (!result && !store->layout && format->nsource == 4) {
         result = make_coverage(source, pool);
-        store->coverage_bytes += layer_bytes(pool, format, false) / format->texel_bytes;
+        store->coverage_bytes += coverage_bytes(pool);
     }
     return result ? result : slv_gl_check(source->gl, source->env, "texture upload");
 }
@@ -415,6 +494,11 @@ slv_result slv_gl_store_build(const slv_gl_source *source, slv_gl_layout layout,
     store.format = slv_gl_format_for(desc->type, first, nchannels, !layout);
     store.wide_format = slv_gl_format_for(
         desc->type == SLV_TYPE_U8 ? SLV_TYPE_HALF : SLV_TYPE_FLOAT, first, nchannels, !layout);
+    bool blocks = source->params.compression == SLV_GL_COMPRESSION_BLOCKS;
+    if (blocks && (result = slv_gl_format_compress(source->gl, source->env, &store.format))) {
+        *out = store;
+        return result;
+    }
     if ((result = slv_parallel_env_begin(source->env, &log, &env)) ||
         (result = slv_alloc(source->env, "wide faces", desc->nfaces, 1, &wide)))
         goto done;
@@ -423,7 +507,9 @@ slv_result slv_gl_store_build(const slv_gl_source *source, slv_gl_layout layout,
         if ((result = slv_parallel_for(&env, desc->nfaces, 64, find_wide, &job)))
             goto done;
         for (uint32_t f = 0; f < desc->nfaces; f++)
-            store.nwide += wide[f];
+            *(blocks ? &store.nclipped : &store.nwide) += wide[f];
+        if (blocks)
+            memset(wide, 0, desc->nfaces);
     }
     if ((result = assign_pools(source, wide, &store)))
         goto done;

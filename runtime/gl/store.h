@@ -4,6 +4,7 @@
 #define SLV_GL_STORE_H
 
 #include "gl/api.h"
+#include "gl/compress.h"
 
 #include <selvage/gl_texture.h>
 
@@ -17,7 +18,8 @@ typedef struct slv_gl_format {
     bool coverage; /* the last component is 1 in every texel */
     GLenum internal, external, data;
     GLint swizzle[4];
-    size_t texel_bytes;
+    size_t texel_bytes; /* before compression */
+    slv_gl_block block;
 } slv_gl_format;
 
 typedef struct slv_gl_rect {
@@ -50,7 +52,8 @@ typedef struct slv_gl_store {
     slv_gl_layout layout;
     slv_gl_format format, wide_format;
     slv_gl_pool *pools;
-    uint32_t npools, nwide;
+    uint32_t npools, nwide, nclipped;
+    slv_gl_block_error error;
     uint32_t *order; /* faces in the order of pools and layers */
     uint32_t *pool_of, *layer_of;
     GLuint table;                   /* per face: pool | layer << 16, res */
@@ -93,7 +96,10 @@ void slv_gl_convert_float(const slv_gl_format *format, const float *texels, uint
                           size_t count, void *out);
 
 /* Lays one size class's levels out in a layer; fills rects, width and height. */
-void slv_gl_pack_levels(slv_res res, slv_gl_layout layout, uint32_t border, slv_gl_pool *pool);
+void slv_gl_pack_levels(slv_res res, slv_gl_layout layout, uint32_t border, bool blocks,
+                        slv_gl_pool *pool);
+/* Makes a format of 8-bit texels one of blocks. */
+slv_result slv_gl_format_compress(const slv_gl *gl, const slv_env *env, slv_gl_format *format);
 
 slv_result slv_gl_store_build(const slv_gl_source *source, slv_gl_layout layout, slv_gl_store *out);
 void slv_gl_store_free(const slv_gl *gl, slv_gl_store *store);

@@ -2,6 +2,7 @@
 
 #include "base/log.h"
 
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -221,7 +222,11 @@ slv_gl_texture_stats slv_gl_texture_get_stats(const slv_gl_texture *texture,
                                   .gpu_bytes = store->bytes,
                                   .pools = store->npools,
                                   .batches = slv_gl_texture_batches(texture, strategy)->count,
-                                  .widened = store->nwide};
+                                  .widened = store->nwide,
+                                  .clipped = store->nclipped,
+                                  .block_max = store->error.most};
+    if (store->error.count)
+        stats.block_rms = sqrt(store->error.squares / (double)store->error.count);
     if (split_coverage(texture, strategy))
         stats.gpu_bytes += store->coverage_bytes;
     if (reaches(strategy))

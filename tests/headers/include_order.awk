@@ -100,6 +100,8 @@ FNR == 1 {
         report("a public header may include public headers only")
     else if (path ~ /^(GL|EGL)\// && folder != "gl")
         report("OpenGL belongs in runtime/gl")
+    else if (path ~ /^squish/ && folder != "gl")
+        report("libsquish belongs behind the shim in runtime/gl")
     else if (path ~ /^embree/ && folder != "bake")
         report("Embree belongs in bake")
     else if (path ~ /^opensubdiv\// && folder != "mesh")
