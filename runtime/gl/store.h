@@ -104,6 +104,13 @@ slv_result slv_gl_format_compress(const slv_gl *gl, const slv_env *env, slv_gl_f
 slv_result slv_gl_store_build(const slv_gl_source *source, slv_gl_layout layout, slv_gl_store *out);
 void slv_gl_store_free(const slv_gl *gl, slv_gl_store *store);
 
+/* Fills and uploads one level of every layer (packed: the whole layer), as many layers at a time as
+ * the staging holds; `*staging` grows as needed and is released with free(). `env` logs one at a
+ * time; `aligned` is NULL but for edge-aligned stores. */
+slv_result slv_gl_upload_level(const slv_gl_source *source, const slv_env *env, slv_gl_store *store,
+                               const slv_edge_aligned *aligned, const slv_gl_pool *pool,
+                               uint32_t level, unsigned char **staging, uint64_t *capacity);
+
 /* One batch a pool. */
 slv_result slv_gl_batches_by_pool(const slv_gl_source *source, const slv_gl_store *store,
                                   slv_gl_batches *out);
