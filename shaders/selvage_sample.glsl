@@ -9,7 +9,7 @@
 // alpha is 1. Nothing here divides by zero, whatever the helper pixels hold.
 //
 // The text comes from slv_gl_texture_glsl with these defined before it:
-//   SLV_STRATEGY        0 clamp, 1 borders, 2 traverse, 3 discard, 4 hybrid, 5 traverse-full
+//   SLV_STRATEGY        0 clamp, 1 borders, 2 traverse, 3 discard, 4 hybrid, 5 traverse-full, 6 edge-aligned
 //   SLV_POOLS           array textures bound; the batch's own is number 0
 //   SLV_SUBFACES        1 if a face of the batch has two sub-faces across one edge
 //   SLV_SPLIT_COVERAGE  1 if coverage has textures of its own (four-channel data)
@@ -84,14 +84,37 @@ float slv_level(int face, vec2 dx, vec2 dy) {
     return clamp(slv_footprint_of(size, dx, dy).level, 0.0, log2(max(size.x, size.y)));
 }
 
-#if SLV_STRATEGY == 1
+#if SLV_STRATEGY == 1 || SLV_STRATEGY == 6
 
-// Per pool and level: the part of a layer that the level's texels fill without their border, as scale and offset.
+// Per pool and level: the part of a layer that the level's texels fill without their border, as scale and offset; with
+// edge-aligned samples, the part from the first sample's centre to the last's.
 layout(std430, binding = SLV_FIRST_STORAGE + 2) readonly buffer slv_rect_block {
     vec4 slv_rect[];
 };
 
-vec4 slv_bordered_level(uint pool, float layer, int level, vec2 size, vec2 uv, slv_footprint f) {
+#if SLV_STRATEGY == 6
+
+// A lookup of the value on the edge depends on the samples there only, which both faces share. So that this holds for a row of
+// taps too, none leaves the face, and the row grows narrower across an edge as it comes near.
+vec4 slv_packed_level(uint pool, float layer, int level, vec2 size, vec2 uv, slv_footprint f) {
+    vec4 rect = slv_rect[int(pool) * SLV_LEVELS + level];
+#if SLV_ANISOTROPY == 1
+    return textureLod(slv_pool[0], vec3(uv * rect.xy + rect.zw, layer), 0.0);
+#else
+    vec2 fit = min(vec2(1.0), min(uv, 1.0 - uv) / max(0.5 * abs(f.axis), vec2(1e-12)));
+    vec4 sum = vec4(0.0);
+    int k = 1;
+    do {
+        vec2 at = slv_inside(uv + slv_tap_offset(f, k) * fit);
+        sum += textureLod(slv_pool[0], vec3(at * rect.xy + rect.zw, layer), 0.0);
+    } while (++k <= f.taps);
+    return sum / float(f.taps);
+#endif
+}
+
+#else
+
+vec4 slv_packed_level(uint pool, float layer, int level, vec2 size, vec2 uv, slv_footprint f) {
     vec4 rect = slv_rect[int(pool) * SLV_LEVELS + level];
     vec3 p = vec3(uv * rect.xy + rect.zw, layer);
 #if SLV_ANISOTROPY == 1
@@ -115,6 +138,8 @@ vec4 slv_bordered_level(uint pool, float layer, int level, vec2 size, vec2 uv, s
 #endif
 }
 
+#endif
+
 vec4 slv_sample_grad(int face, vec2 uv, vec2 dx, vec2 dy) {
     uvec2 store = slv_store[face];
     uint pool = store.x & 0xffffu;
@@ -125,8 +150,8 @@ vec4 slv_sample_grad(int face, vec2 uv, vec2 dx, vec2 dy) {
     float level = clamp(f.level, 0.0, coarsest);
     float fine = floor(level);
     uv = slv_inside(uv);
-    vec4 a = slv_bordered_level(pool, layer, int(fine), size, uv, f);
-    vec4 b = slv_bordered_level(pool, layer, int(min(fine + 1.0, coarsest)), size, uv, f);
+    vec4 a = slv_packed_level(pool, layer, int(fine), size, uv, f);
+    vec4 b = slv_packed_level(pool, layer, int(min(fine + 1.0, coarsest)), size, uv, f);
     return mix(a, b, level - fine);
 }
 

@@ -5,7 +5,7 @@
 set -eu
 
 packages="cmake ninja-build gcc g++ pkg-config libosd-dev libopenexr-dev libpng-dev libdeflate-dev libjansson-dev
-libembree-dev libgl-dev libegl-dev libegl1 libegl-mesa0 libgl1-mesa-dri libosmesa6 glslang-tools"
+libembree-dev libsquish-dev libgl-dev libegl-dev libegl1 libegl-mesa0 libgl1-mesa-dri libosmesa6 glslang-tools"
 
 if ! command -v apt-get >/dev/null || ! command -v dpkg-query >/dev/null; then
     echo "No apt-get here. Please see to it that these Debian packages' counterparts are installed:"

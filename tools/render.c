@@ -10,7 +10,7 @@ struct render {
     scene_options scene;
     const char *out;
     int strategy, context;
-    bool raw, quiet;
+    bool raw, quiet, compress;
     uint32_t msaa, aniso, bits;
 };
 
@@ -39,7 +39,9 @@ static int draw(const struct render *r, const char *path) {
     slv_gl_texture_params upload = {.strategies = 1u << r->strategy,
                                     .anisotropy = r->aniso,
                                     .first_channel = r->scene.channel,
-                                    .nchannels = r->scene.nchannels};
+                                    .nchannels = r->scene.nchannels,
+                                    .compression = r->compress ? SLV_GL_COMPRESSION_BLOCKS
+                                                               : SLV_GL_COMPRESSION_NONE};
     slv_image_params file = {.encoding = r->raw ? SLV_ENCODE_RAW : SLV_ENCODE_SRGB,
                              .bits = r->bits};
     if (scene_load_shot(&env, r->arguments[0], &r->scene, &shot))
@@ -68,6 +70,9 @@ static int draw(const struct render *r, const char *path) {
                path, frame.width, frame.height, slv_strategy_name(frame.strategy),
                frame.msaa ? frame.msaa : 1, r->aniso, shot.segments, (double)stats.gpu_bytes / 1e6,
                slv_gl_get_info(gl)->renderer);
+        if (r->compress)
+            printf("compressed: texels are off by %.4f RMS, %.3f at most\n", stats.block_rms,
+                   stats.block_max);
     }
     code = EXIT_OK;
 done:
@@ -80,7 +85,7 @@ done:
 }
 
 int verb_render(int argc, char **argv) {
-    enum { OWN = 8 };
+    enum { OWN = 9 };
     struct render r = {
         .scene = scene_options_default(), .strategy = SLV_STRATEGY_TRAVERSE, .msaa = 4, .aniso = 1};
     cli_option options[OWN + SCENE_OPTION_ROWS] = {
@@ -91,6 +96,8 @@ int verb_render(int argc, char **argv) {
         {"--msaa", CLI_UINT, &r.msaa,
          "samples per pixel: 1, 2, 4, 8, as far as the driver goes (4)", NULL, 1, 64, NULL},
         {"--aniso", CLI_UINT, &r.aniso, "anisotropy, 1 (trilinear) to 16 (1)", NULL, 1, 16, NULL},
+        {"--compress", CLI_FLAG, &r.compress,
+         "8-bit textures: keep blocks on the GPU (BC1 and its kin)", NULL, 0, 0, NULL},
         {"--raw", CLI_FLAG, &r.raw, "PNG: shaded values x 255 (or 65535), without display encoding",
          NULL, 0, 0, NULL},
         {"--bits", CLI_UINT, &r.bits, "PNG: 8 or 16 (8). EXR: 16 half or 32 float (16)", NULL, 8,

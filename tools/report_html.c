@@ -17,6 +17,7 @@ static const char *const strategy_phrases[SLV_STRATEGY_COUNT] = {
     [SLV_STRATEGY_DISCARD] = "drops what falls outside its face; multisampling blends",
     [SLV_STRATEGY_HYBRID] = "traverse where texels are larger than pixels, else discard",
     [SLV_STRATEGY_TRAVERSE_FULL] = "traverse in its plain form, for comparison",
+    [SLV_STRATEGY_EDGE_ALIGNED] = "samples on the edges of faces, shared with the neighbours",
 };
 
 static const char *find_text(const char *name, size_t length) {

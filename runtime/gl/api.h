@@ -13,6 +13,9 @@
 #define GL_MAX_TEXTURE_MAX_ANISOTROPY 0x84FF
 #endif
 
+#define SLV_GL_RGBA_BC1 0x83F1
+#define SLV_GL_RGBA_BC3 0x83F3
+
 #define SLV_GL_FUNCTIONS(X)                                                                        \
     X(PFNGLGETSTRINGPROC, GetString)                                                               \
     X(PFNGLGETSTRINGIPROC, GetStringi)                                                             \
@@ -40,6 +43,7 @@
     X(PFNGLDELETETEXTURESPROC, DeleteTextures)                                                     \
     X(PFNGLTEXTURESTORAGE3DPROC, TextureStorage3D)                                                 \
     X(PFNGLTEXTURESUBIMAGE3DPROC, TextureSubImage3D)                                               \
+    X(PFNGLCOMPRESSEDTEXTURESUBIMAGE3DPROC, CompressedTextureSubImage3D)                           \
     X(PFNGLTEXTUREPARAMETERIPROC, TextureParameteri)                                               \
     X(PFNGLTEXTUREPARAMETERIVPROC, TextureParameteriv)                                             \
     X(PFNGLBINDTEXTUREUNITPROC, BindTextureUnit)                                                   \
@@ -115,6 +119,7 @@ struct slv_gl {
     slv_gl_get_proc get_proc; /* NULL for a host's context */
     uint64_t max_storage;     /* bytes of a shader storage block */
     bool ballot;              /* has GL_ARB_shader_ballot */
+    bool s3tc;                /* has GL_EXT_texture_compression_s3tc */
     uint64_t serial;          /* of the last texture made, so that caches can tell textures apart */
 };
 

@@ -117,6 +117,7 @@ static slv_result fill_info(const slv_env *env, slv_gl *gl, slv_gl_backend backe
     api->GetInteger64v(GL_MAX_SHADER_STORAGE_BLOCK_SIZE, &storage);
     gl->max_storage = storage > 0 ? (uint64_t)storage : UINT64_C(1) << 27;
     gl->ballot = has_extension(api, "GL_ARB_shader_ballot");
+    gl->s3tc = has_extension(api, "GL_EXT_texture_compression_s3tc");
     info->backend = backend;
     info->software = strstr(info->renderer, "llvmpipe") || strstr(info->renderer, "softpipe") ||
                      strstr(info->renderer, "SWR");

@@ -1,5 +1,7 @@
 #include "gl/store.h"
 
+#include "base/log.h"
+
 #include <selvage/half.h>
 
 #include <string.h>
@@ -91,18 +93,45 @@ void slv_gl_convert_float(const slv_gl_format *format, const float *texels, uint
     }
 }
 
-void slv_gl_pack_levels(slv_res res, uint32_t border, slv_gl_pool *pool) {
-    uint32_t x = 0, y = 0, shelf = 0;
+slv_result slv_gl_format_compress(const slv_gl *gl, const slv_env *env, slv_gl_format *format) {
+    if (format->type != SLV_TYPE_U8)
+        return slv_fail(env, SLV_ERROR_UNSUPPORTED,
+                        "a texture of %s cannot be compressed, only one of uint8",
+                        slv_type_name(format->type));
+    if (format->ncomponents == 4 && !gl->s3tc)
+        return slv_fail(env, SLV_ERROR_GL, "the driver lacks GL_EXT_texture_compression_s3tc");
+    if (format->ncomponents == 4) {
+        format->block = format->nsource == 4 ? SLV_GL_BLOCK_BC3 : SLV_GL_BLOCK_BC1;
+        format->internal = format->nsource == 4 ? SLV_GL_RGBA_BC3 : SLV_GL_RGBA_BC1;
+    } else {
+        format->block = format->ncomponents == 2 ? SLV_GL_BLOCK_BC5 : SLV_GL_BLOCK_BC4;
+        format->internal =
+            format->ncomponents == 2 ? GL_COMPRESSED_RG_RGTC2 : GL_COMPRESSED_RED_RGTC1;
+    }
+    return SLV_OK;
+}
+
+static uint32_t whole_blocks(uint32_t texels, bool blocks) {
+    return blocks ? (texels + 3) / 4 * 4 : texels;
+}
+
+void slv_gl_pack_levels(slv_res res, slv_gl_layout layout, uint32_t border, bool blocks,
+                        slv_gl_pool *pool) {
+    uint32_t x = 0, y = 0, shelf = 0, more = layout == SLV_GL_EDGE_ALIGNED ? 1 : 0;
     pool->width = 0;
     pool->nlevels = slv_res_level_count(res);
+    border = whole_blocks(border, blocks);
     for (uint32_t level = 0; level < pool->nlevels; level++) {
         slv_res r = slv_res_level(res, level);
         slv_gl_rect *rect = &pool->rects[level];
         rect->width = 1u << r.u;
         rect->height = 1u << r.v;
-        rect->bu = border < rect->width ? border : rect->width;
-        rect->bv = border < rect->height ? border : rect->height;
-        uint32_t w = rect->width + 2 * rect->bu, h = rect->height + 2 * rect->bv;
+        rect->bu = more ? 0 : border < rect->width ? border : rect->width;
+        rect->bv = more ? 0 : border < rect->height ? border : rect->height;
+        /* A level's own texels begin with a block, whatever the border. */
+        uint32_t left = whole_blocks(rect->bu, blocks), low = whole_blocks(rect->bv, blocks);
+        uint32_t w = left + whole_blocks(rect->width + rect->bu + more, blocks);
+        uint32_t h = low + whole_blocks(rect->height + rect->bv + more, blocks);
         if (level == 0)
             pool->width = w;
         if (x + w > pool->width) { /* rows of levels below the first; each level is no taller than
@@ -111,8 +140,8 @@ void slv_gl_pack_levels(slv_res res, uint32_t border, slv_gl_pool *pool) {
             y += shelf;
             shelf = 0;
         }
-        rect->x = x;
-        rect->y = y;
+        rect->x = x + left - rect->bu;
+        rect->y = y + low - rect->bv;
         x += w;
         shelf = h > shelf ? h : shelf;
     }

@@ -3,12 +3,11 @@
 #include "base/log.h"
 #include "base/parallel.h"
 
-#include <selvage/border.h>
+#include <selvage/edge_aligned.h>
 
 #include <stdlib.h>
 #include <string.h>
 
-#define STAGING_BYTES (UINT64_C(32) << 20)
 #define ARRAY_BYTES (UINT64_C(512) << 20) /* software drivers refuse textures above 1 GiB */
 
 slv_result slv_gl_buffer(const slv_gl *gl, const slv_env *env, const char *what, const void *data,
@@ -99,9 +98,17 @@ static uint32_t class_of(slv_res res, bool wide) {
 
 #define NCLASSES (1u << 11)
 
-static uint64_t layer_bytes(const slv_gl_pool *pool, const slv_gl_format *format, bool bordered) {
-    uint64_t texels = 0;
-    if (bordered)
+static uint64_t layer_bytes(const slv_gl_pool *pool, const slv_gl_format *format, bool packed) {
+    uint64_t texels = 0, bytes = 0;
+    if (format->block) {
+        for (uint32_t level = 0; level < (packed ? 1 : pool->nlevels); level++) {
+            slv_res r = slv_res_level(pool->res, level);
+            bytes += slv_gl_compressed_bytes(format->block, packed ? pool->width : 1u << r.u,
+                                             packed ? pool->height : 1u << r.v);
+        }
+        return bytes;
+    }
+    if (packed)
         return (uint64_t)pool->width * pool->height * format->texel_bytes;
     for (uint32_t level = 0; level < pool->nlevels; level++) {
         slv_res r = slv_res_level(pool->res, level);
@@ -137,8 +144,9 @@ static slv_result assign_pools(const slv_gl_source *source, const uint8_t *wide,
             pool->res = (slv_res){(int8_t)(c >> 5 & 31), (int8_t)(c & 31)};
             pool->wide = c >> 10;
             const slv_gl_format *format = pool->wide ? &store->wide_format : &store->format;
-            if (store->bordered) {
-                slv_gl_pack_levels(pool->res, source->params.border, pool);
+            if (store->layout) {
+                slv_gl_pack_levels(pool->res, store->layout, source->params.border, format->block,
+                                   pool);
             } else {
                 pool->width = 1u << pool->res.u;
                 pool->height = 1u << pool->res.v;
@@ -152,7 +160,7 @@ static slv_result assign_pools(const slv_gl_source *source, const uint8_t *wide,
                     1u << pool->res.u, 1u << pool->res.v, pool->width, pool->height, limit);
                 goto done;
             }
-            uint64_t per_array = ARRAY_BYTES / layer_bytes(pool, format, store->bordered);
+            uint64_t per_array = ARRAY_BYTES / layer_bytes(pool, format, store->layout);
             per_array =
                 per_array < source->params.pool_layers ? per_array : source->params.pool_layers;
             pool->nlayers = per_array ? (uint32_t)per_array : 1;
@@ -194,107 +202,6 @@ done:
     return result;
 }
 
-struct fill_job {
-    const slv_gl_source *source;
-    slv_env env; /* logs one at a time */
-    const slv_gl_pool *pool;
-    const slv_gl_format *format;
-    bool bordered;
-    uint32_t first_layer, level;
-    uint64_t layer_size;
-    unsigned char *staging;
-};
-
-static slv_result fill_bare(const struct fill_job *job, uint32_t layer) {
-    uint32_t face = job->pool->faces[job->first_layer + layer];
-    const slv_texture_desc *desc = slv_levels_get_desc(job->source->levels);
-    slv_res res = slv_res_level(job->pool->res, job->level);
-    slv_gl_convert(job->format, slv_levels_texels(job->source->levels, face, job->level),
-                   desc->nchannels, (size_t)1 << (res.u + res.v), false,
-                   job->staging + layer * job->layer_size);
-    return SLV_OK;
-}
-
-static slv_result fill_bordered(const struct fill_job *job, uint32_t layer, float *scratch) {
-    uint32_t face = job->pool->faces[job->first_layer + layer];
-    const slv_texture_desc *desc = slv_levels_get_desc(job->source->levels);
-    unsigned char *out = job->staging + layer * job->layer_size;
-    for (uint32_t level = 0; level < job->pool->nlevels; level++) {
-        const slv_gl_rect *rect = &job->pool->rects[level];
-        uint32_t width = rect->width + 2 * rect->bu, height = rect->height + 2 * rect->bv;
-        slv_result result = slv_border_build(job->source->levels, job->source->adjacency, face,
-                                             level, rect->bu, rect->bv, scratch, NULL);
-        if (result)
-            return result;
-        for (uint32_t y = 0; y < height; y++)
-            slv_gl_convert_float(job->format, scratch + (size_t)y * width * desc->nchannels,
-                                 desc->nchannels, width,
-                                 out + ((size_t)(rect->y + y) * job->pool->width + rect->x) *
-                                           job->format->texel_bytes);
-    }
-    return SLV_OK;
-}
-
-static slv_result fill(void *user, uint64_t first, uint64_t end) {
-    const struct fill_job *job = user;
-    slv_result result = SLV_OK;
-    float *scratch = NULL;
-    if (job->bordered) {
-        uint32_t nchannels = slv_levels_get_desc(job->source->levels)->nchannels;
-        result = slv_alloc(&job->env, "border",
-                           (uint64_t)job->pool->width * job->pool->height * nchannels,
-                           sizeof *scratch, &scratch);
-    }
-    for (uint64_t layer = first; !result && layer < end; layer++)
-        result = job->bordered ? fill_bordered(job, (uint32_t)layer, scratch)
-                               : fill_bare(job, (uint32_t)layer);
-    free(scratch);
-    return result;
-}
-
-/* Uploads one level of every layer (bordered: the whole layer), as many layers at a time as the
- * staging holds. */
-static slv_result upload_level(const slv_gl_source *source, const slv_env *env,
-                               const slv_gl_store *store, const slv_gl_pool *pool, uint32_t level,
-                               unsigned char **staging, uint64_t *capacity) {
-    const slv_gl_api *api = &source->gl->api;
-    const slv_gl_format *format = pool->wide ? &store->wide_format : &store->format;
-    slv_res res = slv_res_level(pool->res, level);
-    uint32_t width = store->bordered ? pool->width : 1u << res.u;
-    uint32_t height = store->bordered ? pool->height : 1u << res.v;
-    uint64_t layer_size = (uint64_t)width * height * format->texel_bytes;
-    uint64_t at_once = STAGING_BYTES / layer_size ? STAGING_BYTES / layer_size : 1;
-    slv_result result = SLV_OK;
-    at_once = at_once < pool->nlayers ? at_once : pool->nlayers;
-    if (layer_size * at_once > *capacity) {
-        free(*staging);
-        *capacity = layer_size * at_once;
-        if ((result = slv_alloc(source->env, "upload", *capacity, 1, staging)))
-            return result;
-    }
-    for (uint32_t first = 0; !result && first < pool->nlayers; first += (uint32_t)at_once) {
-        uint32_t count =
-            pool->nlayers - first < at_once ? pool->nlayers - first : (uint32_t)at_once;
-        struct fill_job job = {.source = source,
-                               .env = *env,
-                               .pool = pool,
-                               .format = format,
-                               .bordered = store->bordered,
-                               .first_layer = first,
-                               .level = level,
-                               .layer_size = layer_size,
-                               .staging = *staging};
-        if (store->bordered)
-            memset(*staging, 0, layer_size * count);
-        result = slv_parallel_for(source->env, count, count > 512 ? 64 : count / 8 + 1, fill, &job);
-        if (!result)
-            api->TextureSubImage3D(pool->texture, (GLint)level, 0, 0, (GLint)first, (GLsizei)width,
-                                   (GLsizei)height, (GLsizei)count, format->external, format->data,
-                                   *staging);
-    }
-    return result;
-}
-
 /* One layer that is 1 in every texel of every level, with the size and levels of the pool that it
  * normalises. */
 static slv_result make_coverage(const slv_gl_source *source, slv_gl_pool *pool) {
@@ -317,11 +224,21 @@ static slv_result make_coverage(const slv_gl_source *source, slv_gl_pool *pool) 
     return SLV_OK;
 }
 
+static uint64_t coverage_bytes(const slv_gl_pool *pool) {
+    uint64_t texels = 0;
+    for (uint32_t level = 0; level < pool->nlevels; level++) {
+        slv_res r = slv_res_level(pool->res, level);
+        texels += (uint64_t)1 << (r.u + r.v);
+    }
+    return texels;
+}
+
 static slv_result upload_pool(const slv_gl_source *source, const slv_env *env, slv_gl_store *store,
-                              slv_gl_pool *pool, unsigned char **staging, uint64_t *capacity) {
+                              const slv_edge_aligned *aligned, slv_gl_pool *pool,
+                              unsigned char **staging, uint64_t *capacity) {
     const slv_gl_api *api = &source->gl->api;
     const slv_gl_format *format = pool->wide ? &store->wide_format : &store->format;
-    uint32_t nlevels = store->bordered ? 1 : pool->nlevels;
+    uint32_t nlevels = store->layout ? 1 : pool->nlevels;
     slv_result result = SLV_OK;
     api->CreateTextures(GL_TEXTURE_2D_ARRAY, 1, &pool->texture);
     api->TextureStorage3D(pool->texture, (GLsizei)nlevels, format->internal, (GLsizei)pool->width,
@@ -329,12 +246,12 @@ static slv_result upload_pool(const slv_gl_source *source, const slv_env *env, s
     api->TextureParameteriv(pool->texture, GL_TEXTURE_SWIZZLE_RGBA, format->swizzle);
     if ((result = slv_gl_check(source->gl, source->env, "array texture")))
         return result;
-    store->bytes += layer_bytes(pool, format, store->bordered) * pool->nlayers;
+    store->bytes += layer_bytes(pool, format, store->layout) * pool->nlayers;
     for (uint32_t level = 0; !result && level < nlevels; level++)
-        result = upload_level(source, env, store, pool, level, staging, capacity);
-    if (!result && !store->bordered && format->nsource == 4) {
+        result = slv_gl_upload_level(source, env, store, aligned, pool, level, staging, capacity);
+    if (!result && !store->layout && format->nsource == 4) {
         result = make_coverage(source, pool);
-        store->coverage_bytes += layer_bytes(pool, format, false) / format->texel_bytes;
+        store->coverage_bytes += coverage_bytes(pool);
     }
     return result ? result : slv_gl_check(source->gl, source->env, "texture upload");
 }
@@ -354,11 +271,12 @@ static slv_result upload_tables(const slv_gl_source *source, slv_gl_store *store
     store->bytes += (uint64_t)desc->nfaces * 8;
     if ((result =
              slv_gl_table(source, "face table", rows, (uint64_t)desc->nfaces * 8, &store->table)) ||
-        !store->bordered)
+        !store->layout)
         goto done;
     uint64_t bytes = (uint64_t)store->npools * SLV_GL_LEVELS * 4 * sizeof *rects;
     if ((result = slv_alloc(env, "level table", bytes, 1, &rects)))
         goto done;
+    float first_sample = store->layout == SLV_GL_EDGE_ALIGNED ? 0.5f : 0.0f;
     for (uint32_t p = 0; p < store->npools; p++) {
         const slv_gl_pool *pool = &store->pools[p];
         for (uint32_t level = 0; level < pool->nlevels; level++) {
@@ -366,8 +284,8 @@ static slv_result upload_tables(const slv_gl_source *source, slv_gl_store *store
             float *row = rects + (p * SLV_GL_LEVELS + level) * 4;
             row[0] = (float)rect->width / (float)pool->width;
             row[1] = (float)rect->height / (float)pool->height;
-            row[2] = (float)(rect->x + rect->bu) / (float)pool->width;
-            row[3] = (float)(rect->y + rect->bv) / (float)pool->height;
+            row[2] = ((float)(rect->x + rect->bu) + first_sample) / (float)pool->width;
+            row[3] = ((float)(rect->y + rect->bv) + first_sample) / (float)pool->height;
         }
     }
     store->bytes += bytes;
@@ -378,36 +296,49 @@ done:
     return result;
 }
 
-slv_result slv_gl_store_build(const slv_gl_source *source, bool bordered, slv_gl_store *out) {
+slv_result slv_gl_store_build(const slv_gl_source *source, slv_gl_layout layout,
+                              slv_gl_store *out) {
     const slv_texture_desc *desc = slv_levels_get_desc(source->levels);
     uint32_t first = source->params.first_channel, nchannels = source->params.nchannels;
     unsigned char *staging = NULL;
     uint64_t capacity = 0;
     uint8_t *wide = NULL;
-    slv_gl_store store = {.built = true, .bordered = bordered};
+    slv_gl_store store = {.layout = layout};
+    slv_edge_aligned *aligned = NULL;
     slv_parallel_log *log = NULL;
     slv_env env;
     slv_result result = SLV_OK;
-    store.format = slv_gl_format_for(desc->type, first, nchannels, !bordered);
+    store.format = slv_gl_format_for(desc->type, first, nchannels, !layout);
     store.wide_format = slv_gl_format_for(
-        desc->type == SLV_TYPE_U8 ? SLV_TYPE_HALF : SLV_TYPE_FLOAT, first, nchannels, !bordered);
+        desc->type == SLV_TYPE_U8 ? SLV_TYPE_HALF : SLV_TYPE_FLOAT, first, nchannels, !layout);
+    bool blocks = source->params.compression == SLV_GL_COMPRESSION_BLOCKS;
+    if (blocks && (result = slv_gl_format_compress(source->gl, source->env, &store.format))) {
+        *out = store;
+        return result;
+    }
     if ((result = slv_parallel_env_begin(source->env, &log, &env)) ||
         (result = slv_alloc(source->env, "wide faces", desc->nfaces, 1, &wide)))
         goto done;
-    if (bordered && desc->type != SLV_TYPE_FLOAT) {
+    if (layout == SLV_GL_BORDERED && desc->type != SLV_TYPE_FLOAT) {
         struct widen_job job = {.source = source, .env = env, .wide = wide};
         if ((result = slv_parallel_for(&env, desc->nfaces, 64, find_wide, &job)))
             goto done;
         for (uint32_t f = 0; f < desc->nfaces; f++)
-            store.nwide += wide[f];
+            *(blocks ? &store.nclipped : &store.nwide) += wide[f];
+        if (blocks)
+            memset(wide, 0, desc->nfaces);
     }
     if ((result = assign_pools(source, wide, &store)))
         goto done;
+    if (layout == SLV_GL_EDGE_ALIGNED &&
+        (result = slv_edge_aligned_create(&env, source->levels, source->adjacency, &aligned)))
+        goto done;
     for (uint32_t p = 0; !result && p < store.npools; p++)
-        result = upload_pool(source, &env, &store, &store.pools[p], &staging, &capacity);
+        result = upload_pool(source, &env, &store, aligned, &store.pools[p], &staging, &capacity);
     if (!result)
         result = upload_tables(source, &store);
 done:
+    slv_edge_aligned_destroy(aligned);
     slv_parallel_env_end(log);
     free(staging);
     free(wide);

@@ -4,6 +4,7 @@
 #define SLV_GL_STORE_H
 
 #include "gl/api.h"
+#include "gl/compress.h"
 
 #include <selvage/gl_texture.h>
 
@@ -17,13 +18,15 @@ typedef struct slv_gl_format {
     bool coverage; /* the last component is 1 in every texel */
     GLenum internal, external, data;
     GLint swizzle[4];
-    size_t texel_bytes;
+    size_t texel_bytes; /* before compression */
+    slv_gl_block block;
 } slv_gl_format;
 
 typedef struct slv_gl_rect {
     uint32_t x, y;          /* of the bordered level's first texel in the layer */
     uint32_t bu, bv;        /* border */
-    uint32_t width, height; /* inside, without border */
+    uint32_t width, height; /* inside, without border; of edge-aligned levels the intervals between
+                               samples, of which there is one more */
 } slv_gl_rect;
 
 typedef struct slv_gl_pool {
@@ -32,20 +35,29 @@ typedef struct slv_gl_pool {
     bool wide;
     uint32_t nlayers, width, height, nlevels;
     const uint32_t *faces;            /* of each layer */
-    slv_gl_rect rects[SLV_GL_LEVELS]; /* bordered pools only */
+    slv_gl_rect rects[SLV_GL_LEVELS]; /* packed pools only */
 } slv_gl_pool;
 
-/* A store: every face in a layer of one pool. Bare: plain texels with OpenGL's own levels.
- * Bordered: all levels side by side in one layer, each with its border. */
+/* Bare: plain texels with OpenGL's own levels. The others are packed, all levels side by side in
+ * one layer: each with its border, or as samples that lie on the edges. */
+typedef enum slv_gl_layout {
+    SLV_GL_BARE = 0,
+    SLV_GL_BORDERED,
+    SLV_GL_EDGE_ALIGNED,
+    SLV_GL_LAYOUT_COUNT
+} slv_gl_layout;
+
+/* A store: every face in a layer of one pool. */
 typedef struct slv_gl_store {
-    bool built, bordered;
+    slv_gl_layout layout;
     slv_gl_format format, wide_format;
     slv_gl_pool *pools;
-    uint32_t npools, nwide;
+    uint32_t npools, nwide, nclipped;
+    slv_gl_block_error error;
     uint32_t *order; /* faces in the order of pools and layers */
     uint32_t *pool_of, *layer_of;
     GLuint table;                   /* per face: pool | layer << 16, res */
-    GLuint rects;                   /* bordered only */
+    GLuint rects;                   /* packed only */
     uint64_t bytes, coverage_bytes; /* coverage apart, for not every strategy binds it */
 } slv_gl_store;
 
@@ -84,10 +96,20 @@ void slv_gl_convert_float(const slv_gl_format *format, const float *texels, uint
                           size_t count, void *out);
 
 /* Lays one size class's levels out in a layer; fills rects, width and height. */
-void slv_gl_pack_levels(slv_res res, uint32_t border, slv_gl_pool *pool);
+void slv_gl_pack_levels(slv_res res, slv_gl_layout layout, uint32_t border, bool blocks,
+                        slv_gl_pool *pool);
+/* Makes a format of 8-bit texels one of blocks. */
+slv_result slv_gl_format_compress(const slv_gl *gl, const slv_env *env, slv_gl_format *format);
 
-slv_result slv_gl_store_build(const slv_gl_source *source, bool bordered, slv_gl_store *out);
+slv_result slv_gl_store_build(const slv_gl_source *source, slv_gl_layout layout, slv_gl_store *out);
 void slv_gl_store_free(const slv_gl *gl, slv_gl_store *store);
+
+/* Fills and uploads one level of every layer (packed: the whole layer), as many layers at a time as
+ * the staging holds; `*staging` grows as needed and is released with free(). `env` logs one at a
+ * time; `aligned` is NULL but for edge-aligned stores. */
+slv_result slv_gl_upload_level(const slv_gl_source *source, const slv_env *env, slv_gl_store *store,
+                               const slv_edge_aligned *aligned, const slv_gl_pool *pool,
+                               uint32_t level, unsigned char **staging, uint64_t *capacity);
 
 /* One batch a pool. */
 slv_result slv_gl_batches_by_pool(const slv_gl_source *source, const slv_gl_store *store,
@@ -112,12 +134,12 @@ struct slv_gl_texture {
     uint32_t nfaces;
     slv_res *res; /* of each face */
     uint64_t texel_bytes;
-    slv_gl_store bare, bordered;
-    slv_gl_batches own[2]; /* clamp and discard; borders */
-    slv_gl_batches reach;  /* traverse */
+    slv_gl_store stores[SLV_GL_LAYOUT_COUNT];
+    slv_gl_batches own[SLV_GL_LAYOUT_COUNT]; /* clamp and discard; borders; edge-aligned */
+    slv_gl_batches reach;                    /* traverse */
     GLuint links, corners;
     uint64_t reach_bytes;
-    GLuint samplers[3]; /* clamped, zero border, bordered */
+    GLuint samplers[3]; /* clamped, zero border, packed */
     char *glsl[SLV_STRATEGY_COUNT][SLV_GL_MAX_VARIANTS];
     char *sample_owned;
     const char *sample_text;

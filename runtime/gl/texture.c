@@ -2,12 +2,13 @@
 
 #include "base/log.h"
 
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
 static const char *const strategy_names[SLV_STRATEGY_COUNT] = {
-    "clamp", "borders", "traverse", "discard", "hybrid", "traverse-full"};
+    "clamp", "borders", "traverse", "discard", "hybrid", "traverse-full", "edge-aligned"};
 
 const char *slv_strategy_name(slv_strategy strategy) {
     return strategy < SLV_STRATEGY_COUNT ? strategy_names[strategy] : "unknown";
@@ -36,7 +37,7 @@ static bool in_vectors(const slv_gl_texture *texture) {
                                                : branching == SLV_GL_BRANCHING_VECTORS);
 }
 
-enum { SAMPLER_CLAMPED, SAMPLER_ZERO_BORDER, SAMPLER_BORDERED };
+enum { SAMPLER_CLAMPED, SAMPLER_ZERO_BORDER, SAMPLER_PACKED };
 
 static void make_samplers(slv_gl_texture *texture) {
     static const float zero[4] = {0, 0, 0, 0};
@@ -44,14 +45,14 @@ static void make_samplers(slv_gl_texture *texture) {
     api->CreateSamplers(3, texture->samplers);
     for (int i = 0; i < 3; i++) {
         GLuint sampler = texture->samplers[i];
-        /* a bordered layer is never left, but with this mode software drivers filter 8-bit texels
+        /* a packed layer is never left, but with this mode software drivers filter 8-bit texels
          * in float and not in 8 bits */
         GLint wrap = i == SAMPLER_CLAMPED ? GL_CLAMP_TO_EDGE : GL_CLAMP_TO_BORDER;
         api->SamplerParameteri(sampler, GL_TEXTURE_WRAP_S, wrap);
         api->SamplerParameteri(sampler, GL_TEXTURE_WRAP_T, wrap);
         api->SamplerParameteri(sampler, GL_TEXTURE_MAG_FILTER, GL_LINEAR);
         api->SamplerParameteri(sampler, GL_TEXTURE_MIN_FILTER,
-                               i == SAMPLER_BORDERED ? GL_LINEAR : GL_LINEAR_MIPMAP_LINEAR);
+                               i == SAMPLER_PACKED ? GL_LINEAR : GL_LINEAR_MIPMAP_LINEAR);
         api->SamplerParameterfv(sampler, GL_TEXTURE_BORDER_COLOR, zero);
         if (texture->params.anisotropy > 1 && !taps_in_shader(texture))
             api->SamplerParameterf(sampler, GL_TEXTURE_MAX_ANISOTROPY,
@@ -106,6 +107,12 @@ static uint64_t texel_bytes(const slv_texture_desc *desc, uint32_t nchannels) {
     return texels * nchannels * slv_type_size(desc->type);
 }
 
+static slv_gl_layout layout_of(slv_strategy strategy) {
+    return strategy == SLV_STRATEGY_BORDERS        ? SLV_GL_BORDERED
+           : strategy == SLV_STRATEGY_EDGE_ALIGNED ? SLV_GL_EDGE_ALIGNED
+                                                   : SLV_GL_BARE;
+}
+
 static bool wants(const slv_gl_texture *texture, slv_strategy strategy) {
     return texture->params.strategies >> strategy & 1;
 }
@@ -145,17 +152,17 @@ slv_result slv_gl_texture_create(slv_gl *gl, const slv_env *env, const slv_textu
         .env = env, .gl = gl, .levels = levels, .adjacency = adjacency, .params = made->params};
     bool reaching = wants(made, SLV_STRATEGY_TRAVERSE) || wants(made, SLV_STRATEGY_HYBRID) ||
                     wants(made, SLV_STRATEGY_TRAVERSE_FULL);
-    bool bare = reaching || wants(made, SLV_STRATEGY_CLAMP) || wants(made, SLV_STRATEGY_DISCARD);
-    if (bare && ((result = slv_gl_store_build(&source, false, &made->bare)) ||
-                 (result = slv_gl_batches_by_pool(&source, &made->bare, &made->own[0]))))
-        goto done;
+    bool layouts[SLV_GL_LAYOUT_COUNT] = {false};
+    for (int s = 0; s < SLV_STRATEGY_COUNT; s++)
+        layouts[layout_of((slv_strategy)s)] |= wants(made, (slv_strategy)s);
+    for (int k = 0; k < SLV_GL_LAYOUT_COUNT; k++)
+        if (layouts[k] &&
+            ((result = slv_gl_store_build(&source, (slv_gl_layout)k, &made->stores[k])) ||
+             (result = slv_gl_batches_by_pool(&source, &made->stores[k], &made->own[k]))))
+            goto done;
     if (reaching &&
-        (result = slv_gl_batches_with_neighbours(&source, &made->bare, &made->reach, &made->links,
-                                                 &made->corners, &made->reach_bytes)))
-        goto done;
-    if (wants(made, SLV_STRATEGY_BORDERS) &&
-        ((result = slv_gl_store_build(&source, true, &made->bordered)) ||
-         (result = slv_gl_batches_by_pool(&source, &made->bordered, &made->own[1]))))
+        (result = slv_gl_batches_with_neighbours(&source, &made->stores[SLV_GL_BARE], &made->reach,
+                                                 &made->links, &made->corners, &made->reach_bytes)))
         goto done;
     make_samplers(made);
     result = slv_gl_check(gl, env, "GL texture");
@@ -173,10 +180,10 @@ void slv_gl_texture_destroy(slv_gl_texture *texture) {
     if (!texture)
         return;
     const slv_gl_api *api = &texture->gl->api;
-    slv_gl_store_free(texture->gl, &texture->bare);
-    slv_gl_store_free(texture->gl, &texture->bordered);
-    slv_gl_batches_free(&texture->own[0]);
-    slv_gl_batches_free(&texture->own[1]);
+    for (int k = 0; k < SLV_GL_LAYOUT_COUNT; k++) {
+        slv_gl_store_free(texture->gl, &texture->stores[k]);
+        slv_gl_batches_free(&texture->own[k]);
+    }
     slv_gl_batches_free(&texture->reach);
     api->DeleteBuffers(1, &texture->links);
     api->DeleteBuffers(1, &texture->corners);
@@ -194,18 +201,18 @@ void slv_gl_texture_destroy(slv_gl_texture *texture) {
 
 static bool split_coverage(const slv_gl_texture *texture, slv_strategy strategy) {
     return texture->params.nchannels == 4 && strategy != SLV_STRATEGY_CLAMP &&
-           strategy != SLV_STRATEGY_BORDERS;
+           layout_of(strategy) == SLV_GL_BARE;
 }
 
 static const slv_gl_store *store_of(const slv_gl_texture *texture, slv_strategy strategy) {
-    return strategy == SLV_STRATEGY_BORDERS ? &texture->bordered : &texture->bare;
+    return &texture->stores[layout_of(strategy)];
 }
 
 const slv_gl_batches *slv_gl_texture_batches(const slv_gl_texture *texture, slv_strategy strategy) {
     static const slv_gl_batches none;
     if ((unsigned)strategy >= SLV_STRATEGY_COUNT || !wants(texture, strategy))
         return &none;
-    return reaches(strategy) ? &texture->reach : &texture->own[strategy == SLV_STRATEGY_BORDERS];
+    return reaches(strategy) ? &texture->reach : &texture->own[layout_of(strategy)];
 }
 
 slv_gl_texture_stats slv_gl_texture_get_stats(const slv_gl_texture *texture,
@@ -215,7 +222,11 @@ slv_gl_texture_stats slv_gl_texture_get_stats(const slv_gl_texture *texture,
                                   .gpu_bytes = store->bytes,
                                   .pools = store->npools,
                                   .batches = slv_gl_texture_batches(texture, strategy)->count,
-                                  .widened = store->nwide};
+                                  .widened = store->nwide,
+                                  .clipped = store->nclipped,
+                                  .block_max = store->error.most};
+    if (store->error.count)
+        stats.block_rms = sqrt(store->error.squares / (double)store->error.count);
     if (split_coverage(texture, strategy))
         stats.gpu_bytes += store->coverage_bytes;
     if (reaches(strategy))
@@ -273,7 +284,7 @@ void slv_gl_texture_bind(slv_gl_texture *texture, slv_strategy strategy, uint32_
         return;
     const slv_gl_batch_range *range = &batches->ranges[index];
     uint32_t reach = slv_gl_variant_pools(range->variant);
-    GLuint sampler = texture->samplers[strategy == SLV_STRATEGY_BORDERS ? SAMPLER_BORDERED
+    GLuint sampler = texture->samplers[store->layout                    ? SAMPLER_PACKED
                                        : strategy == SLV_STRATEGY_CLAMP ? SAMPLER_CLAMPED
                                                                         : SAMPLER_ZERO_BORDER];
     bool split = split_coverage(texture, strategy);
@@ -291,7 +302,7 @@ void slv_gl_texture_bind(slv_gl_texture *texture, slv_strategy strategy, uint32_
         api->BindBufferBase(GL_SHADER_STORAGE_BUFFER, SLV_GL_FIRST_STORAGE + 1, texture->links);
         api->BindBufferBase(GL_SHADER_STORAGE_BUFFER, SLV_GL_FIRST_STORAGE + 3, texture->corners);
     }
-    if (strategy == SLV_STRATEGY_BORDERS)
+    if (store->layout)
         api->BindBufferBase(GL_SHADER_STORAGE_BUFFER, SLV_GL_FIRST_STORAGE + 2, store->rects);
 }
 

@@ -3,14 +3,14 @@
 
 BEGIN {
     # Public headers: each may include only those of lower rank.
-    split("result half camera adjacency mesh surface tessellation texture border ptx ptx_writer ptx_check ptx_diff ptx_resize image filter cache", names, " ")
-    split("0      1    2      2         3    4       4.5          4       5      6   6.5        6.5       6.5      6.5        6     6.7    6.6", ranks, " ")
+    split("result half camera adjacency mesh surface tessellation texture border edge_aligned ptx ptx_writer ptx_check ptx_diff ptx_resize image filter cache", names, " ")
+    split("0      1    2      2         3    4       4.5          4       5      5.5          6   6.5        6.5       6.5      6.5        6     6.7    6.6", ranks, " ")
     for (i in names) public[names[i]] = ranks[i] + 0
     gl = 7; everything = 9
     # How far a folder of the library may look: among the folders, and among the public headers.
     split("base mesh texture ptx image filter gl", names, " ")
     split("0    1    2       3   3     3      4", ranks, " ")
-    split("1    4.5  5       6.5 6     6.7    7", reach, " ")
+    split("1    4.5  5.5     6.5 6     6.7    7", reach, " ")
     for (i in names) { layer[names[i]] = ranks[i] + 0; sees[names[i]] = reach[i] + 0 }
 }
 
@@ -100,6 +100,8 @@ FNR == 1 {
         report("a public header may include public headers only")
     else if (path ~ /^(GL|EGL)\// && folder != "gl")
         report("OpenGL belongs in runtime/gl")
+    else if (path ~ /^squish/ && folder != "gl")
+        report("libsquish belongs behind the shim in runtime/gl")
     else if (path ~ /^embree/ && folder != "bake")
         report("Embree belongs in bake")
     else if (path ~ /^opensubdiv\// && folder != "mesh")

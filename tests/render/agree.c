@@ -1,5 +1,6 @@
-/* What strategies share: traverse and its plain form draw the same pictures, all give the same
- * value in the middle of a face, and none ever returns what is not a finite number. */
+/* What strategies share: traverse and its plain form draw the same pictures, all but edge-aligned,
+ * which has other samples, give the same value in the middle of a face, and none ever returns what
+ * is not a finite number. */
 #include "unit/border_kit.h"
 
 #include <selvage/gl_renderer.h>
@@ -199,9 +200,9 @@ static void check_interior(uint64_t *random) {
             dx[i] /= 4; /* four texels at most */
             dy[i] /= 4;
         }
-        for (int s = 0; s < SLV_STRATEGY_COUNT; s++)
+        for (int s = 0; s < SLV_STRATEGY_EDGE_ALIGNED; s++)
             look_up(texture, (slv_strategy)s);
-        for (int s = 1; s < SLV_STRATEGY_COUNT; s++) {
+        for (int s = 1; s < SLV_STRATEGY_EDGE_ALIGNED; s++) {
             for (int t = 0; t < s; t++) {
                 float apart = largest_difference(values[s], values[t], 4 * POINTS);
                 CHECK_MSG(apart <= 2.0f / 255, "aniso %u: %s and %s are %g apart inside faces",

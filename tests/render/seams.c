@@ -44,6 +44,13 @@ static void check_equal(const kit *k, const char *name, uint32_t anisotropy) {
         slv_gl_seam borders = jump(texture, k, SLV_STRATEGY_BORDERS, level);
         slv_gl_seam traverse = jump(texture, k, SLV_STRATEGY_TRAVERSE, level);
         slv_gl_seam full = jump(texture, k, SLV_STRATEGY_TRAVERSE_FULL, level);
+        slv_gl_seam aligned = jump(texture, k, SLV_STRATEGY_EDGE_ALIGNED, level);
+        CHECK_MSG(
+            aligned.max <= 1.0f / 255,
+            "%s %s %u channels level %u aniso %u: edge-aligned jumps by %g at face %d edge %d "
+            "t %g",
+            name, slv_type_name(k->type), k->nchannels, level, anisotropy, (double)aligned.max,
+            aligned.face, aligned.edge, (double)aligned.t);
         CHECK(clamp.nedges > 0 && clamp.nequal == clamp.nedges);
         CHECK_MSG(full.max <= 1.0f / 255, "%s level %u: traverse-full jumps by %g", name, level,
                   (double)full.max);
@@ -98,6 +105,11 @@ static void check_mixed(kit *k, const char *name, uint64_t *random) {
     CHECK_MSG(traverse.mean < clamp.mean / 8, "%s mixed: traverse %g clamp %g", name,
               (double)traverse.mean, (double)clamp.mean);
     CHECK(isfinite(borders.max) && isfinite(traverse.max));
+    /* Of all strategies this one alone agrees everywhere, beside sub-faces of any sizes too. */
+    slv_gl_seam aligned = jump(texture, k, SLV_STRATEGY_EDGE_ALIGNED, 0);
+    CHECK_MSG(aligned.max <= 1.0f / 255,
+              "%s mixed: edge-aligned jumps by %g at face %d edge %d t %g", name,
+              (double)aligned.max, aligned.face, aligned.edge, (double)aligned.t);
     /* Edges between texels of one size stay exact even where a vertex has faces of other sizes.
      * Only beside two sub-faces of different sizes across one edge is agreement near and not exact.
      */
@@ -151,6 +163,51 @@ static void check_no_inner_line(uint64_t *random) {
                       (double)steepest, f, 1 << k.res[f].u);
         }
         slv_gl_texture_destroy(texture);
+        kit_free(&k);
+    }
+}
+
+/* The GPU's samples are those of slv_edge_aligned, at every level and in every corner of a face. */
+static void check_samples(uint64_t *random) {
+    enum { POINTS = 1024 };
+    static int32_t faces[POINTS];
+    static float uv[2 * POINTS], dx[2 * POINTS], dy[2 * POINTS], values[4 * POINTS];
+    slv_env env = test_env();
+    for (int type = 0; type < 4; type++) {
+        kit k;
+        slv_edge_aligned *aligned = NULL;
+        uint32_t level[POINTS], n = 1 + (uint32_t)type;
+        kit_pentagons(&k, random);
+        for (uint32_t f = 0; f < k.nfaces; f++)
+            k.res[f] =
+                (slv_res){(int8_t)(test_random(random) % 5), (int8_t)(test_random(random) % 5)};
+        kit_noise(&k, (slv_type)type, n, random);
+        REQUIRE(slv_edge_aligned_create(&env, k.levels, k.adjacency, &aligned) == SLV_OK);
+        slv_gl_texture *texture = upload(&k, 1);
+        for (int i = 0; i < POINTS; i++) {
+            uint32_t f = test_random(random) % k.nfaces;
+            slv_res res = k.res[f];
+            level[i] = test_random(random) % slv_res_level_count(res);
+            faces[i] = (int32_t)f;
+            uv[2 * i] = (float)(test_random(random) % 17) / 16;
+            uv[2 * i + 1] = (float)(test_random(random) % 17) / 16;
+            dx[2 * i] = ldexpf(1, (int)level[i] - res.u);
+            dy[2 * i + 1] = ldexpf(1, (int)level[i] - res.v);
+        }
+        REQUIRE(slv_gl_texture_lookup(texture, &env, SLV_STRATEGY_EDGE_ALIGNED, POINTS, faces, uv,
+                                      dx, dy, values) == SLV_OK);
+        for (int i = 0; i < POINTS; i++) {
+            float expected[4];
+            slv_edge_aligned_lookup(aligned, (uint32_t)faces[i], level[i], uv[2 * i], uv[2 * i + 1],
+                                    expected);
+            for (uint32_t c = 0; c < n; c++)
+                CHECK_MSG(fabsf(values[4 * i + (int)c] - expected[c]) < 2e-3f,
+                          "%s face %d level %u (%g, %g): %g for %g", slv_type_name(k.type),
+                          faces[i], level[i], (double)uv[2 * i], (double)uv[2 * i + 1],
+                          (double)values[4 * i + (int)c], (double)expected[c]);
+        }
+        slv_gl_texture_destroy(texture);
+        slv_edge_aligned_destroy(aligned);
         kit_free(&k);
     }
 }
@@ -250,6 +307,7 @@ int main(void) {
     }
     check_no_inner_line(&random);
     check_transition(&random);
+    check_samples(&random);
     slv_gl_destroy(gl);
     return test_end();
 }

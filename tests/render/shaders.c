@@ -202,15 +202,15 @@ int main(void) {
         check_texture(nchannels, 1);
         check_texture(nchannels, 16);
     }
-    /* with and without coverage of their own for four strategies, without for the other two; two
+    /* with and without coverage of their own for four strategies, without for the other three; two
      * anisotropies; taps made by either; with branches and in vectors */
-    CHECK_MSG(nseen == (2 * 1 + 4 * 2) * 2 * 2 * 2 * SLV_GL_MAX_VARIANTS, "%d texts", nseen);
+    CHECK_MSG(nseen == (3 * 1 + 4 * 2) * 2 * 2 * 2 * SLV_GL_MAX_VARIANTS, "%d texts", nseen);
     CHECK(kit_count_files(scratch.folder) == nfiles);
 
     for (int stage = 0; stage < STAGES; stage++) {
-        static const char *const patterns[] = {"clamp",   "borders", "traverse",
-                                               "discard", "hybrid",  "traverse-full"};
-        for (int s = 0; s < 6; s++) {
+        static const char *const patterns[] = {"clamp",  "borders",       "traverse",    "discard",
+                                               "hybrid", "traverse-full", "edge-aligned"};
+        for (int s = 0; s < SLV_STRATEGY_COUNT; s++) {
             char pattern[64];
             snprintf(pattern, sizeof pattern, "%s_%s_*.frag", stage_names[stage], patterns[s]);
             int code = reference_compiler(pattern);

@@ -17,7 +17,7 @@
 #ifndef SELVAGE_GL_TEXTURE_H
 #define SELVAGE_GL_TEXTURE_H
 
-#include <selvage/border.h>
+#include <selvage/edge_aligned.h>
 #include <selvage/gl_context.h>
 
 #ifdef __cplusplus
@@ -35,6 +35,9 @@ typedef enum slv_strategy {
     SLV_STRATEGY_HYBRID,  /* traverse where texels are larger than pixels, discard where smaller */
     SLV_STRATEGY_TRAVERSE_FULL, /* the same values as traverse from the plain form of it, which a
                                    report compares it with */
+    SLV_STRATEGY_EDGE_ALIGNED, /* samples on the edges of faces in place of borders (edge_aligned.h;
+                                  Purnomo 2004): the same values from both sides at any resolution,
+                                  of a texture that is slightly blurred */
     SLV_STRATEGY_COUNT
 } slv_strategy;
 
@@ -50,6 +53,21 @@ typedef enum slv_gl_branching {
     SLV_GL_BRANCHING_VECTORS /* as REAL where the driver lacks GL_ARB_shader_ballot */
 } slv_gl_branching;
 
+/* Blocks of 4 x 4 texels that the GPU decodes, for 8-bit textures: one channel as BC4 (BC5 where a
+ * strategy stores coverage), two as BC5 (BC1 where it does), three as BC1, four as BC3.
+ *
+ * Borders are made to agree after compression: they are at least four texels wide, levels lie on
+ * whole blocks, and a block gives the same texels however the faces are turned, so that between
+ * texels of one size a border decodes to exactly what the neighbour decodes to. Levels of fewer
+ * than four texels, other sizes and extraordinary vertices agree as far as the error of compression
+ * goes. A border that leaves 0..1 is clipped, not widened. `traverse` and its kin read the
+ * neighbour itself and need none of this; the two sides of an `edge-aligned` seam are compressed
+ * apart. */
+typedef enum slv_gl_compression {
+    SLV_GL_COMPRESSION_NONE = 0,
+    SLV_GL_COMPRESSION_BLOCKS
+} slv_gl_compression;
+
 /* Zero means default. */
 typedef struct slv_gl_texture_params {
     uint32_t strategies;    /* bit 1 << strategy for each that will be drawn; 0 means all */
@@ -63,6 +81,7 @@ typedef struct slv_gl_texture_params {
                              neighbours that do not fit */
     uint32_t pool_layers; /* most layers in one array; 0 means what the driver has */
     slv_gl_branching branching;
+    slv_gl_compression compression; /* of textures other than 8-bit: SLV_ERROR_UNSUPPORTED */
 } slv_gl_texture_params;
 
 /* Programs are needed for each variant that occurs; see slv_gl_batch. */
@@ -94,7 +113,10 @@ typedef struct slv_gl_texture_stats {
     uint64_t texel_bytes; /* level 0 of every face: the shown channels in the texture's own type */
     uint64_t gpu_bytes;   /* all arrays and tables that the strategy binds */
     uint32_t pools, batches;
-    uint32_t widened; /* faces whose borders needed a wider type */
+    uint32_t widened;            /* faces whose borders needed a wider type */
+    uint32_t clipped;            /* faces whose borders needed one and were compressed without */
+    double block_rms, block_max; /* what compression loses: of all texels that the strategy stores,
+                                    borders included, as the encoder sees it */
 } slv_gl_texture_stats;
 SLV_API slv_gl_texture_stats slv_gl_texture_get_stats(const slv_gl_texture *texture,
                                                       slv_strategy strategy);

@@ -6,6 +6,7 @@
 #include <selvage/border.h>
 #include <selvage/cache.h>
 #include <selvage/camera.h>
+#include <selvage/edge_aligned.h>
 #include <selvage/filter.h>
 #include <selvage/gl_context.h>
 #include <selvage/gl_renderer.h>

@@ -1,0 +1,154 @@
+/* bench_compression [--json] [--smoke]
+ *
+ * What compressed blocks take and lose with every strategy: bytes on the GPU before and after, the
+ * error of the texels, and the seam jump of magnified lookups before and after. On a torus of 128
+ * faces, of one resolution and of mixed ones, under noise, and under noise with a colour for each
+ * face. */
+#include <selvage/bake.h>
+#include <selvage/gl_texture.h>
+
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+enum { AROUND = 16, ACROSS = 8, NFACES = AROUND * ACROSS };
+
+typedef struct scene {
+    slv_mesh *mesh;
+    slv_adjacency *adjacency;
+    slv_surface *surface;
+    slv_gl *gl;
+} scene;
+
+static void log_line(void *user, slv_log_level level, const char *message) {
+    (void)user;
+    if (level == SLV_LOG_ERROR)
+        fprintf(stderr, "bench_compression: %s\n", message);
+}
+
+static const slv_env env = {.log = log_line};
+
+static slv_result make_scene(scene *s) {
+    static float positions[NFACES * 3];
+    static int32_t sizes[NFACES], verts[NFACES * 4];
+    slv_result result;
+    for (int i = 0; i < NFACES; i++) {
+        int a = i % AROUND, b = i / AROUND, a1 = (a + 1) % AROUND, b1 = (b + 1) % ACROSS;
+        float p = 6.2831853f * (float)a / AROUND, q = 6.2831853f * (float)b / ACROSS;
+        positions[3 * i] = (2 + cosf(q)) * cosf(p);
+        positions[3 * i + 1] = sinf(q);
+        positions[3 * i + 2] = -(2 + cosf(q)) * sinf(p);
+        sizes[i] = 4;
+        verts[4 * i] = i;
+        verts[4 * i + 1] = b * AROUND + a1;
+        verts[4 * i + 2] = b1 * AROUND + a1;
+        verts[4 * i + 3] = b1 * AROUND + a;
+    }
+    slv_mesh_view view = {.nverts = NFACES,
+                          .positions = positions,
+                          .npolys = NFACES,
+                          .poly_sizes = sizes,
+                          .poly_verts = verts};
+    if ((result = slv_mesh_create(&env, &view, &s->mesh)) ||
+        (result = slv_mesh_adjacency(&env, s->mesh, &s->adjacency)) ||
+        (result = slv_surface_create(&env, s->mesh, NULL, &s->surface)))
+        return result;
+    return slv_gl_create(&env, SLV_GL_AUTO, &s->gl);
+}
+
+static slv_result report(const scene *s, slv_gl_texture *const textures[2], const char *name,
+                         bool json) {
+    for (int k = 0; k < SLV_STRATEGY_COUNT; k++) {
+        slv_strategy strategy = (slv_strategy)k;
+        slv_gl_texture_stats stats[2];
+        slv_gl_seam seams[2];
+        double memory[2];
+        for (int i = 0; i < 2; i++) {
+            stats[i] = slv_gl_texture_get_stats(textures[i], strategy);
+            memory[i] = (double)stats[i].gpu_bytes / (double)stats[i].texel_bytes;
+            slv_result result = slv_gl_texture_seam_jump(textures[i], &env, strategy, s->adjacency,
+                                                         NULL, &seams[i]);
+            if (result)
+                return result;
+        }
+        if (json)
+            printf("{\"texture\": \"%s\", \"strategy\": \"%s\", \"memory\": [%.4f, %.4f], "
+                   "\"rms\": %.5f, \"max\": %.5f, \"clipped\": %u, \"jump_max\": [%.5f, %.5f], "
+                   "\"jump_mean\": [%.6f, %.6f]}\n",
+                   name, slv_strategy_name(strategy), memory[0], memory[1], stats[1].block_rms,
+                   stats[1].block_max, stats[1].clipped, (double)seams[0].max, (double)seams[1].max,
+                   (double)seams[0].mean, (double)seams[1].mean);
+        else
+            printf("%-24s %-13s %6.2f %5.2f   %.4f %.3f   %.4f %.4f   %.5f %.5f\n", name,
+                   slv_strategy_name(strategy), memory[0], memory[1], stats[1].block_rms,
+                   stats[1].block_max, (double)seams[0].max, (double)seams[1].max,
+                   (double)seams[0].mean, (double)seams[1].mean);
+    }
+    return SLV_OK;
+}
+
+static slv_result measure(const scene *s, int log2, uint32_t nchannels, bool mixed, float tint,
+                          bool json) {
+    static slv_res res[NFACES];
+    const slv_procedural noise = {
+        .pattern = SLV_PATTERN_NOISE, .frequency = 2, .octaves = 3, .face_tint = tint};
+    slv_texture_desc desc = {NFACES, SLV_TYPE_U8, nchannels, SLV_NO_ALPHA, res};
+    slv_texture *texture = NULL;
+    slv_gl_texture *textures[2] = {NULL, NULL};
+    char name[64];
+    uint32_t state = 7;
+    slv_result result;
+    for (int i = 0; i < NFACES; i++) {
+        state = state * 1664525 + 1013904223;
+        int8_t own = (int8_t)(log2 - (mixed ? (int)(state >> 24) % 3 : 0));
+        res[i] = (slv_res){own, own};
+    }
+    snprintf(name, sizeof name, "%u channel%s %s%s", nchannels, nchannels > 1 ? "s" : "",
+             mixed ? "mixed" : "equal", tint > 0 ? " tinted" : "");
+    if ((result = slv_texture_create(&env, &desc, &texture)) ||
+        (result = slv_bake_procedural(&env, s->surface, &noise, NULL, texture)))
+        goto done;
+    for (int i = 0; i < 2 && !result; i++) {
+        slv_gl_texture_params params = {.compression = i ? SLV_GL_COMPRESSION_BLOCKS
+                                                         : SLV_GL_COMPRESSION_NONE};
+        result = slv_gl_texture_create(s->gl, &env, texture, s->adjacency, &params, &textures[i]);
+    }
+    if (!result)
+        result = report(s, textures, name, json);
+done:
+    slv_gl_texture_destroy(textures[0]);
+    slv_gl_texture_destroy(textures[1]);
+    slv_texture_destroy(texture);
+    return result;
+}
+
+int main(int argc, char **argv) {
+    scene s = {0};
+    bool json = false;
+    int log2 = 6;
+    for (int i = 1; i < argc; i++) {
+        if (!strcmp(argv[i], "--json")) {
+            json = true;
+        } else if (!strcmp(argv[i], "--smoke")) {
+            log2 = 3;
+        } else {
+            fprintf(stderr, "usage: bench_compression [--json] [--smoke]\n");
+            return 2;
+        }
+    }
+    if (!json)
+        puts("                                           memory       error          largest jump"
+             "     mean jump\n"
+             "                                        before after   rms   max     before  after"
+             "    before   after");
+    slv_result result = make_scene(&s);
+    for (uint32_t nchannels = 1; !result && nchannels <= 3; nchannels += 2)
+        if (!(result = measure(&s, log2, nchannels, false, 0, json)) &&
+            !(result = measure(&s, log2, nchannels, true, 0, json)))
+            result = measure(&s, log2, nchannels, false, 0.5f, json);
+    slv_gl_destroy(s.gl);
+    slv_surface_destroy(s.surface);
+    slv_adjacency_destroy(s.adjacency);
+    slv_mesh_destroy(s.mesh);
+    return result ? 1 : 0;
+}
