@@ -386,10 +386,12 @@ struct repeat {
 static inline void try_distance(const struct search *s, size_t at, size_t distance, unsigned limit,
                                 struct repeat *best) {
     const uint8_t *here = s->in + at;
-    if (!distance || distance > at ||
-        (best->length && here[best->length - 1] != here[best->length - 1 - distance]))
+    if (!distance || distance > at)
         return;
-    unsigned found = match_length(here, here - distance, limit);
+    const uint8_t *there = here - distance;
+    if (best->length && here[best->length - 1] != there[best->length - 1])
+        return;
+    unsigned found = match_length(here, there, limit);
     if (found < MIN_MATCH || found < best->length)
         return;
     float cost = distance == s->latest ? 8.0f : 8.0f + 0.6f * (float)log2_of((uint32_t)distance);
