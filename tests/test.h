@@ -10,6 +10,13 @@
 #include <stdlib.h>
 #include <string.h>
 
+/* Sanitizers are slow: long tests do less of the same under them. */
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+#define TEST_SANITIZED 1
+#else
+#define TEST_SANITIZED 0
+#endif
+
 static int test_checks, test_failures;
 static char test_last_log[1024]; /* the newest message of the library */
 

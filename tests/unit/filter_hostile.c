@@ -353,7 +353,7 @@ int main(int argc, char **argv) {
     /* whoever hangs is killed */
     alarm((unsigned)(600 * rounds));
     test_params();
-    for (uint64_t i = 0; i < 150 * rounds; i++)
+    for (uint64_t i = 0; i < (TEST_SANITIZED ? 40 : 150) * rounds; i++)
         test_nonsense(i, i % 5 ? SLV_PTX_QUAD : SLV_PTX_TRIANGLE, (slv_border_mode)(i % 3));
     test_shapes(3);
     test_shapes(600);

@@ -10,7 +10,7 @@
 #include <signal.h>
 #include <sys/stat.h>
 
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+#if TEST_SANITIZED
 enum { MUTATIONS = 120, LIMIT_SECONDS = 40 };
 #else
 enum { MUTATIONS = 2000, LIMIT_SECONDS = 5 };
