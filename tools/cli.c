@@ -210,6 +210,8 @@ int cli_parse(const cli_command *command, int argc, char **argv) {
         if (only_positional || argument[0] != '-' || !argument[1]) {
             if (*command->npositional == command->max_arguments)
                 return cli_usage(command, "unexpected argument '%s'", argument);
+            if (!argument[0])
+                return cli_usage(command, "an argument is empty, where a name is expected");
             command->positional[(*command->npositional)++] = argument;
             continue;
         }

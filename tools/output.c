@@ -103,7 +103,13 @@ int output_folder_end(const char *folder, const char *beside, int code) {
     }
     if (rename(beside, folder) == 0)
         return EXIT_OK;
-    return empty_folder(beside, folder);
+    int reason = errno;
+    struct stat status;
+    /* not empty, a link to a folder, a mounted one, or "." */
+    if (stat(folder, &status) == 0 && S_ISDIR(status.st_mode))
+        return empty_folder(beside, folder);
+    empty_folder(beside, NULL);
+    return cli_error("%s: cannot be written: %s", folder, strerror(reason));
 }
 
 /* Takes one character off the front (RFC 3629), or one byte if that is not the start of one. */

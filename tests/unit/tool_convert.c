@@ -162,7 +162,10 @@ static void check_images(void) {
     slv_image_params raw = {.encoding = SLV_ENCODE_RAW};
     REQUIRE(!slv_image_save(&env, tool_path("pictures/face_000007.png"), &image, &raw));
     slv_image_free(&image);
+    REQUIRE(symlink("pictures", tool_path("link")) == 0);
     RUNS(0, "convert pictures painted.ptx");
+    RUNS(0, "convert painted.ptx link");
+    RUNS(0, "convert link painted.ptx");
     face_of("painted.ptx", 7, rgb);
     CHECK(rgb[1] == 255);
     RUNS(1, "diff rgb.ptx painted.ptx");
@@ -260,6 +263,10 @@ static void check_usage(void) {
     RUNS(2, "convert rgb.ptx x.ptx --premultiply --unmultiply");
     RUNS(2, "convert rgb.ptx x.png --mesh x.obj");
     RUNS(2, "convert faces x.png");
+    RUNS(2, "convert rgb.ptx ''");
+    RUNS(2, "convert -- rgb.ptx ''");
+    RUNS(2, "info ''");
+    RUNS(2, "diff rgb.ptx rgb.ptx --images ''");
     RUNS(1, "convert missing.ptx x.ptx");
     RUNS(1, "convert rgb.ptx nowhere/x.ptx");
     RUNS(1, "convert rgb.ptx rgb.ptx/x");
