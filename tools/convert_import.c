@@ -119,8 +119,11 @@ static slv_result take_picture(struct import *m, uint32_t face, const json_t *it
 static slv_result take_from_sheet(struct import *m, uint32_t face, const json_t *item,
                                   slv_ptx_face *info) {
     slv_res res = info->flags & SLV_FACE_CONSTANT ? (slv_res){0, 0} : info->res;
-    json_int_t x = json_integer_value(json_object_get(item, "x")),
-               y = json_integer_value(json_object_get(item, "y"));
+    const json_t *left = json_object_get(item, "x"), *top = json_object_get(item, "y");
+    if (!json_is_integer(left) || !json_is_integer(top))
+        return output_fail(m->env, SLV_ERROR_FORMAT, "%s: face %u: %s is missing, or is no integer",
+                           m->index, face, json_is_integer(left) ? "y" : "x");
+    json_int_t x = json_integer_value(left), y = json_integer_value(top);
     json_int_t width = m->images[0].width, height = m->images[0].height;
     if (x < 0 || y < 0 || x > width || y > height || (json_int_t)1 << res.u > width - x ||
         (json_int_t)1 << res.v > height - y)

@@ -86,8 +86,9 @@ json_t *index_create(const slv_ptx *ptx, const convert_plan *plan, bool meta) {
     }
     return json_pack(
         "{s:i, s:s, s:s, s:s, s:I, s:o, s:s, s:s, s:s, s:b, s:o, s:[]}", "schema", 1, "kind",
-        "faces", "mesh_type", target->mesh_type == SLV_PTX_QUAD ? "quad" : "triangle", "data_type",
-        slv_type_name(target->type), "channels", (json_int_t)target->nchannels, "alpha_channel",
+        INDEX_KIND, "mesh_type", target->mesh_type == SLV_PTX_QUAD ? "quad" : "triangle",
+        "data_type", slv_type_name(target->type), "channels", (json_int_t)target->nchannels,
+        "alpha_channel",
         target->alpha_channel < 0 ? json_null() : json_integer(target->alpha_channel), "border_u",
         convert_border_name(target->border_u), "border_v", convert_border_name(target->border_v),
         "edge_filter", convert_filter_name(target->edge_filter), "reductions",

@@ -5,6 +5,7 @@
 #include "convert.h"
 
 enum { INDEX_GROUP = 4 }; /* channels that go into one image */
+#define INDEX_KIND "faces"
 
 /* How many images it takes to hold all channels. */
 static inline uint32_t index_groups(uint32_t nchannels) {

@@ -19,11 +19,15 @@ static bool read_integer(const json_t *item, json_int_t low, json_int_t high, js
 slv_result index_read_params(const slv_env *env, const char *path, const json_t *root,
                              slv_ptx_writer_params *out) {
     const char *wrong = NULL;
-    int mesh, type = 0, border_u = 0, border_v = 0, filter = 0;
-    json_int_t channels = 0, alpha = SLV_NO_ALPHA;
+    int kind, mesh = 0, type = 0, border_u = 0, border_v = 0, filter = 0;
+    json_int_t schema = 0, channels = 0, alpha = SLV_NO_ALPHA;
     const json_t *alpha_item = json_object_get(root, "alpha_channel"),
-                 *faces = json_object_get(root, "faces");
-    if (!read_word(root, "mesh_type", "triangle|quad", &mesh))
+                 *faces = json_object_get(root, "faces"), *meta = json_object_get(root, "meta");
+    if (!read_integer(json_object_get(root, "schema"), 1, 1, &schema))
+        wrong = "schema";
+    else if (!read_word(root, "kind", INDEX_KIND, &kind))
+        wrong = "kind";
+    else if (!read_word(root, "mesh_type", "triangle|quad", &mesh))
         wrong = "mesh_type";
     else if (!read_word(root, "data_type", CONVERT_TYPES, &type))
         wrong = "data_type";
@@ -40,6 +44,8 @@ slv_result index_read_params(const slv_env *env, const char *path, const json_t 
         wrong = "alpha_channel";
     else if (!json_is_array(faces) || json_array_size(faces) > INT32_MAX)
         wrong = "faces";
+    else if (meta && !json_is_array(meta))
+        wrong = "meta";
     if (wrong)
         return output_fail(env, SLV_ERROR_FORMAT, "%s: %s is missing, or is nothing that it can be",
                            path, wrong);
@@ -97,14 +103,11 @@ slv_result index_read_face(const slv_env *env, const char *path, const json_t *i
 }
 
 static bool read_real(const json_t *item, double *out) {
+    static const double values[] = {(double)NAN, (double)INFINITY, -(double)INFINITY};
     const char *word = json_string_value(item);
-    if (word)
-        *out = strcmp(word, "nan") == 0 ? (double)NAN
-               : word[0] == '-'         ? -(double)INFINITY
-                                        : (double)INFINITY;
-    else
-        *out = json_number_value(item);
-    return word || json_is_number(item);
+    int which = word ? convert_word("nan|inf|-inf", word) : -1;
+    *out = which >= 0 ? values[which] : json_number_value(item);
+    return which >= 0 || json_is_number(item);
 }
 
 static bool read_value(const json_t *item, slv_meta_type type, uint32_t i, void *values) {
@@ -112,7 +115,8 @@ static bool read_value(const json_t *item, slv_meta_type type, uint32_t i, void 
     double real = 0;
     switch (type) {
     case SLV_META_STRING:
-        if (!read_integer(item, 0, UINT8_MAX, &integer))
+        /* a string ends at its first zero byte: what follows would be lost */
+        if (!read_integer(item, 1, UINT8_MAX, &integer))
             return false;
         ((uint8_t *)values)[i] = (uint8_t)integer;
         return true;

@@ -181,30 +181,59 @@ static void check_images(void) {
     CHECK(info_of("grey.ptx").nchannels == 1);
 }
 
+#define INDEX_TOP "{\"schema\":1,\"kind\":\"faces\","
+#define INDEX_FORM                                                                                 \
+    "\"mesh_type\":\"quad\",\"data_type\":\"uint8\",\"border_u\":\"clamp\",\"border_v\":"          \
+    "\"clamp\",\"edge_filter\":\"none\",\"channels\":1,"
+#define INDEX INDEX_TOP INDEX_FORM
+#define INDEX_FACE "\"faces\":[{\"width\":2,\"height\":1}]"
+#define INDEX_META(type, value)                                                                    \
+    INDEX INDEX_FACE ",\"meta\":[{\"key\":\"k\",\"type\":\"" type "\",\"values\":[" value "]}]}"
+#define INDEX_SHEET(place)                                                                         \
+    INDEX "\"images\":[\"s.png\"],\"faces\":[{\"width\":2,\"height\":1" place "}]}"
+
 static void check_hostile(void) {
-    static const char *const texts[] = {
-        "",
-        "{",
-        "[]",
-        "{\"faces\": 3}",
-        "{\"mesh_type\":\"quad\",\"data_type\":\"uint8\",\"border_u\":\"clamp\",\"border_v\":"
-        "\"clamp\",\"edge_filter\":\"none\",\"channels\":1,\"faces\":[{\"width\":3,\"height\":1}]}",
-        "{\"mesh_type\":\"quad\",\"data_type\":\"uint8\",\"border_u\":\"clamp\",\"border_v\":"
-        "\"clamp\",\"edge_filter\":\"none\",\"channels\":1,\"faces\":[{\"width\":2,\"height\":1,"
-        "\"adjacent_faces\":[7]}]}",
-        "{\"mesh_type\":\"quad\",\"data_type\":\"uint8\",\"border_u\":\"clamp\",\"border_v\":"
-        "\"clamp\",\"edge_filter\":\"none\",\"channels\":1,\"images\":[\"sheet.png\"],\"faces\":"
-        "[{\"width\":1024,\"height\":1024,\"x\":5,\"y\":-1}]}",
-        "{\"mesh_type\":\"quad\",\"data_type\":\"uint8\",\"border_u\":\"clamp\",\"border_v\":"
-        "\"clamp\",\"edge_filter\":\"none\",\"channels\":1,\"faces\":[{\"width\":2,\"height\":1}],"
-        "\"meta\":[{\"key\":\"k\",\"type\":\"int8\",\"values\":[300]}]}"};
-    for (size_t i = 0; i < sizeof texts / sizeof *texts; i++) {
-        tool_write_file("bad.json", texts[i], strlen(texts[i]));
+    static const struct {
+        const char *text, *message;
+    } cases[] = {
+        {"", "bad.json:"},
+        {"{", "bad.json:"},
+        {"[]", "schema is missing"},
+        {"{\"faces\": 3}", "schema is missing"},
+        {"{\"schema\":2,\"kind\":\"faces\"," INDEX_FORM INDEX_FACE "}", "schema is missing"},
+        {"{\"schema\":1,\"kind\":\"views\"," INDEX_FORM INDEX_FACE "}", "kind is missing"},
+        {"{\"schema\":1," INDEX_FORM INDEX_FACE "}", "kind is missing"},
+        {INDEX "\"faces\":[{\"width\":3,\"height\":1}]}", "face 0"},
+        {INDEX "\"faces\":[{\"width\":2,\"height\":1,\"adjacent_faces\":[7]}]}", "face 0"},
+        {INDEX_SHEET(",\"x\":5,\"y\":-1"), "face 0: lies outside"},
+        {INDEX_SHEET(",\"x\":0"), "face 0: y is missing"},
+        {INDEX_SHEET(",\"x\":\"0\",\"y\":0"), "face 0: x is missing"},
+        {INDEX_SHEET(",\"x\":0,\"y\":0.0"), "face 0: y is missing"},
+        {INDEX INDEX_FACE ",\"meta\":{\"k\":1}}", "meta is missing"},
+        {INDEX INDEX_FACE ",\"meta\":null}", "meta is missing"},
+        {INDEX_META("int8", "300"), "metadata k: value 0"},
+        {INDEX_META("float", "1,\"Infinity\""), "metadata k: value 1"},
+        {INDEX_META("double", "\"-\""), "metadata k: value 0"},
+        {INDEX_META("string", "65,0,66"), "metadata k: value 1"}};
+    slv_env env = test_env();
+    slv_image image = {0};
+    REQUIRE(!slv_image_create(&env, 2, 2, 1, &image));
+    REQUIRE(!slv_image_save(&env, tool_path("s.png"), &image, NULL));
+    slv_image_free(&image);
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        tool_write_file("bad.json", cases[i].text, strlen(cases[i].text));
         RUNS(1, "convert bad.json bad.ptx");
+        HAS(cases[i].message);
         char *end = strchr(tool_out, '\n');
         CHECK_MSG(end && !end[1], "text %zu: %s", i, tool_out);
         CHECK(access(tool_path("bad.ptx"), F_OK) != 0);
     }
+    const char *good = INDEX "\"images\":[\"s.png\"],\"faces\":[{\"width\":2,\"height\":1,\"x\":0,"
+                             "\"y\":1}],\"meta\":[{\"key\":\"k\",\"type\":\"float\",\"values\":"
+                             "[\"nan\",\"inf\",\"-inf\",1]}]}";
+    tool_write_file("good.json", good, strlen(good));
+    RUNS(0, "convert good.json good.ptx");
+    CHECK(info_of("good.ptx").nmeta == 1);
 }
 
 /* What was done, in numbers; and what no longer fits is said. */
