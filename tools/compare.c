@@ -246,7 +246,7 @@ static void end_session(struct session *s) {
 }
 
 static int write_report(const slv_env *env, const char *folder, const report_data *report) {
-    char json[1100], html[1100];
+    char json[1300], html[1300];
     snprintf(json, sizeof json, "%s/report.json", folder);
     snprintf(html, sizeof html, "%s/report.html", folder);
     if (report_write_pictures(env, folder, report) || report_write_tables(env, folder, report) ||
@@ -273,19 +273,20 @@ static void choose(const struct compare *o, report_data *report) {
 
 static int compare(const struct compare *o, report_data *report) {
     struct session session = {.options = o, .env = cli_env(o->threads), .report = report};
-    char beside[1024];
+    output_folder folder;
     double start = cli_now();
     /* whether it can be written is known before minutes are spent */
-    if (output_folder_begin(o->out, beside, sizeof beside))
+    if (output_folder_begin(o->out, &folder))
         return EXIT_FAILED;
-    output_folder_end(o->out, beside, EXIT_FAILED);
+    output_folder_end(&folder, NULL, EXIT_FAILED);
     cli_catch_interrupts();
     choose(o, report);
     slv_result result = run(&session);
     report->seconds = cli_now() - start;
-    int code = result ? EXIT_FAILED : output_folder_begin(o->out, beside, sizeof beside);
+    int code = result ? EXIT_FAILED : output_folder_begin(o->out, &folder);
     if (!code)
-        code = output_folder_end(o->out, beside, write_report(&session.env, beside, report));
+        code = output_folder_end(&folder, "report.html",
+                                 write_report(&session.env, folder.beside, report));
     end_session(&session);
     if (!code && !o->quiet)
         compare_print(report, o->out);

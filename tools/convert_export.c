@@ -1,7 +1,9 @@
 #include "convert_index.h"
 
+#include <errno.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
 
 struct export {
     const convert_plan *plan;
@@ -110,18 +112,19 @@ int convert_to_folder(const slv_env *env, const convert_options *options, const 
     slv_type type = plan->target.type;
     bool real = type == SLV_TYPE_HALF || type == SLV_TYPE_FLOAT;
     struct export e = {.plan = plan, .exr = options->format_given ? options->format == 1 : real};
-    char beside[1200], path[1300];
-    int code = output_folder_begin(folder, beside, sizeof beside);
+    output_folder made;
+    char path[1300];
+    int code = output_folder_begin(folder, &made);
     if (code)
         return code;
     if (is_lossy(type, e.exr))
         cli_warning("PNG holds 0..1 in 16 bits, the texels are %s", slv_type_name(type));
-    e.folder = beside;
-    snprintf(path, sizeof path, "%s/index.json", beside);
+    e.folder = made.beside;
+    snprintf(path, sizeof path, "%s/index.json", made.beside);
     code = slv_ptx_visit_faces(env, ptx, export_face, &e) ? EXIT_FAILED : EXIT_OK;
     if (!code)
         code = index_write(env, path, describe(options, plan, ptx, NULL, e.exr, NULL));
-    return output_folder_end(folder, beside, code);
+    return output_folder_end(&made, "index.json", code);
 }
 
 struct box {
@@ -180,14 +183,44 @@ done:
     return code;
 }
 
+/* Whether there is no file of that name, or an index, which may be written anew. */
+static bool may_be_index(const char *path) {
+    json_error_t error;
+    struct stat status;
+    if (lstat(path, &status) != 0 && errno == ENOENT)
+        return true;
+    json_t *root = json_load_file(path, 0, &error);
+    const char *kind = json_string_value(json_object_get(root, "kind"));
+    bool good = kind && strcmp(kind, INDEX_KIND) == 0;
+    json_decref(root);
+    return good;
+}
+
+/* The pictures and the index go into the folder `made`. */
+static int save_sheets(const struct export *e, const slv_env *env, const convert_options *options,
+                       const slv_ptx *ptx, const char *stem, const output_folder *made) {
+    const slv_ptx_writer_params *target = &e->plan->target;
+    slv_image_params params = index_image_params(target->type, e->exr);
+    const char *slash = strrchr(stem, '/'), *base = slash ? slash + 1 : stem;
+    char name[1100], path[2400];
+    for (uint32_t group = 0; group < index_groups(target->nchannels); group++) {
+        index_image_name(name, sizeof name, base, group, e->exr);
+        snprintf(path, sizeof path, "%s/%s", made->beside, name);
+        if (slv_image_save(env, path, &e->sheets[group], &params))
+            return EXIT_FAILED;
+    }
+    snprintf(path, sizeof path, "%s/%s.json", made->beside, base);
+    return index_write(env, path, describe(options, e->plan, ptx, base, e->exr, e->places));
+}
+
 int convert_to_sheet(const slv_env *env, const convert_options *options, const convert_plan *plan,
                      const slv_ptx *ptx, const char *path) {
     size_t length = strlen(path) - 4; /* .png or .exr */
     struct export e = {.plan = plan, .exr = path[length + 1] == 'e' || path[length + 1] == 'E'};
     uint32_t nfaces = plan->target.nfaces, ngroups = index_groups(plan->target.nchannels);
     uint32_t size[2] = {1, 1};
-    slv_image_params params = index_image_params(plan->target.type, e.exr);
     uint32_t(*places)[2] = calloc((size_t)nfaces + 1, sizeof *places);
+    output_folder made;
     char stem[1024], name[1100];
     int code = EXIT_FAILED;
     e.sheets = calloc(ngroups, sizeof *e.sheets);
@@ -196,6 +229,11 @@ int convert_to_sheet(const slv_env *env, const convert_options *options, const c
         goto done;
     }
     snprintf(stem, sizeof stem, "%.*s", (int)length, path);
+    snprintf(name, sizeof name, "%s.json", stem);
+    if (!may_be_index(name)) {
+        cli_error("%s: is there already and is no index of a sheet: name another sheet", name);
+        goto done;
+    }
     if (place_faces(plan, ptx, places, size))
         goto done;
     e.places = (const uint32_t(*)[2])places;
@@ -206,17 +244,11 @@ int convert_to_sheet(const slv_env *env, const convert_options *options, const c
         if (slv_image_create(env, size[0], size[1], index_group_size(plan->target.nchannels, group),
                              &e.sheets[group]))
             goto done;
-    if (slv_ptx_visit_faces(env, ptx, export_face, &e))
+    if (slv_ptx_visit_faces(env, ptx, export_face, &e) || output_files_begin(path, &made))
         goto done;
-    for (uint32_t group = 0; group < ngroups; group++) {
-        index_image_name(name, sizeof name, stem, group, e.exr);
-        if (slv_image_save(env, group ? name : path, &e.sheets[group], &params))
-            goto done;
-    }
-    snprintf(name, sizeof name, "%s.json", stem);
-    const char *base = strrchr(stem, '/');
-    code = index_write(env, name,
-                       describe(options, plan, ptx, base ? base + 1 : stem, e.exr, e.places));
+    const char *slash = strrchr(name, '/');
+    code = save_sheets(&e, env, options, ptx, stem, &made);
+    code = output_folder_end(&made, slash ? slash + 1 : name, code);
 done:
     for (uint32_t group = 0; e.sheets && group < ngroups; group++)
         slv_image_free(&e.sheets[group]);

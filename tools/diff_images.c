@@ -53,12 +53,12 @@ done:
 }
 
 int diff_save_images(const slv_env *env, const struct diff *d) {
-    char beside[1200];
-    int code = output_folder_begin(d->images, beside, sizeof beside);
+    output_folder folder;
+    int code = output_folder_begin(d->images, &folder);
     if (code)
         return code;
     for (uint32_t face = 0; face < d->nfaces && code == EXIT_OK; face++)
-        if ((d->faces[face].what & SLV_DIFF_TEXELS) && save_face(env, d, face, beside))
+        if ((d->faces[face].what & SLV_DIFF_TEXELS) && save_face(env, d, face, folder.beside))
             code = EXIT_FAILED;
-    return output_folder_end(d->images, beside, code);
+    return output_folder_end(&folder, NULL, code);
 }

@@ -1,13 +1,11 @@
 #include "output.h"
 
-#include <dirent.h>
 #include <errno.h>
 #include <math.h>
 #include <stdarg.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
-#include <unistd.h>
 
 #define NOT_UTF8 UINT32_MAX
 
@@ -57,59 +55,6 @@ slv_result output_close(output_file *file, slv_result result) {
         remove(file->beside);
     free(file->beside);
     return result;
-}
-
-int output_folder_begin(const char *folder, char *beside, size_t size) {
-    struct stat status;
-    int length = (int)strlen(folder);
-    while (length > 1 && folder[length - 1] == '/')
-        length--;
-    if (stat(folder, &status) == 0 &&
-        (!S_ISDIR(status.st_mode) || access(folder, W_OK | X_OK) != 0))
-        return cli_error("%s: %s", folder,
-                         S_ISDIR(status.st_mode) ? "cannot be written" : "is not a folder");
-    if (snprintf(beside, size, "%.*s.XXXXXX", length, folder) >= (int)size)
-        return cli_error("%s: the name is too long", folder);
-    if (!mkdtemp(beside) || chmod(beside, 0755) != 0)
-        return cli_error("%s: cannot be made: %s", folder, strerror(errno));
-    return EXIT_OK;
-}
-
-/* Moves every file of one folder into another, or removes them if that is NULL; then removes the
- * folder. */
-static int empty_folder(const char *from, const char *to) {
-    DIR *list = opendir(from);
-    int code = EXIT_OK;
-    for (struct dirent *entry; list && (entry = readdir(list));) {
-        char here[1400], there[1400];
-        if (entry->d_name[0] == '.')
-            continue;
-        snprintf(here, sizeof here, "%s/%s", from, entry->d_name);
-        snprintf(there, sizeof there, "%s/%s", to ? to : from, entry->d_name);
-        if (to && rename(here, there) != 0 && code == EXIT_OK)
-            code = cli_error("%s: cannot be written: %s", there, strerror(errno));
-        remove(here);
-    }
-    if (list)
-        closedir(list);
-    rmdir(from);
-    return code;
-}
-
-int output_folder_end(const char *folder, const char *beside, int code) {
-    if (code != EXIT_OK) {
-        empty_folder(beside, NULL);
-        return code;
-    }
-    if (rename(beside, folder) == 0)
-        return EXIT_OK;
-    int reason = errno;
-    struct stat status;
-    /* not empty, a link to a folder, a mounted one, or "." */
-    if (stat(folder, &status) == 0 && S_ISDIR(status.st_mode))
-        return empty_folder(beside, folder);
-    empty_folder(beside, NULL);
-    return cli_error("%s: cannot be written: %s", folder, strerror(reason));
 }
 
 /* Takes one character off the front (RFC 3629), or one byte if that is not the start of one. */

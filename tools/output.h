@@ -18,11 +18,19 @@ typedef struct output_file {
 slv_result output_open(const slv_env *env, const char *path, output_file *out);
 /* Puts it in the path's place if `result` is success and all was written, else removes it. */
 slv_result output_close(output_file *file, slv_result result);
-/* A folder of files that appears complete: files are written into a new folder `beside` it. Ending
- * with EXIT_OK makes that one the folder, or moves its files over where the folder exists already;
- * any other code removes it. Both return an exit code. */
-int output_folder_begin(const char *folder, char *beside, size_t size);
-int output_folder_end(const char *folder, const char *beside, int code);
+/* Files that appear together: they are written into a new folder `beside` their place. Ending with
+ * EXIT_OK makes that one the folder, or moves its files over where the folder exists already, the
+ * one named `last` (it may be NULL) after all others; any other code removes it. Each returns an
+ * exit code. */
+typedef struct output_folder {
+    char into[1100], beside[1200];
+    bool whole;
+    int lock;
+} output_folder;
+int output_folder_begin(const char *folder, output_folder *out);
+/* The same for files that go where `path` is, in a folder with others. */
+int output_files_begin(const char *path, output_folder *out);
+int output_folder_end(output_folder *folder, const char *last, int code);
 uint64_t output_file_bytes(const char *path); /* 0 if there is none */
 /* Logs one error line and returns `result`. */
 slv_result output_fail(const slv_env *env, slv_result result, const char *format, ...)

@@ -189,13 +189,13 @@ static void print_outcome(const struct reference *r, const char *path, const str
 
 static int run(const struct reference *r, const char *path) {
     struct outcome outcome = {.seconds = 0};
-    char beside[1024] = "";
-    if (r->convergence && output_folder_begin(r->convergence, beside, sizeof beside))
+    output_folder folder;
+    if (r->convergence && output_folder_begin(r->convergence, &folder))
         return EXIT_FAILED;
     cli_catch_interrupts();
-    int code = make(r, path, r->convergence ? beside : NULL, &outcome);
+    int code = make(r, path, r->convergence ? folder.beside : NULL, &outcome);
     if (r->convergence)
-        code = output_folder_end(r->convergence, beside, code);
+        code = output_folder_end(&folder, NULL, code);
     if (code)
         return code;
     if (r->json)

@@ -236,6 +236,63 @@ static void check_hostile(void) {
     CHECK(info_of("good.ptx").nmeta == 1);
 }
 
+static void mark_of(const char *name, struct stat *out) {
+    REQUIRE(stat(tool_path(name), out) == 0);
+}
+
+static void is_untouched(const char *name, const struct stat *before) {
+    struct stat now;
+    mark_of(name, &now);
+    CHECK_MSG(now.st_ino == before->st_ino && now.st_size == before->st_size, "%s", name);
+}
+
+/* What cannot be written whole leaves what was there, and nothing beside it. */
+static void check_kept(void) {
+    struct stat picture, index;
+    REQUIRE(mkdir(tool_path("kept"), 0777) == 0);
+    RUNS(0, "convert rgb.ptx kept/s.png");
+    tool_write_noise("many.ptx", SLV_TYPE_U8, 5, SLV_NO_ALPHA, 3);
+    mark_of("kept/s.png", &picture);
+    mark_of("kept/s.json", &index);
+    REQUIRE(mkdir(tool_path("kept/s.1.png"), 0777) == 0);
+    RUNS(1, "convert many.ptx kept/s.png");
+    HAS("kept/s.1.png: is a folder, where a file would go");
+    is_untouched("kept/s.png", &picture);
+    is_untouched("kept/s.json", &index);
+    REQUIRE(rmdir(tool_path("kept/s.1.png")) == 0);
+    RUNS(0, "convert many.ptx kept/s.png");
+    RUNS(0, "convert kept/s.json again.ptx");
+    SAME("many.ptx", "again.ptx");
+    static const char *const others[] = {"not json", "{\"kind\":\"report\"}", "[]"};
+    for (int i = 0; i < 3; i++) {
+        tool_write_file("kept/view.json", others[i], strlen(others[i]));
+        mark_of("kept/view.json", &index);
+        RUNS(1, "convert rgb.ptx kept/view.png");
+        HAS("kept/view.json: is there already and is no index");
+        is_untouched("kept/view.json", &index);
+        CHECK(access(tool_path("kept/view.png"), F_OK) != 0);
+    }
+    RUNS(0, "convert rgb.ptx kept/faces");
+    mark_of("kept/faces/face_000000.png", &picture);
+    mark_of("kept/faces/index.json", &index);
+    REQUIRE(remove(tool_path("kept/faces/face_000005.png")) == 0);
+    REQUIRE(mkdir(tool_path("kept/faces/face_000005.png"), 0777) == 0);
+    RUNS(1, "convert many.ptx kept/faces");
+    HAS("face_000005.png: is a folder, where a file would go");
+    is_untouched("kept/faces/face_000000.png", &picture);
+    is_untouched("kept/faces/index.json", &index);
+    CHECK(access(tool_path("kept/faces/face_000000.1.png"), F_OK) != 0);
+    /* left by a killed export; the other is nobody's of ours */
+    REQUIRE(mkdir(tool_path("kept/late.selvage-aB3xYz"), 0777) == 0);
+    tool_write_file("kept/late.selvage-aB3xYz/face_000000.png", "x", 1);
+    REQUIRE(mkdir(tool_path("kept/late.selvage-mine"), 0777) == 0);
+    RUNS(0, "convert rgb.ptx kept/late");
+    CHECK(access(tool_path("kept/late.selvage-aB3xYz"), F_OK) != 0);
+    CHECK(rmdir(tool_path("kept/late.selvage-mine")) == 0);
+    RUNS(0, "--version && ls kept | grep -c selvage || true");
+    HAS("\n0\n");
+}
+
 /* What was done, in numbers; and what no longer fits is said. */
 static void check_summary(void) {
     static const char *const forms[] = {"sum.ptx", "sum.png", "sums"};
@@ -316,6 +373,7 @@ int main(void) {
     check_images();
     check_summary();
     check_hostile();
+    check_kept();
     check_usage();
     tool_end();
     return test_end();
