@@ -57,7 +57,7 @@ static int run_convert(const cli_command *command, const convert_options *option
     if (slv_ptx_open(&env, paths[0], &ptx) || slv_ptx_load_tables(ptx))
         goto done;
     slv_ptx_writer_params source = slv_ptx_writer_params_like(ptx);
-    if ((code = convert_plan_make(command, options, &source, &totals, &plan)))
+    if ((code = convert_plan_make(command, options, paths[0], &source, &totals, &plan)))
         goto done;
     totals.progress.total = source.nfaces;
     code = to_ptx     ? convert_to_ptx(&env, options, &plan, ptx, mesh, paths[1])
@@ -80,6 +80,8 @@ done:
 }
 
 int verb_convert(int argc, char **argv) {
+    /* nobody means a folder by such a name */
+    static const char *const others[] = {".jpg", ".jpeg", ".tif", ".tiff", ".json"};
     convert_options o = {0};
     const char *paths[2] = {NULL, NULL};
     uint32_t narguments = 0;
@@ -147,6 +149,15 @@ int verb_convert(int argc, char **argv) {
         return cli_usage(&command, "--reductions and --no-reductions contradict each other");
     if (o.mesh && !ends_with(paths[1], ".ptx"))
         return cli_usage(&command, "--mesh: only a .ptx holds geometry");
+    bool to_ptx = ends_with(paths[1], ".ptx"),
+         to_sheet = ends_with(paths[1], ".png") || ends_with(paths[1], ".exr");
+    if (o.format_given && (to_ptx || to_sheet))
+        return cli_usage(&command, "--format: only for a folder of images, not '%s'", paths[1]);
+    if (o.compression && !to_ptx)
+        return cli_usage(&command, "--compression: only for a .ptx, not '%s'", paths[1]);
+    for (uint32_t i = 0; i < sizeof others / sizeof *others; i++)
+        if (ends_with(paths[1], others[i]))
+            return cli_usage(&command, "'%s': expected a folder, .ptx, .png or .exr", paths[1]);
     code = run_convert(&command, &o, paths);
     if (fflush(stdout) != 0 || ferror(stdout))
         return code ? code : cli_error("cannot write the answer: %s", strerror(errno));

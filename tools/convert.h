@@ -34,6 +34,7 @@ typedef struct convert_totals {
 
 /* What becomes of every face, once options have met the source. */
 typedef struct convert_plan {
+    const char *path;                     /* the source, as messages name it */
     slv_ptx_writer_params source, target; /* alike but for what is asked for */
     convert_channel *channels;            /* target.nchannels */
     bool same_channels, premultiply, unmultiply;
@@ -45,7 +46,7 @@ typedef struct convert_plan {
 } convert_plan;
 
 /* convert_plan.c. Returns an exit code; a plan is freed whatever that is. */
-int convert_plan_make(const cli_command *command, const convert_options *options,
+int convert_plan_make(const cli_command *command, const convert_options *options, const char *path,
                       const slv_ptx_writer_params *source, convert_totals *totals,
                       convert_plan *plan);
 void convert_plan_free(convert_plan *plan);

@@ -51,7 +51,8 @@ static slv_result export_face(void *user, const slv_env *env, uint32_t face,
     slv_res res = changed.flags & SLV_FACE_CONSTANT ? (slv_res){0, 0} : changed.res;
     size_t count = ((size_t)1 << (res.u + res.v)) * target->nchannels;
     if (!result && !(values = malloc(count * sizeof *values)))
-        result = output_fail(env, SLV_ERROR_MEMORY, "face %u: no memory for its image", face);
+        result = output_fail(env, SLV_ERROR_MEMORY, "%s: face %u: no memory for its image",
+                             e->plan->path, face);
     if (!result) {
         slv_type_to_float(target->type, converted, count, values);
         if (e->folder)
@@ -145,7 +146,7 @@ static int place_faces(const convert_plan *plan, const slv_ptx *ptx, uint32_t (*
                        uint32_t size[2]) {
     uint32_t nfaces = plan->target.nfaces;
     struct box *boxes = calloc((size_t)nfaces + 1, sizeof *boxes);
-    uint64_t area = 0, x = 0, y = 0, width = 1;
+    uint64_t area = 0, x = 0, y = 0, width = 1, height = 0;
     int code = EXIT_OK;
     if (!boxes)
         return cli_error("no memory to place %u faces", nfaces);
@@ -163,7 +164,7 @@ static int place_faces(const convert_plan *plan, const slv_ptx *ptx, uint32_t (*
     while (width * width < area)
         width *= 2;
     qsort(boxes, nfaces, sizeof *boxes, tallest_first);
-    for (uint32_t i = 0, height = 0; i < nfaces; i++) {
+    for (uint32_t i = 0; i < nfaces; i++) {
         if (i == 0 || x + boxes[i].width > width) {
             y += height;
             x = 0;
@@ -172,12 +173,12 @@ static int place_faces(const convert_plan *plan, const slv_ptx *ptx, uint32_t (*
         places[boxes[i].face][0] = (uint32_t)x;
         places[boxes[i].face][1] = (uint32_t)y;
         x += boxes[i].width;
-        size[1] = (uint32_t)(y + height);
     }
     size[0] = (uint32_t)width;
-    if (width > 1 << SLV_MAX_LOG2_RES || y > 1 << SLV_MAX_LOG2_RES)
+    size[1] = nfaces ? (uint32_t)(y + height) : 1;
+    if (width > 1 << SLV_MAX_LOG2_RES || y + height > 1 << SLV_MAX_LOG2_RES)
         code = cli_error("a sheet of %llu x %llu is too large: name a folder instead",
-                         (unsigned long long)width, (unsigned long long)y);
+                         (unsigned long long)width, (unsigned long long)(y + height));
 done:
     free(boxes);
     return code;

@@ -3,18 +3,17 @@
 #include <math.h>
 #include <stdlib.h>
 
+#define DEFAULT_MAX_BYTES (UINT64_C(16) << 30) /* what slv_env.max_bytes of 0 means */
+
 /* Resampling wants colours multiplied by alpha, so that what is not covered does not bleed. */
-static slv_result resize(const slv_env *env, const convert_plan *plan, slv_res from, slv_res to,
-                         float **values, bool *multiplied) {
+static slv_result resize(const slv_env *env, const convert_plan *plan, uint32_t face, slv_res from,
+                         slv_res to, float **values, bool *multiplied) {
     const slv_ptx_writer_params *source = &plan->source;
-    size_t count = (size_t)1 << (to.u + to.v);
-    float *out = count <= SIZE_MAX / sizeof *out / source->nchannels
-                     ? malloc(count * source->nchannels * sizeof *out)
-                     : NULL;
+    float *out = malloc(((size_t)1 << (to.u + to.v)) * source->nchannels * sizeof *out);
     slv_result result;
     if (!out)
-        return output_fail(env, SLV_ERROR_MEMORY, "no memory for %u x %u texels", 1u << to.u,
-                           1u << to.v);
+        return output_fail(env, SLV_ERROR_MEMORY, "%s: face %u: no memory for %u x %u texels",
+                           plan->path, face, 1u << to.u, 1u << to.v);
     if (source->alpha_channel >= 0 && !*multiplied) {
         slv_ptx_premultiply(SLV_TYPE_FLOAT, source->nchannels, source->alpha_channel, *values,
                             (uint64_t)1 << (from.u + from.v));
@@ -73,6 +72,22 @@ static void count_face(const convert_plan *plan, slv_res from, const slv_ptx_fac
     cli_progress_step(&totals->progress);
 }
 
+/* All values of a face are in memory at once, as floats. */
+static slv_result check_size(const slv_env *env, const convert_plan *plan, uint32_t face,
+                             slv_res res) {
+    uint64_t channels = plan->source.nchannels > plan->target.nchannels ? plan->source.nchannels
+                                                                        : plan->target.nchannels,
+             bytes = (channels * sizeof(float)) << (res.u + res.v),
+             limit = env->max_bytes ? env->max_bytes : DEFAULT_MAX_BYTES;
+    if (bytes <= limit && bytes <= SIZE_MAX)
+        return SLV_OK;
+    return output_fail(env, SLV_ERROR_LIMIT,
+                       "%s: face %u: %u x %u texels of %llu channels are %.1f GiB, the limit is "
+                       "%.1f GiB",
+                       plan->path, face, 1u << res.u, 1u << res.v, (unsigned long long)channels,
+                       (double)bytes / (1 << 30), (double)limit / (1 << 30));
+}
+
 slv_result convert_face(const slv_env *env, const convert_plan *plan, uint32_t face,
                         slv_ptx_face *info, const void **texels, void **own) {
     const slv_ptx_writer_params *source = &plan->source, *target = &plan->target;
@@ -89,13 +104,15 @@ slv_result convert_face(const slv_env *env, const convert_plan *plan, uint32_t f
     if (same_res && plan->same_channels && source->type == target->type && !plan->premultiply &&
         !plan->unmultiply)
         return SLV_OK;
+    if (!constant && (result = check_size(env, plan, face, to)))
+        return result;
     if (count <= SIZE_MAX / sizeof *values / source->nchannels)
         values = malloc(count * source->nchannels * sizeof *values);
     if (!values)
         goto no_memory;
     slv_type_to_float(source->type, *texels, count * source->nchannels, values);
     if (!same_res) {
-        if ((result = resize(env, plan, from, to, &values, &multiplied)))
+        if ((result = resize(env, plan, face, from, to, &values, &multiplied)))
             goto done;
         count = (size_t)1 << (to.u + to.v);
     }
@@ -115,7 +132,8 @@ slv_result convert_face(const slv_env *env, const convert_plan *plan, uint32_t f
     *texels = *own = out;
     goto done;
 no_memory:
-    result = output_fail(env, SLV_ERROR_MEMORY, "face %u: no memory for its texels", face);
+    result = output_fail(env, SLV_ERROR_MEMORY, "%s: face %u: no memory for its texels", plan->path,
+                         face);
 done:
     if (selected != values)
         free(selected);

@@ -1,5 +1,6 @@
 #include "convert_index.h"
 
+#include <errno.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
@@ -159,7 +160,11 @@ static slv_result open_index(struct import *m, const char *given, char *index, s
     char *slash = strrchr(m->folder, '/');
     slash ? (slash[1] = 0) : (m->folder[0] = 0);
     m->index = index;
+    errno = 0;
     m->root = json_load_file(index, JSON_REJECT_DUPLICATES, &error);
+    int reason = errno;
+    if (!m->root && error.line < 0 && reason)
+        return output_fail(m->env, SLV_ERROR_IO, "%s: %s", index, strerror(reason));
     if (!m->root)
         return output_fail(m->env, SLV_ERROR_FORMAT, "%s:%d: %s", index, error.line, error.text);
     m->faces = json_object_get(m->root, "faces");
@@ -178,7 +183,7 @@ int convert_from_index(const cli_command *command, const slv_env *env,
         index_read_params(env, index, m.root, &source))
         goto done;
     m.source = &source;
-    if ((code = convert_plan_make(command, options, &source, totals, plan)))
+    if ((code = convert_plan_make(command, options, given, &source, totals, plan)))
         goto done;
     code = EXIT_FAILED;
     totals->progress.total = source.nfaces;

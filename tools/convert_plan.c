@@ -183,10 +183,11 @@ static int choose_sizes(const cli_command *command, const convert_options *optio
     return !code && options->res ? parse_res(command, options->res, plan) : code;
 }
 
-int convert_plan_make(const cli_command *command, const convert_options *options,
+int convert_plan_make(const cli_command *command, const convert_options *options, const char *path,
                       const slv_ptx_writer_params *source, convert_totals *totals,
                       convert_plan *plan) {
-    *plan = (convert_plan){.source = *source,
+    *plan = (convert_plan){.path = path,
+                           .source = *source,
                            .target = *source,
                            .totals = totals,
                            .premultiply = options->premultiply,

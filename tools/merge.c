@@ -32,7 +32,8 @@ static slv_result write_part(const cli_command *command, const slv_env *env, str
     convert_options options = {.type = (int)m->target.type, .type_given = true};
     slv_ptx_writer_params source = slv_ptx_writer_params_like(m->files[index]);
     slv_result result = SLV_ERROR_ARGUMENT;
-    if (convert_plan_make(command, &options, &source, &m->totals, &part.plan) == EXIT_OK)
+    if (convert_plan_make(command, &options, m->paths[index], &source, &m->totals, &part.plan) ==
+        EXIT_OK)
         result = slv_ptx_visit_faces(env, m->files[index], write_face, &part);
     convert_plan_free(&part.plan);
     return result;

@@ -349,6 +349,23 @@ static void check_usage(void) {
     RUNS(2, "convert rgb.ptx x.ptx --premultiply --unmultiply");
     RUNS(2, "convert rgb.ptx x.png --mesh x.obj");
     RUNS(2, "convert faces x.png");
+    RUNS(2, "convert rgb.ptx x.ptx --format png");
+    RUNS(2, "convert rgb.ptx x.png --format png");
+    RUNS(2, "convert rgb.ptx x.png --compression 3");
+    RUNS(2, "convert rgb.ptx x --compression 3");
+    static const char *const others[] = {"x.jpg", "x.JPEG", "x.tif", "x.tiff", "x.json"};
+    for (int i = 0; i < 5; i++) {
+        RUNS(2, "convert rgb.ptx %s", others[i]);
+        HAS("expected a folder, .ptx, .png or .exr");
+        CHECK(access(tool_path(others[i]), F_OK) != 0);
+    }
+    RUNS(1, "convert rgb.ptx x.png --res 0=65536x1,1=1x65536,2=1x65536");
+    HAS("a sheet of 65536 x 65537 is too large");
+    RUNS(1, "convert rgb.ptx x.ptx --scale 65536");
+    HAS("rgb.ptx: face ");
+    HAS(": 65536 x 65536 texels of 3 channels are 48.0 GiB, the limit is 16.0 GiB");
+    RUNS(1, "convert nofile.json x.ptx");
+    HAS("selvage: nofile.json: No such file or directory\n");
     RUNS(2, "convert rgb.ptx ''");
     RUNS(2, "convert -- rgb.ptx ''");
     RUNS(2, "info ''");
