@@ -41,11 +41,13 @@ static void remove_folder(const char *folder) {
     rmdir(folder);
 }
 
-/* Locked, or -1: it is somebody's. */
+/* Locked, or -1; errno is EWOULDBLOCK if it is somebody's. */
 static int lock_folder(const char *folder) {
     int lock = open(folder, O_RDONLY | O_DIRECTORY | O_NOFOLLOW | O_CLOEXEC);
     if (lock >= 0 && flock(lock, LOCK_EX | LOCK_NB) != 0) {
+        int reason = errno;
         close(lock);
+        errno = reason;
         return -1;
     }
     return lock;
@@ -85,8 +87,10 @@ static int make_beside(const char *path, int length, output_folder *out) {
         if (!mkdtemp(out->beside) || chmod(out->beside, 0755) != 0)
             break;
         out->lock = lock_folder(out->beside);
-        /* before the lock, a sweep may have taken this one */
-        if (is_folder(out->beside))
+        /* before the lock a sweep may have taken this one; where locks are not to be had, nothing
+         * is ever taken for abandoned */
+        bool taken = out->lock < 0 && errno == EWOULDBLOCK;
+        if (!taken && is_folder(out->beside))
             return EXIT_OK;
         if (out->lock >= 0)
             close(out->lock);
