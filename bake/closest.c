@@ -9,6 +9,7 @@
 #include <string.h>
 
 enum { LEAF = 4, MAX_DEPTH = 64 };
+#define FAR_AWAY 1024.0 /* diagonals; from there on only the direction matters */
 
 struct triangle {
     uint32_t face, cell; /* cell: 2 * (y * segments + x) + which half */
@@ -18,6 +19,7 @@ struct node {
     float low[3], high[3];
     uint32_t first, count; /* a leaf: triangles; else count is 0, `first` is the left child, the
                               right one follows it */
+    uint32_t lowest_face;
 };
 
 struct slv_closest {
@@ -101,6 +103,10 @@ static void build(slv_closest *c, uint32_t index, uint32_t first, uint32_t count
     struct node *node = &c->nodes[index];
     int axis = 0;
     bound(c, first, count, node->low, node->high);
+    node->lowest_face = UINT32_MAX;
+    for (uint32_t i = first; i < first + count; i++)
+        if (c->triangles[i].face < node->lowest_face)
+            node->lowest_face = c->triangles[i].face;
     node->first = first;
     node->count = count;
     if (count <= LEAF)
@@ -134,6 +140,18 @@ static slv_result sample(void *user, uint64_t first, uint64_t end) {
     return result;
 }
 
+/* A surface that is one point but for rounding becomes one: otherwise all its boxes overlap. */
+static void collapse(slv_closest *c) {
+    size_t side = c->segments + 1, npoints = c->nfaces * side * side;
+    float away = 0, largest = 0;
+    for (size_t i = 0; i < 3 * npoints; i++) {
+        away = fmaxf(away, fabsf(c->points[i] - c->points[i % 3]));
+        largest = fmaxf(largest, fabsf(c->points[i]));
+    }
+    for (size_t i = 3; i < 3 * npoints && away <= 16 * FLT_EPSILON * largest; i++)
+        c->points[i] = c->points[i % 3];
+}
+
 slv_result slv_closest_create(const slv_env *env, const slv_surface *surface, uint32_t segments,
                               slv_closest **out) {
     slv_closest *c = NULL;
@@ -158,6 +176,7 @@ slv_result slv_closest_create(const slv_env *env, const slv_surface *surface, ui
     struct sampling sampling = {surface, c};
     if ((result = slv_parallel_for(env, nfaces, 16, sample, &sampling)))
         goto done;
+    collapse(c);
     for (uint32_t i = 0; i < c->ntriangles; i++)
         c->triangles[i] =
             (struct triangle){i / (segments * segments * 2), i % (segments * segments * 2)};
@@ -178,35 +197,38 @@ void slv_closest_destroy(slv_closest *closest) {
     free(closest);
 }
 
-float slv_closest_diagonal(const slv_closest *closest) {
-    const struct node *root = &closest->nodes[0];
-    float sum = 0;
-    for (int k = 0; k < 3 && closest->ntriangles; k++)
-        sum += (root->high[k] - root->low[k]) * (root->high[k] - root->low[k]);
-    return sqrtf(sum);
+/* In double: squares of lengths that float holds need not fit in one. */
+static void subtract(const float *a, const float *b, double *out) {
+    for (int k = 0; k < 3; k++)
+        out[k] = (double)a[k] - (double)b[k];
+}
+static double dot(const double *a, const double *b) {
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 }
 
-static void subtract(const float *a, const float *b, float *out) {
-    for (int k = 0; k < 3; k++)
-        out[k] = a[k] - b[k];
-}
-static float dot(const float *a, const float *b) {
-    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+float slv_closest_diagonal(const slv_closest *closest) {
+    const struct node *root = &closest->nodes[0];
+    double size[3] = {0};
+    if (closest->ntriangles)
+        subtract(root->high, root->low, size);
+    return (float)sqrt(dot(size, size));
 }
 
 /* The weights of b and c at the nearest point of a triangle (Ericson, Real-Time Collision
  * Detection, 5.1.5). */
-static void nearest_weights(const float *p, const float *a, const float *b, const float *c,
-                            float *wb, float *wc) {
-    float ab[3], ac[3], ap[3], bp[3], cp[3];
+static void nearest_weights(const double *p, const float *a, const float *b, const float *c,
+                            double *wb, double *wc) {
+    double ab[3], ac[3], ap[3], bp[3], cp[3];
     subtract(b, a, ab);
     subtract(c, a, ac);
-    subtract(p, a, ap);
-    subtract(p, b, bp);
-    subtract(p, c, cp);
-    float d1 = dot(ab, ap), d2 = dot(ac, ap), d3 = dot(ab, bp), d4 = dot(ac, bp), d5 = dot(ab, cp),
-          d6 = dot(ac, cp);
-    float va = d3 * d6 - d5 * d4, vb = d5 * d2 - d1 * d6, vc = d1 * d4 - d3 * d2;
+    for (int k = 0; k < 3; k++) {
+        ap[k] = p[k] - (double)a[k];
+        bp[k] = p[k] - (double)b[k];
+        cp[k] = p[k] - (double)c[k];
+    }
+    double d1 = dot(ab, ap), d2 = dot(ac, ap), d3 = dot(ab, bp), d4 = dot(ac, bp), d5 = dot(ab, cp),
+           d6 = dot(ac, cp);
+    double va = d3 * d6 - d5 * d4, vb = d5 * d2 - d1 * d6, vc = d1 * d4 - d3 * d2;
     *wb = *wc = 0;
     if (d1 <= 0 && d2 <= 0)
         return;
@@ -219,7 +241,7 @@ static void nearest_weights(const float *p, const float *a, const float *b, cons
     else if (vb <= 0 && d2 >= 0 && d6 <= 0)
         *wc = d2 - d6 > 0 ? d2 / (d2 - d6) : 0;
     else if (va <= 0 && d4 - d3 >= 0 && d5 - d6 >= 0) {
-        float sum = d4 - d3 + d5 - d6;
+        double sum = d4 - d3 + d5 - d6;
         *wc = sum > 0 ? (d4 - d3) / sum : 0;
         *wb = 1 - *wc;
     } else if (va + vb + vc > 0) {
@@ -228,63 +250,102 @@ static void nearest_weights(const float *p, const float *a, const float *b, cons
     }
 }
 
-static void try_triangle(const slv_closest *c, const struct triangle *t, const float *p,
-                         const float *normal, float *best, slv_closest_hit *hit) {
-    float uv[3][2], wb, wc, ab[3], ac[3], away[3];
+struct search {
+    const slv_closest *closest;
+    double from[3], at[3], best; /* best: squared */
+    const float *normal;
+    slv_surface_point point;
+};
+
+static void try_triangle(struct search *s, const struct triangle *t) {
+    float uv[3][2];
+    double wb, wc, ab[3], ac[3], at[3], away[3];
     const float *corners[3];
     for (unsigned k = 0; k < 3; k++)
-        corners[k] = corner_of(c, t, k, uv[k]);
-    if (normal) {
+        corners[k] = corner_of(s->closest, t, k, uv[k]);
+    if (s->normal) {
+        const double normal[3] = {(double)s->normal[0], (double)s->normal[1], (double)s->normal[2]};
         subtract(corners[1], corners[0], ab);
         subtract(corners[2], corners[0], ac);
-        const float facing[3] = {ab[1] * ac[2] - ab[2] * ac[1], ab[2] * ac[0] - ab[0] * ac[2],
-                                 ab[0] * ac[1] - ab[1] * ac[0]};
+        const double facing[3] = {ab[1] * ac[2] - ab[2] * ac[1], ab[2] * ac[0] - ab[0] * ac[2],
+                                  ab[0] * ac[1] - ab[1] * ac[0]};
         if (dot(facing, normal) < 0)
             return;
     }
-    nearest_weights(p, corners[0], corners[1], corners[2], &wb, &wc);
-    for (int k = 0; k < 3; k++)
-        away[k] = corners[0][k] * (1 - wb - wc) + corners[1][k] * wb + corners[2][k] * wc - p[k];
-    float distance = dot(away, away);
-    if (distance > *best ||
-        (distance == *best && hit->point.face >= 0 && hit->point.face <= (int32_t)t->face))
+    nearest_weights(s->from, corners[0], corners[1], corners[2], &wb, &wc);
+    for (int k = 0; k < 3; k++) {
+        at[k] = (double)corners[0][k] * (1 - wb - wc) + (double)corners[1][k] * wb +
+                (double)corners[2][k] * wc;
+        away[k] = at[k] - s->from[k];
+    }
+    double distance = dot(away, away);
+    if (distance > s->best ||
+        (distance == s->best && s->point.face >= 0 && s->point.face <= (int32_t)t->face))
         return;
-    *best = distance;
-    hit->point = (slv_surface_point){(int32_t)t->face,
-                                     uv[0][0] * (1 - wb - wc) + uv[1][0] * wb + uv[2][0] * wc,
-                                     uv[0][1] * (1 - wb - wc) + uv[1][1] * wb + uv[2][1] * wc};
+    s->best = distance;
+    memcpy(s->at, at, sizeof at);
+    s->point = (slv_surface_point){
+        (int32_t)t->face,
+        (float)((double)uv[0][0] * (1 - wb - wc) + (double)uv[1][0] * wb + (double)uv[2][0] * wc),
+        (float)((double)uv[0][1] * (1 - wb - wc) + (double)uv[1][1] * wb + (double)uv[2][1] * wc)};
 }
 
-static float box_distance(const struct node *node, const float *p) {
-    float sum = 0;
+static double box_distance(const struct node *node, const double *p) {
+    double sum = 0;
     for (int k = 0; k < 3; k++) {
-        float outside = fmaxf(fmaxf(node->low[k] - p[k], p[k] - node->high[k]), 0);
+        double outside = fmax(fmax((double)node->low[k] - p[k], p[k] - (double)node->high[k]), 0);
         sum += outside * outside;
     }
     return sum;
 }
 
+/* Seen from very far all boxes are equally near as far as numbers can tell, and none would be left
+ * out: the search begins nearer, in the same direction. */
+static void begin_near(struct search *s, const float position[3]) {
+    const struct node *root = &s->closest->nodes[0];
+    double centre[3], away[3], size[3];
+    subtract(root->high, root->low, size);
+    for (int k = 0; k < 3; k++) {
+        centre[k] = 0.5 * ((double)root->low[k] + (double)root->high[k]);
+        away[k] = (double)position[k] - centre[k];
+    }
+    double distance = sqrt(dot(away, away)), most = FAR_AWAY * sqrt(dot(size, size));
+    double scale = distance > most ? most / distance : 1;
+    for (int k = 0; k < 3; k++)
+        s->from[k] = scale < 1 ? centre[k] + scale * away[k] : (double)position[k];
+}
+
 slv_closest_hit slv_closest_find(const slv_closest *closest, const float position[3],
-                                 const float *normal) {
-    slv_closest_hit hit = {{-1, 0, 0}, INFINITY};
-    float best = INFINITY;
+                                 const float *normal, float within) {
+    struct search s = {.closest = closest,
+                       .best = (double)within * (double)within,
+                       .normal = normal,
+                       .point = {-1, 0, 0}};
     uint32_t stack[2 * MAX_DEPTH], depth = 0;
-    if (closest->ntriangles)
-        stack[depth++] = 0;
+    if (!closest->ntriangles || !isfinite(position[0]) || !isfinite(position[1]) ||
+        !isfinite(position[2]))
+        return (slv_closest_hit){{-1, 0, 0}, INFINITY};
+    begin_near(&s, position);
+    stack[depth++] = 0;
     while (depth) {
         const struct node *node = &closest->nodes[stack[--depth]];
-        if (box_distance(node, position) > best)
+        double distance = box_distance(node, s.from);
+        if (distance > s.best ||
+            (distance == s.best && s.point.face >= 0 && s.point.face <= (int32_t)node->lowest_face))
             continue;
         if (node->count) {
             for (uint32_t i = node->first; i < node->first + node->count; i++)
-                try_triangle(closest, &closest->triangles[i], position, normal, &best, &hit);
+                try_triangle(&s, &closest->triangles[i]);
             continue;
         }
-        bool left_first = box_distance(&closest->nodes[node->first], position) <=
-                          box_distance(&closest->nodes[node->first + 1], position);
+        bool left_first = box_distance(&closest->nodes[node->first], s.from) <=
+                          box_distance(&closest->nodes[node->first + 1], s.from);
         stack[depth++] = node->first + left_first;
         stack[depth++] = node->first + !left_first;
     }
-    hit.distance = sqrtf(best);
-    return hit;
+    if (s.point.face < 0)
+        return (slv_closest_hit){s.point, INFINITY};
+    const double away[3] = {s.at[0] - (double)position[0], s.at[1] - (double)position[1],
+                            s.at[2] - (double)position[2]};
+    return (slv_closest_hit){s.point, (float)sqrt(dot(away, away))};
 }

@@ -7,7 +7,7 @@
 typedef struct slv_closest slv_closest;
 
 typedef struct slv_closest_hit {
-    slv_surface_point point; /* face -1: there is no triangle at all, or none that faces this way */
+    slv_surface_point point; /* face -1: there is no triangle at all, or none that counts */
     float distance;
 } slv_closest_hit;
 
@@ -15,9 +15,10 @@ typedef struct slv_closest_hit {
 slv_result slv_closest_create(const slv_env *env, const slv_surface *surface, uint32_t segments,
                               slv_closest **out);
 void slv_closest_destroy(slv_closest *closest);
-/* If `normal` is not NULL, only triangles that face the same way count. Thread-safe. */
+/* If `normal` is not NULL, only triangles that face the same way count. What is further away than
+ * `within` (which may be infinite) need not be found. Thread-safe. */
 slv_closest_hit slv_closest_find(const slv_closest *closest, const float position[3],
-                                 const float *normal);
+                                 const float *normal, float within);
 /* The length of the diagonal of the box around everything. */
 float slv_closest_diagonal(const slv_closest *closest);
 

@@ -12,6 +12,7 @@
 
 enum { SEGMENTS = 8, MAX_NEW_LOG2 = 12, MAX_SAMPLES = 4 };
 #define MATCH_TOLERANCE 1e-5f  /* of the source's diagonal */
+#define OTHER_UNITS 10         /* times larger or smaller is hardly meant */
 #define DEFAULT_DISTANCE 0.01f /* of the same */
 
 struct transfer {
@@ -26,41 +27,56 @@ struct transfer {
     slv_closest *closest;
     transfer_source look;
     slv_res *res; /* of the target's faces */
+    int8_t most_log2;
     pthread_mutex_t lock;
     uint64_t done, total;
 };
 
-static float length_of(const float *a, const float *b) {
-    float x = b[0] - a[0], y = b[1] - a[1], z = b[2] - a[2];
-    return sqrtf(x * x + y * y + z * z);
-}
-
-static int8_t log2_for(float texels) {
-    float log2 = texels > 1 ? roundf(log2f(texels)) : 0;
-    return (int8_t)(log2 < MAX_NEW_LOG2 ? log2 : MAX_NEW_LOG2);
-}
-
-/* As many texels a length as the source has where the middle of the face lies. */
-static slv_res choose_res(const struct transfer *t, uint32_t face, int32_t nearest) {
-    const float *c = t->target_corners + (size_t)12 * face;
-    if (nearest < 0)
-        return (slv_res){0, 0};
-    slv_res res = t->desc->res[nearest];
-    float area = transfer_area(t->source_corners + (size_t)12 * (size_t)nearest);
-    float density = area > 0 ? sqrtf(ldexpf(1, res.u + res.v) / area) : 0;
-    float u = 0.5f * (length_of(c, c + 3) + length_of(c + 9, c + 6)),
-          v = 0.5f * (length_of(c, c + 9) + length_of(c + 3, c + 6));
-    if (!(density > 0) || !isfinite(u * density) || !isfinite(v * density))
-        return res;
-    return (slv_res){log2_for(u * density), log2_for(v * density)};
-}
-
 /* The nearest point that faces the same way, or, if that is too far, that faces any way. */
 static slv_closest_hit find(const struct transfer *t, const float *position, const float *normal) {
-    slv_closest_hit hit = slv_closest_find(t->closest, position, normal);
-    if (hit.point.face >= 0 && hit.distance <= t->params.max_distance)
+    float most = t->params.max_distance;
+    slv_closest_hit hit = slv_closest_find(t->closest, position, normal, most);
+    if (hit.point.face >= 0 && hit.distance <= most)
         return hit;
-    return slv_closest_find(t->closest, position, NULL);
+    return slv_closest_find(t->closest, position, NULL, INFINITY);
+}
+
+static bool is_near(const struct transfer *t, const slv_closest_hit *hit) {
+    return hit->point.face >= 0 && hit->distance <= t->params.max_distance;
+}
+
+static int8_t log2_for(const struct transfer *t, double texels) {
+    double wanted = texels > 1 ? round(log2(texels)) : 0;
+    return (int8_t)fmin(wanted, (double)t->most_log2);
+}
+
+/* The most that a new face gets: twice the finest side of the source, more if the target has fewer
+ * faces for the same surface. Models of other units would ask for any number. */
+static int8_t most_log2(const slv_texture_desc *desc, uint32_t ntarget) {
+    int most = 0;
+    for (uint32_t face = 0; face < desc->nfaces; face++) {
+        most = desc->res[face].u > most ? desc->res[face].u : most;
+        most = desc->res[face].v > most ? desc->res[face].v : most;
+    }
+    if (ntarget && desc->nfaces > ntarget)
+        most += (int)ceil(0.5 * log2((double)desc->nfaces / ntarget));
+    return (int8_t)(most + 1 < MAX_NEW_LOG2 ? most + 1 : MAX_NEW_LOG2);
+}
+
+/* As many texels a length as the source has where the middle of the face lies; where that is not
+ * near, there is no density to speak of. */
+static slv_res choose_res(const struct transfer *t, uint32_t face, const slv_closest_hit *hit) {
+    const float *c = t->target_corners + (size_t)12 * face;
+    if (hit->point.face < 0)
+        return (slv_res){0, 0};
+    slv_res res = t->desc->res[hit->point.face];
+    double area = transfer_area(t->source_corners + (size_t)12 * (size_t)hit->point.face);
+    double density = area > 0 ? sqrt(ldexp(1, res.u + res.v) / area) : 0;
+    double u = density * (double)transfer_mean_length(c, c + 3, c + 9, c + 6),
+           v = density * (double)transfer_mean_length(c, c + 9, c + 3, c + 6);
+    if (!is_near(t, hit) || !(density > 0) || !isfinite(u) || !isfinite(v))
+        return res;
+    return (slv_res){log2_for(t, u), log2_for(t, v)};
 }
 
 static slv_result prepare_range(void *user, uint64_t first, uint64_t end) {
@@ -68,7 +84,7 @@ static slv_result prepare_range(void *user, uint64_t first, uint64_t end) {
     for (uint64_t i = first; i < end; i++) {
         slv_transfer_face *f = &t->faces[i];
         const float *corners = t->target_corners + 12 * i;
-        f->area = transfer_area(corners);
+        f->area = (float)transfer_area(corners);
         if (f->source >= 0) {
             t->res[i] = transfer_turned(t->desc->res[f->source], f);
             continue;
@@ -80,8 +96,9 @@ static slv_result prepare_range(void *user, uint64_t first, uint64_t end) {
         if (result)
             return result;
         f->kind = SLV_TRANSFER_RESAMPLED;
-        f->source = find(t, position, normal).point.face;
-        t->res[i] = choose_res(t, (uint32_t)i, f->source);
+        slv_closest_hit hit = find(t, position, normal);
+        f->source = hit.point.face;
+        t->res[i] = choose_res(t, (uint32_t)i, &hit);
     }
     return SLV_OK;
 }
@@ -124,10 +141,6 @@ static slv_result evaluate_row(const struct transfer *t, struct buffers *b, uint
     return slv_surface_evaluate(t->target, count, b->points, &arrays);
 }
 
-static bool is_near(const struct transfer *t, const slv_closest_hit *hit) {
-    return hit->point.face >= 0 && hit->distance <= t->params.max_distance;
-}
-
 /* How many samples a side it takes so that no texel of the source is missed; beyond the most, each
  * sample is a mean. */
 static uint32_t samples_for(float texel, float finest) {
@@ -166,8 +179,8 @@ static slv_result resample(const struct transfer *t, uint32_t face) {
     uint64_t w = UINT64_C(1) << res.u, h = UINT64_C(1) << res.v, near = 0;
     uint32_t n = t->desc->nchannels;
     const float *c = t->target_corners + (size_t)12 * face;
-    const float size[2] = {ldexpf(0.5f * (length_of(c, c + 3) + length_of(c + 9, c + 6)), -res.u),
-                           ldexpf(0.5f * (length_of(c, c + 9) + length_of(c + 3, c + 6)), -res.v)};
+    const float size[2] = {ldexpf(transfer_mean_length(c, c + 3, c + 9, c + 6), -res.u),
+                           ldexpf(transfer_mean_length(c, c + 9, c + 3, c + 6), -res.v)};
     struct buffers b[2] = {0};
     slv_result result = allocate(t, w, w * h, &b[0]);
     if (!result)
@@ -183,7 +196,9 @@ static slv_result resample(const struct transfer *t, uint32_t face) {
             if (hit.point.face < 0 || (t->params.blank && !is_near(t, &hit)))
                 continue;
             float finest = transfer_finest_texel(&t->look, &hit.point, fmaxf(size[0], size[1]));
-            if (samples_for(size[0], finest) > 1 || samples_for(size[1], finest) > 1)
+            /* what is not covered is not worth a mean of many */
+            if (is_near(t, &hit) &&
+                (samples_for(size[0], finest) > 1 || samples_for(size[1], finest) > 1))
                 result = average(t, face, x, y, size, finest, b, out);
             else
                 transfer_look_up(&t->look, &hit.point, 0, b->scratch, out);
@@ -228,6 +243,23 @@ static slv_result fill_range(void *user, uint64_t first, uint64_t end) {
     return result;
 }
 
+static float diagonal_of(uint32_t nfaces, const float *corners) {
+    float low[3] = {0}, high[3] = {0};
+    for (size_t i = 0; i < (size_t)4 * nfaces; i++)
+        for (int k = 0; k < 3; k++) {
+            low[k] = i ? fminf(low[k], corners[3 * i + (size_t)k]) : corners[k];
+            high[k] = i ? fmaxf(high[k], corners[3 * i + (size_t)k]) : corners[k];
+        }
+    return transfer_mean_length(low, high, low, high);
+}
+
+static void warn_of_units(const slv_env *env, float source, float target) {
+    if (source > OTHER_UNITS * target || target > OTHER_UNITS * source)
+        slv_logf(env, SLV_LOG_WARNING,
+                 "the old model's diagonal is %g, the new one's %g: are their units the same?",
+                 (double)source, (double)target);
+}
+
 static slv_result prepare(const slv_env *env, struct transfer *t, const slv_mesh *source,
                           const slv_mesh *target) {
     slv_surface_params surface = {.scheme = t->params.scheme};
@@ -241,6 +273,9 @@ static slv_result prepare(const slv_env *env, struct transfer *t, const slv_mesh
         (result = transfer_source_begin(env, source, t->texture, t->source_corners, &t->look)) ||
         (result = slv_alloc(env, "resolutions", ntarget, sizeof *t->res, &t->res)))
         return result;
+    warn_of_units(env, diagonal_of(nsource, t->source_corners),
+                  diagonal_of(ntarget, t->target_corners));
+    t->most_log2 = most_log2(t->desc, ntarget);
     float diagonal = slv_closest_diagonal(t->closest);
     if (!(t->params.max_distance > 0))
         t->params.max_distance = DEFAULT_DISTANCE * diagonal;
@@ -278,8 +313,9 @@ slv_result slv_transfer(const slv_env *env, const slv_mesh *source, const slv_te
         (result = slv_parallel_for(env, ntarget, 4, fill_range, &t)))
         goto done;
     for (uint32_t face = 0; face < ntarget; face++) {
-        area += (double)faces[face].area;
-        near += (double)faces[face].area * (double)faces[face].covered;
+        double own = transfer_area(t.target_corners + (size_t)12 * face);
+        area += own;
+        near += own * (double)faces[face].covered;
     }
     if (covered)
         *covered = area > 0 ? (float)(near / area) : 0;

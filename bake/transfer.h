@@ -7,7 +7,9 @@
 /* The four corners of every face of a control mesh, 12 floats a face: of a sub-face its vertex, the
  * middles of two edges and the polygon's centre. For free(). */
 slv_result transfer_corners(const slv_env *env, const slv_mesh *mesh, float **out);
-float transfer_area(const float *corners);
+double transfer_area(const float *corners);
+/* Of two opposite sides, from a to b and from c to d. */
+float transfer_mean_length(const float *a, const float *b, const float *c, const float *d);
 /* Finds for every face of the target the face of the source with the same corners. Fills in source,
  * turn and flipped of those; the others get -1. */
 slv_result transfer_match(const slv_env *env, uint32_t nsource, const float *source,

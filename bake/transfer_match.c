@@ -45,19 +45,30 @@ slv_result transfer_corners(const slv_env *env, const slv_mesh *mesh, float **ou
     return SLV_OK;
 }
 
-static float triangle_area(const float *a, const float *b, const float *c) {
-    float x[3], y[3];
+/* In double: squares of lengths that float holds need not fit in one. */
+static double triangle_area(const float *a, const float *b, const float *c) {
+    double x[3], y[3];
     for (int k = 0; k < 3; k++) {
-        x[k] = b[k] - a[k];
-        y[k] = c[k] - a[k];
+        x[k] = (double)b[k] - (double)a[k];
+        y[k] = (double)c[k] - (double)a[k];
     }
-    float n[3] = {x[1] * y[2] - x[2] * y[1], x[2] * y[0] - x[0] * y[2], x[0] * y[1] - x[1] * y[0]};
-    return 0.5f * sqrtf(n[0] * n[0] + n[1] * n[1] + n[2] * n[2]);
+    double n[3] = {x[1] * y[2] - x[2] * y[1], x[2] * y[0] - x[0] * y[2], x[0] * y[1] - x[1] * y[0]};
+    return 0.5 * sqrt(n[0] * n[0] + n[1] * n[1] + n[2] * n[2]);
 }
 
-float transfer_area(const float *corners) {
+double transfer_area(const float *corners) {
     return triangle_area(corners, corners + 3, corners + 6) +
            triangle_area(corners, corners + 6, corners + 9);
+}
+
+static double length_of(const float *a, const float *b) {
+    double x = (double)b[0] - (double)a[0], y = (double)b[1] - (double)a[1],
+           z = (double)b[2] - (double)a[2];
+    return sqrt(x * x + y * y + z * z);
+}
+
+float transfer_mean_length(const float *a, const float *b, const float *c, const float *d) {
+    return (float)(0.5 * (length_of(a, b) + length_of(c, d)));
 }
 
 /* A face by the middle of its corners, along one axis: faces that match are near each other there.

@@ -9,17 +9,12 @@
 #include <math.h>
 #include <stdlib.h>
 
-static float side(const float *a, const float *b) {
-    float x = b[0] - a[0], y = b[1] - a[1], z = b[2] - a[2];
-    return sqrtf(x * x + y * y + z * z);
-}
-
 /* A constant face is as good as one texel however it is looked at. */
 static void measure(transfer_source *s, const float *corners, uint32_t face) {
     const float *c = corners + (size_t)12 * face;
     bool constant = slv_texture_is_constant(s->texture, face);
-    float u = 0.5f * (side(c, c + 3) + side(c + 9, c + 6)),
-          v = 0.5f * (side(c, c + 9) + side(c + 3, c + 6));
+    float u = transfer_mean_length(c, c + 3, c + 9, c + 6),
+          v = transfer_mean_length(c, c + 9, c + 3, c + 6);
     slv_res res = s->desc->res[face];
     s->sizes[face].u = constant || !(u > 0) ? INFINITY : ldexpf(u, -res.u);
     s->sizes[face].v = constant || !(v > 0) ? INFINITY : ldexpf(v, -res.v);
