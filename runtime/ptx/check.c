@@ -79,7 +79,13 @@ static slv_result check_meshes(check_context *check, const char *path) {
     else
         result = find_failure(check, SLV_CHECK_META, result, path, &log);
     slv_mesh_destroy(inside);
-    return !result && check->params.mesh ? check_mesh(check, check->params.mesh, false) : result;
+    if (!result && check->params.mesh)
+        result = check_mesh(check, check->params.mesh, false);
+    if (!result && check->mesh_fits) {
+        check_findings_mend(check->findings, SLV_CHECK_ADJACENCY);
+        check_findings_mend(check->findings, SLV_CHECK_SUBFACES);
+    }
+    return result;
 }
 
 static slv_result check_file(check_context *check, const char *path, check_log *log) {

@@ -24,6 +24,7 @@ typedef struct check_context {
     uint8_t *strips; /* the texels along every face's edges; NULL if seams are not compared */
     uint64_t *strip_starts; /* nfaces, in texels */
     uint8_t *unread;        /* nfaces: the texels could not be read */
+    bool mesh_fits;         /* the one that a repair would take, which is given or else inside */
 } check_context;
 
 /* check_report.c: findings come from any thread, in any order. */
@@ -32,6 +33,8 @@ void check_findings_destroy(check_findings *findings);
 /* `finding` but for its message. */
 void check_find(check_findings *findings, const slv_check_finding *finding, const char *format, ...)
     SLV_PRINTF(3, 4);
+/* All findings of a kind so far can be repaired. */
+void check_findings_mend(check_findings *findings, slv_check_kind kind);
 slv_result check_findings_report(const slv_env *env, check_findings *findings,
                                  slv_ptx_report *report);
 

@@ -161,6 +161,7 @@ slv_result check_mesh(check_context *check, const slv_mesh *mesh, bool inside) {
     slv_adjacency *quads = NULL;
     slv_face_adjacency *expected = NULL;
     slv_result result = SLV_OK;
+    check->mesh_fits = false;
     for (uint32_t poly = 0; triangles && poly < view->npolys; poly++)
         if (view->poly_sizes[poly] != 3) {
             check_find(check->findings, &finding,
@@ -179,6 +180,7 @@ slv_result check_mesh(check_context *check, const slv_mesh *mesh, bool inside) {
         c.quads = quads;
         c.expected = slv_adjacency_faces(quads);
     }
+    check->mesh_fits = c.repairable;
     compare_faces(&c, count);
 done:
     slv_adjacency_destroy(quads);

@@ -98,6 +98,14 @@ void check_find(check_findings *findings, const slv_check_finding *finding, cons
     pthread_mutex_unlock(&findings->lock);
 }
 
+void check_findings_mend(check_findings *findings, slv_check_kind kind) {
+    struct kept *kept = &findings->kinds[kind];
+    pthread_mutex_lock(&findings->lock);
+    for (uint32_t i = 0; i < kept->count; i++)
+        kept->list[i].repairable = true;
+    pthread_mutex_unlock(&findings->lock);
+}
+
 slv_result check_findings_report(const slv_env *env, check_findings *findings,
                                  slv_ptx_report *report) {
     slv_check_finding *list = NULL;

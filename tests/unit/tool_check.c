@@ -41,7 +41,7 @@ static void check_adjacency(void) {
     RUNS(1, "check adjacency.ptx");
     HAS("face 1 edge 3: leads to face 0 edge 1, which is a boundary");
     HAS("face 4 edge 0: leads to face 1 edge 3, which leads to face 0 edge 1: it is that face's "
-        "edge 2 that leads back");
+        "edge 2 that leads back (--repair can help)");
     HAS("face 0 edge 1: is at a boundary, but in the mesh inside at face 1 edge 3 (--repair can "
         "help)");
     HAS("verdict: damaged (");
@@ -50,10 +50,18 @@ static void check_adjacency(void) {
     RUNS(0, "check --strict mended.ptx");
     tool_copy("good.ptx", "bare.ptx", false, spoil_adjacency);
     RUNS(1, "check bare.ptx --repair bare2.ptx");
+    LACKS("(--repair can help)");
     tool_copy("good.ptx", "subface.ptx", false, spoil_subface);
     RUNS(1, "check subface.ptx --json");
     HAS("\"kind\": \"sub-faces\"");
     HAS("face 6 edge 1: is a sub-face, but no other's edge 2 follows it");
+    LACKS("\"repairable\": true");
+    tool_copy("good.ptx", "subface2.ptx", true, spoil_subface);
+    RUNS(1, "check subface2.ptx --json");
+    HAS("\"kind\": \"sub-faces\"");
+    LACKS("\"repairable\": false");
+    RUNS(0, "check subface2.ptx --repair mended.ptx");
+    RUNS(0, "check --strict mended.ptx");
 }
 
 /* Swaps the blocks of two faces at a level: still readable, but not the faces' own. */
@@ -237,6 +245,9 @@ static void check_mesh(void) {
     RUNS(1, "check good.ptx --mesh other.obj --repair mended3.ptx");
     HAS("has 10 faces, the mesh has 9");
     RUNS(1, "check bare.ptx --mesh same.obj");
+    HAS("it is that face's edge 2 that leads back (--repair can help)");
+    RUNS(1, "check bare.ptx --mesh other.obj");
+    LACKS("(--repair can help)");
     RUNS(0, "check bare.ptx --mesh same.obj --repair bare3.ptx");
     RUNS(0, "check --strict bare3.ptx");
     slv_mesh_destroy(same);
@@ -256,6 +267,8 @@ static void check_usage(void) {
     RUNS(2, "check good.ptx --seams -1");
     RUNS(2, "check good.ptx --seams 1 --tables");
     RUNS(2, "check good.ptx --nonsense");
+    RUNS(2, "check good.ptx --repair same.obj");
+    HAS("same.obj: what is written is a .ptx file");
     RUNS(1, "check missing.ptx");
     HAS("selvage: missing.ptx: ");
     RUNS(1, "check good.ptx --mesh missing.obj");

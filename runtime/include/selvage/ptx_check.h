@@ -28,7 +28,7 @@ SLV_API const char *slv_check_kind_name(slv_check_kind kind);
 typedef struct slv_check_finding {
     slv_check_kind kind;
     bool warning;              /* legal, but hardly meant; else an error */
-    bool repairable;           /* slv_ptx_repair makes it right */
+    bool repairable;           /* slv_ptx_repair makes it right, with the mesh if there is one */
     int32_t face, edge, level; /* -1 where there is none */
     float amount; /* seams and reductions: the largest difference of two values, integers as 0..1 */
     char message[240]; /* in words, face and edge included */
