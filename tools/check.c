@@ -1,4 +1,5 @@
 #include "output.h"
+#include "ptx_name.h"
 
 #include <errno.h>
 #include <string.h>
@@ -233,6 +234,8 @@ int verb_check(int argc, char **argv) {
         return cli_usage(&command, "--seams: expected 0 or more");
     if (c.tables && c.seams_given)
         return cli_usage(&command, "--seams looks at texels, --tables does not");
+    if (c.repair && !ptx_name_is_safe(c.repair))
+        return ptx_name_usage(&command, c.repair);
     code = run_check(&c);
     if (fflush(stdout) != 0 || ferror(stdout))
         return code ? code : cli_error("cannot write the answer: %s", strerror(errno));

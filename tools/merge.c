@@ -1,4 +1,5 @@
 #include "merge.h"
+#include "ptx_name.h"
 
 #include <errno.h>
 #include <stdlib.h>
@@ -172,6 +173,8 @@ int verb_merge(int argc, char **argv) {
         return code;
     if (!m.out)
         return cli_usage(&command, "--out is missing: where does the result go?");
+    if (!ptx_name_is_safe(m.out))
+        return ptx_name_usage(&command, m.out);
     slv_env env = cli_env(m.threads);
     code = merge_files(&command, &env, &m);
     if (fflush(stdout) != 0 || ferror(stdout))

@@ -1,4 +1,5 @@
 #include "output.h"
+#include "ptx_name.h"
 
 #include <selvage/transfer.h>
 
@@ -9,7 +10,7 @@
 struct transfer {
     const char *paths[2], *from, *to;
     float distance;
-    bool blank, no_copies, faces, json, progress, quiet;
+    bool distance_given, blank, no_copies, faces, json, progress, quiet;
     int scheme;
     uint32_t compression, threads;
     slv_transfer_face *list;
@@ -166,8 +167,9 @@ int verb_transfer(int argc, char **argv) {
          "the model that IN.ptx was painted on; default: the geometry inside", "OLD.obj", 0, 0,
          NULL},
         {"--distance", CLI_FLOAT, &t.distance,
-         "how near the old surface a texel must be, in mesh units (1/100 of its diagonal)", "X", 0,
-         0, NULL},
+         "how near the old surface a texel must be, in mesh units, more than 0 (1/100 of its "
+         "diagonal)",
+         "X", 0, 0, &t.distance_given},
         {"--blank", CLI_FLAG, &t.blank,
          "leave texels further away at zero instead of the nearest value", NULL, 0, 0, NULL},
         {"--no-copies", CLI_FLAG, &t.no_copies, "resample faces that match as well", NULL, 0, 0,
@@ -201,8 +203,10 @@ int verb_transfer(int argc, char **argv) {
         return code;
     if (!t.to)
         return cli_usage(&command, "--to is missing: onto which model?");
-    if (t.distance < 0)
-        return cli_usage(&command, "--distance: expected 0 or more");
+    if (!ptx_name_is_safe(t.paths[1]))
+        return ptx_name_usage(&command, t.paths[1]);
+    if (t.distance_given && !(t.distance > 0))
+        return cli_usage(&command, "--distance: expected more than 0");
     code = run_transfer(&t);
     if (fflush(stdout) != 0 || ferror(stdout))
         return code ? code : cli_error("cannot write the answer: %s", strerror(errno));

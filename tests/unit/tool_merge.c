@@ -69,6 +69,9 @@ static void check_usage(void) {
     const char *data = data_folder();
     RUNS(2, "merge a.ptx b.ptx");
     RUNS(2, "merge -o x.ptx");
+    RUNS(2, "merge a.ptx b.ptx -o x.obj");
+    HAS("x.obj: what is written is a .ptx file");
+    CHECK(access(tool_path("x.obj"), F_OK) != 0);
     RUNS(1, "merge a.ptx missing.ptx -o x.ptx");
     RUNS(1, "merge a.ptx '%s/tri_tiled_u8_1.ptx' -o x.ptx", data);
     HAS("is of triangles, a.ptx is not");

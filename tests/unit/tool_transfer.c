@@ -1,6 +1,8 @@
 /* The command `selvage transfer`, onto models whose every face is known. */
 #include "tool_kit.h"
 
+#include <time.h>
+
 enum { SIDE = 4 };
 
 /* The grid of the kit as an OBJ whose polygon i is polygon order[i] of the grid, its vertices
@@ -24,6 +26,25 @@ static void write_obj(const char *name, const int *order, const int *ways, float
                                        view->poly_verts[4 * poly + (uint32_t)from] + 1);
         }
         length += (size_t)snprintf(text + length, sizeof text - length, "\n");
+    }
+    slv_mesh_destroy(mesh);
+    tool_write_file(name, text, length);
+}
+
+/* The grid, many times as large or small. */
+static void write_scaled(const char *name, double scale) {
+    char text[8192];
+    size_t length = 0;
+    slv_mesh *mesh = grid_mesh(SIDE, SIDE, false);
+    const slv_mesh_view *view = slv_mesh_get_view(mesh);
+    for (uint32_t i = 0; i < view->nverts; i++)
+        length += (size_t)snprintf(text + length, sizeof text - length, "v %.9g %.9g 0\n",
+                                   scale * (double)view->positions[3 * i],
+                                   scale * (double)view->positions[3 * i + 1]);
+    for (uint32_t i = 0; i < view->npolys; i++) {
+        const int32_t *v = view->poly_verts + (size_t)4 * i;
+        length += (size_t)snprintf(text + length, sizeof text - length, "f %d %d %d %d\n", v[0] + 1,
+                                   v[1] + 1, v[2] + 1, v[3] + 1);
     }
     slv_mesh_destroy(mesh);
     tool_write_file(name, text, length);
@@ -242,11 +263,70 @@ static void check_filtering(void) {
     CHECK_MSG(partly > count / 16 && wrong == 0, "%u partly covered, %u wrong", partly, wrong);
 }
 
+static double now(void) {
+    struct timespec time;
+    clock_gettime(CLOCK_MONOTONIC, &time);
+    return (double)time.tv_sec + 1e-9 * (double)time.tv_nsec;
+}
+
+/* The largest side of a face, as a power of two. */
+static int finest_side(const char *name) {
+    slv_ptx *ptx = tool_open(name);
+    int finest = 0;
+    for (uint32_t face = 0; face < slv_ptx_get_info(ptx)->nfaces; face++) {
+        slv_ptx_face info;
+        REQUIRE(!slv_ptx_get_face(ptx, face, &info));
+        finest = info.res.u > finest ? info.res.u : finest;
+        finest = info.res.v > finest ? info.res.v : finest;
+    }
+    slv_ptx_close(ptx);
+    return finest;
+}
+
+/* Models in other units than the texture's own end soon and are spoken of. */
+static void check_units(void) {
+    static const struct {
+        double from, to;
+        int most;
+        const char *answer;
+    } cases[] = {{1, 100, 6, "1 partly, 15 too far away"},
+                 {1, 1e7, 6, "16 too far away"},
+                 {1, 1e20, 6, "16 too far away"},
+                 {1e-20, 1, 6, "16 too far away"},
+                 {0, 1, 6, "16 too far away"},
+                 {1e20, 1e20, 5, "16 copied"},
+                 {1e-20, 1e-20, 5, "16 copied"}};
+    write_positions("units.ptx", (slv_res){5, 5});
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        double started = now();
+        write_scaled("from.obj", cases[i].from);
+        write_scaled("to.obj", cases[i].to);
+        RUNS(0, "transfer units.ptx scaled.ptx --from from.obj --to to.obj --threads 2");
+        HAS(cases[i].answer);
+        if (cases[i].from == cases[i].to)
+            LACKS("are their units the same?");
+        else
+            HAS("are their units the same?");
+        CHECK_MSG(finest_side("scaled.ptx") <= cases[i].most, "%g to %g: sides of 2^%d",
+                  cases[i].from, cases[i].to, finest_side("scaled.ptx"));
+        CHECK_MSG(now() - started < 20, "%g to %g: %g s", cases[i].from, cases[i].to,
+                  now() - started);
+    }
+    /* fewer faces for the same surface hold what many held */
+    RUNS(0, "transfer units.ptx fewer.ptx --to all.obj --scheme bilinear");
+    CHECK(finest_side("fewer.ptx") == 7);
+}
+
 static void check_usage(void) {
     const char *data = data_folder();
     RUNS(2, "transfer grid.ptx x.ptx");
     RUNS(2, "transfer grid.ptx --to same.obj");
     RUNS(2, "transfer grid.ptx x.ptx --to same.obj --distance -1");
+    RUNS(2, "transfer grid.ptx x.ptx --to same.obj --distance 0");
+    HAS("--distance: expected more than 0");
+    RUNS(2, "transfer grid.ptx same.obj --to wider.obj");
+    HAS("same.obj: what is written is a .ptx file, so its name must end in .ptx");
+    RUNS(0, "transfer grid.ptx y.PTX --to same.obj --quiet");
     RUNS(1, "transfer grid.ptx x.ptx --to missing.obj");
     RUNS(1, "transfer grid.ptx x.ptx --to same.obj --from wider.obj");
     RUNS(1, "transfer '%s/tri_tiled_u8_1.ptx' x.ptx --to same.obj", data);
@@ -262,6 +342,7 @@ int main(void) {
     check_copies();
     check_resampling();
     check_filtering();
+    check_units();
     check_usage();
     tool_end();
     return test_end();
