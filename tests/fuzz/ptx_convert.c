@@ -38,7 +38,7 @@ static int convert(const slv_env *env, const slv_ptx *ptx, uint32_t control) {
     convert_totals totals = {.progress.quiet = true};
     convert_plan plan = {0};
     int files = 0;
-    FUZZ_REQUIRE(convert_plan_make(&command, &options, &source, &totals, &plan) == EXIT_OK,
+    FUZZ_REQUIRE(convert_plan_make(&command, &options, "fuzz", &source, &totals, &plan) == EXIT_OK,
                  "no plan");
     bool sheet = (control >> 10 & 3) == 3;
     int code = sheet ? convert_to_sheet(env, &options, &plan, ptx, fuzz_path("out.exr"))
