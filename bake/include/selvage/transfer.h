@@ -38,10 +38,12 @@ typedef struct slv_transfer_params {
 
 /* Makes a texture for `target`, in the type and channels of `texture`, which belongs to `source`.
  * Copied faces keep their resolution (turned with them), others have the density of texels of the
- * source where they lie. Values are interpolated, across edges too, at the nearest point of the
- * limit surface; a texel that covers many of the source is the mean of those. Colours are
- * multiplied by alpha meanwhile. Of two sheets close together the one that faces the same way is
- * taken. `faces` has room for the target's faces,
+ * source where they lie, up to twice its finest side (more if the target has fewer faces), or the
+ * resolution of the nearest face if their middle is too far from it. Values are interpolated,
+ * across edges too, at the nearest point of the limit surface; a texel that covers many of the
+ * source is the mean of those. Colours are multiplied by alpha meanwhile. A warning says if one
+ * model is ten times as large as the other. Of two sheets close together the one that faces the
+ * same way is taken. `faces` has room for the target's faces,
  * `*covered` (may be NULL) is the share of the target's area. On env->threads threads; the same
  * bytes with any number of them. */
 SLV_API slv_result slv_transfer(const slv_env *env, const slv_mesh *source,
