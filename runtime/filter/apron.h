@@ -10,13 +10,14 @@
 
 #include <selvage/half.h>
 
-#define APRON_LOG2 3  /* up to 8x8 texels */
-#define APRON_WIDTH 4 /* no wider than the face */
+#define APRON_LOG2 3       /* up to 8x8 texels */
+#define APRON_WIDTH_LOG2 2 /* no wider than the face */
+#define APRON_WIDTH (1 << APRON_WIDTH_LOG2)
 #define APRON_WHOLE 0x1ffu
 #define APRON_SIDE ((1 << APRON_LOG2) + 2 * APRON_WIDTH)
 
 static inline int apron_width(int res) {
-    return res >= 2 ? APRON_WIDTH : 1 << res;
+    return 1 << (res < APRON_WIDTH_LOG2 ? res : APRON_WIDTH_LOG2);
 }
 
 static inline bool apron_fits_axis(const kernel_axis *a) {

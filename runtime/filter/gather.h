@@ -102,41 +102,37 @@ DEFINE_GATHER_ROWS(u16, uint16_t)
 DEFINE_GATHER_ROWS(half, uint16_t)
 DEFINE_GATHER_ROWS(float, float)
 
-/* The sum over up to four channels, all of them. Not inlined: there is too much of it. */
-#define DEFINE_GATHER_FEW(TYPE, T)                                                                 \
+/* The sum over up to four channels, all of them, of texels in rows `pitch` texels apart. Not
+ * inlined: there is too much of it. */
+#define DEFINE_GATHER_CHANNELS(TYPE, T, N)                                                         \
     static __attribute__((noinline))                                                               \
-    v4f gather_channels_##TYPE(const void *texels, size_t pitch, size_t n, const kernel *k) {      \
-        const T *p = texels;                                                                       \
-        switch (n) {                                                                               \
-        case 1:                                                                                    \
-            return gather_few_##TYPE(p, pitch, 1, k);                                              \
-        case 2:                                                                                    \
-            return gather_few_##TYPE(p, 2 * pitch, 2, k);                                          \
-        case 3:                                                                                    \
-            return gather_few_##TYPE(p, 3 * pitch, 3, k);                                          \
-        default:                                                                                   \
-            return gather_few_##TYPE(p, 4 * pitch, 4, k);                                          \
-        }                                                                                          \
+    v4f gather_##TYPE##_##N(const void *texels, size_t pitch, const kernel *k) {                   \
+        return gather_few_##TYPE((const T *)texels, N * pitch, N, k);                              \
     }
+#define DEFINE_GATHER_FEW(TYPE, T)                                                                 \
+    DEFINE_GATHER_CHANNELS(TYPE, T, 1)                                                             \
+    DEFINE_GATHER_CHANNELS(TYPE, T, 2)                                                             \
+    DEFINE_GATHER_CHANNELS(TYPE, T, 3)                                                             \
+    DEFINE_GATHER_CHANNELS(TYPE, T, 4)
 
 DEFINE_GATHER_FEW(u8, uint8_t)
 DEFINE_GATHER_FEW(u16, uint16_t)
 DEFINE_GATHER_FEW(half, uint16_t)
 DEFINE_GATHER_FEW(float, float)
 
-/* Texels of up to four channels in rows `pitch` texels apart. */
+typedef v4f (*gather_function)(const void *texels, size_t pitch, const kernel *k);
+
+/* By type and channels. */
+static const gather_function gather_functions[][4] = {
+    [SLV_TYPE_U8] = {gather_u8_1, gather_u8_2, gather_u8_3, gather_u8_4},
+    [SLV_TYPE_U16] = {gather_u16_1, gather_u16_2, gather_u16_3, gather_u16_4},
+    [SLV_TYPE_HALF] = {gather_half_1, gather_half_2, gather_half_3, gather_half_4},
+    [SLV_TYPE_FLOAT] = {gather_float_1, gather_float_2, gather_float_3, gather_float_4},
+};
+
 static inline __attribute__((always_inline)) v4f
 gather_few(const cache_tables *t, const uint8_t *texels, size_t pitch, const kernel *k) {
-    switch (t->type) {
-    case SLV_TYPE_U8:
-        return gather_channels_u8(texels, pitch, t->nchannels, k);
-    case SLV_TYPE_U16:
-        return gather_channels_u16(texels, pitch, t->nchannels, k);
-    case SLV_TYPE_HALF:
-        return gather_channels_half(texels, pitch, t->nchannels, k);
-    default:
-        return gather_channels_float(texels, pitch, t->nchannels, k);
-    }
+    return gather_functions[t->type][t->nchannels - 1](texels, pitch, k);
 }
 
 /* Eight values from a texel's first on; there is memory behind it. */

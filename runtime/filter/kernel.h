@@ -90,11 +90,15 @@ static inline void axis_downsample(kernel_axis *a) {
 
 /* The same texels seen from the other end. */
 static inline void axis_reverse(kernel_axis *a) {
-    for (int i = 0, j = a->n - 1; i < j; i++, j--) {
-        float k = a->k[i];
-        a->k[i] = a->k[j];
-        a->k[j] = k;
-    }
+    v8f low, high;
+    float turned[2 * KERNEL_MAX] = {0};
+    memcpy(&low, a->k, sizeof low);
+    memcpy(&high, a->k + 8, sizeof high);
+    low = v8_reverse(low);
+    high = v8_reverse(high);
+    memcpy(turned, &high, sizeof high);
+    memcpy(turned + 8, &low, sizeof low);
+    memcpy(a->k, turned + KERNEL_MAX - a->n, KERNEL_MAX * sizeof *turned);
     a->start = (1 << a->res) - a->start - a->n;
 }
 

@@ -1,4 +1,7 @@
-/* Making kernels: the weights of each filter along one axis, as the Ptex library defines them. */
+/* Making kernels: the weights of each filter along one axis, as the Ptex library defines them. It
+ * is done in two steps. Where kernels lie, and what their weights are made of, is found for eight
+ * at once: along one axis for eight lookups, or along both axes for one. Weights are then made for
+ * one kernel at a time. */
 #ifndef SLV_FILTER_KERNEL_BUILD_H
 #define SLV_FILTER_KERNEL_BUILD_H
 
@@ -36,53 +39,79 @@ static inline float power_of_two(int n) {
     return f;
 }
 
-/* floorf and ceilf of what fits an int, without a call. */
-static inline int floor_int(float x) {
-    int i = (int)x;
-    return i - ((float)i > x);
+/* Eight kernels along an axis: texels `start`, ..., `start + n - 1` of 2^res. */
+typedef struct kernel_spans {
+    v8i res, start, n;
+    /* bilinear: the two weights; box: the first and the last weight; gaussian and cubics: from the
+     * position to `start` in texels, and how much a texel is in units of the filter's width */
+    v8f a, b;
+    v8f coarse; /* gaussian and cubics: how much of the next coarser resolution is in it */
+} kernel_spans;
+
+/* At positions x, w wide, no finer than 2^-face_res, all in units of the face. */
+static inline __attribute__((always_inline)) void span_bilinear(v8f x, v8f w, v8i face_res,
+                                                                kernel_spans *out) {
+    w = v8_min(v8_max(w, v8_power_of_two(-face_res)), v8_splat(1));
+    out->res = 127 - ((v8i)w >> 23);
+    x = x * v8_power_of_two(out->res) - 0.5f;
+    out->start = v8_floor(x);
+    out->b = x - v8_to_float(out->start);
+    out->a = 1 - out->b;
+    out->n = (v8i){2, 2, 2, 2, 2, 2, 2, 2};
 }
 
-static inline int ceil_int(float x) {
-    int i = (int)x;
-    return i + ((float)i < x);
-}
-
-/* All of these return the sum of the weights. */
-
-static inline float build_bilinear(float u, float w, int face_res, kernel_axis *out) {
-    float least = power_of_two(-face_res);
-    w = w > 1 ? 1 : w < least ? least : w;
-    out->res = negative_log2(w);
-    float x = u * power_of_two(out->res) - 0.5f;
-    out->start = floor_int(x);
-    float t = x - (float)out->start;
-    out->n = 2;
-    out->k[0] = 1 - t;
-    out->k[1] = t;
-    return out->k[0] + t;
-}
-
-static inline float build_box(float u, float w, int face_res, kernel_axis *out) {
-    float least = power_of_two(-face_res);
-    w = w > 1 ? 1 : w < least ? least : w;
-    out->res = negative_log2(w);
-    float size = power_of_two(out->res), x = u * size, half = w * size * 0.5f;
-    float a = x - half, b = x + half;
-    int end = ceil_int(b);
-    out->start = floor_int(a);
+static inline __attribute__((always_inline)) void span_box(v8f x, v8f w, v8i face_res,
+                                                           kernel_spans *out) {
+    w = v8_min(v8_max(w, v8_power_of_two(-face_res)), v8_splat(1));
+    out->res = 127 - ((v8i)w >> 23);
+    v8f size = v8_power_of_two(out->res), half = w * size * 0.5f;
+    x *= size;
+    v8f low = x - half, high = x + half;
+    v8i end = v8_ceil(high);
+    out->start = v8_floor(low);
     out->n = end - out->start;
-    float first = 1 - (a - (float)out->start), last = 1 - ((float)end - b);
-    if (out->n == 1) {
-        out->k[0] = first + last - 1;
-        return out->k[0];
-    }
-    out->k[0] = first;
-    out->k[1] = 1;
-    out->k[out->n - 1] = last;
-    return first + last + (float)(out->n - 2);
+    out->a = 1 - (low - v8_to_float(out->start));
+    out->b = 1 - (v8_to_float(end) - high);
 }
 
-static inline v8f smooth_step(v8f x) {
+/* The filters that span four texels at each resolution: gaussian and cubics. They have a shape of
+ * their own at each of the coarsest three resolutions. */
+static inline __attribute__((always_inline)) void span_wide(v8f x, v8f w, v8i face_res, bool lerp,
+                                                            kernel_spans *out) {
+    w = v8_max(w, v8_power_of_two(-face_res));
+    out->res = 127 - ((v8i)v8_min(w, v8_splat(1)) >> 23);
+    v8f size = v8_power_of_two(out->res), p = w * size, middle = x - 0.5f;
+    v8i is_one = out->res == 0, is_two = out->res == 1, is_four = out->res == 2;
+    x = x * size - 0.5f;
+    v8f radius = v8_select(is_four, v8_splat(2), 2 * p);
+    v8i even = is_four, start = v8_ceil(x - radius), end = v8_ceil(x + radius);
+    out->coarse = v8_splat(0);
+    if (lerp) {
+        out->coarse = p - 1;
+        even |= p != 1.0f;
+    }
+    start &= ~(even & 1);
+    end = (end + (even & 1)) & ~(even & 1);
+    v8i below = v8_floor(middle);
+    start = v8_select_int(is_one | is_two, below + (below & is_two), start);
+    out->start = start;
+    out->n = v8_select_int(is_one, (v8i){2, 2, 2, 2, 2, 2, 2, 2},
+                           v8_select_int(is_two, (v8i){4, 4, 4, 4, 4, 4, 4, 4}, end - start));
+    out->a = v8_to_float(start) - x;
+    out->b = 1 / v8_select(is_four, w + 0.75f, v8_select(is_two, 1.5f * w + 0.5f, p));
+}
+
+static inline __attribute__((always_inline)) void span_axes(const kernel_shape *shape, v8f x, v8f w,
+                                                            v8i face_res, kernel_spans *out) {
+    if (shape->filter == SLV_FILTER_BILINEAR)
+        span_bilinear(x, w, face_res, out);
+    else if (shape->filter == SLV_FILTER_BOX)
+        span_box(x, w, face_res, out);
+    else
+        span_wide(x, w, face_res, shape->lerp, out);
+}
+
+static inline __attribute__((always_inline)) v8f smooth_step(v8f x) {
     v8f a = v8_abs(x);
     return v8_select(a < 1.0f, (2 * a - 3) * a * a + 1, v8_splat(0));
 }
@@ -107,76 +136,72 @@ static inline __attribute__((always_inline)) float store_weights(kernel_axis *ou
     return v8_sum(weights);
 }
 
-/* The filters that span four texels at each resolution: gaussian and cubics. Between resolutions
- * the weights of pairs of texels go over to those of the next coarser resolution. */
+/* Between resolutions the weights of pairs of texels go over to those of the next coarser one. */
 static inline __attribute__((always_inline)) float
-build_wide(const kernel_shape *shape, float u, float w, int face_res, kernel_axis *out) {
+weigh_wide(const kernel_shape *shape, float first, float step, float coarse, kernel_axis *out) {
     const v8f each = {0, 1, 2, 3, 4, 5, 6, 7};
     const v8f even = {0, 0, 2, 2, 4, 4, 6, 6}, odd = {0, 1, 0, 1, 0, 1, 0, 1};
-    float least = power_of_two(-face_res);
-    w = w < least ? least : w;
-    if (w >= 1) {
-        out->res = 0;
-        float x = u - 0.5f;
-        out->start = floor_int(x);
-        float t = x - (float)out->start;
-        out->n = 2;
-        out->k[0] = (2 * t - 3) * t * t + 1;
-        out->k[1] = 1 - out->k[0];
-        return out->k[0] + out->k[1];
-    }
-    out->res = negative_log2(w);
-    float size = power_of_two(out->res);
-    float coarse = shape->lerp ? w * size - 1 : 0, fine = 1 - coarse;
-    if (w < 0.25f) {
-        float x = u * size - 0.5f, p = w * size, step = 1 / p;
-        int first = ceil_int(x - 2 * p), end = ceil_int(x + 2 * p);
-        if (coarse == 0) {
-            out->start = first;
-            out->n = end - first;
-            return store_weights(out, 0, filter_curve(shape, (each + ((float)first - x)) * step));
-        }
+    float fine = 1 - coarse;
+    if (out->res > 2) {
+        if (coarse == 0)
+            return store_weights(out, 0, filter_curve(shape, (each + first) * step));
         float sum = 0;
-        first &= ~1;
-        end = (end + 1) & ~1;
-        out->start = first;
-        out->n = end - first;
         for (int i = 0; i < out->n; i += 8) {
-            v8f a = (even + ((float)(first + i) - x)) * step;
+            v8f a = (even + (first + (float)i)) * step;
             v8f near = filter_curve(shape, a + odd * step);
             v8f far = filter_curve(shape, (a + (a + step)) * 0.5f);
             sum += store_weights(out, i, fine * near + coarse * far);
         }
         return sum;
     }
-    if (w < 0.5f) {
-        float x = 4 * u - 0.5f, s = 1 / (w + 0.75f);
-        int first = ceil_int(x - 2) & ~1, end = (ceil_int(x + 2) + 1) & ~1;
-        out->start = first;
-        out->n = end - first;
-        v8f a = even + ((float)first - x), both = (a + (a + 1)) * 0.25f;
-        v8f near = filter_curve(shape, a + odd);
-        if (coarse == 0)
-            return store_weights(out, 0, near);
-        return store_weights(out, 0, fine * near + coarse * smooth_step(both * s));
+    if (out->res == 0) {
+        out->k[0] = (2 * -first - 3) * first * first + 1;
+        out->k[1] = 1 - out->k[0];
+        return out->k[0] + out->k[1];
     }
-    float x = 2 * u - 0.5f, s = 1 / (1.5f * w + 0.5f);
-    out->start = 2 * floor_int(u - 0.5f);
-    out->n = 4;
-    v8f a = even + ((float)out->start - x), both = (a + (a + 1)) * 0.5f;
-    v8f near = smooth_step((a + odd) * s);
+    v8f a = even + first, both = a + (a + 1), near;
+    if (out->res == 2) {
+        near = filter_curve(shape, a + odd);
+        both *= 0.25f;
+    } else {
+        near = smooth_step((a + odd) * step);
+        both *= 0.5f;
+    }
     if (coarse == 0)
         return store_weights(out, 0, near);
-    return store_weights(out, 0, fine * near + coarse * smooth_step(both * s));
+    return store_weights(out, 0, fine * near + coarse * smooth_step(both * step));
 }
 
+/* Makes the kernel of one span; returns the sum of its weights. */
 static inline __attribute__((always_inline)) float
-build_axis(const kernel_shape *shape, float u, float w, int face_res, kernel_axis *out) {
-    if (shape->filter == SLV_FILTER_BILINEAR)
-        return build_bilinear(u, w, face_res, out);
-    if (shape->filter == SLV_FILTER_BOX)
-        return build_box(u, w, face_res, out);
-    return build_wide(shape, u, w, face_res, out);
+weigh_axis(const kernel_shape *shape, const kernel_spans *spans, int lane, kernel_axis *out) {
+    float a = spans->a[lane], b = spans->b[lane];
+    out->res = spans->res[lane];
+    out->start = spans->start[lane];
+    int n = out->n = spans->n[lane];
+    if (shape->filter == SLV_FILTER_BILINEAR) {
+        out->k[0] = a;
+        out->k[1] = b;
+        return a + b;
+    }
+    if (shape->filter == SLV_FILTER_BOX) {
+        float sum = a + b + (float)(n - 2);
+        out->k[1] = 1;
+        out->k[n - 1] = b;
+        out->k[0] = n == 1 ? sum : a;
+        return sum;
+    }
+    return weigh_wide(shape, a, b, spans->coarse[lane], out);
+}
+
+/* Makes the kernel of a lookup; returns its whole weight. */
+static inline __attribute__((always_inline)) float build_kernel(const kernel_shape *shape, float u,
+                                                                float v, float uw, float vw,
+                                                                int res_u, int res_v, kernel *out) {
+    kernel_spans spans;
+    span_axes(shape, (v8f){u, v}, (v8f){uw, vw}, (v8i){res_u, res_v}, &spans);
+    out->turns = 0;
+    return weigh_axis(shape, &spans, 0, &out->a[0]) * weigh_axis(shape, &spans, 1, &out->a[1]);
 }
 
 #endif

@@ -6,8 +6,6 @@
 #define LOOKUP_FUNCTIONS lookup_portable
 #endif
 
-#define GROUP 8 /* lookups of a batch that are under way at once */
-
 static void point_sum(lookup_state *state, const slv_lookup *l) {
     const cache_tables *t = state->tables;
     cache_face *f = face_at(state, l->face);
@@ -60,13 +58,11 @@ static inline bool border(slv_border_mode mode, float *x) {
 static inline __attribute__((always_inline)) float build(const kernel_shape *shape,
                                                          const cache_face *f, float u, float v,
                                                          float uw, float vw, kernel *k) {
-    k->turns = 0;
     if (!is_subface(f))
-        return build_axis(shape, u, uw, f->res_u, &k->a[0]) *
-               build_axis(shape, v, vw, f->res_v, &k->a[1]);
+        return build_kernel(shape, u, v, uw, vw, f->res_u, f->res_v, k);
     /* a quarter of a whole face */
-    float sum = build_axis(shape, u * 0.5f, uw * 0.5f, f->res_u + 1, &k->a[0]) *
-                build_axis(shape, v * 0.5f, vw * 0.5f, f->res_v + 1, &k->a[1]);
+    float sum = build_kernel(shape, u * 0.5f, v * 0.5f, uw * 0.5f, vw * 0.5f, f->res_u + 1,
+                             f->res_v + 1, k);
     for (int axis = 0; axis < 2; axis++) {
         if (k->a[axis].res == 0)
             axis_upsample(&k->a[axis]);
@@ -96,6 +92,8 @@ static inline void sum_kernel(lookup_state *state, uint32_t face, cache_face *f,
     }
     axis_strip(&k->a[0]);
     axis_strip(&k->a[1]);
+    if (f->plain && !state->sampler->no_edge_blend && apply_one_edge(state, face, f, k))
+        return;
     apply_across(state, face, k);
 }
 
@@ -158,113 +156,70 @@ static __attribute__((noinline)) bool look_across(slv_sampler *s, cache_tables *
     return true;
 }
 
-/* A lookup that is nearly done: what is left is to sum up texels, if they were found. */
-typedef struct prepared {
-    cache_tables *t;
-    cache_face *f;
-    const uint8_t *texels;
-    size_t pitch;
-    float weight;
-    kernel k;
-} prepared;
+/* Whether spans lie within their faces, or within an apron where there is one. */
+typedef struct kernel_reach {
+    v8i inside, small;
+} kernel_reach;
 
-/* Whether 0 <= x < 1; false for -0, which is no loss. */
-static inline bool is_unit(float x) {
-    uint32_t bits;
-    memcpy(&bits, &x, sizeof bits);
-    return bits < 0x3f800000;
+static inline __attribute__((always_inline)) void
+find_reach(const slv_sampler *s, const kernel_spans *spans, kernel_reach *out) {
+    v8i size = v8_to_int(v8_power_of_two(spans->res)), after = size - spans->n - spans->start;
+    /* no wider than the face */
+    v8i width = v8_select_int(size < APRON_WIDTH, size, (v8i){0} + APRON_WIDTH);
+    out->inside = (spans->start | after) >= 0;
+    out->small = (((spans->start + width) | (after + width)) >= 0) & (spans->res <= APRON_LOG2);
+    if (s->no_edge_blend)
+        out->small = (v8i){0};
 }
 
-/* Most lookups: on a quad whose texels are of few channels, from the first on. Returns false if
- * this is not one of them. */
-static inline __attribute__((always_inline)) bool prepare(const slv_sampler *s, const slv_lookup *l,
-                                                          slv_filter filter, prepared *p) {
-    const slv_cache *cache = s->thread.cache;
-    cache_tables *t = cache_find_tables(cache, l->file);
-    if (!t || l->face >= t->nfaces || s->first_channel)
-        return false;
-    cache_face *f = &t->faces[l->face];
-    if (atomic_load_explicit(&f->state, memory_order_acquire) != CACHE_KNOWN || !f->plain ||
-        !is_unit(l->u) || !is_unit(l->v))
-        return false;
-    p->t = t;
-    p->f = f;
-    if (filter == SLV_FILTER_POINT) {
-        int x = (int)(l->u * power_of_two(f->res_u)), y = (int)(l->v * power_of_two(f->res_v));
-        p->texels = cache_find_full(cache, f);
-        if (!p->texels)
-            return false;
-        p->texels += (((size_t)y << f->res_u) + (size_t)x) * t->pixel_size;
-        return true;
+/* The resolution of a face that was looked for last: neighbours mostly want the same. */
+typedef struct last_found {
+    const cache_face *face;
+    int res_u, res_v;
+    const uint8_t *apron, *inner;
+} last_found;
+
+/* The texels under a kernel, or NULL if they are to be looked for. */
+static inline __attribute__((always_inline)) const uint8_t *
+find_texels(const slv_cache *cache, const cache_tables *t, uint32_t face, cache_face *f, bool small,
+            bool inside, kernel *k, last_found *last, size_t *pitch) {
+    int res_u = k->a[0].res, res_v = k->a[1].res;
+    *pitch = (size_t)1 << res_u;
+    if (f != last->face || res_u != last->res_u || res_v != last->res_v)
+        *last = (last_found){f, res_u, res_v, NULL, NULL};
+    if (small) {
+        if (!last->apron)
+            last->apron = cache_find_apron(cache, f, res_u, res_v);
+        if (!last->apron || !apron_covers(last->apron, k))
+            return NULL;
+        *pitch = apron_pitch(res_u);
+        return last->apron;
     }
-    float uw = (fabsf(l->uw1) + fabsf(l->uw2)) * s->width + s->blur;
-    float vw = (fabsf(l->vw1) + fabsf(l->vw2)) * s->width + s->blur;
-    if (!(uw + vw < INFINITY))
-        return false;
-    kernel_shape shape = s->shape;
-    shape.filter = filter;
-    p->k.turns = 0;
-    p->weight = build_axis(&shape, l->u, uw, f->res_u, &p->k.a[0]) *
-                build_axis(&shape, l->v, vw, f->res_v, &p->k.a[1]);
-    int res_u = p->k.a[0].res, res_v = p->k.a[1].res;
-    p->texels = NULL;
-    p->pitch = (size_t)1 << res_u;
-    if ((res_u | res_v) <= APRON_LOG2 && !s->no_edge_blend && apron_fits(&p->k)) {
-        const uint8_t *apron = cache_find_apron(cache, f, res_u, res_v);
-        if (apron && apron_covers(apron, &p->k)) {
-            p->texels = apron;
-            p->pitch = apron_pitch(res_u);
-        }
-    } else if (res_u == f->res_u && res_v == f->res_v) {
-        if (is_inside(&p->k))
-            p->texels = cache_find_full(cache, f);
-    } else if (is_inside(&p->k) && res_u < f->res_u && res_v < f->res_v &&
-               res_u + res_v <= t->whole_log2)
-        p->texels = cache_find_hashed(cache, t, l->face, res_u, res_v, 0);
-    return true;
+    if (!inside)
+        return NULL;
+    if (!last->inner && res_u == f->res_u && res_v == f->res_v)
+        last->inner = cache_find_full(cache, f);
+    else if (!last->inner && res_u < f->res_u && res_v < f->res_v && res_u + res_v <= t->whole_log2)
+        last->inner = cache_find_hashed(cache, t, face, res_u, res_v, 0);
+    return last->inner;
 }
 
-/* Does what is left. False if the tables were dropped: the lookup must begin anew. */
-static inline __attribute__((always_inline)) bool complete(slv_sampler *s, uint32_t face,
-                                                           slv_filter filter, prepared *p,
-                                                           float *out, slv_result *result) {
-    const cache_tables *t = p->t;
-    uint32_t count = t->nchannels < s->nchannels ? t->nchannels : s->nchannels;
+/* Whether most lookups can be done at this face. */
+static inline __attribute__((always_inline)) bool is_quick(const slv_sampler *s,
+                                                           const cache_face *f) {
+    return atomic_load_explicit(&f->state, memory_order_acquire) == CACHE_KNOWN && f->plain &&
+           !s->first_channel;
+}
+
+static inline __attribute__((always_inline)) void put_zeros(const slv_sampler *s, uint32_t from,
+                                                            float *out) {
     if (s->nchannels != UINT32_MAX)
-        for (uint32_t c = count; c < s->nchannels; c++)
+        for (uint32_t c = from; c < s->nchannels; c++)
             out[c] = 0;
-    if (filter == SLV_FILTER_POINT) {
-        v8f texel = load_texel(t->type, p->texels);
-        v4f sum;
-        memcpy(&sum, &texel, sizeof sum);
-        put(sum * t->scale + 0, count, out);
-        return true;
-    }
-    if (!p->texels)
-        return look_across(s, p->t, face, p->f, &p->k, p->weight, count, out, result);
-    v4f sum = gather_few(t, p->texels, p->pitch, &p->k);
-    put(sum * (t->scale / p->weight) + 0, count, out);
-    return true;
 }
 
-/* Asks for the memory that a prepared lookup will read. */
-static inline __attribute__((always_inline)) void fetch_ahead(const prepared *p,
-                                                              slv_filter filter) {
-    const uint8_t *at = p->texels;
-    if (filter == SLV_FILTER_POINT) {
-        __builtin_prefetch(at);
-        return;
-    }
-    if (!at)
-        return;
-    const kernel_axis *u = &p->k.a[0], *v = &p->k.a[1];
-    size_t pixel = p->t->pixel_size, pitch = pixel * p->pitch, width = (size_t)u->n * pixel - 1;
-    at += (size_t)v->start * pitch + (size_t)u->start * pixel;
-    for (int i = 0; i < v->n; i++, at += pitch) {
-        __builtin_prefetch(at);
-        __builtin_prefetch(at + width);
-    }
-}
+/* What floats of 0 <= x < 1 are less than, taken as integers; not -0, which is no loss. */
+#define UNIT_BITS 0x3f800000
 
 /* The thread is pinned. `room`: how many values to set, or 0 for as many as the file gives. */
 static inline slv_result look_up(slv_sampler *s, const slv_lookup *l, size_t room, float *out) {
@@ -308,70 +263,85 @@ static inline slv_result look_up(slv_sampler *s, const slv_lookup *l, size_t roo
     }
 }
 
+_Static_assert(sizeof(slv_lookup) == 32 && offsetof(slv_lookup, file) == 0 &&
+                   offsetof(slv_lookup, face) == 4 && offsetof(slv_lookup, u) == 8 &&
+                   offsetof(slv_lookup, uw1) == 16 && offsetof(slv_lookup, uw2) == 24,
+               "a lookup is a row of eight values");
+
+/* Most lookups: on a quad whose texels are of few channels, from the first on. Returns false if
+ * this is not one of them, or if the tables were dropped on the way. */
+static inline __attribute__((always_inline)) bool look_up_quick(slv_sampler *s, const slv_lookup *l,
+                                                                slv_filter filter, float *out,
+                                                                slv_result *result) {
+    const slv_cache *cache = s->thread.cache;
+    cache_tables *t = cache_find_tables(cache, l->file);
+    if (!t || l->face >= t->nfaces)
+        return false;
+    cache_face *f = &t->faces[l->face];
+    if (!is_quick(s, f))
+        return false;
+    uint32_t channels = t->nchannels < s->nchannels ? t->nchannels : s->nchannels;
+    v8f row;
+    memcpy(&row, l, sizeof row);
+    /* u and v, as often as there is room */
+    v4f at = __builtin_shufflevector(row, row, 2, 3, 2, 3);
+    v4f sides = __builtin_shufflevector(row, row, 4, 5, 6, 7);
+    v4i sound = (v4i)((v4u32)at < UNIT_BITS);
+    if (filter == SLV_FILTER_POINT) {
+        if (!(sound[0] & sound[1]))
+            return false;
+        int x = (int)(l->u * power_of_two(f->res_u)), y = (int)(l->v * power_of_two(f->res_v));
+        const uint8_t *texels = cache_find_full(cache, f);
+        if (!texels)
+            return false;
+        v8f texel =
+            load_texel(t->type, texels + (((size_t)y << f->res_u) + (size_t)x) * t->pixel_size);
+        v4f sum;
+        memcpy(&sum, &texel, sizeof sum);
+        put_zeros(s, channels, out);
+        put(sum * t->scale + 0, channels, out);
+        return true;
+    }
+    sides = (v4f)((v4i)sides & 0x7fffffff);
+    sides += __builtin_shufflevector(sides, sides, 2, 3, 0, 1);
+    sides = sides * s->width + s->blur;
+    sound &= sides < INFINITY;
+    if (!(sound[0] & sound[1]))
+        return false;
+    kernel_shape shape = s->shape;
+    shape.filter = filter;
+    kernel_spans spans;
+    kernel_reach reach;
+    kernel k;
+    span_axes(&shape, v8_join(at, at), v8_join(sides, sides), (v8i){f->res_u, f->res_v}, &spans);
+    find_reach(s, &spans, &reach);
+    k.turns = 0;
+    float weight = weigh_axis(&shape, &spans, 0, &k.a[0]);
+    weight *= weigh_axis(&shape, &spans, 1, &k.a[1]);
+    last_found last = {0};
+    size_t pitch;
+    const uint8_t *texels = find_texels(cache, t, l->face, f, reach.small[0] & reach.small[1],
+                                        reach.inside[0] & reach.inside[1], &k, &last, &pitch);
+    put_zeros(s, channels, out);
+    if (!texels)
+        return look_across(s, t, l->face, f, &k, weight, channels, out, result);
+    v4f sum = gather_few(t, texels, pitch, &k);
+    put(sum * (t->scale / weight) + 0, channels, out);
+    return true;
+}
+
 static inline __attribute__((always_inline)) slv_result
 look_up_one(slv_sampler *s, const slv_lookup *l, slv_filter filter, float *out) {
     slv_result result = SLV_OK;
-    prepared p;
     cache_pin(&s->thread);
-    if (!prepare(s, l, filter, &p) || !complete(s, l->face, filter, &p, out, &result))
+    if (!look_up_quick(s, l, filter, out, &result))
         result = look_up(s, l, s->nchannels == UINT32_MAX ? 0 : s->nchannels, out);
     cache_unpin(&s->thread);
     cache_count(&s->thread.lookups, 1);
     return result;
 }
 
-/* Some lookups at a time go through each step together, so that none waits for memory or for the
- * steps before. */
-static inline __attribute__((always_inline)) slv_result
-look_up_many(slv_sampler *s, const slv_lookup *lookups, const uint32_t *order, size_t count,
-             slv_filter filter, float *out, size_t stride, slv_result *results) {
-    slv_result first = SLV_OK;
-    size_t first_at = count, room = s->nchannels == UINT32_MAX ? stride : s->nchannels;
-    prepared group[GROUP];
-    for (size_t begin = 0; begin < count; begin += GROUP) {
-        size_t n = count - begin < GROUP ? count - begin : GROUP, at[GROUP];
-        bool ready[GROUP];
-        uintptr_t near = 0;
-        uint32_t face = UINT32_MAX;
-        cache_pin(&s->thread);
-        for (size_t i = 0; i < n; i++) {
-            at[i] = order ? order[begin + i] : begin + i;
-            const slv_lookup *l = &lookups[at[i]];
-            if (l->face == face)
-                continue;
-            face = l->face;
-            cache_tables *t = cache_find_tables(s->thread.cache, l->file);
-            if (t && face < t->nfaces)
-                __builtin_prefetch(&t->faces[face]);
-        }
-        for (size_t i = 0; i < n; i++) {
-            ready[i] = prepare(s, &lookups[at[i]], filter, &group[i]);
-            /* neighbours are in the processor's cache, or soon will be */
-            if (ready[i] && (uintptr_t)group[i].texels - near + 2048 > 4096)
-                fetch_ahead(&group[i], filter);
-            near = ready[i] ? (uintptr_t)group[i].texels : near;
-        }
-        uint64_t moves = s->thread.moves;
-        for (size_t i = 0; i < n; i++) {
-            slv_result result = SLV_OK;
-            const slv_lookup *l = &lookups[at[i]];
-            float *to = out + at[i] * stride;
-            /* what was found is worth nothing once the pin was let go */
-            if (!ready[i] || s->thread.moves != moves ||
-                !complete(s, l->face, filter, &group[i], to, &result))
-                result = look_up(s, l, room, to);
-            if (results)
-                results[at[i]] = result;
-            if (result && at[i] < first_at) {
-                first = result;
-                first_at = at[i];
-            }
-        }
-        cache_unpin(&s->thread);
-    }
-    cache_count(&s->thread.lookups, count);
-    return first;
-}
+#include "filter/group.h"
 
 #define DEFINE_LOOKUPS(NAME, FILTER)                                                               \
     static slv_result one_##NAME(slv_sampler *s, const slv_lookup *l, float *out) {                \

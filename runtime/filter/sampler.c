@@ -38,8 +38,8 @@ static cubic_pieces make_cubic(float sharpness) {
 
 static const lookup_functions *best_functions(void) {
 #ifdef SLV_HAVE_AVX2
-    /* no processor has the one without F16C, which not all compilers can ask for */
-    if (__builtin_cpu_supports("avx2"))
+    /* no processor has these without F16C, which not all compilers can ask for */
+    if (__builtin_cpu_supports("avx2") && __builtin_cpu_supports("bmi2"))
         return lookup_avx2;
 #endif
     return lookup_portable;

@@ -341,4 +341,59 @@ static void apply_across(lookup_state *state, uint32_t face, kernel *k) {
     state->depth--;
 }
 
+/* Sums up texels in rows `pitch` apart. */
+static inline void add_few(lookup_state *state, const uint8_t *texels, int res_u, const kernel *k) {
+    v4f sum = gather_few(state->tables, texels, (size_t)1 << res_u, k);
+    for (uint32_t c = 0; c < state->count; c++)
+        state->sum[c] += sum[state->first + c];
+}
+
+/* Most kernels that cross at all: over one edge, between faces that are plain and fine enough, and
+ * are not cut into tiles. False, and nothing is done, for any other. */
+static inline bool apply_one_edge(lookup_state *state, uint32_t face, cache_face *f, kernel *k) {
+    kernel_axis *u = &k->a[0], *v = &k->a[1];
+    int after_u = u->start + u->n - (1 << u->res), after_v = v->start + v->n - (1 << v->res);
+    bool bottom = v->start<0, right = after_u> 0, top = after_v > 0, left = u->start < 0;
+    if (bottom + right + top + left != 1)
+        return false;
+    int edge = right ? EDGE_RIGHT : top ? EDGE_TOP : left ? EDGE_LEFT : EDGE_BOTTOM;
+    int outside = right ? after_u : top ? after_v : left ? -u->start : -v->start;
+    kernel_axis *cut = edge & 1 ? u : v;
+    if (f->adjacent[edge] < 0 || outside >= cut->n)
+        return false;
+    uint32_t to = (uint32_t)f->adjacent[edge];
+    int turns = (edge - adjacent_edge(f, edge) + 2) & 3;
+    cache_face *g = face_at(state, to);
+    int res_u = turns & 1 ? v->res : u->res, res_v = turns & 1 ? u->res : v->res;
+    if (!g->plain || res_u > g->res_u || res_v > g->res_v || res_u + res_v == 0 ||
+        res_u + res_v > state->tables->whole_log2)
+        return false;
+    /* as seen from the neighbour */
+    bool low = left || bottom;
+    kernel part;
+    kernel_axis *there = &part.a[(cut == v) ^ (turns & 1)];
+    kernel_axis *along = &part.a[(cut == u) ^ (turns & 1)];
+    axis_take(cut, low ? 0 : cut->n - outside, outside, there);
+    axis_take(cut == u ? v : u, 0, cut == u ? v->n : u->n, along);
+    there->start = low ? (1 << cut->res) - outside : 0;
+    part.turns = turns;
+    if (turns == 2 || turns == 3)
+        axis_reverse(&part.a[0]);
+    if (turns == 1 || turns == 2)
+        axis_reverse(&part.a[1]);
+    const uint8_t *texels = find_whole(state, to, g, res_u, res_v);
+    if (!texels)
+        return true;
+    add_few(state, texels, res_u, &part);
+    cut->n -= outside;
+    if (low) {
+        axis_take(cut, outside, cut->n, cut);
+        cut->start = 0;
+    }
+    texels = find_whole(state, face, f, u->res, v->res);
+    if (texels)
+        add_few(state, texels, u->res, k);
+    return true;
+}
+
 #endif

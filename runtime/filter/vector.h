@@ -3,6 +3,7 @@
 #ifndef SLV_FILTER_VECTOR_H
 #define SLV_FILTER_VECTOR_H
 
+#include <stdbool.h>
 #include <stdint.h>
 #include <string.h>
 
@@ -13,6 +14,8 @@
 #endif
 
 typedef float v4f __attribute__((vector_size(16)));
+typedef int32_t v4i __attribute__((vector_size(16)));
+typedef uint32_t v4u32 __attribute__((vector_size(16)));
 typedef float v8f __attribute__((vector_size(32)));
 typedef int32_t v8i __attribute__((vector_size(32)));
 typedef uint8_t v8u8 __attribute__((vector_size(8)));
@@ -24,15 +27,133 @@ static inline __attribute__((always_inline)) v8f v8_splat(float x) {
 }
 
 static inline __attribute__((always_inline)) v8f v8_join(v4f low, v4f high) {
-    return (v8f){low[0], low[1], low[2], low[3], high[0], high[1], high[2], high[3]};
+    return __builtin_shufflevector(low, high, 0, 1, 2, 3, 4, 5, 6, 7);
 }
 
 static inline __attribute__((always_inline)) v8f v8_select(v8i mask, v8f yes, v8f no) {
     return (v8f)(((v8i)yes & mask) | ((v8i)no & ~mask));
 }
 
+static inline __attribute__((always_inline)) v8i v8_select_int(v8i mask, v8i yes, v8i no) {
+    return (yes & mask) | (no & ~mask);
+}
+
+/* Whether all lanes of a comparison are true. */
+static inline __attribute__((always_inline)) bool v8_all(v8i mask) {
+#if defined(__AVX2__)
+    return _mm256_movemask_ps((__m256)mask) == 0xff;
+#else
+    typedef int64_t v4i64 __attribute__((vector_size(32)));
+    v4i64 x = (v4i64)mask;
+    return (x[0] & x[1] & x[2] & x[3]) == -1;
+#endif
+}
+
 static inline __attribute__((always_inline)) v8f v8_abs(v8f x) {
     return (v8f)((v8i)x & 0x7fffffff);
+}
+
+/* 2^x for -127 < x < 128 */
+static inline __attribute__((always_inline)) v8f v8_power_of_two(v8i x) {
+    return (v8f)((x + 127) << 23);
+}
+
+/* Towards zero, as a C conversion; lanes that do not fit an int have some value. */
+static inline __attribute__((always_inline)) v8i v8_to_int(v8f x) {
+#if defined(__AVX2__)
+    return (v8i)_mm256_cvttps_epi32((__m256)x);
+#elif defined(__SSE2__)
+    union {
+        v8f all;
+        __m128 half[2];
+    } from = {x};
+    union {
+        v8i all;
+        __m128i half[2];
+    } to;
+    to.half[0] = _mm_cvttps_epi32(from.half[0]);
+    to.half[1] = _mm_cvttps_epi32(from.half[1]);
+    return to.all;
+#else
+    return __builtin_convertvector(x, v8i);
+#endif
+}
+
+static inline __attribute__((always_inline)) v8f v8_to_float(v8i x) {
+#if defined(__AVX2__)
+    return (v8f)_mm256_cvtepi32_ps((__m256i)x);
+#elif defined(__SSE2__)
+    union {
+        v8i all;
+        __m128i half[2];
+    } from = {x};
+    union {
+        v8f all;
+        __m128 half[2];
+    } to;
+    to.half[0] = _mm_cvtepi32_ps(from.half[0]);
+    to.half[1] = _mm_cvtepi32_ps(from.half[1]);
+    return to.all;
+#else
+    return __builtin_convertvector(x, v8f);
+#endif
+}
+
+/* Within each half: two lanes of either vector by turns, ... */
+static inline __attribute__((always_inline)) v8f v8_low_pairs(v8f x, v8f y) {
+    return __builtin_shufflevector(x, y, 0, 8, 1, 9, 4, 12, 5, 13);
+}
+
+static inline __attribute__((always_inline)) v8f v8_high_pairs(v8f x, v8f y) {
+    return __builtin_shufflevector(x, y, 2, 10, 3, 11, 6, 14, 7, 15);
+}
+
+/* ... two lanes of the one before two of the other; */
+static inline __attribute__((always_inline)) v8f v8_low_fours(v8f x, v8f y) {
+    return __builtin_shufflevector(x, y, 0, 1, 8, 9, 4, 5, 12, 13);
+}
+
+static inline __attribute__((always_inline)) v8f v8_high_fours(v8f x, v8f y) {
+    return __builtin_shufflevector(x, y, 2, 3, 10, 11, 6, 7, 14, 15);
+}
+
+/* one half of either. */
+static inline __attribute__((always_inline)) v8f v8_low_half(v8f x, v8f y) {
+    return __builtin_shufflevector(x, y, 0, 1, 2, 3, 8, 9, 10, 11);
+}
+
+static inline __attribute__((always_inline)) v8f v8_high_half(v8f x, v8f y) {
+    return __builtin_shufflevector(x, y, 4, 5, 6, 7, 12, 13, 14, 15);
+}
+
+static inline __attribute__((always_inline)) v8f v8_reverse(v8f x) {
+    return __builtin_shufflevector(x, x, 7, 6, 5, 4, 3, 2, 1, 0);
+}
+
+static inline __attribute__((always_inline)) v8i v8_floor(v8f x) {
+    v8i i = v8_to_int(x);
+    return i + (v8_to_float(i) > x);
+}
+
+static inline __attribute__((always_inline)) v8i v8_ceil(v8f x) {
+    v8i i = v8_to_int(x);
+    return i - (v8_to_float(i) < x);
+}
+
+static inline __attribute__((always_inline)) v8f v8_min(v8f x, v8f y) {
+#if defined(__AVX2__)
+    return (v8f)_mm256_min_ps((__m256)x, (__m256)y);
+#else
+    return v8_select(x < y, x, y);
+#endif
+}
+
+static inline __attribute__((always_inline)) v8f v8_max(v8f x, v8f y) {
+#if defined(__AVX2__)
+    return (v8f)_mm256_max_ps((__m256)x, (__m256)y);
+#else
+    return v8_select(x > y, x, y);
+#endif
 }
 
 /* 2^x for -126 < x < 127, to 2e-7: the exponent put in, and for the fraction in -0.5..0.5 the
