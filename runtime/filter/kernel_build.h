@@ -58,6 +58,7 @@ static inline __attribute__((always_inline)) void span_bilinear(v8f x, v8f w, v8
     out->b = x - v8_to_float(out->start);
     out->a = 1 - out->b;
     out->n = (v8i){2, 2, 2, 2, 2, 2, 2, 2};
+    out->coarse = v8_splat(0);
 }
 
 static inline __attribute__((always_inline)) void span_box(v8f x, v8f w, v8i face_res,
@@ -72,6 +73,7 @@ static inline __attribute__((always_inline)) void span_box(v8f x, v8f w, v8i fac
     out->n = end - out->start;
     out->a = 1 - (low - v8_to_float(out->start));
     out->b = 1 - (v8_to_float(end) - high);
+    out->coarse = v8_splat(0);
 }
 
 /* The filters that span four texels at each resolution: gaussian and cubics. They have a shape of
