@@ -11,19 +11,15 @@
  * yardstick is the same pattern in the same cache over so few files that everything stays in
  * memory. Some of the lookups are compared with what the texture is known to be there. Memory is
  * what the operating system counts for the process above what it took before the cache was made. */
+#include "bench_kit.h"
+
 #include <selvage/filter.h>
 #include <selvage/ptx_writer.h>
 
-#include <math.h>
 #include <pthread.h>
-#include <stdatomic.h>
-#include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
 #include <sys/statvfs.h>
-#include <time.h>
-#include <unistd.h>
 
 enum { LOG2 = 9, SIZE = 1 << LOG2, CHANNELS = 3, THREADS = 2, FRAME = 4096 };
 #define FACE_BYTES ((uint64_t)SIZE * SIZE * CHANNELS)
@@ -52,36 +48,6 @@ struct result {
     uint64_t resident, peak; /* bytes */
 };
 
-static void stop(slv_result result) {
-    if (result) {
-        fprintf(stderr, "bench_cache: %s\n", slv_result_string(result));
-        exit(1);
-    }
-}
-
-static void log_line(void *user, slv_log_level level, const char *message) {
-    (void)user;
-    if (level == SLV_LOG_ERROR)
-        fprintf(stderr, "bench_cache: %s\n", message);
-}
-
-static uint32_t random_next(uint32_t *state) {
-    *state ^= *state << 13;
-    *state ^= *state >> 17;
-    *state ^= *state << 5;
-    return *state;
-}
-
-static float random_unit(uint32_t *state) {
-    return (float)(random_next(state) >> 8) * (1.0f / 16777216.0f);
-}
-
-static double seconds_now(clockid_t clock) {
-    struct timespec t;
-    clock_gettime(clock, &t);
-    return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
-}
-
 /* A line such as VmRSS of what the operating system says, in bytes. */
 static uint64_t status_bytes(const char *name) {
     FILE *file = fopen("/proc/self/status", "r");
@@ -100,10 +66,10 @@ static uint64_t status_bytes(const char *name) {
  */
 static void plane(uint32_t file, uint32_t face, float slope[2], float *at) {
     uint32_t state = (file * 4099 + face) * 2654435761u + 12345;
-    random_next(&state);
-    slope[0] = 64 * random_unit(&state);
-    slope[1] = 64 * random_unit(&state);
-    *at = 100 * random_unit(&state);
+    bench_random(&state);
+    slope[0] = 64 * bench_random_unit(&state);
+    slope[1] = 64 * bench_random_unit(&state);
+    *at = 100 * bench_random_unit(&state);
 }
 
 static void write_file(const slv_env *env, const char *path, uint32_t file, uint32_t side) {
@@ -115,14 +81,10 @@ static void write_file(const slv_env *env, const char *path, uint32_t file, uint
                                     .nfaces = side * side,
                                     .compression = 1};
     slv_ptx_writer *writer;
-    stop(slv_ptx_writer_create(env, path, &params, &writer));
+    bench_stop(slv_ptx_writer_create(env, path, &params, &writer));
     for (uint32_t face = 0; face < side * side; face++) {
-        int32_t x = (int32_t)(face % side), y = (int32_t)(face / side), n = (int32_t)side;
-        slv_ptx_face info = {
-            .res = {LOG2, LOG2},
-            .adjacency = {{y ? (int32_t)face - n : -1, x + 1 < n ? (int32_t)face + 1 : -1,
-                           y + 1 < n ? (int32_t)face + n : -1, x ? (int32_t)face - 1 : -1},
-                          {2, 3, 0, 1}}};
+        slv_ptx_face info = {.res = {LOG2, LOG2},
+                             .adjacency = bench_grid_adjacency(face, side, side * side)};
         float slope[2], at;
         plane(file, face, slope, &at);
         for (uint32_t v = 0; v < SIZE; v++)
@@ -131,9 +93,9 @@ static void write_file(const slv_env *env, const char *path, uint32_t file, uint
                     at + slope[0] * ((float)u + 0.5f) / SIZE + slope[1] * ((float)v + 0.5f) / SIZE;
                 memset(texels + ((size_t)v * SIZE + u) * CHANNELS, (int)(value + 0.5f), CHANNELS);
             }
-        stop(slv_ptx_writer_write_face(writer, face, &info, texels));
+        bench_stop(slv_ptx_writer_write_face(writer, face, &info, texels));
     }
-    stop(slv_ptx_writer_finish(writer));
+    bench_stop(slv_ptx_writer_finish(writer));
     slv_ptx_writer_destroy(writer);
 }
 
@@ -151,22 +113,22 @@ struct worker {
  * there is a cut to some other place of some file. */
 static void make_frame(const struct scene *s, struct worker *w, uint32_t *state, slv_lookup *out) {
     if (w->frame++ % 32 == 0) {
-        w->footprint = powf(2, 4 * random_unit(state)) / SIZE;
-        w->file = random_next(state) % s->files;
-        w->left = (float)s->side * random_unit(state);
-        w->below = (float)s->side * random_unit(state);
+        w->footprint = powf(2, 4 * bench_random_unit(state)) / SIZE;
+        w->file = bench_random(state) % s->files;
+        w->left = (float)s->side * bench_random_unit(state);
+        w->below = (float)s->side * bench_random_unit(state);
     }
     float footprint = w->footprint, left = w->left, below = w->below;
     uint32_t file = w->file;
     w->left += 8 * footprint;
     for (uint32_t i = 0; i < FRAME; i++) {
         if (s->random) {
-            uint32_t face = random_next(state) % (s->side * s->side);
-            out[i] = (slv_lookup){.file = s->ids[random_next(state) % s->files],
+            uint32_t face = bench_random(state) % (s->side * s->side);
+            out[i] = (slv_lookup){.file = s->ids[bench_random(state) % s->files],
                                   .face = face,
-                                  .u = random_unit(state),
-                                  .v = random_unit(state)};
-            out[i].uw1 = out[i].vw2 = powf(2, 6 * random_unit(state)) / SIZE;
+                                  .u = bench_random_unit(state),
+                                  .v = bench_random_unit(state)};
+            out[i].uw1 = out[i].vw2 = powf(2, 6 * bench_random_unit(state)) / SIZE;
             continue;
         }
         uint32_t tile = i / 256, x = tile % 4 * 16 + i % 16, y = tile / 4 * 16 + i / 16 % 16;
@@ -210,17 +172,17 @@ static void *work(void *user) {
     float *out = malloc(FRAME * CHANNELS * sizeof *out);
     uint32_t state = w->number * 977 + 1;
     if (!lookups || !out)
-        stop(SLV_ERROR_MEMORY);
-    stop(slv_sampler_create(s->cache, &params, &sampler));
-    double end = seconds_now(CLOCK_MONOTONIC) + s->seconds;
-    while (seconds_now(CLOCK_MONOTONIC) < end) {
+        bench_stop(SLV_ERROR_MEMORY);
+    bench_stop(slv_sampler_create(s->cache, &params, &sampler));
+    double end = bench_seconds(CLOCK_MONOTONIC) + s->seconds;
+    while (bench_seconds(CLOCK_MONOTONIC) < end) {
         make_frame(s, w, &state, lookups);
-        stop(slv_sample_batch(sampler, lookups, FRAME, out, CHANNELS, NULL));
-        for (uint32_t i = random_next(&state) % 61; i < FRAME; i += 61)
+        bench_stop(slv_sample_batch(sampler, lookups, FRAME, out, CHANNELS, NULL));
+        for (uint32_t i = bench_random(&state) % 61; i < FRAME; i += 61)
             check(w, &lookups[i], out + (size_t)i * CHANNELS);
         w->lookups += FRAME;
     }
-    w->busy = seconds_now(CLOCK_THREAD_CPUTIME_ID);
+    w->busy = bench_seconds(CLOCK_THREAD_CPUTIME_ID);
     slv_sampler_destroy(sampler);
     free(lookups);
     free(out);
@@ -230,11 +192,11 @@ static void *work(void *user) {
 static void run_threads(const struct scene *s, uint32_t run, struct result *out) {
     pthread_t threads[THREADS];
     struct worker workers[THREADS];
-    double start = seconds_now(CLOCK_MONOTONIC);
+    double start = bench_seconds(CLOCK_MONOTONIC);
     for (uint32_t i = 0; i < THREADS; i++) {
         workers[i] = (struct worker){.scene = s, .number = run * THREADS + i};
         if (pthread_create(&threads[i], NULL, work, &workers[i]))
-            stop(SLV_ERROR_MEMORY);
+            bench_stop(SLV_ERROR_MEMORY);
     }
     for (uint32_t i = 0; i < THREADS; i++) {
         pthread_join(threads[i], NULL);
@@ -243,12 +205,12 @@ static void run_threads(const struct scene *s, uint32_t run, struct result *out)
         out->wrong += workers[i].wrong;
         out->rate += (double)workers[i].lookups / workers[i].busy;
     }
-    out->wall_rate = (double)out->lookups / (seconds_now(CLOCK_MONOTONIC) - start);
+    out->wall_rate = (double)out->lookups / (bench_seconds(CLOCK_MONOTONIC) - start);
 }
 
 static void measure(const struct options *o, const char *const *paths, uint32_t files,
                     uint32_t side, bool random, bool full, struct result *out) {
-    slv_env env = {.log = log_line};
+    slv_env env = {.log = bench_log};
     slv_cache_params params = {.max_bytes = o->limit};
     slv_cache *cache;
     slv_file_id *ids = calloc(files, sizeof *ids);
@@ -260,9 +222,9 @@ static void measure(const struct options *o, const char *const *paths, uint32_t 
         fputs("5", reset);
         fclose(reset);
     }
-    stop(slv_cache_create(&env, &params, &cache));
+    bench_stop(slv_cache_create(&env, &params, &cache));
     for (uint32_t i = 0; i < files; i++)
-        stop(slv_cache_open(cache, paths[i], &ids[i]));
+        bench_stop(slv_cache_open(cache, paths[i], &ids[i]));
     struct scene scene = {cache, ids, files, side, o->seconds, random};
     if (full) {
         struct result ignored = {0};
@@ -343,7 +305,7 @@ int main(int argc, char **argv) {
     }
     if (!o.files || o.limit < UINT64_C(8) << 20 || !o.ratio)
         return 2;
-    slv_env env = {.log = log_line};
+    slv_env env = {.log = bench_log};
     struct statvfs disk;
     char folder[1024];
     uint32_t side = 2;
@@ -360,7 +322,7 @@ int main(int argc, char **argv) {
                 (double)texels / (double)o.limit);
     snprintf(folder, sizeof folder, "%s/bench_cache_XXXXXX", o.folder);
     if (!mkdtemp(folder))
-        stop(SLV_ERROR_IO);
+        bench_stop(SLV_ERROR_IO);
     char **paths = calloc(o.files, sizeof *paths);
     uint64_t stored = 0;
     for (uint32_t i = 0; i < o.files; i++) {

@@ -4,57 +4,21 @@
  * error of the texels, and the seam jump of magnified lookups before and after. On a torus of 128
  * faces, of one resolution and of mixed ones, under noise, and under noise with a colour for each
  * face. */
+#include "bench_kit.h"
+
 #include <selvage/bake.h>
 #include <selvage/gl_texture.h>
 
-#include <math.h>
-#include <stdio.h>
 #include <string.h>
 
 enum { AROUND = 16, ACROSS = 8, NFACES = AROUND * ACROSS };
 
 typedef struct scene {
-    slv_mesh *mesh;
-    slv_adjacency *adjacency;
-    slv_surface *surface;
+    bench_torus torus;
     slv_gl *gl;
 } scene;
 
-static void log_line(void *user, slv_log_level level, const char *message) {
-    (void)user;
-    if (level == SLV_LOG_ERROR)
-        fprintf(stderr, "bench_compression: %s\n", message);
-}
-
-static const slv_env env = {.log = log_line};
-
-static slv_result make_scene(scene *s) {
-    static float positions[NFACES * 3];
-    static int32_t sizes[NFACES], verts[NFACES * 4];
-    slv_result result;
-    for (int i = 0; i < NFACES; i++) {
-        int a = i % AROUND, b = i / AROUND, a1 = (a + 1) % AROUND, b1 = (b + 1) % ACROSS;
-        float p = 6.2831853f * (float)a / AROUND, q = 6.2831853f * (float)b / ACROSS;
-        positions[3 * i] = (2 + cosf(q)) * cosf(p);
-        positions[3 * i + 1] = sinf(q);
-        positions[3 * i + 2] = -(2 + cosf(q)) * sinf(p);
-        sizes[i] = 4;
-        verts[4 * i] = i;
-        verts[4 * i + 1] = b * AROUND + a1;
-        verts[4 * i + 2] = b1 * AROUND + a1;
-        verts[4 * i + 3] = b1 * AROUND + a;
-    }
-    slv_mesh_view view = {.nverts = NFACES,
-                          .positions = positions,
-                          .npolys = NFACES,
-                          .poly_sizes = sizes,
-                          .poly_verts = verts};
-    if ((result = slv_mesh_create(&env, &view, &s->mesh)) ||
-        (result = slv_mesh_adjacency(&env, s->mesh, &s->adjacency)) ||
-        (result = slv_surface_create(&env, s->mesh, NULL, &s->surface)))
-        return result;
-    return slv_gl_create(&env, SLV_GL_AUTO, &s->gl);
-}
+static const slv_env env = {.log = bench_log};
 
 static slv_result report(const scene *s, slv_gl_texture *const textures[2], const char *name,
                          bool json) {
@@ -66,8 +30,8 @@ static slv_result report(const scene *s, slv_gl_texture *const textures[2], cons
         for (int i = 0; i < 2; i++) {
             stats[i] = slv_gl_texture_get_stats(textures[i], strategy);
             memory[i] = (double)stats[i].gpu_bytes / (double)stats[i].texel_bytes;
-            slv_result result = slv_gl_texture_seam_jump(textures[i], &env, strategy, s->adjacency,
-                                                         NULL, &seams[i]);
+            slv_result result = slv_gl_texture_seam_jump(textures[i], &env, strategy,
+                                                         s->torus.adjacency, NULL, &seams[i]);
             if (result)
                 return result;
         }
@@ -96,22 +60,18 @@ static slv_result measure(const scene *s, int log2, uint32_t nchannels, bool mix
     slv_texture *texture = NULL;
     slv_gl_texture *textures[2] = {NULL, NULL};
     char name[64];
-    uint32_t state = 7;
     slv_result result;
-    for (int i = 0; i < NFACES; i++) {
-        state = state * 1664525 + 1013904223;
-        int8_t own = (int8_t)(log2 - (mixed ? (int)(state >> 24) % 3 : 0));
-        res[i] = (slv_res){own, own};
-    }
+    bench_res(NFACES, log2, mixed, res);
     snprintf(name, sizeof name, "%u channel%s %s%s", nchannels, nchannels > 1 ? "s" : "",
              mixed ? "mixed" : "equal", tint > 0 ? " tinted" : "");
     if ((result = slv_texture_create(&env, &desc, &texture)) ||
-        (result = slv_bake_procedural(&env, s->surface, &noise, NULL, texture)))
+        (result = slv_bake_procedural(&env, s->torus.surface, &noise, NULL, texture)))
         goto done;
     for (int i = 0; i < 2 && !result; i++) {
         slv_gl_texture_params params = {.compression = i ? SLV_GL_COMPRESSION_BLOCKS
                                                          : SLV_GL_COMPRESSION_NONE};
-        result = slv_gl_texture_create(s->gl, &env, texture, s->adjacency, &params, &textures[i]);
+        result =
+            slv_gl_texture_create(s->gl, &env, texture, s->torus.adjacency, &params, &textures[i]);
     }
     if (!result)
         result = report(s, textures, name, json);
@@ -123,7 +83,6 @@ done:
 }
 
 int main(int argc, char **argv) {
-    scene s = {0};
     bool json = false;
     int log2 = 6;
     for (int i = 1; i < argc; i++) {
@@ -141,14 +100,13 @@ int main(int argc, char **argv) {
              "     mean jump\n"
              "                                        before after   rms   max     before  after"
              "    before   after");
-    slv_result result = make_scene(&s);
+    scene s = {.torus = bench_torus_make(&env, AROUND, ACROSS)};
+    slv_result result = slv_gl_create(&env, SLV_GL_AUTO, &s.gl);
     for (uint32_t nchannels = 1; !result && nchannels <= 3; nchannels += 2)
         if (!(result = measure(&s, log2, nchannels, false, 0, json)) &&
             !(result = measure(&s, log2, nchannels, true, 0, json)))
             result = measure(&s, log2, nchannels, false, 0.5f, json);
     slv_gl_destroy(s.gl);
-    slv_surface_destroy(s.surface);
-    slv_adjacency_destroy(s.adjacency);
-    slv_mesh_destroy(s.mesh);
+    bench_torus_free(&s.torus);
     return result ? 1 : 0;
 }

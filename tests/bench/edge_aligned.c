@@ -4,15 +4,13 @@
  * hard-edged, at one resolution and at mixed ones: time to convert, bytes against those of bordered
  * levels, the error of a texture that went forth and back, and that of the interpolated function;
  * the latter also as seen by the lookups of the ray-cast reference at random points. */
+#include "bench_kit.h"
+
 #include <selvage/bake.h>
 #include <selvage/edge_aligned.h>
 #include <selvage/reference.h>
 
-#include <math.h>
-#include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
-#include <time.h>
 
 enum { AROUND = 32, ACROSS = 16, NFACES = AROUND * ACROSS, MAX_POINTS = 1 << 17 };
 
@@ -22,61 +20,9 @@ typedef struct options {
     bool json;
 } options;
 
-typedef struct scene {
-    slv_mesh *mesh;
-    slv_adjacency *adjacency;
-    slv_surface *surface;
-} scene;
-
-static void log_line(void *user, slv_log_level level, const char *message) {
-    (void)user;
-    if (level == SLV_LOG_ERROR)
-        fprintf(stderr, "bench_edge_aligned: %s\n", message);
-}
-
-static void stop(slv_result result) {
-    if (result) {
-        fprintf(stderr, "bench_edge_aligned: %s\n", slv_result_string(result));
-        exit(1);
-    }
-}
-
-static double now(void) {
-    struct timespec t;
-    clock_gettime(CLOCK_MONOTONIC, &t);
-    return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
-}
-
-static scene make_torus(const slv_env *env) {
-    static float positions[NFACES * 3];
-    static int32_t sizes[NFACES], verts[NFACES * 4];
-    scene s = {0};
-    for (int i = 0; i < NFACES; i++) {
-        int a = i % AROUND, b = i / AROUND, a1 = (a + 1) % AROUND, b1 = (b + 1) % ACROSS;
-        float p = 6.2831853f * (float)a / AROUND, q = 6.2831853f * (float)b / ACROSS;
-        positions[3 * i] = (2 + cosf(q)) * cosf(p);
-        positions[3 * i + 1] = sinf(q);
-        positions[3 * i + 2] = -(2 + cosf(q)) * sinf(p);
-        sizes[i] = 4;
-        verts[4 * i] = i;
-        verts[4 * i + 1] = b * AROUND + a1;
-        verts[4 * i + 2] = b1 * AROUND + a1;
-        verts[4 * i + 3] = b1 * AROUND + a;
-    }
-    slv_mesh_view view = {.nverts = NFACES,
-                          .positions = positions,
-                          .npolys = NFACES,
-                          .poly_sizes = sizes,
-                          .poly_verts = verts};
-    stop(slv_mesh_create(env, &view, &s.mesh));
-    stop(slv_mesh_adjacency(env, s.mesh, &s.adjacency));
-    stop(slv_surface_create(env, s.mesh, NULL, &s.surface));
-    return s;
-}
-
 /* The RMS of the difference from the reference's function over random points, as many on every
  * texel. */
-static double against_reference(const slv_env *env, const options *o, const scene *s,
+static double against_reference(const slv_env *env, const options *o, const bench_torus *s,
                                 const slv_texture *texture, const slv_edge_aligned *aligned) {
     static slv_surface_point points[MAX_POINTS];
     static float rgb[3 * MAX_POINTS];
@@ -85,7 +31,7 @@ static double against_reference(const slv_env *env, const options *o, const scen
     slv_reference *reference = NULL;
     uint32_t state = 1;
     double sum = 0, weights = 0;
-    stop(
+    bench_stop(
         slv_reference_create(env, s->mesh, s->surface, texture, s->adjacency, &params, &reference));
     for (uint32_t i = 0; i < o->points; i++) {
         uint32_t r[2];
@@ -94,7 +40,7 @@ static double against_reference(const slv_env *env, const options *o, const scen
         points[i] = (slv_surface_point){(int32_t)(i % NFACES), (float)(r[0] >> 8) / 16777216,
                                         (float)(r[1] >> 8) / 16777216};
     }
-    stop(slv_reference_lookup(reference, o->points, points, rgb));
+    bench_stop(slv_reference_lookup(reference, o->points, points, rgb));
     for (uint32_t i = 0; i < o->points; i++) {
         slv_res res = desc->res[points[i].face];
         double weight = ldexp(1, res.u + res.v);
@@ -121,27 +67,22 @@ static uint64_t bordered_bytes(const slv_texture_desc *desc) {
     return texels * desc->nchannels * slv_type_size(desc->type);
 }
 
-static void measure(const slv_env *env, const options *o, const scene *s, const char *name,
+static void measure(const slv_env *env, const options *o, const bench_torus *s, const char *name,
                     const slv_procedural *pattern, slv_type type, bool mixed) {
     static slv_res res[NFACES];
-    uint32_t state = 7;
     slv_texture *texture = NULL;
     slv_levels *levels = NULL;
     slv_edge_aligned *aligned = NULL;
     slv_edge_aligned_error error;
-    for (int i = 0; i < NFACES; i++) {
-        state = state * 1664525 + 1013904223;
-        int8_t log2 = (int8_t)(o->log2 - (mixed ? (int)(state >> 24) % 3 : 0));
-        res[i] = (slv_res){log2, log2};
-    }
+    bench_res(NFACES, o->log2, mixed, res);
     slv_texture_desc desc = {NFACES, type, 3, SLV_NO_ALPHA, res};
-    stop(slv_texture_create(env, &desc, &texture));
-    stop(slv_bake_procedural(env, s->surface, pattern, NULL, texture));
-    stop(slv_levels_create(env, texture, &levels));
-    double start = now();
-    stop(slv_edge_aligned_create(env, levels, s->adjacency, &aligned));
-    double seconds = now() - start;
-    stop(slv_edge_aligned_measure(env, aligned, levels, s->adjacency, &error));
+    bench_stop(slv_texture_create(env, &desc, &texture));
+    bench_stop(slv_bake_procedural(env, s->surface, pattern, NULL, texture));
+    bench_stop(slv_levels_create(env, texture, &levels));
+    double start = bench_seconds(CLOCK_MONOTONIC);
+    bench_stop(slv_edge_aligned_create(env, levels, s->adjacency, &aligned));
+    double seconds = bench_seconds(CLOCK_MONOTONIC) - start;
+    bench_stop(slv_edge_aligned_measure(env, aligned, levels, s->adjacency, &error));
     double reference = against_reference(env, o, s, texture, aligned);
     double speed =
         (double)slv_edge_aligned_bytes(aligned) / (double)(3 * slv_type_size(type)) / 1e6 / seconds;
@@ -180,7 +121,7 @@ int main(int argc, char **argv) {
             return 2;
         }
     }
-    slv_env env = {.log = log_line, .threads = o.threads};
+    slv_env env = {.log = bench_log, .threads = o.threads};
     static const struct {
         const char *name;
         slv_procedural pattern;
@@ -189,7 +130,7 @@ int main(int argc, char **argv) {
                 {"fine noise", {.pattern = SLV_PATTERN_NOISE, .frequency = 64, .octaves = 2}},
                 {"checker", {.pattern = SLV_PATTERN_CHECKER, .frequency = 8}},
                 {"face colours", {.pattern = SLV_PATTERN_FACE_COLOR}}};
-    scene s = make_torus(&env);
+    bench_torus s = bench_torus_make(&env, AROUND, ACROSS);
     if (!o.json)
         puts("                            Msamples/s bytes borders  there and back   interpolated"
              "     reference\n"
@@ -200,8 +141,6 @@ int main(int argc, char **argv) {
         measure(&env, &o, &s, rows[i].name, &rows[i].pattern, SLV_TYPE_U8, false);
         measure(&env, &o, &s, rows[i].name, &rows[i].pattern, SLV_TYPE_FLOAT, true);
     }
-    slv_surface_destroy(s.surface);
-    slv_adjacency_destroy(s.adjacency);
-    slv_mesh_destroy(s.mesh);
+    bench_torus_free(&s);
     return 0;
 }

@@ -8,16 +8,14 @@
  * The yardstick, weighted sums of 4x4 texels of plain memory along rows and at random places, is
  * measured between the runs: `reference` is what the Ptex library 2.4 does one by one on a machine
  * with the same yardstick (its better figure of two runs, scaled), and the ratios are to that. */
+#include "bench_kit.h"
+
 #include <selvage/filter.h>
 #include <selvage/half.h>
 #include <selvage/ptx_writer.h>
 
 #include <pthread.h>
-#include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
-#include <time.h>
-#include <unistd.h>
 
 enum { LOG2 = 6, BLOCK = 4096, CHANNELS = 3 };
 
@@ -46,47 +44,6 @@ struct options {
     bool json;
 };
 
-/* The thread's own time: others may use the machine. */
-static double now(void) {
-    struct timespec t;
-    clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);
-    return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
-}
-
-static void stop(slv_result result) {
-    if (result) {
-        fprintf(stderr, "bench_filter: %s\n", slv_result_string(result));
-        exit(1);
-    }
-}
-
-static void log_line(void *user, slv_log_level level, const char *message) {
-    (void)user;
-    if (level == SLV_LOG_ERROR)
-        fprintf(stderr, "bench_filter: %s\n", message);
-}
-
-static int compare(const void *a, const void *b) {
-    double x = *(const double *)a, y = *(const double *)b;
-    return (x > y) - (x < y);
-}
-
-static double median(double *values, uint32_t count) {
-    qsort(values, count, sizeof *values, compare);
-    return values[count / 2];
-}
-
-static uint32_t random_next(uint32_t *state) {
-    *state ^= *state << 13;
-    *state ^= *state >> 17;
-    *state ^= *state << 5;
-    return *state;
-}
-
-static float random_unit(uint32_t *state) {
-    return (float)(random_next(state) >> 8) * (1.0f / 16777216.0f);
-}
-
 /* A square grid of faces. */
 static void write_file(const slv_env *env, const char *path, const struct options *o) {
     enum { SIZE = 1 << LOG2 };
@@ -100,24 +57,20 @@ static void write_file(const slv_env *env, const char *path, const struct option
                                     .nfaces = o->faces};
     slv_ptx_writer *writer;
     static uint16_t texels[SIZE * SIZE * CHANNELS];
-    stop(slv_ptx_writer_create(env, path, &params, &writer));
+    bench_stop(slv_ptx_writer_create(env, path, &params, &writer));
     for (uint32_t face = 0; face < o->faces; face++) {
-        int32_t x = (int32_t)(face % side), y = (int32_t)(face / side), n = (int32_t)side;
-        slv_ptx_face info = {.res = {LOG2, LOG2}, .adjacency = {{-1, -1, -1, -1}, {2, 3, 0, 1}}};
-        int32_t next[4] = {y ? x + (y - 1) * n : -1, x < n - 1 ? x + 1 + y * n : -1,
-                           x + (y + 1) * n, x ? x - 1 + y * n : -1};
-        for (int e = 0; e < 4; e++)
-            info.adjacency.face[e] = next[e] < (int32_t)o->faces ? next[e] : -1;
+        slv_ptx_face info = {.res = {LOG2, LOG2},
+                             .adjacency = bench_grid_adjacency(face, side, o->faces)};
         for (size_t i = 0; i < SIZE * SIZE * CHANNELS; i++) {
-            uint32_t r = random_next(&state);
+            uint32_t r = bench_random(&state);
             if (o->type == SLV_TYPE_U8)
                 ((uint8_t *)texels)[i] = (uint8_t)(r >> 24);
             else
                 texels[i] = slv_half_from_float((float)(r >> 8) * (1.0f / 16777216.0f));
         }
-        stop(slv_ptx_writer_write_face(writer, face, &info, texels));
+        bench_stop(slv_ptx_writer_write_face(writer, face, &info, texels));
     }
-    stop(slv_ptx_writer_finish(writer));
+    bench_stop(slv_ptx_writer_finish(writer));
     slv_ptx_writer_destroy(writer);
 }
 
@@ -129,9 +82,9 @@ static void make_lookups(slv_file_id file, uint32_t faces, bool random, float fo
         uint32_t texel = i + seed * 977u;
         slv_lookup l = {.file = file, .uw1 = width, .vw2 = width};
         if (random) {
-            l.face = random_next(&state) % faces;
-            l.u = random_unit(&state);
-            l.v = random_unit(&state);
+            l.face = bench_random(&state) % faces;
+            l.u = bench_random_unit(&state);
+            l.v = bench_random_unit(&state);
         } else {
             l.face = (texel >> (2 * LOG2)) % faces;
             l.u = ((float)(texel & 63) + 0.5f) / size;
@@ -158,23 +111,23 @@ static void *run(void *user) {
     slv_sampler *sampler;
     static _Thread_local float out[BLOCK * CHANNELS];
     void *workspace = malloc(slv_sample_workspace(BLOCK));
-    stop(slv_sampler_create(w->cache, &params, &sampler));
-    double start = now(), end = start + w->seconds, t = start;
+    bench_stop(slv_sampler_create(w->cache, &params, &sampler));
+    double start = bench_seconds(CLOCK_THREAD_CPUTIME_ID), end = start + w->seconds, t = start;
     uint64_t done = 0;
     uint32_t at = 0;
     while (t < end) {
         const slv_lookup *l = w->lookups + at;
         if (w->mode == ONE)
             for (uint32_t i = 0; i < BLOCK; i++)
-                stop(slv_sample(sampler, &l[i], out + i * CHANNELS));
+                bench_stop(slv_sample(sampler, &l[i], out + i * CHANNELS));
         else if (w->mode == BATCH)
-            stop(slv_sample_batch(sampler, l, BLOCK, out, CHANNELS, NULL));
+            bench_stop(slv_sample_batch(sampler, l, BLOCK, out, CHANNELS, NULL));
         else
-            stop(slv_sample_sorted(sampler, l, BLOCK, out, CHANNELS, NULL, workspace));
+            bench_stop(slv_sample_sorted(sampler, l, BLOCK, out, CHANNELS, NULL, workspace));
         w->check += out[0];
         done += BLOCK;
         at = (at + BLOCK) % w->count;
-        t = now();
+        t = bench_seconds(CLOCK_THREAD_CPUTIME_ID);
     }
     w->rate = (double)done / (t - start) / 1e6;
     slv_sampler_destroy(sampler);
@@ -197,16 +150,16 @@ yardstick(bool random, double seconds) {
     if (!texels) {
         texels = malloc(BYTES);
         for (uint32_t i = 0; texels && i < BYTES; i++)
-            texels[i] = (uint8_t)random_next(&state);
+            texels[i] = (uint8_t)bench_random(&state);
     }
     if (!texels)
-        stop(SLV_ERROR_MEMORY);
+        bench_stop(SLV_ERROR_MEMORY);
     for (uint32_t i = 0; i < TAPS; i++)
-        at[i] = (random ? random_next(&state) : i * 3) % (BYTES - 4096);
+        at[i] = (random ? bench_random(&state) : i * 3) % (BYTES - 4096);
     static const float w[4] = {0.1f, 0.4f, 0.3f, 0.2f};
     float sum[3] = {0};
     uint64_t done = 0;
-    double start = now(), t = start;
+    double start = bench_seconds(CLOCK_THREAD_CPUTIME_ID), t = start;
     while (t < start + seconds) {
         for (uint32_t i = 0; i < TAPS; i++) {
             const uint8_t *p = texels + at[i];
@@ -216,7 +169,7 @@ yardstick(bool random, double seconds) {
                         sum[c] += w[y] * w[x] * (float)p[y * 192 + x * 3 + c];
         }
         done += TAPS;
-        t = now();
+        t = bench_seconds(CLOCK_THREAD_CPUTIME_ID);
     }
     sink = sum[0] + sum[1] + sum[2];
     (void)sink;
@@ -228,7 +181,7 @@ static void measure(const struct options *o, slv_cache *cache, slv_file_id file,
     uint32_t count = 64 * BLOCK;
     slv_lookup *lookups = malloc(2 * (size_t)count * sizeof *lookups);
     if (!lookups)
-        stop(SLV_ERROR_MEMORY);
+        bench_stop(SLV_ERROR_MEMORY);
     for (int wide = 0; wide < 2; wide++)
         for (int random = 0; random < 2; random++) {
             double rates[MODES][64], pairs[64], sticks[64], one = 0, values[MODES];
@@ -247,7 +200,7 @@ static void measure(const struct options *o, slv_cache *cache, slv_file_id file,
                     w[t] = (struct work){
                         cache, filter, lookups + (size_t)t * count, count, BATCH, o->seconds, 0, 0};
                     if (pthread_create(&threads[t], NULL, run, &w[t]))
-                        stop(SLV_ERROR_MEMORY);
+                        bench_stop(SLV_ERROR_MEMORY);
                 }
                 for (int t = 0; t < 2; t++)
                     pthread_join(threads[t], NULL);
@@ -255,10 +208,10 @@ static void measure(const struct options *o, slv_cache *cache, slv_file_id file,
                 sticks[r] = yardstick(random, o->seconds / 2);
             }
             for (int m = 0; m < MODES; m++)
-                values[m] = median(rates[m], o->runs);
-            one = reference[filter][wide][random] * median(sticks, o->runs) /
+                values[m] = bench_median(rates[m], o->runs);
+            one = reference[filter][wide][random] * bench_median(sticks, o->runs) /
                   yardstick_reference[random];
-            double two = median(pairs, o->runs);
+            double two = bench_median(pairs, o->runs);
             if (o->json)
                 printf("{\"filter\":\"%s\",\"footprint\":%g,\"random\":%s,\"reference\":%.3f,"
                        "\"one\":%.3f,\"batch\":%.3f,\"sorted\":%.3f,\"two_threads\":%.3f}\n",
@@ -303,17 +256,14 @@ int main(int argc, char **argv) {
     }
     if (!o.faces || !o.runs || o.runs > 64)
         return 2;
-    slv_env env = {.log = log_line};
-    char path[] = "/tmp/bench_filter_XXXXXX";
-    int descriptor = mkstemp(path);
-    if (descriptor < 0)
-        stop(SLV_ERROR_IO);
-    close(descriptor);
+    slv_env env = {.log = bench_log};
+    char path[64];
+    bench_temporary(path);
     write_file(&env, path, &o);
     slv_cache *cache;
     slv_file_id file;
-    stop(slv_cache_create(&env, NULL, &cache));
-    stop(slv_cache_open(cache, path, &file));
+    bench_stop(slv_cache_create(&env, NULL, &cache));
+    bench_stop(slv_cache_open(cache, path, &file));
     for (uint32_t face = 0; face < o.faces; face++) {
         slv_cache_prefetch(cache, file, face);
         if (face % 2048 == 2047)

@@ -3,14 +3,11 @@
  * Writes and reads one file of N faces of uint8 RGB, in a noisy version (a smooth function plus
  * noise of a few units) and a smooth one, and opens one of a million faces. MB/s are of texels
  * without their reductions; medians of the runs. */
+#include "bench_kit.h"
+
 #include <selvage/ptx_writer.h>
 
-#include <math.h>
-#include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
-#include <time.h>
-#include <unistd.h>
 
 struct options {
     uint32_t nfaces, threads, runs, many;
@@ -23,49 +20,13 @@ struct texels {
     size_t face_size;
 };
 
-static void log_line(void *user, slv_log_level level, const char *message) {
-    (void)user;
-    if (level == SLV_LOG_ERROR)
-        fprintf(stderr, "bench_ptx: %s\n", message);
-}
-
-static void stop(slv_result result) {
-    if (result) {
-        fprintf(stderr, "bench_ptx: %s\n", slv_result_string(result));
-        exit(1);
-    }
-}
-
-static double now(void) {
-    struct timespec t;
-    clock_gettime(CLOCK_MONOTONIC, &t);
-    return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
-}
-
-static int compare(const void *a, const void *b) {
-    double x = *(const double *)a, y = *(const double *)b;
-    return (x > y) - (x < y);
-}
-
-static double median(double *values, uint32_t count) {
-    qsort(values, count, sizeof *values, compare);
-    return values[count / 2];
-}
-
-static uint32_t random_next(uint32_t *state) {
-    *state ^= *state << 13;
-    *state ^= *state >> 17;
-    *state ^= *state << 5;
-    return *state;
-}
-
 static struct texels make(const struct options *o, bool noisy) {
     size_t size = (size_t)1 << o->log2;
     struct texels t = {.face_size = 3 * size * size};
     t.data = malloc(t.face_size * o->nfaces);
     uint32_t state = 12345;
     if (!t.data)
-        stop(SLV_ERROR_MEMORY);
+        bench_stop(SLV_ERROR_MEMORY);
     uint8_t *to = t.data;
     for (uint32_t face = 0; face < o->nfaces; face++)
         for (size_t y = 0; y < size; y++)
@@ -75,7 +36,7 @@ static struct texels make(const struct options *o, bool noisy) {
                     float value = 128.0f + 60.0f * sinf(3.0f * u + 0.1f * (float)face + (float)c) +
                                   50.0f * cosf(4.0f * v + 0.07f * (float)face - (float)c * u);
                     if (noisy)
-                        value += (float)(random_next(&state) % 9) - 4.0f;
+                        value += (float)(bench_random(&state) % 9) - 4.0f;
                     *to++ = (uint8_t)(value < 0.0f ? 0.0f : value > 255.0f ? 255.0f : value);
                 }
     return t;
@@ -84,7 +45,7 @@ static struct texels make(const struct options *o, bool noisy) {
 static void write_once(const slv_env *env, const struct options *o, const char *path,
                        slv_texture *texture) {
     slv_ptx_write_params params = {.compression = o->compression};
-    stop(slv_ptx_save(env, path, texture, NULL, &params));
+    bench_stop(slv_ptx_save(env, path, texture, NULL, &params));
 }
 
 static slv_result drop(void *user, const slv_env *env, uint32_t face, const slv_ptx_face *info,
@@ -95,29 +56,21 @@ static slv_result drop(void *user, const slv_env *env, uint32_t face, const slv_
 
 static void read_once(const slv_env *env, const char *path) {
     slv_ptx *ptx = NULL;
-    stop(slv_ptx_open(env, path, &ptx));
-    stop(slv_ptx_visit_faces(env, ptx, drop, NULL));
+    bench_stop(slv_ptx_open(env, path, &ptx));
+    bench_stop(slv_ptx_visit_faces(env, ptx, drop, NULL));
     slv_ptx_close(ptx);
 }
 
 static uint64_t size_of(const char *path) {
     slv_ptx *ptx = NULL;
-    stop(slv_ptx_open(NULL, path, &ptx));
+    bench_stop(slv_ptx_open(NULL, path, &ptx));
     uint64_t size = slv_ptx_get_info(ptx)->file_bytes;
     slv_ptx_close(ptx);
     return size;
 }
 
-static void report(const struct options *o, const char *what, const char *unit, double value) {
-    if (o->json)
-        printf("{\"what\": \"%s\", \"unit\": \"%s\", \"value\": %.3f}\n", what, unit, value);
-    else
-        printf("%-40s %10.2f %s\n", what, value, unit);
-    fflush(stdout);
-}
-
 static void texel_speed(const struct options *o, const char *path, bool noisy) {
-    slv_env env = {.log = log_line, .threads = o->threads}, one = {.log = log_line, .threads = 1};
+    slv_env env = {.log = bench_log, .threads = o->threads}, one = {.log = bench_log, .threads = 1};
     const char *name = noisy ? "noisy" : "smooth";
     struct texels t = make(o, noisy);
     slv_res *res = malloc(o->nfaces * sizeof *res);
@@ -125,32 +78,32 @@ static void texel_speed(const struct options *o, const char *path, bool noisy) {
     slv_texture *texture = NULL;
     char what[80];
     if (!res)
-        stop(SLV_ERROR_MEMORY);
+        bench_stop(SLV_ERROR_MEMORY);
     for (uint32_t face = 0; face < o->nfaces; face++)
         res[face] = (slv_res){(int8_t)o->log2, (int8_t)o->log2};
     slv_texture_desc desc = {o->nfaces, SLV_TYPE_U8, 3, SLV_NO_ALPHA, res};
-    stop(slv_texture_create(&env, &desc, &texture));
+    bench_stop(slv_texture_create(&env, &desc, &texture));
     for (uint32_t face = 0; face < o->nfaces; face++)
-        stop(slv_texture_set_face(texture, face, t.data + face * t.face_size));
+        bench_stop(slv_texture_set_face(texture, face, t.data + face * t.face_size));
     free(t.data);
     for (uint32_t run = 0; run < o->runs; run++) {
-        double start = now();
+        double start = bench_seconds(CLOCK_MONOTONIC);
         write_once(&env, o, path, texture);
-        times[0][run] = total / (now() - start);
-        start = now();
+        times[0][run] = total / (bench_seconds(CLOCK_MONOTONIC) - start);
+        start = bench_seconds(CLOCK_MONOTONIC);
         read_once(&one, path);
-        times[1][run] = total / (now() - start);
-        start = now();
+        times[1][run] = total / (bench_seconds(CLOCK_MONOTONIC) - start);
+        start = bench_seconds(CLOCK_MONOTONIC);
         read_once(&env, path);
-        times[2][run] = total / (now() - start);
+        times[2][run] = total / (bench_seconds(CLOCK_MONOTONIC) - start);
     }
     static const char *const kinds[3] = {"write", "read, one thread", "read"};
     for (int i = 0; i < 3; i++) {
         snprintf(what, sizeof what, "%s: %s", name, kinds[i]);
-        report(o, what, "MB/s", median(times[i], o->runs));
+        bench_report(o->json, what, "MB/s", bench_median(times[i], o->runs));
     }
     snprintf(what, sizeof what, "%s: file", name);
-    report(o, what, "MB", (double)size_of(path) / 1e6);
+    bench_report(o->json, what, "MB", (double)size_of(path) / 1e6);
     slv_texture_destroy(texture);
     free(res);
     remove(path);
@@ -158,7 +111,7 @@ static void texel_speed(const struct options *o, const char *path, bool noisy) {
 
 /* Opening, and then looking at one face. */
 static void open_speed(const struct options *o, const char *path) {
-    slv_env env = {.log = log_line, .threads = o->threads};
+    slv_env env = {.log = bench_log, .threads = o->threads};
     slv_ptx_writer_params params = {.mesh_type = SLV_PTX_QUAD,
                                     .type = SLV_TYPE_U8,
                                     .nchannels = 3,
@@ -167,36 +120,33 @@ static void open_speed(const struct options *o, const char *path) {
     slv_ptx_writer *writer = NULL;
     double open_times[64], face_times[64];
     uint32_t columns = (uint32_t)sqrt((double)o->many), state = 1;
-    stop(slv_ptx_writer_create(&env, path, &params, &writer));
+    bench_stop(slv_ptx_writer_create(&env, path, &params, &writer));
     for (uint32_t face = 0; face < o->many; face++) {
         uint8_t texels[48];
-        int32_t f = (int32_t)face, row = (int32_t)columns;
         slv_ptx_face info = {.res = {2, 2},
-                             .adjacency = {{f - row, f + 1, f + row, f - 1}, {2, 3, 0, 1}}};
-        for (int e = 0; e < 4; e++)
-            if (info.adjacency.face[e] < 0 || info.adjacency.face[e] >= (int32_t)o->many)
-                info.adjacency.face[e] = SLV_BOUNDARY;
+                             .adjacency = bench_grid_adjacency(face, columns, o->many)};
         for (int i = 0; i < 48; i++)
-            texels[i] = (uint8_t)(random_next(&state) % 16);
-        stop(slv_ptx_writer_write_face(writer, face, &info, texels));
+            texels[i] = (uint8_t)(bench_random(&state) % 16);
+        bench_stop(slv_ptx_writer_write_face(writer, face, &info, texels));
     }
-    stop(slv_ptx_writer_finish(writer));
+    bench_stop(slv_ptx_writer_finish(writer));
     slv_ptx_writer_destroy(writer);
     for (uint32_t run = 0; run < o->runs; run++) {
         slv_ptx *ptx = NULL;
         uint8_t texels[48];
-        double start = now();
-        stop(slv_ptx_open(&env, path, &ptx));
-        open_times[run] = 1e3 * (now() - start);
-        stop(slv_ptx_read_face(ptx, o->many / 2, (slv_res){2, 2}, texels));
-        face_times[run] = 1e3 * (now() - start);
+        double start = bench_seconds(CLOCK_MONOTONIC);
+        bench_stop(slv_ptx_open(&env, path, &ptx));
+        open_times[run] = 1e3 * (bench_seconds(CLOCK_MONOTONIC) - start);
+        bench_stop(slv_ptx_read_face(ptx, o->many / 2, (slv_res){2, 2}, texels));
+        face_times[run] = 1e3 * (bench_seconds(CLOCK_MONOTONIC) - start);
         slv_ptx_close(ptx);
     }
-    report(o, "open", "ms", median(open_times, o->runs));
-    report(o, "open and read one face", "ms", median(face_times, o->runs));
-    double start = now();
+    bench_report(o->json, "open", "ms", bench_median(open_times, o->runs));
+    bench_report(o->json, "open and read one face", "ms", bench_median(face_times, o->runs));
+    double start = bench_seconds(CLOCK_MONOTONIC);
     read_once(&env, path);
-    report(o, "open and read all faces", "ms", 1e3 * (now() - start));
+    bench_report(o->json, "open and read all faces", "ms",
+                 1e3 * (bench_seconds(CLOCK_MONOTONIC) - start));
     remove(path);
 }
 

@@ -2,14 +2,12 @@
  *
  * Ray-casts a torus of 2048 faces with 64 x 64 texels each, and makes lookups at random points of
  * it: millions of samples and of lookups a second, medians of the runs. */
+#include "bench_kit.h"
+
 #include <selvage/bake.h>
 #include <selvage/reference.h>
 
-#include <math.h>
-#include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
-#include <time.h>
 
 enum { AROUND = 64, ACROSS = 32, NFACES = AROUND * ACROSS, MAX_RUNS = 64 };
 
@@ -19,92 +17,24 @@ typedef struct options {
     bool json;
 } options;
 
-static void log_line(void *user, slv_log_level level, const char *message) {
-    (void)user;
-    if (level == SLV_LOG_ERROR)
-        fprintf(stderr, "bench_reference: %s\n", message);
-}
-
-static void stop(slv_result result) {
-    if (result) {
-        fprintf(stderr, "bench_reference: %s\n", slv_result_string(result));
-        exit(1);
-    }
-}
-
-static double now(void) {
-    struct timespec t;
-    clock_gettime(CLOCK_MONOTONIC, &t);
-    return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
-}
-
-static int by_value(const void *a, const void *b) {
-    double x = *(const double *)a, y = *(const double *)b;
-    return (x > y) - (x < y);
-}
-
-static double median(double *values, uint32_t count) {
-    qsort(values, count, sizeof *values, by_value);
-    return values[count / 2];
-}
-
-static void report(const options *o, const char *what, const char *unit, double value) {
-    if (o->json)
-        printf("{\"what\": \"%s\", \"unit\": \"%s\", \"value\": %.3f}\n", what, unit, value);
-    else
-        printf("%-40s %10.2f %s\n", what, value, unit);
-    fflush(stdout);
-}
-
-static slv_mesh *make_torus(const slv_env *env) {
-    static float positions[NFACES * 3];
-    static int32_t sizes[NFACES], verts[NFACES * 4];
-    slv_mesh *mesh = NULL;
-    for (int i = 0; i < NFACES; i++) {
-        int a = i % AROUND, b = i / AROUND, a1 = (a + 1) % AROUND, b1 = (b + 1) % ACROSS;
-        float s = 6.2831853f * (float)a / AROUND, t = 6.2831853f * (float)b / ACROSS;
-        positions[3 * i] = (2 + cosf(t)) * cosf(s);
-        positions[3 * i + 1] = sinf(t);
-        positions[3 * i + 2] = -(2 + cosf(t)) * sinf(s);
-        sizes[i] = 4;
-        verts[4 * i] = i;
-        verts[4 * i + 1] = b * AROUND + a1;
-        verts[4 * i + 2] = b1 * AROUND + a1;
-        verts[4 * i + 3] = b1 * AROUND + a;
-    }
-    slv_mesh_view view = {.nverts = NFACES,
-                          .positions = positions,
-                          .npolys = NFACES,
-                          .poly_sizes = sizes,
-                          .poly_verts = verts};
-    stop(slv_mesh_create(env, &view, &mesh));
-    return mesh;
-}
-
 static slv_reference *make_reference(const slv_env *env, const options *o) {
     static slv_res res[NFACES];
     const slv_procedural noise = {
         .pattern = SLV_PATTERN_NOISE, .frequency = 4, .octaves = 3, .face_tint = 0.3f};
     const slv_reference_params params = {.segments = 8};
-    slv_mesh *mesh = make_torus(env);
-    slv_adjacency *adjacency = NULL;
-    slv_surface *surface = NULL;
+    bench_torus torus = bench_torus_make(env, AROUND, ACROSS);
     slv_texture *texture = NULL;
     slv_reference *reference = NULL;
-    for (int i = 0; i < NFACES; i++)
-        res[i] = (slv_res){(int8_t)o->log2, (int8_t)o->log2};
+    bench_res(NFACES, o->log2, false, res);
     slv_texture_desc desc = {NFACES, SLV_TYPE_U8, 3, SLV_NO_ALPHA, res};
-    stop(slv_mesh_adjacency(env, mesh, &adjacency));
-    stop(slv_surface_create(env, mesh, NULL, &surface));
-    stop(slv_texture_create(env, &desc, &texture));
-    stop(slv_bake_procedural(env, surface, &noise, NULL, texture));
-    double start = now();
-    stop(slv_reference_create(env, mesh, surface, texture, adjacency, &params, &reference));
-    report(o, "create", "ms", 1e3 * (now() - start));
+    bench_stop(slv_texture_create(env, &desc, &texture));
+    bench_stop(slv_bake_procedural(env, torus.surface, &noise, NULL, texture));
+    double start = bench_seconds(CLOCK_MONOTONIC);
+    bench_stop(slv_reference_create(env, torus.mesh, torus.surface, texture, torus.adjacency,
+                                    &params, &reference));
+    bench_report(o->json, "create", "ms", 1e3 * (bench_seconds(CLOCK_MONOTONIC) - start));
     slv_texture_destroy(texture);
-    slv_surface_destroy(surface);
-    slv_adjacency_destroy(adjacency);
-    slv_mesh_destroy(mesh);
+    bench_torus_free(&torus);
     return reference;
 }
 
@@ -124,12 +54,12 @@ static void render_speed(const slv_env *env, const options *o, const slv_referen
     for (uint32_t run = 0; run < o->runs; run++) {
         slv_image image;
         slv_reference_stats stats;
-        double start = now();
-        stop(slv_reference_render(reference, env, &frame, &image, NULL, &stats));
-        speeds[run] = (double)stats.samples / 1e6 / (now() - start);
+        double start = bench_seconds(CLOCK_MONOTONIC);
+        bench_stop(slv_reference_render(reference, env, &frame, &image, NULL, &stats));
+        speeds[run] = (double)stats.samples / 1e6 / (bench_seconds(CLOCK_MONOTONIC) - start);
         slv_image_free(&image);
     }
-    report(o, what, "Msamples/s", median(speeds, o->runs));
+    bench_report(o->json, what, "Msamples/s", bench_median(speeds, o->runs));
 }
 
 static void lookup_speed(const options *o, const slv_reference *reference) {
@@ -138,7 +68,7 @@ static void lookup_speed(const options *o, const slv_reference *reference) {
     double speeds[MAX_RUNS];
     uint32_t state = 1;
     if (!points || !rgb)
-        stop(SLV_ERROR_MEMORY);
+        bench_stop(SLV_ERROR_MEMORY);
     for (uint32_t i = 0; i < o->lookups; i++) {
         uint32_t r[3];
         for (int k = 0; k < 3; k++)
@@ -148,11 +78,12 @@ static void lookup_speed(const options *o, const slv_reference *reference) {
                                 (float)(r[2] >> 8) / 16777216};
     }
     for (uint32_t run = 0; run < o->runs; run++) {
-        double start = now();
-        stop(slv_reference_lookup(reference, o->lookups, points, rgb));
-        speeds[run] = o->lookups / 1e6 / (now() - start);
+        double start = bench_seconds(CLOCK_MONOTONIC);
+        bench_stop(slv_reference_lookup(reference, o->lookups, points, rgb));
+        speeds[run] = o->lookups / 1e6 / (bench_seconds(CLOCK_MONOTONIC) - start);
     }
-    report(o, "random lookups, one thread", "Mlookups/s", median(speeds, o->runs));
+    bench_report(o->json, "random lookups, one thread", "Mlookups/s",
+                 bench_median(speeds, o->runs));
     free(points);
     free(rgb);
 }
@@ -183,7 +114,7 @@ int main(int argc, char **argv) {
     }
     if (o.runs < 1 || o.runs > MAX_RUNS)
         return 2;
-    slv_env env = {.log = log_line, .threads = o.threads}, one = {.log = log_line, .threads = 1};
+    slv_env env = {.log = bench_log, .threads = o.threads}, one = {.log = bench_log, .threads = 1};
     slv_reference *reference = make_reference(&env, &o);
     render_speed(&one, &o, reference, "box, lit, one thread", 1, SLV_PIXEL_BOX,
                  SLV_SHADE_HEADLIGHT);

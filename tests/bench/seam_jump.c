@@ -4,17 +4,11 @@
  * vertices of valence 3 to 12: discs of 32x32 faces around one vertex, float noise in 0..1, N
  * (20000) places on the edges of each disc. `near`: within three texels of the vertex; `far`: the
  * rest of its edges, up to their middle. Footprints from half a texel to four. */
-#include <selvage/adjacency.h>
-#include <selvage/filter.h>
-#include <selvage/mesh.h>
-#include <selvage/ptx.h>
-#include <selvage/texture.h>
+#include "bench_kit.h"
 
-#include <math.h>
-#include <stdio.h>
-#include <stdlib.h>
+#include <selvage/filter.h>
+
 #include <string.h>
-#include <unistd.h>
 
 enum { LOG2 = 5, SIZE = 1 << LOG2, FIRST = 3, LAST = 12 };
 
@@ -22,26 +16,6 @@ struct jumps {
     double most, sum;
     uint64_t count;
 };
-
-static void stop(slv_result result) {
-    if (result) {
-        fprintf(stderr, "bench_seam_jump: %s\n", slv_result_string(result));
-        exit(1);
-    }
-}
-
-static void log_line(void *user, slv_log_level level, const char *message) {
-    (void)user;
-    if (level == SLV_LOG_ERROR)
-        fprintf(stderr, "bench_seam_jump: %s\n", message);
-}
-
-static float random_unit(uint32_t *state) {
-    *state ^= *state << 13;
-    *state ^= *state >> 17;
-    *state ^= *state << 5;
-    return (float)(*state >> 8) * (1.0f / 16777216.0f);
-}
 
 /* Quads around vertex 0, each of which begins there: edge 0 of one is edge 3 of the one before. */
 static void write_disc(const slv_env *env, const char *path, int32_t valence) {
@@ -59,22 +33,22 @@ static void write_disc(const slv_env *env, const char *path, int32_t valence) {
         res[i] = (slv_res){LOG2, LOG2};
     }
     for (int32_t i = 0; i < 3 * (2 * valence + 1); i++)
-        positions[i] = random_unit(&state);
+        positions[i] = bench_random_unit(&state);
     slv_mesh_view view = {.nverts = (uint32_t)(2 * valence + 1),
                           .positions = positions,
                           .npolys = (uint32_t)valence,
                           .poly_sizes = sizes,
                           .poly_verts = verts};
-    stop(slv_mesh_create(env, &view, &mesh));
-    stop(slv_mesh_adjacency(env, mesh, &adjacency));
+    bench_stop(slv_mesh_create(env, &view, &mesh));
+    bench_stop(slv_mesh_adjacency(env, mesh, &adjacency));
     slv_texture_desc desc = {(uint32_t)valence, SLV_TYPE_FLOAT, 1, SLV_NO_ALPHA, res};
-    stop(slv_texture_create(env, &desc, &texture));
+    bench_stop(slv_texture_create(env, &desc, &texture));
     for (int32_t face = 0; face < valence; face++) {
         for (int i = 0; i < SIZE * SIZE; i++)
-            texels[i] = random_unit(&state);
-        stop(slv_texture_set_face(texture, (uint32_t)face, texels));
+            texels[i] = bench_random_unit(&state);
+        bench_stop(slv_texture_set_face(texture, (uint32_t)face, texels));
     }
-    stop(slv_ptx_save(env, path, texture, adjacency, NULL));
+    bench_stop(slv_ptx_save(env, path, texture, adjacency, NULL));
     slv_texture_destroy(texture);
     slv_adjacency_destroy(adjacency);
     slv_mesh_destroy(mesh);
@@ -88,15 +62,15 @@ static void measure(slv_sampler *sampler, slv_file_id file, int32_t valence, uin
         const float aside = 1e-6f, corner = 3.0f / SIZE;
         uint32_t face = i % (uint32_t)valence,
                  before = (face + (uint32_t)valence - 1) % (uint32_t)valence;
-        float t =
-            near ? corner * random_unit(&state) : corner + (0.5f - corner) * random_unit(&state);
-        float width = powf(2, 3 * random_unit(&state) - 1) / SIZE, a, b;
+        float t = near ? corner * bench_random_unit(&state)
+                       : corner + (0.5f - corner) * bench_random_unit(&state);
+        float width = powf(2, 3 * bench_random_unit(&state) - 1) / SIZE, a, b;
         /* along the edge and across it, whichever face sees it */
         slv_lookup l = {.file = file, .face = face, .u = t, .v = aside, .uw1 = width, .vw2 = width};
         slv_lookup r = {
             .file = file, .face = before, .u = aside, .v = t, .uw1 = width, .vw2 = width};
-        stop(slv_sample(sampler, &l, &a));
-        stop(slv_sample(sampler, &r, &b));
+        bench_stop(slv_sample(sampler, &l, &a));
+        bench_stop(slv_sample(sampler, &r, &b));
         double jump = fabs((double)a - (double)b);
         out->most = jump > out->most ? jump : out->most;
         out->sum += jump;
@@ -120,25 +94,22 @@ int main(int argc, char **argv) {
         }
     if (!lookups)
         return 2;
-    slv_env env = {.log = log_line};
-    char path[] = "/tmp/bench_seam_jump_XXXXXX";
-    int descriptor = mkstemp(path);
-    if (descriptor < 0)
-        stop(SLV_ERROR_IO);
-    close(descriptor);
+    slv_env env = {.log = bench_log};
+    char path[64];
+    bench_temporary(path);
     slv_cache *cache;
     slv_file_id id;
-    stop(slv_cache_create(&env, NULL, &cache));
+    bench_stop(slv_cache_create(&env, NULL, &cache));
     for (int32_t valence = FIRST; valence <= LAST; valence++) {
         write_disc(&env, path, valence);
-        stop(slv_cache_open(cache, path, &id));
+        bench_stop(slv_cache_open(cache, path, &id));
         if (!json && valence == FIRST)
             printf("filter     valence  near: max   mean   far: max   mean\n");
         for (int filter = 0; filter < SLV_FILTER_COUNT; filter++) {
             slv_filter_params params = {.filter = (slv_filter)filter, .sharpness = 0.5f};
             struct jumps jumps[2];
             slv_sampler *sampler;
-            stop(slv_sampler_create(cache, &params, &sampler));
+            bench_stop(slv_sampler_create(cache, &params, &sampler));
             for (int near = 0; near < 2; near++)
                 measure(sampler, id, valence, lookups, near, &jumps[near]);
             slv_sampler_destroy(sampler);
@@ -149,7 +120,7 @@ int main(int argc, char **argv) {
                    jumps[1].sum / (double)jumps[1].count, jumps[0].most,
                    jumps[0].sum / (double)jumps[0].count);
         }
-        stop(slv_cache_close(cache, id));
+        bench_stop(slv_cache_close(cache, id));
     }
     slv_cache_destroy(cache);
     unlink(path);

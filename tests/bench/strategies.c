@@ -1,15 +1,13 @@
 /* How long a frame takes with each strategy, as a ratio to clamp. Frames of all strategies are
  * interleaved, so that whatever else the machine does falls on all alike; medians are compared.
  * Uses the demo scene that selvage-assets makes. */
+#include "bench_kit.h"
+
 #include <selvage/gl_renderer.h>
-#include <selvage/ptx.h>
 
 #include <libgen.h>
-#include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
 #include <sys/wait.h>
-#include <unistd.h>
 
 enum { MAX_FRAMES = 999, MAX_PATH = 1024 };
 
@@ -40,13 +38,7 @@ typedef struct row {
 
 static const char *const file_names[] = {"scene.obj", "scene.ptx", "scene_faces.ptx"};
 
-static void print_message(void *user, slv_log_level level, const char *message) {
-    (void)user;
-    if (level != SLV_LOG_INFO)
-        fprintf(stderr, "bench_strategies: %s\n", message);
-}
-
-static const slv_env env = {.log = print_message};
+static const slv_env env = {.log = bench_log};
 
 /* The demo scene in a new temporary folder, by the program that lies beside this one. */
 static bool make_scene(const char *self, char folder[MAX_PATH]) {
@@ -118,17 +110,11 @@ static void unload(scene *s) {
     slv_mesh_destroy(s->mesh);
 }
 
-static int by_value(const void *a, const void *b) {
-    double x = *(const double *)a, y = *(const double *)b;
-    return (x > y) - (x < y);
-}
-
 static double median_ratio(const double *times, const double *to, uint32_t count) {
     double ratios[MAX_FRAMES];
     for (uint32_t i = 0; i < count; i++)
         ratios[i] = times[i] / to[i];
-    qsort(ratios, count, sizeof *ratios, by_value);
-    return ratios[count / 2];
+    return bench_median(ratios, count);
 }
 
 /* One round of frames is not counted: it compiles shaders. */
@@ -151,7 +137,7 @@ static slv_result measure(const scene *s, const options *o, slv_gl_texture *text
         out->to_full = median_ratio(times[SLV_STRATEGY_TRAVERSE], times[SLV_STRATEGY_TRAVERSE_FULL],
                                     o->frames);
     for (int k = 0; !result && k < SLV_STRATEGY_COUNT; k++) {
-        qsort(times[k], o->frames, sizeof times[k][0], by_value);
+        qsort(times[k], o->frames, sizeof times[k][0], bench_compare);
         out->median[k] = times[k][o->frames / 2];
         out->low[k] = times[k][o->frames / 10];
         out->high[k] = times[k][o->frames - 1 - o->frames / 10];
