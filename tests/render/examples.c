@@ -1,9 +1,8 @@
 /* The programs of docs/examples, as a stranger would run them. */
+#include "render/bake_kit.h"
 #include "render/command_kit.h"
 
-#include <selvage/bake.h>
 #include <selvage/image.h>
-#include <selvage/ptx.h>
 
 static kit_scratch scratch;
 static kit_run run;
@@ -22,29 +21,12 @@ static void make_texture(const char *path) {
         "v 1 0 -0.6\nv 0.31 0.95 -0.6\nv -0.81 0.59 -0.6\nv -0.81 -0.59 -0.6\nv 0.31 -0.95 -0.6\n"
         "v 1 0 0.6\nv 0.31 0.95 0.6\nv -0.81 0.59 0.6\nv -0.81 -0.59 0.6\nv 0.31 -0.95 0.6\n"
         "f 5 4 3 2 1\nf 6 7 8 9 10\nf 1 2 7 6\nf 2 3 8 7\nf 3 4 9 8\nf 4 5 10 9\nf 5 1 6 10\n";
-    slv_env env = test_env();
-    slv_mesh *mesh = NULL;
-    slv_adjacency *adjacency = NULL;
-    slv_surface *surface = NULL;
-    slv_texture *texture = NULL;
-    slv_res res[15];
-    slv_texture_desc desc = {15, SLV_TYPE_U8, 3, SLV_NO_ALPHA, res};
-    slv_procedural position = {
+    const slv_procedural position = {
         .pattern = SLV_PATTERN_POSITION, .frequency = 0.5f, .offset = {-1, -1, -1}};
-    REQUIRE(slv_mesh_parse_obj(&env, "prism", obj, sizeof obj - 1, &mesh) == SLV_OK);
-    REQUIRE(slv_mesh_face_count(mesh) == 15);
+    slv_res res[15];
     for (int f = 0; f < 15; f++)
         res[f] = f < 10 ? (slv_res){3, 3} : (slv_res){4, 5};
-    REQUIRE(slv_mesh_adjacency(&env, mesh, &adjacency) == SLV_OK);
-    REQUIRE(slv_surface_create(&env, mesh, NULL, &surface) == SLV_OK);
-    REQUIRE(slv_texture_create(&env, &desc, &texture) == SLV_OK);
-    REQUIRE(slv_bake_procedural(&env, surface, &position, NULL, texture) == SLV_OK);
-    REQUIRE(slv_ptx_save(&env, path, texture, adjacency, &(slv_ptx_write_params){.mesh = mesh}) ==
-            SLV_OK);
-    slv_texture_destroy(texture);
-    slv_surface_destroy(surface);
-    slv_adjacency_destroy(adjacency);
-    slv_mesh_destroy(mesh);
+    bake_write(path, obj, SLV_SCHEME_CATMARK, 15, res, &position);
 }
 
 /* Red grows to the right and green upwards, as the positions do. */

@@ -269,13 +269,7 @@ static void write_grid(const char *path) {
     char obj[4096] = "";
     size_t length = 0;
     slv_res res[SIDE * SIDE];
-    const slv_texture_desc desc = {SIDE * SIDE, SLV_TYPE_U8, 3, SLV_NO_ALPHA, res};
     const slv_procedural noise = {.pattern = SLV_PATTERN_NOISE, .frequency = 2, .face_tint = 0.5f};
-    slv_env env = test_env();
-    slv_mesh *mesh = NULL;
-    slv_adjacency *adjacency = NULL;
-    slv_surface *surface = NULL;
-    slv_texture *texture = NULL;
     for (int i = 0; i < (SIDE + 1) * (SIDE + 1); i++)
         length += (size_t)snprintf(obj + length, sizeof obj - length, "v %d 0 %d\n", i % (SIDE + 1),
                                    i / (SIDE + 1));
@@ -285,18 +279,7 @@ static void write_grid(const char *path) {
         length += (size_t)snprintf(obj + length, sizeof obj - length, "f %d %d %d %d\n", a,
                                    a + SIDE + 1, a + SIDE + 2, a + 1);
     }
-    const slv_surface_params flat = {.scheme = SLV_SCHEME_BILINEAR};
-    REQUIRE(slv_mesh_parse_obj(&env, "grid", obj, length, &mesh) == SLV_OK);
-    REQUIRE(slv_mesh_adjacency(&env, mesh, &adjacency) == SLV_OK);
-    REQUIRE(slv_surface_create(&env, mesh, &flat, &surface) == SLV_OK);
-    REQUIRE(slv_texture_create(&env, &desc, &texture) == SLV_OK);
-    REQUIRE(slv_bake_procedural(&env, surface, &noise, NULL, texture) == SLV_OK);
-    REQUIRE(slv_ptx_save(&env, path, texture, adjacency, &(slv_ptx_write_params){.mesh = mesh}) ==
-            SLV_OK);
-    slv_texture_destroy(texture);
-    slv_surface_destroy(surface);
-    slv_adjacency_destroy(adjacency);
-    slv_mesh_destroy(mesh);
+    bake_write(path, obj, SLV_SCHEME_BILINEAR, SIDE * SIDE, res, &noise);
 }
 
 /* Which kind each pixel is can be told by hand where all is flat and seen from above. */
