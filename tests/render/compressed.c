@@ -1,29 +1,16 @@
 /* Compressed layers: lookups keep within what the encoder says it loses, and seams stay closed
  * where both sides decode the same texels. */
-#include "unit/border_kit.h"
-
-#include <selvage/gl_texture.h>
+#include "render/seam_kit.h"
 
 static slv_gl *gl;
 
 static slv_gl_texture *upload(const kit *k, slv_gl_compression compression) {
-    slv_env env = test_env();
-    slv_gl_texture_params params = {.compression = compression};
-    slv_gl_texture *texture = NULL;
-    slv_result result =
-        slv_gl_texture_create(gl, &env, k->texture, k->adjacency, &params, &texture);
-    REQUIRE(result == SLV_OK);
-    return texture;
+    return seam_upload(gl, k, (slv_gl_texture_params){.compression = compression});
 }
 
 static slv_gl_seam jump(slv_gl_texture *texture, const kit *k, slv_strategy strategy,
                         uint32_t level) {
-    slv_env env = test_env();
-    slv_gl_seam_params params = {.level = level};
-    slv_gl_seam seam;
-    REQUIRE(slv_gl_texture_seam_jump(texture, &env, strategy, k->adjacency, &params, &seam) ==
-            SLV_OK);
-    return seam;
+    return seam_jump(texture, k, strategy, (slv_gl_seam_params){.level = level});
 }
 
 /* Every texel's centre, magnified, against the texture. */

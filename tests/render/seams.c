@@ -1,31 +1,17 @@
 /* Seam jumps of lookups on the GPU: vertices of every valence, sub-faces, open meshes, all types
  * and channel counts, textures of pure noise, where nothing but exact agreement of the two faces
  * hides an edge. */
-#include "unit/border_kit.h"
-
-#include <selvage/gl_texture.h>
+#include "render/seam_kit.h"
 
 static slv_gl *gl;
 
 static slv_gl_texture *upload(const kit *k, uint32_t anisotropy) {
-    slv_env env = test_env();
-    slv_gl_texture_params params = {.anisotropy = anisotropy};
-    slv_gl_texture *texture = NULL;
-    slv_result result =
-        slv_gl_texture_create(gl, &env, k->texture, k->adjacency, &params, &texture);
-    REQUIRE(result == SLV_OK);
-    return texture;
+    return seam_upload(gl, k, (slv_gl_texture_params){.anisotropy = anisotropy});
 }
 
 static slv_gl_seam jump(slv_gl_texture *texture, const kit *k, slv_strategy strategy,
                         uint32_t level) {
-    slv_env env = test_env();
-    slv_gl_seam_params params = {.samples = 33, .level = level};
-    slv_gl_seam seam;
-    slv_result result =
-        slv_gl_texture_seam_jump(texture, &env, strategy, k->adjacency, &params, &seam);
-    REQUIRE(result == SLV_OK);
-    return seam;
+    return seam_jump(texture, k, strategy, (slv_gl_seam_params){.samples = 33, .level = level});
 }
 
 /* The coarsest level that every face has. */
