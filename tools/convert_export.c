@@ -142,14 +142,14 @@ static int tallest_first(const void *left, const void *right) {
 }
 
 /* Rows of faces, the tallest first: powers of two fill them without gaps but at the end. */
-static int place_faces(const convert_plan *plan, const slv_ptx *ptx, uint32_t (*places)[2],
-                       uint32_t size[2]) {
+static int place_faces(const convert_plan *plan, const slv_ptx *ptx, const char *path,
+                       uint32_t (*places)[2], uint32_t size[2]) {
     uint32_t nfaces = plan->target.nfaces;
     struct box *boxes = calloc((size_t)nfaces + 1, sizeof *boxes);
     uint64_t area = 0, x = 0, y = 0, width = 1, height = 0;
     int code = EXIT_OK;
     if (!boxes)
-        return cli_error("no memory to place %u faces", nfaces);
+        return cli_error("%s: no memory to place %u faces", path, nfaces);
     for (uint32_t face = 0; face < nfaces; face++) {
         slv_ptx_face info;
         if ((code = slv_ptx_get_face(ptx, face, &info) ? EXIT_FAILED : EXIT_OK))
@@ -177,7 +177,7 @@ static int place_faces(const convert_plan *plan, const slv_ptx *ptx, uint32_t (*
     size[0] = (uint32_t)width;
     size[1] = nfaces ? (uint32_t)(y + height) : 1;
     if (width > 1 << SLV_MAX_LOG2_RES || y + height > 1 << SLV_MAX_LOG2_RES)
-        code = cli_error("a sheet of %llu x %llu is too large: name a folder instead",
+        code = cli_error("%s: a sheet of %llu x %llu is too large: name a folder instead", path,
                          (unsigned long long)width, (unsigned long long)(y + height));
 done:
     free(boxes);
@@ -235,7 +235,7 @@ int convert_to_sheet(const slv_env *env, const convert_options *options, const c
         cli_error("%s: is there already and is no index of a sheet: name another sheet", name);
         goto done;
     }
-    if (place_faces(plan, ptx, places, size))
+    if (place_faces(plan, ptx, path, places, size))
         goto done;
     e.places = (const uint32_t(*)[2])places;
     if (is_lossy(plan->target.type, e.exr))

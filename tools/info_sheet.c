@@ -1,6 +1,5 @@
 #include "info.h"
 
-#include <errno.h>
 #include <stdlib.h>
 #include <string.h>
 #include <strings.h>
@@ -33,15 +32,12 @@ static bool ends_with(const char *path, const char *extension) {
     return length > wanted && strcasecmp(path + length - wanted, extension) == 0;
 }
 
-static bool parse_face(const char **at, uint32_t nfaces, uint32_t *out) {
+static bool parse_face(const char **at, uint64_t *out) {
+    bool good = **at >= '0' && **at <= '9';
     char *end;
-    errno = 0;
-    unsigned long long value = strtoull(*at, &end, 10);
-    if (**at < '0' || **at > '9' || errno || value >= nfaces)
-        return false;
-    *out = (uint32_t)value;
+    *out = strtoull(*at, &end, 10);
     *at = end;
-    return true;
+    return good;
 }
 
 static int parse_ranges(const cli_command *command, const char *text, struct sheet *s) {
@@ -59,15 +55,21 @@ static int parse_ranges(const cli_command *command, const char *text, struct she
     }
     for (const char *at = text; s->nranges < count; at++) {
         struct range *range = &s->ranges[s->nranges++];
-        bool good = parse_face(&at, s->info->nfaces, &range->first);
-        range->last = range->first;
+        uint64_t first, last;
+        bool good = parse_face(&at, &first);
+        last = first;
         if (good && *at == '-') {
             at++;
-            good = parse_face(&at, s->info->nfaces, &range->last) && range->last >= range->first;
+            good = parse_face(&at, &last) && last >= first;
         }
         if (!good || (*at && *at != ','))
-            return cli_usage(command, "--sheet-faces: cannot read '%s' with %u faces in the file",
-                             text, s->info->nfaces);
+            return cli_usage(command, "--sheet-faces: '%s' is not a list such as 0-99,250", text);
+        if (!s->info->nfaces)
+            return cli_usage(command, "--sheet-faces: '%s': the file has no faces", text);
+        if (last >= s->info->nfaces)
+            return cli_usage(command, "--sheet-faces: '%s': the file has faces 0 to %u", text,
+                             s->info->nfaces - 1);
+        *range = (struct range){(uint32_t)first, (uint32_t)last};
         s->nfaces += (uint64_t)range->last - range->first + 1;
     }
     return EXIT_OK;

@@ -360,7 +360,7 @@ static void check_usage(void) {
         CHECK(access(tool_path(others[i]), F_OK) != 0);
     }
     RUNS(1, "convert rgb.ptx x.png --res 0=65536x1,1=1x65536,2=1x65536");
-    HAS("a sheet of 65536 x 65537 is too large");
+    HAS("selvage: x.png: a sheet of 65536 x 65537 is too large");
     RUNS(1, "convert rgb.ptx x.ptx --scale 65536");
     HAS("rgb.ptx: face ");
     HAS(": 65536 x 65536 texels of 3 channels are 48.0 GiB, the limit is 16.0 GiB");

@@ -181,7 +181,13 @@ static void check_usage(void) {
     RUNS(2, "info quads.ptx --cell 4");
     RUNS(2, "info quads.ptx --sheet x.png --cell 5000");
     RUNS(2, "info quads.ptx --sheet x.png --sheet-faces 4");
+    HAS("--sheet-faces: '4': the file has faces 0 to 3");
+    RUNS(2, "info quads.ptx --sheet x.png --sheet-faces 1,0-11");
+    HAS("--sheet-faces: '1,0-11': the file has faces 0 to 3");
+    RUNS(2, "info quads.ptx --sheet x.png --sheet-faces 0-99999999999999999999");
+    HAS("the file has faces 0 to 3");
     RUNS(2, "info quads.ptx --sheet x.png --sheet-faces 3-2");
+    HAS("--sheet-faces: '3-2' is not a list such as 0-99,250");
     RUNS(2, "info quads.ptx --sheet x.png --sheet-faces 1,");
     RUNS(2, "info quads.ptx --sheet x.png --sheet-faces -1");
     RUNS(1, "info quads.ptx --sheet nowhere/x.png");
