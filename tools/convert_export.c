@@ -207,7 +207,8 @@ static int save_sheets(const struct export *e, const slv_env *env, const convert
     for (uint32_t group = 0; group < index_groups(target->nchannels); group++) {
         index_image_name(name, sizeof name, base, group, e->exr);
         snprintf(path, sizeof path, "%s/%s", made->beside, name);
-        if (slv_image_save(env, path, &e->sheets[group], &params))
+        if (output_image(env, path, &e->sheets[group], params, options->progress,
+                         options->quiet || options->json))
             return EXIT_FAILED;
     }
     snprintf(path, sizeof path, "%s/%s.json", made->beside, base);
@@ -247,6 +248,7 @@ int convert_to_sheet(const slv_env *env, const convert_options *options, const c
             goto done;
     if (slv_ptx_visit_faces(env, ptx, export_face, &e) || output_files_begin(path, &made))
         goto done;
+    cli_progress_end(&plan->totals->progress);
     const char *slash = strrchr(name, '/');
     code = save_sheets(&e, env, options, ptx, stem, &made);
     code = output_folder_end(&made, slash ? slash + 1 : name, code);

@@ -233,9 +233,11 @@ int info_sheet(const cli_command *command, const slv_env *env, const info_option
     lay_out(&s, options->cell);
     slv_image_params image = choose_params(&s, options, exr);
     s.divided = !exr && image.encoding == SLV_ENCODE_RAW && s.info->alpha_channel >= 0;
-    if (draw(env, &s, &progress) || slv_image_save(env, options->sheet, &s.image, &image))
+    if (draw(env, &s, &progress))
         goto done;
     cli_progress_end(&progress);
+    if (output_image(env, options->sheet, &s.image, image, options->progress, options->json))
+        goto done;
     if (s.shown < s.nfaces)
         cli_warning("%s: %llu of %llu faces are left out: smaller cells (--cell) or fewer faces "
                     "(--sheet-faces) fit",

@@ -25,6 +25,16 @@ uint64_t output_file_bytes(const char *path) {
     return stat(path, &status) == 0 ? (uint64_t)status.st_size : 0;
 }
 
+slv_result output_image(const slv_env *env, const char *path, const slv_image *image,
+                        slv_image_params params, bool forced, bool quiet) {
+    cli_progress progress = cli_progress_fleeting("writing", forced, quiet);
+    params.progress = cli_progress_report;
+    params.progress_user = &progress;
+    slv_result result = slv_image_save(env, path, image, &params);
+    cli_progress_end(&progress);
+    return result;
+}
+
 slv_result output_open(const slv_env *env, const char *path, output_file *out) {
     size_t length = strlen(path);
     *out = (output_file){.env = env, .path = path, .beside = malloc(length + sizeof ".tmp")};

@@ -32,6 +32,10 @@ int output_folder_begin(const char *folder, output_folder *out);
 int output_files_begin(const char *path, output_folder *out);
 int output_folder_end(output_folder *folder, const char *last, int code);
 uint64_t output_file_bytes(const char *path); /* 0 if there is none */
+/* Saves a large image, and says how far that is: packing it takes longer than making it. The flags
+ * are those of cli_progress_fleeting. */
+slv_result output_image(const slv_env *env, const char *path, const slv_image *image,
+                        slv_image_params params, bool forced, bool quiet);
 /* Logs one error line and returns `result`. */
 slv_result output_fail(const slv_env *env, slv_result result, const char *format, ...)
     __attribute__((format(printf, 3, 4)));

@@ -53,6 +53,11 @@ static slv_result check_image(const slv_env *env, const slv_image *image,
     return result;
 }
 
+void image_progress(const slv_image_params *params, const slv_image *image, uint32_t rows) {
+    if (params->progress)
+        params->progress(params->progress_user, rows, image->height);
+}
+
 slv_result slv_image_save(const slv_env *env, const char *path, const slv_image *image,
                           const slv_image_params *params) {
     static const slv_image_params defaults = {0};

@@ -380,6 +380,8 @@ slv_result image_exr_save(const slv_env *env, const char *path, const slv_image 
         code = encode_chunk(context, &encoder, y == 0, image, names, y,
                             halves ? (const uint8_t *)halves : (const uint8_t *)pixels, bits / 8,
                             &original);
+        if (!code)
+            image_progress(params, image, y + (left < (uint32_t)lines ? left : (uint32_t)lines));
     }
     exr_encoding_destroy(context, &encoder);
     exr_result_t finished = exr_finish(&context);

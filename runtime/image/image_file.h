@@ -16,6 +16,7 @@ slv_result image_exr_decode(const slv_env *env, const char *path, const void *by
 /* `path` only names the image in messages. */
 slv_result image_png_encode(const slv_env *env, const char *path, const slv_image *image,
                             const slv_image_params *params, void **bytes, size_t *size);
+void image_progress(const slv_image_params *params, const slv_image *image, uint32_t rows);
 slv_result image_exr_save(const slv_env *env, const char *path, const slv_image *image,
                           const slv_image_params *params);
 

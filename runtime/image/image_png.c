@@ -97,7 +97,7 @@ static void encode_row(const slv_image *image, const float *pixels, slv_image_en
 }
 
 static bool write_png(png_structp png, png_infop info, const slv_image *image,
-                      slv_image_encoding encoding, uint32_t bits, struct png_stream *stream) {
+                      const slv_image_params *params, uint32_t bits, struct png_stream *stream) {
     static const int colour_types[] = {PNG_COLOR_TYPE_GRAY, PNG_COLOR_TYPE_GRAY_ALPHA,
                                        PNG_COLOR_TYPE_RGB, PNG_COLOR_TYPE_RGB_ALPHA};
     if (setjmp(png_jmpbuf(png)))
@@ -107,13 +107,14 @@ static bool write_png(png_structp png, png_infop info, const slv_image *image,
     png_set_IHDR(png, info, image->width, image->height, (int)bits,
                  colour_types[image->nchannels - 1], PNG_INTERLACE_NONE,
                  PNG_COMPRESSION_TYPE_DEFAULT, PNG_FILTER_TYPE_DEFAULT);
-    if (encoding == SLV_ENCODE_SRGB)
+    if (params->encoding == SLV_ENCODE_SRGB)
         png_set_sRGB(png, info, PNG_sRGB_INTENT_PERCEPTUAL);
     png_write_info(png, info);
     for (uint32_t y = 0; y < image->height; y++) {
-        encode_row(image, image->pixels + (size_t)y * image->width * image->nchannels, encoding,
-                   bits, stream->rows);
+        encode_row(image, image->pixels + (size_t)y * image->width * image->nchannels,
+                   params->encoding, bits, stream->rows);
         png_write_row(png, stream->rows);
+        image_progress(params, image, y + 1);
     }
     png_write_end(png, info);
     return true;
@@ -133,7 +134,7 @@ slv_result image_png_encode(const slv_env *env, const char *path, const slv_imag
         slv_alloc(env, path, image->width, (uint64_t)image->nchannels * (bits / 8), &stream.rows);
     if (!result && !info)
         result = slv_fail(env, SLV_ERROR_MEMORY, "%s: no memory to encode it", path);
-    if (!result && !write_png(png, info, image, params->encoding, bits, &stream))
+    if (!result && !write_png(png, info, image, params, bits, &stream))
         result = report(&stream, SLV_ERROR_IO);
     if (!result) {
         *bytes = stream.data;

@@ -51,13 +51,28 @@ static float wanted_png(const slv_image *image, uint32_t i, slv_image_encoding e
     return value < 0.0f ? 0.0f : value > 1.0f ? 1.0f : value;
 }
 
+struct rows {
+    uint64_t done, calls;
+};
+
+static void count_rows(void *user, uint64_t done, uint64_t total) {
+    struct rows *rows = user;
+    CHECK(done > rows->done && done <= total);
+    rows->done = done;
+    rows->calls++;
+}
+
 static void png_round_trip(uint32_t width, uint32_t height, uint32_t n, uint32_t bits,
                            slv_image_encoding encoding) {
     slv_env env = test_env();
     slv_image image = random_image(width, height, n, 1.1f), back;
-    slv_image_params params = {encoding, bits};
+    struct rows rows = {0};
+    slv_image_params params = {
+        .encoding = encoding, .bits = bits, .progress = count_rows, .progress_user = &rows};
     const char *path = in_folder("x.PNG");
     REQUIRE(slv_image_save(&env, path, &image, &params) == SLV_OK);
+    CHECK(rows.done == height && rows.calls == height);
+    params.progress = NULL;
     REQUIRE(slv_image_load(&env, path, &back) == SLV_OK);
     CHECK(back.width == width && back.height == height && back.nchannels == n);
     float step = bits == 16 ? 65535.0f : 255.0f;
@@ -80,10 +95,13 @@ static void png_round_trip(uint32_t width, uint32_t height, uint32_t n, uint32_t
 static void exr_round_trip(uint32_t width, uint32_t height, uint32_t n, uint32_t bits) {
     slv_env env = test_env();
     slv_image image = random_image(width, height, n, 3.0f), back;
-    slv_image_params params = {SLV_ENCODE_SRGB, bits};
+    struct rows rows = {0};
+    slv_image_params params = {
+        .encoding = SLV_ENCODE_SRGB, .bits = bits, .progress = count_rows, .progress_user = &rows};
     image.pixels[0] = -2.5f;
     const char *path = in_folder("x.exr");
     REQUIRE(slv_image_save(&env, path, &image, &params) == SLV_OK);
+    CHECK(rows.done == height && rows.calls > 0);
     REQUIRE(slv_image_load(&env, path, &back) == SLV_OK);
     CHECK(back.width == width && back.height == height && back.nchannels == n);
     for (uint32_t i = 0; i < width * height * n; i++) {
@@ -107,7 +125,7 @@ static void exr_of_any_length(void) {
     for (int round = 0; round < 1500; round++) {
         uint32_t width = 1u << test_random(&random) % 6, height = 1u << test_random(&random) % 6;
         uint32_t values = 1u << test_random(&random) % 11;
-        slv_image_params params = {SLV_ENCODE_SRGB, round % 2 ? 16 : 32};
+        slv_image_params params = {.encoding = SLV_ENCODE_SRGB, .bits = round % 2 ? 16 : 32};
         slv_image image, back;
         REQUIRE(slv_image_create(&env, width, height, 1, &image) == SLV_OK);
         for (uint32_t i = 0; i < width * height; i++)
@@ -168,7 +186,7 @@ static void small_kinds(void) {
 static void spoilt(const char *name, uint32_t bits) {
     slv_env env = test_env();
     slv_image image = random_image(19, 37, 4, 1.0f), back;
-    slv_image_params params = {SLV_ENCODE_RAW, bits};
+    slv_image_params params = {.encoding = SLV_ENCODE_RAW, .bits = bits};
     const char *path = in_folder(name);
     REQUIRE(slv_image_save(&env, path, &image, &params) == SLV_OK);
     slv_image_free(&image);
@@ -194,7 +212,7 @@ static void spoilt(const char *name, uint32_t bits) {
 static void refusals(void) {
     slv_env env = test_env();
     slv_image image = random_image(2, 2, 3, 1.0f), back;
-    slv_image_params params = {SLV_ENCODE_SRGB, 12};
+    slv_image_params params = {.encoding = SLV_ENCODE_SRGB, .bits = 12};
     CHECK(slv_image_save(&env, in_folder("x.png"), &image, &params) == SLV_ERROR_ARGUMENT);
     CHECK(slv_image_save(&env, in_folder("x.exr"), &image, &params) == SLV_ERROR_ARGUMENT);
     CHECK(slv_image_save(&env, in_folder("x.jpg"), &image, NULL) == SLV_ERROR_UNSUPPORTED);

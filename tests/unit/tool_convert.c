@@ -176,7 +176,9 @@ static void check_images(void) {
     RUNS(1, "convert pictures bad.ptx");
     HAS("face 3: its image is 12 x 8, which is not made of powers of two");
     CHECK(access(tool_path("bad.ptx"), F_OK) != 0);
-    RUNS(0, "convert rgb.ptx sheet.png --channels 0");
+    RUNS(0, "convert rgb.ptx sheet.png --channels 0 --progress");
+    HAS("convert: 100%");
+    HAS("writing: 100%");
     RUNS(0, "convert sheet.json grey.ptx --type half --scale 1/2");
     CHECK(info_of("grey.ptx").nchannels == 1);
 }

@@ -173,6 +173,7 @@ static void check_many(void) {
     RUNS(0, "info many.ptx --sheet many.png --cell 1000 --sheet-faces 5-99999 --progress");
     HAS("99963 of 99995 faces are left out");
     HAS("sheet: 100%");
+    HAS("writing: 100%");
     HAS("4 x 8 cells of 1000");
 }
 
