@@ -3,7 +3,7 @@
 
 #include <selvage/ptx_writer.h>
 
-enum { SIDE = 5, LOG2 = 5, ROOM = 4, MANY = 600 };
+enum { SIDE = 5, LOG2 = 5, ROOM = 4, MANY = TEST_SANITIZED ? 200 : 600 };
 
 static const slv_filter_params all_params[] = {
     {.filter = SLV_FILTER_POINT},
