@@ -56,7 +56,7 @@ typedef struct cache_face {
     _Atomic(uint32_t) apron;  /* where the apron is that was made last, or 0 */
     _Atomic(uint8_t) state, used;
     bool plain; /* most lookups can be done quickly: no sub-face, and not constant */
-    uint8_t unused;
+    _Atomic(uint8_t) around; /* what the faces around it are like, once somebody asked */
 } cache_face;
 
 _Static_assert(sizeof(cache_face) == 32, "two faces to a line");

@@ -75,9 +75,12 @@ static inline __attribute__((always_inline)) void load_places(const slv_sampler 
     out->vw = (v8_abs(vw1) + v8_abs(vw2)) * s->width + s->blur;
 }
 
-/* Whether positions are on the face and footprints finite. */
+/* Whether positions are on the face and footprints finite, and the filter is one of those that are
+ * looked up quickly. */
 static inline __attribute__((always_inline)) v8i are_sound(const group_places *at,
                                                            slv_filter filter) {
+    if (filter == SLV_FILTER_ANISOTROPIC)
+        return (v8i){0};
     v8i sound = (v8i)((v8u32)at->u < UNIT_BITS) & (v8i)((v8u32)at->v < UNIT_BITS);
     return filter == SLV_FILTER_POINT ? sound : sound & (at->uw < INFINITY) & (at->vw < INFINITY);
 }

@@ -250,6 +250,8 @@ static inline slv_result look_up(slv_sampler *s, const slv_lookup *l, size_t roo
             point_sum(&state, l);
         else if (t->triangle)
             triangle_sum(&state, l);
+        else if (s->shape.filter == SLV_FILTER_ANISOTROPIC)
+            anisotropic_sum(&state, l);
         else
             quad_sum(&state, l);
         cache_count(&s->thread.pieces, state.pieces);
@@ -273,6 +275,8 @@ _Static_assert(sizeof(slv_lookup) == 32 && offsetof(slv_lookup, file) == 0 &&
 static inline __attribute__((always_inline)) bool look_up_quick(slv_sampler *s, const slv_lookup *l,
                                                                 slv_filter filter, float *out,
                                                                 slv_result *result) {
+    if (filter == SLV_FILTER_ANISOTROPIC)
+        return false;
     const slv_cache *cache = s->thread.cache;
     cache_tables *t = cache_find_tables(cache, l->file);
     if (!t || l->face >= t->nfaces)
@@ -357,6 +361,7 @@ DEFINE_LOOKUPS(bilinear, SLV_FILTER_BILINEAR)
 DEFINE_LOOKUPS(box, SLV_FILTER_BOX)
 DEFINE_LOOKUPS(gaussian, SLV_FILTER_GAUSSIAN)
 DEFINE_LOOKUPS(cubic, SLV_FILTER_BICUBIC)
+DEFINE_LOOKUPS(anisotropic, SLV_FILTER_ANISOTROPIC)
 
 const lookup_functions LOOKUP_FUNCTIONS[SLV_FILTER_COUNT] = {
     [SLV_FILTER_POINT] = {one_point, many_point},
@@ -367,4 +372,5 @@ const lookup_functions LOOKUP_FUNCTIONS[SLV_FILTER_COUNT] = {
     [SLV_FILTER_BSPLINE] = {one_cubic, many_cubic},
     [SLV_FILTER_CATMULL_ROM] = {one_cubic, many_cubic},
     [SLV_FILTER_MITCHELL] = {one_cubic, many_cubic},
+    [SLV_FILTER_ANISOTROPIC] = {one_anisotropic, many_anisotropic},
 };

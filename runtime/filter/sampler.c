@@ -12,6 +12,7 @@ static const char *const names[SLV_FILTER_COUNT] = {
     [SLV_FILTER_BSPLINE] = "bspline",
     [SLV_FILTER_CATMULL_ROM] = "catmullrom",
     [SLV_FILTER_MITCHELL] = "mitchell",
+    [SLV_FILTER_ANISOTROPIC] = "anisotropic",
 };
 
 const char *slv_filter_name(slv_filter filter) {

@@ -44,6 +44,10 @@ typedef struct lookup_state {
 /* triangle.c: the elliptical filter of triangle meshes. u and v are finite. */
 void triangle_sum(lookup_state *state, const slv_lookup *lookup);
 
+/* anisotropic.c: the anisotropic filter of quad meshes. u and v are finite, the footprint a number.
+ */
+void anisotropic_sum(lookup_state *state, const slv_lookup *lookup);
+
 /* Texels of a face at a resolution that it has, untiled; NULL when state says why. */
 static inline const uint8_t *find_whole(lookup_state *state, uint32_t face, cache_face *f,
                                         int res_u, int res_v) {

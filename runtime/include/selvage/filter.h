@@ -20,10 +20,11 @@ typedef enum slv_filter {
     SLV_FILTER_BSPLINE,
     SLV_FILTER_CATMULL_ROM,
     SLV_FILTER_MITCHELL,
+    SLV_FILTER_ANISOTROPIC,
     SLV_FILTER_COUNT
 } slv_filter;
 
-/* point, bilinear, box, gaussian, bicubic, bspline, catmullrom, mitchell */
+/* point, bilinear, box, gaussian, bicubic, bspline, catmullrom, mitchell, anisotropic */
 SLV_API const char *slv_filter_name(slv_filter filter);
 /* False if no filter has that name. */
 SLV_API bool slv_filter_from_name(const char *name, slv_filter *out);

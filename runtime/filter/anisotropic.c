@@ -1,0 +1,521 @@
+/* A filter of our own: the footprint as an ellipse, weighted by a gaussian, wherever it lies
+ * (Greene and Heckbert 1986). The samples are texels of the resolution that fits, on a lattice of
+ * the surface's own; each is weighted by where it lies when the faces are unfolded along the
+ * straight line to it. That is the same from whatever face one looks, so that there are no seams.
+ */
+#include "filter/gather.h"
+#include "filter/unfold.h"
+
+#define REACH 3                /* standard deviations */
+#define REACH_LOG2 6.49212768f /* minus log2 of the gaussian there */
+#define AT_REACH 0.0111089965f /* the gaussian there: subtracted, so that it ends continuously */
+#define TEXEL 0.65             /* the standard deviation that a texel has, at least */
+#define MOST_DEVIATION 2.0     /* in units of the plane: a whole face */
+#define MOST_RATIO 16.0        /* the longer axis to the shorter */
+#define MOST_SOFT 0.35         /* how far from a vertex lines may pass to be taken apart */
+#define MOST_LOG2 20           /* of samples in a unit */
+#define RUN 16                 /* samples weighed at a time */
+#define MAX_SPLITS 5           /* vertices that take one line apart */
+#define MAX_STEPS 64           /* edges that one line crosses */
+#define SPAN 8                 /* cells to each side */
+
+/* An ellipse around a place of the plane: a weight is 2^-(xx dx^2 + 2 xy dx dy + yy dy^2). */
+typedef struct ellipse {
+    float x, y, xx, xy, yy;
+    float reach[2]; /* half of its bounding box */
+    int log2[2];    /* samples in a unit along each axis */
+} ellipse;
+
+/* One lookup under way. */
+typedef struct job {
+    lookup_state *state;
+    ellipse e;
+    float soft;  /* lines that pass vertices closer than this are taken apart */
+    float scale; /* of all weights */
+    bool weigh;  /* weights only */
+    /* the texels looked at last, while the thread stays pinned */
+    const uint8_t *texels;
+    uint64_t moves;
+    uint32_t face, tile;
+    int res_u, res_v;
+} job;
+
+/* A line from the centre to a sample. */
+typedef struct line {
+    float x, y, weight; /* of the sample */
+    int nseen;
+    int seen[MAX_SPLITS][2]; /* vertices that it was taken apart at */
+} line;
+
+static void find_ellipse(double x, double y, double xx, double xy, double yy, ellipse *e) {
+    const double log2e_half = 0.72134752044448170;
+    double det = xx * yy - xy * xy;
+    e->x = (float)x;
+    e->y = (float)y;
+    e->xx = (float)(yy / det * log2e_half);
+    e->xy = (float)(-xy / det * log2e_half);
+    e->yy = (float)(xx / det * log2e_half);
+    e->reach[0] = (float)(REACH * sqrt(xx));
+    e->reach[1] = (float)(REACH * sqrt(yy));
+    /* as far apart as the ellipse is long along each axis, measured through its middle */
+    double step[2] = {sqrt(det / yy) / TEXEL, sqrt(det / xx) / TEXEL};
+    for (int axis = 0; axis < 2; axis++) {
+        int log2 = step[axis] < 1 ? negative_log2((float)step[axis]) : 0;
+        e->log2[axis] = log2 < MOST_LOG2 ? log2 : MOST_LOG2;
+    }
+}
+
+/* The covariance of the footprint as the plane has it: xx, xy, yy. Sizes of texels are added, as
+ * those of a gaussian that texels are thought to have. Returns the least standard deviation. */
+static double find_covariance(const slv_sampler *s, const slv_lookup *l, int unit,
+                              const float texel[2], double out[3]) {
+    const float big = 1e4f;
+    double x1 = unit * fmaxf(fminf(l->uw1 * s->width, big), -big);
+    double y1 = unit * fmaxf(fminf(l->vw1 * s->width, big), -big);
+    double x2 = unit * fmaxf(fminf(l->uw2 * s->width, big), -big);
+    double y2 = unit * fmaxf(fminf(l->vw2 * s->width, big), -big);
+    double blur = fminf(s->blur, big), mx = TEXEL * texel[0], my = TEXEL * texel[1];
+    double xx = 0.25 * (x1 * x1 + x2 * x2) + blur * blur;
+    double yy = 0.25 * (y1 * y1 + y2 * y2) + blur * blur;
+    double xy = 0.25 * (x1 * y1 + x2 * y2);
+    double middle = 0.5 * (xx + yy), half = 0.5 * (xx - yy), root = sqrt(half * half + xy * xy);
+    /* the squares of its half axes */
+    double most = fmin(middle + root, MOST_DEVIATION * MOST_DEVIATION);
+    double least = fmax(middle - root, most / (MOST_RATIO * MOST_RATIO));
+    least = fmin(least, most);
+    double shrink = root > 0 ? fmin(0.5 * (most - least) / root, 1) : 0;
+    middle = 0.5 * (most + least);
+    xx = middle + shrink * half + mx * mx;
+    yy = middle - shrink * half + my * my;
+    xy *= shrink;
+    out[0] = xx, out[1] = xy, out[2] = yy;
+    middle = 0.5 * (xx + yy), half = 0.5 * (xx - yy);
+    return sqrt(fmax(middle - sqrt(half * half + xy * xy), mx < my ? mx * mx : my * my));
+}
+
+/* Adds a run of texels of one row, at a resolution that the face has, each times its weight. */
+static void add_run(job *j, const cell *c, cache_face *f, int res_u, int res_v, int x, int y, int n,
+                    const float *weights) {
+    lookup_state *state = j->state;
+    const cache_tables *t = state->tables;
+    bool whole = res_u + res_v <= t->whole_log2;
+    slv_res tile = {(int8_t)res_u, (int8_t)res_v};
+    if (!whole)
+        tile = cache_tile_res(t, res_u, res_v);
+    while (n > 0) {
+        uint32_t index = 0;
+        int here = n, from = x;
+        if (!whole) {
+            index = ((uint32_t)(y >> tile.v) << (res_u - tile.u)) + (uint32_t)(x >> tile.u);
+            from = x & ((1 << tile.u) - 1);
+            here = (1 << tile.u) - from < n ? (1 << tile.u) - from : n;
+        }
+        if (!j->texels || j->moves != state->sampler->thread.moves || j->face != c->face ||
+            j->tile != index || j->res_u != res_u || j->res_v != res_v) {
+            j->texels = whole ? find_whole(state, c->face, f, res_u, res_v)
+                              : find_tile(state, c->face, res_u, res_v, index);
+            if (!j->texels)
+                return;
+            j->moves = state->sampler->thread.moves;
+            j->face = c->face;
+            j->tile = index;
+            j->res_u = res_u;
+            j->res_v = res_v;
+        }
+        kernel k = {{{.res = tile.u, .start = from, .n = here},
+                     {.res = tile.v, .start = y & ((1 << tile.v) - 1), .n = 1, .k = {1}}},
+                    0};
+        memcpy(k.a[0].k, weights, (size_t)here * sizeof *weights);
+        gather(t, j->texels, (size_t)1 << tile.u, &k, state->first, state->count, state->sum);
+        x += here;
+        n -= here;
+        weights += here;
+    }
+}
+
+/* The same where the first two channels may be a vector in the face's own frame. */
+static void add_turned_run(job *j, const cell *c, cache_face *f, int res_u, int res_v, int x, int y,
+                           int n, const float *weights) {
+    lookup_state *state = j->state;
+    if (!state->tables->tanvec || !c->turn || state->count < 2) {
+        add_run(j, c, f, res_u, res_v, x, y, n, weights);
+        return;
+    }
+    float *sum = state->sum, before[2] = {sum[0], sum[1]};
+    sum[0] = sum[1] = 0;
+    add_run(j, c, f, res_u, res_v, x, y, n, weights);
+    float a = sum[0], b = sum[1];
+    sum[0] = before[0] + (c->turn == 1 ? -b : c->turn == 2 ? -a : b);
+    sum[1] = before[1] + (c->turn == 1 ? a : c->turn == 2 ? -b : -a);
+}
+
+/* A place in a cell's own frame. */
+static void to_local(const cell *c, float x, float y, float *u, float *v) {
+    float dx = x - (float)c->x, dy = y - (float)c->y, size = (float)c->size;
+    *u = c->turn == 0 ? dx : c->turn == 1 ? dy : c->turn == 2 ? size - dx : size - dy;
+    *v = c->turn == 0 ? dy : c->turn == 1 ? size - dx : c->turn == 2 ? size - dy : dx;
+}
+
+/* The resolutions of a face that samples are taken from. */
+static void sample_res(const ellipse *e, const cell *c, const cache_face *f, int *res_u,
+                       int *res_v) {
+    int more = c->size == 2, turned = c->turn & 1;
+    *res_u = e->log2[turned] + more < f->res_u ? e->log2[turned] + more : f->res_u;
+    *res_v = e->log2[!turned] + more < f->res_v ? e->log2[!turned] + more : f->res_v;
+}
+
+/* What could not be found is black, or does not count. */
+static void lose(job *j, bool black, float weight) {
+    if (black)
+        j->state->weight += weight;
+}
+
+static bool is_black(const cache_tables *t, const cell *c, int side) {
+    return ((side - c->turn) & 1 ? t->border_u : t->border_v) == SLV_BORDER_BLACK;
+}
+
+static void add_sample(job *j, const cell *c, float x, float y, float weight) {
+    lookup_state *state = j->state;
+    const cache_tables *t = state->tables;
+    cache_face *f = cache_find_face(state->tables, c->face);
+    int res_u, res_v;
+    float u, v;
+    state->weight += weight;
+    sample_res(&j->e, c, f, &res_u, &res_v);
+    if ((f->flags & SLV_FACE_CONSTANT) || res_u + res_v == 0) {
+        add_texel(t->type, t->averages + (size_t)c->face * t->pixel_size, state->first,
+                  state->count, weight, state->sum);
+        return;
+    }
+    to_local(c, x, y, &u, &v);
+    int at_u = (int)(u * power_of_two(res_u) / (float)c->size);
+    int at_v = (int)(v * power_of_two(res_v) / (float)c->size);
+    at_u = at_u < 0 ? 0 : at_u < 1 << res_u ? at_u : (1 << res_u) - 1;
+    at_v = at_v < 0 ? 0 : at_v < 1 << res_v ? at_v : (1 << res_v) - 1;
+    add_turned_run(j, c, f, res_u, res_v, at_u, at_v, 1, &weight);
+}
+
+/* How a line from the centre passes a vertex: 1 on its right, -1 on its left, and between the two
+ * when it is close. Lines are never taken apart where they turn by a right angle at the vertex:
+ * what is on one face stays there. */
+static float passing(const job *j, const line *to, int x, int y) {
+    float dx = to->x - j->e.x, dy = to->y - j->e.y, length = sqrtf(dx * dx + dy * dy);
+    float vx = (float)x - j->e.x, vy = (float)y - j->e.y;
+    float before = (vx * dx + vy * dy) / length, behind = length - before;
+    float aside = (dx * vy - dy * vx) / length;
+    float width = fminf(j->soft, 0.5f * fminf(before, behind));
+    return !(width > 0) ? 2 : fmaxf(fminf(aside / width, 1), -1);
+}
+
+/* The vertex, among the corners of a cell, that a line is taken apart at first. */
+static bool find_split(job *j, const cell *c, line *to, int *corner, float *side) {
+    float nearest = INFINITY;
+    for (int k = 0; k < 4; k++) {
+        int x = cell_corner_x(c, k), y = cell_corner_y(c, k);
+        float s = passing(j, to, x, y);
+        if (!(s > -1 && s < 1))
+            continue;
+        bool seen = false;
+        for (int i = 0; i < to->nseen; i++)
+            seen |= to->seen[i][0] == x && to->seen[i][1] == y;
+        float dx = (float)x - j->e.x, dy = (float)y - j->e.y, distance = dx * dx + dy * dy;
+        if (seen || distance >= nearest || cell_is_smooth(j->state->tables, c, k))
+            continue;
+        nearest = distance;
+        *corner = k;
+        *side = s;
+    }
+    return nearest < INFINITY;
+}
+
+/* Goes on along a line, from a place in a cell or on its edge, to the sample. Where it is taken
+ * apart at a vertex both parts go around it and on. */
+static void follow(job *j, cell c, float x, float y, const line *line_to) {
+    cache_tables *t = j->state->tables;
+    line to = *line_to;
+    for (int step = 0; step < MAX_STEPS && !is_over(j->state); step++) {
+        int corner = 0;
+        float passed = 0;
+        if (to.nseen < MAX_SPLITS && find_split(j, &c, &to, &corner, &passed)) {
+            int vx = cell_corner_x(&c, corner), vy = cell_corner_y(&c, corner);
+            bool right = to.x > (float)vx, top = to.y > (float)vy;
+            int target = top ? right ? 0 : 1 : right ? 3 : 2; /* the corner there, of its cell */
+            float weight = to.weight;
+            to.seen[to.nseen][0] = vx;
+            to.seen[to.nseen++][1] = vy;
+            for (int way = 0; way < 2; way++) {
+                /* a vertex on the left is gone around counter-clockwise */
+                int turns = (way == 0 ? target - corner : corner - target) & 3, side = 0;
+                cell at = c;
+                bool there = true;
+                to.weight = weight * 0.5f * (way == 0 ? 1 + passed : 1 - passed);
+                for (int i = 0; i < turns && there; i++) {
+                    int here = cell_corner_at(&at, vx, vy);
+                    side = way == 0 ? (here + 3) & 3 : here;
+                    there = here >= 0 && cell_cross(t, &at, side, way == 0, &at);
+                }
+                if (there)
+                    follow(j, at, (float)vx, (float)vy, &to);
+                else
+                    lose(j, is_black(t, &at, side), to.weight);
+            }
+            return;
+        }
+        float dx = to.x - x, dy = to.y - y, most = 1;
+        float left = (float)c.x, right = (float)(c.x + c.size);
+        float bottom = (float)c.y, top = (float)(c.y + c.size);
+        int side = -1;
+        if (to.x > right)
+            most = (right - x) / dx, side = 1;
+        else if (to.x < left)
+            most = (left - x) / dx, side = 3;
+        if (to.y > top && (side < 0 || (top - y) / dy < most))
+            most = (top - y) / dy, side = 2;
+        else if (to.y < bottom && (side < 0 || (bottom - y) / dy < most))
+            most = (bottom - y) / dy, side = 0;
+        if (side < 0) {
+            add_sample(j, &c, to.x, to.y, to.weight);
+            return;
+        }
+        x = side == 1 ? right : side == 3 ? left : fminf(fmaxf(x + dx * most, left), right);
+        y = side == 2 ? top : side == 0 ? bottom : fminf(fmaxf(y + dy * most, bottom), top);
+        float along = side & 1 ? y - bottom : x - left;
+        bool upper = along > 0.5f * (float)c.size;
+        if (j->state->sampler->no_edge_blend || !cell_cross(t, &c, side, upper == (side < 2), &c)) {
+            lose(j, is_black(t, &c, side), to.weight);
+            return;
+        }
+    }
+}
+
+enum { CELL_THERE, CELL_LINES, CELL_LOST, CELL_BLACK };
+
+/* Sums up the samples of a cell: from the face that is there, by a line to each, or as what lies
+ * beyond a border. */
+static void sum_cell(job *j, const cell *c, int kind) {
+    lookup_state *state = j->state;
+    const cache_tables *t = state->tables;
+    const ellipse *e = &j->e;
+    cache_face *f = cache_find_face(state->tables, c->face);
+    bool turned = c->turn & 1;
+    int log2_u = e->log2[turned], log2_v = e->log2[!turned], res_u, res_v;
+    int size_u = c->size << log2_u, size_v = c->size << log2_v, low, high;
+    float unit_u = power_of_two(log2_u), unit_v = power_of_two(log2_v), u, v;
+    float step_u = power_of_two(-log2_u), step_v = power_of_two(-log2_v);
+    float uu = turned ? e->yy : e->xx, vv = turned ? e->xx : e->yy, uv = turned ? -e->xy : e->xy;
+    if (kind == CELL_LOST)
+        return;
+    to_local(c, e->x, e->y, &u, &v);
+    sample_res(e, c, f, &res_u, &res_v);
+    int shift_u = log2_u + (c->size == 2) - res_u, shift_v = log2_v + (c->size == 2) - res_v;
+    bool constant = (f->flags & SLV_FACE_CONSTANT) || res_u + res_v == 0;
+    float reach = e->reach[!turned], total = 0;
+    low = (int)ceilf(fmaxf((v - reach) * unit_v - 0.5f, 0));
+    high = (int)floorf(fminf((v + reach) * unit_v - 0.5f, (float)(size_v - 1)));
+    for (int y = low; y <= high && !is_over(state); y++) {
+        float dv = ((float)y + 0.5f) * step_v - v, middle = -uv / uu * dv;
+        float rest = (REACH_LOG2 - (vv - uv * uv / uu) * dv * dv) / uu;
+        if (!(rest > 0))
+            continue;
+        float half = sqrtf(rest);
+        int x0 = (int)ceilf(fmaxf((u + middle - half) * unit_u - 0.5f, 0));
+        int x1 = (int)floorf(fminf((u + middle + half) * unit_u - 0.5f, (float)(size_u - 1)));
+        for (; x0 <= x1; x0 += RUN) {
+            const v8f each = {0.5f, 1.5f, 2.5f, 3.5f, 4.5f, 5.5f, 6.5f, 7.5f};
+            int n = x1 - x0 + 1 < RUN ? x1 - x0 + 1 : RUN;
+            float weights[RUN];
+            for (int i = 0; i < n; i += 8) {
+                v8f du = (each + (float)(x0 + i)) * step_u - u;
+                v8f w = v8_exp2(-((uu * du + 2 * uv * dv) * du + vv * dv * dv)) - AT_REACH;
+                w = v8_select(w > 0, w * j->scale, v8_splat(0));
+                memcpy(weights + i, &w, sizeof w);
+            }
+            float sum = 0;
+            for (int i = 0; i < n; i++)
+                sum += weights[i];
+            if (kind == CELL_LINES) {
+                for (int i = 0; i < n && !is_over(state); i++) {
+                    line to = {.x = (float)c->x + ((float)(x0 + i) + 0.5f) * step_u,
+                               .y = (float)c->y + ((float)y + 0.5f) * step_v,
+                               .weight = weights[i]};
+                    if (to.weight > 0)
+                        follow(j, (cell){c->face, 0, 0, c->size, 0}, e->x, e->y, &to);
+                }
+                continue;
+            }
+            total += sum;
+            if (kind == CELL_BLACK || j->weigh || constant)
+                continue;
+            int from = x0 >> shift_u, count = ((x0 + n - 1) >> shift_u) - from + 1;
+            if (shift_u) {
+                float coarse[RUN] = {0};
+                for (int i = 0; i < n; i++)
+                    coarse[((x0 + i) >> shift_u) - from] += weights[i];
+                memcpy(weights, coarse, sizeof weights);
+            }
+            add_turned_run(j, c, f, res_u, res_v, from, y >> shift_v, count, weights);
+        }
+    }
+    if (kind != CELL_LINES)
+        state->weight += total;
+    if (kind == CELL_THERE && constant && !j->weigh && total > 0)
+        add_texel(t->type, t->averages + (size_t)c->face * t->pixel_size, state->first,
+                  state->count, total, state->sum);
+}
+
+typedef struct patch {
+    cell c;
+    int kind;
+} patch;
+
+/* The patch next to one where all lines from the centre come from, over a side of it. `smooth`:
+ * whether they pass nothing on the way that takes them apart. */
+static patch next_patch(job *j, const patch *from, int side, bool smooth, bool may_end,
+                        bool may_go_on) {
+    cache_tables *t = j->state->tables;
+    patch p = {from->c, CELL_LINES};
+    if (from->kind != CELL_THERE)
+        return (patch){from->c, from->kind};
+    bool there = !j->state->sampler->no_edge_blend && cell_cross(t, &from->c, side, false, &p.c);
+    if (!smooth)
+        return p;
+    if (!there && may_end)
+        p.kind = is_black(t, &from->c, side) ? CELL_BLACK : CELL_LOST;
+    else if (there && may_go_on && p.c.size == from->c.size)
+        p.kind = CELL_THERE;
+    return p;
+}
+
+/* The face of the lookup and, as far as the ellipse reaches, those around it. Squares of the plane
+ * that straight lines reach without passing an extraordinary vertex, over faces of one size, are
+ * summed up whole. */
+static void sum_plane(job *j, const cell *home) {
+    cache_tables *t = j->state->tables;
+    const ellipse *e = &j->e;
+    bool stay = j->state->sampler->no_edge_blend;
+    float size = (float)home->size;
+    int low[2], high[2];
+    const float at[2] = {e->x, e->y};
+    for (int axis = 0; axis < 2; axis++) {
+        low[axis] = (int)fmaxf(floorf((at[axis] - e->reach[axis]) / size), -SPAN);
+        high[axis] = (int)fminf(floorf((at[axis] + e->reach[axis]) / size), SPAN);
+    }
+    sum_cell(j, home, CELL_THERE);
+    if (!(low[0] | low[1] | high[0] | high[1]))
+        return;
+    patch plane[2 * SPAN + 1][2 * SPAN + 1];
+    plane[SPAN][SPAN] = (patch){*home, CELL_THERE};
+    for (int row = 0; row <= high[1] - low[1]; row++) {
+        int y = row <= high[1] ? row : high[1] - row, up = y > 0;
+        for (int column = 0; column <= high[0] - low[0] && !is_over(j->state); column++) {
+            int x = column <= high[0] ? column : high[0] - column, right = x > 0;
+            patch *p = &plane[SPAN + y][SPAN + x];
+            const patch *across = x ? p - (right ? 1 : -1) : p;
+            const patch *below = y ? &plane[SPAN + y - (up ? 1 : -1)][SPAN + x] : p;
+            int side = x ? right ? 1 : 3 : up ? 2 : 0;
+            if (!x && !y)
+                continue;
+            if (!x || !y) {
+                const patch *from = x ? across : below;
+                bool smooth = from->kind == CELL_THERE &&
+                              (stay || (cell_is_smooth(t, &from->c, side) &&
+                                        cell_is_smooth(t, &from->c, (side + 1) & 3)));
+                *p = next_patch(j, from, side, smooth, true, true);
+            } else if (across->kind == CELL_LINES || below->kind == CELL_LINES) {
+                p->kind = CELL_LINES;
+            } else if (across->kind != CELL_THERE && below->kind != CELL_THERE) {
+                p->kind = across->kind;
+            } else {
+                bool both = across->kind == below->kind, from_across = across->kind == CELL_THERE;
+                const patch *from = from_across ? across : below;
+                side = from_across ? right ? 1 : 3 : up ? 2 : 0;
+                /* the corner that lies towards the centre */
+                int corner =
+                    cell_corner_at(&from->c, (x + !right) * home->size, (y + !up) * home->size);
+                bool smooth = stay || cell_is_smooth(t, &from->c, corner);
+                *p = next_patch(j, from, side, smooth, !both, both);
+            }
+            cell c = p->kind == CELL_THERE
+                         ? p->c
+                         : (cell){home->face, x * home->size, y * home->size, home->size, 0};
+            sum_cell(j, &c, p->kind);
+        }
+    }
+}
+
+/* Near an extraordinary vertex directions cease to mean anything. So the ellipse gives way to a
+ * circle around the vertex, which looks the same from all its faces. */
+static void blend_vertex(job *j, const cell *home, int corner, const double covariance[3],
+                         float part) {
+    lookup_state *state = j->state;
+    int x = cell_corner_x(home, corner), y = cell_corner_y(home, corner), count = 1;
+    double variance = 0.5 * (covariance[0] + covariance[2]);
+    cell ring[MAX_AROUND];
+    ring[0] = *home;
+    for (int way = 0; way < 2; way++) {
+        cell c = *home;
+        while (count < MAX_AROUND && cell_turn(state->tables, &c, x, y, way == 0)) {
+            if (c.face == home->face)
+                goto closed;
+            ring[count++] = c;
+        }
+    }
+closed:
+    find_ellipse(x, y, variance, 0, variance, &j->e);
+    j->weigh = true;
+    state->weight = 0;
+    for (int i = 0; i < count; i++)
+        sum_cell(j, &ring[i], CELL_THERE);
+    j->weigh = false;
+    j->scale = state->weight > 0 ? part / state->weight : 0;
+    for (int i = 0; i < count && !is_over(state); i++)
+        sum_cell(j, &ring[i], CELL_THERE);
+    state->weight = 1;
+}
+
+static float to_face(slv_border_mode mode, float x) {
+    if (mode == SLV_BORDER_PERIODIC)
+        x -= floorf(x);
+    return fminf(fmaxf(x, 0), 1);
+}
+
+void anisotropic_sum(lookup_state *state, const slv_lookup *l) {
+    cache_tables *t = state->tables;
+    const slv_sampler *s = state->sampler;
+    cell home = cell_home(t, l->face);
+    unsigned around = cell_around(t, l->face);
+    float at[2] = {to_face(t->border_u, l->u) * (float)home.size,
+                   to_face(t->border_v, l->v) * (float)home.size};
+    float texel[2];
+    double covariance[3];
+    if ((t->border_u == SLV_BORDER_BLACK && !(l->u > -1 && l->u < 2)) ||
+        (t->border_v == SLV_BORDER_BLACK && !(l->v > -1 && l->v < 2))) {
+        state->weight = 1;
+        return;
+    }
+    if (s->no_edge_blend || (around & AROUND_EVEN))
+        cell_texel(t, &home, texel);
+    else
+        cell_coarsest(t, &home, at, around, texel);
+    double least = find_covariance(s, l, home.size, texel, covariance);
+    job j = {.state = state, .soft = (float)fmin(least, MOST_SOFT), .scale = 1};
+    find_ellipse(at[0], at[1], covariance[0], covariance[1], covariance[2], &j.e);
+    float part = 0;
+    int corner = 0;
+    for (int k = 0; k < 4 && !s->no_edge_blend; k++) {
+        float dx = (float)cell_corner_x(&home, k) - at[0];
+        float dy = (float)cell_corner_y(&home, k) - at[1], near = sqrtf(dx * dx + dy * dy) / j.soft;
+        if (near < 1 && !(around & (unsigned)AROUND_SMOOTH << k)) {
+            part = (1 - near) * (1 - near) * (1 + 2 * near);
+            corner = k;
+        }
+    }
+    if (part < 1)
+        sum_plane(&j, &home);
+    if (part > 0 && !is_over(state)) {
+        float scale = part < 1 && state->weight > 0 ? (1 - part) / state->weight : 0;
+        for (uint32_t c = 0; c < state->count; c++)
+            state->sum[c] *= scale;
+        blend_vertex(&j, &home, corner, covariance, part);
+    }
+}
