@@ -243,12 +243,20 @@ static void follow(job *j, cell c, float x, float y, const line *line_to) {
             float weight = to.weight;
             to.seen[to.nseen][0] = vx;
             to.seen[to.nseen++][1] = vy;
+            /* next to a border there may be nothing on the other side: what is seen past it fades
+             */
+            bool closed = cell_is_closed(t, &c, corner);
+            float shares[2] = {closed ? 0.5f * (1 + passed) : fmaxf(passed, 0),
+                               closed ? 0.5f * (1 - passed) : fmaxf(-passed, 0)};
+            lose(j, is_black(t, &c, corner), weight * (1 - shares[0] - shares[1]));
             for (int way = 0; way < 2; way++) {
                 /* a vertex on the left is gone around counter-clockwise */
                 int turns = (way == 0 ? target - corner : corner - target) & 3, side = 0;
                 cell at = c;
                 bool there = true;
-                to.weight = weight * 0.5f * (way == 0 ? 1 + passed : 1 - passed);
+                to.weight = weight * shares[way];
+                if (to.weight == 0)
+                    continue;
                 for (int i = 0; i < turns && there; i++) {
                     int here = cell_corner_at(&at, vx, vy);
                     side = way == 0 ? (here + 3) & 3 : here;

@@ -110,6 +110,16 @@ static inline bool cell_find_smooth(cache_tables *t, const cell *home, int corne
     return count < 3;
 }
 
+/* Whether faces go all the way around a corner. */
+static inline bool cell_is_closed(cache_tables *t, const cell *home, int corner) {
+    int x = cell_corner_x(home, corner), y = cell_corner_y(home, corner);
+    cell c = *home;
+    for (int i = 0; i < MAX_AROUND && cell_turn(t, &c, x, y, true); i++)
+        if (c.face == home->face)
+            return true;
+    return false;
+}
+
 /* How long texels are along the plane's axes; at most a unit, which is the most that samples are
  * apart. */
 static inline void cell_texel(cache_tables *t, const cell *c, float size[2]) {
