@@ -6,10 +6,11 @@
 #include "filter/gather.h"
 #include "filter/unfold.h"
 
-#define REACH 3                /* standard deviations */
-#define REACH_LOG2 6.49212768f /* minus log2 of the gaussian there */
-#define AT_REACH 0.0111089965f /* the gaussian there: subtracted, so that it ends continuously */
+#define REACH 3.25             /* standard deviations */
+#define REACH_LOG2 7.6192332f  /* minus log2 of the gaussian there */
+#define AT_REACH 0.0050860692f /* the gaussian there: subtracted, so that it ends continuously */
 #define TEXEL 0.65             /* the standard deviation that a texel has, at least */
+#define STEP 0.7               /* standard deviations to a sample, at least, where texels allow */
 #define MOST_DEVIATION 2.0     /* in units of the plane: a whole face */
 #define MOST_RATIO 16.0        /* the longer axis to the shorter */
 #define MOST_SOFT 0.35         /* how far from a vertex lines may pass to be taken apart */
@@ -47,9 +48,10 @@ typedef struct line {
     int seen[MAX_SPLITS][2]; /* vertices that it was taken apart at */
 } line;
 
-static void find_ellipse(double x, double y, double xx, double xy, double yy, ellipse *e) {
+static void find_ellipse(double x, double y, const double covariance[3], const float texel[2],
+                         ellipse *e) {
     const double log2e_half = 0.72134752044448170;
-    double det = xx * yy - xy * xy;
+    double xx = covariance[0], xy = covariance[1], yy = covariance[2], det = xx * yy - xy * xy;
     e->x = (float)x;
     e->y = (float)y;
     e->xx = (float)(yy / det * log2e_half);
@@ -58,9 +60,10 @@ static void find_ellipse(double x, double y, double xx, double xy, double yy, el
     e->reach[0] = (float)(REACH * sqrt(xx));
     e->reach[1] = (float)(REACH * sqrt(yy));
     /* as far apart as the ellipse is long along each axis, measured through its middle */
-    double step[2] = {sqrt(det / yy) / TEXEL, sqrt(det / xx) / TEXEL};
+    double across[2] = {sqrt(det / yy), sqrt(det / xx)};
     for (int axis = 0; axis < 2; axis++) {
-        int log2 = step[axis] < 1 ? negative_log2((float)step[axis]) : 0;
+        float step = fmaxf((float)(across[axis] / STEP), texel[axis]);
+        int log2 = step < 1 ? negative_log2(step) : 0;
         e->log2[axis] = log2 < MOST_LOG2 ? log2 : MOST_LOG2;
     }
 }
@@ -249,7 +252,7 @@ static void follow(job *j, cell c, float x, float y, const line *line_to) {
             float shares[2] = {closed ? 0.5f * (1 + passed) : fmaxf(passed, 0),
                                closed ? 0.5f * (1 - passed) : fmaxf(-passed, 0)};
             lose(j, is_black(t, &c, corner), weight * (1 - shares[0] - shares[1]));
-            for (int way = 0; way < 2; way++) {
+            for (int way = 0; way < 2 && !is_over(j->state); way++) {
                 /* a vertex on the left is gone around counter-clockwise */
                 int turns = (way == 0 ? target - corner : corner - target) & 3, side = 0;
                 cell at = c;
@@ -328,7 +331,7 @@ static void sum_cell(job *j, const cell *c, int kind) {
         float half = sqrtf(rest);
         int x0 = (int)ceilf(fmaxf((u + middle - half) * unit_u - 0.5f, 0));
         int x1 = (int)floorf(fminf((u + middle + half) * unit_u - 0.5f, (float)(size_u - 1)));
-        for (; x0 <= x1; x0 += RUN) {
+        for (; x0 <= x1 && !is_over(state); x0 += RUN) {
             const v8f each = {0.5f, 1.5f, 2.5f, 3.5f, 4.5f, 5.5f, 6.5f, 7.5f};
             int n = x1 - x0 + 1 < RUN ? x1 - x0 + 1 : RUN;
             float weights[RUN];
@@ -454,10 +457,11 @@ static void sum_plane(job *j, const cell *home) {
 /* Near an extraordinary vertex directions cease to mean anything. So the ellipse gives way to a
  * circle around the vertex, which looks the same from all its faces. */
 static void blend_vertex(job *j, const cell *home, int corner, const double covariance[3],
-                         float part) {
+                         const float texel[2], float part) {
     lookup_state *state = j->state;
     int x = cell_corner_x(home, corner), y = cell_corner_y(home, corner), count = 1;
     double variance = 0.5 * (covariance[0] + covariance[2]);
+    const float longest[2] = {fmaxf(texel[0], texel[1]), fmaxf(texel[0], texel[1])};
     cell ring[MAX_AROUND];
     ring[0] = *home;
     for (int way = 0; way < 2; way++) {
@@ -469,7 +473,7 @@ static void blend_vertex(job *j, const cell *home, int corner, const double cova
         }
     }
 closed:
-    find_ellipse(x, y, variance, 0, variance, &j->e);
+    find_ellipse(x, y, (double[3]){variance, 0, variance}, longest, &j->e);
     j->weigh = true;
     state->weight = 0;
     for (int i = 0; i < count; i++)
@@ -507,7 +511,7 @@ void anisotropic_sum(lookup_state *state, const slv_lookup *l) {
         cell_coarsest(t, &home, at, around, texel);
     double least = find_covariance(s, l, home.size, texel, covariance);
     job j = {.state = state, .soft = (float)fmin(least, MOST_SOFT), .scale = 1};
-    find_ellipse(at[0], at[1], covariance[0], covariance[1], covariance[2], &j.e);
+    find_ellipse(at[0], at[1], covariance, texel, &j.e);
     float part = 0;
     int corner = 0;
     for (int k = 0; k < 4 && !s->no_edge_blend; k++) {
@@ -524,6 +528,6 @@ void anisotropic_sum(lookup_state *state, const slv_lookup *l) {
         float scale = part < 1 && state->weight > 0 ? (1 - part) / state->weight : 0;
         for (uint32_t c = 0; c < state->count; c++)
             state->sum[c] *= scale;
-        blend_vertex(&j, &home, corner, covariance, part);
+        blend_vertex(&j, &home, corner, covariance, texel, part);
     }
 }

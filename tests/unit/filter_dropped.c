@@ -65,6 +65,7 @@ int main(void) {
         {.filter = SLV_FILTER_POINT, .nchannels = 3},
         {.filter = SLV_FILTER_GAUSSIAN, .lerp = true, .nchannels = 3},
         {.filter = SLV_FILTER_BSPLINE, .nchannels = 3},
+        {.filter = SLV_FILTER_ANISOTROPIC, .nchannels = 3},
     };
     const char *triangles = data_folder();
     pthread_t thread;

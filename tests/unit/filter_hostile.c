@@ -17,6 +17,9 @@ static const slv_filter_params all_params[] = {
     {.filter = SLV_FILTER_CATMULL_ROM, .width = 1e30f},
     {.filter = SLV_FILTER_MITCHELL, .width = 1e-30f, .first_channel = 2, .nchannels = 2},
     {.filter = SLV_FILTER_GAUSSIAN, .no_edge_blend = true, .blur = 0.3f},
+    {.filter = SLV_FILTER_ANISOTROPIC},
+    {.filter = SLV_FILTER_ANISOTROPIC, .width = 1e30f, .first_channel = 1, .nchannels = 2},
+    {.filter = SLV_FILTER_ANISOTROPIC, .width = 1e-30f, .blur = 1e30f},
 };
 enum { PARAMS = sizeof all_params / sizeof *all_params };
 

@@ -17,6 +17,7 @@ static void compare(const char *path) {
         {.filter = SLV_FILTER_BSPLINE, .lerp = true},
         {.filter = SLV_FILTER_CATMULL_ROM, .no_edge_blend = true},
         {.filter = SLV_FILTER_MITCHELL, .width = 3},
+        {.filter = SLV_FILTER_ANISOTROPIC},
     };
     static slv_lookup lookups[MANY];
     slv_cache *cache = kit_cache(0, 0);

@@ -17,6 +17,8 @@ static const slv_filter_params all_params[] = {
     {.filter = SLV_FILTER_CATMULL_ROM},
     {.filter = SLV_FILTER_MITCHELL, .width = 2, .blur = 0.05f},
     {.filter = SLV_FILTER_BSPLINE, .no_edge_blend = true},
+    {.filter = SLV_FILTER_ANISOTROPIC},
+    {.filter = SLV_FILTER_ANISOTROPIC, .width = 3, .blur = 0.1f, .no_edge_blend = true},
 };
 enum { PARAMS = sizeof all_params / sizeof *all_params };
 
@@ -227,7 +229,8 @@ static void test_ramp(void) {
     for (int p = 0; p < PARAMS; p++) {
         const slv_filter_params *params = &all_params[p];
         slv_filter filter = params->filter;
-        if (filter == SLV_FILTER_POINT || params->no_edge_blend || params->width > 0)
+        if (filter == SLV_FILTER_POINT || filter == SLV_FILTER_ANISOTROPIC ||
+            params->no_edge_blend || params->width > 0)
             continue;
         slv_sampler *sampler = kit_sampler(cache, params);
         double worst = 0;

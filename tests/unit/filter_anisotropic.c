@@ -1,0 +1,249 @@
+/* The anisotropic filter: the same from both sides of every edge, whatever meets there, and the
+ * ellipse that it says it is. */
+#include "filter_kit.h"
+
+static slv_sampler *sampler;
+static slv_cache *cache;
+static char path[1100];
+
+static slv_file_id begin(kit *k, const slv_filter_params *params) {
+    snprintf(path, sizeof path, "%s", scratch_path("anisotropic.ptx"));
+    kit_save(k, path, NULL);
+    cache = kit_cache(0, 0);
+    slv_file_id id = kit_open(cache, path);
+    sampler = kit_sampler(cache, params);
+    return id;
+}
+
+static void end(void) {
+    slv_sampler_destroy(sampler);
+    slv_cache_destroy(cache);
+    unlink(path);
+}
+
+static float sample(const slv_lookup *l) {
+    float out = -1;
+    CHECK(slv_sample(sampler, l, &out) == SLV_OK);
+    return out;
+}
+
+/* Footprints of all kinds: along the edge and across it, diagonal, long, and tiny. */
+static void any_footprint(slv_lookup *l, unsigned edge, uint64_t *random) {
+    float size = powf(2, 1 - 8 * kit_unit(random)), a[2], b[2],
+          thin = powf(2, -5 * kit_unit(random));
+    switch (test_random(random) % 4) {
+    case 0: /* parallel to the edge */
+        a[0] = 1, a[1] = 0, b[0] = 0, b[1] = thin;
+        break;
+    case 1: /* across it */
+        a[0] = 0, a[1] = 1, b[0] = thin, b[1] = 0;
+        break;
+    case 2:
+        a[0] = a[1] = b[1] = thin, b[0] = -thin;
+        a[0] = a[1] = 1;
+        break;
+    default:
+        a[0] = kit_unit(random) - 0.5f, a[1] = kit_unit(random) - 0.5f;
+        b[0] = kit_unit(random) - 0.5f, b[1] = kit_unit(random) - 0.5f;
+    }
+    bool upright = edge & 1;
+    l->uw1 = size * a[upright], l->vw1 = size * a[!upright];
+    l->uw2 = size * b[upright], l->vw2 = size * b[!upright];
+}
+
+/* The same lookup as another face sees it. */
+static slv_lookup seen_from(const slv_lookup *l, const slv_neighbour *there) {
+    slv_lookup o = *l;
+    const slv_affine *m = &there->map;
+    o.face = (uint32_t)there->face;
+    slv_affine_apply(m, l->u, l->v, &o.u, &o.v);
+    o.uw1 = m->uu * l->uw1 + m->uv * l->vw1, o.vw1 = m->vu * l->uw1 + m->vv * l->vw1;
+    o.uw2 = m->uu * l->uw2 + m->uv * l->vw2, o.vw2 = m->vu * l->uw2 + m->vv * l->vw2;
+    return o;
+}
+
+static double seam_jump(const kit *k, slv_file_id id, uint32_t count, uint64_t *random) {
+    double worst = 0;
+    for (uint32_t i = 0; i < count; i++) {
+        uint32_t face = test_random(random) % k->nfaces, edge = test_random(random) % 4;
+        double t = kit_unit(random), u, v;
+        slv_neighbour to[2];
+        /* near the vertices too, and at them */
+        if (i % 3 == 0)
+            t *= pow(2, -14 * (double)kit_unit(random));
+        else if (i % 3 == 1)
+            t = floor(33 * t) / 32;
+        kit_edge_point(edge, t > 1 ? 1 : t, &u, &v);
+        slv_lookup l = {.file = id, .face = face, .u = (float)u, .v = (float)v};
+        any_footprint(&l, edge, random);
+        uint32_t n = slv_adjacency_neighbours(k->adjacency, (int32_t)face, edge, to);
+        for (uint32_t j = 0; j < n; j++) {
+            if (t < (double)to[j].t0 || t > (double)to[j].t1)
+                continue;
+            slv_lookup other = seen_from(&l, &to[j]);
+            other.u = fminf(fmaxf(other.u, 0), 1);
+            other.v = fminf(fmaxf(other.v, 0), 1);
+            double jump = fabs((double)sample(&l) - (double)sample(&other));
+            worst = fmax(worst, jump);
+        }
+    }
+    return worst;
+}
+
+static void test_seams(void) {
+    uint64_t random = 67;
+    const slv_filter_params params[] = {{.filter = SLV_FILTER_ANISOTROPIC},
+                                        {.filter = SLV_FILTER_ANISOTROPIC, .blur = 0.02f}};
+    for (int shape = 2; shape < 20; shape++)
+        for (int mixed = 0; mixed < 3; mixed++) {
+            kit k;
+            if (shape < 15)
+                kit_disc(&k, shape, &random);
+            else if (shape == 15)
+                kit_cube(&k, &random);
+            else if (shape == 16)
+                kit_pentagons(&k, &random);
+            else
+                kit_grid(&k, 4, 4, shape == 18, shape == 19 ? 100 : 40, &random, NULL);
+            if (mixed == 1)
+                kit_mixed(&k, 5, &random);
+            else
+                kit_equal(&k, 5);
+            for (uint32_t i = 0; mixed == 2 && i < k.nfaces; i++)
+                k.res[i].v = (int8_t)(test_random(&random) % 6);
+            kit_noise(&k, SLV_TYPE_FLOAT, 1, &random);
+            slv_file_id id = begin(&k, &params[shape & 1]);
+            double worst = seam_jump(&k, id, TEST_SANITIZED ? 300 : 3000, &random);
+            CHECK_MSG(worst <= 1e-5, "shape %d, mixed %d: jumps by %g", shape, mixed, worst);
+            if (getenv("SHOW"))
+                printf("shape %d mixed %d: %g\n", shape, mixed, worst);
+            end();
+            kit_free(&k);
+        }
+}
+
+/* Texels of a flat grid of 3x3 faces, each of which begins at any of its corners; and how far the
+ * filter is from what it should be: at (x,y) of the grid, with a footprint in the grid's units. */
+enum { SIDE = 3, LOG2 = 5, SIZE = 1 << LOG2 };
+
+static double grid[SIDE * SIZE][SIDE * SIZE];
+static uint32_t turns[SIDE * SIDE];
+
+static void from_grid(uint32_t turn, double x, double y, float *u, float *v) {
+    *u = (float)(turn == 0 ? x : turn == 1 ? y : turn == 2 ? 1 - x : 1 - y);
+    *v = (float)(turn == 0 ? y : turn == 1 ? 1 - x : turn == 2 ? 1 - y : x);
+}
+
+static slv_file_id write_grid(const slv_filter_params *params, double (*texture)(double, double),
+                              uint64_t *random) {
+    kit k;
+    kit_grid(&k, SIDE, SIDE, false, 0, random, turns);
+    kit_equal(&k, LOG2);
+    kit_begin_texture(&k, SLV_TYPE_FLOAT, 1);
+    for (uint32_t face = 0; face < k.nfaces; face++) {
+        static float values[SIZE * SIZE];
+        uint32_t column = face % SIDE * SIZE, row = face / SIDE * SIZE;
+        for (uint32_t y = 0; y < SIZE; y++)
+            for (uint32_t x = 0; x < SIZE; x++) {
+                float u, v,
+                    value = (float)texture((column + x + 0.5) / SIZE, (row + y + 0.5) / SIZE);
+                from_grid(turns[face], (x + 0.5) / SIZE, (y + 0.5) / SIZE, &u, &v);
+                values[(int)(v * SIZE) * SIZE + (int)(u * SIZE)] = value;
+                grid[row + y][column + x] = (double)value;
+            }
+        kit_set(&k, face, values);
+    }
+    kit_end_texture(&k);
+    slv_file_id id = begin(&k, params);
+    kit_free(&k);
+    return id;
+}
+
+static float sample_grid(slv_file_id id, double x, double y, const double w[4]) {
+    uint32_t column = (uint32_t)x, row = (uint32_t)y, turn = turns[row * SIDE + column];
+    slv_lookup l = {.file = id, .face = row * SIDE + column};
+    float u0, v0;
+    from_grid(turn, 0, 0, &u0, &v0);
+    from_grid(turn, x - column, y - row, &l.u, &l.v);
+    from_grid(turn, w[0], w[1], &l.uw1, &l.vw1);
+    from_grid(turn, w[2], w[3], &l.uw2, &l.vw2);
+    l.uw1 -= u0, l.uw2 -= u0, l.vw1 -= v0, l.vw2 -= v0;
+    return sample(&l);
+}
+
+static uint64_t noise_state;
+
+static double noise(double x, double y) {
+    (void)x;
+    (void)y;
+    return (double)kit_unit(&noise_state);
+}
+
+static double plane(double x, double y) {
+    return 0.1 * x + 0.07 * y;
+}
+
+/* The gaussian of the footprint, with that of a texel added to it, over every texel as a square. */
+static double integrate(double x, double y, const double w[4]) {
+    /* a texel is a square here, which is part of what is added */
+    const double texel = sqrt(0.65 * 0.65 - 1.0 / 12) / SIZE;
+    enum { FINE = 4 };
+    double xx = 0.25 * (w[0] * w[0] + w[2] * w[2]) + texel * texel;
+    double yy = 0.25 * (w[1] * w[1] + w[3] * w[3]) + texel * texel;
+    double xy = 0.25 * (w[0] * w[1] + w[2] * w[3]), det = xx * yy - xy * xy, sum = 0, weights = 0;
+    for (int j = 0; j < SIDE * SIZE * FINE; j++)
+        for (int i = 0; i < SIDE * SIZE * FINE; i++) {
+            double dx = (i + 0.5) / (SIZE * FINE) - x, dy = (j + 0.5) / (SIZE * FINE) - y;
+            double weight = exp(-0.5 * (yy * dx * dx - 2 * xy * dx * dy + xx * dy * dy) / det);
+            sum += weight * grid[j / FINE][i / FINE];
+            weights += weight;
+        }
+    return sum / weights;
+}
+
+static void test_ellipse(void) {
+    uint64_t random = 71;
+    const slv_filter_params params = {.filter = SLV_FILTER_ANISOTROPIC};
+    double worst = 0, mean = 0, spread = 0;
+    enum { MANY = 200 };
+    noise_state = 73;
+    slv_file_id id = write_grid(&params, noise, &random);
+    for (int i = 0; i < MANY; i++) {
+        /* up to 16 to 1, inside the grid */
+        double size = pow(2, -5 * (double)kit_unit(&random)) * 0.4,
+               angle = 6.3 * (double)kit_unit(&random);
+        double thin = size * pow(2, -4 * (double)kit_unit(&random));
+        double w[4] = {size * cos(angle), size * sin(angle), -thin * sin(angle), thin * cos(angle)};
+        double x = 1 + (double)kit_unit(&random), y = 1 + (double)kit_unit(&random);
+        double right = integrate(x, y, w), error = fabs((double)sample_grid(id, x, y, w) - right);
+        worst = fmax(worst, error);
+        mean += error / MANY;
+        spread += fabs(right - 0.5) / MANY;
+    }
+    if (getenv("SHOW"))
+        printf("ellipse: worst %g mean %g spread %g\n", worst, mean, spread);
+    CHECK_MSG(worst < 0.03 && mean < 0.005, "noise: %g from the integral, %g in the mean", worst,
+              mean);
+    end();
+
+    id = write_grid(&params, plane, &random);
+    worst = 0;
+    for (int i = 0; i < 20 * MANY; i++) {
+        double size = pow(2, -8 * (double)kit_unit(&random)) * 0.5, w[4];
+        for (int j = 0; j < 4; j++)
+            w[j] = size * ((double)kit_unit(&random) - 0.5);
+        double x = 1 + (double)kit_unit(&random), y = 1 + (double)kit_unit(&random);
+        worst = fmax(worst, fabs((double)sample_grid(id, x, y, w) - plane(x, y)));
+    }
+    if (getenv("SHOW"))
+        printf("plane: worst %g\n", worst);
+    CHECK_MSG(worst < 5e-5, "a plane: %g away", worst);
+    end();
+}
+
+int main(void) {
+    alarm(600);
+    test_seams();
+    test_ellipse();
+    return test_end();
+}
