@@ -34,6 +34,9 @@ typedef struct job {
     float soft;  /* lines that pass vertices closer than this are taken apart */
     float scale; /* of all weights */
     bool weigh;  /* weights only */
+    /* few channels, and the sums of them all, in turns */
+    bool few;
+    v8f sums[2];
     /* the texels looked at last, while the thread stays pinned */
     const uint8_t *texels;
     uint64_t moves;
@@ -62,7 +65,7 @@ static void find_ellipse(double x, double y, const double covariance[3], const f
     /* as far apart as the ellipse is long along each axis, measured through its middle */
     double across[2] = {sqrt(det / yy), sqrt(det / xx)};
     for (int axis = 0; axis < 2; axis++) {
-        float step = fmaxf((float)(across[axis] / STEP), texel[axis]);
+        float step = larger((float)(across[axis] / STEP), texel[axis]);
         int log2 = step < 1 ? negative_log2(step) : 0;
         e->log2[axis] = log2 < MOST_LOG2 ? log2 : MOST_LOG2;
     }
@@ -96,6 +99,56 @@ static double find_covariance(const slv_sampler *s, const slv_lookup *l, int uni
     return sqrt(fmax(middle - sqrt(half * half + xy * xy), mx < my ? mx * mx : my * my));
 }
 
+#define DEFINE_ADD_FEW(TYPE, T)                                                                    \
+    static inline void add_few_##TYPE(const void *texels, size_t nchannels, int n,                 \
+                                      const float *weights, v8f *sums) {                           \
+        const T *p = texels;                                                                       \
+        v8f even = sums[0], odd = sums[1];                                                         \
+        int i = 0;                                                                                 \
+        for (; i + 1 < n; i += 2, p += 2 * nchannels) {                                            \
+            even += v8_load_##TYPE(p) * weights[i];                                                \
+            odd += v8_load_##TYPE(p + nchannels) * weights[i + 1];                                 \
+        }                                                                                          \
+        if (i < n)                                                                                 \
+            even += v8_load_##TYPE(p) * weights[i];                                                \
+        sums[0] = even;                                                                            \
+        sums[1] = odd;                                                                             \
+    }
+
+DEFINE_ADD_FEW(u8, uint8_t)
+DEFINE_ADD_FEW(u16, uint16_t)
+DEFINE_ADD_FEW(half, uint16_t)
+DEFINE_ADD_FEW(float, float)
+
+/* Texels of few channels, one after the other; vectors may read beyond them. */
+static inline void add_few(const cache_tables *t, const uint8_t *texels, int n,
+                           const float *weights, v8f *sums) {
+    switch (t->type) {
+    case SLV_TYPE_U8:
+        add_few_u8(texels, t->nchannels, n, weights, sums);
+        break;
+    case SLV_TYPE_U16:
+        add_few_u16(texels, t->nchannels, n, weights, sums);
+        break;
+    case SLV_TYPE_HALF:
+        add_few_half(texels, t->nchannels, n, weights, sums);
+        break;
+    default:
+        add_few_float(texels, t->nchannels, n, weights, sums);
+    }
+}
+
+/* Moves what was summed up of few channels to where sums belong. */
+static void settle(job *j) {
+    lookup_state *state = j->state;
+    if (!j->few)
+        return;
+    v8f sum = j->sums[0] + j->sums[1];
+    for (uint32_t c = 0; c < state->count; c++)
+        state->sum[c] += sum[state->first + c];
+    j->sums[0] = j->sums[1] = v8_splat(0);
+}
+
 /* Adds a run of texels of one row, at a resolution that the face has, each times its weight. */
 static void add_run(job *j, const cell *c, cache_face *f, int res_u, int res_v, int x, int y, int n,
                     const float *weights) {
@@ -125,11 +178,20 @@ static void add_run(job *j, const cell *c, cache_face *f, int res_u, int res_v, 
             j->res_u = res_u;
             j->res_v = res_v;
         }
-        kernel k = {{{.res = tile.u, .start = from, .n = here},
-                     {.res = tile.v, .start = y & ((1 << tile.v) - 1), .n = 1, .k = {1}}},
-                    0};
-        memcpy(k.a[0].k, weights, (size_t)here * sizeof *weights);
-        gather(t, j->texels, (size_t)1 << tile.u, &k, state->first, state->count, state->sum);
+        int row = y & ((1 << tile.v) - 1);
+        if (j->few) {
+            size_t at = ((size_t)row << tile.u) + (size_t)from;
+            add_few(t, j->texels + at * t->pixel_size, here, weights, j->sums);
+        } else {
+            kernel k;
+            k.a[0].start = from;
+            k.a[0].n = here;
+            memcpy(k.a[0].k, weights, (size_t)here * sizeof *weights);
+            k.a[1].start = row;
+            k.a[1].n = 1;
+            k.a[1].k[0] = 1;
+            gather(t, j->texels, (size_t)1 << tile.u, &k, state->first, state->count, state->sum);
+        }
         x += here;
         n -= here;
         weights += here;
@@ -140,7 +202,7 @@ static void add_run(job *j, const cell *c, cache_face *f, int res_u, int res_v, 
 static void add_turned_run(job *j, const cell *c, cache_face *f, int res_u, int res_v, int x, int y,
                            int n, const float *weights) {
     lookup_state *state = j->state;
-    if (!state->tables->tanvec || !c->turn || state->count < 2) {
+    if (j->few || !state->tables->tanvec || !c->turn || state->count < 2) {
         add_run(j, c, f, res_u, res_v, x, y, n, weights);
         return;
     }
@@ -206,8 +268,8 @@ static float passing(const job *j, const line *to, int x, int y) {
     float vx = (float)x - j->e.x, vy = (float)y - j->e.y;
     float before = (vx * dx + vy * dy) / length, behind = length - before;
     float aside = (dx * vy - dy * vx) / length;
-    float width = fminf(j->soft, 0.5f * fminf(before, behind));
-    return !(width > 0) ? 2 : fmaxf(fminf(aside / width, 1), -1);
+    float width = smaller(j->soft, 0.5f * smaller(before, behind));
+    return !(width > 0) ? 2 : larger(smaller(aside / width, 1), -1);
 }
 
 /* The vertex, among the corners of a cell, that a line is taken apart at first. */
@@ -249,8 +311,8 @@ static void follow(job *j, cell c, float x, float y, const line *line_to) {
             /* next to a border there may be nothing on the other side: what is seen past it fades
              */
             bool closed = cell_is_closed(t, &c, corner);
-            float shares[2] = {closed ? 0.5f * (1 + passed) : fmaxf(passed, 0),
-                               closed ? 0.5f * (1 - passed) : fmaxf(-passed, 0)};
+            float shares[2] = {closed ? 0.5f * (1 + passed) : larger(passed, 0),
+                               closed ? 0.5f * (1 - passed) : larger(-passed, 0)};
             lose(j, is_black(t, &c, corner), weight * (1 - shares[0] - shares[1]));
             for (int way = 0; way < 2 && !is_over(j->state); way++) {
                 /* a vertex on the left is gone around counter-clockwise */
@@ -288,8 +350,8 @@ static void follow(job *j, cell c, float x, float y, const line *line_to) {
             add_sample(j, &c, to.x, to.y, to.weight);
             return;
         }
-        x = side == 1 ? right : side == 3 ? left : fminf(fmaxf(x + dx * most, left), right);
-        y = side == 2 ? top : side == 0 ? bottom : fminf(fmaxf(y + dy * most, bottom), top);
+        x = side == 1 ? right : side == 3 ? left : smaller(larger(x + dx * most, left), right);
+        y = side == 2 ? top : side == 0 ? bottom : smaller(larger(y + dy * most, bottom), top);
         float along = side & 1 ? y - bottom : x - left;
         bool upper = along > 0.5f * (float)c.size;
         if (j->state->sampler->no_edge_blend || !cell_cross(t, &c, side, upper == (side < 2), &c)) {
@@ -321,16 +383,16 @@ static void sum_cell(job *j, const cell *c, int kind) {
     int shift_u = log2_u + (c->size == 2) - res_u, shift_v = log2_v + (c->size == 2) - res_v;
     bool constant = (f->flags & SLV_FACE_CONSTANT) || res_u + res_v == 0;
     float reach = e->reach[!turned], total = 0;
-    low = (int)ceilf(fmaxf((v - reach) * unit_v - 0.5f, 0));
-    high = (int)floorf(fminf((v + reach) * unit_v - 0.5f, (float)(size_v - 1)));
+    low = ceil_int(larger((v - reach) * unit_v - 0.5f, 0));
+    high = floor_int(smaller((v + reach) * unit_v - 0.5f, (float)(size_v - 1)));
     for (int y = low; y <= high && !is_over(state); y++) {
         float dv = ((float)y + 0.5f) * step_v - v, middle = -uv / uu * dv;
         float rest = (REACH_LOG2 - (vv - uv * uv / uu) * dv * dv) / uu;
         if (!(rest > 0))
             continue;
         float half = sqrtf(rest);
-        int x0 = (int)ceilf(fmaxf((u + middle - half) * unit_u - 0.5f, 0));
-        int x1 = (int)floorf(fminf((u + middle + half) * unit_u - 0.5f, (float)(size_u - 1)));
+        int x0 = ceil_int(larger((u + middle - half) * unit_u - 0.5f, 0));
+        int x1 = floor_int(smaller((u + middle + half) * unit_u - 0.5f, (float)(size_u - 1)));
         for (; x0 <= x1 && !is_over(state); x0 += RUN) {
             const v8f each = {0.5f, 1.5f, 2.5f, 3.5f, 4.5f, 5.5f, 6.5f, 7.5f};
             int n = x1 - x0 + 1 < RUN ? x1 - x0 + 1 : RUN;
@@ -408,8 +470,10 @@ static void sum_plane(job *j, const cell *home) {
     int low[2], high[2];
     const float at[2] = {e->x, e->y};
     for (int axis = 0; axis < 2; axis++) {
-        low[axis] = (int)fmaxf(floorf((at[axis] - e->reach[axis]) / size), -SPAN);
-        high[axis] = (int)fminf(floorf((at[axis] + e->reach[axis]) / size), SPAN);
+        low[axis] = floor_int((at[axis] - e->reach[axis]) / size);
+        high[axis] = floor_int((at[axis] + e->reach[axis]) / size);
+        low[axis] = low[axis] < -SPAN ? -SPAN : low[axis];
+        high[axis] = high[axis] > SPAN ? SPAN : high[axis];
     }
     sum_cell(j, home, CELL_THERE);
     if (!(low[0] | low[1] | high[0] | high[1]))
@@ -461,7 +525,7 @@ static void blend_vertex(job *j, const cell *home, int corner, const double cova
     lookup_state *state = j->state;
     int x = cell_corner_x(home, corner), y = cell_corner_y(home, corner), count = 1;
     double variance = 0.5 * (covariance[0] + covariance[2]);
-    const float longest[2] = {fmaxf(texel[0], texel[1]), fmaxf(texel[0], texel[1])};
+    const float longest[2] = {larger(texel[0], texel[1]), larger(texel[0], texel[1])};
     cell ring[MAX_AROUND];
     ring[0] = *home;
     for (int way = 0; way < 2; way++) {
@@ -488,10 +552,10 @@ closed:
 static float to_face(slv_border_mode mode, float x) {
     if (mode == SLV_BORDER_PERIODIC)
         x -= floorf(x);
-    return fminf(fmaxf(x, 0), 1);
+    return x > 0 ? x < 1 ? x : 1 : 0;
 }
 
-void anisotropic_sum(lookup_state *state, const slv_lookup *l) {
+void ANISOTROPIC_SUM(lookup_state *state, const slv_lookup *l) {
     cache_tables *t = state->tables;
     const slv_sampler *s = state->sampler;
     cell home = cell_home(t, l->face);
@@ -510,7 +574,10 @@ void anisotropic_sum(lookup_state *state, const slv_lookup *l) {
     else
         cell_coarsest(t, &home, at, around, texel);
     double least = find_covariance(s, l, home.size, texel, covariance);
-    job j = {.state = state, .soft = (float)fmin(least, MOST_SOFT), .scale = 1};
+    job j = {.state = state,
+             .soft = (float)fmin(least, MOST_SOFT),
+             .scale = 1,
+             .few = t->nchannels <= 4 && !t->tanvec};
     find_ellipse(at[0], at[1], covariance, texel, &j.e);
     float part = 0;
     int corner = 0;
@@ -524,10 +591,14 @@ void anisotropic_sum(lookup_state *state, const slv_lookup *l) {
     }
     if (part < 1)
         sum_plane(&j, &home);
-    if (part > 0 && !is_over(state)) {
+    if (is_over(state))
+        return;
+    settle(&j);
+    if (part > 0) {
         float scale = part < 1 && state->weight > 0 ? (1 - part) / state->weight : 0;
         for (uint32_t c = 0; c < state->count; c++)
             state->sum[c] *= scale;
         blend_vertex(&j, &home, corner, covariance, texel, part);
+        settle(&j);
     }
 }

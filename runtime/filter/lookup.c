@@ -251,7 +251,7 @@ static inline slv_result look_up(slv_sampler *s, const slv_lookup *l, size_t roo
         else if (t->triangle)
             triangle_sum(&state, l);
         else if (s->shape.filter == SLV_FILTER_ANISOTROPIC)
-            anisotropic_sum(&state, l);
+            ANISOTROPIC_SUM(&state, l);
         else
             quad_sum(&state, l);
         cache_count(&s->thread.pieces, state.pieces);

@@ -44,9 +44,12 @@ typedef struct lookup_state {
 /* triangle.c: the elliptical filter of triangle meshes. u and v are finite. */
 void triangle_sum(lookup_state *state, const slv_lookup *lookup);
 
-/* anisotropic.c: the anisotropic filter of quad meshes. u and v are finite, the footprint a number.
- */
-void anisotropic_sum(lookup_state *state, const slv_lookup *lookup);
+/* anisotropic.c: the anisotropic filter of quad meshes, compiled for each kind of processor too. u
+ * and v are finite, the footprint is a number. */
+#ifndef ANISOTROPIC_SUM
+#define ANISOTROPIC_SUM anisotropic_sum
+#endif
+void ANISOTROPIC_SUM(lookup_state *state, const slv_lookup *lookup);
 
 /* Texels of a face at a resolution that it has, untiled; NULL when state says why. */
 static inline const uint8_t *find_whole(lookup_state *state, uint32_t face, cache_face *f,

@@ -19,6 +19,15 @@ typedef struct cell {
     int size, turn;
 } cell;
 
+/* What the C library does about NaN is not worth a call. */
+static inline float smaller(float a, float b) {
+    return a < b ? a : b;
+}
+
+static inline float larger(float a, float b) {
+    return a > b ? a : b;
+}
+
 enum { AROUND_KNOWN = 1, AROUND_SMOOTH = 2 /* for corner 0, and three more */, AROUND_EVEN = 32 };
 
 static inline bool cell_is_sub(const cache_face *f) {
@@ -124,8 +133,8 @@ static inline bool cell_is_closed(cache_tables *t, const cell *home, int corner)
  * apart. */
 static inline void cell_texel(cache_tables *t, const cell *c, float size[2]) {
     const cache_face *f = cache_find_face(t, c->face);
-    size[c->turn & 1] = fminf((float)c->size * power_of_two(-f->res_u), 1);
-    size[!(c->turn & 1)] = fminf((float)c->size * power_of_two(-f->res_v), 1);
+    size[c->turn & 1] = smaller((float)c->size * power_of_two(-f->res_u), 1);
+    size[!(c->turn & 1)] = smaller((float)c->size * power_of_two(-f->res_v), 1);
 }
 
 /* Raises sizes to those of a cell's texels, less the distance to it. */
@@ -133,12 +142,12 @@ static inline void cell_raise(cache_tables *t, const cell *c, const float *at, f
     float texel[2], distance = 0;
     cell_texel(t, c, texel);
     if (at) {
-        float x = fmaxf(fmaxf((float)c->x - at[0], at[0] - (float)(c->x + c->size)), 0);
-        float y = fmaxf(fmaxf((float)c->y - at[1], at[1] - (float)(c->y + c->size)), 0);
+        float x = larger(larger((float)c->x - at[0], at[0] - (float)(c->x + c->size)), 0);
+        float y = larger(larger((float)c->y - at[1], at[1] - (float)(c->y + c->size)), 0);
         distance = x == 0 ? y : y == 0 ? x : sqrtf(x * x + y * y);
     }
-    size[0] = fmaxf(size[0], texel[0] - distance);
-    size[1] = fmaxf(size[1], texel[1] - distance);
+    size[0] = larger(size[0], texel[0] - distance);
+    size[1] = larger(size[1], texel[1] - distance);
 }
 
 static inline unsigned cell_around(cache_tables *t, uint32_t face);
@@ -156,9 +165,9 @@ static inline void cell_coarsest(cache_tables *t, const cell *home, const float 
     for (int corner = 0; corner < 4; corner++) {
         int x = cell_corner_x(home, corner), y = cell_corner_y(home, corner);
         bool flat = (smooth & (unsigned)AROUND_SMOOTH << corner) != 0;
-        float longest = fmaxf(size[0], size[1]), texel[2];
+        float longest = larger(size[0], size[1]), texel[2];
         if (!flat)
-            cell_texel(t, home, texel), longest = fmaxf(texel[0], texel[1]);
+            cell_texel(t, home, texel), longest = larger(texel[0], texel[1]);
         for (int way = 0; way < 2; way++) {
             cell c = *home;
             for (int i = 0; i < (flat ? 3 : MAX_AROUND) && cell_turn(t, &c, x, y, way == 0); i++) {
@@ -166,7 +175,7 @@ static inline void cell_coarsest(cache_tables *t, const cell *home, const float 
                 if (flat || i == 0)
                     cell_raise(t, &c, at, size);
                 cell_texel(t, &c, texel);
-                longest = fmaxf(longest, fmaxf(texel[0], texel[1]));
+                longest = larger(longest, larger(texel[0], texel[1]));
                 if (c.face == home->face)
                     break;
             }
@@ -174,8 +183,8 @@ static inline void cell_coarsest(cache_tables *t, const cell *home, const float 
         if (!flat) {
             float dx = at ? at[0] - (float)x : 0, dy = at ? at[1] - (float)y : 0;
             longest -= sqrtf(dx * dx + dy * dy);
-            size[0] = fmaxf(size[0], longest);
-            size[1] = fmaxf(size[1], longest);
+            size[0] = larger(size[0], longest);
+            size[1] = larger(size[1], longest);
         }
     }
 }
