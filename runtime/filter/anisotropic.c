@@ -149,6 +149,23 @@ static void settle(job *j) {
     j->sums[0] = j->sums[1] = v8_splat(0);
 }
 
+/* Texels of a face, or a tile of them, and NULL if the lookup is over. */
+static inline const uint8_t *find_texels(job *j, uint32_t face, cache_face *f, int res_u, int res_v,
+                                         uint32_t tile, bool whole) {
+    lookup_state *state = j->state;
+    if (j->texels && j->moves == state->sampler->thread.moves && j->face == face &&
+        j->tile == tile && j->res_u == res_u && j->res_v == res_v)
+        return j->texels;
+    j->texels = whole ? find_whole(state, face, f, res_u, res_v)
+                      : find_tile(state, face, res_u, res_v, tile);
+    j->moves = state->sampler->thread.moves;
+    j->face = face;
+    j->tile = tile;
+    j->res_u = res_u;
+    j->res_v = res_v;
+    return j->texels;
+}
+
 /* Adds a run of texels of one row, at a resolution that the face has, each times its weight. */
 static void add_run(job *j, const cell *c, cache_face *f, int res_u, int res_v, int x, int y, int n,
                     const float *weights) {
@@ -166,22 +183,13 @@ static void add_run(job *j, const cell *c, cache_face *f, int res_u, int res_v, 
             from = x & ((1 << tile.u) - 1);
             here = (1 << tile.u) - from < n ? (1 << tile.u) - from : n;
         }
-        if (!j->texels || j->moves != state->sampler->thread.moves || j->face != c->face ||
-            j->tile != index || j->res_u != res_u || j->res_v != res_v) {
-            j->texels = whole ? find_whole(state, c->face, f, res_u, res_v)
-                              : find_tile(state, c->face, res_u, res_v, index);
-            if (!j->texels)
-                return;
-            j->moves = state->sampler->thread.moves;
-            j->face = c->face;
-            j->tile = index;
-            j->res_u = res_u;
-            j->res_v = res_v;
-        }
+        const uint8_t *texels = find_texels(j, c->face, f, res_u, res_v, index, whole);
+        if (!texels)
+            return;
         int row = y & ((1 << tile.v) - 1);
         if (j->few) {
             size_t at = ((size_t)row << tile.u) + (size_t)from;
-            add_few(t, j->texels + at * t->pixel_size, here, weights, j->sums);
+            add_few(t, texels + at * t->pixel_size, here, weights, j->sums);
         } else {
             kernel k;
             k.a[0].start = from;
@@ -190,7 +198,7 @@ static void add_run(job *j, const cell *c, cache_face *f, int res_u, int res_v, 
             k.a[1].start = row;
             k.a[1].n = 1;
             k.a[1].k[0] = 1;
-            gather(t, j->texels, (size_t)1 << tile.u, &k, state->first, state->count, state->sum);
+            gather(t, texels, (size_t)1 << tile.u, &k, state->first, state->count, state->sum);
         }
         x += here;
         n -= here;
@@ -365,7 +373,7 @@ enum { CELL_THERE, CELL_LINES, CELL_LOST, CELL_BLACK };
 
 /* Sums up the samples of a cell: from the face that is there, by a line to each, or as what lies
  * beyond a border. */
-static void sum_cell(job *j, const cell *c, int kind) {
+static __attribute__((noinline)) void sum_cell(job *j, const cell *c, int kind) {
     lookup_state *state = j->state;
     const cache_tables *t = state->tables;
     const ellipse *e = &j->e;
@@ -376,18 +384,19 @@ static void sum_cell(job *j, const cell *c, int kind) {
     float unit_u = power_of_two(log2_u), unit_v = power_of_two(log2_v), u, v;
     float step_u = power_of_two(-log2_u), step_v = power_of_two(-log2_v);
     float uu = turned ? e->yy : e->xx, vv = turned ? e->xx : e->yy, uv = turned ? -e->xy : e->xy;
-    if (kind == CELL_LOST)
-        return;
+    float slope = -uv / uu, widest = REACH_LOG2 / uu, narrowing = (vv + uv * slope) / uu;
+    const uint8_t *texels = NULL;
     to_local(c, e->x, e->y, &u, &v);
     sample_res(e, c, f, &res_u, &res_v);
     int shift_u = log2_u + (c->size == 2) - res_u, shift_v = log2_v + (c->size == 2) - res_v;
     bool constant = (f->flags & SLV_FACE_CONSTANT) || res_u + res_v == 0;
+    bool direct = j->few && res_u + res_v <= t->whole_log2;
     float reach = e->reach[!turned], total = 0;
     low = ceil_int(larger((v - reach) * unit_v - 0.5f, 0));
     high = floor_int(smaller((v + reach) * unit_v - 0.5f, (float)(size_v - 1)));
     for (int y = low; y <= high && !is_over(state); y++) {
-        float dv = ((float)y + 0.5f) * step_v - v, middle = -uv / uu * dv;
-        float rest = (REACH_LOG2 - (vv - uv * uv / uu) * dv * dv) / uu;
+        float dv = ((float)y + 0.5f) * step_v - v, middle = slope * dv;
+        float rest = widest - narrowing * dv * dv;
         if (!(rest > 0))
             continue;
         float half = sqrtf(rest);
@@ -426,7 +435,16 @@ static void sum_cell(job *j, const cell *c, int kind) {
                     coarse[((x0 + i) >> shift_u) - from] += weights[i];
                 memcpy(weights, coarse, sizeof weights);
             }
-            add_turned_run(j, c, f, res_u, res_v, from, y >> shift_v, count, weights);
+            if (!direct) {
+                add_turned_run(j, c, f, res_u, res_v, from, y >> shift_v, count, weights);
+                continue;
+            }
+            if (!texels)
+                texels = find_texels(j, c->face, f, res_u, res_v, 0, true);
+            if (!texels)
+                return;
+            size_t at = ((size_t)(y >> shift_v) << res_u) + (size_t)from;
+            add_few(t, texels + at * t->pixel_size, count, weights, j->sums);
         }
     }
     if (kind != CELL_LINES)
@@ -513,7 +531,8 @@ static void sum_plane(job *j, const cell *home) {
             cell c = p->kind == CELL_THERE
                          ? p->c
                          : (cell){home->face, x * home->size, y * home->size, home->size, 0};
-            sum_cell(j, &c, p->kind);
+            if (p->kind != CELL_LOST)
+                sum_cell(j, &c, p->kind);
         }
     }
 }
