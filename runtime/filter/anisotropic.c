@@ -34,6 +34,7 @@ typedef struct job {
     float soft;  /* lines that pass vertices closer than this are taken apart */
     float scale; /* of all weights */
     bool weigh;  /* weights only */
+    bool stay;   /* what is around the face is as beyond a border */
     /* few channels, and the sums of them all, in turns */
     bool few;
     v8f sums[2];
@@ -362,7 +363,7 @@ static void follow(job *j, cell c, float x, float y, const line *line_to) {
         y = side == 2 ? top : side == 0 ? bottom : smaller(larger(y + dy * most, bottom), top);
         float along = side & 1 ? y - bottom : x - left;
         bool upper = along > 0.5f * (float)c.size;
-        if (j->state->sampler->no_edge_blend || !cell_cross(t, &c, side, upper == (side < 2), &c)) {
+        if (!cell_cross(t, &c, side, upper == (side < 2), &c)) {
             lose(j, is_black(t, &c, side), to.weight);
             return;
         }
@@ -459,22 +460,20 @@ typedef struct patch {
     int kind;
 } patch;
 
-/* The patch next to one where all lines from the centre come from, over a side of it. `smooth`:
- * whether they pass nothing on the way that takes them apart. */
-static patch next_patch(job *j, const patch *from, int side, bool smooth, bool may_end,
-                        bool may_go_on) {
+/* The patch next to one, over a side of it. `smooth`: whether lines on their way pass nothing that
+ * takes them apart. */
+static void next_patch(job *j, const patch *from, int side, bool smooth, bool may_end,
+                       bool may_go_on, patch *out) {
     cache_tables *t = j->state->tables;
-    patch p = {from->c, CELL_LINES};
-    if (from->kind != CELL_THERE)
-        return (patch){from->c, from->kind};
-    bool there = !j->state->sampler->no_edge_blend && cell_cross(t, &from->c, side, false, &p.c);
-    if (!smooth)
-        return p;
-    if (!there && may_end)
-        p.kind = is_black(t, &from->c, side) ? CELL_BLACK : CELL_LOST;
-    else if (there && may_go_on && p.c.size == from->c.size)
-        p.kind = CELL_THERE;
-    return p;
+    if (from->kind != CELL_THERE) {
+        out->kind = from->kind;
+        return;
+    }
+    bool there = !j->stay && cell_cross(t, &from->c, side, false, &out->c);
+    if (smooth && !there && may_end)
+        out->kind = is_black(t, &from->c, side) ? CELL_BLACK : CELL_LOST;
+    else if (smooth && there && may_go_on && out->c.size == from->c.size)
+        out->kind = CELL_THERE;
 }
 
 /* The face of the lookup and, as far as the ellipse reaches, those around it. Squares of the plane
@@ -483,15 +482,14 @@ static patch next_patch(job *j, const patch *from, int side, bool smooth, bool m
 static void sum_plane(job *j, const cell *home) {
     cache_tables *t = j->state->tables;
     const ellipse *e = &j->e;
-    bool stay = j->state->sampler->no_edge_blend;
     float size = (float)home->size;
     int low[2], high[2];
     const float at[2] = {e->x, e->y};
     for (int axis = 0; axis < 2; axis++) {
         low[axis] = floor_int((at[axis] - e->reach[axis]) / size);
         high[axis] = floor_int((at[axis] + e->reach[axis]) / size);
-        low[axis] = low[axis] < -SPAN ? -SPAN : low[axis];
-        high[axis] = high[axis] > SPAN ? SPAN : high[axis];
+        low[axis] = low[axis] < -SPAN ? -SPAN : low[axis] > 0 ? 0 : low[axis];
+        high[axis] = high[axis] > SPAN ? SPAN : high[axis] < 0 ? 0 : high[axis];
     }
     sum_cell(j, home, CELL_THERE);
     if (!(low[0] | low[1] | high[0] | high[1]))
@@ -508,25 +506,24 @@ static void sum_plane(job *j, const cell *home) {
             int side = x ? right ? 1 : 3 : up ? 2 : 0;
             if (!x && !y)
                 continue;
+            *p = (patch){*home, CELL_LINES};
             if (!x || !y) {
                 const patch *from = x ? across : below;
                 bool smooth = from->kind == CELL_THERE &&
-                              (stay || (cell_is_smooth(t, &from->c, side) &&
-                                        cell_is_smooth(t, &from->c, (side + 1) & 3)));
-                *p = next_patch(j, from, side, smooth, true, true);
-            } else if (across->kind == CELL_LINES || below->kind == CELL_LINES) {
-                p->kind = CELL_LINES;
+                              (j->stay || (cell_is_smooth(t, &from->c, side) &&
+                                           cell_is_smooth(t, &from->c, (side + 1) & 3)));
+                next_patch(j, from, side, smooth, true, true, p);
             } else if (across->kind != CELL_THERE && below->kind != CELL_THERE) {
-                p->kind = across->kind;
-            } else {
+                p->kind = below->kind == CELL_LINES ? CELL_LINES : across->kind;
+            } else if (across->kind != CELL_LINES && below->kind != CELL_LINES) {
                 bool both = across->kind == below->kind, from_across = across->kind == CELL_THERE;
                 const patch *from = from_across ? across : below;
                 side = from_across ? right ? 1 : 3 : up ? 2 : 0;
                 /* the corner that lies towards the centre */
                 int corner =
                     cell_corner_at(&from->c, (x + !right) * home->size, (y + !up) * home->size);
-                bool smooth = stay || cell_is_smooth(t, &from->c, corner);
-                *p = next_patch(j, from, side, smooth, !both, both);
+                bool smooth = j->stay || cell_is_smooth(t, &from->c, corner);
+                next_patch(j, from, side, smooth, !both, both, p);
             }
             cell c = p->kind == CELL_THERE
                          ? p->c
@@ -568,39 +565,53 @@ closed:
     state->weight = 1;
 }
 
-static float to_face(slv_border_mode mode, float x) {
+/* A coordinate of the lookup on its face. False if it lies so far outside that all is black.
+ * Outside of a black border it stays there, and sees of the face what reaches it. */
+static bool to_plane(job *j, const cache_face *f, slv_border_mode mode, int low_edge, int size,
+                     float x, float *out) {
     if (mode == SLV_BORDER_PERIODIC)
         x -= floorf(x);
-    return x > 0 ? x < 1 ? x : 1 : 0;
+    float inside = x > 0 ? x < 1 ? x : 1 : 0;
+    if (mode == SLV_BORDER_BLACK && x != inside) {
+        int edge = x < 0 ? low_edge : (low_edge + 2) & 3;
+        if (!(x > -1 && x < 2))
+            return false;
+        if (j->stay || f->adjacent[edge] < 0) {
+            j->stay = true;
+            inside = x;
+        }
+    }
+    *out = inside * (float)size;
+    return true;
 }
 
 void ANISOTROPIC_SUM(lookup_state *state, const slv_lookup *l) {
     cache_tables *t = state->tables;
+    const cache_face *f = cache_find_face(t, l->face);
     const slv_sampler *s = state->sampler;
     cell home = cell_home(t, l->face);
     unsigned around = cell_around(t, l->face);
-    float at[2] = {to_face(t->border_u, l->u) * (float)home.size,
-                   to_face(t->border_v, l->v) * (float)home.size};
-    float texel[2];
+    float at[2], texel[2];
     double covariance[3];
-    if ((t->border_u == SLV_BORDER_BLACK && !(l->u > -1 && l->u < 2)) ||
-        (t->border_v == SLV_BORDER_BLACK && !(l->v > -1 && l->v < 2))) {
+    job j = {.state = state,
+             .scale = 1,
+             .stay = s->no_edge_blend,
+             .few = t->nchannels <= 4 && !t->tanvec};
+    if (!to_plane(&j, f, t->border_u, 3, home.size, l->u, &at[0]) ||
+        !to_plane(&j, f, t->border_v, 0, home.size, l->v, &at[1])) {
         state->weight = 1;
         return;
     }
-    if (s->no_edge_blend || (around & AROUND_EVEN))
+    if (j.stay || (around & AROUND_EVEN))
         cell_texel(t, &home, texel);
     else
         cell_coarsest(t, &home, at, around, texel);
     double least = find_covariance(s, l, home.size, texel, covariance);
-    job j = {.state = state,
-             .soft = (float)fmin(least, MOST_SOFT),
-             .scale = 1,
-             .few = t->nchannels <= 4 && !t->tanvec};
+    j.soft = (float)fmin(least, MOST_SOFT);
     find_ellipse(at[0], at[1], covariance, texel, &j.e);
     float part = 0;
     int corner = 0;
-    for (int k = 0; k < 4 && !s->no_edge_blend; k++) {
+    for (int k = 0; k < 4 && !j.stay; k++) {
         float dx = (float)cell_corner_x(&home, k) - at[0];
         float dy = (float)cell_corner_y(&home, k) - at[1], near = sqrtf(dx * dx + dy * dy) / j.soft;
         if (near < 1 && !(around & (unsigned)AROUND_SMOOTH << k)) {
