@@ -2,48 +2,17 @@
  * (Greene and Heckbert 1986). The samples are texels of the resolution that fits, on a lattice of
  * the surface's own; each is weighted by where it lies when the faces are unfolded along the
  * straight line to it. That is the same from whatever face one looks, so that there are no seams.
- */
-#include "filter/gather.h"
-#include "filter/unfold.h"
+ *
+ * A line that passes an extraordinary vertex on the right leads elsewhere than one that passes it
+ * on the left. Close to the vertex it is taken apart and goes both ways, with weights that change
+ * continuously from the one to the other. */
+#include "filter/anisotropic.h"
 
-#define REACH 3.25             /* standard deviations */
-#define REACH_LOG2 7.6192332f  /* minus log2 of the gaussian there */
-#define AT_REACH 0.0050860692f /* the gaussian there: subtracted, so that it ends continuously */
-#define TEXEL 0.65             /* the standard deviation that a texel has, at least */
-#define STEP 0.7               /* standard deviations to a sample, at least, where texels allow */
-#define MOST_DEVIATION 2.0     /* in units of the plane: a whole face */
-#define MOST_RATIO 16.0        /* the longer axis to the shorter */
-#define MOST_SOFT 0.35         /* how far from a vertex lines may pass to be taken apart */
-#define MOST_LOG2 20           /* of samples in a unit */
-#define RUN 16                 /* samples weighed at a time */
-#define MAX_SPLITS 5           /* vertices that take one line apart */
-#define MAX_STEPS 64           /* edges that one line crosses */
-#define SPAN 8                 /* cells to each side */
-
-/* An ellipse around a place of the plane: a weight is 2^-(xx dx^2 + 2 xy dx dy + yy dy^2). */
-typedef struct ellipse {
-    float x, y, xx, xy, yy;
-    float reach[2]; /* half of its bounding box */
-    int log2[2];    /* samples in a unit along each axis */
-} ellipse;
-
-/* One lookup under way. */
-typedef struct job {
-    lookup_state *state;
-    ellipse e;
-    float soft;  /* lines that pass vertices closer than this are taken apart */
-    float scale; /* of all weights */
-    bool weigh;  /* weights only */
-    bool stay;   /* what is around the face is as beyond a border */
-    /* few channels, and the sums of them all, in turns */
-    bool few;
-    v8f sums[2];
-    /* the texels looked at last, while the thread stays pinned */
-    const uint8_t *texels;
-    uint64_t moves;
-    uint32_t face, tile;
-    int res_u, res_v;
-} job;
+#define MOST_SOFT 0.35 /* how far from a vertex lines may pass to be taken apart */
+#define RUN 16         /* samples weighed at a time */
+#define MAX_SPLITS 5   /* vertices that take one line apart */
+#define MAX_STEPS 64   /* edges that one line crosses */
+#define SPAN 8         /* cells to each side */
 
 /* A line from the centre to a sample. */
 typedef struct line {
@@ -51,192 +20,6 @@ typedef struct line {
     int nseen;
     int seen[MAX_SPLITS][2]; /* vertices that it was taken apart at */
 } line;
-
-static void find_ellipse(double x, double y, const double covariance[3], const float texel[2],
-                         ellipse *e) {
-    const double log2e_half = 0.72134752044448170;
-    double xx = covariance[0], xy = covariance[1], yy = covariance[2], det = xx * yy - xy * xy;
-    e->x = (float)x;
-    e->y = (float)y;
-    e->xx = (float)(yy / det * log2e_half);
-    e->xy = (float)(-xy / det * log2e_half);
-    e->yy = (float)(xx / det * log2e_half);
-    e->reach[0] = (float)(REACH * sqrt(xx));
-    e->reach[1] = (float)(REACH * sqrt(yy));
-    /* as far apart as the ellipse is long along each axis, measured through its middle */
-    double across[2] = {sqrt(det / yy), sqrt(det / xx)};
-    for (int axis = 0; axis < 2; axis++) {
-        float step = larger((float)(across[axis] / STEP), texel[axis]);
-        int log2 = step < 1 ? negative_log2(step) : 0;
-        e->log2[axis] = log2 < MOST_LOG2 ? log2 : MOST_LOG2;
-    }
-}
-
-/* The covariance of the footprint as the plane has it: xx, xy, yy. Sizes of texels are added, as
- * those of a gaussian that texels are thought to have. Returns the least standard deviation. */
-static double find_covariance(const slv_sampler *s, const slv_lookup *l, int unit,
-                              const float texel[2], double out[3]) {
-    const float big = 1e4f;
-    double x1 = unit * fmaxf(fminf(l->uw1 * s->width, big), -big);
-    double y1 = unit * fmaxf(fminf(l->vw1 * s->width, big), -big);
-    double x2 = unit * fmaxf(fminf(l->uw2 * s->width, big), -big);
-    double y2 = unit * fmaxf(fminf(l->vw2 * s->width, big), -big);
-    double blur = fminf(s->blur, big), mx = TEXEL * texel[0], my = TEXEL * texel[1];
-    double xx = 0.25 * (x1 * x1 + x2 * x2) + blur * blur;
-    double yy = 0.25 * (y1 * y1 + y2 * y2) + blur * blur;
-    double xy = 0.25 * (x1 * y1 + x2 * y2);
-    double middle = 0.5 * (xx + yy), half = 0.5 * (xx - yy), root = sqrt(half * half + xy * xy);
-    /* the squares of its half axes */
-    double most = fmin(middle + root, MOST_DEVIATION * MOST_DEVIATION);
-    double least = fmax(middle - root, most / (MOST_RATIO * MOST_RATIO));
-    least = fmin(least, most);
-    double shrink = root > 0 ? fmin(0.5 * (most - least) / root, 1) : 0;
-    middle = 0.5 * (most + least);
-    xx = middle + shrink * half + mx * mx;
-    yy = middle - shrink * half + my * my;
-    xy *= shrink;
-    out[0] = xx, out[1] = xy, out[2] = yy;
-    middle = 0.5 * (xx + yy), half = 0.5 * (xx - yy);
-    return sqrt(fmax(middle - sqrt(half * half + xy * xy), mx < my ? mx * mx : my * my));
-}
-
-#define DEFINE_ADD_FEW(TYPE, T)                                                                    \
-    static inline void add_few_##TYPE(const void *texels, size_t nchannels, int n,                 \
-                                      const float *weights, v8f *sums) {                           \
-        const T *p = texels;                                                                       \
-        v8f even = sums[0], odd = sums[1];                                                         \
-        int i = 0;                                                                                 \
-        for (; i + 1 < n; i += 2, p += 2 * nchannels) {                                            \
-            even += v8_load_##TYPE(p) * weights[i];                                                \
-            odd += v8_load_##TYPE(p + nchannels) * weights[i + 1];                                 \
-        }                                                                                          \
-        if (i < n)                                                                                 \
-            even += v8_load_##TYPE(p) * weights[i];                                                \
-        sums[0] = even;                                                                            \
-        sums[1] = odd;                                                                             \
-    }
-
-DEFINE_ADD_FEW(u8, uint8_t)
-DEFINE_ADD_FEW(u16, uint16_t)
-DEFINE_ADD_FEW(half, uint16_t)
-DEFINE_ADD_FEW(float, float)
-
-/* Texels of few channels, one after the other; vectors may read beyond them. */
-static inline void add_few(const cache_tables *t, const uint8_t *texels, int n,
-                           const float *weights, v8f *sums) {
-    switch (t->type) {
-    case SLV_TYPE_U8:
-        add_few_u8(texels, t->nchannels, n, weights, sums);
-        break;
-    case SLV_TYPE_U16:
-        add_few_u16(texels, t->nchannels, n, weights, sums);
-        break;
-    case SLV_TYPE_HALF:
-        add_few_half(texels, t->nchannels, n, weights, sums);
-        break;
-    default:
-        add_few_float(texels, t->nchannels, n, weights, sums);
-    }
-}
-
-/* Moves what was summed up of few channels to where sums belong. */
-static void settle(job *j) {
-    lookup_state *state = j->state;
-    if (!j->few)
-        return;
-    v8f sum = j->sums[0] + j->sums[1];
-    for (uint32_t c = 0; c < state->count; c++)
-        state->sum[c] += sum[state->first + c];
-    j->sums[0] = j->sums[1] = v8_splat(0);
-}
-
-/* Texels of a face, or a tile of them, and NULL if the lookup is over. */
-static inline const uint8_t *find_texels(job *j, uint32_t face, cache_face *f, int res_u, int res_v,
-                                         uint32_t tile, bool whole) {
-    lookup_state *state = j->state;
-    if (j->texels && j->moves == state->sampler->thread.moves && j->face == face &&
-        j->tile == tile && j->res_u == res_u && j->res_v == res_v)
-        return j->texels;
-    j->texels = whole ? find_whole(state, face, f, res_u, res_v)
-                      : find_tile(state, face, res_u, res_v, tile);
-    j->moves = state->sampler->thread.moves;
-    j->face = face;
-    j->tile = tile;
-    j->res_u = res_u;
-    j->res_v = res_v;
-    return j->texels;
-}
-
-/* Adds a run of texels of one row, at a resolution that the face has, each times its weight. */
-static void add_run(job *j, const cell *c, cache_face *f, int res_u, int res_v, int x, int y, int n,
-                    const float *weights) {
-    lookup_state *state = j->state;
-    const cache_tables *t = state->tables;
-    bool whole = res_u + res_v <= t->whole_log2;
-    slv_res tile = {(int8_t)res_u, (int8_t)res_v};
-    if (!whole)
-        tile = cache_tile_res(t, res_u, res_v);
-    while (n > 0) {
-        uint32_t index = 0;
-        int here = n, from = x;
-        if (!whole) {
-            index = ((uint32_t)(y >> tile.v) << (res_u - tile.u)) + (uint32_t)(x >> tile.u);
-            from = x & ((1 << tile.u) - 1);
-            here = (1 << tile.u) - from < n ? (1 << tile.u) - from : n;
-        }
-        const uint8_t *texels = find_texels(j, c->face, f, res_u, res_v, index, whole);
-        if (!texels)
-            return;
-        int row = y & ((1 << tile.v) - 1);
-        if (j->few) {
-            size_t at = ((size_t)row << tile.u) + (size_t)from;
-            add_few(t, texels + at * t->pixel_size, here, weights, j->sums);
-        } else {
-            kernel k;
-            k.a[0].start = from;
-            k.a[0].n = here;
-            memcpy(k.a[0].k, weights, (size_t)here * sizeof *weights);
-            k.a[1].start = row;
-            k.a[1].n = 1;
-            k.a[1].k[0] = 1;
-            gather(t, texels, (size_t)1 << tile.u, &k, state->first, state->count, state->sum);
-        }
-        x += here;
-        n -= here;
-        weights += here;
-    }
-}
-
-/* The same where the first two channels may be a vector in the face's own frame. */
-static void add_turned_run(job *j, const cell *c, cache_face *f, int res_u, int res_v, int x, int y,
-                           int n, const float *weights) {
-    lookup_state *state = j->state;
-    if (j->few || !state->tables->tanvec || !c->turn || state->count < 2) {
-        add_run(j, c, f, res_u, res_v, x, y, n, weights);
-        return;
-    }
-    float *sum = state->sum, before[2] = {sum[0], sum[1]};
-    sum[0] = sum[1] = 0;
-    add_run(j, c, f, res_u, res_v, x, y, n, weights);
-    float a = sum[0], b = sum[1];
-    sum[0] = before[0] + (c->turn == 1 ? -b : c->turn == 2 ? -a : b);
-    sum[1] = before[1] + (c->turn == 1 ? a : c->turn == 2 ? -b : -a);
-}
-
-/* A place in a cell's own frame. */
-static void to_local(const cell *c, float x, float y, float *u, float *v) {
-    float dx = x - (float)c->x, dy = y - (float)c->y, size = (float)c->size;
-    *u = c->turn == 0 ? dx : c->turn == 1 ? dy : c->turn == 2 ? size - dx : size - dy;
-    *v = c->turn == 0 ? dy : c->turn == 1 ? size - dx : c->turn == 2 ? size - dy : dx;
-}
-
-/* The resolutions of a face that samples are taken from. */
-static void sample_res(const ellipse *e, const cell *c, const cache_face *f, int *res_u,
-                       int *res_v) {
-    int more = c->size == 2, turned = c->turn & 1;
-    *res_u = e->log2[turned] + more < f->res_u ? e->log2[turned] + more : f->res_u;
-    *res_v = e->log2[!turned] + more < f->res_v ? e->log2[!turned] + more : f->res_v;
-}
 
 /* What could not be found is black, or does not count. */
 static void lose(job *j, bool black, float weight) {
@@ -246,27 +29,6 @@ static void lose(job *j, bool black, float weight) {
 
 static bool is_black(const cache_tables *t, const cell *c, int side) {
     return ((side - c->turn) & 1 ? t->border_u : t->border_v) == SLV_BORDER_BLACK;
-}
-
-static void add_sample(job *j, const cell *c, float x, float y, float weight) {
-    lookup_state *state = j->state;
-    const cache_tables *t = state->tables;
-    cache_face *f = cache_find_face(state->tables, c->face);
-    int res_u, res_v;
-    float u, v;
-    state->weight += weight;
-    sample_res(&j->e, c, f, &res_u, &res_v);
-    if ((f->flags & SLV_FACE_CONSTANT) || res_u + res_v == 0) {
-        add_texel(t->type, t->averages + (size_t)c->face * t->pixel_size, state->first,
-                  state->count, weight, state->sum);
-        return;
-    }
-    to_local(c, x, y, &u, &v);
-    int at_u = (int)(u * power_of_two(res_u) / (float)c->size);
-    int at_v = (int)(v * power_of_two(res_v) / (float)c->size);
-    at_u = at_u < 0 ? 0 : at_u < 1 << res_u ? at_u : (1 << res_u) - 1;
-    at_v = at_v < 0 ? 0 : at_v < 1 << res_v ? at_v : (1 << res_v) - 1;
-    add_turned_run(j, c, f, res_u, res_v, at_u, at_v, 1, &weight);
 }
 
 /* How a line from the centre passes a vertex: 1 on its right, -1 on its left, and between the two
@@ -536,32 +298,57 @@ static void sum_plane(job *j, const cell *home) {
 
 /* Near an extraordinary vertex directions cease to mean anything. So the ellipse gives way to a
  * circle around the vertex, which looks the same from all its faces. */
-static void blend_vertex(job *j, const cell *home, int corner, const double covariance[3],
-                         const float texel[2], float part) {
-    lookup_state *state = j->state;
-    int x = cell_corner_x(home, corner), y = cell_corner_y(home, corner), count = 1;
-    double variance = 0.5 * (covariance[0] + covariance[2]);
-    const float longest[2] = {larger(texel[0], texel[1]), larger(texel[0], texel[1])};
-    cell ring[MAX_AROUND];
+static int find_ring(cache_tables *t, const cell *home, int x, int y, cell ring[MAX_AROUND]) {
+    int count = 1;
     ring[0] = *home;
     for (int way = 0; way < 2; way++) {
         cell c = *home;
-        while (count < MAX_AROUND && cell_turn(state->tables, &c, x, y, way == 0)) {
+        while (count < MAX_AROUND && cell_turn(t, &c, x, y, way == 0)) {
             if (c.face == home->face)
-                goto closed;
+                return count;
             ring[count++] = c;
         }
     }
-closed:
-    find_ellipse(x, y, (double[3]){variance, 0, variance}, longest, &j->e);
-    j->weigh = true;
+    return count;
+}
+
+/* Sums up an ellipse around a place: in the plane, or, if there is a ring, in each of its faces. */
+static void sum_ellipse(job *j, const wanted *w, float x, float y, const cell *faces, int nring,
+                        float scale) {
+    int log2[2][2], count[2];
+    float share[2][2];
+    for (int axis = 0; axis < 2; axis++)
+        count[axis] = find_lattices(w, axis, log2[axis], share[axis]);
+    for (int i = 0; i < count[1]; i++)
+        for (int k = 0; k < count[0] && !is_over(j->state); k++) {
+            float all = find_ellipse(x, y, w, log2[0][k], log2[1][i], &j->e);
+            j->scale = scale * share[0][k] * share[1][i] / all;
+            if (!nring)
+                sum_plane(j, faces);
+            for (int f = 0; f < nring && !is_over(j->state); f++)
+                sum_cell(j, &faces[f], CELL_THERE);
+        }
+}
+
+/* Gives a circle around a vertex its part in a lookup. */
+static void blend_vertex(job *j, const cell *home, int corner, wanted w, float part) {
+    lookup_state *state = j->state;
+    int x = cell_corner_x(home, corner), y = cell_corner_y(home, corner);
+    float before = part < 1 && state->weight > 0 ? (1 - part) / state->weight : 0;
+    cell ring[MAX_AROUND];
+    int count = find_ring(state->tables, home, x, y, ring);
+    w.xx = w.yy = 0.5 * (w.xx + w.yy);
+    w.xy = 0;
+    w.across[0] = w.across[1] = w.mean;
+    w.texel[0] = w.texel[1] = larger(w.texel[0], w.texel[1]);
+    for (uint32_t c = 0; c < state->count; c++)
+        state->sum[c] *= before;
     state->weight = 0;
-    for (int i = 0; i < count; i++)
-        sum_cell(j, &ring[i], CELL_THERE);
+    j->weigh = true;
+    sum_ellipse(j, &w, (float)x, (float)y, ring, count, 1);
     j->weigh = false;
-    j->scale = state->weight > 0 ? part / state->weight : 0;
-    for (int i = 0; i < count && !is_over(state); i++)
-        sum_cell(j, &ring[i], CELL_THERE);
+    sum_ellipse(j, &w, (float)x, (float)y, ring, count,
+                state->weight > 0 ? part / state->weight : 0);
     state->weight = 1;
 }
 
@@ -592,7 +379,7 @@ void ANISOTROPIC_SUM(lookup_state *state, const slv_lookup *l) {
     cell home = cell_home(t, l->face);
     unsigned around = cell_around(t, l->face);
     float at[2], texel[2];
-    double covariance[3];
+    wanted w;
     job j = {.state = state,
              .scale = 1,
              .stay = s->no_edge_blend,
@@ -606,9 +393,8 @@ void ANISOTROPIC_SUM(lookup_state *state, const slv_lookup *l) {
         cell_texel(t, &home, texel);
     else
         cell_coarsest(t, &home, at, around, texel);
-    double least = find_covariance(s, l, home.size, texel, covariance);
-    j.soft = (float)fmin(least, MOST_SOFT);
-    find_ellipse(at[0], at[1], covariance, texel, &j.e);
+    find_wanted(s, l, home.size, texel, &w);
+    j.soft = smaller(w.soft, MOST_SOFT);
     float part = 0;
     int corner = 0;
     for (int k = 0; k < 4 && !j.stay; k++) {
@@ -620,15 +406,12 @@ void ANISOTROPIC_SUM(lookup_state *state, const slv_lookup *l) {
         }
     }
     if (part < 1)
-        sum_plane(&j, &home);
+        sum_ellipse(&j, &w, at[0], at[1], &home, 0, 1);
     if (is_over(state))
         return;
     settle(&j);
-    if (part > 0) {
-        float scale = part < 1 && state->weight > 0 ? (1 - part) / state->weight : 0;
-        for (uint32_t c = 0; c < state->count; c++)
-            state->sum[c] *= scale;
-        blend_vertex(&j, &home, corner, covariance, texel, part);
+    if (part > 0)
+        blend_vertex(&j, &home, corner, w, part);
+    if (!is_over(state))
         settle(&j);
-    }
 }
