@@ -218,10 +218,13 @@ static void measure(const struct options *o, slv_cache *cache, slv_file_id file,
                        slv_filter_name(filter), (double)footprints[wide], random ? "true" : "false",
                        one, values[ONE], values[BATCH], values[SORTED], two);
             else {
-                printf("%-10s %4.1f %-8s %9.2f", slv_filter_name(filter), (double)footprints[wide],
+                printf("%-11s %4.1f %-8s %9.2f", slv_filter_name(filter), (double)footprints[wide],
                        random ? "random" : "rows", one);
                 for (int m = 0; m < MODES; m++)
-                    printf(" %8.2f %5.2fx", values[m], values[m] / one);
+                    if (one > 0)
+                        printf(" %8.2f %5.2fx", values[m], values[m] / one);
+                    else
+                        printf(" %8.2f      -", values[m]);
                 printf(" %7.2fx\n", two);
             }
             fflush(stdout);
@@ -272,7 +275,7 @@ int main(int argc, char **argv) {
     slv_cache_wait(cache);
     if (!o.json)
         printf("%u faces of 64x64 %s RGB, millions of lookups a second\n"
-               "filter     size pattern  reference      one           batch          sorted      "
+               "filter      size pattern  reference      one           batch          sorted      "
                "two threads\n",
                o.faces, slv_type_name(o.type));
     for (int filter = 0; filter < SLV_FILTER_COUNT; filter++)

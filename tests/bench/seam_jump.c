@@ -104,7 +104,7 @@ int main(int argc, char **argv) {
         write_disc(&env, path, valence);
         bench_stop(slv_cache_open(cache, path, &id));
         if (!json && valence == FIRST)
-            printf("filter     valence  near: max   mean   far: max   mean\n");
+            printf("filter      valence  near: max   mean   far: max   mean\n");
         for (int filter = 0; filter < SLV_FILTER_COUNT; filter++) {
             slv_filter_params params = {.filter = (slv_filter)filter, .sharpness = 0.5f};
             struct jumps jumps[2];
@@ -115,7 +115,7 @@ int main(int argc, char **argv) {
             slv_sampler_destroy(sampler);
             printf(json ? "{\"filter\":\"%s\",\"valence\":%d,\"near_max\":%.6f,\"near_mean\":%.6f,"
                           "\"far_max\":%.6f,\"far_mean\":%.6f}\n"
-                        : "%-10s %7d %10.4f %6.4f %10.4f %6.4f\n",
+                        : "%-11s %7d %10.4f %6.4f %10.4f %6.4f\n",
                    slv_filter_name(params.filter), valence, jumps[1].most,
                    jumps[1].sum / (double)jumps[1].count, jumps[0].most,
                    jumps[0].sum / (double)jumps[0].count);

@@ -10,7 +10,17 @@ extern "C" {
 
 /* The filters of Ptex (Burley and Lacewell 2008, as its library computes them): they take the
  * bounding box of the footprint; on triangle meshes all of them but point are one elliptical
- * gaussian. Their values are those of the Ptex library to 1e-5 wherever it defines any. */
+ * gaussian. Their values are those of the Ptex library to 1e-5 wherever it defines any.
+ *
+ * The last one is Selvage's own. It weighs texels by a gaussian over the ellipse that the
+ * footprint's vectors span, wherever it lies (Greene and Heckbert 1986, "Creating raster omnimax
+ * images from multiple perspective views using the elliptical weighted average filter"): its
+ * standard deviation along an axis is half the axis, as in SLV_FILTER_GAUSSIAN, and 0.7 texels are
+ * added. Ellipses are made no longer than two faces and no thinner than 1 to 16. What straight
+ * lines from (u,v) reach counts, over as many edges as it takes, so that values are the same from
+ * both sides of every edge, whatever the valence, the resolutions and the kinds of the faces. What
+ * lies beyond a border does not count, or is black. Interpolation between resolutions and sharpness
+ * do not concern it. */
 typedef enum slv_filter {
     SLV_FILTER_POINT,
     SLV_FILTER_BILINEAR,
@@ -20,7 +30,7 @@ typedef enum slv_filter {
     SLV_FILTER_BSPLINE,
     SLV_FILTER_CATMULL_ROM,
     SLV_FILTER_MITCHELL,
-    SLV_FILTER_ANISOTROPIC,
+    SLV_FILTER_ANISOTROPIC, /* an ellipse, without seams */
     SLV_FILTER_COUNT
 } slv_filter;
 
