@@ -290,10 +290,75 @@ static void test_steps(void) {
     }
 }
 
+/* One value on a row of faces: what lies beyond their border is as black as it should be, and
+ * nothing at all when there is no black. */
+static void test_borders(slv_border_mode mode, bool stay) {
+    const slv_filter_params params = {.filter = SLV_FILTER_ANISOTROPIC, .no_edge_blend = stay};
+    const slv_ptx_write_params how = {.border_u = mode, .border_v = mode};
+    uint64_t random = 83;
+    kit k;
+    kit_grid(&k, 3, 1, false, 0, NULL, NULL);
+    kit_equal(&k, 4);
+    kit_begin_texture(&k, SLV_TYPE_FLOAT, 2);
+    for (uint32_t face = 0; face < k.nfaces; face++) {
+        float values[512];
+        for (int i = 0; i < 256; i++)
+            values[2 * i] = 0.75f, values[2 * i + 1] = (float)i; /* so that it is not constant */
+        kit_set(&k, face, values);
+    }
+    kit_end_texture(&k);
+    snprintf(path, sizeof path, "%s", scratch_path("borders.ptx"));
+    kit_save(&k, path, &how);
+    cache = kit_cache(0, 0);
+    slv_file_id id = kit_open(cache, path);
+    sampler = kit_sampler(cache, &params);
+    bool black = mode == SLV_BORDER_BLACK;
+    for (int i = 0; i < 500; i++) {
+        float size = 0.5f * powf(2, -8 * kit_unit(&random)), out[2];
+        float angle = i % 4 ? 6.3f * kit_unit(&random) : 0;
+        float c = size * cosf(angle), n = size * sinf(angle);
+        /* the middle of the row's lower border, its corner, and where two faces meet */
+        const struct {
+            uint32_t face;
+            float u, v, share;
+        } places[] = {{1, 0.4f, 0, 0.5f},
+                      {0, 0, 0, 0.25f},
+                      {2, 1, 1, 0.25f},
+                      {1, 1, 0.5f, stay ? 0.5f : 1},
+                      {1, 0.5f, 0.5f, 1}};
+        for (size_t p = 0; p < sizeof places / sizeof *places; p++) {
+            slv_lookup l = {id, places[p].face, places[p].u, places[p].v, c,
+                            n,  -n * 0.5f,      c * 0.5f};
+            /* long ones see more than one border, and slanting ones less of a corner */
+            bool exact = p == 1 || p == 2 ? angle < 0.01f : size < 0.05f;
+            CHECK(slv_sample(sampler, &l, out) == SLV_OK);
+            if (!black)
+                CHECK_MSG(fabsf(out[0] - 0.75f) < 2e-6f, "place %d: %g", (int)p, (double)out[0]);
+            else if (exact)
+                CHECK_MSG(fabsf(out[0] - 0.75f * places[p].share) < 1e-3f, "place %d: %g", (int)p,
+                          (double)out[0]);
+            else
+                CHECK(out[0] > 0 && out[0] < 0.75f + 2e-6f);
+            /* the order and the signs of the vectors do not matter */
+            slv_lookup other = {id, l.face, l.u, l.v, -l.uw2, -l.vw2, l.uw1, l.vw1};
+            float same[2];
+            CHECK(slv_sample(sampler, &other, same) == SLV_OK && fabsf(same[0] - out[0]) < 2e-6f);
+        }
+        slv_lookup outside = {id, 1, 0.5f, -0.25f * kit_unit(&random) - 0.25f, 0.01f, 0, 0, 0.01f};
+        CHECK(slv_sample(sampler, &outside, out) == SLV_OK);
+        CHECK_MSG(fabsf(out[0] - (black ? 0 : 0.75f)) < 2e-6f, "outside: %g", (double)out[0]);
+    }
+    end();
+    kit_free(&k);
+}
+
 int main(void) {
     alarm(600);
     test_seams();
     test_ellipse();
     test_steps();
+    for (int mode = SLV_BORDER_CLAMP; mode <= SLV_BORDER_PERIODIC; mode++)
+        for (int stay = 0; stay < 2; stay++)
+            test_borders((slv_border_mode)mode, stay);
     return test_end();
 }
