@@ -134,6 +134,24 @@ static void follow(job *j, cell c, float x, float y, const line *line_to) {
 
 enum { CELL_THERE, CELL_LINES, CELL_LOST, CELL_BLACK };
 
+/* The weights of a row of samples, which are 2^-((a du + b) du + c) times a scale. Returns their
+ * sum.
+ */
+static inline float weigh_run(float a, float b, float c, float first, float step, float scale,
+                              int n, float *weights) {
+    const v8f each = {0.5f, 1.5f, 2.5f, 3.5f, 4.5f, 5.5f, 6.5f, 7.5f};
+    float sum = 0;
+    for (int i = 0; i < n; i += 8) {
+        v8f du = (each + (float)i) * step + first;
+        v8f w = v8_exp2(-((a * du + b) * du + c)) - AT_REACH;
+        w = v8_select(w > 0, w * scale, v8_splat(0));
+        memcpy(weights + i, &w, sizeof w);
+    }
+    for (int i = 0; i < n; i++)
+        sum += weights[i];
+    return sum;
+}
+
 /* Sums up the samples of a cell: from the face that is there, by a line to each, or as what lies
  * beyond a border. */
 static __attribute__((noinline)) void sum_cell(job *j, const cell *c, int kind) {
@@ -166,18 +184,10 @@ static __attribute__((noinline)) void sum_cell(job *j, const cell *c, int kind) 
         int x0 = ceil_int(larger((u + middle - half) * unit_u - 0.5f, 0));
         int x1 = floor_int(smaller((u + middle + half) * unit_u - 0.5f, (float)(size_u - 1)));
         for (; x0 <= x1 && !is_over(state); x0 += RUN) {
-            const v8f each = {0.5f, 1.5f, 2.5f, 3.5f, 4.5f, 5.5f, 6.5f, 7.5f};
             int n = x1 - x0 + 1 < RUN ? x1 - x0 + 1 : RUN;
-            float weights[RUN];
-            for (int i = 0; i < n; i += 8) {
-                v8f du = (each + (float)(x0 + i)) * step_u - u;
-                v8f w = v8_exp2(-((uu * du + 2 * uv * dv) * du + vv * dv * dv)) - AT_REACH;
-                w = v8_select(w > 0, w * j->scale, v8_splat(0));
-                memcpy(weights + i, &w, sizeof w);
-            }
-            float sum = 0;
-            for (int i = 0; i < n; i++)
-                sum += weights[i];
+            float weights[RUN], at_x0 = (float)x0 * step_u - u;
+            float sum =
+                weigh_run(uu, 2 * uv * dv, vv * dv * dv, at_x0, step_u, j->scale, n, weights);
             if (kind == CELL_LINES) {
                 for (int i = 0; i < n && !is_over(state); i++) {
                     line to = {.x = (float)c->x + ((float)(x0 + i) + 0.5f) * step_u,
