@@ -352,6 +352,53 @@ static void test_borders(slv_border_mode mode, bool stay) {
     kit_free(&k);
 }
 
+/* Six channels, of which the first two are a vector, the same all over a grid of turned faces: each
+ * face has it in a frame of its own. */
+static void test_vectors(void) {
+    enum { CHANNELS = 6, LEVEL = 3, TEXELS = 1 << 2 * LEVEL };
+    const slv_ptx_write_params how = {.edge_filter = SLV_EDGE_FILTER_TANVEC};
+    const slv_filter_params params = {.filter = SLV_FILTER_ANISOTROPIC};
+    uint64_t random = 89;
+    kit k;
+    kit_grid(&k, SIDE, SIDE, false, 0, &random, turns);
+    kit_equal(&k, LEVEL);
+    kit_begin_texture(&k, SLV_TYPE_FLOAT, CHANNELS);
+    for (uint32_t face = 0; face < k.nfaces; face++) {
+        float values[TEXELS * CHANNELS], u0, v0;
+        from_grid(turns[face], 0, 0, &u0, &v0);
+        for (int i = 0; i < TEXELS; i++) {
+            float *texel = values + CHANNELS * i, grey = kit_unit(&random);
+            from_grid(turns[face], 0.75, 0.25, &texel[0], &texel[1]);
+            texel[0] -= u0, texel[1] -= v0;
+            for (int c = 2; c < CHANNELS; c++)
+                texel[c] = grey * (float)c;
+        }
+        kit_set(&k, face, values);
+    }
+    kit_end_texture(&k);
+    snprintf(path, sizeof path, "%s", scratch_path("vectors.ptx"));
+    kit_save(&k, path, &how);
+    cache = kit_cache(0, 0);
+    slv_file_id id = kit_open(cache, path);
+    sampler = kit_sampler(cache, &params);
+    for (int i = 0; i < 1000; i++) {
+        slv_lookup l = {.file = id, .face = test_random(&random) % k.nfaces};
+        float out[CHANNELS], u, v, u0, v0;
+        l.u = kit_unit(&random), l.v = kit_unit(&random);
+        any_footprint(&l, 0, &random);
+        CHECK(slv_sample(sampler, &l, out) == SLV_OK);
+        from_grid(turns[l.face], 0.75, 0.25, &u, &v);
+        from_grid(turns[l.face], 0, 0, &u0, &v0);
+        CHECK_MSG(fabsf(out[0] - u + u0) < 2e-6f && fabsf(out[1] - v + v0) < 2e-6f,
+                  "%g %g instead of %g %g", (double)out[0], (double)out[1], (double)(u - u0),
+                  (double)(v - v0));
+        for (uint32_t c = 3; c < CHANNELS; c++)
+            CHECK(fabsf(out[c] - out[2] * (float)c * 0.5f) < 5e-6f);
+    }
+    end();
+    kit_free(&k);
+}
+
 int main(void) {
     alarm(600);
     test_seams();
@@ -360,5 +407,6 @@ int main(void) {
     for (int mode = SLV_BORDER_CLAMP; mode <= SLV_BORDER_PERIODIC; mode++)
         for (int stay = 0; stay < 2; stay++)
             test_borders((slv_border_mode)mode, stay);
+    test_vectors();
     return test_end();
 }
