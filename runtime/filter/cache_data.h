@@ -55,7 +55,7 @@ typedef struct cache_face {
     _Atomic(uint32_t) texels; /* where they are at full resolution, or 0 */
     _Atomic(uint32_t) apron;  /* where the apron is that was made last, or 0 */
     _Atomic(uint8_t) state, used;
-    bool plain; /* most lookups can be done quickly: no sub-face, and not constant */
+    bool plain;              /* most lookups can be done quickly: no sub-face, and not constant */
     _Atomic(uint8_t) around; /* what the faces around it are like, once somebody asked */
 } cache_face;
 
