@@ -39,6 +39,17 @@ static inline float power_of_two(int n) {
     return f;
 }
 
+/* floorf and ceilf of what fits an int, without a call. */
+static inline int floor_int(float x) {
+    int i = (int)x;
+    return i - ((float)i > x);
+}
+
+static inline int ceil_int(float x) {
+    int i = (int)x;
+    return i + ((float)i < x);
+}
+
 /* Eight kernels along an axis: texels `start`, ..., `start + n - 1` of 2^res. */
 typedef struct kernel_spans {
     v8i res, start, n;
