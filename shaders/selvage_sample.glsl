@@ -65,13 +65,19 @@ slv_footprint slv_footprint_of(vec2 size, vec2 dx, vec2 dy) {
     float px = length(dx * size), py = length(dy * size);
     float longest = max(px, py), shortest = min(px, py);
     int taps = int(clamp(ceil(longest / max(shortest, 1e-12)), 1.0, float(SLV_ANISOTROPY)));
+    vec2 axis = px > py ? dx : dy;
 #if SLV_TAPS
+    // Within a texel interpolation is all there is to do. A row would be another one for a neighbour whose texels have another
+    // shape, and show at the edge.
+    float row = clamp(longest - 1.0, 0.0, 1.0);
+    axis *= row;
+    taps = row > 0.0 ? taps : 1;
     taps |= 1; // an odd number has one in the centre, which the face cannot miss however small it is
 #if SLV_VECTORS && SLV_STRATEGY != 5
     taps = gl_HelperInvocation ? 1 : taps;
 #endif
 #endif
-    return slv_footprint(dx, dy, px > py ? dx : dy, taps, log2(max(longest / float(taps), 1e-12)));
+    return slv_footprint(dx, dy, axis, taps, log2(max(longest / float(taps), 1e-12)));
 }
 
 // Where tap k = 1.. of a footprint lies, relative to its centre.
@@ -266,7 +272,18 @@ struct slv_site {
     int pool, face;
     vec2 uv;
     slv_footprint f;
+    float along; // how far along the shared edge its filter reaches, the edge's length being 1; 1 if it is not beside the point
 };
+
+// How far from its centre a footprint averages, of which half a texel is the filter's own.
+vec2 slv_extent(vec2 size, slv_footprint f) {
+#if SLV_TAPS || SLV_ANISOTROPY == 1
+    float spread = float(f.taps) / float(f.taps + 1) - 0.5;
+#else
+    float spread = 0.5 - 0.5 / float(f.taps); // nearly: the sampler's own way of placing taps is not known exactly
+#endif
+    return spread * abs(f.axis) + 0.5 * exp2(ceil(max(f.level, 0.0))) / size;
+}
 
 #if SLV_VECTORS && SLV_STRATEGY != 5
 // An index that is the same for a whole vector may select any array: one round for each that occurs among its fragments, which
@@ -375,7 +392,10 @@ slv_site slv_across(int pool, int face, int edge, int adjacent, float scale, flo
     f.dy = across * f.dy;
     f.axis = across * f.axis;
     f.level = log2(max(max(length(f.dx * size), length(f.dy * size)) / float(f.taps), 1e-12));
-    return slv_site(pool, face, across * (uv - slv_edge_origin(edge)) + slv_edge_origin(adjacent) + along, f);
+    uv = across * (uv - slv_edge_origin(edge)) + slv_edge_origin(adjacent) + along;
+    vec2 extent = slv_extent(size, f);
+    vec2 place = (adjacent & 1) == 0 ? vec2(uv.x, extent.x) : vec2(uv.y, extent.y);
+    return slv_site(pool, face, uv, f, abs(place.x - 0.5) > 0.5001 ? 1.0 : place.y / scale);
 }
 
 // Across one edge; `second` asks for the second of two sub-faces, which lies across the first one's edge before the shared one.
@@ -392,7 +412,7 @@ slv_site slv_neighbour(int own, uvec2 links, int edge, bool second, vec2 uv, slv
         uint beside = slv_link(slv_adjacent[face].links, before);
         face = slv_adjacent[face].face[before];
         if (face < 0)
-            return slv_site(-1, 0, vec2(0.0), f); // its own batch had no room for that link
+            return slv_site(-1, 0, vec2(0.0), f, 1.0); // its own batch had no room for that link
         adjacent = (int(beside & 3u) + 3) & 3;
         pool = int(link >> 9 & 15u);
         end = 2.0;
@@ -410,49 +430,48 @@ bool slv_same_texels(uvec2 links, int edge) {
 
 // Near a corner, from the lookups in the face and across the two edges that meet there. With t and s the parts of the filter
 // that lie across the one edge and the other, and M the value at the vertex, bilinear interpolation is
-//     (1 - s - t) own + t (1 - 2s) first + s (1 - 2t) second + 4 s t M.
-// Coverage gives s and t, exactly so beside a neighbour whose texels are as large as the face's own; on an edge between two such
-// faces both sides must use those. Away from the edge, where texels differ, the pair's own weights must come out.
-vec4 slv_blend_corner(slv_tap own, slv_tap first, slv_tap second, bool same_first, bool same_second, bool has_first,
-                      bool has_second, vec4 vertex) {
-    vec4 a = slv_resolve(own);
-    vec4 b = has_first && first.coverage > 0.0 ? slv_resolve(first) : a;
-    vec4 c = has_second && second.coverage > 0.0 ? slv_resolve(second) : a;
-    float across_second = 1.0 - (own.coverage + first.coverage), across_first = 1.0 - (own.coverage + second.coverage);
-    float t = has_first ? first.coverage / max(own.coverage + first.coverage, 1e-6) : across_first;
-    float s = has_second ? second.coverage / max(own.coverage + second.coverage, 1e-6) : across_second;
-    s = clamp(s, 0.0, 0.5);
-    t = clamp(t, 0.0, 0.5);
-    float exact_s = same_first ? clamp(across_second, 0.0, 0.5) : s;
-    float exact_t = same_second ? clamp(across_first, 0.0, 0.5) : t;
-    float blended_s = mix(s, exact_s, 2.0 * t);
-    float blended_t = mix(t, exact_t, 2.0 * s);
-    s = blended_s;
-    t = blended_t;
-    return (1.0 - s - t) * a + t * (1.0 - 2.0 * s) * b + s * (1.0 - 2.0 * t) * c + 4.0 * s * t * vertex;
+//     (1 - s - t) own + t (1 - 2s) first + s (1 - 2t) second + 4 s t M,
+// or, P being the values that the face and each neighbour make alone, (1 - t) own + t first and (1 - s) own + s second,
+//     (1 - 2s) P_first + (1 - 2t) P_second - (1 - 2s)(1 - 2t) own + 4 s t M.
+// The second form also joins P of faces whose texels are not alike. On the edge to the first neighbour, where 2t is 1, it is
+// (1 - 2s) P_first + 2s M, which is the same seen from there if s is. So s there comes from both faces: what the two filters
+// lack, or if their texels differ, as far as the smaller one's reach. Away from the edge it is the face's own.
+struct slv_side {
+    float weight; // of the neighbour in P
+    float part;   // s or t in the face itself
+    float agreed; // s or t on the other edge, as both faces there see it
+    float near;   // 1 on the edge, 0 where the neighbour is no longer reached
+};
+
+vec4 slv_join_corner(vec4 own, vec4 first, vec4 second, slv_side a, slv_side b, vec4 vertex) {
+    float t = 2.0 * mix(a.part, a.agreed, b.near), s = 2.0 * mix(b.part, b.agreed, a.near);
+    vec4 k = vec4(0.0, (1.0 - s) * a.weight, (1.0 - t) * b.weight, s * t);
+    k.x = max(1.0 - (k.y + k.z + k.w), 0.0);
+    k /= k.x + k.y + k.z + k.w;
+    return k.x * own + k.y * first + k.z * second + k.w * vertex;
 }
 
 // Which edges a footprint crosses, how far from them taps still leave the face: the row of taps, and half a texel of the coarser
 // level.
 struct slv_reach {
     bvec4 edges;
+    vec2 extent;
     int corner;   // the nearest; its own edge and the one before meet there
     uint pending; // visits still to make: bit e across edge e, bit 4 + e to the second of two sub-faces there
 };
 
 bvec4 slv_reached_edges(vec2 size, vec2 uv, slv_footprint f) {
 #if SLV_TAPS || SLV_ANISOTROPY == 1
-    float spread = float(f.taps) / float(f.taps + 1) - 0.5, halves = 0.501;
+    vec2 reach = 1.002 * slv_extent(size, f);
 #else
-    float spread = 0.5, halves = 1.0; // the sampler's own way of placing taps is not known exactly
+    vec2 reach = 0.5 * abs(f.axis) + exp2(ceil(max(f.level, 0.0))) / size;
 #endif
-    vec2 reach = spread * abs(f.axis) + halves * exp2(ceil(max(f.level, 0.0))) / size;
     bvec2 low = lessThan(uv, reach), high = greaterThan(uv, 1.0 - reach);
     return bvec4(low.y, high.x, high.y, low.x);
 }
 
-slv_reach slv_reach_of(int face, uvec2 links, bvec4 edges, vec2 uv) {
-    slv_reach reach = slv_reach(edges, uv.y < 0.5 ? (uv.x < 0.5 ? 0 : 1) : (uv.x < 0.5 ? 3 : 2), 0u);
+slv_reach slv_reach_of(int face, uvec2 links, bvec4 edges, vec2 uv, vec2 extent) {
+    slv_reach reach = slv_reach(edges, extent, uv.y < 0.5 ? (uv.x < 0.5 ? 0 : 1) : (uv.x < 0.5 ? 3 : 2), 0u);
     for (int e = 0; e < 4; e++) {
 #if SLV_STRATEGY == 5
         bool linked = slv_adjacent[face].face[e] >= 0;
@@ -473,33 +492,50 @@ slv_reach slv_reach_of(int face, uvec2 links, bvec4 edges, vec2 uv) {
 struct slv_sums {
     slv_tap own, first, second; // the face; across the two edges at the nearest corner, in their order
     slv_tap others, unlike;     // across the far edges, where texels are of one size and where not
+    vec2 along;                 // how far the first and the second reach along their edges
 };
 
-void slv_place(inout slv_sums sum, uvec2 links, int corner, int edge, slv_tap tap) {
-    if (edge == corner)
+void slv_place(inout slv_sums sum, uvec2 links, int corner, int edge, slv_tap tap, float along) {
+    if (edge == corner) {
         slv_add(sum.first, tap);
-    else if (edge == ((corner + 3) & 3))
+        sum.along.x = min(sum.along.x, along);
+    } else if (edge == ((corner + 3) & 3)) {
         slv_add(sum.second, tap);
-    else if (slv_same_texels(links, edge))
+        sum.along.y = min(sum.along.y, along);
+    } else if (slv_same_texels(links, edge)) {
         slv_add(sum.others, tap);
-    else
+    } else {
         slv_add(sum.unlike, tap);
+    }
 }
 
-vec4 slv_total(int face, slv_sums sum, uvec2 links, slv_reach reach, slv_footprint f) {
-    int after = reach.corner, before = (reach.corner + 3) & 3;
+slv_tap slv_at_most(slv_tap tap, float coverage) {
+    return slv_scaled(tap, min(max(coverage, 0.0) / max(tap.coverage, 1e-6), 1.0));
+}
 
-    // Neighbours with larger texels reach further into this face than its own filter reaches out: together they get no more
-    // weight than is missing, so that their influence ends where the filter lies inside.
+float slv_part(slv_tap own, slv_tap other) {
+    return other.coverage / max(own.coverage + other.coverage, 1e-6);
+}
+
+vec4 slv_total(int face, slv_sums sum, uvec2 links, slv_reach reach, vec2 uv, slv_footprint f) {
+    int after = reach.corner, before = (reach.corner + 3) & 3;
+    // the distance to the edge after the corner, and to that before it
+    vec2 inside = min(uv, 1.0 - uv), extent = reach.extent;
+    if ((after & 1) == 0) {
+        inside = inside.yx;
+        extent = extent.yx;
+    }
+    vec2 near = clamp(1.0 - inside / extent, 0.0, 1.0);
+
+    // Neighbours with larger texels reach further into this face than its own filter reaches out: they get no more weight than is
+    // missing, and none where the filter lies inside.
     bool same_first = slv_same_texels(links, after), same_second = slv_same_texels(links, before);
     float exact = sum.own.coverage + sum.others.coverage + (same_first ? sum.first.coverage : 0.0) +
                   (same_second ? sum.second.coverage : 0.0);
-    float spare = sum.unlike.coverage + (same_first ? 0.0 : sum.first.coverage) +
-                  (same_second ? 0.0 : sum.second.coverage);
-    float share = clamp((1.0 - exact) / max(spare, 1e-6), 0.0, 1.0);
-    sum.first = same_first ? sum.first : slv_scaled(sum.first, share);
-    sum.second = same_second ? sum.second : slv_scaled(sum.second, share);
-    slv_add(sum.others, slv_scaled(sum.unlike, share));
+    sum.first = same_first ? sum.first : slv_at_most(sum.first, min(1.0 - exact, 0.5 * near.x));
+    sum.second = same_second ? sum.second : slv_at_most(sum.second, min(1.0 - exact, 0.5 * near.y));
+    float spare = (same_first ? 0.0 : sum.first.coverage) + (same_second ? 0.0 : sum.second.coverage);
+    slv_add(sum.others, slv_at_most(sum.unlike, 1.0 - exact - spare));
 
     // what the far edges do not cover belongs to the corner
     float rest = 1.0 - sum.others.coverage;
@@ -510,13 +546,23 @@ vec4 slv_total(int face, slv_sums sum, uvec2 links, slv_reach reach, slv_footpri
         float level = clamp(f.level, 0.0, float(levels - 1u));
         vec4 vertex = mix(slv_corner[start + uint(level)], slv_corner[start + min(uint(level) + 1u, levels - 1u)],
                           fract(level));
-        vec4 near = slv_blend_corner(slv_scaled(sum.own, 1.0 / rest), slv_scaled(sum.first, 1.0 / rest),
-                                     slv_scaled(sum.second, 1.0 / rest), slv_same_at(links, after, true),
-                                     slv_same_at(links, before, false), has_after, has_before, vertex);
+        // what two filters that are alike lack on their edge; where there is no neighbour, the same stands for the face's own part
+        vec2 lacking = clamp(1.0 - (sum.own.coverage + vec2(sum.second.coverage, sum.first.coverage)) / rest, 0.0, 0.5);
+        vec2 smaller = 0.5 * clamp(1.0 - inside / min(extent, max(sum.along.yx, 1e-12)), 0.0, 1.0);
+        vec2 weights = vec2(slv_part(sum.own, sum.first), slv_part(sum.own, sum.second));
+        vec2 agreed = vec2(slv_same_at(links, before, false) ? lacking.x : smaller.x,
+                           slv_same_at(links, after, true) ? lacking.y : smaller.y);
+        vec4 own = slv_resolve(sum.own);
+        slv_side first = slv_side(weights.x, !has_after ? agreed.x : slv_same_at(links, after, true) ? weights.x : 0.5 * near.x,
+                                  agreed.x, near.x);
+        slv_side second = slv_side(weights.y, !has_before ? agreed.y : slv_same_at(links, before, false) ? weights.y : 0.5 * near.y,
+                                   agreed.y, near.y);
+        vec4 joined = slv_join_corner(own, sum.first.coverage > 0.0 ? slv_resolve(sum.first) : own,
+                                      sum.second.coverage > 0.0 ? slv_resolve(sum.second) : own, first, second, vertex);
 #if !SLV_SPLIT_COVERAGE
-        near.a = 1.0;
+        joined.a = 1.0;
 #endif
-        return sum.others.color + rest * near;
+        return sum.others.color + rest * joined;
     }
     slv_add(sum.own, sum.first);
     slv_add(sum.own, sum.second);
@@ -534,27 +580,27 @@ vec4 slv_sample_grad(int face, vec2 uv, vec2 dx, vec2 dy) {
     edges = crossing > 0.0 ? edges : bvec4(false);
 #endif
     slv_tap none = slv_tap(vec4(0.0), 0.0);
-    slv_sums sum = slv_sums(none, none, none, none, none);
+    slv_sums sum = slv_sums(none, none, none, none, none, vec2(1.0));
     uvec2 links = uvec2(0u);
 #if SLV_STRATEGY == 5 // the plain form, which the other ways below are measured against
     links = slv_adjacent[face].links;
     sum.own = slv_own(face, uv, f);
-    slv_reach reach = slv_reach_of(face, links, edges, uv);
+    slv_reach reach = slv_reach_of(face, links, edges, uv, slv_extent(size, f));
     while (reach.pending != 0u) {
         int visit = findLSB(reach.pending), edge = visit & 3;
         reach.pending &= reach.pending - 1u;
         slv_site site = slv_neighbour(face, links, edge, visit > 3, uv, f);
         if (site.pool >= 0)
-            slv_place(sum, links, reach.corner, edge, slv_fetch(site));
+            slv_place(sum, links, reach.corner, edge, slv_fetch(site), site.along);
     }
-    return slv_total(face, sum, links, reach, f);
+    return slv_total(face, sum, links, reach, uv, f);
 #elif SLV_VECTORS
     // the face itself is the first round of the loop, so that fragments away from edges make no other
     if (any(edges))
         links = slv_adjacent[face].links;
-    slv_reach reach = slv_reach_of(face, links, edges, uv);
+    slv_reach reach = slv_reach_of(face, links, edges, uv, slv_extent(size, f));
     reach.pending = gl_HelperInvocation ? 0u : reach.pending;
-    slv_site site = slv_site(0, face, uv, f);
+    slv_site site = slv_site(0, face, uv, f, 1.0);
     int edge = -1;
     bool more;
     do {
@@ -564,29 +610,29 @@ vec4 slv_sample_grad(int face, vec2 uv, vec2 dx, vec2 dy) {
         if (edge < 0)
             sum.own = tap;
         else
-            slv_place(sum, links, reach.corner, edge, tap);
+            slv_place(sum, links, reach.corner, edge, tap, site.along);
         more = reach.pending != 0u;
         int visit = findLSB(reach.pending);
         edge = visit & 3;
         reach.pending &= reach.pending - 1u;
         site = slv_neighbour(face, links, edge, visit > 3, uv, f);
     } while (more);
-    vec4 value = slv_total(face, sum, links, reach, f);
+    vec4 value = slv_total(face, sum, links, reach, uv, f);
 #else
     sum.own = slv_own(face, uv, f);
     vec4 value = slv_resolve(sum.own);
     if (any(edges)) {
         links = slv_adjacent[face].links;
-        slv_reach reach = slv_reach_of(face, links, edges, uv);
+        slv_reach reach = slv_reach_of(face, links, edges, uv, slv_extent(size, f));
         if (reach.pending != 0u) {
             do {
                 int visit = findLSB(reach.pending), edge = visit & 3;
                 reach.pending &= reach.pending - 1u;
                 slv_site site = slv_neighbour(face, links, edge, visit > 3, uv, f);
                 if (site.pool >= 0)
-                    slv_place(sum, links, reach.corner, edge, slv_fetch(site));
+                    slv_place(sum, links, reach.corner, edge, slv_fetch(site), site.along);
             } while (reach.pending != 0u);
-            value = slv_total(face, sum, links, reach, f);
+            value = slv_total(face, sum, links, reach, uv, f);
         }
     }
 #endif
