@@ -19,6 +19,7 @@
 //   SLV_VECTORS         1 if fragments run in vectors that only a loop's end can leave early (llvmpipe). Both sides of an `if` run
 //                       there for all, every case of a `switch`, and the body of a loop once more than needed if its condition
 //                       stands at the top
+//   SLV_SCALED          1 if texels are stored divided by SLV_SCALE, because sums of such large floats would overflow
 #if SLV_VECTORS
 #extension GL_ARB_shader_ballot : require
 #endif
@@ -39,6 +40,16 @@ layout(std430, binding = SLV_FIRST_STORAGE) readonly buffer slv_store_block {
 vec2 slv_face_size(int face) {
     uint res = slv_store[face].y;
     return vec2(float(1u << (res & 255u)), float(1u << (res >> 8)));
+}
+
+// The value of a lookup from that of its texels as they are stored.
+vec4 slv_value(vec4 stored) {
+#if SLV_SCALED
+    vec4 most = 3.4e38 / SLV_SCALE; // rounding must not go beyond the range
+    return clamp(stored, -most, most) * SLV_SCALE;
+#else
+    return stored;
+#endif
 }
 
 // What a lookup averages: an anisotropic footprint is a row of isotropic ones along its longer side (the definition of
@@ -158,7 +169,7 @@ vec4 slv_sample_grad(int face, vec2 uv, vec2 dx, vec2 dy) {
     uv = slv_inside(uv);
     vec4 a = slv_packed_level(pool, layer, int(fine), size, uv, f);
     vec4 b = slv_packed_level(pool, layer, int(min(fine + 1.0, coarsest)), size, uv, f);
-    return mix(a, b, level - fine);
+    return slv_value(mix(a, b, level - fine));
 }
 
 #else
@@ -235,9 +246,9 @@ vec4 slv_resolve(slv_tap tap) {
 vec4 slv_sample_grad(int face, vec2 uv, vec2 dx, vec2 dy) {
     slv_footprint f = slv_footprint_of(slv_face_size(face), dx, dy);
 #if SLV_STRATEGY == 0
-    return slv_own(face, slv_inside(uv), f).color;
+    return slv_value(slv_own(face, slv_inside(uv), f).color);
 #else
-    return slv_resolve(slv_own(face, slv_inside(uv), f));
+    return slv_value(slv_resolve(slv_own(face, slv_inside(uv), f)));
 #endif
 }
 
@@ -593,7 +604,7 @@ vec4 slv_sample_grad(int face, vec2 uv, vec2 dx, vec2 dy) {
         if (site.pool >= 0)
             slv_place(sum, links, reach.corner, edge, slv_fetch(site), site.along);
     }
-    return slv_total(face, sum, links, reach, uv, f);
+    return slv_value(slv_total(face, sum, links, reach, uv, f));
 #elif SLV_VECTORS
     // the face itself is the first round of the loop, so that fragments away from edges make no other
     if (any(edges))
@@ -637,9 +648,9 @@ vec4 slv_sample_grad(int face, vec2 uv, vec2 dx, vec2 dy) {
     }
 #endif
 #if SLV_STRATEGY == 4
-    return mix(slv_resolve(sum.own), value, crossing);
+    return slv_value(mix(slv_resolve(sum.own), value, crossing));
 #elif SLV_STRATEGY == 2
-    return value;
+    return slv_value(value);
 #endif
 }
 

@@ -121,6 +121,12 @@ slv_result slv_gl_batches_with_neighbours(const slv_gl_source *source, const slv
                                           uint64_t *bytes);
 void slv_gl_batches_free(slv_gl_batches *batches);
 
+/* Shaders multiply what they return by this where the texture was divided by it. */
+#define SLV_GL_SCALE 16777216.0f
+/* A copy of a float texture with values so large that sums of a few would overflow, divided by
+ * SLV_GL_SCALE; NULL for any other. */
+slv_result slv_gl_scale_down(const slv_env *env, const slv_texture *texture, slv_texture **out);
+
 slv_result slv_gl_buffer(const slv_gl *gl, const slv_env *env, const char *what, const void *data,
                          uint64_t bytes, GLuint *out);
 /* A buffer that shaders read: refused above the driver's limit for storage blocks. */
@@ -134,6 +140,7 @@ struct slv_gl_texture {
     uint32_t nfaces;
     slv_res *res; /* of each face */
     uint64_t texel_bytes;
+    bool scaled; /* see slv_gl_scale_down */
     slv_gl_store stores[SLV_GL_LAYOUT_COUNT];
     slv_gl_batches own[SLV_GL_LAYOUT_COUNT]; /* clamp and discard; borders; edge-aligned */
     slv_gl_batches reach;                    /* traverse */

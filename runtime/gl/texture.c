@@ -128,6 +128,7 @@ slv_result slv_gl_texture_create(slv_gl *gl, const slv_env *env, const slv_textu
                                  const slv_gl_texture_params *params, slv_gl_texture **out) {
     const slv_texture_desc *desc = slv_texture_get_desc(texture);
     slv_gl_texture *made = NULL;
+    slv_texture *scaled = NULL;
     slv_levels *levels = NULL;
     slv_result result = SLV_OK;
     *out = NULL;
@@ -143,8 +144,12 @@ slv_result slv_gl_texture_create(slv_gl *gl, const slv_env *env, const slv_textu
         (result = slv_gl_shader_text(env, "selvage_sample.glsl", &made->sample_text,
                                      &made->sample_owned)) ||
         (result = slv_alloc(env, "face table", desc->nfaces, sizeof *made->res, &made->res)) ||
-        (result = slv_levels_create(env, texture, &levels)))
+        (result = slv_gl_scale_down(env, texture, &scaled)) ||
+        (result = slv_levels_create(env, scaled ? scaled : texture, &levels)))
         goto done;
+    made->scaled = scaled != NULL;
+    slv_texture_destroy(scaled);
+    scaled = NULL;
     slv_gl_set_state(gl);
     memcpy(made->res, desc->res, desc->nfaces * sizeof *made->res);
     made->texel_bytes = texel_bytes(desc, made->params.nchannels);
@@ -167,6 +172,7 @@ slv_result slv_gl_texture_create(slv_gl *gl, const slv_env *env, const slv_textu
     make_samplers(made);
     result = slv_gl_check(gl, env, "GL texture");
 done:
+    slv_texture_destroy(scaled);
     slv_levels_destroy(levels);
     if (result) {
         slv_gl_texture_destroy(made);
@@ -263,15 +269,19 @@ const char *slv_gl_texture_glsl(slv_gl_texture *texture, slv_strategy strategy, 
         *text = malloc(size);
         if (!*text)
             return "";
+        /* alpha is a texel's own only where there are four channels */
+        float scale = texture->scaled ? SLV_GL_SCALE : 1;
         snprintf(*text, size,
                  "#define SLV_STRATEGY %d\n#define SLV_POOLS %u\n#define SLV_SUBFACES %u\n"
                  "#define SLV_SPLIT_COVERAGE %d\n#define SLV_ANISOTROPY %u\n#define SLV_BORDER %u\n"
                  "#define SLV_TAPS %d\n#define SLV_VECTORS %d\n#define SLV_FIRST_UNIT %d\n#define "
-                 "SLV_FIRST_STORAGE %d\n%s\n",
+                 "SLV_FIRST_STORAGE %d\n#define SLV_SCALED %d\n#define SLV_SCALE vec4(vec3(%.1f), "
+                 "%.1f)\n%s\n",
                  (int)strategy, slv_gl_variant_pools(variant), variant & 1,
                  split_coverage(texture, strategy), texture->params.anisotropy,
                  texture->params.border, taps_in_shader(texture), in_vectors(texture),
-                 SLV_GL_FIRST_UNIT, SLV_GL_FIRST_STORAGE, texture->sample_text);
+                 SLV_GL_FIRST_UNIT, SLV_GL_FIRST_STORAGE, texture->scaled, (double)scale,
+                 (double)(texture->params.nchannels == 4 ? scale : 1), texture->sample_text);
     }
     return *text;
 }
