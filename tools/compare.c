@@ -12,7 +12,8 @@ struct compare {
     uint32_t narguments;
     const char *mesh, *out, *strategies, *focus, *msaa, *references;
     int scheme, boundary, shading, context, adjacency;
-    bool quick, quiet, resume, size_given, frames_given, reference_frames_given, samples_given;
+    bool quick, quiet, resume, compress, size_given, frames_given, reference_frames_given,
+        samples_given;
     uint32_t size[2], aniso, frames, tess, threads, samples, accumulate, reference_frames;
     float azimuth, elevation, fov, orbit, tilt, dolly;
 };
@@ -22,7 +23,7 @@ struct session {
     slv_env env;
     scene_data scene;
     slv_gl *gl;
-    slv_gl_texture *texture;
+    slv_gl_texture *texture, *blocks;
     slv_gl_renderer *renderer;
     report_data *report;
     experiment experiment;
@@ -159,6 +160,15 @@ static json_t *conditions(const struct session *s) {
         o->scheme, o->boundary, o->shading);
 }
 
+/* Before anything is measured, since textures other than 8-bit are refused. */
+static slv_result upload_blocks(struct session *s, slv_gl_texture_params upload) {
+    s->report->compressed = s->options->compress;
+    upload.compression = SLV_GL_COMPRESSION_BLOCKS;
+    return s->options->compress ? slv_gl_texture_create(s->gl, &s->env, s->scene.texture,
+                                                        s->scene.adjacency, &upload, &s->blocks)
+                                : SLV_OK;
+}
+
 static slv_result prepare(struct session *s) {
     const struct compare *o = s->options;
     report_data *report = s->report;
@@ -199,6 +209,7 @@ static slv_result prepare(struct session *s) {
                 : slv_tessellation_for(s->scene.mesh, &first, report->width, report->height);
     if ((result = slv_gl_texture_create(s->gl, &s->env, s->scene.texture, s->scene.adjacency,
                                         &upload, &s->texture)) ||
+        (result = upload_blocks(s, upload)) ||
         (result = slv_gl_renderer_create(s->gl, &s->env, s->scene.mesh, s->scene.surface,
                                          report->segments, &s->renderer)))
         return result;
@@ -234,6 +245,8 @@ static slv_result run(struct session *s) {
     if (result || (result = interruption(measure_seams(s))))
         return result;
     result = compare_draw_pictures(&s->experiment);
+    if (!result && s->blocks)
+        result = compare_draw_compressed(&s->experiment, s->blocks);
     return result == SLV_ERROR_CANCELLED ? interruption(SLV_OK) : result;
 }
 
@@ -241,6 +254,7 @@ static void end_session(struct session *s) {
     slv_reference_destroy(s->experiment.reference);
     slv_gl_renderer_destroy(s->renderer);
     slv_gl_texture_destroy(s->texture);
+    slv_gl_texture_destroy(s->blocks);
     slv_gl_destroy(s->gl);
     scene_free(&s->scene);
 }
@@ -355,6 +369,8 @@ int verb_compare(int argc, char **argv) {
          "make rates the driver lacks by averaging at most this many shifted pictures (1)", NULL, 1,
          64, NULL},
         {"--aniso", CLI_UINT, &o.aniso, "anisotropy, 1 (trilinear) to 16 (16)", NULL, 1, 16, NULL},
+        {"--compress", CLI_FLAG, &o.compress,
+         "8-bit textures: also drawn from blocks on the GPU (BC1 and its kin)", NULL, 0, 0, NULL},
         {"--azimuth", CLI_FLOAT, &o.azimuth, "where the orbit starts, degrees from +z (30)", "DEG",
          0, 0, NULL},
         {"--orbit", CLI_FLOAT, &o.orbit, "how far it goes (360)", "DEG", 0, 0, NULL},

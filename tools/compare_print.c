@@ -45,6 +45,27 @@ static void print_errors(const report_data *report) {
            ref->frames == 1 ? "" : "s");
 }
 
+static void print_compressed(const report_data *report) {
+    bool reference = report->reference.first < REPORT_SOURCES;
+    if (!report->compressed)
+        return;
+    printf("\n%-14s %10s %10s %10s %12s %12s\n", "in blocks", "GPU MB", "PSNR",
+           reference ? "reference" : "", "max jump", "mean jump");
+    for (uint32_t k = 0; k < report->nstrategies; k++) {
+        const report_strategy *row = &report->strategies[k];
+        const report_blocks *blocks = &row->blocks;
+        printf("%-14s %10.1f %10.2f ", slv_strategy_name(row->strategy),
+               (double)blocks->stats.gpu_bytes / 1e6, blocks->psnr);
+        if (reference)
+            printf("%10.2f", blocks->reference_psnr);
+        else
+            printf("%10s", "");
+        printf(" %12.5f %12.6f\n", (double)blocks->seam.max, (double)blocks->seam.mean);
+    }
+    printf("(dB from the pictures of the uncompressed texture%s)\n",
+           reference ? ", and from the reference" : "");
+}
+
 void compare_print(const report_data *report, const char *folder) {
     if (report->nrates > 1 || report->left_out[0])
         print_rates(report);
@@ -61,6 +82,7 @@ void compare_print(const report_data *report, const char *folder) {
            report->gl.renderer, report->frames, report->width, report->height,
            report->rates[report->shown].samples, report->anisotropy);
     print_errors(report);
+    print_compressed(report);
     report_advice advice = report_advise(report);
     if (advice.measured)
         printf("for this orbit: %s\n", slv_strategy_name(report->strategies[advice.take].strategy));

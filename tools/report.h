@@ -65,6 +65,15 @@ typedef struct report_cell {
     report_tally flicker; /* how much the error inside changes from one frame to the next */
 } report_cell;
 
+/* A strategy with the texture in blocks. */
+typedef struct report_blocks {
+    slv_gl_texture_stats stats;
+    slv_gl_seam seam; /* magnified */
+    /* In dB, of the views: from the pictures of the uncompressed texture, and of both from the
+     * first reference; infinite for equal pictures, NaN without a reference. */
+    double psnr, reference_psnr, plain_reference_psnr;
+} report_blocks;
+
 typedef struct report_strategy {
     slv_strategy strategy;
     double median_ms, min_ms, max_ms; /* of a frame, at the rate that is shown */
@@ -75,6 +84,7 @@ typedef struct report_strategy {
     slv_image spots[REPORT_MAX_SPOTS];
     slv_image heat;                      /* its distance from the reference in the first view */
     report_cell rates[REPORT_MAX_RATES]; /* in the order of report_data.rates */
+    report_blocks blocks;                /* if report_data.compressed */
 } report_strategy;
 
 /* How two strategies' pictures differ, over the pixels that both cover, values in 0..1 linear. */
@@ -115,6 +125,7 @@ typedef struct report_data {
     report_pair pairs[SLV_STRATEGY_COUNT * SLV_STRATEGY_COUNT];
     report_spot spots[REPORT_MAX_SPOTS];
     report_reference reference;
+    bool compressed;
     uint32_t nresolutions; /* distinct face resolutions */
     double seconds;        /* the whole run */
 } report_data;

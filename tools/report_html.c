@@ -211,6 +211,7 @@ static slv_result orbit_sections(const page *p) {
     report_write_errors(p->stream, p->report);
     report_write_curves(p->stream, p->report);
     report_write_findings(p->stream, p->report);
+    report_write_compressed(p->stream, p->report);
     return SLV_OK;
 }
 

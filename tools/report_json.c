@@ -143,6 +143,25 @@ static json_t *apart_json(const report_data *report) {
     return list;
 }
 
+static json_t *blocks_json(const report_data *report, const report_strategy *row) {
+    const report_blocks *blocks = &row->blocks;
+    const slv_gl_texture_stats *stats = &blocks->stats;
+    if (!report->compressed)
+        return json_null();
+    return json_pack(
+        "{s:I, s:o, s:o, s:o, s:o, s:o, s:o, s:I, s:o, s:o}", "gpu_bytes",
+        (json_int_t)stats->gpu_bytes, "memory_ratio",
+        output_json_number((double)stats->gpu_bytes / (double)row->stats.texel_bytes), "psnr",
+        output_json_number(blocks->psnr), "reference_psnr",
+        output_json_number(blocks->reference_psnr), "uncompressed_reference_psnr",
+        output_json_number(blocks->plain_reference_psnr), "texel_rms",
+        output_json_number(stats->block_rms), "texel_max", output_json_number(stats->block_max),
+        "clipped_faces", (json_int_t)stats->clipped, "seam_max",
+        blocks->seam.nedges ? output_json_number((double)blocks->seam.max) : json_null(),
+        "seam_mean",
+        blocks->seam.nedges ? output_json_number((double)blocks->seam.mean) : json_null());
+}
+
 static json_t *strategies_json(const report_data *report) {
     json_t *list = json_array();
     for (uint32_t i = 0; i < report->nstrategies; i++) {
@@ -150,14 +169,15 @@ static json_t *strategies_json(const report_data *report) {
         const slv_gl_texture_stats *stats = &row->stats;
         double texels = (double)stats->texel_bytes;
         json_t *item = json_pack(
-            "{s:s, s:o, s:o, s:o, s:o, s:I, s:I, s:o, s:I, s:I, s:I, s:o, s:o}", "name",
+            "{s:s, s:o, s:o, s:o, s:o, s:I, s:I, s:o, s:I, s:I, s:I, s:o, s:o, s:o}", "name",
             slv_strategy_name(row->strategy), "median_ms", output_json_number(row->median_ms),
             "min_ms", output_json_number(row->min_ms), "max_ms", output_json_number(row->max_ms),
             "time_ratio", output_json_number(row->ratio), "texel_bytes",
             (json_int_t)stats->texel_bytes, "gpu_bytes", (json_int_t)stats->gpu_bytes,
             "memory_ratio", output_json_number((double)stats->gpu_bytes / texels), "pools",
             (json_int_t)stats->pools, "batches", (json_int_t)stats->batches, "widened_faces",
-            (json_int_t)stats->widened, "seams", seams_json(row), "rates", rates_json(report, row));
+            (json_int_t)stats->widened, "seams", seams_json(row), "rates", rates_json(report, row),
+            "compressed", blocks_json(report, row));
         list = append(list, item);
     }
     return list;

@@ -172,7 +172,29 @@ static void write_labels(FILE *stream, const report_data *report) {
     }
 }
 
-enum { TIMES, LATEX, MARKDOWN, LABELS, LEFT, RIGHT };
+static void write_blocks(FILE *stream, const report_data *report) {
+    fputs("strategy,gpu_bytes,uncompressed_bytes,texel_bytes,psnr,reference_psnr,"
+          "uncompressed_reference_psnr,texel_rms,texel_max,seam_max,seam_mean\n",
+          stream);
+    for (uint32_t k = 0; k < report->nstrategies; k++) {
+        const report_strategy *row = &report->strategies[k];
+        const report_blocks *blocks = &row->blocks;
+        const double decibels[] = {blocks->psnr, blocks->reference_psnr,
+                                   blocks->plain_reference_psnr};
+        fprintf(stream, "%s,%llu,%llu,%llu,", slv_strategy_name(row->strategy),
+                (unsigned long long)blocks->stats.gpu_bytes,
+                (unsigned long long)row->stats.gpu_bytes,
+                (unsigned long long)row->stats.texel_bytes);
+        for (int i = 0; i < 3; i++) {
+            write_number(stream, decibels[i], 3, "");
+            fputc(',', stream);
+        }
+        fprintf(stream, "%.6g,%.6g,%.6g,%.6g\n", blocks->stats.block_rms, blocks->stats.block_max,
+                (double)blocks->seam.max, (double)blocks->seam.mean);
+    }
+}
+
+enum { TIMES, LATEX, MARKDOWN, LABELS, BLOCKS, LEFT, RIGHT };
 
 static slv_result write_table(const slv_env *env, const char *folder, const char *name,
                               const report_data *report, int what) {
@@ -190,6 +212,8 @@ static slv_result write_table(const slv_env *env, const char *folder, const char
         report_write_markdown(file.stream, report);
     else if (what == LABELS)
         write_labels(file.stream, report);
+    else if (what == BLOCKS)
+        write_blocks(file.stream, report);
     else if (what == LEFT)
         write_left(file.stream, report);
     else
@@ -203,6 +227,9 @@ slv_result report_write_tables(const slv_env *env, const char *folder, const rep
     if ((result = write_table(env, folder, "table1.csv", report, TIMES)) ||
         (result = write_table(env, folder, "table1.tex", report, LATEX)) ||
         (result = write_table(env, folder, "table1.md", report, MARKDOWN)))
+        return result;
+    if (report->compressed &&
+        (result = write_table(env, folder, "compression.csv", report, BLOCKS)))
         return result;
     if (report_find(report, SLV_STRATEGY_TRAVERSE) < n &&
         report_find(report, SLV_STRATEGY_DISCARD) < n)

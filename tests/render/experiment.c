@@ -338,6 +338,71 @@ static void check_kinds(void) {
     json_decref(root);
 }
 
+/* Memory and errors of textures in blocks, against the numbers of the same run without. */
+static void check_compressed(void) {
+    char folder[KIT_PATH], path[KIT_PATH], whole[KIT_PATH];
+    kit_selvage(&scratch, NULL,
+                ARGUMENTS("compare", ptx, "--quick", "-o", "blocks", "--size", "96x64", "--frames",
+                          "1", "--msaa", "4", "--aniso", "4", "--reference-samples", "16", "--tess",
+                          "4", "--compress"),
+                &run);
+    CHECK_MSG(run.code == 0 && strstr(run.out, "in blocks"), "%d: %s%s", run.code, run.out,
+              run.err);
+    REQUIRE(run.code == 0);
+    json_t *root = load_report("blocks");
+    const json_t *rows = json_object_get(root, "strategies");
+    size_t n = json_array_size(rows);
+    REQUIRE(n > 4);
+    for (size_t s = 0; s < n; s++) {
+        const json_t *row = json_array_get(rows, s), *blocks = json_object_get(row, "compressed");
+        const char *name = json_string_value(json_object_get(row, "name"));
+        REQUIRE(json_is_object(blocks) && name);
+        double psnr = number(blocks, "psnr"), error = number(blocks, "reference_psnr"),
+               plain = number(blocks, "uncompressed_reference_psnr"),
+               rms = number(blocks, "texel_rms");
+        CHECK_MSG(number(blocks, "gpu_bytes") < number(row, "gpu_bytes") / 2, "%s: %g bytes of %g",
+                  name, number(blocks, "gpu_bytes"), number(row, "gpu_bytes"));
+        CHECK(fabs(number(blocks, "memory_ratio") * number(row, "texel_bytes") -
+                   number(blocks, "gpu_bytes")) < 1);
+        CHECK_MSG(rms > 0 && rms < 0.1 && number(blocks, "texel_max") > rms, "%s: %g", name, rms);
+        /* a view averages, so its pixels are closer than texels, but not by much */
+        CHECK_MSG(psnr > -20 * log10(rms) - 6 && psnr < -20 * log10(rms) + 20,
+                  "%s: %g dB, texels are off by %g", name, psnr, rms);
+        CHECK_MSG(error < plain + 0.5 && error > 15, "%s: %g dB, uncompressed %g", name, error,
+                  plain);
+        if (strcmp(name, "traverse") == 0)
+            CHECK_MSG(number(blocks, "seam_max") < 1.0 / 255, "%g", number(blocks, "seam_max"));
+        if (strcmp(name, "clamp") == 0)
+            CHECK(number(blocks, "seam_max") > 0.05);
+    }
+    json_decref(root);
+    kit_join(folder, scratch.folder, "blocks");
+    char *csv = kit_read(kit_join(path, folder, "compression.csv"), NULL);
+    CHECK(kit_lines(csv) == 1 + (int)n && strncmp(csv, "strategy,gpu_bytes,", 19) == 0);
+    CHECK(!strstr(csv, "nan") && !strstr(csv, "inf"));
+    free(csv);
+    char *page = kit_read(kit_join(path, folder, "report.html"), NULL);
+    CHECK(strstr(page, "Compressed in blocks"));
+    free(page);
+
+    CHECK(json_is_null(json_object_get(
+        json_array_get(json_object_get(root = load_report("less"), "strategies"), 0),
+        "compressed")));
+    json_decref(root);
+    kit_join(folder, scratch.folder, "less");
+    CHECK(!kit_exists(folder, "compression.csv"));
+
+    kit_join(whole, scratch.root, "float.ptx");
+    kit_selvage(&scratch, NULL, ARGUMENTS("convert", ptx, whole, "--type", "float", "-q"), &run);
+    REQUIRE(run.code == 0);
+    int before = kit_count_files(scratch.folder);
+    kit_selvage(&scratch, NULL, ARGUMENTS("compare", whole, "--quick", "--compress", "-o", "new"),
+                &run);
+    CHECK_MSG(run.code == 1 && kit_lines(run.err) == 1 && strstr(run.err, "float"), "%d: %s",
+              run.code, run.err);
+    CHECK(kit_count_files(scratch.folder) == before);
+}
+
 int main(void) {
     kit_scratch_make(&scratch);
     cube_write(kit_join(ptx, scratch.root, "cube.ptx"));
@@ -351,6 +416,7 @@ int main(void) {
     refuse(2, "borders|traverse", "--strategies", "clamp,best");
     refuse(1, "64 samples", "--msaa", "64");
     check_left_out();
+    check_compressed();
     check_kinds();
     kit_remove(scratch.folder);
     REQUIRE(mkdir(scratch.folder, 0777) == 0);
