@@ -286,14 +286,13 @@ struct slv_site {
     float along; // how far along the shared edge its filter reaches, the edge's length being 1; 1 if it is not beside the point
 };
 
-// How far from its centre a footprint averages, of which half a texel is the filter's own.
-vec2 slv_extent(vec2 size, slv_footprint f) {
+// How far the outermost tap is from the centre, as a part of the row's axis.
+float slv_spread(slv_footprint f) {
 #if SLV_TAPS || SLV_ANISOTROPY == 1
-    float spread = float(f.taps) / float(f.taps + 1) - 0.5;
+    return float(f.taps) / float(f.taps + 1) - 0.5;
 #else
-    float spread = 0.5 - 0.5 / float(f.taps); // nearly: the sampler's own way of placing taps is not known exactly
+    return 0.5 - 0.5 / float(f.taps); // nearly: the sampler's own way of placing taps is not known exactly
 #endif
-    return spread * abs(f.axis) + 0.5 * exp2(ceil(max(f.level, 0.0))) / size;
 }
 
 #if SLV_VECTORS && SLV_STRATEGY != 5
@@ -402,11 +401,12 @@ slv_site slv_across(int pool, int face, int edge, int adjacent, float scale, flo
     f.dx = across * f.dx;
     f.dy = across * f.dy;
     f.axis = across * f.axis;
-    f.level = log2(max(max(length(f.dx * size), length(f.dy * size)) / float(f.taps), 1e-12));
+    float texels = max(length(f.dx * size), length(f.dy * size)) / float(f.taps);
+    f.level = log2(max(texels, 1e-12));
     uv = across * (uv - slv_edge_origin(edge)) + slv_edge_origin(adjacent) + along;
-    vec2 extent = slv_extent(size, f);
-    vec2 place = (adjacent & 1) == 0 ? vec2(uv.x, extent.x) : vec2(uv.y, extent.y);
-    return slv_site(pool, face, uv, f, abs(place.x - 0.5) > 0.5001 ? 1.0 : place.y / scale);
+    vec3 edge_wise = (adjacent & 1) == 0 ? vec3(uv.x, f.axis.x, size.x) : vec3(uv.y, f.axis.y, size.y);
+    float reach = slv_spread(f) * abs(edge_wise.y) + 0.5 * max(texels, 1.0) / edge_wise.z;
+    return slv_site(pool, face, uv, f, abs(edge_wise.x - 0.5) > 0.5001 ? 1.0 : reach / scale);
 }
 
 // Across one edge; `second` asks for the second of two sub-faces, which lies across the first one's edge before the shared one.
@@ -457,12 +457,11 @@ struct slv_side {
 vec4 slv_join_corner(vec4 own, vec4 first, vec4 second, slv_side a, slv_side b, vec4 vertex) {
     float t = 2.0 * mix(a.part, a.agreed, b.near), s = 2.0 * mix(b.part, b.agreed, a.near);
     vec4 k = vec4(0.0, (1.0 - s) * a.weight, (1.0 - t) * b.weight, s * t);
-    k.x = max(1.0 - (k.y + k.z + k.w), 0.0);
-    k /= k.x + k.y + k.z + k.w;
+    k.x = 1.0 - (k.y + k.z + k.w);
     return k.x * own + k.y * first + k.z * second + k.w * vertex;
 }
 
-// Which edges a footprint crosses, how far from them taps still leave the face: the row of taps, and half a texel of the coarser
+// Which edges a footprint crosses, and how far from them taps still leave the face: the row of taps, and half a texel of the coarser
 // level.
 struct slv_reach {
     bvec4 edges;
@@ -470,6 +469,11 @@ struct slv_reach {
     int corner;   // the nearest; its own edge and the one before meet there
     uint pending; // visits still to make: bit e across edge e, bit 4 + e to the second of two sub-faces there
 };
+
+// How far from its centre a footprint averages.
+vec2 slv_extent(vec2 size, slv_footprint f) {
+    return slv_spread(f) * abs(f.axis) + 0.5 * exp2(ceil(max(f.level, 0.0))) / size;
+}
 
 bvec4 slv_reached_edges(vec2 size, vec2 uv, slv_footprint f) {
 #if SLV_TAPS || SLV_ANISOTROPY == 1
