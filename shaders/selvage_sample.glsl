@@ -283,7 +283,7 @@ struct slv_site {
     int pool, face;
     vec2 uv;
     slv_footprint f;
-    float along; // how far along the shared edge its filter reaches, the edge's length being 1; 1 if it is not beside the point
+    float along; // how far along the shared edge its filter reaches, the edge's length being 1; 2 if it is not beside the point
 };
 
 // How far the outermost tap is from the centre, as a part of the row's axis.
@@ -406,7 +406,7 @@ slv_site slv_across(int pool, int face, int edge, int adjacent, float scale, flo
     uv = across * (uv - slv_edge_origin(edge)) + slv_edge_origin(adjacent) + along;
     vec3 edge_wise = (adjacent & 1) == 0 ? vec3(uv.x, f.axis.x, size.x) : vec3(uv.y, f.axis.y, size.y);
     float reach = slv_spread(f) * abs(edge_wise.y) + 0.5 * max(texels, 1.0) / edge_wise.z;
-    return slv_site(pool, face, uv, f, abs(edge_wise.x - 0.5) > 0.5001 ? 1.0 : reach / scale);
+    return slv_site(pool, face, uv, f, abs(edge_wise.x - 0.5) > 0.5001 ? 2.0 : min(reach / scale, 1.0));
 }
 
 // Across one edge; `second` asks for the second of two sub-faces, which lies across the first one's edge before the shared one.
@@ -508,9 +508,24 @@ struct slv_sums {
     slv_tap own, first, second; // the face; across the two edges at the nearest corner, in their order
     slv_tap others, unlike;     // across the far edges, where texels are of one size and where not
     vec2 along;                 // how far the first and the second reach along their edges
+#if SLV_SUBFACES
+    slv_tap first_half, second_half; // of two sub-faces there, the one that is not beside the point
+#endif
 };
 
 void slv_place(inout slv_sums sum, uvec2 links, int corner, int edge, slv_tap tap, float along) {
+#if SLV_SUBFACES
+    if (along > 1.0 && !slv_same_texels(links, edge)) {
+        if (edge == corner) {
+            slv_add(sum.first_half, tap);
+            return;
+        }
+        if (edge == ((corner + 3) & 3)) {
+            slv_add(sum.second_half, tap);
+            return;
+        }
+    }
+#endif
     if (edge == corner) {
         slv_add(sum.first, tap);
         sum.along.x = min(sum.along.x, along);
@@ -541,21 +556,40 @@ vec4 slv_total(int face, slv_sums sum, uvec2 links, slv_reach reach, vec2 uv, sl
         extent = extent.yx;
     }
     vec2 near = clamp(1.0 - inside / extent, 0.0, 1.0);
+    // s and t as far as the smaller of two filters reaches
+    vec2 smaller = 0.5 * clamp(1.0 - inside / min(extent, max(sum.along.yx, 1e-12)), 0.0, 1.0);
+#if SLV_SUBFACES
+    // the further of two sub-faces takes over at most what the nearer one leaves
+    vec2 left = 0.25 * clamp(1.0 - (0.5 - inside.yx) / max(sum.along, 1e-12), 0.0, 1.0);
+    slv_add(sum.first, slv_at_most(sum.first_half, left.x));
+    slv_add(sum.second, slv_at_most(sum.second_half, left.y));
+#endif
 
     // Neighbours with larger texels reach further into this face than its own filter reaches out: they get no more weight than is
     // missing, and none where the filter lies inside.
     bool same_first = slv_same_texels(links, after), same_second = slv_same_texels(links, before);
+    bool passed = (slv_link(links, reach.corner) & 0x4000u) != 0u;
+    if (passed)
+        same_first = same_second = same_first && same_second; // three faces meet here, not twice two
     float exact = sum.own.coverage + sum.others.coverage + (same_first ? sum.first.coverage : 0.0) +
                   (same_second ? sum.second.coverage : 0.0);
-    sum.first = same_first ? sum.first : slv_at_most(sum.first, min(1.0 - exact, 0.5 * near.x));
-    sum.second = same_second ? sum.second : slv_at_most(sum.second, min(1.0 - exact, 0.5 * near.y));
+    vec2 most = 0.5 * near;
+    if (passed) {
+        // beside the middle of a whole quad's edge the quad lies across one edge, the other sub-face across the other: on that
+        // one both take the same from the quad, and on the quad's edge each what the other leaves
+        bool quad_first = (slv_link(links, after) >> 2 & 3u) == 3u;
+        float quad = quad_first ? mix(most.x, smaller.x, near.y) : mix(most.y, smaller.y, near.x);
+        most = quad_first ? vec2(quad, most.y * (1.0 - quad)) : vec2(most.x * (1.0 - quad), quad);
+    }
+    most = min(most, vec2(1.0 - exact));
+    sum.first = same_first ? sum.first : slv_at_most(sum.first, most.x);
+    sum.second = same_second ? sum.second : slv_at_most(sum.second, most.y);
     float spare = (same_first ? 0.0 : sum.first.coverage) + (same_second ? 0.0 : sum.second.coverage);
     slv_add(sum.others, slv_at_most(sum.unlike, 1.0 - exact - spare));
 
     // what the far edges do not cover belongs to the corner
     float rest = 1.0 - sum.others.coverage;
     bool has_after = slv_linked(links, after), has_before = slv_linked(links, before);
-    bool passed = (slv_link(links, reach.corner) & 0x4000u) != 0u;
     if (reach.edges[after] && reach.edges[before] && (has_after || has_before) && rest > 1e-3 && !passed) {
         uint levels = slv_adjacent[face].levels, start = slv_adjacent[face].corners + uint(reach.corner) * levels;
         float level = clamp(f.level, 0.0, float(levels - 1u));
@@ -563,7 +597,6 @@ vec4 slv_total(int face, slv_sums sum, uvec2 links, slv_reach reach, vec2 uv, sl
                           fract(level));
         // what two filters that are alike lack on their edge; where there is no neighbour, the same stands for the face's own part
         vec2 lacking = clamp(1.0 - (sum.own.coverage + vec2(sum.second.coverage, sum.first.coverage)) / rest, 0.0, 0.5);
-        vec2 smaller = 0.5 * clamp(1.0 - inside / min(extent, max(sum.along.yx, 1e-12)), 0.0, 1.0);
         vec2 weights = vec2(slv_part(sum.own, sum.first), slv_part(sum.own, sum.second));
         vec2 agreed = vec2(slv_same_at(links, before, false) ? lacking.x : smaller.x,
                            slv_same_at(links, after, true) ? lacking.y : smaller.y);
@@ -595,7 +628,11 @@ vec4 slv_sample_grad(int face, vec2 uv, vec2 dx, vec2 dy) {
     edges = crossing > 0.0 ? edges : bvec4(false);
 #endif
     slv_tap none = slv_tap(vec4(0.0), 0.0);
+#if SLV_SUBFACES
+    slv_sums sum = slv_sums(none, none, none, none, none, vec2(1.0), none, none);
+#else
     slv_sums sum = slv_sums(none, none, none, none, none, vec2(1.0));
+#endif
     uvec2 links = uvec2(0u);
 #if SLV_STRATEGY == 5 // the plain form, which the other ways below are measured against
     links = slv_adjacent[face].links;
