@@ -78,9 +78,9 @@ slv_footprint slv_footprint_of(vec2 size, vec2 dx, vec2 dy) {
     int taps = int(clamp(ceil(longest / max(shortest, 1e-12)), 1.0, float(SLV_ANISOTROPY)));
     vec2 axis = px > py ? dx : dy;
 #if SLV_TAPS
-    // Within a texel interpolation is all there is to do. A row would be another one for a neighbour whose texels have another
+    // Within a quarter of a texel a row changes next to nothing. It would be another one for a neighbour whose texels have another
     // shape, and show at the edge.
-    float row = clamp(longest - 1.0, 0.0, 1.0);
+    float row = clamp(4.0 * longest - 1.0, 0.0, 1.0);
     axis *= row;
     taps = row > 0.0 ? taps : 1;
     taps |= 1; // an odd number has one in the centre, which the face cannot miss however small it is
