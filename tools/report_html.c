@@ -18,6 +18,7 @@ static const char *const strategy_phrases[SLV_STRATEGY_COUNT] = {
     [SLV_STRATEGY_HYBRID] = "traverse where texels are larger than pixels, else discard",
     [SLV_STRATEGY_TRAVERSE_FULL] = "traverse in its plain form, for comparison",
     [SLV_STRATEGY_EDGE_ALIGNED] = "samples on the edges of faces, shared with the neighbours",
+    [SLV_STRATEGY_HTEX] = "squares of edges, shared by the faces on both sides",
 };
 
 static const char *find_text(const char *name, size_t length) {

@@ -72,7 +72,7 @@ slv_result scene_load_shot(const slv_env *env, const char *ptx, const scene_opti
                            scene_shot *out);
 
 /* Words for options, in the order of the enumerations. */
-#define SCENE_STRATEGIES "clamp|borders|traverse|discard|hybrid|traverse-full|edge-aligned"
+#define SCENE_STRATEGIES "clamp|borders|traverse|discard|hybrid|traverse-full|edge-aligned|htex"
 #define SCENE_SCHEMES "catmark|bilinear"
 #define SCENE_BOUNDARIES "default|none|edge-only|edge-and-corner"
 #define SCENE_SHADINGS "headlight|headlight-abs|unlit|faces|levels"

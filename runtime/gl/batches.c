@@ -132,6 +132,24 @@ static slv_gl_batch_range *find_range(const slv_gl_batches *batches, uint32_t fi
     return best;
 }
 
+/* Adds a face that needs these pools to one of the batches from `first` on, or to a new one. */
+static slv_result join_batch(const slv_env *env, slv_gl_batches *batches, uint32_t first,
+                             uint32_t variant, const uint32_t *pools, uint32_t npools,
+                             uint32_t *batch) {
+    slv_gl_batch_range *range = find_range(batches, first, variant, pools, npools);
+    if (!range) {
+        slv_result result = add_range(env, batches, &range);
+        if (result)
+            return result;
+        range->variant = variant;
+    }
+    for (uint32_t i = 0; i < npools; i++)
+        add_pool(range->pools, &range->npools, pools[i]);
+    range->count++;
+    *batch = (uint32_t)(range - batches->ranges);
+    return SLV_OK;
+}
+
 /* Puts each face into a batch of its own pool whose pools hold its neighbours. Small needs get
  * small batches of their own, so that most faces run the cheapest shader. */
 static slv_result assign_batches(const slv_gl_source *source, const slv_gl_store *store,
@@ -146,16 +164,9 @@ static slv_result assign_batches(const slv_gl_source *source, const slv_gl_store
             uint32_t npools = reach_of(source, store, face, most, pools, &two_subfaces, &dropped);
             uint32_t variant = variant_for(npools, two_subfaces);
             dropped_faces += dropped;
-            slv_gl_batch_range *range = find_range(batches, first, variant, pools, npools);
-            if (!range) {
-                if ((result = add_range(source->env, batches, &range)))
-                    return result;
-                range->variant = variant;
-            }
-            for (uint32_t i = 0; i < npools; i++)
-                add_pool(range->pools, &range->npools, pools[i]);
-            range->count++;
-            batch_of[face] = (uint32_t)(range - batches->ranges);
+            if ((result = join_batch(source->env, batches, first, variant, pools, npools,
+                                     &batch_of[face])))
+                return result;
         }
     }
     if (dropped_faces)
@@ -297,10 +308,73 @@ static slv_result upload_links(const slv_gl_source *source, const slv_gl_store *
     return result;
 }
 
+/* The faces of each batch, in the order of `order`. */
+static void list_faces(slv_gl_batches *batches, const uint32_t *order, uint32_t nfaces,
+                       const uint32_t *batch_of) {
+    uint32_t first = 0;
+    for (uint32_t b = 0; b < batches->count; b++) {
+        batches->ranges[b].first = first;
+        first += batches->ranges[b].count;
+        batches->ranges[b].count = 0;
+    }
+    for (uint32_t i = 0; i < nfaces; i++) {
+        uint32_t face = order ? order[i] : i;
+        slv_gl_batch_range *range = &batches->ranges[batch_of[face]];
+        batches->faces[range->first + range->count++] = face;
+    }
+}
+
+/* Bits as in slv_squares of selvage_sample.glsl. */
+static uint32_t square_bits(const slv_gl_store *store, const slv_gl_batch_range *range,
+                            const slv_htex *htex, const slv_htex_face *face, uint32_t k) {
+    uint32_t edge = face->edge[k];
+    return store->layer_of[edge] | slot_of(range, store->pool_of[edge]) << 16 |
+           slv_htex_log2(htex, edge) << 20 | (uint32_t)face->second[k] << 25 |
+           (uint32_t)face->part << 26;
+}
+
+slv_result slv_gl_batches_of_squares(const slv_gl_source *source, slv_gl_store *store,
+                                     const slv_htex *htex, slv_gl_batches *out) {
+    uint32_t nfaces = slv_levels_get_desc(source->levels)->nfaces, *batch_of = NULL;
+    uint32_t(*rows)[4] = NULL;
+    slv_gl_batches batches = {0};
+    slv_result result;
+    if ((result =
+             slv_alloc(source->env, "batches", nfaces, sizeof *batches.faces, &batches.faces)) ||
+        (result = slv_alloc(source->env, "batches", nfaces, sizeof *batch_of, &batch_of)) ||
+        (result = slv_alloc(source->env, "table of squares", nfaces, sizeof *rows, &rows)))
+        goto done;
+    for (uint32_t f = 0; f < nfaces; f++) {
+        slv_htex_face face = slv_htex_get_face(htex, f);
+        uint32_t pools[4], npools = 0;
+        for (uint32_t k = 0; k < 4; k++)
+            add_pool(pools, &npools, store->pool_of[face.edge[k]]);
+        if ((result = join_batch(source->env, &batches, 0, variant_for(npools, false), pools,
+                                 npools, &batch_of[f])))
+            goto done;
+    }
+    list_faces(&batches, NULL, nfaces, batch_of);
+    for (uint32_t f = 0; f < nfaces; f++) {
+        slv_htex_face face = slv_htex_get_face(htex, f);
+        for (uint32_t k = 0; k < 4; k++)
+            rows[f][k] = square_bits(store, &batches.ranges[batch_of[f]], htex, &face, k);
+    }
+    store->bytes += (uint64_t)nfaces * sizeof *rows;
+    result = slv_gl_table(source, "table of squares", rows, (uint64_t)nfaces * sizeof *rows,
+                          &store->squares);
+done:
+    free(batch_of);
+    free(rows);
+    if (result)
+        slv_gl_batches_free(&batches);
+    *out = batches;
+    return result;
+}
+
 slv_result slv_gl_batches_with_neighbours(const slv_gl_source *source, const slv_gl_store *store,
                                           slv_gl_batches *out, GLuint *links, GLuint *corners,
                                           uint64_t *bytes) {
-    uint32_t nfaces = slv_levels_get_desc(source->levels)->nfaces, first = 0;
+    uint32_t nfaces = slv_levels_get_desc(source->levels)->nfaces;
     slv_gl_batches batches = {0};
     uint32_t *batch_of = NULL;
     slv_result result;
@@ -309,15 +383,7 @@ slv_result slv_gl_batches_with_neighbours(const slv_gl_source *source, const slv
         (result = slv_alloc(source->env, "batches", nfaces, sizeof *batch_of, &batch_of)) ||
         (result = assign_batches(source, store, &batches, batch_of)))
         goto done;
-    for (uint32_t b = 0; b < batches.count; b++) {
-        batches.ranges[b].first = first;
-        first += batches.ranges[b].count;
-        batches.ranges[b].count = 0;
-    }
-    for (uint32_t i = 0; i < nfaces; i++) {
-        slv_gl_batch_range *range = &batches.ranges[batch_of[store->order[i]]];
-        batches.faces[range->first + range->count++] = store->order[i];
-    }
+    list_faces(&batches, store->order, nfaces, batch_of);
     result = upload_links(source, store, &batches, batch_of, links, corners, bytes);
 done:
     free(batch_of);

@@ -117,26 +117,79 @@ static uint64_t layer_bytes(const slv_gl_pool *pool, const slv_gl_format *format
     return texels * format->texel_bytes;
 }
 
-/* Sorts faces into classes, keeping their order, and cuts the classes into pools. */
-static slv_result assign_pools(const slv_gl_source *source, const uint8_t *wide,
-                               slv_gl_store *store) {
+/* What gets layers: the faces, or the squares of edges. */
+struct items {
+    uint32_t count;
+    slv_res *res;
+    uint8_t *wide;
+    uint32_t *order; /* those close together that meet */
+};
+
+static void free_items(struct items *items) {
+    free(items->res);
+    free(items->wide);
+    free(items->order);
+}
+
+static slv_result list_faces(const slv_gl_source *source, struct items *out) {
     const slv_texture_desc *desc = slv_levels_get_desc(source->levels);
+    slv_result result;
+    out->count = desc->nfaces;
+    if ((result = slv_alloc(source->env, "faces", out->count, sizeof *out->res, &out->res)) ||
+        (result = slv_alloc(source->env, "faces", out->count, 1, &out->wide)) ||
+        (result = slv_alloc(source->env, "faces", out->count, sizeof *out->order, &out->order)))
+        return result;
+    memcpy(out->res, desc->res, out->count * sizeof *out->res);
+    return neighbourly_order(source, out->count, out->order);
+}
+
+/* Edges in the order in which the faces first need them. */
+static slv_result list_squares(const slv_gl_source *source, const slv_htex *htex,
+                               struct items *out) {
+    uint32_t nfaces = slv_levels_get_desc(source->levels)->nfaces, *faces = NULL, listed = 0;
+    bool *seen = NULL;
+    slv_result result;
+    out->count = slv_htex_edge_count(htex);
+    if ((result = slv_alloc(source->env, "edges", out->count, sizeof *out->res, &out->res)) ||
+        (result = slv_alloc(source->env, "edges", out->count, 1, &out->wide)) ||
+        (result = slv_alloc(source->env, "edges", out->count, sizeof *out->order, &out->order)) ||
+        (result = slv_alloc(source->env, "edges", out->count, sizeof *seen, &seen)) ||
+        (result = slv_alloc(source->env, "face order", nfaces, sizeof *faces, &faces)) ||
+        (result = neighbourly_order(source, nfaces, faces)))
+        goto done;
+    for (uint32_t i = 0; i < nfaces; i++) {
+        slv_htex_face face = slv_htex_get_face(htex, faces[i]);
+        for (uint32_t k = 0; k < 4; k++) {
+            uint32_t edge = face.edge[k];
+            if (seen[edge])
+                continue;
+            seen[edge] = true;
+            out->res[edge].u = out->res[edge].v = (int8_t)slv_htex_log2(htex, edge);
+            out->order[listed++] = edge;
+        }
+    }
+done:
+    free(faces);
+    free(seen);
+    return result;
+}
+
+/* Sorts them into classes, keeping their order, and cuts the classes into pools. */
+static slv_result assign_pools(const slv_gl_source *source, const struct items *items,
+                               slv_gl_store *store) {
     const slv_env *env = source->env;
     slv_result result = SLV_OK;
-    uint32_t nfaces = desc->nfaces, npools = 0;
-    uint32_t *neighbourly = NULL, *start = NULL;
+    uint32_t count_all = items->count, npools = 0, *start = NULL;
     slv_gl_pool *templates = NULL;
-    if ((result = slv_alloc(env, "face order", nfaces, sizeof *neighbourly, &neighbourly)) ||
-        (result = slv_alloc(env, "size classes", NCLASSES + 1, sizeof *start, &start)) ||
+    bool packed = slv_gl_is_packed(store->layout);
+    if ((result = slv_alloc(env, "size classes", NCLASSES + 1, sizeof *start, &start)) ||
         (result = slv_alloc(env, "size classes", NCLASSES, sizeof *templates, &templates)) ||
-        (result = slv_alloc(env, "face order", nfaces, sizeof *store->order, &store->order)) ||
-        (result = slv_alloc(env, "pool table", nfaces, sizeof *store->pool_of, &store->pool_of)) ||
-        (result =
-             slv_alloc(env, "layer table", nfaces, sizeof *store->layer_of, &store->layer_of)) ||
-        (result = neighbourly_order(source, nfaces, neighbourly)))
+        (result = slv_alloc(env, "layers", count_all, sizeof *store->order, &store->order)) ||
+        (result = slv_alloc(env, "pools", count_all, sizeof *store->pool_of, &store->pool_of)) ||
+        (result = slv_alloc(env, "layers", count_all, sizeof *store->layer_of, &store->layer_of)))
         goto done;
-    for (uint32_t f = 0; f < nfaces; f++)
-        start[class_of(desc->res[f], wide[f]) + 1]++;
+    for (uint32_t i = 0; i < count_all; i++)
+        start[class_of(items->res[i], items->wide[i]) + 1]++;
     for (uint32_t c = 0; c < NCLASSES; c++) {
         slv_gl_pool *pool = &templates[c];
         uint32_t count = start[c + 1];
@@ -144,13 +197,15 @@ static slv_result assign_pools(const slv_gl_source *source, const uint8_t *wide,
             pool->res = (slv_res){(int8_t)(c >> 5 & 31), (int8_t)(c & 31)};
             pool->wide = c >> 10;
             const slv_gl_format *format = pool->wide ? &store->wide_format : &store->format;
-            if (store->layout) {
+            if (packed) {
                 slv_gl_pack_levels(pool->res, store->layout, source->params.border, format->block,
                                    pool);
             } else {
                 pool->width = 1u << pool->res.u;
                 pool->height = 1u << pool->res.v;
                 pool->nlevels = slv_res_level_count(pool->res);
+                if (store->layout == SLV_GL_HALF_EDGE)
+                    pool->nlevels--; /* the last has 2 x 2 texels */
             }
             uint32_t limit = source->gl->info.max_texture_size;
             if (pool->width > limit || pool->height > limit) {
@@ -160,7 +215,7 @@ static slv_result assign_pools(const slv_gl_source *source, const uint8_t *wide,
                     1u << pool->res.u, 1u << pool->res.v, pool->width, pool->height, limit);
                 goto done;
             }
-            uint64_t per_array = ARRAY_BYTES / layer_bytes(pool, format, store->layout);
+            uint64_t per_array = ARRAY_BYTES / layer_bytes(pool, format, packed);
             per_array =
                 per_array < source->params.pool_layers ? per_array : source->params.pool_layers;
             pool->nlayers = per_array ? (uint32_t)per_array : 1;
@@ -175,9 +230,9 @@ static slv_result assign_pools(const slv_gl_source *source, const uint8_t *wide,
     }
     if ((result = slv_alloc(env, "pools", npools, sizeof *store->pools, &store->pools)))
         goto done;
-    for (uint32_t i = 0; i < nfaces; i++) {
-        uint32_t f = neighbourly[i];
-        store->order[start[class_of(desc->res[f], wide[f])]++] = f;
+    for (uint32_t i = 0; i < count_all; i++) {
+        uint32_t item = items->order[i];
+        store->order[start[class_of(items->res[item], items->wide[item])]++] = item;
     }
     /* start[c] is now where class c ends */
     for (uint32_t c = 0; c < NCLASSES; c++) {
@@ -196,7 +251,6 @@ static slv_result assign_pools(const slv_gl_source *source, const uint8_t *wide,
         }
     }
 done:
-    free(neighbourly);
     free(start);
     free(templates);
     return result;
@@ -234,11 +288,12 @@ static uint64_t coverage_bytes(const slv_gl_pool *pool) {
 }
 
 static slv_result upload_pool(const slv_gl_source *source, const slv_env *env, slv_gl_store *store,
-                              const slv_edge_aligned *aligned, slv_gl_pool *pool,
+                              const slv_gl_forms *forms, slv_gl_pool *pool,
                               unsigned char **staging, uint64_t *capacity) {
     const slv_gl_api *api = &source->gl->api;
     const slv_gl_format *format = pool->wide ? &store->wide_format : &store->format;
-    uint32_t nlevels = store->layout ? 1 : pool->nlevels;
+    bool packed = slv_gl_is_packed(store->layout);
+    uint32_t nlevels = packed ? 1 : pool->nlevels;
     slv_result result = SLV_OK;
     api->CreateTextures(GL_TEXTURE_2D_ARRAY, 1, &pool->texture);
     api->TextureStorage3D(pool->texture, (GLsizei)nlevels, format->internal, (GLsizei)pool->width,
@@ -246,10 +301,10 @@ static slv_result upload_pool(const slv_gl_source *source, const slv_env *env, s
     api->TextureParameteriv(pool->texture, GL_TEXTURE_SWIZZLE_RGBA, format->swizzle);
     if ((result = slv_gl_check(source->gl, source->env, "array texture")))
         return result;
-    store->bytes += layer_bytes(pool, format, store->layout) * pool->nlayers;
+    store->bytes += layer_bytes(pool, format, packed) * pool->nlayers;
     for (uint32_t level = 0; !result && level < nlevels; level++)
-        result = slv_gl_upload_level(source, env, store, aligned, pool, level, staging, capacity);
-    if (!result && !store->layout && format->nsource == 4) {
+        result = slv_gl_upload_level(source, env, store, forms, pool, level, staging, capacity);
+    if (!result && store->layout == SLV_GL_BARE && format->nsource == 4) {
         result = make_coverage(source, pool);
         store->coverage_bytes += coverage_bytes(pool);
     }
@@ -265,13 +320,14 @@ static slv_result upload_tables(const slv_gl_source *source, slv_gl_store *store
     if (result)
         goto done;
     for (uint32_t f = 0; f < desc->nfaces; f++) {
-        rows[2 * f] = store->pool_of[f] | store->layer_of[f] << 16;
+        if (store->layout != SLV_GL_HALF_EDGE)
+            rows[2 * f] = store->pool_of[f] | store->layer_of[f] << 16;
         rows[2 * f + 1] = (uint32_t)desc->res[f].u | (uint32_t)desc->res[f].v << 8;
     }
     store->bytes += (uint64_t)desc->nfaces * 8;
     if ((result =
              slv_gl_table(source, "face table", rows, (uint64_t)desc->nfaces * 8, &store->table)) ||
-        !store->layout)
+        !slv_gl_is_packed(store->layout))
         goto done;
     uint64_t bytes = (uint64_t)store->npools * SLV_GL_LEVELS * 4 * sizeof *rects;
     if ((result = slv_alloc(env, "level table", bytes, 1, &rects)))
@@ -296,52 +352,70 @@ done:
     return result;
 }
 
-slv_result slv_gl_store_build(const slv_gl_source *source, slv_gl_layout layout,
-                              slv_gl_store *out) {
+static slv_result build_forms(const slv_gl_source *source, const slv_env *env,
+                              slv_gl_layout layout, slv_gl_forms *out) {
+    if (layout == SLV_GL_EDGE_ALIGNED)
+        return slv_edge_aligned_create(env, source->levels, source->adjacency, &out->aligned);
+    if (layout == SLV_GL_HALF_EDGE)
+        return slv_htex_create(env, source->levels, source->adjacency, &out->htex);
+    return SLV_OK;
+}
+
+static slv_result widen(const slv_gl_source *source, const slv_env *env, bool blocks,
+                        struct items *items, slv_gl_store *store) {
+    struct widen_job job = {.source = source, .env = *env, .wide = items->wide};
+    slv_result result = slv_parallel_for(env, items->count, 64, find_wide, &job);
+    for (uint32_t f = 0; f < items->count; f++)
+        *(blocks ? &store->nclipped : &store->nwide) += items->wide[f];
+    if (blocks)
+        memset(items->wide, 0, items->count);
+    return result;
+}
+
+slv_result slv_gl_store_build(const slv_gl_source *source, slv_gl_layout layout, slv_gl_store *out,
+                              slv_gl_batches *batches) {
     const slv_texture_desc *desc = slv_levels_get_desc(source->levels);
     uint32_t first = source->params.first_channel, nchannels = source->params.nchannels;
+    bool coverage = layout == SLV_GL_BARE;
     unsigned char *staging = NULL;
     uint64_t capacity = 0;
-    uint8_t *wide = NULL;
+    struct items items = {0};
     slv_gl_store store = {.layout = layout};
-    slv_edge_aligned *aligned = NULL;
+    slv_gl_forms forms = {0};
     slv_parallel_log *log = NULL;
     slv_env env;
     slv_result result = SLV_OK;
-    store.format = slv_gl_format_for(desc->type, first, nchannels, !layout);
+    store.format = slv_gl_format_for(desc->type, first, nchannels, coverage);
     store.wide_format = slv_gl_format_for(
-        desc->type == SLV_TYPE_U8 ? SLV_TYPE_HALF : SLV_TYPE_FLOAT, first, nchannels, !layout);
+        desc->type == SLV_TYPE_U8 ? SLV_TYPE_HALF : SLV_TYPE_FLOAT, first, nchannels, coverage);
     bool blocks = source->params.compression == SLV_GL_COMPRESSION_BLOCKS;
     if (blocks && (result = slv_gl_format_compress(source->gl, source->env, &store.format))) {
         *out = store;
         return result;
     }
     if ((result = slv_parallel_env_begin(source->env, &log, &env)) ||
-        (result = slv_alloc(source->env, "wide faces", desc->nfaces, 1, &wide)))
+        (result = build_forms(source, &env, layout, &forms)) ||
+        (result = forms.htex ? list_squares(source, forms.htex, &items)
+                             : list_faces(source, &items)))
         goto done;
-    if (layout == SLV_GL_BORDERED && desc->type != SLV_TYPE_FLOAT) {
-        struct widen_job job = {.source = source, .env = env, .wide = wide};
-        if ((result = slv_parallel_for(&env, desc->nfaces, 64, find_wide, &job)))
-            goto done;
-        for (uint32_t f = 0; f < desc->nfaces; f++)
-            *(blocks ? &store.nclipped : &store.nwide) += wide[f];
-        if (blocks)
-            memset(wide, 0, desc->nfaces);
-    }
-    if ((result = assign_pools(source, wide, &store)))
+    if (layout == SLV_GL_BORDERED && desc->type != SLV_TYPE_FLOAT &&
+        (result = widen(source, &env, blocks, &items, &store)))
         goto done;
-    if (layout == SLV_GL_EDGE_ALIGNED &&
-        (result = slv_edge_aligned_create(&env, source->levels, source->adjacency, &aligned)))
+    if ((result = assign_pools(source, &items, &store)))
         goto done;
     for (uint32_t p = 0; !result && p < store.npools; p++)
-        result = upload_pool(source, &env, &store, aligned, &store.pools[p], &staging, &capacity);
+        result = upload_pool(source, &env, &store, &forms, &store.pools[p], &staging, &capacity);
     if (!result)
         result = upload_tables(source, &store);
+    if (!result)
+        result = forms.htex ? slv_gl_batches_of_squares(source, &store, forms.htex, batches)
+                            : slv_gl_batches_by_pool(source, &store, batches);
 done:
-    slv_edge_aligned_destroy(aligned);
+    slv_edge_aligned_destroy(forms.aligned);
+    slv_htex_destroy(forms.htex);
     slv_parallel_env_end(log);
+    free_items(&items);
     free(staging);
-    free(wide);
     if (result)
         slv_gl_store_free(source->gl, &store);
     *out = store;
@@ -355,6 +429,7 @@ void slv_gl_store_free(const slv_gl *gl, slv_gl_store *store) {
     }
     gl->api.DeleteBuffers(1, &store->table);
     gl->api.DeleteBuffers(1, &store->rects);
+    gl->api.DeleteBuffers(1, &store->squares);
     free(store->pools);
     free(store->order);
     free(store->pool_of);

@@ -7,6 +7,7 @@
 #include "gl/compress.h"
 
 #include <selvage/gl_texture.h>
+#include <selvage/htex.h>
 
 #define SLV_GL_LEVELS (SLV_MAX_LOG2_RES + 1)
 
@@ -34,29 +35,36 @@ typedef struct slv_gl_pool {
     slv_res res;
     bool wide;
     uint32_t nlayers, width, height, nlevels;
-    const uint32_t *faces;            /* of each layer */
+    const uint32_t *faces;            /* of each layer; half-edge stores: the edges */
     slv_gl_rect rects[SLV_GL_LEVELS]; /* packed pools only */
 } slv_gl_pool;
 
-/* Bare: plain texels with OpenGL's own levels. The others are packed, all levels side by side in
- * one layer: each with its border, or as samples that lie on the edges. */
+/* Bare: plain texels with OpenGL's own levels. Bordered and edge-aligned are packed, all levels side
+ * by side in one layer: each with its border, or as samples that lie on the edges. Half-edge stores
+ * have squares of edges for layers, with OpenGL's levels. */
 typedef enum slv_gl_layout {
     SLV_GL_BARE = 0,
     SLV_GL_BORDERED,
     SLV_GL_EDGE_ALIGNED,
+    SLV_GL_HALF_EDGE,
     SLV_GL_LAYOUT_COUNT
 } slv_gl_layout;
 
-/* A store: every face in a layer of one pool. */
+static inline bool slv_gl_is_packed(slv_gl_layout layout) {
+    return layout == SLV_GL_BORDERED || layout == SLV_GL_EDGE_ALIGNED;
+}
+
+/* A store: every face, or edge, in a layer of one pool. */
 typedef struct slv_gl_store {
     slv_gl_layout layout;
     slv_gl_format format, wide_format;
     slv_gl_pool *pools;
     uint32_t npools, nwide, nclipped;
     slv_gl_block_error error;
-    uint32_t *order; /* faces in the order of pools and layers */
+    uint32_t *order; /* faces, or edges, in the order of pools and layers */
     uint32_t *pool_of, *layer_of;
     GLuint table;                   /* per face: pool | layer << 16, res */
+    GLuint squares;                 /* half-edge only; per face: the squares that it looks up */
     GLuint rects;                   /* packed only */
     uint64_t bytes, coverage_bytes; /* coverage apart, for not every strategy binds it */
 } slv_gl_store;
@@ -101,19 +109,34 @@ void slv_gl_pack_levels(slv_res res, slv_gl_layout layout, uint32_t border, bool
 /* Makes a format of 8-bit texels one of blocks. */
 slv_result slv_gl_format_compress(const slv_gl *gl, const slv_env *env, slv_gl_format *format);
 
-slv_result slv_gl_store_build(const slv_gl_source *source, slv_gl_layout layout, slv_gl_store *out);
+/* What is made from a texture for some layouts, NULL for the others, while they are uploaded. */
+typedef struct slv_gl_forms {
+    slv_edge_aligned *aligned;
+    slv_htex *htex;
+} slv_gl_forms;
+
+/* The batches are those of lookups that stay in the own layer, and of half-edge squares. */
+slv_result slv_gl_store_build(const slv_gl_source *source, slv_gl_layout layout, slv_gl_store *out,
+                              slv_gl_batches *batches);
 void slv_gl_store_free(const slv_gl *gl, slv_gl_store *store);
 
 /* Fills and uploads one level of every layer (packed: the whole layer), as many layers at a time as
  * the staging holds; `*staging` grows as needed and is released with free(). `env` logs one at a
- * time; `aligned` is NULL but for edge-aligned stores. */
+ * time. */
 slv_result slv_gl_upload_level(const slv_gl_source *source, const slv_env *env, slv_gl_store *store,
-                               const slv_edge_aligned *aligned, const slv_gl_pool *pool,
+                               const slv_gl_forms *forms, const slv_gl_pool *pool,
                                uint32_t level, unsigned char **staging, uint64_t *capacity);
 
 /* One batch a pool. */
 slv_result slv_gl_batches_by_pool(const slv_gl_source *source, const slv_gl_store *store,
                                   slv_gl_batches *out);
+/* Batches whose pools hold all squares that their faces look up, and the table of these. */
+slv_result slv_gl_batches_of_squares(const slv_gl_source *source, slv_gl_store *store,
+                                     const slv_htex *htex, slv_gl_batches *out);
+/* A batch looks up a face's squares, which can lie in four pools, however few a host asks for. */
+static inline uint32_t slv_gl_square_pools(const slv_gl_texture_params *params) {
+    return params->batch_pools < 4 ? 4 : params->batch_pools;
+}
 /* Batches whose pools hold the neighbours too, the link table that goes with them, and the corner
  * values. */
 slv_result slv_gl_batches_with_neighbours(const slv_gl_source *source, const slv_gl_store *store,
@@ -142,11 +165,11 @@ struct slv_gl_texture {
     uint64_t texel_bytes;
     bool scaled; /* see slv_gl_scale_down */
     slv_gl_store stores[SLV_GL_LAYOUT_COUNT];
-    slv_gl_batches own[SLV_GL_LAYOUT_COUNT]; /* clamp and discard; borders; edge-aligned */
+    slv_gl_batches own[SLV_GL_LAYOUT_COUNT]; /* clamp and discard; borders; edge-aligned; htex */
     slv_gl_batches reach;                    /* traverse */
     GLuint links, corners;
     uint64_t reach_bytes;
-    GLuint samplers[3]; /* clamped, zero border, packed */
+    GLuint samplers[4]; /* clamped, zero border, packed, squares */
     char *glsl[SLV_STRATEGY_COUNT][SLV_GL_MAX_VARIANTS];
     char *sample_owned;
     const char *sample_text;

@@ -8,7 +8,8 @@
 #include <string.h>
 
 static const char *const strategy_names[SLV_STRATEGY_COUNT] = {
-    "clamp", "borders", "traverse", "discard", "hybrid", "traverse-full", "edge-aligned"};
+    "clamp",  "borders",       "traverse",     "discard",
+    "hybrid", "traverse-full", "edge-aligned", "htex"};
 
 const char *slv_strategy_name(slv_strategy strategy) {
     return strategy < SLV_STRATEGY_COUNT ? strategy_names[strategy] : "unknown";
@@ -37,24 +38,27 @@ static bool in_vectors(const slv_gl_texture *texture) {
                                                : branching == SLV_GL_BRANCHING_VECTORS);
 }
 
-enum { SAMPLER_CLAMPED, SAMPLER_ZERO_BORDER, SAMPLER_PACKED };
+enum { SAMPLER_CLAMPED, SAMPLER_ZERO_BORDER, SAMPLER_PACKED, SAMPLER_SQUARES, SAMPLERS };
 
 static void make_samplers(slv_gl_texture *texture) {
     static const float zero[4] = {0, 0, 0, 0};
     const slv_gl_api *api = &texture->gl->api;
-    api->CreateSamplers(3, texture->samplers);
-    for (int i = 0; i < 3; i++) {
+    api->CreateSamplers(SAMPLERS, texture->samplers);
+    for (int i = 0; i < SAMPLERS; i++) {
         GLuint sampler = texture->samplers[i];
-        /* a packed layer is never left, but with this mode software drivers filter 8-bit texels
-         * in float and not in 8 bits */
-        GLint wrap = i == SAMPLER_CLAMPED ? GL_CLAMP_TO_EDGE : GL_CLAMP_TO_BORDER;
+        /* a packed layer is never left, and a square by half a texel at most, which repeats the
+         * one at its side; but with these modes software drivers filter 8-bit texels in float and
+         * not in 8 bits */
+        GLint wrap = i == SAMPLER_CLAMPED   ? GL_CLAMP_TO_EDGE
+                     : i == SAMPLER_SQUARES ? GL_MIRRORED_REPEAT
+                                            : GL_CLAMP_TO_BORDER;
         api->SamplerParameteri(sampler, GL_TEXTURE_WRAP_S, wrap);
         api->SamplerParameteri(sampler, GL_TEXTURE_WRAP_T, wrap);
         api->SamplerParameteri(sampler, GL_TEXTURE_MAG_FILTER, GL_LINEAR);
         api->SamplerParameteri(sampler, GL_TEXTURE_MIN_FILTER,
                                i == SAMPLER_PACKED ? GL_LINEAR : GL_LINEAR_MIPMAP_LINEAR);
         api->SamplerParameterfv(sampler, GL_TEXTURE_BORDER_COLOR, zero);
-        if (texture->params.anisotropy > 1 && !taps_in_shader(texture))
+        if (texture->params.anisotropy > 1 && !taps_in_shader(texture) && i != SAMPLER_SQUARES)
             api->SamplerParameterf(sampler, GL_TEXTURE_MAX_ANISOTROPY,
                                    (float)texture->params.anisotropy);
     }
@@ -110,6 +114,7 @@ static uint64_t texel_bytes(const slv_texture_desc *desc, uint32_t nchannels) {
 static slv_gl_layout layout_of(slv_strategy strategy) {
     return strategy == SLV_STRATEGY_BORDERS        ? SLV_GL_BORDERED
            : strategy == SLV_STRATEGY_EDGE_ALIGNED ? SLV_GL_EDGE_ALIGNED
+           : strategy == SLV_STRATEGY_HTEX         ? SLV_GL_HALF_EDGE
                                                    : SLV_GL_BARE;
 }
 
@@ -161,9 +166,8 @@ slv_result slv_gl_texture_create(slv_gl *gl, const slv_env *env, const slv_textu
     for (int s = 0; s < SLV_STRATEGY_COUNT; s++)
         layouts[layout_of((slv_strategy)s)] |= wants(made, (slv_strategy)s);
     for (int k = 0; k < SLV_GL_LAYOUT_COUNT; k++)
-        if (layouts[k] &&
-            ((result = slv_gl_store_build(&source, (slv_gl_layout)k, &made->stores[k])) ||
-             (result = slv_gl_batches_by_pool(&source, &made->stores[k], &made->own[k]))))
+        if (layouts[k] && (result = slv_gl_store_build(&source, (slv_gl_layout)k, &made->stores[k],
+                                                       &made->own[k])))
             goto done;
     if (reaching &&
         (result = slv_gl_batches_with_neighbours(&source, &made->stores[SLV_GL_BARE], &made->reach,
@@ -193,7 +197,7 @@ void slv_gl_texture_destroy(slv_gl_texture *texture) {
     slv_gl_batches_free(&texture->reach);
     api->DeleteBuffers(1, &texture->links);
     api->DeleteBuffers(1, &texture->corners);
-    api->DeleteSamplers(3, texture->samplers);
+    api->DeleteSamplers(SAMPLERS, texture->samplers);
     for (int s = 0; s < SLV_STRATEGY_COUNT; s++) {
         for (int v = 0; v < SLV_GL_MAX_VARIANTS; v++) {
             free(texture->glsl[s][v]);
@@ -294,7 +298,8 @@ void slv_gl_texture_bind(slv_gl_texture *texture, slv_strategy strategy, uint32_
         return;
     const slv_gl_batch_range *range = &batches->ranges[index];
     uint32_t reach = slv_gl_variant_pools(range->variant);
-    GLuint sampler = texture->samplers[store->layout                    ? SAMPLER_PACKED
+    GLuint sampler = texture->samplers[slv_gl_is_packed(store->layout)  ? SAMPLER_PACKED
+                                       : strategy == SLV_STRATEGY_HTEX  ? SAMPLER_SQUARES
                                        : strategy == SLV_STRATEGY_CLAMP ? SAMPLER_CLAMPED
                                                                         : SAMPLER_ZERO_BORDER];
     bool split = split_coverage(texture, strategy);
@@ -312,12 +317,16 @@ void slv_gl_texture_bind(slv_gl_texture *texture, slv_strategy strategy, uint32_
         api->BindBufferBase(GL_SHADER_STORAGE_BUFFER, SLV_GL_FIRST_STORAGE + 1, texture->links);
         api->BindBufferBase(GL_SHADER_STORAGE_BUFFER, SLV_GL_FIRST_STORAGE + 3, texture->corners);
     }
-    if (store->layout)
+    if (strategy == SLV_STRATEGY_HTEX)
+        api->BindBufferBase(GL_SHADER_STORAGE_BUFFER, SLV_GL_FIRST_STORAGE + 1, store->squares);
+    if (slv_gl_is_packed(store->layout))
         api->BindBufferBase(GL_SHADER_STORAGE_BUFFER, SLV_GL_FIRST_STORAGE + 2, store->rects);
 }
 
 void slv_gl_texture_unbind(slv_gl_texture *texture) {
     uint32_t units = texture->params.batch_pools * (texture->params.nchannels == 4 ? 2 : 1);
+    uint32_t squares = slv_gl_square_pools(&texture->params);
+    units = units > squares ? units : squares;
     for (uint32_t unit = 0; unit < units; unit++)
         texture->gl->api.BindSampler(SLV_GL_FIRST_UNIT + unit, 0);
 }

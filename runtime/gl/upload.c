@@ -14,7 +14,7 @@ struct fill_job {
     const slv_gl_pool *pool;
     const slv_gl_format *format;
     slv_gl_layout layout;
-    const slv_edge_aligned *aligned;
+    const slv_gl_forms *forms;
     uint32_t first_layer, level;
     uint64_t layer_size, block_size; /* of a layer before and after compression */
     uint32_t width, height;
@@ -27,8 +27,9 @@ static slv_result fill_bare(const struct fill_job *job, uint32_t layer) {
     uint32_t face = job->pool->faces[job->first_layer + layer];
     const slv_texture_desc *desc = slv_levels_get_desc(job->source->levels);
     slv_res res = slv_res_level(job->pool->res, job->level);
-    slv_gl_convert(job->format, slv_levels_texels(job->source->levels, face, job->level),
-                   desc->nchannels, (size_t)1 << (res.u + res.v), false,
+    const void *texels = job->forms->htex ? slv_htex_texels(job->forms->htex, face, job->level)
+                                          : slv_levels_texels(job->source->levels, face, job->level);
+    slv_gl_convert(job->format, texels, desc->nchannels, (size_t)1 << (res.u + res.v), false,
                    job->staging + layer * job->layer_size);
     return SLV_OK;
 }
@@ -59,7 +60,7 @@ static slv_result fill_aligned(const struct fill_job *job, uint32_t layer) {
     unsigned char *out = job->staging + layer * job->layer_size;
     for (uint32_t level = 0; level < job->pool->nlevels; level++) {
         const slv_gl_rect *rect = &job->pool->rects[level];
-        const unsigned char *from = slv_edge_aligned_samples(job->aligned, face, level);
+        const unsigned char *from = slv_edge_aligned_samples(job->forms->aligned, face, level);
         size_t row = rect->width + 1, bytes = row * desc->nchannels * slv_type_size(desc->type);
         for (uint32_t y = 0; y <= rect->height; y++, from += bytes)
             slv_gl_convert(job->format, from, desc->nchannels, row, false,
@@ -81,8 +82,8 @@ static slv_result fill(void *user, uint64_t first, uint64_t end) {
     }
     for (uint64_t layer = first; !result && layer < end; layer++) {
         result = job->layout == SLV_GL_BORDERED ? fill_bordered(job, (uint32_t)layer, scratch)
-                 : job->layout == SLV_GL_BARE   ? fill_bare(job, (uint32_t)layer)
-                                                : fill_aligned(job, (uint32_t)layer);
+                 : job->forms->aligned          ? fill_aligned(job, (uint32_t)layer)
+                                                : fill_bare(job, (uint32_t)layer);
         if (!result && job->format->block)
             result = slv_gl_compress(&job->env, job->format->block, job->format->ncomponents,
                                      job->format->nsource, job->width, job->height,
@@ -113,9 +114,10 @@ static slv_result begin_blocks(const slv_gl_source *source, uint32_t count, stru
     if ((result = slv_alloc(source->env, "blocks", job->block_size * count, 1, &job->blocks)) ||
         (result = slv_alloc(source->env, "errors of blocks", count, sizeof *job->errors,
                             &job->errors)) ||
-        (job->layout && (result = slv_alloc(source->env, "layer", texels, 1, &job->used))))
+        (slv_gl_is_packed(job->layout) &&
+         (result = slv_alloc(source->env, "layer", texels, 1, &job->used))))
         return result;
-    if (job->layout)
+    if (job->used)
         mark_used(job->pool, job->layout, job->used);
     return SLV_OK;
 }
@@ -141,12 +143,13 @@ static void send(const slv_gl_api *api, const struct fill_job *job, uint32_t cou
 }
 
 slv_result slv_gl_upload_level(const slv_gl_source *source, const slv_env *env, slv_gl_store *store,
-                               const slv_edge_aligned *aligned, const slv_gl_pool *pool,
+                               const slv_gl_forms *forms, const slv_gl_pool *pool,
                                uint32_t level, unsigned char **staging, uint64_t *capacity) {
     const slv_gl_format *format = pool->wide ? &store->wide_format : &store->format;
     slv_res res = slv_res_level(pool->res, level);
-    uint32_t width = store->layout ? pool->width : 1u << res.u;
-    uint32_t height = store->layout ? pool->height : 1u << res.v;
+    bool packed = slv_gl_is_packed(store->layout);
+    uint32_t width = packed ? pool->width : 1u << res.u;
+    uint32_t height = packed ? pool->height : 1u << res.v;
     uint64_t layer_size = (uint64_t)width * height * format->texel_bytes;
     uint64_t at_once = STAGING_BYTES / layer_size ? STAGING_BYTES / layer_size : 1;
     slv_result result = SLV_OK;
@@ -165,14 +168,14 @@ slv_result slv_gl_upload_level(const slv_gl_source *source, const slv_env *env, 
                                .pool = pool,
                                .format = format,
                                .layout = store->layout,
-                               .aligned = aligned,
+                               .forms = forms,
                                .first_layer = first,
                                .level = level,
                                .layer_size = layer_size,
                                .width = width,
                                .height = height,
                                .staging = *staging};
-        if (store->layout)
+        if (packed)
             memset(*staging, 0, layer_size * count);
         if (format->block)
             result = begin_blocks(source, count, &job);

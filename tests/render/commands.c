@@ -92,7 +92,7 @@ static void check_usage(void) {
         {"--msaa", "-4", "--msaa", NULL},
         {"--msaa", "4x", "--msaa", NULL},
         {"--bits", "12", "8 or 16", NULL},
-        {"--strategy", "best", "clamp|borders|traverse|discard|hybrid|traverse-full|edge-aligned",
+        {"--strategy", "best", "clamp|borders|traverse|discard|hybrid|traverse-full|edge-aligned|htex",
          NULL},
         {"--context", "glx", "auto|egl|osmesa", NULL},
         {"--size", "0x5", "--size", NULL},

@@ -37,6 +37,11 @@ static void check_equal(const kit *k, const char *name, uint32_t anisotropy) {
             "t %g",
             name, slv_type_name(k->type), k->nchannels, level, anisotropy, (double)aligned.max,
             aligned.face, aligned.edge, (double)aligned.t);
+        slv_gl_seam htex = jump(texture, k, SLV_STRATEGY_HTEX, level);
+        CHECK_MSG(htex.max <= 1.0f / 255,
+                  "%s %s %u channels level %u aniso %u: htex jumps by %g at face %d edge %d t %g",
+                  name, slv_type_name(k->type), k->nchannels, level, anisotropy, (double)htex.max,
+                  htex.face, htex.edge, (double)htex.t);
         CHECK(clamp.nedges > 0 && clamp.nequal == clamp.nedges);
         CHECK_MSG(full.max <= 1.0f / 255, "%s level %u: traverse-full jumps by %g", name, level,
                   (double)full.max);
@@ -91,7 +96,13 @@ static void check_mixed(kit *k, const char *name, uint64_t *random) {
     CHECK_MSG(traverse.mean < clamp.mean / 8, "%s mixed: traverse %g clamp %g", name,
               (double)traverse.mean, (double)clamp.mean);
     CHECK(isfinite(borders.max) && isfinite(traverse.max));
-    /* Of all strategies this one alone agrees everywhere, beside sub-faces of any sizes too. */
+    /* These two alone agree everywhere, beside sub-faces of any sizes too; and htex, whose faces
+     * look up the same texels, from any distance. */
+    for (uint32_t level = 0; level < 6; level++) {
+        slv_gl_seam htex = jump(texture, k, SLV_STRATEGY_HTEX, level);
+        CHECK_MSG(htex.max <= 1.0f / 255, "%s mixed level %u: htex jumps by %g at face %d edge %d t %g",
+                  name, level, (double)htex.max, htex.face, htex.edge, (double)htex.t);
+    }
     slv_gl_seam aligned = jump(texture, k, SLV_STRATEGY_EDGE_ALIGNED, 0);
     CHECK_MSG(aligned.max <= 1.0f / 255,
               "%s mixed: edge-aligned jumps by %g at face %d edge %d t %g", name,

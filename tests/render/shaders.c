@@ -202,14 +202,14 @@ int main(void) {
         check_texture(nchannels, 1);
         check_texture(nchannels, 16);
     }
-    /* with and without coverage of their own for four strategies, without for the other three; two
+    /* with and without coverage of their own for four strategies, without for the other four; two
      * anisotropies; taps made by either; with branches and in vectors */
-    CHECK_MSG(nseen == (3 * 1 + 4 * 2) * 2 * 2 * 2 * SLV_GL_MAX_VARIANTS, "%d texts", nseen);
+    CHECK_MSG(nseen == (4 * 1 + 4 * 2) * 2 * 2 * 2 * SLV_GL_MAX_VARIANTS, "%d texts", nseen);
     CHECK(kit_count_files(scratch.folder) == nfiles);
 
     for (int stage = 0; stage < STAGES; stage++) {
         static const char *const patterns[] = {"clamp",  "borders",       "traverse",    "discard",
-                                               "hybrid", "traverse-full", "edge-aligned"};
+                                               "hybrid", "traverse-full", "edge-aligned", "htex"};
         for (int s = 0; s < SLV_STRATEGY_COUNT; s++) {
             char pattern[64];
             snprintf(pattern, sizeof pattern, "%s_%s_*.frag", stage_names[stage], patterns[s]);

@@ -38,6 +38,9 @@ typedef enum slv_strategy {
     SLV_STRATEGY_EDGE_ALIGNED, /* samples on the edges of faces in place of borders (edge_aligned.h;
                                   Purnomo 2004): the same values from both sides at any resolution,
                                   of a texture that is slightly blurred */
+    SLV_STRATEGY_HTEX, /* square textures of edges, each shared by the faces on both sides (htex.h;
+                          Barbier and Dupuy 2022): the same values from both sides at any resolution
+                          and any footprint, of a texture that is resampled */
     SLV_STRATEGY_COUNT
 } slv_strategy;
 
@@ -78,7 +81,7 @@ typedef struct slv_gl_texture_params {
                                anisotropy needs */
     uint32_t batch_pools; /* most array textures that a batch binds, rounded down to a power of two;
                              0 means 16, or what the driver has units for; below 9 a face can have
-                             neighbours that do not fit */
+                             neighbours that do not fit. htex binds up to 4 at least */
     uint32_t pool_layers; /* most layers in one array; 0 means what the driver has */
     slv_gl_branching branching;
     slv_gl_compression compression; /* of textures other than 8-bit: SLV_ERROR_UNSUPPORTED */
@@ -128,8 +131,8 @@ SLV_API slv_gl_batch slv_gl_texture_batch(const slv_gl_texture *texture, slv_str
 
 /* The GLSL that a fragment shader includes, after `#version 450 core` and before its own code: the
  * definitions of a variant and shaders/selvage_sample.glsl. It depends on the strategy, the
- * variant, and the texture's channels and anisotropy; only `traverse`, `traverse-full` and `hybrid`
- * have variants other than 0.
+ * variant, and the texture's channels and anisotropy; only `traverse`, `traverse-full`, `hybrid` and
+ * `htex` have variants other than 0.
  * Owned by the texture; "" if an argument is out of range or memory is short. */
 SLV_API const char *slv_gl_texture_glsl(slv_gl_texture *texture, slv_strategy strategy,
                                         uint32_t variant);

@@ -12,6 +12,7 @@
 #include <selvage/gl_renderer.h>
 #include <selvage/gl_texture.h>
 #include <selvage/half.h>
+#include <selvage/htex.h>
 #include <selvage/image.h>
 #include <selvage/mesh.h>
 #include <selvage/ptx.h>

@@ -1,0 +1,96 @@
+/* Half-edge squares on the GPU: lookups are those of slv_htex_lookup, in every part of a face, at
+ * every level, however the squares are spread over array textures. */
+#include "unit/border_kit.h"
+
+#include <selvage/gl_texture.h>
+#include <selvage/htex.h>
+
+enum { POINTS = 4096 };
+
+static slv_gl *gl;
+static int32_t faces[POINTS];
+static float uv[2 * POINTS], dx[2 * POINTS], dy[2 * POINTS], widths[POINTS], values[4 * POINTS];
+
+static void random_points(const kit *k, uint64_t *random) {
+    for (int i = 0; i < POINTS; i++) {
+        uint32_t face = test_random(random) % k->nfaces, where = test_random(random) % 4;
+        float width = exp2f(-8 + (float)(test_random(random) % 1024) / 128);
+        faces[i] = (int32_t)face;
+        widths[i] = width;
+        for (int c = 0; c < 2; c++)
+            uv[2 * i + c] = (float)(test_random(random) % 257) / 256;
+        if (where == 0) /* on an edge, or on a side between two squares */
+            uv[2 * i] = (float)(test_random(random) % 3) / 2;
+        else if (where == 1)
+            uv[2 * i] = test_random(random) % 2 ? uv[2 * i + 1] : 1 - uv[2 * i + 1];
+        dx[2 * i] = dy[2 * i + 1] = width;
+        dx[2 * i + 1] = dy[2 * i] = 0;
+    }
+}
+
+static void check_values(const kit *k, const char *name, uint32_t pool_layers, uint64_t *random) {
+    slv_env env = test_env();
+    slv_htex *htex = NULL;
+    REQUIRE(slv_htex_create(&env, k->levels, k->adjacency, &htex) == SLV_OK);
+    random_points(k, random);
+    for (int branching = SLV_GL_BRANCHING_REAL; branching <= SLV_GL_BRANCHING_VECTORS;
+         branching++) {
+        slv_gl_texture_params params = {.strategies = 1u << SLV_STRATEGY_HTEX,
+                                        .branching = (slv_gl_branching)branching,
+                                        .pool_layers = pool_layers,
+                                        .batch_pools = 1};
+        slv_gl_texture *texture = NULL;
+        int wrong = 0;
+        REQUIRE(slv_gl_texture_create(gl, &env, k->texture, k->adjacency, &params, &texture) ==
+                SLV_OK);
+        REQUIRE(slv_gl_texture_lookup(texture, &env, SLV_STRATEGY_HTEX, POINTS, faces, uv, dx, dy,
+                                      values) == SLV_OK);
+        for (int i = 0; i < POINTS && wrong < 4; i++) {
+            float expected[4] = {0, 0, 0, 1};
+            slv_htex_lookup(htex, (uint32_t)faces[i], uv[2 * i], uv[2 * i + 1], widths[i],
+                            expected);
+            if (k->nchannels == 1)
+                expected[1] = expected[2] = expected[0];
+            for (int c = 0; c < 4; c++) {
+                float got = values[4 * i + c];
+                bool good = fabsf(got - expected[c]) < 5e-3f;
+                wrong += !good;
+                CHECK_MSG(good, "%s %s %s: face %d of %d x %d at (%g, %g), width %g: %g for %g",
+                          name, slv_type_name(k->type),
+                          branching == SLV_GL_BRANCHING_REAL ? "branches" : "vectors", faces[i],
+                          1 << k->res[faces[i]].u, 1 << k->res[faces[i]].v, (double)uv[2 * i],
+                          (double)uv[2 * i + 1], (double)widths[i], (double)got,
+                          (double)expected[c]);
+            }
+        }
+        slv_gl_texture_destroy(texture);
+    }
+    slv_htex_destroy(htex);
+}
+
+int main(void) {
+    uint64_t random = 3;
+    slv_env env = test_env();
+    REQUIRE(slv_gl_create(&env, SLV_GL_AUTO, &gl) == SLV_OK);
+    for (int round = 0; round < 8; round++) {
+        kit k;
+        char name[32];
+        snprintf(name, sizeof name, "round %d", round);
+        if (round % 4 == 0)
+            kit_pentagons(&k, &random);
+        else if (round % 4 == 1)
+            kit_disc(&k, 3 + round, &random);
+        else
+            kit_grid(&k, 4, 3, round % 4 == 2, 30, &random, NULL);
+        for (uint32_t f = 0; f < k.nfaces; f++)
+            k.res[f] =
+                (slv_res){(int8_t)(test_random(&random) % 6), (int8_t)(test_random(&random) % 6)};
+        if (round < 2)
+            kit_equal(&k, 3);
+        kit_noise(&k, (slv_type)(round % 4), 1 + test_random(&random) % 4, &random);
+        check_values(&k, name, round % 2 ? 2 : 0, &random);
+        kit_free(&k);
+    }
+    slv_gl_destroy(gl);
+    return test_end();
+}
