@@ -72,7 +72,8 @@ SLV_API void slv_htex_lookup(const slv_htex *htex, uint32_t face, float u, float
  * against the interpolated texels with the borders of border.h. Each texel counts the same. */
 typedef struct slv_htex_error {
     double texel_rms, texel_max;       /* at the centres of texels */
-    double function_rms, function_max; /* at 4 x 4 points of every texel */
+    double function_rms, function_max; /* at 4 x 4 points of every texel of the face, or of its
+                                          squares if theirs are smaller */
 } slv_htex_error;
 
 /* `levels` and `adjacency` are those that `htex` was made from. */
