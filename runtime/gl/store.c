@@ -288,8 +288,8 @@ static uint64_t coverage_bytes(const slv_gl_pool *pool) {
 }
 
 static slv_result upload_pool(const slv_gl_source *source, const slv_env *env, slv_gl_store *store,
-                              const slv_gl_forms *forms, slv_gl_pool *pool,
-                              unsigned char **staging, uint64_t *capacity) {
+                              const slv_gl_forms *forms, slv_gl_pool *pool, unsigned char **staging,
+                              uint64_t *capacity) {
     const slv_gl_api *api = &source->gl->api;
     const slv_gl_format *format = pool->wide ? &store->wide_format : &store->format;
     bool packed = slv_gl_is_packed(store->layout);
@@ -352,8 +352,8 @@ done:
     return result;
 }
 
-static slv_result build_forms(const slv_gl_source *source, const slv_env *env,
-                              slv_gl_layout layout, slv_gl_forms *out) {
+static slv_result build_forms(const slv_gl_source *source, const slv_env *env, slv_gl_layout layout,
+                              slv_gl_forms *out) {
     if (layout == SLV_GL_EDGE_ALIGNED)
         return slv_edge_aligned_create(env, source->levels, source->adjacency, &out->aligned);
     if (layout == SLV_GL_HALF_EDGE)
@@ -395,8 +395,8 @@ slv_result slv_gl_store_build(const slv_gl_source *source, slv_gl_layout layout,
     }
     if ((result = slv_parallel_env_begin(source->env, &log, &env)) ||
         (result = build_forms(source, &env, layout, &forms)) ||
-        (result = forms.htex ? list_squares(source, forms.htex, &items)
-                             : list_faces(source, &items)))
+        (result =
+             forms.htex ? list_squares(source, forms.htex, &items) : list_faces(source, &items)))
         goto done;
     if (layout == SLV_GL_BORDERED && desc->type != SLV_TYPE_FLOAT &&
         (result = widen(source, &env, blocks, &items, &store)))

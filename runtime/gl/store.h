@@ -39,9 +39,9 @@ typedef struct slv_gl_pool {
     slv_gl_rect rects[SLV_GL_LEVELS]; /* packed pools only */
 } slv_gl_pool;
 
-/* Bare: plain texels with OpenGL's own levels. Bordered and edge-aligned are packed, all levels side
- * by side in one layer: each with its border, or as samples that lie on the edges. Half-edge stores
- * have squares of edges for layers, with OpenGL's levels. */
+/* Bare: plain texels with OpenGL's own levels. Bordered and edge-aligned are packed, all levels
+ * side by side in one layer: each with its border, or as samples that lie on the edges. Half-edge
+ * stores have squares of edges for layers, with OpenGL's levels. */
 typedef enum slv_gl_layout {
     SLV_GL_BARE = 0,
     SLV_GL_BORDERED,
@@ -124,8 +124,8 @@ void slv_gl_store_free(const slv_gl *gl, slv_gl_store *store);
  * the staging holds; `*staging` grows as needed and is released with free(). `env` logs one at a
  * time. */
 slv_result slv_gl_upload_level(const slv_gl_source *source, const slv_env *env, slv_gl_store *store,
-                               const slv_gl_forms *forms, const slv_gl_pool *pool,
-                               uint32_t level, unsigned char **staging, uint64_t *capacity);
+                               const slv_gl_forms *forms, const slv_gl_pool *pool, uint32_t level,
+                               unsigned char **staging, uint64_t *capacity);
 
 /* One batch a pool. */
 slv_result slv_gl_batches_by_pool(const slv_gl_source *source, const slv_gl_store *store,

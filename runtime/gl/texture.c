@@ -8,8 +8,7 @@
 #include <string.h>
 
 static const char *const strategy_names[SLV_STRATEGY_COUNT] = {
-    "clamp",  "borders",       "traverse",     "discard",
-    "hybrid", "traverse-full", "edge-aligned", "htex"};
+    "clamp", "borders", "traverse", "discard", "hybrid", "traverse-full", "edge-aligned", "htex"};
 
 const char *slv_strategy_name(slv_strategy strategy) {
     return strategy < SLV_STRATEGY_COUNT ? strategy_names[strategy] : "unknown";

@@ -27,8 +27,9 @@ static slv_result fill_bare(const struct fill_job *job, uint32_t layer) {
     uint32_t face = job->pool->faces[job->first_layer + layer];
     const slv_texture_desc *desc = slv_levels_get_desc(job->source->levels);
     slv_res res = slv_res_level(job->pool->res, job->level);
-    const void *texels = job->forms->htex ? slv_htex_texels(job->forms->htex, face, job->level)
-                                          : slv_levels_texels(job->source->levels, face, job->level);
+    const void *texels = job->forms->htex
+                             ? slv_htex_texels(job->forms->htex, face, job->level)
+                             : slv_levels_texels(job->source->levels, face, job->level);
     slv_gl_convert(job->format, texels, desc->nchannels, (size_t)1 << (res.u + res.v), false,
                    job->staging + layer * job->layer_size);
     return SLV_OK;
@@ -143,8 +144,8 @@ static void send(const slv_gl_api *api, const struct fill_job *job, uint32_t cou
 }
 
 slv_result slv_gl_upload_level(const slv_gl_source *source, const slv_env *env, slv_gl_store *store,
-                               const slv_gl_forms *forms, const slv_gl_pool *pool,
-                               uint32_t level, unsigned char **staging, uint64_t *capacity) {
+                               const slv_gl_forms *forms, const slv_gl_pool *pool, uint32_t level,
+                               unsigned char **staging, uint64_t *capacity) {
     const slv_gl_format *format = pool->wide ? &store->wide_format : &store->format;
     slv_res res = slv_res_level(pool->res, level);
     bool packed = slv_gl_is_packed(store->layout);

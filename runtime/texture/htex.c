@@ -24,8 +24,8 @@ struct fill {
 typedef enum triangle_part { ALL, START_SIDE, END_SIDE } triangle_part;
 
 void slv_htex_source_at(const slv_htex_source *source, float u, float v, float *out) {
-    size_t n = source->nchannels, width = (size_t)1 << source->res.u, height = (size_t)1
-                                                                               << source->res.v;
+    size_t n = source->nchannels, width = (size_t)1 << source->res.u,
+           height = (size_t)1 << source->res.v;
     float x = u * (float)width + 0.5f, y = v * (float)height + 0.5f;
     size_t left = (size_t)x, low = (size_t)y;
     left = left < width ? left : width;
@@ -98,8 +98,8 @@ static void fill_triangle(const struct fill *fill, const slv_htex_source *source
             uint32_t place = second ? inside - 1 - i : i - first;
             sample(source, &map, part, log2, npoints, i, j, point, row + place * n);
         }
-        size_t at = second ? (size_t)(width - 1 - j) * width + (width - inside)
-                           : (size_t)j * width + first;
+        size_t at =
+            second ? (size_t)(width - 1 - j) * width + (width - inside) : (size_t)j * width + first;
         slv_type_from_float(htex->desc.type, row, count * n, texels + at * htex->texel_size);
         if (end > last)
             sample(source, &map, part, log2, npoints, last, j, point,
@@ -143,8 +143,8 @@ static slv_result fill_faces(void *user, uint64_t first, uint64_t end) {
         goto done;
     for (uint32_t face = (uint32_t)first; face < end; face++) {
         slv_htex_source source = {htex->res[face], n, bordered};
-        if ((result = slv_border_build(fill->levels, fill->adjacency, face, 0, 1, 1, bordered,
-                                       NULL)))
+        if ((result =
+                 slv_border_build(fill->levels, fill->adjacency, face, 0, 1, 1, bordered, NULL)))
             goto done;
         fill_tops(fill, &source, face);
         if (slv_htex_is_part(mesh, face)) {
@@ -185,8 +185,8 @@ static slv_result fill_edges(void *user, uint64_t first, uint64_t end) {
     float *rows = NULL;
     for (uint64_t edge = first; edge < end; edge++)
         most = htex->log2[edge] > most ? htex->log2[edge] : most;
-    slv_result result = slv_alloc(&fill->env, "texels", (UINT64_C(2) << most) * n, sizeof *rows,
-                                  &rows);
+    slv_result result =
+        slv_alloc(&fill->env, "texels", (UINT64_C(2) << most) * n, sizeof *rows, &rows);
     for (uint64_t edge = first; !result && edge < end; edge++) {
         uint32_t log2 = htex->log2[edge], width = 1u << log2;
         bool boundary = fill->mesh->half[edge][1] == SLV_HTEX_NONE;
@@ -257,8 +257,7 @@ static slv_result lay_out(const slv_env *env, const slv_htex_mesh *mesh, slv_hte
 static slv_result create(const slv_env *env, const slv_levels *levels,
                          const slv_adjacency *adjacency, const slv_htex_mesh *mesh,
                          slv_htex *htex) {
-    struct fill fill = {
-        .levels = levels, .adjacency = adjacency, .mesh = mesh, .htex = htex};
+    struct fill fill = {.levels = levels, .adjacency = adjacency, .mesh = mesh, .htex = htex};
     uint64_t nedges = mesh->nedges, n = htex->desc.nchannels;
     slv_parallel_log *log = NULL;
     slv_result result;
@@ -293,9 +292,8 @@ slv_result slv_htex_create(const slv_env *env, const slv_levels *levels,
     slv_result result;
     *out = NULL;
     if (slv_adjacency_face_count(adjacency) != desc->nfaces)
-        return slv_fail(env, SLV_ERROR_MISMATCH,
-                        "half-edges: %u faces of texture, %u of adjacency", (unsigned)desc->nfaces,
-                        (unsigned)slv_adjacency_face_count(adjacency));
+        return slv_fail(env, SLV_ERROR_MISMATCH, "half-edges: %u faces of texture, %u of adjacency",
+                        (unsigned)desc->nfaces, (unsigned)slv_adjacency_face_count(adjacency));
     if ((result = slv_alloc(env, "half-edge texture", 1, sizeof *htex, &htex)))
         return result;
     htex->desc = *desc;

@@ -14,13 +14,13 @@
  * the polygon's first face. */
 typedef struct slv_htex_mesh {
     uint32_t nfaces, nedges;
-    uint32_t *after;    /* per face: the next sub-face around its polygon, or SLV_HTEX_NONE */
-    uint32_t *before;   /* likewise */
-    uint32_t *polygon;  /* per face: the polygon's first face */
-    uint32_t *twin;     /* per half-edge: the one across, or SLV_HTEX_NONE */
-    uint32_t *edge;     /* per half-edge: its edge; SLV_HTEX_NONE if there is no such half-edge */
+    uint32_t *after;     /* per face: the next sub-face around its polygon, or SLV_HTEX_NONE */
+    uint32_t *before;    /* likewise */
+    uint32_t *polygon;   /* per face: the polygon's first face */
+    uint32_t *twin;      /* per half-edge: the one across, or SLV_HTEX_NONE */
+    uint32_t *edge;      /* per half-edge: its edge; SLV_HTEX_NONE if there is no such half-edge */
     uint32_t (*half)[2]; /* per edge: its half-edges, the second SLV_HTEX_NONE at a boundary */
-    uint32_t *root;     /* per half-edge: the node of its start */
+    uint32_t *root;      /* per half-edge: the node of its start */
 } slv_htex_mesh;
 
 slv_result slv_htex_mesh_create(const slv_env *env, const slv_adjacency *adjacency,

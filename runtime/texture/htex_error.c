@@ -6,7 +6,9 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { POINTS = 4 }; /* of a texel along each axis, of the face's or a square's */
+/* Points of a texel, of the face's or a square's: a lattice that has each coordinate once, for the
+ * texels of squares lie at halves of the face's. */
+enum { POINTS = 16, LATTICE_STEP = 7 };
 
 /* Sums over one face; added up in the order of faces, so that threads do not matter. */
 typedef struct face_error {
@@ -48,14 +50,16 @@ static void measure_face(const struct measure *measure, const slv_htex_source *s
     for (uint32_t k = 0; k < 4; k++)
         if ((!row->part || k == 1 || k == 2) && 1u << measure->htex->log2[row->edge[k]] > finest)
             finest = 1u << measure->htex->log2[row->edge[k]];
-    uint32_t across = POINTS * (width > finest ? width : finest);
-    uint32_t up = POINTS * (height > finest ? height : finest);
-    for (uint32_t y = 0; y < up; y++)
-        for (uint32_t x = 0; x < across; x++)
-            add_point(measure, source, face, ((float)x + 0.5f) / (float)across,
-                      ((float)y + 0.5f) / (float)up, values, &error->function_sum,
-                      &error->function_max);
-    error->function_sum *= ((double)width / across) * ((double)height / up);
+    uint32_t across = width > finest ? width : finest, up = height > finest ? height : finest;
+    for (uint32_t y = 0; y < up; y++) {
+        for (uint32_t i = 0; i < POINTS * across; i++) {
+            uint32_t turn = i * LATTICE_STEP % POINTS;
+            add_point(measure, source, face, ((float)i + 0.5f) / (float)(POINTS * across),
+                      ((float)y + ((float)turn + 0.5f) / POINTS) / (float)up, values,
+                      &error->function_sum, &error->function_max);
+        }
+    }
+    error->function_sum *= (double)width / across * height / up / POINTS;
 }
 
 static slv_result measure_faces(void *user, uint64_t first, uint64_t end) {
@@ -65,8 +69,8 @@ static slv_result measure_faces(void *user, uint64_t first, uint64_t end) {
     float *bordered = NULL, *values = NULL;
     slv_result result;
     for (uint64_t face = first; face < end; face++) {
-        uint64_t count = ((UINT64_C(1) << desc->res[face].u) + 2) *
-                         ((UINT64_C(1) << desc->res[face].v) + 2);
+        uint64_t count =
+            ((UINT64_C(1) << desc->res[face].u) + 2) * ((UINT64_C(1) << desc->res[face].v) + 2);
         texels = count > texels ? count : texels;
     }
     if ((result = slv_alloc(&measure->env, "border", texels * desc->nchannels, sizeof *bordered,

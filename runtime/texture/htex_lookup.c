@@ -17,8 +17,8 @@ static void add_level(const slv_htex *htex, uint32_t edge, uint32_t level, float
     float y = clamp(t * (float)(last + 1) - 0.5f, 0, (float)last);
     size_t left = (size_t)x, low = (size_t)y;
     float wx = x - (float)left, wy = y - (float)low;
-    const unsigned char *a = (const unsigned char *)slv_htex_texels(htex, edge, level) +
-                             low * pitch + left * texel;
+    const unsigned char *a =
+        (const unsigned char *)slv_htex_texels(htex, edge, level) + low * pitch + left * texel;
     size_t right = left < last ? texel : 0, up = low < last ? pitch : 0;
     for (size_t c = 0; c < htex->desc.nchannels; c++, a += size) {
         float corner[4];

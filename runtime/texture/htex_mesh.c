@@ -57,8 +57,7 @@ static uint32_t across(const slv_adjacency *adjacency, const slv_htex_mesh *mesh
     for (unsigned try = 0; try < (part ? 2u : 1u); try++) {
         slv_neighbour to[2];
         uint32_t from = try ? mesh->after[face] : face;
-        uint32_t count =
-            slv_adjacency_neighbours(adjacency, (int32_t)from, try ? 3 : half % 4, to);
+        uint32_t count = slv_adjacency_neighbours(adjacency, (int32_t)from, try ? 3 : half % 4, to);
         for (uint32_t i = 0; i < count; i++) {
             bool fits = to[i].scale == 1
                             ? slv_htex_is_part(mesh, (uint32_t)to[i].face) == part

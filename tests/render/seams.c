@@ -100,8 +100,9 @@ static void check_mixed(kit *k, const char *name, uint64_t *random) {
      * look up the same texels, from any distance. */
     for (uint32_t level = 0; level < 6; level++) {
         slv_gl_seam htex = jump(texture, k, SLV_STRATEGY_HTEX, level);
-        CHECK_MSG(htex.max <= 1.0f / 255, "%s mixed level %u: htex jumps by %g at face %d edge %d t %g",
-                  name, level, (double)htex.max, htex.face, htex.edge, (double)htex.t);
+        CHECK_MSG(htex.max <= 1.0f / 255,
+                  "%s mixed level %u: htex jumps by %g at face %d edge %d t %g", name, level,
+                  (double)htex.max, htex.face, htex.edge, (double)htex.t);
     }
     slv_gl_seam aligned = jump(texture, k, SLV_STRATEGY_EDGE_ALIGNED, 0);
     CHECK_MSG(aligned.max <= 1.0f / 255,

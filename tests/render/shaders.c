@@ -208,7 +208,7 @@ int main(void) {
     CHECK(kit_count_files(scratch.folder) == nfiles);
 
     for (int stage = 0; stage < STAGES; stage++) {
-        static const char *const patterns[] = {"clamp",  "borders",       "traverse",    "discard",
+        static const char *const patterns[] = {"clamp",  "borders",       "traverse",     "discard",
                                                "hybrid", "traverse-full", "edge-aligned", "htex"};
         for (int s = 0; s < SLV_STRATEGY_COUNT; s++) {
             char pattern[64];

@@ -291,8 +291,8 @@ static void test_hostile(void) {
         slv_htex *htex = NULL;
         for (int f = 0; f < FACES; f++) {
             flags[f] = test_random(&random) % 3 ? SLV_FACE_SUBFACE : 0;
-            res[f] = (slv_res){(int8_t)(test_random(&random) % 4),
-                               (int8_t)(test_random(&random) % 4)};
+            res[f] =
+                (slv_res){(int8_t)(test_random(&random) % 4), (int8_t)(test_random(&random) % 4)};
             for (int e = 0; e < 4; e++)
                 links[f].face[e] = SLV_BOUNDARY;
         }

@@ -131,9 +131,9 @@ SLV_API slv_gl_batch slv_gl_texture_batch(const slv_gl_texture *texture, slv_str
 
 /* The GLSL that a fragment shader includes, after `#version 450 core` and before its own code: the
  * definitions of a variant and shaders/selvage_sample.glsl. It depends on the strategy, the
- * variant, and the texture's channels and anisotropy; only `traverse`, `traverse-full`, `hybrid` and
- * `htex` have variants other than 0.
- * Owned by the texture; "" if an argument is out of range or memory is short. */
+ * variant, and the texture's channels and anisotropy; only `traverse`, `traverse-full`, `hybrid`
+ * and `htex` have variants other than 0. Owned by the texture; "" if an argument is out of range or
+ * memory is short. */
 SLV_API const char *slv_gl_texture_glsl(slv_gl_texture *texture, slv_strategy strategy,
                                         uint32_t variant);
 

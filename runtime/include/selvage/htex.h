@@ -3,13 +3,13 @@
  * Topologies").
  *
  * A polygon is cut from its centre into triangles, one for each of its half-edges: start, end,
- * centre. A point of a triangle has the coordinates (s,t) with start = (1,0), end = (0,1) and centre
- * = (0,0). The square of an edge has the triangle of one side in the half where s + t < 1, and that
- * of the other side, turned by 180 degrees, in the other half: the edge is its diagonal, and both
- * faces look up the same texels there. The other half of an edge of the boundary is the mirror image
- * of the first. A whole quad of a .ptx is a polygon of four half-edges; sub-faces are put together
- * to the polygon that they come from, whose half-edge triangles are each made of half of one
- * sub-face and half of the next, so that there are no edges at which one face meets two.
+ * centre. A point of a triangle has the coordinates (s,t) with start = (1,0), end = (0,1) and
+ * centre = (0,0). The square of an edge has the triangle of one side in the half where s + t < 1,
+ * and that of the other side, turned by 180 degrees, in the other half: the edge is its diagonal,
+ * and both faces look up the same texels there. The other half of an edge of the boundary is the
+ * mirror image of the first. A whole quad of a .ptx is a polygon of four half-edges; sub-faces are
+ * put together to the polygon that they come from, whose half-edge triangles are each made of half
+ * of one sub-face and half of the next, so that there are no edges at which one face meets two.
  *
  * Beyond the two sides of its square a half-edge's triangle goes on in the square of the half-edge
  * before it, at (-t, s), and of the one after it, at (t, -s). A lookup mixes these in within half a
@@ -18,9 +18,11 @@
  * polygon, these have the same value in their corner texels.
  *
  * The texels are new ones: the function that the texture's texels and borders stand for (border.h),
- * at the centres of the square's. A square has as many texels along a side as the face, or 2^((u + v
+ * at the centres of the square's. A square has as many texels along a side as the face, or 2^((u +
+ * v
  * + 1) / 2) if the face is oblong; between sub-faces twice as many, and those of the finer side if
- * the two differ. Its levels are means of 2 x 2 down to 2 x 2 texels, the least that a square has. */
+ * the two differ. Its levels are means of 2 x 2 down to 2 x 2 texels, the least that a square has.
+ */
 #ifndef SELVAGE_HTEX_H
 #define SELVAGE_HTEX_H
 
@@ -35,8 +37,8 @@ typedef struct slv_htex slv_htex;
 
 /* Neither argument is needed afterwards. On env->threads threads; the same bytes with any number of
  * them. `levels` and `adjacency` must have the same number of faces. Sub-faces that do not form a
- * polygon count as whole quads, and an edge at which the two sides do not fit together as one of the
- * boundary. */
+ * polygon count as whole quads, and an edge at which the two sides do not fit together as one of
+ * the boundary. */
 SLV_API slv_result slv_htex_create(const slv_env *env, const slv_levels *levels,
                                    const slv_adjacency *adjacency, slv_htex **out);
 SLV_API void slv_htex_destroy(slv_htex *htex);
@@ -54,8 +56,8 @@ SLV_API uint32_t slv_htex_log2(const slv_htex *htex, uint32_t edge);
 SLV_API const void *slv_htex_texels(const slv_htex *htex, uint32_t edge, uint32_t level);
 
 /* The squares that lookups in a face can need: of its four half-edges, those of edge 0 to 3; or, if
- * it is part of a polygon of several sub-faces, of the half-edges k - 2, k - 1, k and k + 1, where k
- * starts at its corner 0. Each is followed by the next around the polygon. */
+ * it is part of a polygon of several sub-faces, of the half-edges k - 2, k - 1, k and k + 1, where
+ * k starts at its corner 0. Each is followed by the next around the polygon. */
 typedef struct slv_htex_face {
     uint32_t edge[4];
     bool second[4]; /* the face is in the half of the square where s + t > 1 */
@@ -68,11 +70,12 @@ SLV_API slv_htex_face slv_htex_get_face(const slv_htex *htex, uint32_t face);
 SLV_API void slv_htex_lookup(const slv_htex *htex, uint32_t face, float u, float v, float width,
                              float *out);
 
-/* What the conversion loses at level 0, in the units of slv_type_to_float, over all channels: lookups
- * against the interpolated texels with the borders of border.h. Each texel counts the same. */
+/* What the conversion loses at level 0, in the units of slv_type_to_float, over all channels:
+ * lookups against the interpolated texels with the borders of border.h. Each texel counts the same.
+ */
 typedef struct slv_htex_error {
     double texel_rms, texel_max;       /* at the centres of texels */
-    double function_rms, function_max; /* at 4 x 4 points of every texel of the face, or of its
+    double function_rms, function_max; /* at 16 points of every texel of the face, or of its
                                           squares if theirs are smaller */
 } slv_htex_error;
 
