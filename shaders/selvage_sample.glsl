@@ -182,8 +182,18 @@ vec4 slv_sample_grad(int face, vec2 uv, vec2 dx, vec2 dy) {
 //   bits 20-24  log2 of the square's side
 //   bit 25      the half-edge has the half of the square where s + t > 1
 //   bit 26      the face is a sub-face
+// and the corners where these half-edges start, and the polygon's centre: the index of the first of their values in 27 bits, and
+// log2 of the least square around them.
+struct slv_square_links {
+    uvec4 squares, corners, centre;
+};
 layout(std430, binding = SLV_FIRST_STORAGE + 1) readonly buffer slv_squares_block {
-    uvec4 slv_squares[];
+    slv_square_links slv_squares[];
+};
+
+// The values that squares share where they meet, of one corner for squares of 1, 2, 4 and more texels.
+layout(std430, binding = SLV_FIRST_STORAGE + 3) readonly buffer slv_corner_block {
+    vec4 slv_corner[];
 };
 
 vec4 slv_square_texel(int pool, vec3 p, float level) {
@@ -209,16 +219,18 @@ vec4 slv_square_texel(int pool, vec3 p, float level) {
 }
 
 // A row of taps in one of the three squares that a half-edge's triangle can reach: `turn` 0 is its own, 1 that of the half-edge
-// after it, 3 that of the one before. Each tap goes over from its own square to another within `mixing` of the side between them;
-// the weights of the three add up to 1 wherever it lies, so that nothing has to be divided by what was covered.
-vec4 slv_square_row(uint square, int pool, int turn, vec2 st, float mixing, slv_footprint f) {
+// after it, 3 that of the one before. Each tap goes over from its own square to another within half a texel of the side between
+// them, or less close to a corner, so that the other has no part in the value on the edge. The weights of the three add up to 1
+// wherever a tap lies: nothing has to be divided by what was covered.
+vec4 slv_square_row(uint square, int pool, int turn, vec2 st, float texel, slv_footprint f) {
     float log2_side = float(square >> 20 & 31u), layer = float(square & 0xffffu);
-    float level = clamp(f.level + log2_side, 0.0, log2_side - 1.0);
+    float level = clamp(f.level + log2_side, 0.0, log2_side);
     vec4 sum = vec4(0.0);
     int k = 1;
     do {
         vec2 at = st + slv_tap_offset(f, k);
-        vec2 beyond = clamp(0.5 - at / mixing, 0.0, 1.0);
+        vec2 along = 2.0 * min(at.yx, 1.0 - at.yx);
+        vec2 beyond = clamp(0.5 - at / max(min(vec2(texel), along), 1e-12), 0.0, 1.0);
         float both = beyond.x * beyond.y;
         float weight = turn == 0   ? (1.0 - beyond.x) * (1.0 - beyond.y)
                        : turn == 1 ? beyond.x - 0.5 * both
@@ -231,7 +243,7 @@ vec4 slv_square_row(uint square, int pool, int turn, vec2 st, float mixing, slv_
     return sum / float(f.taps);
 }
 
-vec4 slv_square_value(uint square, int turn, vec2 st, float mixing, slv_footprint f) {
+vec4 slv_square_value(uint square, int turn, vec2 st, float texel, slv_footprint f) {
     int own = int(square >> 16 & 15u);
 #if SLV_VECTORS && SLV_POOLS > 1
     vec4 value = vec4(0.0);
@@ -239,13 +251,13 @@ vec4 slv_square_value(uint square, int turn, vec2 st, float mixing, slv_footprin
     do {
         int pool = readFirstInvocationARB(own);
         if (pool == own) {
-            value = slv_square_row(square, pool, turn, st, mixing, f);
+            value = slv_square_row(square, pool, turn, st, texel, f);
             waiting = false;
         }
     } while (waiting);
     return value;
 #else
-    return slv_square_row(square, own, turn, st, mixing, f);
+    return slv_square_row(square, own, turn, st, texel, f);
 #endif
 }
 
@@ -271,22 +283,20 @@ slv_place slv_place_of(bool part, vec2 uv) {
 }
 
 vec4 slv_sample_grad(int face, vec2 uv, vec2 dx, vec2 dy) {
-    uvec4 squares = slv_squares[face];
+    uvec4 squares = slv_squares[face].squares;
     slv_place place = slv_place_of((squares.x & 0x4000000u) != 0u, slv_inside(uv));
     int after = (place.own + 1) & 3, before = (place.own + 3) & 3;
     slv_footprint f = slv_footprint_of(vec2(1.0), place.to * slv_bounded(dx), place.to * slv_bounded(dy));
-    // Two squares mix over a texel of the finest of the three, or less where levels mix: within that reach of a corner all
-    // have the one value of its texel.
-    uint finest = max(squares[place.own] >> 20 & 31u, max(squares[after] >> 20 & 31u, squares[before] >> 20 & 31u));
-    float mixing = exp2(clamp(f.level - 1.0, -float(finest), -1.0));
+    uvec3 log2_sides = uvec3(squares[place.own], squares[after], squares[before]) >> 20 & 31u;
+    float texel = exp2(clamp(f.level, -float(max(log2_sides.x, max(log2_sides.y, log2_sides.z))), 0.0));
     // On the edge both faces have the same square and no other, if the row of taps stays inside. Towards a vertex it grows shorter,
-    // down to a point in the corner's texel.
-    float corner = 0.5 * exp2(clamp(f.level, -float(squares[place.own] >> 20 & 31u), -1.0));
-    float room = 1.0 - max(place.st.x, place.st.y) - corner;
+    // down to a point within half a texel.
+    float most = max(place.st.x, place.st.y);
+    float room = 1.0 - most - 0.5 * exp2(clamp(f.level, -float(log2_sides.x), 0.0));
     vec2 reach = 0.5 * abs(f.axis);
     float fit = clamp(room / max(max(reach.x, reach.y), 1e-12), 0.0, 1.0);
     f.axis *= fit;
-    bvec2 near = lessThan(place.st - fit * reach, vec2(0.5 * mixing));
+    bvec2 near = lessThan(place.st - fit * reach, vec2(0.5 * texel));
     uint pending = 1u | (near.x ? 2u : 0u) | (near.y ? 8u : 0u);
 #if SLV_VECTORS
     pending = gl_HelperInvocation ? 1u : pending;
@@ -295,9 +305,17 @@ vec4 slv_sample_grad(int face, vec2 uv, vec2 dx, vec2 dy) {
     do {
         int turn = findLSB(pending);
         pending &= pending - 1u;
-        value += slv_square_value(squares[(place.own + turn) & 3], turn, place.st, mixing, f);
+        value += slv_square_value(squares[(place.own + turn) & 3], turn, place.st, texel, f);
     } while (pending != 0u);
-    return value;
+    // Around a corner the squares at hand differ from triangle to triangle: towards it the value becomes the one that all share.
+    uint corner = most < 0.5 ? slv_squares[face].centre.x
+                             : slv_squares[face].corners[place.st.x >= place.st.y ? place.own : after];
+    uint first = corner & 0x7ffffffu, least = corner >> 27;
+    float log2_side = clamp(-f.level, 0.0, float(least));
+    float share = clamp(min(most, 1.0 - most) * 2.0 * exp2(log2_side), 0.0, 1.0);
+    vec4 shared_value = mix(slv_corner[first + uint(log2_side)], slv_corner[first + min(uint(log2_side) + 1u, least)],
+                            fract(log2_side));
+    return mix(shared_value, value, share);
 }
 
 #else

@@ -324,25 +324,73 @@ static void list_faces(slv_gl_batches *batches, const uint32_t *order, uint32_t 
     }
 }
 
-/* Bits as in slv_squares of selvage_sample.glsl. */
-static uint32_t square_bits(const slv_gl_store *store, const slv_gl_batch_range *range,
-                            const slv_htex *htex, const slv_htex_face *face, uint32_t k) {
-    uint32_t edge = face->edge[k];
-    return store->layer_of[edge] | slot_of(range, store->pool_of[edge]) << 16 |
-           slv_htex_log2(htex, edge) << 20 | (uint32_t)face->second[k] << 25 |
-           (uint32_t)face->part << 26;
+/* As the shader reads it; see slv_squares in selvage_sample.glsl. */
+struct square_row {
+    uint32_t squares[4], corners[4], centre, unused[3];
+};
+
+static uint32_t corner_bits(const slv_htex *htex, uint32_t corner) {
+    uint32_t first, log2;
+    slv_htex_get_corner(htex, corner, &first, &log2);
+    return first | log2 << 27;
+}
+
+static void fill_square_row(const slv_gl_store *store, const slv_gl_batch_range *range,
+                            const slv_htex *htex, uint32_t f, struct square_row *row) {
+    slv_htex_face face = slv_htex_get_face(htex, f);
+    for (uint32_t k = 0; k < 4; k++) {
+        uint32_t edge = face.edge[k];
+        row->squares[k] = store->layer_of[edge] | slot_of(range, store->pool_of[edge]) << 16 |
+                          slv_htex_log2(htex, edge) << 20 | (uint32_t)face.second[k] << 25 |
+                          (uint32_t)face.part << 26;
+        row->corners[k] = corner_bits(htex, face.start[k]);
+    }
+    row->centre = corner_bits(htex, face.centre);
+}
+
+static slv_result upload_squares(const slv_gl_source *source, const slv_htex *htex,
+                                 const slv_gl_batches *batches, const uint32_t *batch_of,
+                                 slv_gl_store *store) {
+    const slv_texture_desc *desc = slv_levels_get_desc(source->levels);
+    const slv_gl_texture_params *params = &source->params;
+    uint64_t nvalues = slv_htex_value_count(htex);
+    const float *from = slv_htex_values(htex) + params->first_channel;
+    struct square_row *rows = NULL;
+    float *values = NULL;
+    slv_result result;
+    if (nvalues >> 27)
+        return slv_fail(source->env, SLV_ERROR_LIMIT, "too many corners for 27-bit indices");
+    if ((result = slv_alloc(source->env, "table of squares", desc->nfaces, sizeof *rows, &rows)) ||
+        (result = slv_alloc(source->env, "corner table", nvalues, 4 * sizeof *values, &values)))
+        goto done;
+    for (uint32_t f = 0; f < desc->nfaces; f++)
+        fill_square_row(store, &batches->ranges[batch_of[f]], htex, f, &rows[f]);
+    for (uint64_t i = 0; i < nvalues; i++, from += desc->nchannels) {
+        float *to = values + 4 * i;
+        to[3] = 1;
+        memcpy(to, from, params->nchannels * sizeof *to);
+        if (params->nchannels == 1)
+            to[1] = to[2] = to[0];
+    }
+    store->bytes += desc->nfaces * sizeof *rows + nvalues * 4 * sizeof *values;
+    if (!(result = slv_gl_table(source, "table of squares", rows, desc->nfaces * sizeof *rows,
+                                &store->squares)))
+        result = slv_gl_table(source, "corner table", values, nvalues * 4 * sizeof *values,
+                              &store->corners);
+done:
+    free(rows);
+    free(values);
+    return result;
 }
 
 slv_result slv_gl_batches_of_squares(const slv_gl_source *source, slv_gl_store *store,
                                      const slv_htex *htex, slv_gl_batches *out) {
     uint32_t nfaces = slv_levels_get_desc(source->levels)->nfaces, *batch_of = NULL;
-    uint32_t(*rows)[4] = NULL;
     slv_gl_batches batches = {0};
     slv_result result;
     if ((result =
              slv_alloc(source->env, "batches", nfaces, sizeof *batches.faces, &batches.faces)) ||
-        (result = slv_alloc(source->env, "batches", nfaces, sizeof *batch_of, &batch_of)) ||
-        (result = slv_alloc(source->env, "table of squares", nfaces, sizeof *rows, &rows)))
+        (result = slv_alloc(source->env, "batches", nfaces, sizeof *batch_of, &batch_of)))
         goto done;
     for (uint32_t f = 0; f < nfaces; f++) {
         slv_htex_face face = slv_htex_get_face(htex, f);
@@ -354,17 +402,9 @@ slv_result slv_gl_batches_of_squares(const slv_gl_source *source, slv_gl_store *
             goto done;
     }
     list_faces(&batches, NULL, nfaces, batch_of);
-    for (uint32_t f = 0; f < nfaces; f++) {
-        slv_htex_face face = slv_htex_get_face(htex, f);
-        for (uint32_t k = 0; k < 4; k++)
-            rows[f][k] = square_bits(store, &batches.ranges[batch_of[f]], htex, &face, k);
-    }
-    store->bytes += (uint64_t)nfaces * sizeof *rows;
-    result = slv_gl_table(source, "table of squares", rows, (uint64_t)nfaces * sizeof *rows,
-                          &store->squares);
+    result = upload_squares(source, htex, &batches, batch_of, store);
 done:
     free(batch_of);
-    free(rows);
     if (result)
         slv_gl_batches_free(&batches);
     *out = batches;

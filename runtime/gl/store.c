@@ -204,8 +204,6 @@ static slv_result assign_pools(const slv_gl_source *source, const struct items *
                 pool->width = 1u << pool->res.u;
                 pool->height = 1u << pool->res.v;
                 pool->nlevels = slv_res_level_count(pool->res);
-                if (store->layout == SLV_GL_HALF_EDGE)
-                    pool->nlevels--; /* the last has 2 x 2 texels */
             }
             uint32_t limit = source->gl->info.max_texture_size;
             if (pool->width > limit || pool->height > limit) {
@@ -430,6 +428,7 @@ void slv_gl_store_free(const slv_gl *gl, slv_gl_store *store) {
     gl->api.DeleteBuffers(1, &store->table);
     gl->api.DeleteBuffers(1, &store->rects);
     gl->api.DeleteBuffers(1, &store->squares);
+    gl->api.DeleteBuffers(1, &store->corners);
     free(store->pools);
     free(store->order);
     free(store->pool_of);

@@ -65,6 +65,7 @@ typedef struct slv_gl_store {
     uint32_t *pool_of, *layer_of;
     GLuint table;                   /* per face: pool | layer << 16, res */
     GLuint squares;                 /* half-edge only; per face: the squares that it looks up */
+    GLuint corners;                 /* and the values that they share where they meet */
     GLuint rects;                   /* packed only */
     uint64_t bytes, coverage_bytes; /* coverage apart, for not every strategy binds it */
 } slv_gl_store;

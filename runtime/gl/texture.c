@@ -316,8 +316,10 @@ void slv_gl_texture_bind(slv_gl_texture *texture, slv_strategy strategy, uint32_
         api->BindBufferBase(GL_SHADER_STORAGE_BUFFER, SLV_GL_FIRST_STORAGE + 1, texture->links);
         api->BindBufferBase(GL_SHADER_STORAGE_BUFFER, SLV_GL_FIRST_STORAGE + 3, texture->corners);
     }
-    if (strategy == SLV_STRATEGY_HTEX)
+    if (strategy == SLV_STRATEGY_HTEX) {
         api->BindBufferBase(GL_SHADER_STORAGE_BUFFER, SLV_GL_FIRST_STORAGE + 1, store->squares);
+        api->BindBufferBase(GL_SHADER_STORAGE_BUFFER, SLV_GL_FIRST_STORAGE + 3, store->corners);
+    }
     if (slv_gl_is_packed(store->layout))
         api->BindBufferBase(GL_SHADER_STORAGE_BUFFER, SLV_GL_FIRST_STORAGE + 2, store->rects);
 }

@@ -203,7 +203,7 @@ static slv_result fill_edges(void *user, uint64_t first, uint64_t end) {
             for (uint32_t i = width - j; i < width; i++)
                 memcpy(texels + ((size_t)j * width + i) * size,
                        texels + ((size_t)(width - 1 - i) * width + (width - 1 - j)) * size, size);
-        for (uint32_t level = 1; level < log2; level++) {
+        for (uint32_t level = 1; level <= log2; level++) {
             uint64_t count = slv_htex_level_texels(log2, level - 1);
             reduce(htex->desc.type, n, width >> (level - 1), texels, rows, texels + count * size);
             texels += count * size;
@@ -214,8 +214,7 @@ static slv_result fill_edges(void *user, uint64_t first, uint64_t end) {
 }
 
 static uint32_t log2_for(slv_res res, bool part) {
-    uint32_t log2 = (uint32_t)(res.u + res.v + 1) / 2 + (part ? 1 : 0);
-    return log2 ? log2 : 1;
+    return (uint32_t)(res.u + res.v + 1) / 2 + (part ? 1 : 0);
 }
 
 /* Resolutions, where everything goes, and what each face looks up. */
@@ -242,7 +241,7 @@ static slv_result lay_out(const slv_env *env, const slv_htex_mesh *mesh, slv_hte
         htex->offset[edge] = total;
         ends[edge] = length;
         length += UINT64_C(1) << log2;
-        for (uint32_t level = 0; level < log2; level++) {
+        for (uint32_t level = 0; level <= log2; level++) {
             uint64_t count = slv_htex_level_texels(log2, level);
             if (count > (UINT64_MAX - total) / htex->texel_size)
                 return slv_fail(env, SLV_ERROR_LIMIT, "half-edges: more than 2^64 bytes of texels");
@@ -275,7 +274,7 @@ static slv_result create(const slv_env *env, const slv_levels *levels,
         (result = slv_parallel_for(env, mesh->nfaces, ITEMS_PER_RANGE, fill_faces, &fill)) ||
         (result = slv_parallel_for(env, nedges, ITEMS_PER_RANGE, fill_edges, &fill)))
         goto done;
-    result = slv_htex_join_corners(env, htex, mesh, fill.tops);
+    result = slv_htex_find_corners(env, htex, mesh, fill.tops);
 done:
     slv_parallel_env_end(log);
     free(fill.ends);
@@ -319,6 +318,8 @@ void slv_htex_destroy(slv_htex *htex) {
     if (!htex)
         return;
     free(htex->texels);
+    free(htex->corners);
+    free(htex->values);
     free(htex->offset);
     free(htex->faces);
     free(htex->log2);
@@ -344,11 +345,25 @@ uint32_t slv_htex_log2(const slv_htex *htex, uint32_t edge) {
 }
 
 const void *slv_htex_texels(const slv_htex *htex, uint32_t edge, uint32_t level) {
-    assert(edge < htex->nedges && level < htex->log2[edge]);
+    assert(edge < htex->nedges && level <= htex->log2[edge]);
     uint64_t first = 0;
     for (uint32_t l = 0; l < level; l++)
         first += slv_htex_level_texels(htex->log2[edge], l);
     return htex->texels + htex->offset[edge] + first * htex->texel_size;
+}
+
+uint32_t slv_htex_value_count(const slv_htex *htex) {
+    return htex->nvalues;
+}
+
+const float *slv_htex_values(const slv_htex *htex) {
+    return htex->values;
+}
+
+void slv_htex_get_corner(const slv_htex *htex, uint32_t corner, uint32_t *first, uint32_t *log2) {
+    assert(corner < htex->ncorners);
+    *first = htex->corners[corner].first;
+    *log2 = htex->corners[corner].log2;
 }
 
 slv_htex_face slv_htex_get_face(const slv_htex *htex, uint32_t face) {

@@ -55,6 +55,13 @@ static inline slv_htex_map slv_htex_to_face(bool part, uint32_t index) {
     return part ? parts[index] : whole[index];
 }
 
+/* Where squares meet: the values of one corner begin at `first`, those for log2 = 0 to the least of
+ * the squares around it. */
+typedef struct slv_htex_corner {
+    uint32_t first;
+    uint8_t log2;
+} slv_htex_corner;
+
 struct slv_htex {
     slv_texture_desc desc;
     slv_res *res;
@@ -64,6 +71,9 @@ struct slv_htex {
     slv_htex_face *faces;
     uint64_t *offset; /* per edge, and where the last ends */
     unsigned char *texels;
+    uint32_t ncorners, nvalues;
+    slv_htex_corner *corners;
+    float *values;
 };
 
 static inline uint64_t slv_htex_level_texels(uint32_t log2, uint32_t level) {
@@ -81,9 +91,9 @@ typedef struct slv_htex_source {
 /* Bilinear; (u,v) lies in the face. */
 void slv_htex_source_at(const slv_htex_source *source, float u, float v, float *out);
 
-/* Makes all corner texels at a node equal, at every level of all squares. `tops` has, per node, the
- * value at the finest level at which all have a texel. */
-slv_result slv_htex_join_corners(const slv_env *env, slv_htex *htex, const slv_htex_mesh *mesh,
+/* Finds what the squares at a node agree on, and the corners of each face. `tops` has, per node, the
+ * value at the least resolution around it. */
+slv_result slv_htex_find_corners(const slv_env *env, slv_htex *htex, const slv_htex_mesh *mesh,
                                  const float *tops);
 
 #endif

@@ -5,101 +5,119 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* The values on which squares agree at their corners. A node has one for each length of texels that
- * all squares around it have: log2 = 1 up to the least of theirs. */
-struct corners {
-    uint8_t *log2;   /* per node: the least around it */
-    uint64_t *first; /* per node: the sum for log2 = 1 */
-    uint32_t *count; /* per node: how many corners of squares lie there */
-    double *sums;
-};
-
 enum { CORNERS = 4 };
 
-/* The four nodes at a square's corners: at (0,0), (1,0), (0,1), (1,1). */
-static void nodes_of(const slv_htex_mesh *mesh, uint32_t edge, uint32_t nodes[CORNERS]) {
+/* The nodes at a square's corners: at (0,0), (1,0), (0,1), (1,1). */
+static uint32_t nodes_of(const slv_htex_mesh *mesh, uint32_t edge, uint32_t nodes[CORNERS]) {
     uint32_t half = mesh->half[edge][0], twin = mesh->half[edge][1];
     nodes[0] = slv_htex_centre(mesh, half);
     nodes[1] = mesh->root[half];
     nodes[2] = mesh->root[slv_htex_next(mesh, half)];
-    nodes[3] = twin == SLV_HTEX_NONE ? nodes[0] : slv_htex_centre(mesh, twin);
+    if (twin == SLV_HTEX_NONE)
+        return 3;
+    nodes[3] = slv_htex_centre(mesh, twin);
+    return 4;
 }
 
-static unsigned char *corner_texel(const slv_htex *htex, unsigned char *texels, uint32_t log2,
-                                   uint32_t corner) {
-    size_t width = (size_t)1 << log2;
-    return texels +
-           ((corner / 2) * (width - 1) * width + (corner % 2) * (width - 1)) * htex->texel_size;
-}
-
-static void find_least(const slv_htex *htex, const slv_htex_mesh *mesh, struct corners *corners) {
+/* Numbers the nodes that are used, and finds the least resolution around each. */
+static slv_result number_nodes(const slv_env *env, slv_htex *htex, const slv_htex_mesh *mesh,
+                               uint32_t *number, uint32_t *count) {
+    uint64_t nnodes = 5 * (uint64_t)mesh->nfaces, total = 0;
+    slv_result result;
+    memset(number, 0xff, nnodes * sizeof *number);
     for (uint32_t edge = 0; edge < htex->nedges; edge++) {
-        uint32_t nodes[CORNERS];
-        nodes_of(mesh, edge, nodes);
-        for (uint32_t k = 0; k < CORNERS; k++) {
-            uint8_t *least = &corners->log2[nodes[k]];
-            *least = !*least || htex->log2[edge] < *least ? htex->log2[edge] : *least;
-            corners->count[nodes[k]]++;
+        uint32_t nodes[CORNERS], n = nodes_of(mesh, edge, nodes);
+        for (uint32_t k = 0; k < n; k++)
+            if (number[nodes[k]] == SLV_HTEX_NONE)
+                number[nodes[k]] = htex->ncorners++;
+    }
+    if ((result = slv_alloc(env, "corners", htex->ncorners, sizeof *htex->corners,
+                            &htex->corners)))
+        return result;
+    for (uint32_t edge = 0; edge < htex->nedges; edge++) {
+        uint32_t nodes[CORNERS], n = nodes_of(mesh, edge, nodes);
+        for (uint32_t k = 0; k < n; k++) {
+            uint32_t at = number[nodes[k]];
+            slv_htex_corner *corner = &htex->corners[at];
+            if (!count[at]++ || htex->log2[edge] < corner->log2)
+                corner->log2 = htex->log2[edge];
         }
     }
+    for (uint32_t i = 0; i < htex->ncorners; i++) {
+        htex->corners[i].first = (uint32_t)total;
+        total += htex->corners[i].log2 + 1u;
+    }
+    if (total > UINT32_MAX)
+        return slv_fail(env, SLV_ERROR_LIMIT, "half-edges: too many corners for 32-bit indices");
+    htex->nvalues = (uint32_t)total;
+    return SLV_OK;
 }
 
-/* Visits the corner texels of all squares, at all levels: adds them to the sums, or sets them. */
-static void visit(slv_htex *htex, const slv_htex_mesh *mesh, const struct corners *corners,
-                  const float *tops, float *value) {
+static void add_texels(const slv_htex *htex, const slv_htex_mesh *mesh, const uint32_t *number,
+                       double *sums, float *value) {
     size_t n = htex->desc.nchannels;
     for (uint32_t edge = 0; edge < htex->nedges; edge++) {
-        unsigned char *texels = htex->texels + htex->offset[edge];
-        uint32_t nodes[CORNERS];
-        nodes_of(mesh, edge, nodes);
-        for (uint32_t log2 = htex->log2[edge]; log2 > 0; log2--) {
-            for (uint32_t k = 0; k < CORNERS; k++) {
-                uint32_t node = nodes[k];
-                unsigned char *texel = corner_texel(htex, texels, log2, k);
-                double *sums = corners->sums + (corners->first[node] + log2 - 1) * n;
-                if (log2 >= corners->log2[node]) {
-                    if (tops)
-                        slv_type_from_float(htex->desc.type, tops + node * n, n, texel);
-                } else if (tops) {
-                    for (size_t c = 0; c < n; c++)
-                        value[c] = (float)(sums[c] / corners->count[node]);
-                    slv_type_from_float(htex->desc.type, value, n, texel);
-                } else {
-                    slv_type_to_float(htex->desc.type, texel, n, value);
-                    for (size_t c = 0; c < n; c++)
-                        sums[c] += (double)value[c];
-                }
+        const unsigned char *texels = htex->texels + htex->offset[edge];
+        uint32_t nodes[CORNERS], ncorners = nodes_of(mesh, edge, nodes);
+        for (uint32_t level = 0; level <= htex->log2[edge]; level++) {
+            uint32_t log2 = htex->log2[edge] - level;
+            size_t last = ((size_t)1 << log2) - 1;
+            for (uint32_t k = 0; k < ncorners; k++) {
+                const slv_htex_corner *corner = &htex->corners[number[nodes[k]]];
+                size_t texel = (k / 2 * last << log2) + k % 2 * last;
+                if (log2 >= corner->log2)
+                    continue;
+                slv_type_to_float(htex->desc.type, texels + texel * htex->texel_size, n, value);
+                for (size_t c = 0; c < n; c++)
+                    sums[(corner->first + log2) * n + c] += (double)value[c];
             }
             texels += htex->texel_size << 2 * log2;
         }
     }
 }
 
-slv_result slv_htex_join_corners(const slv_env *env, slv_htex *htex, const slv_htex_mesh *mesh,
+static void take_means(slv_htex *htex, uint64_t nnodes, const uint32_t *number,
+                       const uint32_t *count, const double *sums, const float *tops) {
+    size_t n = htex->desc.nchannels;
+    for (uint64_t node = 0; node < nnodes; node++) {
+        if (number[node] == SLV_HTEX_NONE)
+            continue;
+        const slv_htex_corner *corner = &htex->corners[number[node]];
+        float *values = htex->values + corner->first * n;
+        for (size_t i = 0; i < corner->log2 * n; i++)
+            values[i] = (float)(sums[corner->first * n + i] / count[number[node]]);
+        memcpy(values + corner->log2 * n, tops + node * n, n * sizeof *tops);
+    }
+}
+
+slv_result slv_htex_find_corners(const slv_env *env, slv_htex *htex, const slv_htex_mesh *mesh,
                                  const float *tops) {
-    uint64_t nnodes = 5 * (uint64_t)mesh->nfaces, total = 0, n = htex->desc.nchannels;
-    struct corners corners = {0};
+    uint64_t nnodes = 5 * (uint64_t)mesh->nfaces, n = htex->desc.nchannels;
+    uint32_t *number = NULL, *count = NULL;
+    double *sums = NULL;
     float *value = NULL;
     slv_result result;
-    if ((result = slv_alloc(env, "corners", nnodes, sizeof *corners.log2, &corners.log2)) ||
-        (result = slv_alloc(env, "corners", nnodes, sizeof *corners.first, &corners.first)) ||
-        (result = slv_alloc(env, "corners", nnodes, sizeof *corners.count, &corners.count)) ||
-        (result = slv_alloc(env, "corners", n, sizeof *value, &value)))
+    if ((result = slv_alloc(env, "corners", nnodes, sizeof *number, &number)) ||
+        (result = slv_alloc(env, "corners", nnodes, sizeof *count, &count)) ||
+        (result = number_nodes(env, htex, mesh, number, count)) ||
+        (result = slv_alloc(env, "corners", htex->nvalues * n, sizeof *sums, &sums)) ||
+        (result = slv_alloc(env, "corners", n, sizeof *value, &value)) ||
+        (result = slv_alloc(env, "corners", htex->nvalues * n, sizeof *htex->values,
+                            &htex->values)))
         goto done;
-    find_least(htex, mesh, &corners);
-    for (uint64_t node = 0; node < nnodes; node++) {
-        corners.first[node] = total;
-        total += corners.log2[node] ? corners.log2[node] - 1u : 0;
+    add_texels(htex, mesh, number, sums, value);
+    take_means(htex, nnodes, number, count, sums, tops);
+    for (uint32_t face = 0; face < mesh->nfaces; face++) {
+        slv_htex_face *row = &htex->faces[face];
+        uint32_t half = row->part ? 4 * mesh->before[mesh->before[face]] : 4 * face;
+        row->centre = number[slv_htex_centre(mesh, half)];
+        for (uint32_t k = 0; k < 4; k++, half = slv_htex_next(mesh, half))
+            row->start[k] = number[mesh->root[half]];
     }
-    if ((result = slv_alloc(env, "corners", (total + 1) * n, sizeof *corners.sums, &corners.sums)))
-        goto done;
-    visit(htex, mesh, &corners, NULL, value);
-    visit(htex, mesh, &corners, tops, value);
 done:
-    free(corners.log2);
-    free(corners.first);
-    free(corners.count);
-    free(corners.sums);
+    free(number);
+    free(count);
+    free(sums);
     free(value);
     return result;
 }

@@ -34,7 +34,7 @@ static void add_level(const slv_htex *htex, uint32_t edge, uint32_t level, float
 
 static void add_square(const slv_htex *htex, const slv_htex_face *face, uint32_t k, float s,
                        float t, float footprint, float weight, float *out) {
-    uint32_t edge = face->edge[k], last = htex->log2[edge] - 1u;
+    uint32_t edge = face->edge[k], last = htex->log2[edge];
     float level = clamp(footprint + (float)htex->log2[edge], 0, (float)last);
     uint32_t fine = (uint32_t)level, coarse = fine < last ? fine + 1 : last;
     float fraction = level - (float)fine;
@@ -45,6 +45,29 @@ static void add_square(const slv_htex *htex, const slv_htex_face *face, uint32_t
     add_level(htex, edge, fine, s, t, weight * (1 - fraction), out);
     if (fraction > 0)
         add_level(htex, edge, coarse, s, t, weight * fraction, out);
+}
+
+/* How much of the square across a side a lookup takes, at `from` the side and `along` it: half on the
+ * side, none from half a texel on, nor where it is as far from the side as from the next corner. */
+static float across(float from, float along, float texel) {
+    float corner = 2 * fminf(along, 1 - along);
+    return clamp(0.5f - from / fmaxf(fminf(texel, corner), 1e-12f), 0, 1);
+}
+
+/* Goes over to the value of the nearest corner. */
+static void join_corner(const slv_htex *htex, uint32_t corner, float distance, float footprint,
+                        float *out) {
+    const slv_htex_corner *row = &htex->corners[corner];
+    float log2 = clamp(-footprint, 0, row->log2), reach = 0.5f * exp2f(-log2);
+    uint32_t coarse = (uint32_t)log2, fine = coarse < row->log2 ? coarse + 1 : coarse;
+    float share = clamp(distance / reach, 0, 1);
+    size_t n = htex->desc.nchannels;
+    const float *a = htex->values + (row->first + coarse) * n,
+                *b = htex->values + (row->first + fine) * n;
+    for (size_t c = 0; c < n; c++) {
+        float value = a[c] + (log2 - (float)coarse) * (b[c] - a[c]);
+        out[c] = value + share * (out[c] - value);
+    }
 }
 
 void slv_htex_lookup(const slv_htex *htex, uint32_t face, float u, float v, float width,
@@ -70,16 +93,18 @@ void slv_htex_lookup(const slv_htex *htex, uint32_t face, float u, float v, floa
         t = x - y;
     }
     uint32_t after = (own + 1) % 4, before = (own + 3) % 4;
-    /* sides of the footprint in units of a square */
+    /* log2 of the footprint's sides in units of a square */
     float footprint = log2f(fmaxf(width * (row->part ? 0.70710678f : 1.41421356f), 1e-12f));
     uint32_t finest = htex->log2[row->edge[own]];
     finest = htex->log2[row->edge[after]] > finest ? htex->log2[row->edge[after]] : finest;
     finest = htex->log2[row->edge[before]] > finest ? htex->log2[row->edge[before]] : finest;
-    float twice = exp2f(clamp(footprint - 1, -(float)finest, -1)); /* the width of the mixing */
-    float to_after = clamp(0.5f - s / twice, 0, 1), to_before = clamp(0.5f - t / twice, 0, 1);
-    float both = to_after * to_before;
+    float texel = exp2f(clamp(footprint, -(float)finest, 0));
+    float to_after = across(s, t, texel), to_before = across(t, s, texel);
     memset(out, 0, htex->desc.nchannels * sizeof *out);
-    add_square(htex, row, own, s, t, footprint, (1 - to_after) * (1 - to_before), out);
-    add_square(htex, row, after, t, -s, footprint, to_after - 0.5f * both, out);
-    add_square(htex, row, before, -t, s, footprint, to_before - 0.5f * both, out);
+    add_square(htex, row, own, s, t, footprint, 1 - to_after - to_before, out);
+    add_square(htex, row, after, t, -s, footprint, to_after, out);
+    add_square(htex, row, before, -t, s, footprint, to_before, out);
+    float most = fmaxf(s, t);
+    join_corner(htex, most < 0.5f ? row->centre : row->start[s >= t ? own : after],
+                most < 0.5f ? most : 1 - most, footprint, out);
 }

@@ -12,17 +12,17 @@
  * of one sub-face and half of the next, so that there are no edges at which one face meets two.
  *
  * Beyond the two sides of its square a half-edge's triangle goes on in the square of the half-edge
- * before it, at (-t, s), and of the one after it, at (t, -s). A lookup mixes these in within half a
- * texel of the side. The weights come from the coordinates alone and add up to one, whatever they
- * are. So that values agree around a point where many squares meet, a vertex or the centre of a
- * polygon, these have the same value in their corner texels.
+ * before it, at (-t, s), and of the one after it, at (t, -s). A lookup mixes one of these in within
+ * half a texel of the side. The weights come from the coordinates alone and add up to one, whatever
+ * they are. Around a point where many squares meet, a vertex or the centre of a polygon, the squares
+ * at hand differ from triangle to triangle; so within half a texel of such a corner lookups go over
+ * to one value that all squares around it share: for each size of texels the mean of their corner
+ * texels, and for the smallest that they all have the texture's own value there.
  *
  * The texels are new ones: the function that the texture's texels and borders stand for (border.h),
- * at the centres of the square's. A square has as many texels along a side as the face, or 2^((u +
- * v
- * + 1) / 2) if the face is oblong; between sub-faces twice as many, and those of the finer side if
- * the two differ. Its levels are means of 2 x 2 down to 2 x 2 texels, the least that a square has.
- */
+ * at the centres of the square's. A square has as many texels along a side as the face, or as
+ * 2^((u + v + 1) / 2) if the face is oblong; between sub-faces twice as many; and those of the finer
+ * side if the two differ. Its levels are means of 2 x 2 texels, down to one. */
 #ifndef SELVAGE_HTEX_H
 #define SELVAGE_HTEX_H
 
@@ -49,21 +49,31 @@ SLV_API const slv_texture_desc *slv_htex_get_desc(const slv_htex *htex);
 SLV_API uint64_t slv_htex_bytes(const slv_htex *htex);
 
 SLV_API uint32_t slv_htex_edge_count(const slv_htex *htex);
-/* log2 of the side of an edge's square, at least 1; as many levels as that. */
+/* log2 of the side of an edge's square, which has one level more than that. */
 SLV_API uint32_t slv_htex_log2(const slv_htex *htex, uint32_t edge);
 /* The texels of a level: 2^(log2 - level) squared, t-major, row 0 at t = 0 as the edge's first
  * half-edge has it. Owned by the object. */
 SLV_API const void *slv_htex_texels(const slv_htex *htex, uint32_t edge, uint32_t level);
 
-/* The squares that lookups in a face can need: of its four half-edges, those of edge 0 to 3; or, if
- * it is part of a polygon of several sub-faces, of the half-edges k - 2, k - 1, k and k + 1, where
- * k starts at its corner 0. Each is followed by the next around the polygon. */
+/* What lookups in a face can need: of its four half-edges, those of edge 0 to 3; or, if it is part
+ * of a polygon of several sub-faces, of the half-edges k - 2, k - 1, k and k + 1, where k starts at
+ * its corner 0. Each is followed by the next around the polygon. */
 typedef struct slv_htex_face {
     uint32_t edge[4];
-    bool second[4]; /* the face is in the half of the square where s + t > 1 */
+    bool second[4];    /* the face is in the half of the square where s + t > 1 */
+    uint32_t start[4]; /* the corners where these half-edges start */
+    uint32_t centre;   /* and the polygon's centre */
     bool part;
 } slv_htex_face;
 SLV_API slv_htex_face slv_htex_get_face(const slv_htex *htex, uint32_t face);
+
+/* The values that squares share at their corners: all of them, `nchannels` floats each, and which
+ * belong to a corner: first + i for squares of 2^i texels a side, i = 0 to log2, which is the least
+ * of the squares around it. Owned by the object. */
+SLV_API uint32_t slv_htex_value_count(const slv_htex *htex);
+SLV_API const float *slv_htex_values(const slv_htex *htex);
+SLV_API void slv_htex_get_corner(const slv_htex *htex, uint32_t corner, uint32_t *first,
+                                 uint32_t *log2);
 
 /* What a shader's lookup returns, at (u,v), which is clamped to the face: `nchannels` floats. The
  * footprint is a square in (u,v) with sides of `width`; 0 is magnified. Thread-safe. */
