@@ -91,8 +91,8 @@ typedef struct slv_htex_source {
 /* Bilinear; (u,v) lies in the face. */
 void slv_htex_source_at(const slv_htex_source *source, float u, float v, float *out);
 
-/* Finds what the squares at a node agree on, and the corners of each face. `tops` has, per node, the
- * value at the least resolution around it. */
+/* Finds what the squares at a node agree on, and the corners of each face. `tops` has, per node,
+ * the value at the least resolution around it. */
 slv_result slv_htex_find_corners(const slv_env *env, slv_htex *htex, const slv_htex_mesh *mesh,
                                  const float *tops);
 

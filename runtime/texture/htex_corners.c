@@ -31,8 +31,7 @@ static slv_result number_nodes(const slv_env *env, slv_htex *htex, const slv_hte
             if (number[nodes[k]] == SLV_HTEX_NONE)
                 number[nodes[k]] = htex->ncorners++;
     }
-    if ((result = slv_alloc(env, "corners", htex->ncorners, sizeof *htex->corners,
-                            &htex->corners)))
+    if ((result = slv_alloc(env, "corners", htex->ncorners, sizeof *htex->corners, &htex->corners)))
         return result;
     for (uint32_t edge = 0; edge < htex->nedges; edge++) {
         uint32_t nodes[CORNERS], n = nodes_of(mesh, edge, nodes);
@@ -102,8 +101,8 @@ slv_result slv_htex_find_corners(const slv_env *env, slv_htex *htex, const slv_h
         (result = number_nodes(env, htex, mesh, number, count)) ||
         (result = slv_alloc(env, "corners", htex->nvalues * n, sizeof *sums, &sums)) ||
         (result = slv_alloc(env, "corners", n, sizeof *value, &value)) ||
-        (result = slv_alloc(env, "corners", htex->nvalues * n, sizeof *htex->values,
-                            &htex->values)))
+        (result =
+             slv_alloc(env, "corners", htex->nvalues * n, sizeof *htex->values, &htex->values)))
         goto done;
     add_texels(htex, mesh, number, sums, value);
     take_means(htex, nnodes, number, count, sums, tops);

@@ -47,8 +47,9 @@ static void add_square(const slv_htex *htex, const slv_htex_face *face, uint32_t
         add_level(htex, edge, coarse, s, t, weight * fraction, out);
 }
 
-/* How much of the square across a side a lookup takes, at `from` the side and `along` it: half on the
- * side, none from half a texel on, nor where it is as far from the side as from the next corner. */
+/* How much of the square across a side a lookup takes, at `from` the side and `along` it: half on
+ * the side, none from half a texel on, nor where it is as far from the side as from the next
+ * corner. */
 static float across(float from, float along, float texel) {
     float corner = 2 * fminf(along, 1 - along);
     return clamp(0.5f - from / fmaxf(fminf(texel, corner), 1e-12f), 0, 1);

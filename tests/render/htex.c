@@ -1,5 +1,6 @@
 /* Half-edge squares on the GPU: lookups are those of slv_htex_lookup, in every part of a face, at
- * every level, however the squares are spread over array textures. */
+ * every level, however the squares are spread over array textures; and those with anisotropy are
+ * the same on both sides of an edge. */
 #include "unit/border_kit.h"
 
 #include <selvage/gl_texture.h>
@@ -68,6 +69,50 @@ static void check_values(const kit *k, const char *name, uint32_t pool_layers, u
     slv_htex_destroy(htex);
 }
 
+/* Rows of taps of any length and direction: the same on both sides of an edge. */
+static void check_rows(const kit *k, const char *name, uint64_t *random) {
+    slv_env env = test_env();
+    slv_gl_texture_params params = {.strategies = 1u << SLV_STRATEGY_HTEX, .anisotropy = 16};
+    slv_gl_texture *texture = NULL;
+    float most = 0;
+    REQUIRE(slv_gl_texture_create(gl, &env, k->texture, k->adjacency, &params, &texture) == SLV_OK);
+    for (int i = 0; i < POINTS;) {
+        uint32_t face = test_random(random) % k->nfaces;
+        unsigned edge = test_random(random) % 4;
+        slv_neighbour to[2];
+        double u, v, t = (double)(test_random(random) % 65) / 64;
+        float angle = 6.2831853f * (float)(test_random(random) % 1000) / 1000;
+        float longest = exp2f(-7 + (float)(test_random(random) % 1024) / 128);
+        float shortest = longest * exp2f(-(float)(test_random(random) % 1024) / 200);
+        if (!slv_adjacency_neighbours(k->adjacency, (int32_t)face, edge, to))
+            continue;
+        kit_edge_point(edge, (double)to[0].t0 + t * (double)(to[0].t1 - to[0].t0), &u, &v);
+        const slv_affine *m = &to[0].map;
+        int j = i + 1;
+        faces[i] = (int32_t)face;
+        faces[j] = to[0].face;
+        uv[2 * i] = (float)u;
+        uv[2 * i + 1] = (float)v;
+        slv_affine_apply(m, uv[2 * i], uv[2 * i + 1], &uv[2 * j], &uv[2 * j + 1]);
+        float *sides[2] = {dx, dy}, lengths[2] = {longest, shortest};
+        for (int s = 0; s < 2; s++) {
+            float *a = sides[s] + 2 * i, *b = a + 2;
+            a[0] = lengths[s] * (s ? -sinf(angle) : cosf(angle));
+            a[1] = lengths[s] * (s ? cosf(angle) : sinf(angle));
+            b[0] = m->uu * a[0] + m->uv * a[1];
+            b[1] = m->vu * a[0] + m->vv * a[1];
+        }
+        i += 2;
+    }
+    REQUIRE(slv_gl_texture_lookup(texture, &env, SLV_STRATEGY_HTEX, POINTS, faces, uv, dx, dy,
+                                  values) == SLV_OK);
+    for (int i = 0; i < POINTS; i += 2)
+        for (int c = 0; c < 4; c++)
+            most = fmaxf(most, fabsf(values[4 * i + c] - values[4 * i + 4 + c]));
+    CHECK_MSG(most <= 1.0f / 255, "%s: rows of taps are %g apart on an edge", name, (double)most);
+    slv_gl_texture_destroy(texture);
+}
+
 int main(void) {
     uint64_t random = 3;
     slv_env env = test_env();
@@ -89,6 +134,7 @@ int main(void) {
             kit_equal(&k, 3);
         kit_noise(&k, (slv_type)(round % 4), 1 + test_random(&random) % 4, &random);
         check_values(&k, name, round % 2 ? 2 : 0, &random);
+        check_rows(&k, name, &random);
         kit_free(&k);
     }
     slv_gl_destroy(gl);

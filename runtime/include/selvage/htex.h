@@ -14,15 +14,15 @@
  * Beyond the two sides of its square a half-edge's triangle goes on in the square of the half-edge
  * before it, at (-t, s), and of the one after it, at (t, -s). A lookup mixes one of these in within
  * half a texel of the side. The weights come from the coordinates alone and add up to one, whatever
- * they are. Around a point where many squares meet, a vertex or the centre of a polygon, the squares
- * at hand differ from triangle to triangle; so within half a texel of such a corner lookups go over
- * to one value that all squares around it share: for each size of texels the mean of their corner
- * texels, and for the smallest that they all have the texture's own value there.
+ * they are. Around a point where many squares meet, a vertex or the centre of a polygon, the
+ * squares at hand differ from triangle to triangle; so within half a texel of such a corner lookups
+ * go over to one value that all squares around it share: for each size of texels the mean of their
+ * corner texels, and for the smallest that they all have the texture's own value there.
  *
  * The texels are new ones: the function that the texture's texels and borders stand for (border.h),
  * at the centres of the square's. A square has as many texels along a side as the face, or as
- * 2^((u + v + 1) / 2) if the face is oblong; between sub-faces twice as many; and those of the finer
- * side if the two differ. Its levels are means of 2 x 2 texels, down to one. */
+ * 2^((u + v + 1) / 2) if the face is oblong; between sub-faces twice as many; and those of the
+ * finer side if the two differ. Its levels are means of 2 x 2 texels, down to one. */
 #ifndef SELVAGE_HTEX_H
 #define SELVAGE_HTEX_H
 
