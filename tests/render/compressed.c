@@ -98,6 +98,9 @@ static void check_equal(kit *k, const char *name, bool regular, uint64_t *random
             CHECK_MSG(aligned.max < 0.2f && aligned.mean < clamp.mean / 3,
                       "%s %u channels level %u: edge-aligned jumps by %g, mean %g", name, nchannels,
                       level, (double)aligned.max, (double)aligned.mean);
+            slv_gl_seam htex = jump(texture, k, SLV_STRATEGY_HTEX, level);
+            CHECK_MSG(htex.max <= 1.0f / 255, "%s level %u: htex jumps by %g", name, level,
+                      (double)htex.max);
         }
         slv_gl_texture_destroy(plain);
         slv_gl_texture_destroy(texture);
@@ -119,6 +122,8 @@ static void check_mixed(kit *k, const char *name, uint64_t *random) {
               (double)traverse.mean, (double)clamp.mean);
     CHECK_MSG(aligned.mean < clamp.mean / 3, "%s: edge-aligned %g clamp %g", name,
               (double)aligned.mean, (double)clamp.mean);
+    slv_gl_seam htex = jump(texture, k, SLV_STRATEGY_HTEX, 0);
+    CHECK_MSG(htex.max <= 1.0f / 255, "%s: htex jumps by %g", name, (double)htex.max);
     slv_gl_texture_destroy(texture);
 }
 
