@@ -318,9 +318,8 @@ static void list_faces(slv_gl_batches *batches, const uint32_t *order, uint32_t 
         batches->ranges[b].count = 0;
     }
     for (uint32_t i = 0; i < nfaces; i++) {
-        uint32_t face = order ? order[i] : i;
-        slv_gl_batch_range *range = &batches->ranges[batch_of[face]];
-        batches->faces[range->first + range->count++] = face;
+        slv_gl_batch_range *range = &batches->ranges[batch_of[order[i]]];
+        batches->faces[range->first + range->count++] = order[i];
     }
 }
 
@@ -384,7 +383,8 @@ done:
 }
 
 slv_result slv_gl_batches_of_squares(const slv_gl_source *source, slv_gl_store *store,
-                                     const slv_htex *htex, slv_gl_batches *out) {
+                                     const slv_htex *htex, const uint32_t *order,
+                                     slv_gl_batches *out) {
     uint32_t nfaces = slv_levels_get_desc(source->levels)->nfaces, *batch_of = NULL;
     slv_gl_batches batches = {0};
     slv_result result;
@@ -392,16 +392,16 @@ slv_result slv_gl_batches_of_squares(const slv_gl_source *source, slv_gl_store *
              slv_alloc(source->env, "batches", nfaces, sizeof *batches.faces, &batches.faces)) ||
         (result = slv_alloc(source->env, "batches", nfaces, sizeof *batch_of, &batch_of)))
         goto done;
-    for (uint32_t f = 0; f < nfaces; f++) {
-        slv_htex_face face = slv_htex_get_face(htex, f);
+    for (uint32_t i = 0; i < nfaces; i++) {
+        slv_htex_face face = slv_htex_get_face(htex, order[i]);
         uint32_t pools[4], npools = 0;
         for (uint32_t k = 0; k < 4; k++)
             add_pool(pools, &npools, store->pool_of[face.edge[k]]);
         if ((result = join_batch(source->env, &batches, 0, variant_for(npools, false), pools,
-                                 npools, &batch_of[f])))
+                                 npools, &batch_of[order[i]])))
             goto done;
     }
-    list_faces(&batches, NULL, nfaces, batch_of);
+    list_faces(&batches, order, nfaces, batch_of);
     result = upload_squares(source, htex, &batches, batch_of, store);
 done:
     free(batch_of);

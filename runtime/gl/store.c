@@ -123,12 +123,14 @@ struct items {
     slv_res *res;
     uint8_t *wide;
     uint32_t *order; /* those close together that meet */
+    uint32_t *faces; /* the faces in such an order, where items are edges */
 };
 
 static void free_items(struct items *items) {
     free(items->res);
     free(items->wide);
     free(items->order);
+    free(items->faces);
 }
 
 static slv_result list_faces(const slv_gl_source *source, struct items *out) {
@@ -146,7 +148,7 @@ static slv_result list_faces(const slv_gl_source *source, struct items *out) {
 /* Edges in the order in which the faces first need them. */
 static slv_result list_squares(const slv_gl_source *source, const slv_htex *htex,
                                struct items *out) {
-    uint32_t nfaces = slv_levels_get_desc(source->levels)->nfaces, *faces = NULL, listed = 0;
+    uint32_t nfaces = slv_levels_get_desc(source->levels)->nfaces, listed = 0;
     bool *seen = NULL;
     slv_result result;
     out->count = slv_htex_edge_count(htex);
@@ -154,11 +156,11 @@ static slv_result list_squares(const slv_gl_source *source, const slv_htex *htex
         (result = slv_alloc(source->env, "edges", out->count, 1, &out->wide)) ||
         (result = slv_alloc(source->env, "edges", out->count, sizeof *out->order, &out->order)) ||
         (result = slv_alloc(source->env, "edges", out->count, sizeof *seen, &seen)) ||
-        (result = slv_alloc(source->env, "face order", nfaces, sizeof *faces, &faces)) ||
-        (result = neighbourly_order(source, nfaces, faces)))
+        (result = slv_alloc(source->env, "face order", nfaces, sizeof *out->faces, &out->faces)) ||
+        (result = neighbourly_order(source, nfaces, out->faces)))
         goto done;
     for (uint32_t i = 0; i < nfaces; i++) {
-        slv_htex_face face = slv_htex_get_face(htex, faces[i]);
+        slv_htex_face face = slv_htex_get_face(htex, out->faces[i]);
         for (uint32_t k = 0; k < 4; k++) {
             uint32_t edge = face.edge[k];
             if (seen[edge])
@@ -169,7 +171,6 @@ static slv_result list_squares(const slv_gl_source *source, const slv_htex *htex
         }
     }
 done:
-    free(faces);
     free(seen);
     return result;
 }
@@ -406,8 +407,9 @@ slv_result slv_gl_store_build(const slv_gl_source *source, slv_gl_layout layout,
     if (!result)
         result = upload_tables(source, &store);
     if (!result)
-        result = forms.htex ? slv_gl_batches_of_squares(source, &store, forms.htex, batches)
-                            : slv_gl_batches_by_pool(source, &store, batches);
+        result = forms.htex
+                     ? slv_gl_batches_of_squares(source, &store, forms.htex, items.faces, batches)
+                     : slv_gl_batches_by_pool(source, &store, batches);
 done:
     slv_edge_aligned_destroy(forms.aligned);
     slv_htex_destroy(forms.htex);

@@ -131,9 +131,11 @@ slv_result slv_gl_upload_level(const slv_gl_source *source, const slv_env *env, 
 /* One batch a pool. */
 slv_result slv_gl_batches_by_pool(const slv_gl_source *source, const slv_gl_store *store,
                                   slv_gl_batches *out);
-/* Batches whose pools hold all squares that their faces look up, and the table of these. */
+/* Batches whose pools hold all squares that their faces look up, and the table of these. `order`
+ * has the faces so that those which meet are close together. */
 slv_result slv_gl_batches_of_squares(const slv_gl_source *source, slv_gl_store *store,
-                                     const slv_htex *htex, slv_gl_batches *out);
+                                     const slv_htex *htex, const uint32_t *order,
+                                     slv_gl_batches *out);
 /* A batch looks up a face's squares, which can lie in four pools, however few a host asks for. */
 static inline uint32_t slv_gl_square_pools(const slv_gl_texture_params *params) {
     return params->batch_pools < 4 ? 4 : params->batch_pools;

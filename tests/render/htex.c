@@ -113,6 +113,32 @@ static void check_rows(const kit *k, const char *name, uint64_t *random) {
     slv_gl_texture_destroy(texture);
 }
 
+/* Faces that meet get squares in the same array textures, and so share batches. */
+static void check_batches(uint64_t *random) {
+    slv_env env = test_env();
+    slv_gl_texture_params params = {.strategies = 1u << SLV_STRATEGY_HTEX, .pool_layers = 16};
+    slv_gl_texture *texture = NULL;
+    uint32_t drawn = 0;
+    kit k;
+    kit_grid(&k, 15, 15, false, 0, random, NULL);
+    for (uint32_t f = 0; f < k.nfaces; f++)
+        k.res[f] = (slv_res){2, (int8_t)(2 + f % 2)};
+    kit_noise(&k, SLV_TYPE_U8, 3, random);
+    REQUIRE(slv_gl_texture_create(gl, &env, k.texture, k.adjacency, &params, &texture) == SLV_OK);
+    slv_gl_texture_stats stats = slv_gl_texture_get_stats(texture, SLV_STRATEGY_HTEX);
+    CHECK(stats.pools == 30); /* 480 edges, all of 8 x 8 texels */
+    CHECK_MSG(stats.batches < 4 * stats.pools, "%u batches for %u pools", stats.batches,
+              stats.pools);
+    for (uint32_t b = 0; b < stats.batches; b++) {
+        slv_gl_batch batch = slv_gl_texture_batch(texture, SLV_STRATEGY_HTEX, b);
+        CHECK(batch.variant <= 4 && batch.nfaces > 0);
+        drawn += batch.nfaces;
+    }
+    CHECK(drawn == k.nfaces);
+    slv_gl_texture_destroy(texture);
+    kit_free(&k);
+}
+
 int main(void) {
     uint64_t random = 3;
     slv_env env = test_env();
@@ -137,6 +163,7 @@ int main(void) {
         check_rows(&k, name, &random);
         kit_free(&k);
     }
+    check_batches(&random);
     slv_gl_destroy(gl);
     return test_end();
 }
