@@ -315,7 +315,7 @@ vec4 slv_sample_grad(int face, vec2 uv, vec2 dx, vec2 dy) {
     float share = clamp(min(most, 1.0 - most) * 2.0 * exp2(log2_side), 0.0, 1.0);
     vec4 shared_value = mix(slv_corner[first + uint(log2_side)], slv_corner[first + min(uint(log2_side) + 1u, least)],
                             fract(log2_side));
-    return mix(shared_value, value, share);
+    return slv_value(mix(shared_value, value, share));
 }
 
 #else
