@@ -71,9 +71,14 @@ static int load(bench *b, sample_reader *reader, uint64_t *failed) {
         }
         got = kept;
     }
-    cli_warning("%s: only the lookups up to line %llu are repeated", reader->name,
-                (unsigned long long)reader->line);
-    return EXIT_OK;
+    uint64_t line = reader->line;
+    sample_query beyond;
+    size_t more;
+    int code = sample_read(reader, &beyond, 1, &more);
+    if (!code && more)
+        cli_warning("%s: only the lookups up to line %llu are repeated", reader->name,
+                    (unsigned long long)line);
+    return code;
 }
 
 static void find_sets(bench *b) {

@@ -112,6 +112,8 @@ static inline __attribute__((always_inline)) bool look_up_alike(slv_sampler *s, 
         return false;
     cache_face *f = &t->faces[face];
     uint32_t channels = t->nchannels < s->nchannels ? t->nchannels : s->nchannels;
+    if (channels > out->room)
+        return false;
     v8i res_u = (v8i){0} + f->res_u, res_v = (v8i){0} + f->res_v;
     if (filter == SLV_FILTER_POINT) {
         const uint8_t *texels = cache_find_full(cache, f);
@@ -201,13 +203,14 @@ static inline __attribute__((always_inline)) void find_faces(const slv_sampler *
 
 /* As prepare(), for a group. */
 static inline __attribute__((always_inline)) void
-prepare_group(slv_sampler *s, group *g, const group_places *at, slv_filter filter) {
+prepare_group(slv_sampler *s, group *g, const group_places *at, slv_filter filter, size_t room) {
     const slv_cache *cache = s->thread.cache;
+    size_t most = s->nchannels == UINT32_MAX ? room : UINT32_MAX;
     v8i res_u = {0}, res_v = {0}, sound = are_sound(at, filter);
     find_faces(s, g);
     for (int i = 0; i < g->n; i++) {
         const cache_face *f = g->faces[i];
-        g->ready[i] = f && is_quick(s, f) && sound[i];
+        g->ready[i] = f && is_quick(s, f) && sound[i] && g->tables[i]->nchannels <= most;
         res_u[i] = g->ready[i] ? f->res_u : 0;
         res_v[i] = g->ready[i] ? f->res_v : 0;
         g->scale[i] = g->ready[i] ? g->tables[i]->scale : 0;
@@ -250,7 +253,7 @@ static inline __attribute__((always_inline)) void look_up_spread(slv_sampler *s,
                                                                  slv_filter filter,
                                                                  batch_out *out) {
     uintptr_t near = 0;
-    prepare_group(s, g, at, filter);
+    prepare_group(s, g, at, filter, out->room);
     for (int i = 0; i < g->n; i++) {
         /* neighbours are in the processor's cache, or soon will be */
         if (!g->ready[i] || !g->texels[i])

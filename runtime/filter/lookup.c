@@ -242,7 +242,7 @@ static inline slv_result look_up(slv_sampler *s, const slv_lookup *l, size_t roo
                               .count = there < s->nchannels ? there : s->nchannels,
                               .sum = out};
         memset(out, 0, (room ? room : state.count) * sizeof *out);
-        if (l->face >= t->nfaces || !is_sound(s, l))
+        if (l->face >= t->nfaces || !is_sound(s, l) || (room && state.count > room))
             return SLV_ERROR_ARGUMENT;
         if (!state.count)
             return SLV_OK;

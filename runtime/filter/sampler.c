@@ -101,8 +101,18 @@ slv_result slv_sample(slv_sampler *sampler, const slv_lookup *lookup, float *out
     return sampler->functions.one(sampler, lookup, out);
 }
 
+/* Whether a row has room for what the parameters ask for; all lookups fail if not. */
+static bool has_room(const slv_sampler *s, size_t stride, size_t count, slv_result *results) {
+    bool has = stride && (s->nchannels == UINT32_MAX || s->nchannels <= stride);
+    for (size_t i = 0; !has && results && i < count; i++)
+        results[i] = SLV_ERROR_ARGUMENT;
+    return has;
+}
+
 slv_result slv_sample_batch(slv_sampler *sampler, const slv_lookup *lookups, size_t count,
                             float *out, size_t stride, slv_result *results) {
+    if (count && !has_room(sampler, stride, count, results))
+        return SLV_ERROR_ARGUMENT;
     return sampler->functions.many(sampler, lookups, NULL, count, out, stride, results);
 }
 
@@ -149,6 +159,8 @@ static const uint32_t *sort_by_face(const slv_lookup *lookups, size_t count, uin
 slv_result slv_sample_sorted(slv_sampler *sampler, const slv_lookup *lookups, size_t count,
                              float *out, size_t stride, slv_result *results, void *workspace) {
     slv_result first = SLV_OK;
+    if (count && !has_room(sampler, stride, count, results))
+        return SLV_ERROR_ARGUMENT;
     for (size_t done = 0; done < count; done += RUN) {
         size_t n = count - done < RUN ? count - done : RUN;
         uint32_t *order = workspace;

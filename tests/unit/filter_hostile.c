@@ -44,6 +44,49 @@ static const float odd[] = {0,      -0.0f,     1,         -1,       0.5f,     1e
                             1e-30f, 0.999999f, 1.000001f, 2,        -2,       1e9f,      65536};
 enum { ODD = sizeof odd / sizeof *odd };
 
+/* Rows that are too narrow for what is asked: an error, and nothing beyond them is written. */
+static void ask_for_too_much(const char *path) {
+    enum { ROWS = 21, MARK = -77 };
+    uint64_t random = seed + 47;
+    slv_cache *cache = kit_cache(0, 0);
+    slv_file_id id = kit_open(cache, path);
+    slv_ptx_info info;
+    CHECK(slv_cache_get_info(cache, id, &info) == SLV_OK);
+    for (int p = 0; p < PARAMS && info.nfaces; p++)
+        for (int alike = 0; alike < 2; alike++) {
+            slv_filter_params params = all_params[p];
+            params.first_channel = 0;
+            params.nchannels = alike ? 0 : (uint32_t)(test_random(&random) % 3);
+            size_t asked = params.nchannels ? params.nchannels : info.nchannels;
+            size_t stride = asked - 1;
+            static float out[ROWS * ROOM + 8];
+            static char workspace[ROWS * 64];
+            slv_lookup lookups[ROWS];
+            slv_result results[ROWS];
+            slv_sampler *sampler = kit_sampler(cache, &params);
+            CHECK(slv_sample_workspace(ROWS) <= sizeof workspace);
+            for (int i = 0; i < ROWS; i++) {
+                uint32_t face = alike ? 0 : (uint32_t)i % info.nfaces;
+                lookups[i] = (slv_lookup){id, face, 0.3f, 0.6f, 0.1f, 0, 0, 0.1f};
+            }
+            for (int sorted = 0; sorted < 2; sorted++) {
+                for (size_t i = 0; i < sizeof out / sizeof *out; i++)
+                    out[i] = MARK;
+                slv_result result =
+                    sorted
+                        ? slv_sample_sorted(sampler, lookups, ROWS, out, stride, results, workspace)
+                        : slv_sample_batch(sampler, lookups, ROWS, out, stride, results);
+                CHECK(result == SLV_ERROR_ARGUMENT);
+                for (int i = 0; i < ROWS; i++)
+                    CHECK(results[i] == SLV_ERROR_ARGUMENT);
+                for (size_t i = ROWS * stride; i < sizeof out / sizeof *out; i++)
+                    CHECK(out[i] == MARK);
+            }
+            slv_sampler_destroy(sampler);
+        }
+    slv_cache_destroy(cache);
+}
+
 static void ask_badly(const char *path) {
     uint64_t random = seed + 43;
     slv_cache *cache = kit_cache(0, 0);
@@ -299,6 +342,7 @@ static void test_shapes(uint32_t nchannels) {
     slv_ptx_writer_destroy(writer);
     CHECK(sample_everything(path, 100, &random) == (uint64_t)COUNT * 100 * PARAMS);
     ask_badly(path);
+    ask_for_too_much(path);
     unlink(path);
 }
 

@@ -42,6 +42,7 @@ SLV_API bool slv_filter_from_name(const char *name, slv_filter *out);
 /* How to filter. Zero means default, but for `filter`. */
 typedef struct slv_filter_params {
     slv_filter filter;
+    /* these three are ignored on triangle meshes */
     bool lerp;          /* interpolate between resolutions (the gaussian and cubic filters) */
     bool no_edge_blend; /* stay on the face: its border texels continue outside, or are black */
     float sharpness;    /* 0..1: how sharp SLV_FILTER_BICUBIC is */
@@ -51,7 +52,11 @@ typedef struct slv_filter_params {
 } slv_filter_params;
 
 /* Where to look: a position on a face and the footprint's two vectors, each a change of (u,v) from
- * one sample to the next, in units of the face. */
+ * one sample to the next, in units of the face. The vectors may be turned around; to the filters
+ * that take a bounding box no sign matters. By the file's border mode for that axis, a position
+ * outside of 0..1 is moved to the edge (clamp), wrapped into the face (periodic), or sees what lies
+ * around the face, as far as one more face (black). On a triangle mesh u and v are barycentric
+ * coordinates, the third is 1-u-v. */
 typedef struct slv_lookup {
     slv_file_id file;
     uint32_t face;
@@ -77,14 +82,17 @@ SLV_API uint32_t slv_sampler_channels(slv_sampler *sampler, slv_file_id file);
  * `out`, which has room for all requested channels; those that the file lacks are 0.
  *
  * SLV_ERROR_ARGUMENT for a file or face that does not exist, u or v not finite, or a footprint that
- * is not a number (infinite ones average the face); other errors if the file cannot be read. `out`
- * is then zeros. Wrong arguments are not logged; a face that cannot be read is, each time. */
+ * is not a number (an infinite one counts as one of the size of the face); other errors if the file
+ * cannot be read. `out` is then zeros, as many as the parameters ask for, or as the file has if
+ * that is all: none where the file is not known. Wrong arguments are not logged; a face that
+ * cannot be read is, each time. */
 SLV_API slv_result slv_sample(slv_sampler *sampler, const slv_lookup *lookup, float *out);
 
 /* `count` lookups in one go, quicker than one by one: the same numbers. `out` is count rows of
  * `stride` floats, at least the number of requested channels (all of the widest file, if that is
- * 0). Returns the error of the first lookup that failed; all others are done. `results` (count, may
- * be NULL) says how each one went. */
+ * 0): SLV_ERROR_ARGUMENT for the lookups that have no room. What a row has beyond the file's
+ * channels may be set to 0. Returns the error of the first lookup that failed; all others are done.
+ * `results` (count, may be NULL) says how each one went. */
 SLV_API slv_result slv_sample_batch(slv_sampler *sampler, const slv_lookup *lookups, size_t count,
                                     float *out, size_t stride, slv_result *results);
 
