@@ -134,11 +134,6 @@ static slv_result measure_faces(void *user, uint64_t first, uint64_t end) {
     return result;
 }
 
-static bool same_texture(const slv_texture_desc *a, const slv_texture_desc *b) {
-    return a->nfaces == b->nfaces && a->type == b->type && a->nchannels == b->nchannels &&
-           (!a->nfaces || memcmp(a->res, b->res, a->nfaces * sizeof *a->res) == 0);
-}
-
 slv_result slv_edge_aligned_measure(const slv_env *env, const slv_edge_aligned *aligned,
                                     const slv_levels *levels, const slv_adjacency *adjacency,
                                     slv_edge_aligned_error *out) {
@@ -148,7 +143,7 @@ slv_result slv_edge_aligned_measure(const slv_env *env, const slv_edge_aligned *
     face_error sum = {0};
     double count = 0;
     slv_result result;
-    if (!same_texture(desc, slv_edge_aligned_get_desc(aligned)) ||
+    if (!slv_texture_desc_same(desc, slv_edge_aligned_get_desc(aligned)) ||
         slv_adjacency_face_count(adjacency) != desc->nfaces)
         return slv_fail(env, SLV_ERROR_MISMATCH,
                         "edge-aligned: it was not made from these levels and this adjacency");

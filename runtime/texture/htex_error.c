@@ -4,7 +4,6 @@
 
 #include <math.h>
 #include <stdlib.h>
-#include <string.h>
 
 /* Points of a texel, of the face's or a square's: a lattice that has each coordinate once, for the
  * texels of squares lie at halves of the face's. */
@@ -91,11 +90,6 @@ done:
     return result;
 }
 
-static bool same_texture(const slv_texture_desc *a, const slv_texture_desc *b) {
-    return a->nfaces == b->nfaces && a->type == b->type && a->nchannels == b->nchannels &&
-           (!a->nfaces || memcmp(a->res, b->res, a->nfaces * sizeof *a->res) == 0);
-}
-
 slv_result slv_htex_measure(const slv_env *env, const slv_htex *htex, const slv_levels *levels,
                             const slv_adjacency *adjacency, slv_htex_error *out) {
     const slv_texture_desc *desc = &levels->desc;
@@ -104,7 +98,7 @@ slv_result slv_htex_measure(const slv_env *env, const slv_htex *htex, const slv_
     face_error sum = {0};
     double count = 0;
     slv_result result;
-    if (!same_texture(desc, &htex->desc) || slv_adjacency_face_count(adjacency) != desc->nfaces)
+    if (!slv_texture_desc_same(desc, &htex->desc) || slv_adjacency_face_count(adjacency) != desc->nfaces)
         return slv_fail(env, SLV_ERROR_MISMATCH,
                         "half-edges: they were not made from these levels and this adjacency");
     if ((result = slv_parallel_env_begin(env, &log, &measure.env)))

@@ -20,6 +20,11 @@ struct slv_texture {
     unsigned char **texels;   /* NULL where the face is constant */
 };
 
+bool slv_texture_desc_same(const slv_texture_desc *a, const slv_texture_desc *b) {
+    return a->nfaces == b->nfaces && a->type == b->type && a->nchannels == b->nchannels &&
+           (!a->nfaces || memcmp(a->res, b->res, a->nfaces * sizeof *a->res) == 0);
+}
+
 slv_result slv_texture_check_desc(const slv_env *env, const slv_texture_desc *desc,
                                   uint64_t *bytes) {
     if (!desc || (desc->nfaces && !desc->res))
