@@ -40,6 +40,14 @@ static inline bool kernel_is_empty(const kernel *k) {
     return k->a[0].n <= 0 || k->a[1].n <= 0;
 }
 
+/* Whether it reaches beyond no edge of its face. */
+static inline __attribute__((always_inline)) bool kernel_is_inside(const kernel *k) {
+    const kernel_axis *u = &k->a[0], *v = &k->a[1];
+    int outside =
+        u->start | ((1 << u->res) - u->n - u->start) | v->start | ((1 << v->res) - v->n - v->start);
+    return outside >= 0;
+}
+
 /* The part of `from` that begins at its texel `first`. */
 static inline void axis_take(const kernel_axis *from, int first, int n, kernel_axis *to) {
     v8f low, high;

@@ -71,17 +71,10 @@ static inline __attribute__((always_inline)) float build(const kernel_shape *sha
     return sum;
 }
 
-static inline __attribute__((always_inline)) bool is_inside(const kernel *k) {
-    const kernel_axis *u = &k->a[0], *v = &k->a[1];
-    int outside =
-        u->start | ((1 << u->res) - u->n - u->start) | v->start | ((1 << v->res) - v->n - v->start);
-    return outside >= 0;
-}
-
 /* Lays a kernel of a known weight onto its face and those around. */
 static inline void sum_kernel(lookup_state *state, uint32_t face, cache_face *f, kernel *k,
                               float weight) {
-    bool inside = is_inside(k);
+    bool inside = kernel_is_inside(k);
     state->weight = weight;
     if (f->plain && !state->sampler->no_edge_blend && apron_fits(k) &&
         (apply_apron(state, face, f, k) || is_over(state)))

@@ -158,14 +158,17 @@ static void to_whole_face(kernel *k, int edge) {
     k->a[1].res++;
 }
 
-/* A sub-face may be smaller than the kernel expects: cut again. */
+/* A sub-face may be smaller than the kernel expects, and a kernel of a position outside of its face
+ * may reach beyond the neighbour: cut again. So are the kernels of files that make no sense. */
 static void arrive(lookup_state *state, uint32_t face, kernel *k) {
     cache_face *f = face_at(state, face);
     if (is_subface(f)) {
         state->subfaces = true;
         apply_across(state, face, k);
-    } else
+    } else if (kernel_is_inside(k))
         apply_inside(state, face, f, k);
+    else
+        apply_across(state, face, k);
 }
 
 static void apply_edge(lookup_state *state, uint32_t face, const cache_face *f, int edge,
@@ -359,7 +362,7 @@ static inline bool apply_one_edge(lookup_state *state, uint32_t face, cache_face
     int edge = right ? EDGE_RIGHT : top ? EDGE_TOP : left ? EDGE_LEFT : EDGE_BOTTOM;
     int outside = right ? after_u : top ? after_v : left ? -u->start : -v->start;
     kernel_axis *cut = edge & 1 ? u : v;
-    if (f->adjacent[edge] < 0 || outside >= cut->n)
+    if (f->adjacent[edge] < 0 || outside >= cut->n || outside > 1 << cut->res)
         return false;
     uint32_t to = (uint32_t)f->adjacent[edge];
     int turns = (edge - adjacent_edge(f, edge) + 2) & 3;

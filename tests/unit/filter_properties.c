@@ -298,6 +298,49 @@ static void test_turns(uint32_t count, bool mixed) {
     unlink(path[1]);
 }
 
+/* Outside of a black border lies what is around the face: on a torus the same as from there. */
+static void test_outside(int log2, uint32_t nchannels) {
+    const char *path = scratch_path("outside.ptx");
+    slv_ptx_write_params black = {.border_u = SLV_BORDER_BLACK, .border_v = SLV_BORDER_BLACK};
+    uint64_t random = 71;
+    kit k;
+    kit_grid(&k, SIDE, SIDE, true, 0, NULL, NULL);
+    kit_equal(&k, log2);
+    kit_noise(&k, SLV_TYPE_FLOAT, nchannels, &random);
+    kit_save(&k, path, &black);
+    kit_free(&k);
+    slv_cache *cache = kit_cache(0, 0);
+    slv_file_id id = kit_open(cache, path);
+    for (int p = 0; p < PARAMS; p++) {
+        slv_filter filter = all_params[p].filter;
+        if (filter == SLV_FILTER_POINT || filter == SLV_FILTER_ANISOTROPIC ||
+            all_params[p].no_edge_blend)
+            continue;
+        slv_sampler *sampler = kit_sampler(cache, &all_params[p]);
+        float worst = 0;
+        for (int i = 0; i < MANY; i++) {
+            slv_lookup l = kit_lookup_any(id, SIDE * SIDE, &random), there = l;
+            int x = (int)(test_random(&random) % 3) - 1, y = (int)(test_random(&random) % 3) - 1;
+            int at_x = (int)(l.face % SIDE) + SIDE + x, at_y = (int)(l.face / SIDE) + SIDE + y;
+            float seen[8], expected[8];
+            there.u = floorf(kit_unit(&random) * 1023 + 1) / 1024;
+            there.v = floorf(kit_unit(&random) * 1023 + 1) / 1024;
+            l.u = there.u + (float)x;
+            l.v = there.v + (float)y;
+            there.face = (uint32_t)(at_y % SIDE * SIDE + at_x % SIDE);
+            CHECK(slv_sample(sampler, &l, seen) == SLV_OK);
+            CHECK(slv_sample(sampler, &there, expected) == SLV_OK);
+            for (uint32_t c = 0; c < nchannels; c++)
+                worst = fmaxf(worst, fabsf(seen[c] - expected[c]));
+        }
+        CHECK_MSG(worst <= 1e-5f, "%s, 2^%d texels: %g from what lies there",
+                  slv_filter_name(filter), log2, (double)worst);
+        slv_sampler_destroy(sampler);
+    }
+    slv_cache_destroy(cache);
+    unlink(path);
+}
+
 static char sample_path[1100];
 static slv_cache *temperatures[3]; /* cold, warm, tiny */
 
@@ -391,6 +434,10 @@ int main(void) {
     for (uint32_t count = 2; count < 9; count += TEST_SANITIZED ? 3 : 1) {
         test_turns(count == 2 ? 0 : count, false);
         test_turns(count == 2 ? 0 : count, true);
+    }
+    for (int log2 = 0; log2 < 6; log2++) {
+        test_outside(log2, 3);
+        test_outside(log2, 5);
     }
     test_ways();
     return test_end();
