@@ -203,10 +203,13 @@ static inline __attribute__((always_inline)) void find_faces(const slv_sampler *
 
 /* As prepare(), for a group. */
 static inline __attribute__((always_inline)) void
-prepare_group(slv_sampler *s, group *g, const group_places *at, slv_filter filter, size_t room) {
+prepare_group(slv_sampler *s, group *g, group_places *at, slv_filter filter, size_t room) {
     const slv_cache *cache = s->thread.cache;
     size_t most = s->nchannels == UINT32_MAX ? room : UINT32_MAX;
     v8i res_u = {0}, res_v = {0}, sound = are_sound(at, filter);
+    /* what is not a number, or huge, overflows integers in its lane */
+    at->u = v8_select(sound, at->u, v8_splat(0));
+    at->v = v8_select(sound, at->v, v8_splat(0));
     find_faces(s, g);
     for (int i = 0; i < g->n; i++) {
         const cache_face *f = g->faces[i];
@@ -248,10 +251,8 @@ prepare_group(slv_sampler *s, group *g, const group_places *at, slv_filter filte
 }
 
 /* A group on more than one face. */
-static inline __attribute__((always_inline)) void look_up_spread(slv_sampler *s, group *g,
-                                                                 const group_places *at,
-                                                                 slv_filter filter,
-                                                                 batch_out *out) {
+static inline __attribute__((always_inline)) void
+look_up_spread(slv_sampler *s, group *g, group_places *at, slv_filter filter, batch_out *out) {
     uintptr_t near = 0;
     prepare_group(s, g, at, filter, out->room);
     for (int i = 0; i < g->n; i++) {

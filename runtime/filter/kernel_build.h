@@ -91,8 +91,8 @@ static inline __attribute__((always_inline)) void span_box(v8f x, v8f w, v8i fac
  * their own at each of the coarsest three resolutions. */
 static inline __attribute__((always_inline)) void span_wide(v8f x, v8f w, v8i face_res, bool lerp,
                                                             kernel_spans *out) {
-    w = v8_max(w, v8_power_of_two(-face_res));
-    out->res = 127 - ((v8i)v8_min(w, v8_splat(1)) >> 23);
+    w = v8_min(v8_max(w, v8_power_of_two(-face_res)), v8_splat(1));
+    out->res = 127 - ((v8i)w >> 23);
     v8f size = v8_power_of_two(out->res), p = w * size, middle = x - 0.5f;
     v8i is_one = out->res == 0, is_two = out->res == 1, is_four = out->res == 2;
     x = x * size - 0.5f;
