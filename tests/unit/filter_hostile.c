@@ -107,7 +107,8 @@ static void ask_badly(const char *path) {
                          !isnan(l.uw2) && !isnan(l.vw2);
             out[0] = 7;
             slv_result result = slv_sample(sampler, &l, out);
-            bool either = all_params[p].filter == SLV_FILTER_POINT && isfinite(l.u + l.v);
+            bool either =
+                all_params[p].filter == SLV_FILTER_POINT && isfinite(l.u) && isfinite(l.v);
             CHECK_MSG(either || result == (sound ? SLV_OK : SLV_ERROR_ARGUMENT),
                       "%s, %s: %s for u %g v %g footprint %g %g %g %g", path,
                       slv_filter_name(all_params[p].filter), slv_result_string(result), (double)l.u,
