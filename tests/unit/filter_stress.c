@@ -10,7 +10,7 @@
 #include <stdatomic.h>
 #include <time.h>
 
-enum { FILES = 9, LOOKUPS = 160, PARAMS = 5, THREADS = 8, SLOTS = 7, ROOM = 5, GROUP = 24 };
+enum { FILES = 9, LOOKUPS = 160, PARAMS = 6, THREADS = 8, SLOTS = 7, ROOM = 5, GROUP = 24 };
 
 static const slv_filter_params all_params[PARAMS] = {
     {.filter = SLV_FILTER_POINT, .nchannels = ROOM},
@@ -18,6 +18,7 @@ static const slv_filter_params all_params[PARAMS] = {
     {.filter = SLV_FILTER_GAUSSIAN, .lerp = true, .nchannels = ROOM},
     {.filter = SLV_FILTER_BICUBIC, .sharpness = 0.7f, .nchannels = ROOM},
     {.filter = SLV_FILTER_BSPLINE, .blur = 0.2f, .nchannels = ROOM},
+    {.filter = SLV_FILTER_ANISOTROPIC, .nchannels = ROOM},
 };
 
 static char paths[FILES][1100];

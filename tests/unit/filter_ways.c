@@ -9,7 +9,11 @@
 
 enum { FILES = 6, MOST_CHANNELS = 7, MOST = 61, ROOM = MOST * (MOST_CHANNELS + 3) + 8 };
 
+enum { FILLER_SIDE = 8, FILLER_FACES = FILLER_SIDE * FILLER_SIDE, FILLER_CHANNELS = 3 };
+
 static const float mark = -12345;
+static char filler[1100];
+static uint64_t evictions;
 static uint64_t printed = UINT64_C(14695981039346656037);
 
 typedef struct files {
@@ -94,7 +98,9 @@ static void write_file(files *f, uint32_t number, uint64_t *random) {
 static void make_lookups(const files *f, const slv_file_id *ids, size_t count, bool bad,
                          uint64_t *random, slv_lookup *out) {
     static const float odd[] = {0, -0.0f, 1, -1, 1e-42f, 1e30f, INFINITY, -INFINITY, NAN, 2, 0.5f};
-    uint32_t file = test_random(random) % f->count, kind = test_random(random) % 4;
+    uint32_t file = test_random(random) % f->count, kind = test_random(random) % 5;
+    if (kind == 4) /* all of what does not fit */
+        file = f->count - 1;
     for (size_t i = 0; i < count; i++) {
         if (kind == 3 || (kind == 2 && i % 11 == 0))
             file = test_random(random) % f->count;
@@ -214,8 +220,11 @@ static void test_files(uint64_t number) {
     uint64_t random = number * 7919 + 11;
     slv_cache *caches[CACHES];
     slv_file_id ids[CACHES][FILES];
-    for (uint32_t i = 0; i < FILES; i++)
+    for (uint32_t i = 0; i + 1 < FILES; i++)
         write_file(&f, i, &random);
+    memcpy(f.paths[f.count], filler, sizeof filler);
+    f.nfaces[f.count] = FILLER_FACES;
+    f.nchannels[f.count++] = FILLER_CHANNELS;
     for (int i = 0; i < CACHES; i++) {
         caches[i] = kit_cache(i == 2 ? 1 : 64 << 20, 0);
         for (uint32_t k = 0; k < FILES; k++)
@@ -235,17 +244,35 @@ static void test_files(uint64_t number) {
         params.nchannels = test_random(&random) % 2 ? 0 : 1 + test_random(&random) % 7;
         try_ways(&f, caches, ids, &params, &random);
     }
+    slv_cache_stats stats;
+    slv_cache_get_stats(caches[2], &stats);
+    evictions += stats.evictions;
     for (int i = 0; i < CACHES; i++)
         slv_cache_destroy(caches[i]);
-    for (uint32_t k = 0; k < FILES; k++)
+    for (uint32_t k = 0; k + 1 < FILES; k++)
         unlink(f.paths[k]);
+}
+
+/* More than the smallest cache holds, in tiles. */
+static void write_filler(void) {
+    uint64_t random = 83;
+    kit k;
+    kit_grid(&k, FILLER_SIDE, FILLER_SIDE, true, 0, &random, NULL);
+    kit_equal(&k, 8);
+    kit_rough(&k, SLV_TYPE_U8, FILLER_CHANNELS, &random);
+    snprintf(filler, sizeof filler, "%s", scratch_path("ways-filler.ptx"));
+    kit_save(&k, filler, NULL);
+    kit_free(&k);
 }
 
 int main(int argc, char **argv) {
     uint64_t seed = argc > 1 ? strtoull(argv[1], NULL, 10) : 1;
     uint64_t rounds = argc > 2 ? strtoull(argv[2], NULL, 10) : TEST_SANITIZED ? 6 : 20;
+    write_filler();
     for (uint64_t i = 0; i < rounds; i++)
         test_files(seed * 1000 + i);
+    unlink(filler);
+    CHECK(evictions > rounds);
     fprintf(stderr, "values: %016llx\n", (unsigned long long)printed);
     return test_end();
 }
