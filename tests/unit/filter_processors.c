@@ -56,7 +56,7 @@ static void compare(const char *path) {
 }
 
 int main(void) {
-    if (!__builtin_cpu_supports("avx2") || !__builtin_cpu_supports("f16c")) {
+    if (!__builtin_cpu_supports("avx2") || !__builtin_cpu_supports("bmi2")) {
         fprintf(stderr, "this processor has no AVX2: nothing to compare\n");
         return 77;
     }
