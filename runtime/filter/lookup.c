@@ -192,7 +192,7 @@ find_texels(const slv_cache *cache, const cache_tables *t, uint32_t face, cache_
         return NULL;
     if (!last->inner && res_u == f->res_u && res_v == f->res_v)
         last->inner = cache_find_full(cache, f);
-    else if (!last->inner && res_u < f->res_u && res_v < f->res_v && res_u + res_v <= t->whole_log2)
+    else if (!last->inner && res_u + res_v <= t->whole_log2)
         last->inner = cache_find_hashed(cache, t, face, res_u, res_v, 0);
     return last->inner;
 }
