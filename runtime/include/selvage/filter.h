@@ -55,7 +55,8 @@ typedef struct slv_filter_params {
  * one sample to the next, in units of the face. The vectors may be turned around; to the filters
  * that take a bounding box no sign matters. By the file's border mode for that axis, a position
  * outside of 0..1 is moved to the edge (clamp), wrapped into the face (periodic), or sees what lies
- * around the face, as far as one more face (black). On a triangle mesh u and v are barycentric
+ * around the face, as far as one more face (black). SLV_FILTER_POINT moves it to the edge always,
+ * SLV_FILTER_ANISOTROPIC where a neighbour lies across. On a triangle mesh u and v are barycentric
  * coordinates, the third is 1-u-v. */
 typedef struct slv_lookup {
     slv_file_id file;
@@ -97,7 +98,7 @@ SLV_API slv_result slv_sample_batch(slv_sampler *sampler, const slv_lookup *look
                                     float *out, size_t stride, slv_result *results);
 
 /* The same for lookups in no order: visits them by file and face. `workspace` has room for
- * slv_sample_workspace(count) bytes. */
+ * slv_sample_workspace(count) bytes, aligned as what malloc gives. */
 SLV_API slv_result slv_sample_sorted(slv_sampler *sampler, const slv_lookup *lookups, size_t count,
                                      float *out, size_t stride, slv_result *results,
                                      void *workspace);
