@@ -79,11 +79,13 @@ slv_footprint slv_footprint_of(vec2 size, vec2 dx, vec2 dy) {
     int taps = int(clamp(ceil(longest / max(shortest, 1e-12)), 1.0, float(SLV_ANISOTROPY)));
     vec2 axis = px > py ? dx : dy;
 #if SLV_TAPS
+#if SLV_STRATEGY != 7
     // Within a quarter of a texel a row changes next to nothing. It would be another one for a neighbour whose texels have another
-    // shape, and show at the edge.
+    // shape, and show at the edge. (Squares of edges are looked up from both sides alike, and their size is not known here.)
     float row = clamp(4.0 * longest - 1.0, 0.0, 1.0);
     axis *= row;
     taps = row > 0.0 ? taps : 1;
+#endif
     taps |= 1; // an odd number has one in the centre, which the face cannot miss however small it is
 #if SLV_VECTORS && SLV_STRATEGY != 5
     taps = gl_HelperInvocation ? 1 : taps;

@@ -1,6 +1,6 @@
 /* Half-edge squares on the GPU: lookups are those of slv_htex_lookup, in every part of a face, at
  * every level, however the squares are spread over array textures; and those with anisotropy are
- * the same on both sides of an edge. */
+ * means along their rows, the same on both sides of an edge. */
 #include "unit/border_kit.h"
 
 #include <selvage/gl_texture.h>
@@ -113,6 +113,53 @@ static void check_rows(const kit *k, const char *name, uint64_t *random) {
     slv_gl_texture_destroy(texture);
 }
 
+/* A row of taps that stays in one triangle is the mean of magnified lookups along it, in any
+ * direction. */
+static void check_means(uint64_t *random) {
+    enum { STEPS = 64 };
+    slv_env env = test_env();
+    slv_gl_texture_params params = {.strategies = 1u << SLV_STRATEGY_HTEX, .anisotropy = 16};
+    slv_gl_texture *texture = NULL;
+    slv_htex *htex = NULL;
+    const float length = 0.15f;
+    double squares = 0, spread = 0;
+    kit k;
+    kit_grid(&k, 4, 4, false, 0, random, NULL);
+    kit_equal(&k, 5);
+    kit_noise(&k, SLV_TYPE_U8, 1, random);
+    REQUIRE(slv_htex_create(&env, k.levels, k.adjacency, &htex) == SLV_OK);
+    REQUIRE(slv_gl_texture_create(gl, &env, k.texture, k.adjacency, &params, &texture) == SLV_OK);
+    for (int i = 0; i < POINTS; i++) {
+        uint32_t edge = test_random(random) % 4;
+        float angle = 6.2831853f * (float)(test_random(random) % 1000) / 1000;
+        faces[i] = (int32_t)(test_random(random) % k.nfaces);
+        uv[2 * i] = edge % 2 == 0 ? 0.5f : edge == 1 ? 0.8f : 0.2f;
+        uv[2 * i + 1] = edge % 2 ? 0.5f : edge == 2 ? 0.8f : 0.2f;
+        dx[2 * i] = length * cosf(angle);
+        dx[2 * i + 1] = length * sinf(angle);
+        dy[2 * i] = -dx[2 * i + 1] / 16;
+        dy[2 * i + 1] = dx[2 * i] / 16;
+    }
+    REQUIRE(slv_gl_texture_lookup(texture, &env, SLV_STRATEGY_HTEX, POINTS, faces, uv, dx, dy,
+                                  values) == SLV_OK);
+    for (int i = 0; i < POINTS; i++) {
+        float mean = 0;
+        for (int step = 0; step < STEPS; step++) {
+            float at = ((float)step + 0.5f) / STEPS - 0.5f, value;
+            slv_htex_lookup(htex, (uint32_t)faces[i], uv[2 * i] + at * dx[2 * i],
+                            uv[2 * i + 1] + at * dx[2 * i + 1], 0, &value);
+            mean += value / STEPS;
+        }
+        squares += (double)((values[4 * i] - mean) * (values[4 * i] - mean));
+        spread += (double)((mean - 0.5f) * (mean - 0.5f));
+    }
+    CHECK_MSG(squares < 0.01 * spread, "rows of taps are %g from means that vary by %g",
+              sqrt(squares / POINTS), sqrt(spread / POINTS));
+    slv_gl_texture_destroy(texture);
+    slv_htex_destroy(htex);
+    kit_free(&k);
+}
+
 /* Faces that meet get squares in the same array textures, and so share batches. */
 static void check_batches(uint64_t *random) {
     slv_env env = test_env();
@@ -163,6 +210,7 @@ int main(void) {
         check_rows(&k, name, &random);
         kit_free(&k);
     }
+    check_means(&random);
     check_batches(&random);
     slv_gl_destroy(gl);
     return test_end();
