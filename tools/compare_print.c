@@ -5,6 +5,22 @@
 #include <math.h>
 #include <stdio.h>
 
+/* Right-aligned, behind a space; values of large floats would not fit as they are. */
+static void print_number(int width, int decimals, double value) {
+    if (isnan(value))
+        printf(" %*s", width, "none");
+    else if (fabs(value) < 1e6)
+        printf(" %*.*f", width, decimals, value);
+    else
+        printf(" %*.4g", width, value);
+}
+
+static void print_jumps(const slv_gl_seam *seam) {
+    print_number(12, 5, seam->nedges ? (double)seam->max : NAN);
+    print_number(12, 6, seam->nedges ? (double)seam->mean : NAN);
+    putchar('\n');
+}
+
 static void print_rates(const report_data *report) {
     printf("%-14s", "frame ms");
     for (uint32_t r = 0; r < report->nrates; r++)
@@ -37,8 +53,9 @@ static void print_errors(const report_data *report) {
         report_tally all = report_errors_part(errors, REPORT_ALL);
         printf("%-14s", slv_strategy_name(report->strategies[k].strategy));
         for (int label = REPORT_INTERIOR; label < REPORT_LABELS; label++)
-            printf(" %10.6f", report_rms(&errors->labels[label]));
-        printf(" %10.6f\n", report_rms(&all));
+            print_number(10, 6, report_rms(&errors->labels[label]));
+        print_number(10, 6, report_rms(&all));
+        putchar('\n');
     }
     printf("(%ux MSAA against the reference '%s', of %u frame%s)\n",
            report->rates[report->shown].samples, report_source_name(ref->first), ref->frames,
@@ -54,13 +71,14 @@ static void print_compressed(const report_data *report) {
     for (uint32_t k = 0; k < report->nstrategies; k++) {
         const report_strategy *row = &report->strategies[k];
         const report_blocks *blocks = &row->blocks;
-        printf("%-14s %10.1f %10.2f ", slv_strategy_name(row->strategy),
-               (double)blocks->stats.gpu_bytes / 1e6, blocks->psnr);
+        printf("%-14s %10.1f", slv_strategy_name(row->strategy),
+               (double)blocks->stats.gpu_bytes / 1e6);
+        print_number(10, 2, blocks->psnr);
         if (reference)
-            printf("%10.2f", blocks->reference_psnr);
+            print_number(10, 2, blocks->reference_psnr);
         else
-            printf("%10s", "");
-        printf(" %12.5f %12.6f\n", (double)blocks->seam.max, (double)blocks->seam.mean);
+            printf(" %10s", "");
+        print_jumps(&blocks->seam);
     }
     printf("(dB from the pictures of the uncompressed texture%s)\n",
            reference ? ", and from the reference" : "");
@@ -73,9 +91,9 @@ void compare_print(const report_data *report, const char *folder) {
            "mean jump");
     for (uint32_t k = 0; k < report->nstrategies; k++) {
         const report_strategy *row = &report->strategies[k];
-        printf("%-14s %10.2f %8.2f %10.1f %12.5f %12.6f\n", slv_strategy_name(row->strategy),
-               row->median_ms, row->ratio, (double)row->stats.gpu_bytes / 1e6,
-               (double)row->seams[0].max, (double)row->seams[0].mean);
+        printf("%-14s %10.2f %8.2f %10.1f", slv_strategy_name(row->strategy), row->median_ms,
+               row->ratio, (double)row->stats.gpu_bytes / 1e6);
+        print_jumps(&row->seams[0]);
     }
     printf("(%s; %u frames of %u x %u, %ux MSAA, %ux anisotropy; jumps of magnified lookups, full "
            "scale is 1)\n",

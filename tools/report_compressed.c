@@ -10,6 +10,16 @@ static void write_decibels(FILE *stream, double psnr) {
         fprintf(stream, "<td class=\"quiet\">%s</td>", isnan(psnr) ? "none" : "equal");
 }
 
+static void write_jump(FILE *stream, const slv_gl_seam *seam, float jump) {
+    if (!seam->nedges) {
+        fputs("<td class=\"quiet\">none</td>", stream);
+        return;
+    }
+    fputs("<td>", stream);
+    report_write_jump(stream, (double)jump);
+    fputs("</td>", stream);
+}
+
 void report_write_compressed(FILE *stream, const report_data *report) {
     bool reference = report->reference.first < REPORT_SOURCES;
     if (!report->compressed)
@@ -20,7 +30,8 @@ void report_write_compressed(FILE *stream, const report_data *report) {
           "RGB, over all pixels that the surface covers in full; more is better. The error of "
           "texels is what the encoder loses, of all that a strategy stores.</p>\n"
           "<div class=\"scroll\" tabindex=\"0\" role=\"region\" aria-labelledby=\"blocks\">\n"
-          "<table aria-labelledby=\"blocks\" aria-describedby=\"blocks-what\">\n<thead>\n<tr>"
+          "<table class=\"many\" aria-labelledby=\"blocks\" "
+          "aria-describedby=\"blocks-what\">\n<thead>\n<tr>"
           "<th scope=\"col\" rowspan=\"2\">Strategy</th><th scope=\"colgroup\" colspan=\"3\">GPU "
           "memory</th>",
           stream);
@@ -48,12 +59,11 @@ void report_write_compressed(FILE *stream, const report_data *report) {
             write_decibels(stream, blocks->reference_psnr);
             write_decibels(stream, blocks->plain_reference_psnr);
         }
-        fprintf(stream, "<td>%.4f</td><td>%.3f</td><td>", blocks->stats.block_rms,
+        fprintf(stream, "<td>%.4f</td><td>%.3f</td>", blocks->stats.block_rms,
                 blocks->stats.block_max);
-        report_write_jump(stream, (double)blocks->seam.max);
-        fputs("</td><td>", stream);
-        report_write_jump(stream, (double)blocks->seam.mean);
-        fputs("</td></tr>\n", stream);
+        write_jump(stream, &blocks->seam, blocks->seam.max);
+        write_jump(stream, &blocks->seam, blocks->seam.mean);
+        fputs("</tr>\n", stream);
     }
     fputs("</tbody>\n</table>\n</div>\n</section>\n", stream);
 }

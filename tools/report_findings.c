@@ -147,14 +147,16 @@ static void judge_error(const contest *c, uint32_t samples, report_finding *find
     uint32_t rate = find_rate(c->report, samples);
     if (!c->both || rate == c->report->nrates || isnan(error_ratio(c, rate)))
         return;
-    double ratio = error_ratio(c, rate);
+    double ratio = error_ratio(c, rate), at_seams = seam_ratio(c, rate);
     report_judgement one = samples < 4                              ? below_one(1 / ratio)
                            : samples > 4                            ? below_one(ratio)
                            : ratio < ROUGHLY && ratio > 1 / ROUGHLY ? REPORT_REPRODUCED
                                                                     : REPORT_REFUTED;
     finding->judgement = stricter(finding->judgement, one);
-    say(finding, "%sat %ux the error of discard is %.3f times that of traverse (%.3f at seams)",
-        finding->numbers[0] ? "; " : "", samples, ratio, seam_ratio(c, rate));
+    say(finding, "%sat %ux the error of discard is %.3f times that of traverse",
+        finding->numbers[0] ? "; " : "", samples, ratio);
+    if (isfinite(at_seams))
+        say(finding, " (%.3f at seams)", at_seams);
 }
 
 static void judge_apart(const contest *c, report_finding *finding) {

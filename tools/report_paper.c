@@ -189,8 +189,11 @@ static void write_blocks(FILE *stream, const report_data *report) {
             write_number(stream, decibels[i], 3, "");
             fputc(',', stream);
         }
-        fprintf(stream, "%.6g,%.6g,%.6g,%.6g\n", blocks->stats.block_rms, blocks->stats.block_max,
-                (double)blocks->seam.max, (double)blocks->seam.mean);
+        fprintf(stream, "%.6g,%.6g,", blocks->stats.block_rms, blocks->stats.block_max);
+        if (blocks->seam.nedges)
+            fprintf(stream, "%.6g,%.6g\n", (double)blocks->seam.max, (double)blocks->seam.mean);
+        else
+            fputs(",\n", stream);
     }
 }
 

@@ -1,5 +1,6 @@
 /* The selvage command as a user meets it: what goes wrong is said in exactly one line, with the
  * right exit code, and leaves nothing behind; what goes right leaves exactly what was asked for. */
+#include "render/bake_kit.h"
 #include "render/command_kit.h"
 
 #include <selvage/bake.h>
@@ -408,6 +409,38 @@ static void check_report(void) {
     kit_remove(report);
 }
 
+/* One face has no seams, and its pixels are not of every kind: what is not there is not a number,
+ * and no report says so in those words. */
+static void check_single_face(void) {
+    static const char obj[] = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf 1 2 3 4\n";
+    static const char *const files[] = {"report.json", "report.html", "compression.csv"};
+    const slv_res res = {0, 0};
+    const slv_procedural noise = {.pattern = SLV_PATTERN_NOISE, .frequency = 2};
+    char ptx[KIT_PATH], report[KIT_PATH], path[KIT_PATH];
+    bake_write(kit_join(ptx, scratch.root, "single.ptx"), obj, SLV_SCHEME_BILINEAR, 1, &res,
+               &noise);
+    kit_selvage(&scratch, NULL,
+                ARGUMENTS("compare", ptx, "--quick", "--out", "report", "--size", "96x64",
+                          "--frames", "2", "--tess", "2", "--compress", "--strategies",
+                          "clamp,traverse,discard"),
+                &run);
+    CHECK_MSG(run.code == 0, "compare: exit code %d: %s", run.code, run.err);
+    REQUIRE(run.code == 0);
+    CHECK_MSG(!strstr(run.out, "nan") && strstr(run.out, "none"), "%s", run.out);
+    kit_join(report, scratch.folder, "report");
+    for (size_t i = 0; i < sizeof files / sizeof *files; i++) {
+        char *text = kit_read(kit_join(path, report, files[i]), NULL);
+        CHECK_MSG(!strstr(text, "(nan") && !strstr(text, ">nan") && !strstr(text, ",nan"),
+                  "%s: nan", files[i]);
+        free(text);
+    }
+    char *csv = kit_read(kit_join(path, report, "compression.csv"), NULL);
+    const char *row = strstr(csv, "\nclamp,");
+    CHECK_MSG(row && strstr(row, ",,\n"), "seam jumps without seams: %s", csv);
+    free(csv);
+    kit_remove(report);
+}
+
 /* The names of options in a source file: help must show each. */
 static void check_options_shown(const char *verb, const char *name) {
     char path[KIT_PATH], folder[KIT_PATH];
@@ -468,6 +501,7 @@ int main(void) {
     check_info();
     check_pictures();
     check_report();
+    check_single_face();
     kit_remove(scratch.root);
     return test_end();
 }
