@@ -95,10 +95,10 @@ void compare_print(const report_data *report, const char *folder) {
                row->ratio, (double)row->stats.gpu_bytes / 1e6);
         print_jumps(&row->seams[0]);
     }
-    printf("(%s; %u frames of %u x %u, %ux MSAA, %ux anisotropy; jumps of magnified lookups, full "
+    printf("(%s; %u frame%s of %u x %u, %ux MSAA, %ux anisotropy; jumps of magnified lookups, full "
            "scale is 1)\n",
-           report->gl.renderer, report->frames, report->width, report->height,
-           report->rates[report->shown].samples, report->anisotropy);
+           report->gl.renderer, report->frames, report->frames == 1 ? "" : "s", report->width,
+           report->height, report->rates[report->shown].samples, report->anisotropy);
     print_errors(report);
     print_compressed(report);
     report_advice advice = report_advise(report);

@@ -210,7 +210,8 @@ static slv_result assign_pools(const slv_gl_source *source, const struct items *
             if (pool->width > limit || pool->height > limit) {
                 result = slv_fail(
                     env, SLV_ERROR_LIMIT,
-                    "a face of %u x %u texels needs a texture of %u x %u, the driver's limit is %u",
+                    "%s of %u x %u texels needs a texture of %u x %u, the driver's limit is %u",
+                    store->layout == SLV_GL_HALF_EDGE ? "an edge's square" : "a face",
                     1u << pool->res.u, 1u << pool->res.v, pool->width, pool->height, limit);
                 goto done;
             }

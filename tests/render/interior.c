@@ -10,7 +10,7 @@
 
 enum { WIDTH = 320, HEIGHT = 180, PIXELS = WIDTH * HEIGHT, SEGMENTS = 8 };
 
-/* All but edge-aligned, whose samples are others. */
+/* All but edge-aligned and htex, whose texels are others. */
 static const slv_strategy strategies[] = {SLV_STRATEGY_CLAMP,   SLV_STRATEGY_BORDERS,
                                           SLV_STRATEGY_DISCARD, SLV_STRATEGY_TRAVERSE,
                                           SLV_STRATEGY_HYBRID,  SLV_STRATEGY_TRAVERSE_FULL};
