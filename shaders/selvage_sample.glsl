@@ -224,7 +224,7 @@ vec4 slv_square_texel(int pool, vec3 p, float level) {
 // after it, 3 that of the one before. Each tap goes over from its own square to another within half a texel of the side between
 // them, or less close to a corner, so that the other has no part in the value on the edge. The weights of the three add up to 1
 // wherever a tap lies: nothing has to be divided by what was covered.
-vec4 slv_square_row(uint square, int pool, int turn, vec2 st, float texel, slv_footprint f) {
+vec4 slv_square_row(uint square, int pool, int turn, vec2 st, vec2 texel, slv_footprint f) {
     float log2_side = float(square >> 20 & 31u), layer = float(square & 0xffffu);
     float level = clamp(f.level + log2_side, 0.0, log2_side);
     vec4 sum = vec4(0.0);
@@ -232,7 +232,7 @@ vec4 slv_square_row(uint square, int pool, int turn, vec2 st, float texel, slv_f
     do {
         vec2 at = st + slv_tap_offset(f, k);
         vec2 along = 2.0 * min(at.yx, 1.0 - at.yx);
-        vec2 beyond = clamp(0.5 - at / max(min(vec2(texel), along), 1e-12), 0.0, 1.0);
+        vec2 beyond = clamp(0.5 - at / max(min(texel, along), 1e-12), 0.0, 1.0);
         float both = beyond.x * beyond.y;
         float weight = turn == 0   ? (1.0 - beyond.x) * (1.0 - beyond.y)
                        : turn == 1 ? beyond.x - 0.5 * both
@@ -245,7 +245,7 @@ vec4 slv_square_row(uint square, int pool, int turn, vec2 st, float texel, slv_f
     return sum / float(f.taps);
 }
 
-vec4 slv_square_value(uint square, int turn, vec2 st, float texel, slv_footprint f) {
+vec4 slv_square_value(uint square, int turn, vec2 st, vec2 texel, slv_footprint f) {
     int own = int(square >> 16 & 15u);
 #if SLV_VECTORS && SLV_POOLS > 1
     vec4 value = vec4(0.0);
@@ -290,7 +290,8 @@ vec4 slv_sample_grad(int face, vec2 uv, vec2 dx, vec2 dy) {
     int after = (place.own + 1) & 3, before = (place.own + 3) & 3;
     slv_footprint f = slv_footprint_of(vec2(1.0), place.to * slv_bounded(dx), place.to * slv_bounded(dy));
     uvec3 log2_sides = uvec3(squares[place.own], squares[after], squares[before]) >> 20 & 31u;
-    float texel = exp2(clamp(f.level, -float(max(log2_sides.x, max(log2_sides.y, log2_sides.z))), 0.0));
+    // of the finer of two squares, so that taps beyond the side between them have the same weights in both
+    vec2 texel = exp2(clamp(vec2(f.level), -vec2(max(log2_sides.xx, log2_sides.yz)), vec2(0.0)));
     // On the edge both faces have the same square and no other, if the row of taps stays inside. Towards a vertex it grows shorter,
     // down to a point within half a texel.
     float most = max(place.st.x, place.st.y);
@@ -298,7 +299,7 @@ vec4 slv_sample_grad(int face, vec2 uv, vec2 dx, vec2 dy) {
     vec2 reach = 0.5 * abs(f.axis);
     float fit = clamp(room / max(max(reach.x, reach.y), 1e-12), 0.0, 1.0);
     f.axis *= fit;
-    bvec2 near = lessThan(place.st - fit * reach, vec2(0.5 * texel));
+    bvec2 near = lessThan(place.st - fit * reach, 0.5 * texel);
     uint pending = 1u | (near.x ? 2u : 0u) | (near.y ? 8u : 0u);
 #if SLV_VECTORS
     pending = gl_HelperInvocation ? 1u : pending;

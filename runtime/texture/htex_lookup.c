@@ -47,6 +47,13 @@ static void add_square(const slv_htex *htex, const slv_htex_face *face, uint32_t
         add_level(htex, edge, coarse, s, t, weight * fraction, out);
 }
 
+/* Of the finer of two squares, so that both see the same at the side between them. */
+static float finer_texel(const slv_htex *htex, const slv_htex_face *face, uint32_t a, uint32_t b,
+                         float footprint) {
+    uint8_t first = htex->log2[face->edge[a]], second = htex->log2[face->edge[b]];
+    return exp2f(clamp(footprint, -(float)(first > second ? first : second), 0));
+}
+
 /* How much of the square across a side a lookup takes, at `from` the side and `along` it: half on
  * the side, none from half a texel on, nor where it is as far from the side as from the next
  * corner. */
@@ -96,11 +103,8 @@ void slv_htex_lookup(const slv_htex *htex, uint32_t face, float u, float v, floa
     uint32_t after = (own + 1) % 4, before = (own + 3) % 4;
     /* log2 of the footprint's sides in units of a square */
     float footprint = log2f(fmaxf(width * (row->part ? 0.70710678f : 1.41421356f), 1e-12f));
-    uint32_t finest = htex->log2[row->edge[own]];
-    finest = htex->log2[row->edge[after]] > finest ? htex->log2[row->edge[after]] : finest;
-    finest = htex->log2[row->edge[before]] > finest ? htex->log2[row->edge[before]] : finest;
-    float texel = exp2f(clamp(footprint, -(float)finest, 0));
-    float to_after = across(s, t, texel), to_before = across(t, s, texel);
+    float to_after = across(s, t, finer_texel(htex, row, own, after, footprint));
+    float to_before = across(t, s, finer_texel(htex, row, own, before, footprint));
     memset(out, 0, htex->desc.nchannels * sizeof *out);
     add_square(htex, row, own, s, t, footprint, 1 - to_after - to_before, out);
     add_square(htex, row, after, t, -s, footprint, to_after, out);

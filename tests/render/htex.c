@@ -113,6 +113,48 @@ static void check_rows(const kit *k, const char *name, uint64_t *random) {
     slv_gl_texture_destroy(texture);
 }
 
+/* On a face's diagonals it goes over from one square to the next, without a jump as long as rows
+ * stay in the two triangles there. */
+static void check_diagonals(const kit *k, const char *name, uint32_t anisotropy, uint64_t *random) {
+    slv_env env = test_env();
+    slv_gl_texture_params params = {.strategies = 1u << SLV_STRATEGY_HTEX,
+                                    .anisotropy = anisotropy};
+    slv_gl_texture *texture = NULL;
+    float most = 0;
+    int worst = 0;
+    REQUIRE(slv_gl_texture_create(gl, &env, k->texture, k->adjacency, &params, &texture) == SLV_OK);
+    for (int i = 0; i < POINTS; i += 2) {
+        float t = (float)(test_random(random) % 1023 + 1) / 1024;
+        float room = anisotropy > 1 ? 0.4f * fminf(fabsf(t - 0.5f), fminf(t, 1 - t)) : 1;
+        float angle = 6.2831853f * (float)(test_random(random) % 1000) / 1000;
+        float longest = room * exp2f(1 - (float)(test_random(random) % 1024) / 128);
+        float shortest = longest * exp2f(-(float)(test_random(random) % 1024) / 200);
+        bool rising = test_random(random) % 2;
+        faces[i] = faces[i + 1] = (int32_t)(test_random(random) % k->nfaces);
+        for (int j = i; j < i + 2; j++) {
+            float apart = j > i ? 1e-6f : -1e-6f;
+            uv[2 * j] = t + apart;
+            uv[2 * j + 1] = rising ? t - apart : 1 - t + apart;
+            dx[2 * j] = longest * cosf(angle);
+            dx[2 * j + 1] = longest * sinf(angle);
+            dy[2 * j] = -shortest * sinf(angle);
+            dy[2 * j + 1] = shortest * cosf(angle);
+        }
+    }
+    REQUIRE(slv_gl_texture_lookup(texture, &env, SLV_STRATEGY_HTEX, POINTS, faces, uv, dx, dy,
+                                  values) == SLV_OK);
+    for (int i = 0; i < POINTS; i += 2)
+        for (int c = 0; c < 4; c++) {
+            float apart = fabsf(values[4 * i + c] - values[4 * i + 4 + c]);
+            worst = apart > most ? i : worst;
+            most = fmaxf(most, apart);
+        }
+    CHECK_MSG(most <= 1.0f / 255, "%s: %ux: %g apart on a diagonal, at (%g, %g), row (%g, %g)",
+              name, anisotropy, (double)most, (double)uv[2 * worst], (double)uv[2 * worst + 1],
+              (double)dx[2 * worst], (double)dx[2 * worst + 1]);
+    slv_gl_texture_destroy(texture);
+}
+
 /* A row of taps that stays in one triangle is the mean of magnified lookups along it, in any
  * direction. */
 static void check_means(uint64_t *random) {
@@ -208,6 +250,8 @@ int main(void) {
         kit_noise(&k, (slv_type)(round % 4), 1 + test_random(&random) % 4, &random);
         check_values(&k, name, round % 2 ? 2 : 0, &random);
         check_rows(&k, name, &random);
+        check_diagonals(&k, name, 1, &random);
+        check_diagonals(&k, name, 16, &random);
         kit_free(&k);
     }
     check_means(&random);
