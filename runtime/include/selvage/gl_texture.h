@@ -73,7 +73,8 @@ typedef enum slv_gl_compression {
 
 /* Zero means default. */
 typedef struct slv_gl_texture_params {
-    uint32_t strategies;    /* bit 1 << strategy for each that will be drawn; 0 means all */
+    uint32_t strategies;    /* bit 1 << strategy for each that will be drawn; 0 means all, of which
+                             * htex and borders take most of the memory */
     uint32_t first_channel; /* of the texture, shown as red */
     uint32_t nchannels;     /* 1 (shown as grey) to 4; 0 means as many as there are, up to 4 */
     uint32_t anisotropy;    /* 1 to 16, cut to what the driver has; 0 means 1: trilinear */

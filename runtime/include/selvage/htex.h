@@ -22,7 +22,8 @@
  * The texels are new ones: the function that the texture's texels and borders stand for (border.h),
  * at the centres of the square's. A square has as many texels along a side as the face, or as
  * 2^((u + v + 1) / 2) if the face is oblong; between sub-faces twice as many; and those of the
- * finer side if the two differ. Its levels are means of 2 x 2 texels, down to one. */
+ * finer side if the two differ. Its levels are means of 2 x 2 texels, down to one. Floats beyond
+ * 1e30 may overflow in the sums. */
 #ifndef SELVAGE_HTEX_H
 #define SELVAGE_HTEX_H
 
