@@ -290,6 +290,14 @@ static inline cache_face *cache_find_face(cache_tables *tables, uint32_t face) {
     return f;
 }
 
+static inline bool is_subface(const cache_face *f) {
+    return (f->flags & SLV_FACE_SUBFACE) != 0;
+}
+
+static inline int adjacent_edge(const cache_face *f, int edge) {
+    return f->edges >> (2 * edge) & 3;
+}
+
 static inline uint64_t cache_hash(uint32_t serial, uint32_t face, int res_u, int res_v,
                                   uint32_t tile) {
     uint64_t key = ((uint64_t)serial << 32 | face) * UINT64_C(0x9e3779b97f4a7c15);

@@ -156,16 +156,8 @@ static inline void add_texel(slv_type type, const uint8_t *texel, size_t first, 
     for (size_t c = 0; c < count; c += 8) {
         size_t left = count - c < 8 ? count - c : 8;
         uint8_t bytes[32] = {0};
-        v8f x;
         memcpy(bytes, texel + (first + c) * slv_type_size(type), left * slv_type_size(type));
-        if (type == SLV_TYPE_U8)
-            x = v8_load_u8(bytes);
-        else if (type == SLV_TYPE_U16)
-            x = v8_load_u16((const uint16_t *)(const void *)bytes);
-        else if (type == SLV_TYPE_HALF)
-            x = v8_load_half((const uint16_t *)(const void *)bytes);
-        else
-            x = v8_load_float((const float *)(const void *)bytes);
+        v8f x = load_texel(type, bytes);
         for (size_t lane = 0; lane < left; lane++)
             sum[c + lane] += x[lane] * weight;
     }

@@ -27,7 +27,7 @@ typedef struct group {
     cache_face *faces[GROUP];
     const uint8_t *texels[GROUP]; /* NULL: to be looked for */
     size_t pitch[GROUP];
-    bool ready[GROUP]; /* false: not one of most lookups, see prepare() */
+    bool ready[GROUP]; /* false: not one of most lookups, see look_up_quick() */
     float scale[GROUP], weight[GROUP];
     kernel kernels[GROUP];
 } group;
@@ -124,11 +124,8 @@ static inline __attribute__((always_inline)) bool look_up_alike(slv_sampler *s, 
         v8i index = (y << f->res_u) + x;
         for (int i = 0; i < g->n; i++) {
             float *to = out->values + g->at[i] * out->stride;
-            v8f texel = load_texel(t->type, texels + (size_t)index[i] * t->pixel_size);
-            v4f sum;
-            memcpy(&sum, &texel, sizeof sum);
             put_zeros(s, channels, to);
-            put(sum * t->scale + 0, channels, to);
+            put_texel(t, texels + (size_t)index[i] * t->pixel_size, channels, to);
             note_result(out, g->at[i], SLV_OK);
         }
         return true;
@@ -201,7 +198,7 @@ static inline __attribute__((always_inline)) void find_faces(const slv_sampler *
     }
 }
 
-/* As prepare(), for a group. */
+/* Finds texels, and makes kernels, as look_up_quick() does for one. */
 static inline __attribute__((always_inline)) void
 prepare_group(slv_sampler *s, group *g, group_places *at, slv_filter filter, size_t room) {
     const slv_cache *cache = s->thread.cache;
@@ -275,10 +272,7 @@ look_up_spread(slv_sampler *s, group *g, group_places *at, slv_filter filter, ba
         uint32_t channels = t->nchannels < s->nchannels ? t->nchannels : s->nchannels;
         put_zeros(s, channels, to);
         if (filter == SLV_FILTER_POINT) {
-            v8f texel = load_texel(t->type, g->texels[i]);
-            v4f sum;
-            memcpy(&sum, &texel, sizeof sum);
-            put(sum * g->scale[i] + 0, channels, to);
+            put_texel(t, g->texels[i], channels, to);
         } else if (g->texels[i]) {
             v4f sum = gather_few(t, g->texels[i], g->pitch[i], &g->kernels[i]);
             put(sum * (g->scale[i] / g->weight[i]) + 0, channels, to);

@@ -263,6 +263,12 @@ _Static_assert(sizeof(slv_lookup) == 32 && offsetof(slv_lookup, file) == 0 &&
                    offsetof(slv_lookup, uw1) == 16 && offsetof(slv_lookup, uw2) == 24,
                "a lookup is a row of eight values");
 
+static inline __attribute__((always_inline)) void
+put_texel(const cache_tables *t, const uint8_t *texel, uint32_t channels, float *out) {
+    v8f values = load_texel(t->type, texel);
+    put(__builtin_shufflevector(values, values, 0, 1, 2, 3) * t->scale + 0, channels, out);
+}
+
 /* Most lookups: on a quad whose texels are of few channels, from the first on. Returns false if
  * this is not one of them, or if the tables were dropped on the way. */
 static inline __attribute__((always_inline)) bool look_up_quick(slv_sampler *s, const slv_lookup *l,
@@ -291,12 +297,8 @@ static inline __attribute__((always_inline)) bool look_up_quick(slv_sampler *s, 
         const uint8_t *texels = cache_find_full(cache, f);
         if (!texels)
             return false;
-        v8f texel =
-            load_texel(t->type, texels + (((size_t)y << f->res_u) + (size_t)x) * t->pixel_size);
-        v4f sum;
-        memcpy(&sum, &texel, sizeof sum);
         put_zeros(s, channels, out);
-        put(sum * t->scale + 0, channels, out);
+        put_texel(t, texels + (((size_t)y << f->res_u) + (size_t)x) * t->pixel_size, channels, out);
         return true;
     }
     sides = (v4f)((v4i)sides & 0x7fffffff);

@@ -51,22 +51,8 @@ void triangle_sum(lookup_state *state, const slv_lookup *lookup);
 #endif
 void ANISOTROPIC_SUM(lookup_state *state, const slv_lookup *lookup);
 
-/* Texels of a face at a resolution that it has, untiled; NULL when state says why. */
-static inline const uint8_t *find_whole(lookup_state *state, uint32_t face, cache_face *f,
-                                        int res_u, int res_v) {
-    cache_thread *thread = &state->sampler->thread;
-    const uint8_t *texels =
-        res_u == f->res_u && res_v == f->res_v
-            ? cache_find_full(thread->cache, f)
-            : cache_find_hashed(thread->cache, state->tables, face, res_u, res_v, 0);
-    state->pieces++;
-    if (!texels) {
-        texels = cache_load_block(thread, state->tables, face, res_u, res_v, 0, &state->result);
-        state->gone = !texels && !state->result;
-    }
-    return texels;
-}
-
+/* One of the pieces that a resolution of a face comes in, or all of it, which is piece 0; NULL when
+ * state says why. */
 static inline const uint8_t *find_tile(lookup_state *state, uint32_t face, int res_u, int res_v,
                                        uint32_t tile) {
     cache_thread *thread = &state->sampler->thread;
@@ -77,6 +63,18 @@ static inline const uint8_t *find_tile(lookup_state *state, uint32_t face, int r
         texels = cache_load_block(thread, state->tables, face, res_u, res_v, tile, &state->result);
         state->gone = !texels && !state->result;
     }
+    return texels;
+}
+
+/* Texels of a face at a resolution that it has, untiled. */
+static inline const uint8_t *find_whole(lookup_state *state, uint32_t face, cache_face *f,
+                                        int res_u, int res_v) {
+    const uint8_t *texels = res_u == f->res_u && res_v == f->res_v
+                                ? cache_find_full(state->sampler->thread.cache, f)
+                                : NULL;
+    if (!texels)
+        return find_tile(state, face, res_u, res_v, 0);
+    state->pieces++;
     return texels;
 }
 

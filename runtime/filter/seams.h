@@ -18,14 +18,6 @@ static inline cache_face *face_at(lookup_state *state, uint32_t face) {
     return cache_find_face(state->tables, face);
 }
 
-static inline bool is_subface(const cache_face *f) {
-    return (f->flags & SLV_FACE_SUBFACE) != 0;
-}
-
-static inline int adjacent_edge(const cache_face *f, int edge) {
-    return f->edges >> (2 * edge) & 3;
-}
-
 /* Adds a piece whose first two channels are a vector in the face's own frame. */
 static void add_turned(lookup_state *state, int turns, const float *piece) {
     float x = piece[0], y = piece[1];

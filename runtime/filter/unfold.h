@@ -30,16 +30,8 @@ static inline float larger(float a, float b) {
 
 enum { AROUND_KNOWN = 1, AROUND_SMOOTH = 2 /* for corner 0, and three more */, AROUND_EVEN = 32 };
 
-static inline bool cell_is_sub(const cache_face *f) {
-    return (f->flags & SLV_FACE_SUBFACE) != 0;
-}
-
-static inline int cell_adjacent_edge(const cache_face *f, int edge) {
-    return f->edges >> (2 * edge) & 3;
-}
-
 static inline cell cell_home(cache_tables *t, uint32_t face) {
-    return (cell){face, 0, 0, cell_is_sub(cache_find_face(t, face)) ? 1 : 2, 0};
+    return (cell){face, 0, 0, is_subface(cache_find_face(t, face)) ? 1 : 2, 0};
 }
 
 static inline int cell_corner_x(const cell *c, int corner) {
@@ -66,23 +58,23 @@ static inline bool cell_cross(cache_tables *t, const cell *from, int side, bool 
     if (f->adjacent[edge] < 0)
         return false;
     uint32_t to = (uint32_t)f->adjacent[edge];
-    int to_edge = cell_adjacent_edge(f, edge);
+    int to_edge = adjacent_edge(f, edge);
     const cache_face *g = cache_find_face(t, to);
     bool rising = side < 2; /* counter-clockwise is towards larger coordinates */
-    if (cell_is_sub(g) && !cell_is_sub(f)) {
+    if (is_subface(g) && !is_subface(f)) {
         if (second) {
             int next = (to_edge + 3) & 3;
             if (g->adjacent[next] < 0)
                 return false;
             to = (uint32_t)g->adjacent[next];
-            to_edge = (cell_adjacent_edge(g, next) + 3) & 3;
+            to_edge = (adjacent_edge(g, next) + 3) & 3;
         }
         along = second == rising;
-    } else if (cell_is_sub(f) && !cell_is_sub(g)) {
+    } else if (is_subface(f) && !is_subface(g)) {
         bool primary = g->adjacent[to_edge] == (int32_t)from->face;
         along = primary == rising ? -1 : 0;
     }
-    int size = cell_is_sub(cache_find_face(t, to)) ? 1 : 2;
+    int size = is_subface(cache_find_face(t, to)) ? 1 : 2;
     cell c = {to, from->x, from->y, size, (side + 2 - to_edge) & 3};
     c.x += side == 1 ? from->size : side == 3 ? -size : along;
     c.y += side == 2 ? from->size : side == 0 ? -size : along;
