@@ -1,24 +1,11 @@
 #include "texture/edge_aligned.h"
 
 #include "base/log.h"
+#include "texture/resample_error.h"
 
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
-
-/* Sums over one face; added up in the order of faces, so that threads do not matter. */
-typedef struct face_error {
-    double round_trip_sum, function_sum; /* of squares */
-    double round_trip_max, function_max;
-} face_error;
-
-struct measure {
-    const slv_edge_aligned *aligned;
-    const slv_levels *levels;
-    const slv_adjacency *adjacency;
-    slv_env env;
-    face_error *faces;
-};
 
 /* Memory for the largest face of a range. */
 typedef struct scratch {
@@ -88,7 +75,7 @@ static void difference_row(const scratch *s, size_t width, size_t j, size_t n, d
 
 /* Both functions are bilinear on every quarter of a texel, and so is their difference: it is
  * integrated exactly, and has its maximum at a corner of a quarter. */
-static void function_error(scratch *s, slv_res res, size_t n, face_error *out) {
+static void function_error(scratch *s, slv_res res, size_t n, slv_face_error *out) {
     size_t width = (size_t)1 << res.u, height = (size_t)1 << res.v, length = (2 * width + 1) * n;
     for (size_t j = 0; j <= 2 * height; j++) {
         const double *low = s->rows[(j + 1) % 2];
@@ -107,26 +94,26 @@ static void function_error(scratch *s, slv_res res, size_t n, face_error *out) {
 }
 
 static slv_result measure_faces(void *user, uint64_t first, uint64_t end) {
-    const struct measure *measure = user;
+    const slv_resample_measure *measure = user;
     const slv_texture_desc *desc = &measure->levels->desc;
     scratch s;
     slv_result result = scratch_create(&measure->env, desc, first, end, &s);
     if (result)
         return result;
     for (uint32_t face = (uint32_t)first; face < end; face++) {
-        face_error *error = &measure->faces[face];
+        slv_face_error *error = &measure->faces[face];
         size_t n = desc->nchannels, count = slv_res_texels(desc->res[face]) * n;
         slv_type_to_float(desc->type, slv_levels_texels(measure->levels, face, 0), count, s.texels);
-        if ((result = slv_edge_aligned_centred(measure->aligned, face, 0, s.back)) ||
+        if ((result = slv_edge_aligned_centred(measure->resampled, face, 0, s.back)) ||
             (result = slv_border_build(measure->levels, measure->adjacency, face, 0, 1, 1,
                                        s.bordered, NULL)))
             break;
-        slv_type_to_float(desc->type, slv_edge_aligned_samples(measure->aligned, face, 0),
+        slv_type_to_float(desc->type, slv_edge_aligned_samples(measure->resampled, face, 0),
                           (size_t)slv_edge_aligned_floats(desc, face), s.samples);
         for (size_t i = 0; i < count; i++) {
             double lost = fabs((double)s.back[i] - (double)s.texels[i]);
-            error->round_trip_sum += lost * lost;
-            error->round_trip_max = fmax(error->round_trip_max, lost);
+            error->texel_sum += lost * lost;
+            error->texel_max = fmax(error->texel_max, lost);
         }
         function_error(&s, desc->res[face], n, error);
     }
@@ -137,35 +124,12 @@ static slv_result measure_faces(void *user, uint64_t first, uint64_t end) {
 slv_result slv_edge_aligned_measure(const slv_env *env, const slv_edge_aligned *aligned,
                                     const slv_levels *levels, const slv_adjacency *adjacency,
                                     slv_edge_aligned_error *out) {
-    const slv_texture_desc *desc = &levels->desc;
-    struct measure measure = {.aligned = aligned, .levels = levels, .adjacency = adjacency};
-    slv_parallel_log *log = NULL;
-    face_error sum = {0};
-    double count = 0;
-    slv_result result;
-    if (!slv_texture_desc_same(desc, slv_edge_aligned_get_desc(aligned)) ||
-        slv_adjacency_face_count(adjacency) != desc->nfaces)
-        return slv_fail(env, SLV_ERROR_MISMATCH,
-                        "edge-aligned: it was not made from these levels and this adjacency");
-    if ((result = slv_parallel_env_begin(env, &log, &measure.env)))
-        return result;
-    if ((result = slv_alloc(&measure.env, "errors of faces", desc->nfaces, sizeof *measure.faces,
-                            &measure.faces)) ||
-        (result = slv_parallel_for(&measure.env, desc->nfaces, 16, measure_faces, &measure)))
-        goto done;
-    for (uint32_t face = 0; face < desc->nfaces; face++) {
-        const face_error *from = &measure.faces[face];
-        sum.round_trip_sum += from->round_trip_sum;
-        sum.function_sum += from->function_sum;
-        sum.round_trip_max = fmax(sum.round_trip_max, from->round_trip_max);
-        sum.function_max = fmax(sum.function_max, from->function_max);
-        count += (double)slv_res_texels(desc->res[face]) * desc->nchannels;
-    }
-    count = count > 0 ? count : 1;
-    *out = (slv_edge_aligned_error){sqrt(sum.round_trip_sum / count), sum.round_trip_max,
-                                    sqrt(sum.function_sum / count), sum.function_max};
-done:
-    free(measure.faces);
-    slv_parallel_env_end(log);
+    slv_resample_measure measure = {.resampled = aligned, .levels = levels, .adjacency = adjacency};
+    slv_face_error sum;
+    slv_result result = slv_resample_measure_all(env, &measure, slv_edge_aligned_get_desc(aligned),
+                                                 "edge-aligned: it was", measure_faces, &sum);
+    if (!result)
+        *out = (slv_edge_aligned_error){sum.texel_sum, sum.texel_max, sum.function_sum,
+                                        sum.function_max};
     return result;
 }
