@@ -1,10 +1,10 @@
-# cmake -DSYMBOL=name -DOUTPUT=file.c "-DFILES=a;b" -P embed_files.cmake
+# cmake -DSYMBOL=name -DOUTPUT=file.c -DBASE=folder "-DFILES=a;b" -P embed_files.cmake
 # Bytes are written as numbers, so any text is safe and no compiler limit on string length applies.
 set(body "")
 set(rows "")
 set(index 0)
 foreach(file IN LISTS FILES)
-    get_filename_component(name ${file} NAME)
+    file(RELATIVE_PATH name ${BASE} ${file})
     file(READ ${file} hex HEX)
     string(REGEX REPLACE "([0-9a-f][0-9a-f])" "0x\\1," bytes "${hex}")
     string(APPEND body "static const unsigned char text_${index}[] = {${bytes}0};\n")

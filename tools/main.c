@@ -1,4 +1,4 @@
-#include "cli.h"
+#include "command/cli.h"
 
 #include <stdio.h>
 #include <string.h>

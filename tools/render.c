@@ -1,4 +1,4 @@
-#include "scene.h"
+#include "command/scene.h"
 
 #include <stdio.h>
 #include <string.h>

@@ -1,5 +1,5 @@
-#include "output.h"
-#include "ptx_name.h"
+#include "command/output.h"
+#include "command/ptx_name.h"
 
 #include <selvage/transfer.h>
 

@@ -2,7 +2,7 @@
 #ifndef SLV_FILTER_SAMPLER_H
 #define SLV_FILTER_SAMPLER_H
 
-#include "filter/cache_data.h"
+#include "cache/cache_data.h"
 #include "filter/kernel_build.h"
 
 /* The lookups are compiled once for every kind of processor. */

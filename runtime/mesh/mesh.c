@@ -1,7 +1,7 @@
 #include "mesh/mesh_data.h"
 
+#include "adjacency/adjacency_data.h"
 #include "base/log.h"
-#include "mesh/adjacency_data.h"
 
 #include <math.h>
 #include <stdlib.h>

@@ -1,5 +1,5 @@
 #include "base/log.h"
-#include "texture/store.h"
+#include "texture/texture_data.h"
 
 #include <assert.h>
 #include <stdatomic.h>

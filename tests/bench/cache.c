@@ -11,7 +11,7 @@
  * yardstick is the same pattern in the same cache over so few files that everything stays in
  * memory. Some of the lookups are compared with what the texture is known to be there. Memory is
  * what the operating system counts for the process above what it took before the cache was made. */
-#include "bench_kit.h"
+#include "kit/bench_kit.h"
 
 #include <selvage/filter.h>
 #include <selvage/ptx_writer.h>

@@ -4,7 +4,7 @@
  * error of the texels, and the seam jump of magnified lookups before and after. On a torus of 128
  * faces, of one resolution and of mixed ones, under noise, and under noise with a colour for each
  * face. */
-#include "bench_kit.h"
+#include "kit/bench_kit.h"
 
 #include <selvage/bake.h>
 #include <selvage/gl_texture.h>

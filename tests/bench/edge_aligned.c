@@ -4,7 +4,7 @@
  * hard-edged, at one resolution and at mixed ones: time to convert, bytes against those of bordered
  * levels, the error of a texture that went forth and back, and that of the interpolated function;
  * the latter also as seen by the lookups of the ray-cast reference at random points. */
-#include "function_kit.h"
+#include "kit/function_kit.h"
 
 #include <selvage/edge_aligned.h>
 

@@ -8,7 +8,7 @@
  * The yardstick, weighted sums of 4x4 texels of plain memory along rows and at random places, is
  * measured between the runs: `reference` is what the Ptex library 2.4 does one by one on a machine
  * with the same yardstick (its better figure of two runs, scaled), and the ratios are to that. */
-#include "bench_kit.h"
+#include "kit/bench_kit.h"
 
 #include <selvage/filter.h>
 #include <selvage/half.h>

@@ -14,7 +14,7 @@
  *
  * Errors are RMS in percent of the function's standard deviation. The cost is the median time of a
  * batch relative to the bilinear filter's in the same run. Bicubic has a sharpness of 0.5. */
-#include "bench_kit.h"
+#include "kit/bench_kit.h"
 
 #include <selvage/filter.h>
 

@@ -4,7 +4,7 @@
  * to hard-edged, at one resolution, at mixed ones and on oblong faces: time to convert, bytes
  * against those of the texture, the error at the centres of texels and everywhere; the latter also
  * as seen by the lookups of the ray-cast reference at random points. */
-#include "function_kit.h"
+#include "kit/function_kit.h"
 
 #include <selvage/htex.h>
 

@@ -3,7 +3,7 @@
  * Writes and reads one file of N faces of uint8 RGB, in a noisy version (a smooth function plus
  * noise of a few units) and a smooth one, and opens one of a million faces. MB/s are of texels
  * without their reductions; medians of the runs. */
-#include "bench_kit.h"
+#include "kit/bench_kit.h"
 
 #include <selvage/ptx_writer.h>
 

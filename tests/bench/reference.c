@@ -2,7 +2,7 @@
  *
  * Ray-casts a torus of 2048 faces with 64 x 64 texels each, and makes lookups at random points of
  * it: millions of samples and of lookups a second, medians of the runs. */
-#include "bench_kit.h"
+#include "kit/bench_kit.h"
 
 #include <selvage/bake.h>
 #include <selvage/reference.h>

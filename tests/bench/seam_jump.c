@@ -4,7 +4,7 @@
  * vertices of valence 3 to 12: discs of 32x32 faces around one vertex, float noise in 0..1, N
  * (20000) places on the edges of each disc. `near`: within three texels of the vertex; `far`: the
  * rest of its edges, up to their middle. Footprints from half a texel to four. */
-#include "bench_kit.h"
+#include "kit/bench_kit.h"
 
 #include <selvage/filter.h>
 

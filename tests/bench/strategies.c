@@ -1,7 +1,7 @@
 /* How long a frame takes with each strategy, as a ratio to clamp. Frames of all strategies are
  * interleaved, so that whatever else the machine does falls on all alike; medians are compared.
  * Uses the demo scene that selvage-assets makes. */
-#include "bench_kit.h"
+#include "kit/bench_kit.h"
 
 #include <selvage/gl_renderer.h>
 

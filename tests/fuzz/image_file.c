@@ -1,5 +1,5 @@
 /* An image of any bytes, PNG or OpenEXR: read, and what comes out written again. */
-#include "fuzz_kit.h"
+#include "kit/fuzz_kit.h"
 
 #include <selvage/image.h>
 

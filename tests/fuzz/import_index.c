@@ -1,8 +1,8 @@
 /* An index of images of any bytes. The images that a good one names lie beside it: keep_N.png of
  * N x N texels in RGB, and keep_a.exr of 4 x 4 in RGBA. */
-#include "fuzz_kit.h"
+#include "kit/fuzz_kit.h"
 
-#include "convert.h"
+#include "convert/convert.h"
 
 static void write_images(const slv_env *env) {
     static bool written;

@@ -1,5 +1,5 @@
 /* A text of any bytes as an OBJ mesh: parsed, connected, subdivided, written and read again. */
-#include "fuzz_kit.h"
+#include "kit/fuzz_kit.h"
 
 #include <selvage/surface.h>
 

@@ -1,5 +1,5 @@
 /* Checking and mending a .ptx of any bytes: the verdict on a mended copy must be a good one. */
-#include "fuzz_kit.h"
+#include "kit/fuzz_kit.h"
 
 #include <selvage/ptx_check.h>
 

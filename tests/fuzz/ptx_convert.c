@@ -1,7 +1,7 @@
 /* A .ptx of any bytes, written anew: as it is, resized and in another type, or as a sheet. */
-#include "fuzz_kit.h"
+#include "kit/fuzz_kit.h"
 
-#include "convert.h"
+#include "convert/convert.h"
 
 /* What a conversion makes can be read. */
 static void read_back(const slv_env *env) {

@@ -1,7 +1,7 @@
 /* Two .ptx files of any bytes, compared. */
-#include "fuzz_kit.h"
+#include "kit/fuzz_kit.h"
 
-#include "diff.h"
+#include "diff/diff.h"
 
 static void compare(const slv_env *env, slv_ptx *const files[2], bool same) {
     uint32_t na = slv_ptx_get_info(files[0])->nfaces, nb = slv_ptx_get_info(files[1])->nfaces;

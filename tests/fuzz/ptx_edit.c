@@ -1,5 +1,5 @@
 /* Edits appended to a .ptx of any bytes: the file stays as it was, or has them. */
-#include "fuzz_kit.h"
+#include "kit/fuzz_kit.h"
 
 static bool same_as_file(const char *name, const uint8_t *data, size_t size) {
     FILE *stream = fopen(fuzz_path(name), "rb");

@@ -1,7 +1,7 @@
 /* Two .ptx files of any bytes, joined into one. */
-#include "fuzz_kit.h"
+#include "kit/fuzz_kit.h"
 
-#include "merge.h"
+#include "merge/merge.h"
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size) {
     const cli_command command = {.name = "merge"};

@@ -1,5 +1,5 @@
 /* A .ptx file of any bytes: opened, and everything in it looked at. */
-#include "fuzz_kit.h"
+#include "kit/fuzz_kit.h"
 
 static slv_result look(void *user, const slv_env *env, uint32_t face, const slv_ptx_face *info,
                        void *texels) {

@@ -1,7 +1,7 @@
 /* A view file of any bytes. */
-#include "fuzz_kit.h"
+#include "kit/fuzz_kit.h"
 
-#include "scene.h"
+#include "command/scene.h"
 
 #include <math.h>
 

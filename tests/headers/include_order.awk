@@ -8,9 +8,9 @@ BEGIN {
     for (i in names) public[names[i]] = ranks[i] + 0
     gl = 7; everything = 9
     # How far a folder of the library may look: among the folders, and among the public headers.
-    split("base mesh texture ptx image filter gl", names, " ")
-    split("0    1    2       3   3     3      4", ranks, " ")
-    split("1    4.5  5.5     6.5 6     6.7    7", reach, " ")
+    split("base adjacency mesh texture form ptx image cache filter gl", names, " ")
+    split("0    1         2    2       3    3   3     4     5      5", ranks, " ")
+    split("1    2         4.5  4       5.5  6.5 6     6.6   6.7    7", reach, " ")
     for (i in names) { layer[names[i]] = ranks[i] + 0; sees[names[i]] = reach[i] + 0 }
 }
 
@@ -95,7 +95,7 @@ FNR == 1 {
         from = path
         sub(/\/.*/, "", from)
         if (from in layer) check_internal(from)
-        else report("no folder of runtime/ has this name")
+        else if (folder in layer) report("no folder of runtime/ has this name")
     } else if (target ~ /^"/ && is_public)
         report("a public header may include public headers only")
     else if (path ~ /^(GL|EGL)\// && folder != "gl")

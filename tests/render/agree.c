@@ -1,7 +1,7 @@
 /* What strategies share: traverse and its plain form draw the same pictures, all but edge-aligned
  * and htex, which have other texels, give the same value in the middle of a face, and none ever
  * returns what is not a finite number. */
-#include "unit/border_kit.h"
+#include "kit/border_kit.h"
 
 #include <selvage/gl_renderer.h>
 

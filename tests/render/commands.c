@@ -1,7 +1,7 @@
 /* The selvage command as a user meets it: what goes wrong is said in exactly one line, with the
  * right exit code, and leaves nothing behind; what goes right leaves exactly what was asked for. */
-#include "render/bake_kit.h"
-#include "render/command_kit.h"
+#include "kit/bake_kit.h"
+#include "kit/command_kit.h"
 
 #include <selvage/bake.h>
 #include <selvage/image.h>

@@ -1,6 +1,6 @@
 /* Compressed layers: lookups keep within what the encoder says it loses, and seams stay closed
  * where both sides decode the same texels. */
-#include "render/seam_kit.h"
+#include "kit/seam_kit.h"
 
 static slv_gl *gl;
 

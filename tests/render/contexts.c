@@ -1,5 +1,5 @@
 /* EGL and OSMesa draw the same picture, and a host's own context serves as well. */
-#include "unit/border_kit.h"
+#include "kit/border_kit.h"
 
 #include <selvage/bake.h>
 #include <selvage/gl_renderer.h>

@@ -1,6 +1,6 @@
 /* The programs of docs/examples, as a stranger would run them. */
-#include "render/bake_kit.h"
-#include "render/command_kit.h"
+#include "kit/bake_kit.h"
+#include "kit/command_kit.h"
 
 #include <selvage/image.h>
 

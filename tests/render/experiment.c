@@ -1,7 +1,7 @@
 /* compare over a whole orbit: rates, references, kinds of pixels, and a run that is stopped in the
  * middle and resumed, which must come to the same. */
-#include "render/command_kit.h"
-#include "render/cube_kit.h"
+#include "kit/command_kit.h"
+#include "kit/cube_kit.h"
 
 #include <selvage/camera.h>
 

@@ -1,7 +1,7 @@
 /* Half-edge squares on the GPU: lookups are those of slv_htex_lookup, in every part of a face, at
  * every level, however the squares are spread over array textures; and those with anisotropy are
  * means along their rows, the same on both sides of an edge. */
-#include "unit/border_kit.h"
+#include "kit/border_kit.h"
 
 #include <selvage/gl_texture.h>
 #include <selvage/htex.h>

@@ -1,7 +1,7 @@
 /* Away from edges all strategies that draw the same texels show the same: on the demo scene, and on
  * the published samples where they are at hand, no pixel whose footprint stays inside its face is
  * further than 2/255 apart. */
-#include "render/command_kit.h"
+#include "kit/command_kit.h"
 
 #include <selvage/bake.h>
 #include <selvage/gl_renderer.h>

@@ -1,6 +1,6 @@
 /* A mesh of more than a hundred thousand faces: every step must take time in proportion, and the
  * strategies must agree on what is seen from afar. */
-#include "test.h"
+#include "kit/test.h"
 
 #include <selvage/bake.h>
 #include <selvage/gl_renderer.h>

@@ -1,7 +1,7 @@
 /* Seams between faces of any sizes, magnified: both faces must give the same value on the whole of
  * their edge, however near to a vertex, and no line may show inside a face where the influence of a
  * neighbour ends. Textures are noise, so that only exact agreement hides anything. */
-#include "unit/border_kit.h"
+#include "kit/border_kit.h"
 
 #include <selvage/gl_texture.h>
 

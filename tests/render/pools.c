@@ -1,7 +1,7 @@
 /* More faces than an array has layers, more arrays than a stage has units, every resolution from
  * 1x1 up: the numbers that a lookup returns must not depend on how faces are spread over arrays and
  * batches. */
-#include "unit/border_kit.h"
+#include "kit/border_kit.h"
 
 #include <selvage/gl_texture.h>
 

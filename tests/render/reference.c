@@ -1,6 +1,6 @@
 /* The ray-cast reference against the renderer with so many pixels that its own filtering no longer
  * matters. */
-#include "unit/reference_kit.h"
+#include "kit/reference_kit.h"
 
 #include <selvage/selvage.h>
 

@@ -1,6 +1,6 @@
 /* The verb reference and compare --reference as a user meets them. */
-#include "render/command_kit.h"
-#include "render/cube_kit.h"
+#include "kit/command_kit.h"
+#include "kit/cube_kit.h"
 
 #include <selvage/image.h>
 

@@ -1,7 +1,7 @@
 /* The report in a browser: it works its own controls (#selftest), without a word on the console, in
  * light and dark, and needs nothing but its file. */
-#include "render/command_kit.h"
-#include "render/cube_kit.h"
+#include "kit/command_kit.h"
+#include "kit/cube_kit.h"
 
 #include <jansson.h>
 

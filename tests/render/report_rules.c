@@ -1,9 +1,9 @@
 /* What the report concludes from numbers, with numbers made up for it; and where its camera goes.
  */
-#include "test.h"
+#include "kit/test.h"
 
-#include "report_findings.h"
-#include "report_verdict.h"
+#include "compare/report/report_findings.h"
+#include "compare/report/report_verdict.h"
 
 #include <unistd.h>
 

@@ -1,6 +1,6 @@
 /* The command against pictures that somebody else made: RenderMan's of the published samples where
  * they are at hand, and ray-cast ones of a cube whose colour is its position everywhere. */
-#include "render/command_kit.h"
+#include "kit/command_kit.h"
 
 #include <selvage/bake.h>
 #include <selvage/image.h>

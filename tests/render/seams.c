@@ -1,7 +1,7 @@
 /* Seam jumps of lookups on the GPU: vertices of every valence, sub-faces, open meshes, all types
  * and channel counts, textures of pure noise, where nothing but exact agreement of the two faces
  * hides an edge. */
-#include "render/seam_kit.h"
+#include "kit/seam_kit.h"
 
 static slv_gl *gl;
 

@@ -1,7 +1,7 @@
 /* Every text that the library can hand to a shader is valid GLSL: for the reference compiler, which
  * must be installed, and for the driver of a real context, linked with the vertex shaders that it
  * is used with. */
-#include "render/command_kit.h"
+#include "kit/command_kit.h"
 
 #include <selvage/gl_texture.h>
 
@@ -42,7 +42,7 @@ static GLuint vertex_shaders[STAGES];
 
 static char *read_shader(const char *name) {
     char folder[KIT_PATH], path[KIT_PATH];
-    kit_join(folder, kit_variable("SELVAGE_TESTS"), "../shaders");
+    kit_join(folder, kit_variable("SELVAGE_TESTS"), "../shaders/draw");
     return kit_read(kit_join(path, folder, name), NULL);
 }
 

@@ -1,5 +1,5 @@
 /* Maps across edges, rings and cutting, on tables made by hand and on hostile ones. */
-#include "unit/mesh_shapes.h"
+#include "kit/mesh_shapes.h"
 
 static void edge_point(unsigned edge, float t, float *u, float *v) {
     static const float start[4][2] = {{0, 0}, {1, 0}, {1, 1}, {0, 1}};

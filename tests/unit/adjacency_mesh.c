@@ -1,6 +1,6 @@
 /* Adjacency made from polygons: against the positions, against the fans, and against OpenSubdiv's.
  */
-#include "unit/mesh_shapes.h"
+#include "kit/mesh_shapes.h"
 
 #include <selvage/surface.h>
 

@@ -1,6 +1,6 @@
 /* Patterns at single points: known values, defaults, ranges, smoothness, and inputs that make no
  * sense. */
-#include "test.h"
+#include "kit/test.h"
 
 #include <selvage/bake.h>
 

@@ -1,5 +1,5 @@
 /* The ray-cast reference against closed forms and against itself. */
-#include "unit/reference_kit.h"
+#include "kit/reference_kit.h"
 
 static const char cube_obj[] =
     "v -1 -1 -1\nv 1 -1 -1\nv -1 1 -1\nv 1 1 -1\nv -1 -1 1\nv 1 -1 1\nv -1 1 1\nv 1 1 1\n"

@@ -1,6 +1,6 @@
 /* The demo's generator: the mesh is closed, the textures are what they should be, and a bad command
  * line is refused. */
-#include "test.h"
+#include "kit/test.h"
 
 #include <selvage/ptx.h>
 

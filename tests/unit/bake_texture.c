@@ -1,6 +1,6 @@
 /* Patterns baked into textures on the limit surface: every type and channel count, neighbours that
  * agree, threads. */
-#include "test.h"
+#include "kit/test.h"
 
 #include <selvage/bake.h>
 

@@ -1,5 +1,5 @@
 /* Interpolation is continuous across every edge and at every vertex. */
-#include "border_kit.h"
+#include "kit/border_kit.h"
 
 static int halvings(const slv_neighbour *n) {
     return n->scale > 1.5f ? 1 : n->scale < 0.75f ? -1 : 0;

@@ -1,6 +1,6 @@
 /* What border texels are: bitwise the neighbours' where resolutions are equal, linear where the
  * texture is, constant where it is constant. */
-#include "border_kit.h"
+#include "kit/border_kit.h"
 
 static const slv_type types[4] = {SLV_TYPE_U8, SLV_TYPE_U16, SLV_TYPE_HALF, SLV_TYPE_FLOAT};
 

@@ -1,6 +1,6 @@
 /* What the cache promises of memory, file handles, files that change, and files that are damaged.
  */
-#include "filter_kit.h"
+#include "kit/filter_kit.h"
 
 #include <fcntl.h>
 #include <pthread.h>

@@ -1,6 +1,6 @@
 /* Samples on edges and vertices: shared to the bit, interpolation exactly continuous across every
  * seam whatever meets there, constants and linear functions kept, losses measured. */
-#include "border_kit.h"
+#include "kit/border_kit.h"
 
 #include <selvage/edge_aligned.h>
 

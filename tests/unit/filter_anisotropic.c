@@ -1,6 +1,6 @@
 /* The anisotropic filter: the same from both sides of every edge, whatever meets there, and the
  * ellipse that it says it is. */
-#include "filter_kit.h"
+#include "kit/filter_kit.h"
 
 static slv_sampler *sampler;
 static slv_cache *cache;

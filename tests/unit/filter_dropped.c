@@ -1,8 +1,8 @@
 /* What a lookup knows of a file may be thrown away whenever it waits for texels: here that happens
  * at the first read, the second, and so on. */
-#include "filter_kit.h"
+#include "kit/filter_kit.h"
 
-#include "filter/cache_data.h"
+#include "cache/cache_data.h"
 
 #include <pthread.h>
 #include <sched.h>

@@ -1,7 +1,7 @@
 /* Whatever is asked, and whatever is in the file: a result or finite values, never a crash.
  *
  * test_unit_filter_hostile [SEED [ROUNDS]] */
-#include "filter_kit.h"
+#include "kit/filter_kit.h"
 
 #include <selvage/ptx_writer.h>
 

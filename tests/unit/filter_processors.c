@@ -1,5 +1,5 @@
 /* Lookups compiled for AVX2 and for any processor give the same bytes. */
-#include "filter_kit.h"
+#include "kit/filter_kit.h"
 
 #include "filter/sampler.h"
 

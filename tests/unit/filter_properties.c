@@ -1,5 +1,5 @@
 /* What must hold of every filter, whatever the texture. */
-#include "filter_kit.h"
+#include "kit/filter_kit.h"
 
 #include <selvage/ptx_writer.h>
 

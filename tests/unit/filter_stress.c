@@ -2,9 +2,9 @@
  * is opened, closed, forgotten, read ahead or thrown away meanwhile.
  *
  * test_unit_filter_stress [SECONDS [SEED]] */
-#include "filter_kit.h"
+#include "kit/filter_kit.h"
 
-#include "filter/cache_data.h"
+#include "cache/cache_data.h"
 
 #include <pthread.h>
 #include <stdatomic.h>

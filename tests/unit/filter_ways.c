@@ -3,7 +3,7 @@
  * the same, and nothing beyond a row's values is written.
  *
  * test_unit_filter_ways [SEED [ROUNDS]] */
-#include "filter_kit.h"
+#include "kit/filter_kit.h"
 
 #include <selvage/ptx_writer.h>
 

@@ -1,7 +1,7 @@
 /* Squares of half-edges: the same value from both sides of every edge and along every line inside a
  * face, whatever meets there; constants and linear functions kept; losses measured; no adjacency
  * that crashes it. */
-#include "border_kit.h"
+#include "kit/border_kit.h"
 
 #include <selvage/htex.h>
 

@@ -1,5 +1,5 @@
 /* Images written, read back and compared, and what is said of those that cannot be. */
-#include "test.h"
+#include "kit/test.h"
 
 #include <selvage/half.h>
 #include <selvage/image.h>

@@ -1,6 +1,6 @@
 /* OBJ files: what is read, what is refused and where, writing them again; and arrays given to
  * slv_mesh_create. */
-#include "unit/mesh_shapes.h"
+#include "kit/mesh_shapes.h"
 
 #include <locale.h>
 #include <unistd.h>

@@ -1,6 +1,6 @@
 /* Copies hold what the original holds, and everything that is written is sound: of samples, and of
  * meshes and resolutions drawn at random. */
-#include "ptx_same.h"
+#include "kit/ptx_same.h"
 
 #include <selvage/ptx_writer.h>
 

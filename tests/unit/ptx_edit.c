@@ -1,5 +1,5 @@
 /* Edits appended to a file, and files written again without them. */
-#include "ptx_kit.h"
+#include "kit/ptx_kit.h"
 
 #include <selvage/ptx_writer.h>
 

@@ -1,6 +1,6 @@
 /* A writer that is killed at random moments: its target is the old file or the new one, and what it
  * leaves beside it is gone after the next run that ends well. */
-#include "ptx_kit.h"
+#include "kit/ptx_kit.h"
 
 #include <selvage/ptx_writer.h>
 

@@ -1,5 +1,5 @@
 /* Files and meshes that do and do not belong together. */
-#include "ptx_kit.h"
+#include "kit/ptx_kit.h"
 
 static void save_grid(const char *path, const slv_mesh *mesh, const slv_face_adjacency *faces,
                       const uint8_t *flags, uint32_t nfaces) {

@@ -1,5 +1,5 @@
 /* Spoilt files: any answer is fine that is one line or a texture, and comes soon. */
-#include "ptx_kit.h"
+#include "kit/ptx_kit.h"
 
 static uint64_t seed = 11;
 static int error_lines;

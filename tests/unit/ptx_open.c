@@ -1,5 +1,5 @@
 /* What opening says of files that are not what they should be. */
-#include "ptx_kit.h"
+#include "kit/ptx_kit.h"
 
 static int error_lines;
 

@@ -1,6 +1,6 @@
 /* Files that another writer made, loaded and written again: every stored fact must come out bit for
  * bit the same. */
-#include "ptx_kit.h"
+#include "kit/ptx_kit.h"
 
 #include <selvage/ptx_writer.h>
 

@@ -1,6 +1,6 @@
 /* Textures of every kind written, read back and compared; with any number of threads the same
  * bytes. */
-#include "ptx_kit.h"
+#include "kit/ptx_kit.h"
 
 static uint64_t seed = 7;
 

@@ -1,6 +1,6 @@
 /* Tiles of faces against the whole face: all types, meshes and resolutions, files of others,
  * damage, and how much memory it takes. */
-#include "ptx_kit.h"
+#include "kit/ptx_kit.h"
 
 #include <selvage/ptx_writer.h>
 

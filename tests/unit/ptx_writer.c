@@ -1,5 +1,5 @@
 /* Writing face by face: order, threads, spilling, triangles, and everything that is refused. */
-#include "ptx_kit.h"
+#include "kit/ptx_kit.h"
 
 #include <selvage/ptx_writer.h>
 

@@ -1,6 +1,6 @@
 /* What pixels' rays meet: the same places as the reference's own picture, and footprints that tell
  * where the next pixel is. */
-#include "unit/reference_kit.h"
+#include "kit/reference_kit.h"
 
 enum { WIDTH = 48, HEIGHT = 40, PIXELS = WIDTH * HEIGHT };
 

@@ -1,7 +1,7 @@
 /* OpenSubdiv's regression shapes, if SELVAGE_MESHES names the folder that holds them as
  * osd/NAME.obj: each is read or refused with words, its adjacency is mutual, and both schemes
  * evaluate to something finite everywhere. */
-#include "unit/mesh_shapes.h"
+#include "kit/mesh_shapes.h"
 
 #include <selvage/surface.h>
 

@@ -1,6 +1,6 @@
 /* Limit surfaces: faces agree along shared edges, derivatives are those of the positions, normals
  * are sound. */
-#include "unit/mesh_shapes.h"
+#include "kit/mesh_shapes.h"
 
 #include <selvage/surface.h>
 

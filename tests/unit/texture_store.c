@@ -1,5 +1,5 @@
 /* The store, its types, and its chains of levels. */
-#include "test.h"
+#include "kit/test.h"
 
 #include "base/parallel.h"
 

@@ -1,5 +1,5 @@
 /* The command `selvage check`, on sound files and on files spoilt one way at a time. */
-#include "tool_kit.h"
+#include "kit/tool_kit.h"
 
 static void sound(const char *path) {
     CHECK_MSG(tool("check --strict '%s'", path) == 0, "%s: %s", path, tool_out);

@@ -1,7 +1,7 @@
 /* The command `selvage convert`: what comes back is what went in, and what was asked for is what
  * comes. */
-#include "ptx_same.h"
-#include "tool_kit.h"
+#include "kit/ptx_same.h"
+#include "kit/tool_kit.h"
 
 #include <selvage/image.h>
 #include <selvage/ptx_resize.h>

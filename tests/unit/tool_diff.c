@@ -1,5 +1,5 @@
 /* The command `selvage diff`, on files whose differences are known. */
-#include "tool_kit.h"
+#include "kit/tool_kit.h"
 
 #include <selvage/image.h>
 

@@ -2,7 +2,7 @@
 #include <selvage/mesh.h>
 #include <selvage/ptx.h>
 
-#include "test.h"
+#include "kit/test.h"
 
 #include <sys/wait.h>
 #include <unistd.h>

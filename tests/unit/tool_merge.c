@@ -1,6 +1,6 @@
 /* The command `selvage merge`: every face of every file is there, neighbours and geometry moved
  * along. */
-#include "tool_kit.h"
+#include "kit/tool_kit.h"
 
 static void check_faces(const char *part, const char *whole, uint32_t first) {
     slv_ptx *a = tool_open(part), *b = tool_open(whole);

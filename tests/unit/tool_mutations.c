@@ -2,7 +2,7 @@
  * words, and leave nothing half done. A file on which one does not is kept beside the test's
  * folder. SELVAGE_MUTATIONS is another number of files; sanitizers, under which a process takes ten
  * times as long to start, have fewer. */
-#include "tool_kit.h"
+#include "kit/tool_kit.h"
 
 #include <selvage/ptx.h>
 

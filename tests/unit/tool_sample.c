@@ -1,5 +1,5 @@
 /* The command `selvage sample`: what was written down comes out, in any form and order of work. */
-#include "tool_kit.h"
+#include "kit/tool_kit.h"
 
 #define CUBE_QUERY "box 0 0 0 1 0 0 4 5 0.5 0.5 0.25 0 0 0.25"
 

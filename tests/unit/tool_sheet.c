@@ -1,5 +1,5 @@
 /* The command `selvage info --sheet`: every face is where it should be, the right way up. */
-#include "tool_kit.h"
+#include "kit/tool_kit.h"
 
 #include <selvage/image.h>
 

@@ -1,5 +1,5 @@
 /* The command `selvage transfer`, onto models whose every face is known. */
-#include "tool_kit.h"
+#include "kit/tool_kit.h"
 
 #include <time.h>
 

@@ -1,0 +1,143 @@
+#include "rays/reference_data.h"
+
+#include "base/log.h"
+
+#include <stdlib.h>
+
+static slv_result embree_result(const slv_env *env, RTCDevice device) {
+    enum RTCError error = rtcGetDeviceError(device);
+    if (device && error == RTC_ERROR_NONE)
+        return SLV_OK;
+    if (error == RTC_ERROR_OUT_OF_MEMORY)
+        return slv_fail(env, SLV_ERROR_MEMORY, "reference: Embree has no memory");
+    return slv_fail(env, SLV_ERROR_UNSUPPORTED, "reference: Embree fails with its error %d",
+                    (int)error);
+}
+
+static slv_result make_quads(slv_reference *r, uint64_t *count) {
+    const slv_tessellation *mesh = &r->mesh;
+    uint64_t n = 0;
+    for (uint32_t face = 0; face < mesh->nfaces; face++)
+        n += (uint64_t)mesh->segments[face] * mesh->segments[face];
+    *count = n;
+    slv_result result = slv_alloc(&r->env, "quads", n, 4 * sizeof *r->quads, &r->quads);
+    uint32_t *to = r->quads;
+    for (uint32_t face = 0; !result && face < mesh->nfaces; face++) {
+        uint32_t side = mesh->segments[face], row = side + 1, first = mesh->first[face];
+        for (uint32_t y = 0; y < side; y++) {
+            for (uint32_t x = 0; x < side; x++, to += 4) {
+                uint32_t a = first + y * row + x;
+                to[0] = a + 1;
+                to[1] = a + row + 1;
+                to[2] = a + row;
+                to[3] = a;
+            }
+        }
+    }
+    return result;
+}
+
+static slv_result make_scene(slv_reference *r) {
+    uint64_t nquads;
+    slv_result result = make_quads(r, &nquads);
+    if (result)
+        return result;
+    /* One thread builds the tree, so that which of two quads a ray along their edge hits does not
+     * depend on how many there are. */
+    if (!(r->device = rtcNewDevice("threads=1")))
+        return embree_result(&r->env, NULL);
+    r->scene = rtcNewScene(r->device);
+    rtcSetSceneFlags(r->scene, RTC_SCENE_FLAG_ROBUST);
+    if (nquads) {
+        RTCGeometry geometry = rtcNewGeometry(r->device, RTC_GEOMETRY_TYPE_QUAD);
+        rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3,
+                                   r->mesh.vertices, 0, sizeof *r->mesh.vertices,
+                                   r->mesh.first[r->mesh.nfaces]);
+        rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT4, r->quads,
+                                   0, 4 * sizeof *r->quads, nquads);
+        rtcCommitGeometry(geometry);
+        rtcAttachGeometry(r->scene, geometry);
+        rtcReleaseGeometry(geometry);
+    }
+    rtcCommitScene(r->scene);
+    return embree_result(&r->env, r->device);
+}
+
+static slv_result check(const slv_env *env, const slv_mesh *mesh, const slv_surface *surface,
+                        const slv_texture *texture, const slv_adjacency *adjacency,
+                        slv_reference_params *params) {
+    const slv_texture_desc *desc = slv_texture_get_desc(texture);
+    uint32_t nfaces = slv_mesh_face_count(mesh);
+    if (slv_surface_face_count(surface) != nfaces || desc->nfaces != nfaces ||
+        slv_adjacency_face_count(adjacency) != nfaces)
+        return slv_fail(env, SLV_ERROR_MISMATCH,
+                        "reference: the mesh has %u faces, the surface %u, the texture %u, the "
+                        "adjacency %u",
+                        nfaces, slv_surface_face_count(surface), desc->nfaces,
+                        slv_adjacency_face_count(adjacency));
+    if (!params->nchannels && params->first_channel < desc->nchannels) {
+        params->nchannels = desc->nchannels - params->first_channel;
+        params->nchannels = params->nchannels < 4 ? params->nchannels : 4;
+    }
+    if (params->nchannels < 1 || params->nchannels > 4 ||
+        params->first_channel >= desc->nchannels ||
+        params->nchannels > desc->nchannels - params->first_channel)
+        return slv_fail(env, SLV_ERROR_ARGUMENT,
+                        "reference: %u channels from %u on, of a texture with %u",
+                        params->nchannels, params->first_channel, desc->nchannels);
+    params->segments = params->segments ? params->segments : 32;
+    return SLV_OK;
+}
+
+slv_result slv_reference_create(const slv_env *env, const slv_mesh *mesh,
+                                const slv_surface *surface, const slv_texture *texture,
+                                const slv_adjacency *adjacency, const slv_reference_params *given,
+                                slv_reference **out) {
+    slv_reference_params params = given ? *given : (slv_reference_params){0};
+    slv_adjacency *own = NULL;
+    slv_reference *made = NULL;
+    slv_result result;
+    *out = NULL;
+    if ((result = check(env, mesh, surface, texture, adjacency, &params)) ||
+        (result = slv_alloc(env, "reference", 1, sizeof *made, &made)))
+        return result;
+    made->env = slv_env_or_default(env);
+    uint32_t shown = params.nchannels < 3 ? params.nchannels : 3;
+    if ((result = reference_texels_create(env, texture, adjacency, params.first_channel, shown,
+                                          &made->texels)) ||
+        (result = slv_mesh_adjacency(env, mesh, &own)) ||
+        (result = slv_tessellate(env, mesh, surface, own, params.segments, &made->mesh)) ||
+        (result = make_scene(made)))
+        goto done;
+    *out = made;
+    made = NULL;
+done:
+    slv_adjacency_destroy(own);
+    slv_reference_destroy(made);
+    return result;
+}
+
+void slv_reference_destroy(slv_reference *reference) {
+    if (!reference)
+        return;
+    if (reference->scene)
+        rtcReleaseScene(reference->scene);
+    if (reference->device)
+        rtcReleaseDevice(reference->device);
+    slv_tessellation_free(&reference->mesh);
+    reference_texels_free(&reference->texels);
+    free(reference->quads);
+    free(reference);
+}
+
+slv_result slv_reference_lookup(const slv_reference *reference, size_t count,
+                                const slv_surface_point *points, float *rgb) {
+    for (size_t i = 0; i < count; i++) {
+        if (points[i].face < 0 || (uint32_t)points[i].face >= reference->mesh.nfaces)
+            return slv_fail(&reference->env, SLV_ERROR_ARGUMENT,
+                            "reference: point %zu: there is no face %d", i, points[i].face);
+        reference_fetch(&reference->texels, (uint32_t)points[i].face, points[i].u, points[i].v,
+                        rgb + 3 * i);
+    }
+    return SLV_OK;
+}

@@ -1,0 +1,317 @@
+#include "rays/reference_data.h"
+
+#include "base/log.h"
+#include "base/parallel.h"
+
+#include <math.h>
+#include <pthread.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { TILE = 16, RAYS = 16 };
+
+typedef struct work {
+    const slv_reference *reference;
+    const slv_reference_frame *frame;
+    reference_sampler sampler;
+    reference_eye eye;
+    uint32_t tiles_across;
+    uint64_t ntiles, done;
+    pthread_mutex_t lock;
+    slv_image image, error;
+} work;
+
+/* What a half of a pixel's samples add up to. */
+typedef struct sum {
+    double weighted[4], plain[4], weight;
+    uint32_t count;
+} sum;
+
+/* Rays of one or more pixels on their way through the scene. */
+typedef struct packet {
+    struct RTCRayHit16 rays;
+    float x[RAYS], y[RAYS], weight[RAYS]; /* in eye units on the window's plane */
+    sum *to[RAYS];
+    _Alignas(64) int valid[RAYS]; /* as Embree reads it */
+    uint32_t count;
+} packet;
+
+static void intersect(const slv_reference *reference, packet *p) {
+#if SLV_EMBREE_VERSION >= 4
+    struct RTCIntersectArguments arguments;
+    rtcInitIntersectArguments(&arguments);
+    arguments.flags = RTC_RAY_QUERY_FLAG_COHERENT;
+    rtcIntersect16(p->valid, reference->scene, &p->rays, &arguments);
+#else
+    struct RTCIntersectContext context;
+    rtcInitIntersectContext(&context);
+    context.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
+    rtcIntersect16(p->valid, reference->scene, &context, &p->rays);
+#endif
+}
+
+/* A colour of full saturation for 0..1, as the renderer's shader makes it. */
+static void hue(float h, float rgb[3]) {
+    static const float turn[3] = {0.0f, 2.0f / 3, 1.0f / 3};
+    for (int c = 0; c < 3; c++) {
+        float at = h + turn[c];
+        rgb[c] = reference_clamp(fabsf((at - floorf(at)) * 6 - 3) - 1, 1.0f);
+    }
+}
+
+static void face_color(uint32_t face, float u, float v, float rgb[3]) {
+    uint32_t h = face * 0x9E3779B9u;
+    h = (h ^ h >> 15) * 0x85EBCA6Bu;
+    h ^= h >> 13;
+    hue((float)(h & 1023) / 1024, rgb);
+    float rim = fmaxf(fabsf(u - 0.5f), fabsf(v - 0.5f)) > 0.48f ? 0.6f : 1.0f;
+    for (int c = 0; c < 3; c++)
+        rgb[c] = (0.8f + 0.6f * (rgb[c] - 0.8f)) * rim;
+}
+
+/* -dot(n, i), n being interpolated between the three vertices of the triangle that was hit. */
+static float facing(const work *w, const uint32_t *quad, float s, float t, float x, float y) {
+    const slv_vertex *vertices = w->reference->mesh.vertices;
+    const float *m = w->eye.normal_matrix;
+    bool far_side = s + t > 1;
+    const float *a = vertices[quad[far_side ? 2 : 0]].normal;
+    const float *b = vertices[quad[far_side ? 3 : 1]].normal;
+    const float *c = vertices[quad[far_side ? 1 : 3]].normal;
+    float q = far_side ? 1 - s : s, r = far_side ? 1 - t : t, normal[3], n[3];
+    for (int k = 0; k < 3; k++)
+        normal[k] = a[k] + q * (b[k] - a[k]) + r * (c[k] - a[k]);
+    for (int k = 0; k < 3; k++)
+        n[k] = m[3 * k] * normal[0] + m[3 * k + 1] * normal[1] + m[3 * k + 2] * normal[2];
+    float length = fmaxf(sqrtf(n[0] * n[0] + n[1] * n[1] + n[2] * n[2]), 1e-20f);
+    if (!w->eye.perspective)
+        return n[2] / length;
+    return (n[2] - n[0] * x - n[1] * y) / (length * sqrtf(x * x + y * y + 1));
+}
+
+static void shade(const work *w, const packet *p, uint32_t lane, float rgb[3]) {
+    const slv_reference *reference = w->reference;
+    const slv_tessellation *mesh = &reference->mesh;
+    const struct RTCHit16 *hit = &p->rays.hit;
+    const uint32_t *quad = reference->quads + 4 * (size_t)hit->primID[lane];
+    float s = hit->u[lane], t = hit->v[lane], ka = w->frame->ka, kd = w->frame->kd;
+    uint32_t face = (uint32_t)mesh->vertices[quad[3]].face, n = mesh->segments[face];
+    uint32_t local = quad[3] - mesh->first[face], row = local / (n + 1);
+    float u = ((float)(local - row * (n + 1)) + 1 - t) / (float)n, v = ((float)row + s) / (float)n;
+    float light = 1;
+    if (w->frame->shading == SLV_SHADE_FACES)
+        face_color(face, u, v, rgb);
+    else
+        reference_fetch(&reference->texels, face, u, v, rgb);
+    if (w->frame->shading == SLV_SHADE_UNLIT)
+        return;
+    float front = facing(w, quad, s, t, p->x[lane], p->y[lane]);
+    if (w->frame->shading == SLV_SHADE_HEADLIGHT)
+        light = kd * fmaxf(front, 0) + ka;
+    else if (w->frame->shading == SLV_SHADE_HEADLIGHT_ABS)
+        light = kd * reference_clamp(fabsf(front) + ka, 1.0f);
+    else
+        light = kd * fabsf(front) + ka;
+    for (int c = 0; c < 3; c++)
+        rgb[c] *= light;
+}
+
+static void flush(const work *w, packet *p) {
+    if (!p->count)
+        return;
+    for (uint32_t lane = 0; lane < RAYS; lane++)
+        p->valid[lane] = lane < p->count ? -1 : 0;
+    intersect(w->reference, p);
+    for (uint32_t lane = 0; lane < p->count; lane++) {
+        float rgba[4] = {0, 0, 0, 1};
+        if (p->rays.hit.geomID[lane] == RTC_INVALID_GEOMETRY_ID)
+            memcpy(rgba, w->frame->background, sizeof rgba);
+        else
+            shade(w, p, lane, rgba);
+        sum *to = p->to[lane];
+        float weight = p->weight[lane];
+        for (int c = 0; c < 4; c++) {
+            to->weighted[c] += (double)(weight * rgba[c]);
+            to->plain[c] += (double)rgba[c];
+        }
+        to->weight += (double)weight;
+        to->count++;
+    }
+    p->count = 0;
+}
+
+static void add_ray(const work *w, packet *p, float pixel_x, float pixel_y, float weight, sum *to) {
+    const reference_eye *e = &w->eye;
+    struct RTCRay16 *ray = &p->rays.ray;
+    const float *window = e->window;
+    uint32_t lane = p->count++;
+    float x = window[0] + pixel_x / (float)w->frame->width * (window[1] - window[0]);
+    float y = window[3] - pixel_y / (float)w->frame->height * (window[3] - window[2]);
+    float origin[3], direction[3];
+    reference_eye_ray(e, x, y, origin, direction);
+    ray->org_x[lane] = origin[0];
+    ray->org_y[lane] = origin[1];
+    ray->org_z[lane] = origin[2];
+    ray->dir_x[lane] = direction[0];
+    ray->dir_y[lane] = direction[1];
+    ray->dir_z[lane] = direction[2];
+    ray->tnear[lane] = e->perspective ? e->nearest : 0;
+    ray->tfar[lane] = INFINITY;
+    ray->time[lane] = 0;
+    ray->mask[lane] = UINT32_MAX;
+    ray->id[lane] = lane;
+    ray->flags[lane] = 0;
+    p->rays.hit.geomID[lane] = RTC_INVALID_GEOMETRY_ID;
+    p->rays.hit.instID[0][lane] = RTC_INVALID_GEOMETRY_ID;
+    p->x[lane] = x;
+    p->y[lane] = y;
+    p->weight[lane] = weight;
+    p->to[lane] = to;
+    if (p->count == RAYS)
+        flush(w, p);
+}
+
+/* The weights' mean is 1 only in the long run. What it lacks is filled with the plain mean, so that
+ * equal samples give their value, and nothing is divided by weights that may cancel out. */
+static double estimate(const sum *s, int channel) {
+    double n = s->count;
+    return (s->weighted[channel] + (1 - s->weight / n) * s->plain[channel]) / n;
+}
+
+static void finish_pixel(work *w, uint32_t x, uint32_t y, const sum halves[2]) {
+    size_t at = (size_t)y * w->frame->width + x;
+    sum all = halves[0];
+    double squares = 0;
+    for (int c = 0; c < 4; c++) {
+        all.weighted[c] += halves[1].weighted[c];
+        all.plain[c] += halves[1].plain[c];
+    }
+    all.weight += halves[1].weight;
+    all.count += halves[1].count;
+    for (int c = 0; c < 4; c++)
+        w->image.pixels[4 * at + (size_t)c] = (float)estimate(&all, c);
+    for (int c = 0; c < 3 && w->frame->samples > 1; c++) {
+        double apart = estimate(&halves[0], c) - estimate(&halves[1], c);
+        squares += apart * apart / 4;
+    }
+    w->error.pixels[at] = (float)sqrt(squares / 3);
+}
+
+static slv_result render_tile(work *w, uint64_t tile) {
+    const slv_reference_frame *frame = w->frame;
+    uint32_t left = (uint32_t)(tile % w->tiles_across) * TILE;
+    uint32_t top = (uint32_t)(tile / w->tiles_across) * TILE;
+    uint32_t width = frame->width - left < TILE ? frame->width - left : TILE;
+    uint32_t height = frame->height - top < TILE ? frame->height - top : TILE;
+    sum sums[TILE * TILE][2];
+    packet p = {.count = 0};
+    memset(sums, 0, sizeof sums);
+    for (uint32_t i = 0; i < width * height; i++) {
+        uint32_t x = left + i % width, y = top + i / width;
+        for (uint32_t half = 0; half < 2; half++) {
+            reference_sequence sequence = reference_sequence_begin(&w->sampler, x, y, half);
+            for (uint32_t k = 0; k < (frame->samples + 1 - half) / 2; k++) {
+                float offset[2], weight = reference_sample(&w->sampler, &sequence, k, offset);
+                add_ray(w, &p, (float)x + offset[0], (float)y + offset[1], weight, &sums[i][half]);
+            }
+        }
+    }
+    flush(w, &p);
+    for (uint32_t i = 0; i < width * height; i++)
+        finish_pixel(w, left + i % width, top + i / width, sums[i]);
+    slv_result result = SLV_OK;
+    pthread_mutex_lock(&w->lock);
+    w->done++;
+    if (frame->progress && !frame->progress(frame->progress_user, w->done, w->ntiles))
+        result = SLV_ERROR_CANCELLED;
+    pthread_mutex_unlock(&w->lock);
+    return result;
+}
+
+static slv_result render_tiles(void *user, uint64_t first, uint64_t end) {
+    slv_result result = SLV_OK;
+    for (uint64_t tile = first; tile < end && !result; tile++)
+        result = render_tile(user, tile);
+    return result;
+}
+
+static slv_result prepare(const slv_env *env, const slv_reference_frame *given,
+                          slv_reference_frame *frame) {
+    *frame = *given;
+    frame->width = frame->width ? frame->width : 512;
+    frame->height = frame->height ? frame->height : 512;
+    frame->samples = frame->samples ? frame->samples : 64;
+    if (frame->ka == 0 && frame->kd == 0) {
+        frame->ka = 0.2f;
+        frame->kd = 0.8f;
+    }
+    if (frame->samples > SLV_REFERENCE_MAX_SAMPLES)
+        return slv_fail(env, SLV_ERROR_ARGUMENT, "reference: %u samples per pixel, the most is %u",
+                        frame->samples, SLV_REFERENCE_MAX_SAMPLES);
+    if ((unsigned)frame->filter > SLV_PIXEL_MITCHELL)
+        return slv_fail(env, SLV_ERROR_ARGUMENT, "reference: there is no pixel filter %d",
+                        (int)frame->filter);
+    if ((unsigned)frame->shading > SLV_SHADE_LEVELS)
+        return slv_fail(env, SLV_ERROR_ARGUMENT, "reference: there is no shading %d",
+                        (int)frame->shading);
+    if (frame->shading == SLV_SHADE_LEVELS)
+        return slv_fail(env, SLV_ERROR_UNSUPPORTED,
+                        "reference: the shading by levels is about lookups, of which it has none");
+    return SLV_OK;
+}
+
+static slv_reference_stats judge(const work *w) {
+    size_t npixels = (size_t)w->frame->width * w->frame->height;
+    slv_reference_stats stats = {.samples = (uint64_t)npixels * w->frame->samples};
+    double squares = 0;
+    for (size_t i = 0; i < npixels; i++) {
+        double error = (double)w->error.pixels[i];
+        squares += error * error;
+        stats.worst = error > stats.worst ? error : stats.worst;
+        stats.ncovered += w->image.pixels[4 * i + 3] >= 0.5f;
+    }
+    stats.error = sqrt(squares / (double)npixels);
+    if (w->frame->samples == 1)
+        stats.error = stats.worst = NAN;
+    return stats;
+}
+
+slv_result slv_reference_render(const slv_reference *reference, const slv_env *env,
+                                const slv_reference_frame *given, slv_image *image,
+                                slv_image *error, slv_reference_stats *stats) {
+    slv_reference_frame frame;
+    work w = {.reference = reference, .frame = &frame};
+    slv_result result = prepare(env, given, &frame);
+    if (result)
+        return result;
+    if (!reference_eye_make(reference, &frame.camera, &w.eye))
+        return slv_fail(env, SLV_ERROR_ARGUMENT,
+                        "reference: the camera cannot be inverted, or its window is empty");
+    if ((result = slv_image_create(env, frame.width, frame.height, 4, &w.image)) ||
+        (result = slv_image_create(env, frame.width, frame.height, 1, &w.error)) ||
+        (result = reference_sampler_create(env, frame.filter, frame.seed, (frame.samples + 1) / 2,
+                                           &w.sampler)))
+        goto done;
+    w.tiles_across = (frame.width + TILE - 1) / TILE;
+    w.ntiles = (uint64_t)w.tiles_across * ((frame.height + TILE - 1) / TILE);
+    pthread_mutex_init(&w.lock, NULL);
+    result = slv_parallel_for(env, w.ntiles, 1, render_tiles, &w);
+    pthread_mutex_destroy(&w.lock);
+    if (result) {
+        result = slv_fail(env, result, "reference: stopped after %llu of %llu tiles",
+                          (unsigned long long)w.done, (unsigned long long)w.ntiles);
+        goto done;
+    }
+    if (stats)
+        *stats = judge(&w);
+    *image = w.image;
+    memset(&w.image, 0, sizeof w.image);
+    if (error) {
+        *error = w.error;
+        memset(&w.error, 0, sizeof w.error);
+    }
+done:
+    reference_sampler_free(&w.sampler);
+    slv_image_free(&w.image);
+    slv_image_free(&w.error);
+    return result;
+}

@@ -1,0 +1,221 @@
+#include "rays/reference_data.h"
+
+#include "base/log.h"
+#include "base/parallel.h"
+
+#include <selvage/border.h>
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+struct filling {
+    const slv_levels *levels;
+    const slv_adjacency *adjacency;
+    const slv_env *env;
+    uint32_t first_channel, nsource;
+    const reference_texels *texels;
+};
+
+static uint64_t bordered(slv_res res) {
+    return ((UINT64_C(1) << res.u) + 2) * ((UINT64_C(1) << res.v) + 2);
+}
+
+static slv_result fill(void *user, uint64_t begin, uint64_t end) {
+    const struct filling *f = user;
+    const reference_texels *t = f->texels;
+    float *whole = NULL;
+    slv_result result = SLV_OK;
+    if (f->nsource != t->nchannels) {
+        uint64_t most = 0;
+        for (uint64_t face = begin; face < end; face++)
+            most = bordered(t->res[face]) > most ? bordered(t->res[face]) : most;
+        if ((result = slv_alloc(f->env, "texels", most * f->nsource, sizeof *whole, &whole)))
+            return result;
+    }
+    for (uint64_t face = begin; face < end && !result; face++) {
+        float *to = t->values + t->first[face];
+        result = slv_border_build(f->levels, f->adjacency, (uint32_t)face, 0, 1, 1,
+                                  whole ? whole : to, NULL);
+        for (uint64_t i = 0; whole && !result && i < bordered(t->res[face]); i++)
+            memcpy(to + i * t->nchannels, whole + i * f->nsource + f->first_channel,
+                   t->nchannels * sizeof *to);
+    }
+    free(whole);
+    return result;
+}
+
+/* Whether the texels of a face are shorter than a neighbour's along the edge where they meet. */
+static bool finer(const slv_res *res, uint32_t face, unsigned edge, const slv_neighbour *to) {
+    int own = edge & 1 ? res[face].v : res[face].u;
+    int other = to->edge & 1 ? res[to->face].v : res[to->face].u;
+    return own > other + (to->scale > 1.0f ? 1 : to->scale < 1.0f ? -1 : 0);
+}
+
+/* Counts the links of all faces, and lists them once there is room. */
+static void list_links(const slv_adjacency *adjacency, uint32_t nfaces, reference_texels *t) {
+    uint32_t count = 0;
+    for (uint32_t face = 0; face < nfaces; face++) {
+        t->first_link[face] = count;
+        for (unsigned edge = 0; edge < 4; edge++) {
+            slv_neighbour to[2];
+            uint32_t n = slv_adjacency_neighbours(adjacency, (int32_t)face, edge, to);
+            for (uint32_t i = 0; i < n; i++) {
+                if (!finer(t->res, face, edge, &to[i]))
+                    continue;
+                if (t->links)
+                    t->links[count] =
+                        (reference_link){(uint32_t)to[i].face, edge, to[i].t0, to[i].t1, to[i].map};
+                count++;
+            }
+        }
+    }
+    t->first_link[nfaces] = count;
+}
+
+static const float corner_at[4][2] = {{0, 0}, {1, 0}, {1, 1}, {0, 1}};
+
+/* The whole quad whose edge goes straight past a corner of two sub-faces, and its value there. */
+static bool quad_value(const reference_texels *t, const slv_adjacency *adjacency, uint32_t face,
+                       unsigned corner, float value[3]) {
+    for (unsigned side = 0; side < 2; side++) {
+        slv_neighbour to[2];
+        float u, v;
+        if (slv_adjacency_neighbours(adjacency, (int32_t)face, (corner + 3 * side) % 4, to) != 1 ||
+            to->scale >= 1.0f)
+            continue;
+        slv_affine_apply(&to->map, corner_at[corner][0], corner_at[corner][1], &u, &v);
+        reference_bilinear(t, (uint32_t)to->face, reference_clamp(u, 1.0f),
+                           reference_clamp(v, 1.0f), value);
+        return true;
+    }
+    return false;
+}
+
+/* One value for each vertex: borders give it nearly always, but where oblong resolutions contradict
+ * each other around a vertex, or at the middle of a whole quad's edge, only almost. */
+static void mend_corners(const slv_adjacency *adjacency, uint32_t nfaces, reference_texels *t) {
+    for (uint32_t face = 0; face < nfaces; face++) {
+        t->mended[face] |= t->first_link[face] != t->first_link[face + 1];
+        for (unsigned corner = 0; corner < 4; corner++) {
+            uint32_t position;
+            slv_ring ring = slv_adjacency_ring(adjacency, (int32_t)face, corner, &position);
+            float value[3], meeting[3];
+            double sum[3] = {0, 0, 0};
+            if (position)
+                continue;
+            for (uint32_t i = 0; i < ring.count; i++) {
+                const float *at = corner_at[ring.corners[i].corner];
+                reference_bilinear(t, (uint32_t)ring.corners[i].face, at[0], at[1], value);
+                for (uint32_t c = 0; c < t->nchannels; c++)
+                    sum[c] += (double)value[c];
+            }
+            for (uint32_t c = 0; c < t->nchannels; c++)
+                meeting[c] = (float)(sum[c] / ring.count);
+            if (slv_adjacency_is_t_corner(adjacency, (int32_t)face, corner))
+                quad_value(t, adjacency, face, corner, meeting);
+            for (uint32_t i = 0; i < ring.count; i++) {
+                uint32_t other = (uint32_t)ring.corners[i].face, k = ring.corners[i].corner;
+                reference_bilinear(t, other, corner_at[k][0], corner_at[k][1], value);
+                for (uint32_t c = 0; c < t->nchannels; c++) {
+                    float lacks = meeting[c] - value[c];
+                    t->corners[((size_t)other * 4 + k) * t->nchannels + c] = lacks;
+                    t->mended[other] |= fabsf(lacks) > 1e-6f * (1.0f + fabsf(value[c]));
+                }
+            }
+        }
+    }
+}
+
+/* Bilinear, with what the corners lack added within half a texel of them. */
+static void with_corners(const reference_texels *t, uint32_t face, float u, float v, float rgb[3]) {
+    float x = u * (float)(1u << t->res[face].u), y = v * (float)(1u << t->res[face].v);
+    float right = (float)(1u << t->res[face].u) - x, top = (float)(1u << t->res[face].v) - y;
+    reference_bilinear(t, face, u, v, rgb);
+    for (unsigned corner = 0; corner < 4; corner++) {
+        float across = 1.0f - 2.0f * (corner_at[corner][0] > 0 ? right : x);
+        float up = 1.0f - 2.0f * (corner_at[corner][1] > 0 ? top : y);
+        const float *lacks = t->corners + ((size_t)face * 4 + corner) * t->nchannels;
+        for (uint32_t c = 0; across > 0 && up > 0 && c < t->nchannels; c++)
+            rgb[c] += across * up * lacks[c];
+    }
+}
+
+/* On an edge the border texels agree with those of a coarser neighbour at this face's texel centres
+ * only, and between two of them where the neighbour is linear. What is left is added here, fading
+ * out towards the row of centres. */
+void reference_mend(const reference_texels *t, uint32_t face, float u, float v, float rgb[3]) {
+    float width = (float)(1u << t->res[face].u), height = (float)(1u << t->res[face].v);
+    with_corners(t, face, u, v, rgb);
+    for (uint32_t i = t->first_link[face]; i < t->first_link[face + 1]; i++) {
+        const reference_link *link = &t->links[i];
+        bool vertical = link->edge & 1, last = link->edge == 1 || link->edge == 2;
+        float across = vertical ? u : v, along = vertical ? v : u, own[3], other[3];
+        float depth = (last ? 1.0f - across : across) * (vertical ? width : height);
+        float at = link->edge < 2 ? along : 1.0f - along, edge_u = u, edge_v = v;
+        if (depth >= 0.5f || at < link->t0 || at > link->t1 || (at == link->t1 && at < 1.0f))
+            continue;
+        *(vertical ? &edge_u : &edge_v) = last ? 1.0f : 0.0f;
+        with_corners(t, face, edge_u, edge_v, own);
+        slv_affine_apply(&link->map, edge_u, edge_v, &edge_u, &edge_v);
+        with_corners(t, link->face, reference_clamp(edge_u, 1.0f), reference_clamp(edge_v, 1.0f),
+                     other);
+        for (uint32_t c = 0; c < t->nchannels; c++)
+            rgb[c] += (1.0f - 2.0f * depth) * (other[c] - own[c]);
+    }
+}
+
+slv_result reference_texels_create(const slv_env *env, const slv_texture *texture,
+                                   const slv_adjacency *adjacency, uint32_t first_channel,
+                                   uint32_t nchannels, reference_texels *out) {
+    const slv_texture_desc *desc = slv_texture_get_desc(texture);
+    reference_texels made = {.nchannels = nchannels};
+    slv_parallel_log *log = NULL;
+    slv_levels *levels = NULL;
+    slv_env serial;
+    uint64_t count = 0;
+    slv_result result;
+    if ((result = slv_alloc(env, "resolutions", desc->nfaces, sizeof *made.res, &made.res)) ||
+        (result = slv_alloc(env, "faces", desc->nfaces, sizeof *made.first, &made.first)) ||
+        (result = slv_alloc(env, "faces", (uint64_t)desc->nfaces + 1, sizeof *made.first_link,
+                            &made.first_link)))
+        goto done;
+    for (uint32_t face = 0; face < desc->nfaces; face++) {
+        made.res[face] = desc->res[face];
+        made.first[face] = count;
+        count += bordered(desc->res[face]) * nchannels;
+    }
+    list_links(adjacency, desc->nfaces, &made);
+    if ((result = slv_alloc(env, "links", made.first_link[desc->nfaces], sizeof *made.links,
+                            &made.links)) ||
+        (result = slv_alloc(env, "corners", (uint64_t)desc->nfaces * 4 * nchannels,
+                            sizeof *made.corners, &made.corners)) ||
+        (result = slv_alloc(env, "faces", desc->nfaces, sizeof *made.mended, &made.mended)))
+        goto done;
+    list_links(adjacency, desc->nfaces, &made);
+    if ((result = slv_alloc(env, "texels as floats", count, sizeof *made.values, &made.values)) ||
+        (result = slv_parallel_env_begin(env, &log, &serial)) ||
+        (result = slv_levels_create(&serial, texture, &levels)))
+        goto done;
+    struct filling filling = {levels, adjacency, &serial, first_channel, desc->nchannels, &made};
+    if (!(result = slv_parallel_for(env, desc->nfaces, 16, fill, &filling)))
+        mend_corners(adjacency, desc->nfaces, &made);
+done:
+    slv_levels_destroy(levels);
+    slv_parallel_env_end(log);
+    if (result)
+        reference_texels_free(&made);
+    *out = made;
+    return result;
+}
+
+void reference_texels_free(reference_texels *texels) {
+    free(texels->res);
+    free(texels->first);
+    free(texels->values);
+    free(texels->first_link);
+    free(texels->links);
+    free(texels->corners);
+    free(texels->mended);
+    memset(texels, 0, sizeof *texels);
+}

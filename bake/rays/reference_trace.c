@@ -1,0 +1,145 @@
+#include "rays/reference_data.h"
+
+#include "base/log.h"
+#include "base/parallel.h"
+
+#include <math.h>
+#include <string.h>
+
+enum { ROW_GRAIN = 4 };
+
+typedef struct trace {
+    const slv_reference *reference;
+    reference_eye eye;
+    uint32_t width, height;
+    slv_reference_hit *hits;
+} trace;
+
+/* The triangle of a quad that a hit lies in, and the (u,v) of its three vertices. */
+typedef struct triangle {
+    float points[3][3], uv[3][2];
+    uint32_t face;
+} triangle;
+
+static void intersect(const slv_reference *reference, struct RTCRayHit *ray) {
+#if SLV_EMBREE_VERSION >= 4
+    rtcIntersect1(reference->scene, ray, NULL);
+#else
+    struct RTCIntersectContext context;
+    rtcInitIntersectContext(&context);
+    rtcIntersect1(reference->scene, &context, ray);
+#endif
+}
+
+static triangle find_triangle(const slv_reference *reference, const struct RTCHit *hit) {
+    /* the corners of a cell in the order of its quad, in cells */
+    static const float corners[4][2] = {{1, 0}, {1, 1}, {0, 1}, {0, 0}};
+    static const int halves[2][3] = {{0, 1, 3}, {2, 3, 1}};
+    const slv_tessellation *mesh = &reference->mesh;
+    const uint32_t *quad = reference->quads + 4 * (size_t)hit->primID;
+    const int *which = halves[hit->u + hit->v > 1];
+    triangle out = {.face = (uint32_t)mesh->vertices[quad[3]].face};
+    uint32_t n = mesh->segments[out.face], local = quad[3] - mesh->first[out.face];
+    uint32_t row = local / (n + 1), column = local - row * (n + 1);
+    for (int k = 0; k < 3; k++) {
+        memcpy(out.points[k], mesh->vertices[quad[which[k]]].position, sizeof out.points[k]);
+        out.uv[k][0] = ((float)column + corners[which[k]][0]) / (float)n;
+        out.uv[k][1] = ((float)row + corners[which[k]][1]) / (float)n;
+    }
+    return out;
+}
+
+/* Where a ray meets the triangle's plane: u, v and depth, which need not lie inside. False if it
+ * runs along the plane. */
+static bool meet(const triangle *t, const float origin[3], const float direction[3],
+                 double out[3]) {
+    double e1[3], e2[3], p[3], q[3], s[3];
+    for (int k = 0; k < 3; k++) {
+        e1[k] = (double)t->points[1][k] - (double)t->points[0][k];
+        e2[k] = (double)t->points[2][k] - (double)t->points[0][k];
+        s[k] = (double)origin[k] - (double)t->points[0][k];
+    }
+    for (int k = 0; k < 3; k++) {
+        int a = (k + 1) % 3, b = (k + 2) % 3;
+        p[k] = (double)direction[a] * e2[b] - (double)direction[b] * e2[a];
+        q[k] = s[a] * e1[b] - s[b] * e1[a];
+    }
+    double determinant = e1[0] * p[0] + e1[1] * p[1] + e1[2] * p[2];
+    double b1 = (s[0] * p[0] + s[1] * p[1] + s[2] * p[2]) / determinant;
+    double b2 =
+        ((double)direction[0] * q[0] + (double)direction[1] * q[1] + (double)direction[2] * q[2]) /
+        determinant;
+    for (int k = 0; k < 2; k++)
+        out[k] = (double)t->uv[0][k] + b1 * (double)(t->uv[1][k] - t->uv[0][k]) +
+                 b2 * (double)(t->uv[2][k] - t->uv[0][k]);
+    out[2] = (e2[0] * q[0] + e2[1] * q[1] + e2[2] * q[2]) / determinant;
+    return isfinite(out[0]) && isfinite(out[1]) && isfinite(out[2]);
+}
+
+/* The ray through a point of the picture, in pixels from its upper left corner. */
+static void ray_through(const trace *t, float x, float y, float origin[3], float direction[3]) {
+    const float *w = t->eye.window;
+    reference_eye_ray(&t->eye, w[0] + x / (float)t->width * (w[1] - w[0]),
+                      w[3] - y / (float)t->height * (w[3] - w[2]), origin, direction);
+}
+
+static slv_reference_hit trace_pixel(const trace *t, uint32_t x, uint32_t y) {
+    slv_reference_hit hit = {.face = -1};
+    struct RTCRayHit ray;
+    float origin[3], direction[3];
+    double here[3], beside[2][3];
+    ray_through(t, (float)x + 0.5f, (float)y + 0.5f, origin, direction);
+    memset(&ray, 0, sizeof ray);
+    ray.ray.org_x = origin[0];
+    ray.ray.org_y = origin[1];
+    ray.ray.org_z = origin[2];
+    ray.ray.dir_x = direction[0];
+    ray.ray.dir_y = direction[1];
+    ray.ray.dir_z = direction[2];
+    ray.ray.tnear = t->eye.perspective ? t->eye.nearest : 0;
+    ray.ray.tfar = INFINITY;
+    ray.ray.mask = UINT32_MAX;
+    ray.hit.geomID = RTC_INVALID_GEOMETRY_ID;
+    ray.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
+    intersect(t->reference, &ray);
+    if (ray.hit.geomID == RTC_INVALID_GEOMETRY_ID)
+        return hit;
+    triangle under = find_triangle(t->reference, &ray.hit);
+    if (!meet(&under, origin, direction, here))
+        return hit;
+    hit.face = (int32_t)under.face;
+    hit.u = reference_clamp((float)here[0], 1.0f);
+    hit.v = reference_clamp((float)here[1], 1.0f);
+    hit.depth = ray.ray.tfar;
+    for (int k = 0; k < 2; k++) {
+        ray_through(t, (float)x + (k ? 0.5f : 1.5f), (float)y + (k ? 1.5f : 0.5f), origin,
+                    direction);
+        if (!meet(&under, origin, direction, beside[k])) /* seen edge on */
+            memcpy(beside[k], here, sizeof here);
+        hit.du[k] = (float)(beside[k][0] - here[0]);
+        hit.dv[k] = (float)(beside[k][1] - here[1]);
+        hit.ddepth[k] = (float)(beside[k][2] - here[2]);
+    }
+    return hit;
+}
+
+static slv_result trace_rows(void *user, uint64_t first, uint64_t end) {
+    const trace *t = user;
+    for (uint64_t y = first; y < end; y++)
+        for (uint32_t x = 0; x < t->width; x++)
+            t->hits[y * t->width + x] = trace_pixel(t, x, (uint32_t)y);
+    return SLV_OK;
+}
+
+slv_result slv_reference_trace(const slv_reference *reference, const slv_env *env,
+                               const slv_camera *camera, uint32_t width, uint32_t height,
+                               slv_reference_hit *hits) {
+    trace t = {.reference = reference, .width = width, .height = height, .hits = hits};
+    if (!width || !height)
+        return slv_fail(env, SLV_ERROR_ARGUMENT, "reference: a picture of %u x %u pixels", width,
+                        height);
+    if (!reference_eye_make(reference, camera, &t.eye))
+        return slv_fail(env, SLV_ERROR_ARGUMENT,
+                        "reference: the camera cannot be inverted, or its window is empty");
+    return slv_parallel_for(env, height, ROW_GRAIN, trace_rows, &t);
+}

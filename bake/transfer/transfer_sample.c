@@ -1,0 +1,144 @@
+/* What a texel of the source is worth around a point: linear between texels, also across edges, or
+ * the mean of those that a larger footprint covers. */
+#include "transfer/transfer_data.h"
+
+#include <selvage/ptx.h>
+
+#include "base/log.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+/* A constant face is as good as one texel however it is looked at. */
+static void measure(transfer_source *s, const float *corners, uint32_t face) {
+    const float *c = corners + (size_t)12 * face;
+    bool constant = slv_texture_is_constant(s->texture, face);
+    float u = transfer_mean_length(c, c + 3, c + 9, c + 6),
+          v = transfer_mean_length(c, c + 9, c + 3, c + 6);
+    slv_res res = s->desc->res[face];
+    s->sizes[face].u = constant || !(u > 0) ? INFINITY : ldexpf(u, -res.u);
+    s->sizes[face].v = constant || !(v > 0) ? INFINITY : ldexpf(v, -res.v);
+}
+
+static float finer(const transfer_size *size) {
+    return fminf(size->u, size->v);
+}
+
+slv_result transfer_source_begin(const slv_env *env, const slv_mesh *mesh,
+                                 const slv_texture *texture, const float *corners,
+                                 transfer_source *out) {
+    uint32_t nfaces = slv_mesh_face_count(mesh);
+    *out = (transfer_source){.texture = texture, .desc = slv_texture_get_desc(texture)};
+    slv_result result = slv_alloc(env, "texel sizes", nfaces, sizeof *out->sizes, &out->sizes);
+    if (result || (result = slv_mesh_adjacency(env, mesh, &out->adjacency)))
+        return result;
+    for (uint32_t face = 0; face < nfaces; face++)
+        measure(out, corners, face);
+    for (uint32_t face = 0; face < nfaces; face++) {
+        float finest = finer(&out->sizes[face]);
+        for (unsigned edge = 0; edge < 4; edge++) {
+            slv_neighbour next[2];
+            uint32_t count = slv_adjacency_neighbours(out->adjacency, (int32_t)face, edge, next);
+            for (uint32_t i = 0; i < count; i++)
+                finest = fminf(finest, finer(&out->sizes[next[i].face]));
+        }
+        out->sizes[face].finest_around = finest;
+    }
+    return SLV_OK;
+}
+
+void transfer_source_end(transfer_source *s) {
+    slv_adjacency_destroy(s->adjacency);
+    free(s->sizes);
+}
+
+float transfer_finest_texel(const transfer_source *s, const slv_surface_point *at,
+                            float footprint) {
+    const transfer_size *size = &s->sizes[at->face];
+    slv_res res = s->desc->res[at->face];
+    /* how far the nearest edges are, in mesh units; of constant faces that is not known */
+    float u = fminf(at->u, 1 - at->u) * ldexpf(size->u, res.u),
+          v = fminf(at->v, 1 - at->v) * ldexpf(size->v, res.v);
+    bool inside = isfinite(size->u) && isfinite(size->v) && fminf(u, v) > footprint;
+    return inside ? finer(size) : size->finest_around;
+}
+
+static void add_texel(const transfer_source *s, uint32_t face, uint32_t x, uint32_t y, float weight,
+                      float *scratch, float *out) {
+    uint32_t n = s->desc->nchannels;
+    slv_texture_fetch(s->texture, face, x, y, scratch);
+    slv_ptx_premultiply(SLV_TYPE_FLOAT, n, s->desc->alpha_channel, scratch, 1);
+    for (uint32_t c = 0; c < n; c++)
+        out[c] += weight * scratch[c];
+}
+
+static float clamp(float value, float low, float high) {
+    return fminf(fmaxf(value, low), high);
+}
+
+/* The two texel centres beside a coordinate in texels, and how far it is from the first. */
+static int32_t split(float at, float *fraction) {
+    float first = floorf(at - 0.5f);
+    *fraction = at - 0.5f - first;
+    return (int32_t)first;
+}
+
+/* Linear, kept inside the face. */
+static void add_inside(const transfer_source *s, uint32_t face, float u, float v, float weight,
+                       float *scratch, float *out) {
+    float w = ldexpf(1, s->desc->res[face].u), h = ldexpf(1, s->desc->res[face].v), fx, fy;
+    int32_t x = split(clamp(u * w, 0.5f, w - 0.5f), &fx),
+            y = split(clamp(v * h, 0.5f, h - 0.5f), &fy);
+    for (int k = 0; k < 4; k++) {
+        float share = (k & 1 ? fx : 1 - fx) * (k & 2 ? fy : 1 - fy);
+        if (share > 0)
+            add_texel(s, face, (uint32_t)(x + (k & 1)), (uint32_t)(y + (k >> 1)), weight * share,
+                      scratch, out);
+    }
+}
+
+static void add_linear(const transfer_source *s, const slv_surface_point *at, float *scratch,
+                       float *out) {
+    uint32_t face = (uint32_t)at->face;
+    float w = ldexpf(1, s->desc->res[face].u), h = ldexpf(1, s->desc->res[face].v), fx, fy;
+    int32_t x0 = split(at->u * w, &fx), y0 = split(at->v * h, &fy);
+    for (int k = 0; k < 4; k++) {
+        float share = (k & 1 ? fx : 1 - fx) * (k & 2 ? fy : 1 - fy);
+        float x = (float)(x0 + (k & 1)) + 0.5f, y = (float)(y0 + (k >> 1)) + 0.5f;
+        float u = x / w, v = y / h;
+        int32_t there = at->face;
+        if (!(share > 0))
+            continue;
+        if (x > 0 && x < w && y > 0 && y < h)
+            add_texel(s, face, (uint32_t)x, (uint32_t)y, share, scratch, out);
+        else if (slv_adjacency_resolve(s->adjacency, false, &there, &u, &v))
+            add_inside(s, (uint32_t)there, u, v, share, scratch, out);
+        else
+            add_texel(s, face, (uint32_t)clamp(x, 0.5f, w - 0.5f),
+                      (uint32_t)clamp(y, 0.5f, h - 0.5f), share, scratch, out);
+    }
+}
+
+/* How many texels of a side a footprint covers, and the first of them. */
+static uint32_t covered(float footprint, float texel, float at, int8_t log2, uint32_t *first) {
+    float side_length = ldexpf(1, log2), count = roundf(footprint / texel);
+    count = clamp(count, 1, side_length);
+    *first = (uint32_t)clamp(roundf(at * side_length - 0.5f * count), 0, side_length - count);
+    return (uint32_t)count;
+}
+
+void transfer_look_up(const transfer_source *s, const slv_surface_point *at, float footprint,
+                      float *scratch, float *out) {
+    uint32_t face = (uint32_t)at->face, x, y;
+    const transfer_size *size = &s->sizes[face];
+    slv_res res = s->desc->res[face];
+    uint32_t w = covered(footprint, size->u, at->u, res.u, &x),
+             h = covered(footprint, size->v, at->v, res.v, &y);
+    if (w == 1 && h == 1) {
+        add_linear(s, at, scratch, out);
+        return;
+    }
+    for (uint32_t j = 0; j < h; j++)
+        for (uint32_t i = 0; i < w; i++)
+            add_texel(s, face, x + i, y + j, 1 / ((float)w * (float)h), scratch, out);
+}

@@ -1,0 +1,106 @@
+/* The mathematics of borders, shared by the border files. Values inside are raw: an integer texel
+ * is its own number, 0..255 or 0..65535, so that sums and differences of equal resolutions are
+ * exact; channels go in blocks, so that no call needs memory of its own. */
+#ifndef SLV_TEXTURE_BORDER_H
+#define SLV_TEXTURE_BORDER_H
+
+#include "texture/texture_data.h"
+
+#include <selvage/border.h>
+
+#define SLV_BORDER_CHANNELS 16
+
+/* A block of channels, first..first+count-1, of a chain of levels. */
+typedef struct slv_border_view {
+    const slv_levels *levels;
+    const slv_adjacency *adjacency;
+    uint32_t first, count;
+    float one; /* the raw value that stands for 1 */
+} slv_border_view;
+
+slv_border_view slv_border_view_begin(const slv_levels *levels, const slv_adjacency *adjacency);
+/* Goes on to the next block of channels; false after the last. */
+bool slv_border_view_next(slv_border_view *view);
+
+/* The texel's channels of this block, raw. */
+void slv_border_fetch(const slv_border_view *view, uint32_t face, uint32_t level, uint32_t x,
+                      uint32_t y, float *out);
+
+/* How a face at some level meets a neighbour. EXACT: at a level with as long texels. COARSER: at
+ * its level 0, whose texels are longer. FINER: the face's edge is a single texel and the neighbour
+ * a sub-face of half its length. */
+typedef enum slv_border_relation {
+    SLV_BORDER_EXACT,
+    SLV_BORDER_COARSER,
+    SLV_BORDER_FINER
+} slv_border_relation;
+
+typedef struct slv_border_link {
+    slv_neighbour to;
+    slv_border_relation relation;
+    uint32_t level;      /* of the neighbour */
+    slv_res res;         /* of that level */
+    bool aligned;        /* EXACT, and its texels are as long across the edge too */
+    float slope, offset; /* t of this face's edge to the neighbour's: slope * t + offset */
+} slv_border_link;
+
+/* An edge of a face at a level: 2^exponent texels, counted counter-clockwise, and who is across. */
+typedef struct slv_border_edge {
+    uint32_t face, level, edge, exponent;
+    slv_res res;
+    uint32_t nlinks;
+    slv_border_link links[2];
+} slv_border_edge;
+
+slv_border_edge slv_border_edge_at(const slv_border_view *view, uint32_t face, uint32_t level,
+                                   uint32_t edge);
+
+static inline int slv_border_exponent(slv_res res, uint32_t edge) {
+    return edge & 1 ? res.v : res.u;
+}
+
+/* The texel at index j along an edge, `depth` rows inside (negative: outside). */
+static inline void slv_border_edge_texel(slv_res res, uint32_t edge, int32_t j, int32_t depth,
+                                         int32_t *x, int32_t *y) {
+    int32_t last_x = (1 << res.u) - 1, last_y = (1 << res.v) - 1;
+    *x = edge == 0 ? j : edge == 1 ? last_x - depth : edge == 2 ? last_x - j : depth;
+    *y = edge == 0 ? depth : edge == 1 ? j : edge == 2 ? last_y - depth : last_y - j;
+}
+
+/* The neighbour's edge index that index j meets: floor of where its centre falls. */
+uint32_t slv_border_link_index(const slv_border_edge *edge, const slv_border_link *link,
+                               uint32_t j);
+/* The link that index j meets, or NULL at a boundary. */
+const slv_border_link *slv_border_link_at(const slv_border_edge *edge, uint32_t j);
+
+/* Walks along a coarser neighbour's edge function E: the knots are its texel centres and its ends.
+ */
+typedef struct slv_border_function {
+    slv_border_edge edge; /* the coarser face's, at level 0 */
+    int32_t index[2];     /* which knots the two values are of; -2 is none yet */
+    float value[2][SLV_BORDER_CHANNELS];
+} slv_border_function;
+
+void slv_border_function_begin(const slv_border_view *view, const slv_border_link *link,
+                               slv_border_function *out);
+void slv_border_function_at(const slv_border_view *view, slv_border_function *function, float t,
+                            float *out);
+
+/* The neighbour's own texel where index j meets it, or the face's own if link is NULL, raw. */
+void slv_border_edge_from(const slv_border_view *view, const slv_border_edge *edge,
+                          const slv_border_link *link, uint32_t j, float *out);
+/* The innermost border texel across an edge at index j, raw. */
+void slv_border_across(const slv_border_view *view, const slv_border_edge *edge, uint32_t j,
+                       float *out);
+
+/* The agreed value M of a vertex, raw. `opposite` (may be NULL) receives the texel diagonally
+ * across where the vertex has four faces that all meet at equal resolution, and says so. */
+bool slv_border_vertex_value(const slv_border_view *view, uint32_t face, uint32_t level,
+                             uint32_t corner, float *out, float *opposite);
+
+/* d = 4M - a - b - e, in an order that leaves a constant as it is. */
+static inline float slv_border_diagonal(float m, float a, float b, float e) {
+    return m + ((m - a) + (m - b) + (m - e));
+}
+
+#endif

@@ -1,0 +1,217 @@
+#include "form/borders/border_data.h"
+
+slv_border_view slv_border_view_begin(const slv_levels *levels, const slv_adjacency *adjacency) {
+    slv_border_view view = {.levels = levels, .adjacency = adjacency, .one = 1.0f};
+    if (levels->desc.type == SLV_TYPE_U8)
+        view.one = 255.0f;
+    if (levels->desc.type == SLV_TYPE_U16)
+        view.one = 65535.0f;
+    return view;
+}
+
+bool slv_border_view_next(slv_border_view *view) {
+    view->first += view->count;
+    uint32_t left = view->levels->desc.nchannels - view->first;
+    view->count = left < SLV_BORDER_CHANNELS ? left : SLV_BORDER_CHANNELS;
+    return left > 0;
+}
+
+void slv_border_fetch(const slv_border_view *view, uint32_t face, uint32_t level, uint32_t x,
+                      uint32_t y, float *out) {
+    const slv_levels *levels = view->levels;
+    slv_res res = slv_res_level(levels->res[face], level);
+    const unsigned char *texels = slv_levels_texels(levels, face, level);
+    size_t value = (((size_t)y << res.u) + x) * levels->desc.nchannels + view->first;
+    if (levels->desc.type == SLV_TYPE_U8) {
+        for (uint32_t c = 0; c < view->count; c++)
+            out[c] = texels[value + c];
+    } else if (levels->desc.type == SLV_TYPE_U16) {
+        const uint16_t *from = (const uint16_t *)(const void *)texels + value;
+        for (uint32_t c = 0; c < view->count; c++)
+            out[c] = from[c];
+    } else {
+        slv_type_to_float(levels->desc.type, texels + value * slv_type_size(levels->desc.type),
+                          view->count, out);
+    }
+}
+
+/* Where on the neighbour's edge a point t of this face's edge lies. */
+static float map_along(const slv_border_edge *edge, const slv_neighbour *to, float t) {
+    float u = edge->edge == 0 ? t : edge->edge == 1 ? 1.0f : edge->edge == 2 ? 1.0f - t : 0.0f;
+    float v = edge->edge == 0 ? 0.0f : edge->edge == 1 ? t : edge->edge == 2 ? 1.0f : 1.0f - t;
+    float nu, nv;
+    slv_affine_apply(&to->map, u, v, &nu, &nv);
+    return to->edge == 0 ? nu : to->edge == 1 ? nv : to->edge == 2 ? 1.0f - nu : 1.0f - nv;
+}
+
+static int clamp_int(int value, int low, int high) {
+    return value < low ? low : value > high ? high : value;
+}
+
+static void meet(const slv_border_view *view, const slv_border_edge *edge, slv_border_link *link) {
+    const slv_neighbour *to = &link->to;
+    slv_res res = view->levels->res[to->face];
+    int halvings = to->scale > 1.5f ? 1 : to->scale < 0.75f ? -1 : 0;
+    int along = slv_border_exponent(res, to->edge),
+        across = slv_border_exponent(res, to->edge + 1u);
+    int want_along = (int)edge->exponent - halvings;
+    int want_across = slv_border_exponent(edge->res, edge->edge + 1u) - halvings;
+    link->offset = map_along(edge, to, 0.0f);
+    link->slope = map_along(edge, to, 1.0f) - link->offset;
+    link->level = 0;
+    link->relation = SLV_BORDER_EXACT;
+    if (want_along > along) {
+        link->relation = SLV_BORDER_COARSER;
+    } else if (want_along > 0) {
+        link->level = (uint32_t)(along - want_along);
+    } else {
+        /* One texel along the edge, at several levels perhaps: the one nearest in the other
+         * direction. */
+        if (want_along < 0)
+            link->relation = SLV_BORDER_FINER;
+        int last = along > across ? along : across;
+        link->level = (uint32_t)clamp_int(across - want_across, along, last);
+    }
+    link->res = slv_res_level(res, link->level);
+    link->aligned = link->relation == SLV_BORDER_EXACT &&
+                    slv_border_exponent(link->res, to->edge + 1u) == want_across;
+}
+
+slv_border_edge slv_border_edge_at(const slv_border_view *view, uint32_t face, uint32_t level,
+                                   uint32_t edge) {
+    slv_border_edge out = {.face = face, .level = level, .edge = edge};
+    out.res = slv_res_level(view->levels->res[face], level);
+    out.exponent = (uint32_t)slv_border_exponent(out.res, edge);
+    slv_neighbour neighbours[2];
+    out.nlinks = slv_adjacency_neighbours(view->adjacency, (int32_t)face, edge, neighbours);
+    for (uint32_t i = 0; i < out.nlinks; i++) {
+        out.links[i].to = neighbours[i];
+        meet(view, &out, &out.links[i]);
+    }
+    return out;
+}
+
+static float centre(uint32_t exponent, uint32_t j) {
+    return ((float)j + 0.5f) / (float)(UINT32_C(1) << exponent);
+}
+
+uint32_t slv_border_link_index(const slv_border_edge *edge, const slv_border_link *link,
+                               uint32_t j) {
+    int32_t n = INT32_C(1) << slv_border_exponent(link->res, link->to.edge);
+    float at = (link->slope * centre(edge->exponent, j) + link->offset) * (float)n;
+    return (uint32_t)clamp_int((int)at, 0, n - 1);
+}
+
+const slv_border_link *slv_border_link_at(const slv_border_edge *edge, uint32_t j) {
+    float t = centre(edge->exponent, j);
+    for (uint32_t i = 0; i < edge->nlinks; i++)
+        if (t > edge->links[i].to.t0 && t < edge->links[i].to.t1)
+            return &edge->links[i];
+    return NULL;
+}
+
+static void fetch_row(const slv_border_view *view, uint32_t face, uint32_t level, slv_res res,
+                      uint32_t edge, uint32_t j, float *out) {
+    int32_t x, y;
+    slv_border_edge_texel(res, edge, (int32_t)j, 0, &x, &y);
+    slv_border_fetch(view, face, level, (uint32_t)x, (uint32_t)y, out);
+}
+
+void slv_border_function_begin(const slv_border_view *view, const slv_border_link *link,
+                               slv_border_function *out) {
+    out->edge = slv_border_edge_at(view, (uint32_t)link->to.face, 0, link->to.edge);
+    out->index[0] = out->index[1] = -2;
+}
+
+/* Knot k: -1 and n are the ends of the edge, where E is the value of the vertex. */
+static void knot(const slv_border_view *view, slv_border_function *function, uint32_t slot,
+                 int32_t k) {
+    const slv_border_edge *edge = &function->edge;
+    int32_t n = INT32_C(1) << edge->exponent;
+    float *value = function->value[slot];
+    function->index[slot] = k;
+    if (k < 0 || k == n) {
+        uint32_t corner = k < 0 ? edge->edge : (edge->edge + 1) % 4;
+        slv_border_vertex_value(view, edge->face, 0, corner, value, NULL);
+        return;
+    }
+    float own[SLV_BORDER_CHANNELS], across[SLV_BORDER_CHANNELS];
+    fetch_row(view, edge->face, 0, edge->res, edge->edge, (uint32_t)k, own);
+    slv_border_across(view, edge, (uint32_t)k, across);
+    for (uint32_t c = 0; c < view->count; c++)
+        value[c] = 0.5f * (own[c] + across[c]);
+}
+
+/* The slot that holds knot k, computed unless it is there; `keep` is the slot not to overwrite. */
+static uint32_t find_knot(const slv_border_view *view, slv_border_function *function, int32_t k,
+                          uint32_t keep) {
+    for (uint32_t slot = 0; slot < 2; slot++)
+        if (function->index[slot] == k)
+            return slot;
+    knot(view, function, !keep, k);
+    return !keep;
+}
+
+void slv_border_function_at(const slv_border_view *view, slv_border_function *function, float t,
+                            float *out) {
+    int32_t n = INT32_C(1) << function->edge.exponent;
+    float at = t * (float)n - 0.5f;
+    int32_t k = at < 0.0f ? -1 : (int32_t)at;
+    if (k > n - 1)
+        k = n - 1;
+    /* The outermost stretches are half a texel long. */
+    float low = k < 0 ? -0.5f : (float)k, high = k == n - 1 ? (float)n - 0.5f : (float)k + 1.0f;
+    float weight = (at - low) / (high - low);
+    uint32_t kept = function->index[0] == k + 1 ? 0 : 1;
+    uint32_t a = find_knot(view, function, k, kept), b = find_knot(view, function, k + 1, a);
+    for (uint32_t c = 0; c < view->count; c++) {
+        float from = function->value[a][c], to = function->value[b][c];
+        out[c] = from + weight * (to - from);
+    }
+}
+
+void slv_border_edge_from(const slv_border_view *view, const slv_border_edge *edge,
+                          const slv_border_link *link, uint32_t j, float *out) {
+    if (link)
+        fetch_row(view, (uint32_t)link->to.face, link->level, link->res, link->to.edge,
+                  slv_border_link_index(edge, link, j), out);
+    else
+        fetch_row(view, edge->face, edge->level, edge->res, edge->edge, j, out);
+}
+
+/* A face of one texel along the edge, opposite two sub-faces: half of each, its own texel where one
+ * is missing. */
+static void across_two(const slv_border_view *view, const slv_border_edge *edge, float *out) {
+    float half[2][SLV_BORDER_CHANNELS];
+    for (uint32_t i = 0; i < 2; i++) {
+        if (i < edge->nlinks) {
+            const slv_border_link *link = &edge->links[i];
+            fetch_row(view, (uint32_t)link->to.face, link->level, link->res, link->to.edge, 0,
+                      half[i]);
+        } else {
+            fetch_row(view, edge->face, edge->level, edge->res, edge->edge, 0, half[i]);
+        }
+    }
+    for (uint32_t c = 0; c < view->count; c++)
+        out[c] = 0.5f * (half[0][c] + half[1][c]);
+}
+
+void slv_border_across(const slv_border_view *view, const slv_border_edge *edge, uint32_t j,
+                       float *out) {
+    if (edge->nlinks && edge->links[0].relation == SLV_BORDER_FINER) {
+        across_two(view, edge, out);
+        return;
+    }
+    const slv_border_link *link = slv_border_link_at(edge, j);
+    slv_border_edge_from(view, edge, link, j, out);
+    if (!link || link->relation == SLV_BORDER_EXACT)
+        return;
+    float own[SLV_BORDER_CHANNELS];
+    slv_border_function function;
+    slv_border_function_begin(view, link, &function);
+    slv_border_function_at(view, &function, link->slope * centre(edge->exponent, j) + link->offset,
+                           out);
+    fetch_row(view, edge->face, edge->level, edge->res, edge->edge, j, own);
+    for (uint32_t c = 0; c < view->count; c++)
+        out[c] = 2.0f * out[c] - own[c];
+}

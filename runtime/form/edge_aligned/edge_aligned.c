@@ -1,0 +1,328 @@
+#include "form/edge_aligned/edge_aligned_data.h"
+
+#include "base/log.h"
+
+#include <assert.h>
+#include <stdlib.h>
+#include <string.h>
+
+#define FACES_PER_RANGE 16
+
+struct slv_edge_aligned {
+    slv_env env; /* its log is serialised: faces may be converted back by many threads at once */
+    slv_parallel_log *log;
+    slv_texture_desc desc;
+    slv_res *res;
+    size_t texel_size;
+    size_t *first; /* per face: its first level in `offset` */
+    uint64_t *offset;
+    uint64_t bytes;
+    unsigned char *samples;
+};
+
+uint64_t slv_edge_aligned_count(slv_res res) {
+    return ((UINT64_C(1) << res.u) + 1) * ((UINT64_C(1) << res.v) + 1);
+}
+
+/* Means of the four texels around each inner sample. Row y of texels is put in row y + 1 of `out`
+ * first, and then summed from below, so that no other memory is needed. */
+static void fill_interior(const slv_levels *levels, uint32_t face, uint32_t level, slv_res res,
+                          float *out) {
+    size_t n = levels->desc.nchannels, width = (size_t)1 << res.u, height = (size_t)1 << res.v;
+    size_t pitch = (width + 1) * n, row = width * n;
+    const unsigned char *from = slv_levels_texels(levels, face, level);
+    for (size_t y = 0; y < height; y++, from += width * levels->texel_size)
+        slv_type_to_float(levels->desc.type, from, row, out + (y + 1) * pitch);
+    for (size_t y = 1; y < height; y++) {
+        float *at = out + y * pitch;
+        for (size_t i = 0; i < row; i++)
+            at[i] += at[pitch + i];
+        for (size_t i = row; i-- > n;)
+            at[i] = 0.25f * (at[i] + at[i - n]);
+    }
+}
+
+static void fill_edges(const slv_levels *levels, const slv_adjacency *adjacency, bool rounded,
+                       uint32_t face, uint32_t level, slv_res res, float *out) {
+    ptrdiff_t n = (ptrdiff_t)levels->desc.nchannels, width = (ptrdiff_t)1 << res.u,
+              height = (ptrdiff_t)1 << res.v, pitch = (width + 1) * n;
+    const ptrdiff_t corners[4] = {0, width * n, height * pitch + width * n, height * pitch};
+    const ptrdiff_t steps[4] = {n, pitch, -n, -pitch};
+    slv_border_view view = slv_border_view_begin(levels, adjacency);
+    slv_border_edge edges[4];
+    for (uint32_t edge = 0; edge < 4; edge++)
+        edges[edge] = slv_border_edge_at(&view, face, level, edge);
+    while (slv_border_view_next(&view)) {
+        for (uint32_t edge = 0; edge < 4; edge++) {
+            float value[SLV_BORDER_CHANNELS], *start = out + corners[edge] + view.first;
+            slv_edge_aligned_corner(&view, rounded, face, level, edge, value);
+            for (uint32_t c = 0; c < view.count; c++)
+                start[c] = value[c] / view.one;
+            slv_edge_aligned_side(&view, rounded, &edges[edge], start + steps[edge], steps[edge]);
+        }
+    }
+}
+
+void slv_edge_aligned_fill(const slv_levels *levels, const slv_adjacency *adjacency, bool rounded,
+                           uint32_t face, uint32_t level, float *out) {
+    slv_res res = slv_res_level(levels->res[face], level);
+    fill_interior(levels, face, level, res, out);
+    fill_edges(levels, adjacency, rounded, face, level, res, out);
+}
+
+slv_result slv_edge_aligned_build(const slv_levels *levels, const slv_adjacency *adjacency,
+                                  uint32_t face, uint32_t level, float *out) {
+    const slv_texture_desc *desc = &levels->desc;
+    if (slv_adjacency_face_count(adjacency) != desc->nfaces)
+        return slv_fail(&levels->env, SLV_ERROR_MISMATCH,
+                        "edge-aligned: %u faces of texture, %u of adjacency",
+                        (unsigned)desc->nfaces, (unsigned)slv_adjacency_face_count(adjacency));
+    if (face >= desc->nfaces || level >= slv_levels_count(levels, face))
+        return slv_fail(&levels->env, SLV_ERROR_ARGUMENT,
+                        "edge-aligned: face %u of %u has no level %u", (unsigned)face,
+                        (unsigned)desc->nfaces, (unsigned)level);
+    slv_edge_aligned_fill(levels, adjacency, false, face, level, out);
+    return SLV_OK;
+}
+
+/* Floats that the largest face of a range takes. */
+static uint64_t largest(const slv_texture_desc *desc, uint64_t first, uint64_t end) {
+    uint64_t most = 0;
+    for (uint64_t face = first; face < end; face++) {
+        uint64_t count = slv_edge_aligned_floats(desc, (uint32_t)face);
+        most = count > most ? count : most;
+    }
+    return most;
+}
+
+struct fill {
+    const slv_levels *levels;
+    const slv_adjacency *adjacency;
+    slv_edge_aligned *aligned;
+};
+
+static slv_result fill_faces(void *user, uint64_t first, uint64_t end) {
+    const struct fill *fill = user;
+    slv_edge_aligned *aligned = fill->aligned;
+    float *scratch = NULL;
+    slv_result result = slv_alloc(&aligned->env, "samples", largest(&aligned->desc, first, end),
+                                  sizeof *scratch, &scratch);
+    for (uint64_t face = first; !result && face < end; face++) {
+        const uint64_t *offset = aligned->offset + aligned->first[face];
+        uint32_t nlevels = slv_res_level_count(aligned->res[face]);
+        for (uint32_t level = 0; level < nlevels; level++) {
+            uint64_t count = slv_edge_aligned_count(slv_res_level(aligned->res[face], level));
+            slv_edge_aligned_fill(fill->levels, fill->adjacency, true, (uint32_t)face, level,
+                                  scratch);
+            slv_type_from_float(aligned->desc.type, scratch,
+                                (size_t)count * aligned->desc.nchannels,
+                                aligned->samples + offset[level]);
+        }
+    }
+    free(scratch);
+    return result;
+}
+
+static slv_result lay_out(slv_edge_aligned *aligned) {
+    uint64_t total = 0;
+    size_t next = 0;
+    for (uint32_t face = 0; face < aligned->desc.nfaces; face++) {
+        aligned->first[face] = next;
+        for (uint32_t level = 0; level < slv_res_level_count(aligned->res[face]); level++) {
+            uint64_t count = slv_edge_aligned_count(slv_res_level(aligned->res[face], level));
+            aligned->offset[next++] = total;
+            if (count > (UINT64_MAX - total) / aligned->texel_size)
+                return slv_fail(&aligned->env, SLV_ERROR_LIMIT,
+                                "edge-aligned: more than 2^64 bytes of samples");
+            total += count * aligned->texel_size;
+        }
+    }
+    aligned->bytes = total;
+    return SLV_OK;
+}
+
+slv_result slv_edge_aligned_create(const slv_env *env, const slv_levels *levels,
+                                   const slv_adjacency *adjacency, slv_edge_aligned **out) {
+    const slv_texture_desc *desc = &levels->desc;
+    slv_edge_aligned *aligned = NULL;
+    uint64_t nlevels = 0;
+    slv_result result;
+    *out = NULL;
+    if (slv_adjacency_face_count(adjacency) != desc->nfaces)
+        return slv_fail(env, SLV_ERROR_MISMATCH,
+                        "edge-aligned: %u faces of texture, %u of adjacency",
+                        (unsigned)desc->nfaces, (unsigned)slv_adjacency_face_count(adjacency));
+    if ((result = slv_alloc(env, "edge-aligned texture", 1, sizeof *aligned, &aligned)))
+        return result;
+    aligned->desc = *desc;
+    aligned->texel_size = levels->texel_size;
+    for (uint32_t face = 0; face < desc->nfaces; face++)
+        nlevels += slv_res_level_count(desc->res[face]);
+    if ((result = slv_parallel_env_begin(env, &aligned->log, &aligned->env)) ||
+        (result =
+             slv_alloc(env, "resolutions", desc->nfaces, sizeof *aligned->res, &aligned->res)) ||
+        (result = slv_alloc(env, "faces", desc->nfaces, sizeof *aligned->first, &aligned->first)) ||
+        (result = slv_alloc(env, "levels", nlevels, sizeof *aligned->offset, &aligned->offset)))
+        goto done;
+    if (desc->nfaces)
+        memcpy(aligned->res, desc->res, desc->nfaces * sizeof *aligned->res);
+    aligned->desc.res = aligned->res;
+    if ((result = lay_out(aligned)) ||
+        (result = slv_alloc(env, "edge-aligned samples", aligned->bytes, 1, &aligned->samples)))
+        goto done;
+    struct fill fill = {levels, adjacency, aligned};
+    if ((result = slv_parallel_for(env, desc->nfaces, FACES_PER_RANGE, fill_faces, &fill)))
+        goto done;
+    *out = aligned;
+    aligned = NULL;
+done:
+    slv_edge_aligned_destroy(aligned);
+    return result;
+}
+
+void slv_edge_aligned_destroy(slv_edge_aligned *aligned) {
+    if (!aligned)
+        return;
+    free(aligned->samples);
+    free(aligned->offset);
+    free(aligned->first);
+    free(aligned->res);
+    slv_parallel_env_end(aligned->log);
+    free(aligned);
+}
+
+const slv_texture_desc *slv_edge_aligned_get_desc(const slv_edge_aligned *aligned) {
+    return &aligned->desc;
+}
+
+uint64_t slv_edge_aligned_bytes(const slv_edge_aligned *aligned) {
+    return aligned->bytes;
+}
+
+const void *slv_edge_aligned_samples(const slv_edge_aligned *aligned, uint32_t face,
+                                     uint32_t level) {
+    assert(face < aligned->desc.nfaces && level < slv_res_level_count(aligned->res[face]));
+    return aligned->samples + aligned->offset[aligned->first[face] + level];
+}
+
+/* Which sample is at or below a coordinate, and how far it is to the next; NaN counts as 0. */
+static size_t cell(float coordinate, int log2, float *weight, bool *last) {
+    float n = (float)(1u << log2), at = coordinate * n;
+    at = at > 0.0f ? at < n ? at : n : 0.0f;
+    size_t low = (size_t)at;
+    *weight = at - (float)low;
+    *last = low == (size_t)n;
+    return low;
+}
+
+void slv_edge_aligned_lookup(const slv_edge_aligned *aligned, uint32_t face, uint32_t level,
+                             float u, float v, float *out) {
+    const unsigned char *samples = slv_edge_aligned_samples(aligned, face, level);
+    slv_res res = slv_res_level(aligned->res[face], level);
+    slv_type type = aligned->desc.type;
+    size_t value_size = slv_type_size(type), texel = aligned->texel_size;
+    size_t pitch = (((size_t)1 << res.u) + 1) * texel;
+    float wu, wv;
+    bool right_end, top;
+    size_t x = cell(u, res.u, &wu, &right_end), y = cell(v, res.v, &wv, &top);
+    size_t right = right_end ? 0 : texel, up = top ? 0 : pitch;
+    samples += y * pitch + x * texel;
+    for (uint32_t first = 0; first < aligned->desc.nchannels; first += SLV_BORDER_CHANNELS) {
+        float corner[4][SLV_BORDER_CHANNELS];
+        uint32_t left = aligned->desc.nchannels - first;
+        uint32_t count = left < SLV_BORDER_CHANNELS ? left : SLV_BORDER_CHANNELS;
+        const unsigned char *at = samples + first * value_size;
+        slv_type_to_float(type, at, count, corner[0]);
+        slv_type_to_float(type, at + right, count, corner[1]);
+        slv_type_to_float(type, at + up, count, corner[2]);
+        slv_type_to_float(type, at + up + right, count, corner[3]);
+        for (uint32_t c = 0; c < count; c++) {
+            float low = corner[0][c] + wu * (corner[1][c] - corner[0][c]);
+            float high = corner[2][c] + wu * (corner[3][c] - corner[2][c]);
+            out[first + c] = low + wv * (high - low);
+        }
+    }
+}
+
+slv_result slv_edge_aligned_centred(const slv_edge_aligned *aligned, uint32_t face, uint32_t level,
+                                    float *out) {
+    if (face >= aligned->desc.nfaces || level >= slv_res_level_count(aligned->res[face]))
+        return slv_fail(&aligned->env, SLV_ERROR_ARGUMENT,
+                        "edge-aligned: face %u of %u has no level %u", (unsigned)face,
+                        (unsigned)aligned->desc.nfaces, (unsigned)level);
+    slv_res res = slv_res_level(aligned->res[face], level);
+    size_t n = aligned->desc.nchannels, width = (size_t)1 << res.u, height = (size_t)1 << res.v;
+    size_t pitch = (width + 1) * aligned->texel_size;
+    const unsigned char *from = slv_edge_aligned_samples(aligned, face, level);
+    slv_type type = aligned->desc.type;
+    float low[2][SLV_BORDER_CHANNELS], high[2][SLV_BORDER_CHANNELS];
+    size_t value_size = slv_type_size(type);
+    for (size_t first = 0; first < n; first += SLV_BORDER_CHANNELS) {
+        size_t count = n - first < SLV_BORDER_CHANNELS ? n - first : SLV_BORDER_CHANNELS;
+        for (size_t y = 0; y < height; y++) {
+            const unsigned char *at = from + y * pitch + first * value_size;
+            float *to = out + y * width * n + first;
+            slv_type_to_float(type, at, count, low[0]);
+            slv_type_to_float(type, at + pitch, count, high[0]);
+            for (size_t x = 0; x < width; x++, to += n) {
+                size_t left = x % 2, right = !left;
+                at += aligned->texel_size;
+                slv_type_to_float(type, at, count, low[right]);
+                slv_type_to_float(type, at + pitch, count, high[right]);
+                for (size_t c = 0; c < count; c++)
+                    to[c] = 0.25f * ((low[0][c] + low[1][c]) + (high[0][c] + high[1][c]));
+            }
+        }
+    }
+    return SLV_OK;
+}
+
+struct restore {
+    const slv_edge_aligned *aligned;
+    slv_env env;
+    slv_texture *texture;
+};
+
+static slv_result restore_faces(void *user, uint64_t first, uint64_t end) {
+    const struct restore *restore = user;
+    const slv_texture_desc *desc = &restore->aligned->desc;
+    uint64_t most = largest(desc, first, end);
+    float *values = NULL;
+    void *texels = NULL;
+    slv_result result;
+    if ((result = slv_alloc(&restore->env, "texels", most, sizeof *values, &values)) ||
+        (result = slv_alloc(&restore->env, "texels", most, slv_type_size(desc->type), &texels)))
+        goto done;
+    for (uint64_t face = first; face < end; face++) {
+        if ((result = slv_edge_aligned_centred(restore->aligned, (uint32_t)face, 0, values)))
+            goto done;
+        slv_type_from_float(desc->type, values, slv_res_texels(desc->res[face]) * desc->nchannels,
+                            texels);
+        if ((result = slv_texture_set_face(restore->texture, (uint32_t)face, texels)))
+            goto done;
+    }
+done:
+    free(values);
+    free(texels);
+    return result;
+}
+
+slv_result slv_edge_aligned_to_texture(const slv_env *env, const slv_edge_aligned *aligned,
+                                       slv_texture **out) {
+    struct restore restore = {.aligned = aligned};
+    slv_parallel_log *log = NULL;
+    slv_result result;
+    *out = NULL;
+    if ((result = slv_parallel_env_begin(env, &log, &restore.env)))
+        return result;
+    if (!(result = slv_texture_create(&restore.env, &aligned->desc, &restore.texture)))
+        result = slv_parallel_for(&restore.env, aligned->desc.nfaces, FACES_PER_RANGE,
+                                  restore_faces, &restore);
+    if (result) {
+        slv_texture_destroy(restore.texture);
+        restore.texture = NULL;
+    }
+    slv_parallel_env_end(log);
+    *out = restore.texture;
+    return result;
+}

@@ -1,0 +1,176 @@
+#include "form/edge_aligned/edge_aligned_data.h"
+
+#include <string.h>
+
+/* The edge of a whole quad in whose middle a corner of two sub-faces lies, if the quad has a single
+ * texel along it. Its edge is one straight line, whatever the vertex would like to be. */
+static bool straight_past(const slv_border_view *view, uint32_t face, uint32_t corner,
+                          uint32_t *quad, uint32_t *quad_edge) {
+    if (!slv_adjacency_is_t_corner(view->adjacency, (int32_t)face, corner))
+        return false;
+    slv_ring ring = slv_adjacency_ring(view->adjacency, (int32_t)face, corner, NULL);
+    const slv_corner *first = &ring.corners[0], *last = &ring.corners[ring.count - 1];
+    const int32_t faces[2] = {first->face, last->face};
+    const uint32_t edges[2] = {first->corner, (last->corner + 3u) % 4};
+    for (uint32_t i = 0; i < 2; i++) {
+        slv_neighbour to[2];
+        if (!slv_adjacency_neighbours(view->adjacency, faces[i], edges[i], to) ||
+            to[0].scale > 0.75f)
+            continue;
+        *quad = (uint32_t)to[0].face;
+        *quad_edge = to[0].edge;
+        return slv_border_exponent(view->levels->res[to[0].face], to[0].edge) == 0;
+    }
+    return false;
+}
+
+/* The raw value of what the type makes of it. */
+static void round_to_type(const slv_border_view *view, float *raw) {
+    slv_type type = view->levels->desc.type;
+    float values[SLV_BORDER_CHANNELS];
+    uint16_t stored[SLV_BORDER_CHANNELS];
+    if (type == SLV_TYPE_FLOAT)
+        return;
+    for (uint32_t c = 0; c < view->count; c++)
+        values[c] = raw[c] / view->one;
+    slv_type_from_float(type, values, view->count, stored);
+    for (uint32_t c = 0; c < view->count; c++) {
+        if (type == SLV_TYPE_U8)
+            raw[c] = ((const uint8_t *)stored)[c];
+        else if (type == SLV_TYPE_U16)
+            raw[c] = stored[c];
+    }
+    if (type == SLV_TYPE_HALF)
+        slv_type_to_float(type, stored, view->count, raw);
+}
+
+void slv_edge_aligned_corner(const slv_border_view *view, bool rounded, uint32_t face,
+                             uint32_t level, uint32_t corner, float *out) {
+    uint32_t quad, edge;
+    if (!straight_past(view, face, corner, &quad, &edge)) {
+        slv_border_vertex_value(view, face, level, corner, out, NULL);
+        return;
+    }
+    float ends[2][SLV_BORDER_CHANNELS];
+    slv_border_vertex_value(view, quad, 0, edge, ends[0], NULL);
+    slv_border_vertex_value(view, quad, 0, (edge + 1) % 4, ends[1], NULL);
+    for (uint32_t i = 0; rounded && i < 2; i++)
+        round_to_type(view, ends[i]);
+    for (uint32_t c = 0; c < view->count; c++)
+        out[c] = 0.5f * (ends[0][c] + ends[1][c]);
+}
+
+/* Own texel plus the one across, at index j; twice the own one at a boundary. */
+static void pair(const slv_border_view *view, const slv_border_edge *edge,
+                 const slv_border_link *link, uint32_t j, float *out) {
+    float across[SLV_BORDER_CHANNELS];
+    slv_border_edge_from(view, edge, NULL, j, out);
+    slv_border_edge_from(view, edge, link, j, across);
+    for (uint32_t c = 0; c < view->count; c++)
+        out[c] += across[c];
+}
+
+/* Whether sample k is the vertex between two sub-faces, or between one and a boundary. */
+static bool is_middle(const slv_border_edge *edge, uint32_t k) {
+    return edge->nlinks && edge->links[0].to.scale > 1.5f && 2 * k == 1u << edge->exponent;
+}
+
+static void middle(const slv_border_view *view, bool rounded, const slv_border_edge *edge,
+                   float *out) {
+    const slv_border_link *link = &edge->links[0];
+    /* Edges that meet run in opposite directions. */
+    uint32_t corner = link->to.t0 > 0.25f ? (link->to.edge + 1u) % 4 : link->to.edge;
+    /* All levels 0 agree, even around a vertex at which the levels that meet do not. */
+    uint32_t level = edge->level ? link->level : 0;
+    slv_edge_aligned_corner(view, rounded, (uint32_t)link->to.face, level, corner, out);
+}
+
+/* Sample k = 0..2^exponent of an edge whose own texels decide there. */
+static void decide(const slv_border_view *view, bool rounded, const slv_border_edge *edge,
+                   uint32_t k, float *out) {
+    uint32_t n = 1u << edge->exponent;
+    if (k == 0 || k == n) {
+        slv_edge_aligned_corner(view, rounded, edge->face, edge->level, (edge->edge + (k == n)) % 4,
+                                out);
+        return;
+    }
+    if (is_middle(edge, k)) {
+        middle(view, rounded, edge, out);
+        return;
+    }
+    float before[SLV_BORDER_CHANNELS];
+    const slv_border_link *link = slv_border_link_at(edge, k);
+    pair(view, edge, link, k - 1, before);
+    pair(view, edge, link, k, out);
+    for (uint32_t c = 0; c < view->count; c++)
+        out[c] = 0.25f * (before[c] + out[c]);
+}
+
+static void put(const slv_border_view *view, const float *raw, float *to) {
+    for (uint32_t c = 0; c < view->count; c++)
+        to[c] = raw[c] / view->one;
+}
+
+/* Samples k0..k1-1 beside texels as long as the own, or beside none. Sums are formed so that the
+ * other face, which counts the other way, finds the same bits. */
+static void fill_met(const slv_border_view *view, const slv_border_edge *edge,
+                     const slv_border_link *link, uint32_t k0, uint32_t k1, float *to,
+                     ptrdiff_t step) {
+    float sums[2][SLV_BORDER_CHANNELS], value[SLV_BORDER_CHANNELS];
+    if (k0 >= k1)
+        return;
+    pair(view, edge, link, k0 - 1, sums[(k0 - 1) % 2]);
+    for (uint32_t k = k0; k < k1; k++, to += step) {
+        pair(view, edge, link, k, sums[k % 2]);
+        for (uint32_t c = 0; c < view->count; c++)
+            value[c] = 0.25f * (sums[0][c] + sums[1][c]);
+        put(view, value, to);
+    }
+}
+
+/* Samples k0..k1-1 on the lines between those of a coarser neighbour. */
+static void fill_between(const slv_border_view *view, bool rounded, const slv_border_edge *edge,
+                         const slv_border_link *link, uint32_t k0, uint32_t k1, float *to,
+                         ptrdiff_t step) {
+    slv_border_edge coarse = slv_border_edge_at(view, (uint32_t)link->to.face, 0, link->to.edge);
+    float n = (float)(1u << edge->exponent), coarse_n = (float)(1u << coarse.exponent);
+    float ends[2][SLV_BORDER_CHANNELS], value[SLV_BORDER_CHANNELS];
+    uint32_t low = UINT32_MAX;
+    for (uint32_t k = k0; k < k1; k++, to += step) {
+        /* Powers of two throughout: exact. */
+        float at = (link->slope * ((float)k / n) + link->offset) * coarse_n;
+        uint32_t index = at < coarse_n ? (uint32_t)at : (uint32_t)coarse_n - 1;
+        if (index != low) {
+            low = index;
+            for (uint32_t i = 0; i < 2; i++) {
+                decide(view, rounded, &coarse, low + i, ends[i]);
+                if (rounded)
+                    round_to_type(view, ends[i]);
+            }
+        }
+        float weight = at - (float)low;
+        for (uint32_t c = 0; c < view->count; c++)
+            value[c] = ends[0][c] + weight * (ends[1][c] - ends[0][c]);
+        put(view, value, to);
+    }
+}
+
+void slv_edge_aligned_side(const slv_border_view *view, bool rounded, const slv_border_edge *edge,
+                           float *to, ptrdiff_t step) {
+    uint32_t n = 1u << edge->exponent;
+    bool split = n > 1 && is_middle(edge, n / 2);
+    for (uint32_t half = 0; half <= (split ? 1u : 0u); half++) {
+        uint32_t first = half ? n / 2 : 0, end = split && !half ? n / 2 : n;
+        const slv_border_link *link = slv_border_link_at(edge, first);
+        float *start = to + (ptrdiff_t)first * step;
+        if (link && link->relation == SLV_BORDER_COARSER)
+            fill_between(view, rounded, edge, link, first + 1, end, start, step);
+        else
+            fill_met(view, edge, link, first + 1, end, start, step);
+    }
+    if (split) {
+        float value[SLV_BORDER_CHANNELS];
+        middle(view, rounded, edge, value);
+        put(view, value, to + (ptrdiff_t)(n / 2 - 1) * step);
+    }
+}

@@ -1,0 +1,99 @@
+/* Half-edges and their squares, for the files of htex. */
+#ifndef SLV_TEXTURE_HTEX_H
+#define SLV_TEXTURE_HTEX_H
+
+#include "texture/texture_data.h"
+
+#include <selvage/htex.h>
+
+#define SLV_HTEX_NONE UINT32_MAX
+
+/* Half-edge 4 f + e is edge e of a whole quad f. Of sub-face f only 4 f is one: the polygon's
+ * half-edge that starts at its corner 0. Vertices and centres are nodes: that of half-edge h, where
+ * it starts, is h, joined with others into one root; the centre of face f's polygon is 4 nfaces +
+ * the polygon's first face. */
+typedef struct slv_htex_mesh {
+    uint32_t nfaces, nedges;
+    uint32_t *after;     /* per face: the next sub-face around its polygon, or SLV_HTEX_NONE */
+    uint32_t *before;    /* likewise */
+    uint32_t *polygon;   /* per face: the polygon's first face */
+    uint32_t *twin;      /* per half-edge: the one across, or SLV_HTEX_NONE */
+    uint32_t *edge;      /* per half-edge: its edge; SLV_HTEX_NONE if there is no such half-edge */
+    uint32_t (*half)[2]; /* per edge: its half-edges, the second SLV_HTEX_NONE at a boundary */
+    uint32_t *root;      /* per half-edge: the node of its start */
+} slv_htex_mesh;
+
+slv_result slv_htex_mesh_create(const slv_env *env, const slv_adjacency *adjacency,
+                                slv_htex_mesh *out);
+void slv_htex_mesh_free(slv_htex_mesh *mesh);
+
+static inline bool slv_htex_is_part(const slv_htex_mesh *mesh, uint32_t face) {
+    return mesh->after[face] != SLV_HTEX_NONE;
+}
+/* The half-edge that follows around the polygon. */
+static inline uint32_t slv_htex_next(const slv_htex_mesh *mesh, uint32_t half) {
+    uint32_t face = half / 4;
+    return slv_htex_is_part(mesh, face) ? 4 * mesh->after[face] : 4 * face + (half + 1) % 4;
+}
+static inline uint32_t slv_htex_centre(const slv_htex_mesh *mesh, uint32_t half) {
+    return 4 * mesh->nfaces + mesh->polygon[half / 4];
+}
+
+/* (u,v) of a face as a function of (s,t) of one of its half-edges, or of its inverse. */
+typedef struct slv_htex_map {
+    float us, ut, u0, vs, vt, v0;
+} slv_htex_map;
+
+/* For a whole quad `index` is the edge; for a sub-face 0 is the half-edge that starts at its corner
+ * 0 (u >= v), and 1 the one before it. */
+static inline slv_htex_map slv_htex_to_face(bool part, uint32_t index) {
+    static const slv_htex_map whole[4] = {{-0.5f, 0.5f, 0.5f, -0.5f, -0.5f, 0.5f},
+                                          {0.5f, 0.5f, 0.5f, -0.5f, 0.5f, 0.5f},
+                                          {0.5f, -0.5f, 0.5f, 0.5f, 0.5f, 0.5f},
+                                          {-0.5f, -0.5f, 0.5f, 0.5f, -0.5f, 0.5f}};
+    static const slv_htex_map parts[2] = {{-1, 1, 1, -1, -1, 1}, {-1, -1, 1, 1, -1, 1}};
+    return part ? parts[index] : whole[index];
+}
+
+/* Where squares meet: the values of one corner begin at `first`, those for log2 = 0 to the least of
+ * the squares around it. */
+typedef struct slv_htex_corner {
+    uint32_t first;
+    uint8_t log2;
+} slv_htex_corner;
+
+struct slv_htex {
+    slv_texture_desc desc;
+    slv_res *res;
+    size_t texel_size;
+    uint32_t nedges;
+    uint8_t *log2; /* per edge */
+    slv_htex_face *faces;
+    uint64_t *offset; /* per edge, and where the last ends */
+    unsigned char *texels;
+    uint32_t ncorners, nvalues;
+    slv_htex_corner *corners;
+    float *values;
+};
+
+static inline uint64_t slv_htex_level_texels(uint32_t log2, uint32_t level) {
+    return UINT64_C(1) << 2 * (log2 - level);
+}
+
+/* A face's level 0 with its border, which the squares are taken from: floats, one texel of border.
+ */
+typedef struct slv_htex_source {
+    slv_res res;
+    size_t nchannels;
+    const float *texels;
+} slv_htex_source;
+
+/* Bilinear; (u,v) lies in the face. */
+void slv_htex_source_at(const slv_htex_source *source, float u, float v, float *out);
+
+/* Finds what the squares at a node agree on, and the corners of each face. `tops` has, per node,
+ * the value at the least resolution around it. */
+slv_result slv_htex_find_corners(const slv_env *env, slv_htex *htex, const slv_htex_mesh *mesh,
+                                 const float *tops);
+
+#endif

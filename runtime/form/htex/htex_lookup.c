@@ -1,0 +1,115 @@
+#include "form/htex/htex_data.h"
+
+#include <math.h>
+#include <string.h>
+
+static float clamp(float value, float low, float high) {
+    return value > low ? value < high ? value : high : low; /* NaN becomes low */
+}
+
+/* Adds the bilinear value of a level at (s,t), clamped to the square. */
+static void add_level(const slv_htex *htex, uint32_t edge, uint32_t level, float s, float t,
+                      float weight, float *out) {
+    uint32_t log2 = htex->log2[edge] - level, last = (1u << log2) - 1;
+    slv_type type = htex->desc.type;
+    size_t size = slv_type_size(type), texel = htex->texel_size, pitch = texel << log2;
+    float x = clamp(s * (float)(last + 1) - 0.5f, 0, (float)last);
+    float y = clamp(t * (float)(last + 1) - 0.5f, 0, (float)last);
+    size_t left = (size_t)x, low = (size_t)y;
+    float wx = x - (float)left, wy = y - (float)low;
+    const unsigned char *a =
+        (const unsigned char *)slv_htex_texels(htex, edge, level) + low * pitch + left * texel;
+    size_t right = left < last ? texel : 0, up = low < last ? pitch : 0;
+    for (size_t c = 0; c < htex->desc.nchannels; c++, a += size) {
+        float corner[4];
+        slv_type_to_float(type, a, 1, &corner[0]);
+        slv_type_to_float(type, a + right, 1, &corner[1]);
+        slv_type_to_float(type, a + up, 1, &corner[2]);
+        slv_type_to_float(type, a + up + right, 1, &corner[3]);
+        float lower = corner[0] + wx * (corner[1] - corner[0]);
+        float upper = corner[2] + wx * (corner[3] - corner[2]);
+        out[c] += weight * (lower + wy * (upper - lower));
+    }
+}
+
+static void add_square(const slv_htex *htex, const slv_htex_face *face, uint32_t k, float s,
+                       float t, float footprint, float weight, float *out) {
+    uint32_t edge = face->edge[k], last = htex->log2[edge];
+    float level = clamp(footprint + (float)htex->log2[edge], 0, (float)last);
+    uint32_t fine = (uint32_t)level, coarse = fine < last ? fine + 1 : last;
+    float fraction = level - (float)fine;
+    if (weight <= 0)
+        return;
+    s = face->second[k] ? 1 - s : s;
+    t = face->second[k] ? 1 - t : t;
+    add_level(htex, edge, fine, s, t, weight * (1 - fraction), out);
+    if (fraction > 0)
+        add_level(htex, edge, coarse, s, t, weight * fraction, out);
+}
+
+/* Of the finer of two squares, so that both see the same at the side between them. */
+static float finer_texel(const slv_htex *htex, const slv_htex_face *face, uint32_t a, uint32_t b,
+                         float footprint) {
+    uint8_t first = htex->log2[face->edge[a]], second = htex->log2[face->edge[b]];
+    return exp2f(clamp(footprint, -(float)(first > second ? first : second), 0));
+}
+
+/* How much of the square across a side a lookup takes, at `from` the side and `along` it: half on
+ * the side, none from half a texel on, nor where it is as far from the side as from the next
+ * corner. */
+static float across(float from, float along, float texel) {
+    float corner = 2 * fminf(along, 1 - along);
+    return clamp(0.5f - from / fmaxf(fminf(texel, corner), 1e-12f), 0, 1);
+}
+
+/* Goes over to the value of the nearest corner. */
+static void join_corner(const slv_htex *htex, uint32_t corner, float distance, float footprint,
+                        float *out) {
+    const slv_htex_corner *row = &htex->corners[corner];
+    float log2 = clamp(-footprint, 0, row->log2), reach = 0.5f * exp2f(-log2);
+    uint32_t coarse = (uint32_t)log2, fine = coarse < row->log2 ? coarse + 1 : coarse;
+    float share = clamp(distance / reach, 0, 1);
+    size_t n = htex->desc.nchannels;
+    const float *a = htex->values + (row->first + coarse) * n,
+                *b = htex->values + (row->first + fine) * n;
+    for (size_t c = 0; c < n; c++) {
+        float value = a[c] + (log2 - (float)coarse) * (b[c] - a[c]);
+        out[c] = value + share * (out[c] - value);
+    }
+}
+
+void slv_htex_lookup(const slv_htex *htex, uint32_t face, float u, float v, float width,
+                     float *out) {
+    const slv_htex_face *row = &htex->faces[face];
+    uint32_t own;
+    float s, t;
+    u = clamp(u, 0, 1);
+    v = clamp(v, 0, 1);
+    if (row->part) {
+        own = u >= v ? 2 : 1;
+        s = own == 2 ? 1 - 0.5f * (u + v) : 0.5f * (v - u);
+        t = own == 2 ? 0.5f * (u - v) : 1 - 0.5f * (u + v);
+    } else {
+        float x = u - 0.5f, y = v - 0.5f;
+        own = fabsf(y) >= fabsf(x) ? (y > 0 ? 2 : 0) : (x > 0 ? 1 : 3);
+        for (uint32_t turn = 0; turn < own; turn++) {
+            float turned = -x;
+            x = y;
+            y = turned;
+        }
+        s = -x - y;
+        t = x - y;
+    }
+    uint32_t after = (own + 1) % 4, before = (own + 3) % 4;
+    /* log2 of the footprint's sides in units of a square */
+    float footprint = log2f(fmaxf(width * (row->part ? 0.70710678f : 1.41421356f), 1e-12f));
+    float to_after = across(s, t, finer_texel(htex, row, own, after, footprint));
+    float to_before = across(t, s, finer_texel(htex, row, own, before, footprint));
+    memset(out, 0, htex->desc.nchannels * sizeof *out);
+    add_square(htex, row, own, s, t, footprint, 1 - to_after - to_before, out);
+    add_square(htex, row, after, t, -s, footprint, to_after, out);
+    add_square(htex, row, before, -t, s, footprint, to_before, out);
+    float most = fmaxf(s, t);
+    join_corner(htex, most < 0.5f ? row->centre : row->start[s >= t ? own : after],
+                most < 0.5f ? most : 1 - most, footprint, out);
+}

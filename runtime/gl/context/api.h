@@ -1,0 +1,154 @@
+/* The OpenGL functions that this library calls, loaded through a get_proc callback. */
+#ifndef SLV_GL_API_H
+#define SLV_GL_API_H
+
+#include <selvage/gl_context.h>
+
+#include <GL/glcorearb.h>
+
+#ifndef GL_TEXTURE_MAX_ANISOTROPY
+#define GL_TEXTURE_MAX_ANISOTROPY 0x84FE
+#endif
+#ifndef GL_MAX_TEXTURE_MAX_ANISOTROPY
+#define GL_MAX_TEXTURE_MAX_ANISOTROPY 0x84FF
+#endif
+
+#define SLV_GL_RGBA_BC1 0x83F1
+#define SLV_GL_RGBA_BC3 0x83F3
+
+#define SLV_GL_FUNCTIONS(X)                                                                        \
+    X(PFNGLGETSTRINGPROC, GetString)                                                               \
+    X(PFNGLGETSTRINGIPROC, GetStringi)                                                             \
+    X(PFNGLGETINTEGERVPROC, GetIntegerv)                                                           \
+    X(PFNGLGETFLOATVPROC, GetFloatv)                                                               \
+    X(PFNGLGETERRORPROC, GetError)                                                                 \
+    X(PFNGLFINISHPROC, Finish)                                                                     \
+    X(PFNGLENABLEPROC, Enable)                                                                     \
+    X(PFNGLDISABLEPROC, Disable)                                                                   \
+    X(PFNGLBINDBUFFERPROC, BindBuffer)                                                             \
+    X(PFNGLCLIPCONTROLPROC, ClipControl)                                                           \
+    X(PFNGLDEPTHRANGEFPROC, DepthRangef)                                                           \
+    X(PFNGLPOINTSIZEPROC, PointSize)                                                               \
+    X(PFNGLPOLYGONMODEPROC, PolygonMode)                                                           \
+    X(PFNGLGETINTEGER64VPROC, GetInteger64v)                                                       \
+    X(PFNGLVIEWPORTPROC, Viewport)                                                                 \
+    X(PFNGLDEPTHFUNCPROC, DepthFunc)                                                               \
+    X(PFNGLDEPTHMASKPROC, DepthMask)                                                               \
+    X(PFNGLCOLORMASKPROC, ColorMask)                                                               \
+    X(PFNGLPIXELSTOREIPROC, PixelStorei)                                                           \
+    X(PFNGLREADPIXELSPROC, ReadPixels)                                                             \
+    X(PFNGLREADBUFFERPROC, ReadBuffer)                                                             \
+    X(PFNGLGETINTERNALFORMATIVPROC, GetInternalformativ)                                           \
+    X(PFNGLCREATETEXTURESPROC, CreateTextures)                                                     \
+    X(PFNGLDELETETEXTURESPROC, DeleteTextures)                                                     \
+    X(PFNGLTEXTURESTORAGE3DPROC, TextureStorage3D)                                                 \
+    X(PFNGLTEXTURESUBIMAGE3DPROC, TextureSubImage3D)                                               \
+    X(PFNGLCOMPRESSEDTEXTURESUBIMAGE3DPROC, CompressedTextureSubImage3D)                           \
+    X(PFNGLTEXTUREPARAMETERIPROC, TextureParameteri)                                               \
+    X(PFNGLTEXTUREPARAMETERIVPROC, TextureParameteriv)                                             \
+    X(PFNGLBINDTEXTUREUNITPROC, BindTextureUnit)                                                   \
+    X(PFNGLCREATESAMPLERSPROC, CreateSamplers)                                                     \
+    X(PFNGLDELETESAMPLERSPROC, DeleteSamplers)                                                     \
+    X(PFNGLSAMPLERPARAMETERIPROC, SamplerParameteri)                                               \
+    X(PFNGLSAMPLERPARAMETERFPROC, SamplerParameterf)                                               \
+    X(PFNGLSAMPLERPARAMETERFVPROC, SamplerParameterfv)                                             \
+    X(PFNGLBINDSAMPLERPROC, BindSampler)                                                           \
+    X(PFNGLCREATEBUFFERSPROC, CreateBuffers)                                                       \
+    X(PFNGLDELETEBUFFERSPROC, DeleteBuffers)                                                       \
+    X(PFNGLNAMEDBUFFERSTORAGEPROC, NamedBufferStorage)                                             \
+    X(PFNGLBINDBUFFERBASEPROC, BindBufferBase)                                                     \
+    X(PFNGLCREATEVERTEXARRAYSPROC, CreateVertexArrays)                                             \
+    X(PFNGLDELETEVERTEXARRAYSPROC, DeleteVertexArrays)                                             \
+    X(PFNGLBINDVERTEXARRAYPROC, BindVertexArray)                                                   \
+    X(PFNGLVERTEXARRAYVERTEXBUFFERPROC, VertexArrayVertexBuffer)                                   \
+    X(PFNGLVERTEXARRAYELEMENTBUFFERPROC, VertexArrayElementBuffer)                                 \
+    X(PFNGLENABLEVERTEXARRAYATTRIBPROC, EnableVertexArrayAttrib)                                   \
+    X(PFNGLVERTEXARRAYATTRIBFORMATPROC, VertexArrayAttribFormat)                                   \
+    X(PFNGLVERTEXARRAYATTRIBIFORMATPROC, VertexArrayAttribIFormat)                                 \
+    X(PFNGLVERTEXARRAYATTRIBBINDINGPROC, VertexArrayAttribBinding)                                 \
+    X(PFNGLCREATEFRAMEBUFFERSPROC, CreateFramebuffers)                                             \
+    X(PFNGLDELETEFRAMEBUFFERSPROC, DeleteFramebuffers)                                             \
+    X(PFNGLBINDFRAMEBUFFERPROC, BindFramebuffer)                                                   \
+    X(PFNGLNAMEDFRAMEBUFFERRENDERBUFFERPROC, NamedFramebufferRenderbuffer)                         \
+    X(PFNGLCHECKNAMEDFRAMEBUFFERSTATUSPROC, CheckNamedFramebufferStatus)                           \
+    X(PFNGLCLEARNAMEDFRAMEBUFFERFVPROC, ClearNamedFramebufferfv)                                   \
+    X(PFNGLBLITNAMEDFRAMEBUFFERPROC, BlitNamedFramebuffer)                                         \
+    X(PFNGLCREATERENDERBUFFERSPROC, CreateRenderbuffers)                                           \
+    X(PFNGLDELETERENDERBUFFERSPROC, DeleteRenderbuffers)                                           \
+    X(PFNGLNAMEDRENDERBUFFERSTORAGEMULTISAMPLEPROC, NamedRenderbufferStorageMultisample)           \
+    X(PFNGLCREATESHADERPROC, CreateShader)                                                         \
+    X(PFNGLDELETESHADERPROC, DeleteShader)                                                         \
+    X(PFNGLSHADERSOURCEPROC, ShaderSource)                                                         \
+    X(PFNGLCOMPILESHADERPROC, CompileShader)                                                       \
+    X(PFNGLGETSHADERIVPROC, GetShaderiv)                                                           \
+    X(PFNGLGETSHADERINFOLOGPROC, GetShaderInfoLog)                                                 \
+    X(PFNGLCREATEPROGRAMPROC, CreateProgram)                                                       \
+    X(PFNGLDELETEPROGRAMPROC, DeleteProgram)                                                       \
+    X(PFNGLATTACHSHADERPROC, AttachShader)                                                         \
+    X(PFNGLLINKPROGRAMPROC, LinkProgram)                                                           \
+    X(PFNGLGETPROGRAMIVPROC, GetProgramiv)                                                         \
+    X(PFNGLGETPROGRAMINFOLOGPROC, GetProgramInfoLog)                                               \
+    X(PFNGLUSEPROGRAMPROC, UseProgram)                                                             \
+    X(PFNGLPROGRAMUNIFORM1IPROC, ProgramUniform1i)                                                 \
+    X(PFNGLPROGRAMUNIFORM2FPROC, ProgramUniform2f)                                                 \
+    X(PFNGLPROGRAMUNIFORMMATRIX4FVPROC, ProgramUniformMatrix4fv)                                   \
+    X(PFNGLPROGRAMUNIFORMMATRIX3FVPROC, ProgramUniformMatrix3fv)                                   \
+    X(PFNGLDRAWELEMENTSPROC, DrawElements)                                                         \
+    X(PFNGLCREATEQUERIESPROC, CreateQueries)                                                       \
+    X(PFNGLDELETEQUERIESPROC, DeleteQueries)                                                       \
+    X(PFNGLBEGINQUERYPROC, BeginQuery)                                                             \
+    X(PFNGLENDQUERYPROC, EndQuery)                                                                 \
+    X(PFNGLGETQUERYOBJECTUI64VPROC, GetQueryObjectui64v)
+
+typedef struct slv_gl_api {
+#define SLV_GL_MEMBER(type, name) type name;
+    SLV_GL_FUNCTIONS(SLV_GL_MEMBER)
+#undef SLV_GL_MEMBER
+} slv_gl_api;
+
+/* What a backend has to give back. */
+typedef struct slv_gl_platform {
+    void *state;
+    void (*destroy)(void *state);
+} slv_gl_platform;
+
+struct slv_gl {
+    slv_gl_api api;
+    slv_gl_info info;
+    slv_gl_platform platform;
+    slv_gl_get_proc get_proc; /* NULL for a host's context */
+    uint64_t max_storage;     /* bytes of a shader storage block */
+    bool ballot;              /* has GL_ARB_shader_ballot */
+    bool s3tc;                /* has GL_EXT_texture_compression_s3tc */
+    uint64_t serial;          /* of the last texture made, so that caches can tell textures apart */
+};
+
+/* Each makes a context current and returns how to find functions; the message says why not. */
+slv_result slv_gl_open_egl(bool hardware, char *why, size_t why_size, slv_gl_platform *out,
+                           slv_gl_get_proc *get_proc);
+slv_result slv_gl_open_osmesa(char *why, size_t why_size, slv_gl_platform *out,
+                              slv_gl_get_proc *get_proc);
+
+/* The address of a function in an open library, written to the function pointer that `out` points
+ * to. */
+bool slv_gl_symbol(void *library, const char *name, void *out);
+
+/* Puts what drawing and transfers depend on into the state that a fresh context has, whatever a
+ * host left behind: pixel store and pixel buffers, clip control, raster, depth and per-fragment
+ * state. */
+void slv_gl_set_state(const slv_gl *gl);
+
+/* SLV_ERROR_GL with `what` in the message if the driver has an error pending. */
+slv_result slv_gl_check(const slv_gl *gl, const slv_env *env, const char *what);
+
+/* Compiles and links shaders/draw/NAME.vert with shaders/draw/NAME.frag, `lookups`
+ * (slv_gl_texture_glsl) in front of the latter. The compiler's first words go to the log. */
+slv_result slv_gl_program(const slv_gl *gl, const slv_env *env, const char *name,
+                          const char *lookups, GLuint *out);
+
+/* The text of a file in shaders/; from SELVAGE_SHADER_DIR if that is set, else as embedded at
+ * build. `*owned` is to be freed by the caller (NULL when embedded). */
+slv_result slv_gl_shader_text(const slv_env *env, const char *name, const char **text,
+                              char **owned);
+
+#endif

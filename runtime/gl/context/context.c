@@ -1,0 +1,252 @@
+#include "gl/context/api.h"
+
+#include "base/log.h"
+
+#include <dlfcn.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <strings.h>
+
+bool slv_gl_backend_from_name(const char *name, slv_gl_backend *out) {
+    static const struct {
+        const char *name;
+        slv_gl_backend backend;
+    } names[] = {{"auto", SLV_GL_AUTO}, {"egl", SLV_GL_EGL}, {"osmesa", SLV_GL_OSMESA}};
+    for (size_t i = 0; i < sizeof names / sizeof *names; i++) {
+        if (strcmp(name, names[i].name) == 0) {
+            *out = names[i].backend;
+            return true;
+        }
+    }
+    return false;
+}
+
+bool slv_gl_symbol(void *library, const char *name, void *out) {
+    void *symbol = dlsym(library, name);
+    memcpy(out, &symbol, sizeof symbol);
+    return symbol != NULL;
+}
+
+static slv_result load_functions(const slv_env *env, slv_gl_api *api, slv_gl_get_proc get_proc,
+                                 void *user) {
+    const char *missing = NULL;
+    slv_gl_proc proc;
+#define SLV_GL_LOAD(type, name)                                                                    \
+    proc = get_proc(user, "gl" #name);                                                             \
+    if (!proc)                                                                                     \
+        missing = "gl" #name;                                                                      \
+    api->name = (type)proc;
+    SLV_GL_FUNCTIONS(SLV_GL_LOAD)
+#undef SLV_GL_LOAD
+    if (missing)
+        return slv_fail(env, SLV_ERROR_GL, "the driver lacks %s: OpenGL 4.5 is needed", missing);
+    return SLV_OK;
+}
+
+static void copy_string(const slv_gl_api *api, GLenum name, char *out, size_t size) {
+    const GLubyte *text = api->GetString(name);
+    snprintf(out, size, "%s", text ? (const char *)text : "unknown");
+}
+
+static bool has_extension(const slv_gl_api *api, const char *wanted) {
+    GLint count = 0;
+    api->GetIntegerv(GL_NUM_EXTENSIONS, &count);
+    for (GLint i = 0; i < count; i++) {
+        const GLubyte *name = api->GetStringi(GL_EXTENSIONS, (GLuint)i);
+        if (name && strcmp((const char *)name, wanted) == 0)
+            return true;
+    }
+    return false;
+}
+
+static const GLenum target_formats[] = {GL_RGBA16F, GL_RGBA32F, GL_DEPTH_COMPONENT32F};
+enum { TARGET_FORMATS = sizeof target_formats / sizeof *target_formats, MAX_COUNTS = 16 };
+
+static void list_samples(const slv_gl_api *api, GLenum format, GLint counts[MAX_COUNTS]) {
+    memset(counts, 0, MAX_COUNTS * sizeof *counts);
+    api->GetInternalformativ(GL_RENDERBUFFER, format, GL_SAMPLES, MAX_COUNTS, counts);
+}
+
+static uint32_t max_samples(const slv_gl_api *api) {
+    GLint counts[MAX_COUNTS], best = 1;
+    for (size_t f = 0; f < TARGET_FORMATS; f++) {
+        GLint found = 1;
+        list_samples(api, target_formats[f], counts);
+        for (size_t i = 0; i < MAX_COUNTS; i++)
+            if (counts[i] > found)
+                found = counts[i];
+        best = f == 0 || found < best ? found : best;
+    }
+    return (uint32_t)best;
+}
+
+bool slv_gl_has_samples(const slv_gl *gl, uint32_t samples) {
+    GLint counts[MAX_COUNTS];
+    bool all = samples > 0 && samples <= INT32_MAX;
+    for (size_t f = 0; f < TARGET_FORMATS && samples > 1; f++) {
+        bool any = false;
+        list_samples(&gl->api, target_formats[f], counts);
+        for (size_t i = 0; i < MAX_COUNTS; i++)
+            any |= counts[i] == (GLint)samples;
+        all &= any;
+    }
+    return all;
+}
+
+static slv_result fill_info(const slv_env *env, slv_gl *gl, slv_gl_backend backend) {
+    const slv_gl_api *api = &gl->api;
+    slv_gl_info *info = &gl->info;
+    GLint major = 0, minor = 0, layers = 0, size = 0, units = 0;
+    GLint64 storage = 0;
+    GLfloat anisotropy = 1;
+    copy_string(api, GL_VENDOR, info->vendor, sizeof info->vendor);
+    copy_string(api, GL_RENDERER, info->renderer, sizeof info->renderer);
+    copy_string(api, GL_VERSION, info->version, sizeof info->version);
+    api->GetIntegerv(GL_MAJOR_VERSION, &major);
+    api->GetIntegerv(GL_MINOR_VERSION, &minor);
+    if (major * 10 + minor < 45)
+        return slv_fail(env, SLV_ERROR_GL, "%s has OpenGL %d.%d: 4.5 is needed", info->renderer,
+                        major, minor);
+    api->GetIntegerv(GL_MAX_ARRAY_TEXTURE_LAYERS, &layers);
+    api->GetIntegerv(GL_MAX_TEXTURE_SIZE, &size);
+    api->GetIntegerv(GL_MAX_TEXTURE_IMAGE_UNITS, &units);
+    if (has_extension(api, "GL_EXT_texture_filter_anisotropic") ||
+        has_extension(api, "GL_ARB_texture_filter_anisotropic"))
+        api->GetFloatv(GL_MAX_TEXTURE_MAX_ANISOTROPY, &anisotropy);
+    api->GetInteger64v(GL_MAX_SHADER_STORAGE_BLOCK_SIZE, &storage);
+    gl->max_storage = storage > 0 ? (uint64_t)storage : UINT64_C(1) << 27;
+    gl->ballot = has_extension(api, "GL_ARB_shader_ballot");
+    gl->s3tc = has_extension(api, "GL_EXT_texture_compression_s3tc");
+    info->backend = backend;
+    info->software = strstr(info->renderer, "llvmpipe") || strstr(info->renderer, "softpipe") ||
+                     strstr(info->renderer, "SWR");
+    info->max_msaa = max_samples(api);
+    info->max_anisotropy = (uint32_t)anisotropy;
+    info->max_layers = (uint32_t)layers;
+    info->max_texture_size = (uint32_t)size;
+    info->texture_units = (uint32_t)units;
+    while (api->GetError() != GL_NO_ERROR) /* whatever the host left behind is not ours to report */
+        continue;
+    return SLV_OK;
+}
+
+static slv_result adopt(const slv_env *env, slv_gl_backend backend, slv_gl_platform platform,
+                        slv_gl_get_proc get_proc, void *user, slv_gl **out) {
+    slv_gl *gl = NULL;
+    slv_result result = slv_alloc(env, "GL context", 1, sizeof *gl, &gl);
+    if (!result)
+        result = load_functions(env, &gl->api, get_proc, user);
+    if (!result)
+        result = fill_info(env, gl, backend);
+    if (result) {
+        if (platform.destroy)
+            platform.destroy(platform.state);
+        free(gl);
+        return result;
+    }
+    gl->platform = platform;
+    gl->get_proc = backend == SLV_GL_HOST ? NULL : get_proc;
+    *out = gl;
+    return SLV_OK;
+}
+
+slv_result slv_gl_create(const slv_env *env, slv_gl_backend backend, slv_gl **out) {
+    char why[3][160] = {"", "", ""};
+    slv_gl_platform platform = {0};
+    slv_gl_get_proc get_proc = NULL;
+    *out = NULL;
+    if (backend == SLV_GL_HOST)
+        return slv_fail(env, SLV_ERROR_ARGUMENT, "a host's context is taken with slv_gl_wrap");
+    if (backend != SLV_GL_OSMESA) {
+        for (int software = 0; software < 2; software++)
+            if (!slv_gl_open_egl(!software, why[software], sizeof why[software], &platform,
+                                 &get_proc))
+                return adopt(env, SLV_GL_EGL, platform, get_proc, NULL, out);
+    }
+    if (backend != SLV_GL_EGL && !slv_gl_open_osmesa(why[2], sizeof why[2], &platform, &get_proc))
+        return adopt(env, SLV_GL_OSMESA, platform, get_proc, NULL, out);
+    if (backend == SLV_GL_OSMESA)
+        return slv_fail(env, SLV_ERROR_GL, "no usable OpenGL context: OSMesa: %s", why[2]);
+    if (backend == SLV_GL_EGL)
+        return slv_fail(env, SLV_ERROR_GL, "no usable OpenGL context: EGL: %s; in software: %s",
+                        why[0], why[1]);
+    return slv_fail(env, SLV_ERROR_GL,
+                    "no usable OpenGL context: EGL: %s; in software: %s; OSMesa: %s", why[0],
+                    why[1], why[2]);
+}
+
+slv_result slv_gl_wrap(const slv_env *env, slv_gl_get_proc get_proc, void *user, slv_gl **out) {
+    slv_gl_platform none = {0};
+    *out = NULL;
+    return adopt(env, SLV_GL_HOST, none, get_proc, user, out);
+}
+
+void slv_gl_destroy(slv_gl *gl) {
+    if (!gl)
+        return;
+    if (gl->platform.destroy)
+        gl->platform.destroy(gl->platform.state);
+    free(gl);
+}
+
+const slv_gl_info *slv_gl_get_info(const slv_gl *gl) {
+    return &gl->info;
+}
+
+slv_gl_proc slv_gl_get_function(const slv_gl *gl, const char *name) {
+    return gl->get_proc ? gl->get_proc(NULL, name) : NULL;
+}
+
+void slv_gl_set_state(const slv_gl *gl) {
+    static const GLenum off[] = {GL_BLEND,
+                                 GL_COLOR_LOGIC_OP,
+                                 GL_CULL_FACE,
+                                 GL_DEPTH_CLAMP,
+                                 GL_POLYGON_OFFSET_FILL,
+                                 GL_PROGRAM_POINT_SIZE,
+                                 GL_RASTERIZER_DISCARD,
+                                 GL_SAMPLE_ALPHA_TO_COVERAGE,
+                                 GL_SAMPLE_ALPHA_TO_ONE,
+                                 GL_SAMPLE_COVERAGE,
+                                 GL_SAMPLE_MASK,
+                                 GL_SAMPLE_SHADING,
+                                 GL_SCISSOR_TEST,
+                                 GL_STENCIL_TEST,
+                                 GL_PRIMITIVE_RESTART,
+                                 GL_PRIMITIVE_RESTART_FIXED_INDEX};
+    static const GLenum zero[] = {
+        GL_UNPACK_ROW_LENGTH,  GL_UNPACK_IMAGE_HEIGHT, GL_UNPACK_SKIP_PIXELS, GL_UNPACK_SKIP_ROWS,
+        GL_UNPACK_SKIP_IMAGES, GL_UNPACK_SWAP_BYTES,   GL_PACK_ROW_LENGTH,    GL_PACK_IMAGE_HEIGHT,
+        GL_PACK_SKIP_PIXELS,   GL_PACK_SKIP_ROWS,      GL_PACK_SKIP_IMAGES,   GL_PACK_SWAP_BYTES};
+    const slv_gl_api *api = &gl->api;
+    for (size_t i = 0; i < sizeof off / sizeof *off; i++)
+        api->Disable(off[i]);
+    for (GLenum i = 0; i < 8; i++)
+        api->Disable(GL_CLIP_DISTANCE0 + i);
+    for (size_t i = 0; i < sizeof zero / sizeof *zero; i++)
+        api->PixelStorei(zero[i], 0);
+    api->PixelStorei(GL_UNPACK_ALIGNMENT, 1);
+    api->PixelStorei(GL_PACK_ALIGNMENT, 1);
+    api->BindBuffer(GL_PIXEL_UNPACK_BUFFER, 0);
+    api->BindBuffer(GL_PIXEL_PACK_BUFFER, 0);
+    api->Enable(GL_MULTISAMPLE);
+    api->ClipControl(GL_LOWER_LEFT, GL_NEGATIVE_ONE_TO_ONE);
+    api->PolygonMode(GL_FRONT_AND_BACK, GL_FILL);
+    api->PointSize(1);
+    api->DepthRangef(0, 1);
+    api->DepthFunc(GL_LESS);
+    api->DepthMask(1);
+    api->ColorMask(1, 1, 1, 1);
+}
+
+slv_result slv_gl_check(const slv_gl *gl, const slv_env *env, const char *what) {
+    GLenum error = gl->api.GetError();
+    if (error == GL_NO_ERROR)
+        return SLV_OK;
+    while (gl->api.GetError() != GL_NO_ERROR)
+        continue;
+    return slv_fail(env, error == GL_OUT_OF_MEMORY ? SLV_ERROR_MEMORY : SLV_ERROR_GL,
+                    "%s: the driver reports %s (0x%04x)", what,
+                    error == GL_OUT_OF_MEMORY ? "out of memory" : "an error", error);
+}

@@ -1,0 +1,96 @@
+#include "gl/context/api.h"
+
+#include "base/file.h"
+#include "base/log.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+struct slv_shader_table_row {
+    const char *name, *text;
+};
+extern const struct slv_shader_table_row slv_shader_table[];
+
+slv_result slv_gl_shader_text(const slv_env *env, const char *name, const char **text,
+                              char **owned) {
+    const char *folder = getenv("SELVAGE_SHADER_DIR");
+    *owned = NULL;
+    if (folder && *folder) {
+        char path[1024];
+        size_t size;
+        snprintf(path, sizeof path, "%s/%s", folder, name);
+        slv_result result = slv_file_read(env, path, owned, &size);
+        *text = *owned;
+        return result;
+    }
+    for (const struct slv_shader_table_row *row = slv_shader_table; row->name; row++) {
+        if (strcmp(row->name, name) == 0) {
+            *text = row->text;
+            return SLV_OK;
+        }
+    }
+    return slv_fail(env, SLV_ERROR_ARGUMENT, "there is no shader %s", name);
+}
+
+static void first_line(char *text) {
+    text[strcspn(text, "\n")] = 0;
+}
+
+static slv_result compile(const slv_gl *gl, const slv_env *env, const char *name, GLenum stage,
+                          const char *const *texts, uint32_t ntexts, GLuint *out) {
+    const slv_gl_api *api = &gl->api;
+    GLint compiled = 0;
+    char words[512] = "no log";
+    *out = api->CreateShader(stage);
+    api->ShaderSource(*out, (GLsizei)ntexts, texts, NULL);
+    api->CompileShader(*out);
+    api->GetShaderiv(*out, GL_COMPILE_STATUS, &compiled);
+    if (compiled)
+        return SLV_OK;
+    api->GetShaderInfoLog(*out, sizeof words, NULL, words);
+    first_line(words);
+    return slv_fail(env, SLV_ERROR_GL, "shader %s does not compile: %s", name, words);
+}
+
+static slv_result link_shaders(const slv_gl *gl, const slv_env *env, const char *name,
+                               const GLuint shaders[2], GLuint *out) {
+    const slv_gl_api *api = &gl->api;
+    GLint linked = 0;
+    char words[512] = "no log";
+    GLuint program = api->CreateProgram();
+    api->AttachShader(program, shaders[0]);
+    api->AttachShader(program, shaders[1]);
+    api->LinkProgram(program);
+    api->GetProgramiv(program, GL_LINK_STATUS, &linked);
+    if (linked) {
+        *out = program;
+        return SLV_OK;
+    }
+    api->GetProgramInfoLog(program, sizeof words, NULL, words);
+    first_line(words);
+    api->DeleteProgram(program);
+    return slv_fail(env, SLV_ERROR_GL, "shader %s does not link: %s", name, words);
+}
+
+slv_result slv_gl_program(const slv_gl *gl, const slv_env *env, const char *name,
+                          const char *lookups, GLuint *out) {
+    static const char version[] = "#version 450 core\n";
+    static const GLenum stages[2] = {GL_VERTEX_SHADER, GL_FRAGMENT_SHADER};
+    GLuint shaders[2] = {0, 0};
+    slv_result result = SLV_OK;
+    *out = 0;
+    for (int stage = 0; !result && stage < 2; stage++) {
+        const char *texts[3] = {version, stage ? lookups : "", NULL};
+        char file[64], *owned = NULL;
+        snprintf(file, sizeof file, "draw/%s.%s", name, stage ? "frag" : "vert");
+        if (!(result = slv_gl_shader_text(env, file, &texts[2], &owned)))
+            result = compile(gl, env, file, stages[stage], texts, 3, &shaders[stage]);
+        free(owned);
+    }
+    if (!result)
+        result = link_shaders(gl, env, name, shaders, out);
+    gl->api.DeleteShader(shaders[0]);
+    gl->api.DeleteShader(shaders[1]);
+    return result;
+}

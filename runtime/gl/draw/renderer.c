@@ -1,0 +1,398 @@
+#include "gl/store/store.h"
+
+#include "base/log.h"
+
+#include <selvage/gl_renderer.h>
+
+#include <stddef.h>
+#include <stdlib.h>
+#include <string.h>
+#include <time.h>
+
+#define MAX_PROGRAMS 64
+
+struct target {
+    uint32_t width, height, msaa;
+    bool wide;
+    GLuint framebuffers[2], colors[2], depth; /* drawn to, and resolved to */
+};
+
+/* Triangles in the order of one texture's batches. */
+struct batch_indices {
+    uint64_t texture; /* serial; 0 is none */
+    slv_strategy strategy;
+    GLuint buffer, array;
+    uint32_t nbatches;
+    uint32_t *first; /* nbatches + 1 */
+};
+
+struct program {
+    char *text; /* the lookup code that it was made with */
+    GLuint program;
+};
+
+struct slv_gl_renderer {
+    slv_gl *gl;
+    slv_tessellation mesh;
+    GLuint vertices, query;
+    struct target target;
+    struct batch_indices indices[SLV_STRATEGY_COUNT];
+    struct program programs[MAX_PROGRAMS];
+    uint32_t nprograms;
+};
+
+static void free_target(const slv_gl_api *api, struct target *target) {
+    api->DeleteFramebuffers(2, target->framebuffers);
+    api->DeleteRenderbuffers(2, target->colors);
+    api->DeleteRenderbuffers(1, &target->depth);
+    memset(target, 0, sizeof *target);
+}
+
+static slv_result make_target(const slv_gl *gl, const slv_env *env, const slv_frame *frame,
+                              struct target *out) {
+    const slv_gl_api *api = &gl->api;
+    if (out->width == frame->width && out->height == frame->height && out->msaa == frame->msaa &&
+        out->wide == frame->float_target)
+        return SLV_OK;
+    free_target(api, out);
+    GLenum format = frame->float_target ? GL_RGBA32F : GL_RGBA16F;
+    GLsizei width = (GLsizei)frame->width, height = (GLsizei)frame->height;
+    GLsizei samples = frame->msaa > 1 ? (GLsizei)frame->msaa : 0;
+    uint32_t count = samples ? 2 : 1;
+    api->CreateFramebuffers((GLsizei)count, out->framebuffers);
+    api->CreateRenderbuffers((GLsizei)count, out->colors);
+    api->CreateRenderbuffers(1, &out->depth);
+    api->NamedRenderbufferStorageMultisample(out->depth, samples, GL_DEPTH_COMPONENT32F, width,
+                                             height);
+    api->NamedFramebufferRenderbuffer(out->framebuffers[0], GL_DEPTH_ATTACHMENT, GL_RENDERBUFFER,
+                                      out->depth);
+    for (uint32_t i = 0; i < count; i++) {
+        api->NamedRenderbufferStorageMultisample(out->colors[i], i ? 0 : samples, format, width,
+                                                 height);
+        api->NamedFramebufferRenderbuffer(out->framebuffers[i], GL_COLOR_ATTACHMENT0,
+                                          GL_RENDERBUFFER, out->colors[i]);
+        if (api->CheckNamedFramebufferStatus(out->framebuffers[i], GL_FRAMEBUFFER) !=
+            GL_FRAMEBUFFER_COMPLETE) {
+            free_target(api, out);
+            slv_gl_check(gl, NULL, "framebuffer");
+            return slv_fail(env, SLV_ERROR_GL, "the driver makes no %u x %u target with %u samples",
+                            frame->width, frame->height, frame->msaa);
+        }
+    }
+    slv_result result = slv_gl_check(gl, env, "framebuffer");
+    if (result) {
+        free_target(api, out);
+        return result;
+    }
+    out->width = frame->width;
+    out->height = frame->height;
+    out->msaa = frame->msaa;
+    out->wide = frame->float_target;
+    return SLV_OK;
+}
+
+static GLuint make_array(const slv_gl_api *api, GLuint vertices, GLuint indices) {
+    GLuint array;
+    api->CreateVertexArrays(1, &array);
+    api->VertexArrayVertexBuffer(array, 0, vertices, 0, sizeof(slv_vertex));
+    api->VertexArrayElementBuffer(array, indices);
+    for (GLuint i = 0; i < 4; i++) {
+        api->EnableVertexArrayAttrib(array, i);
+        api->VertexArrayAttribBinding(array, i, 0);
+    }
+    api->VertexArrayAttribFormat(array, 0, 3, GL_FLOAT, GL_FALSE, offsetof(slv_vertex, position));
+    api->VertexArrayAttribFormat(array, 1, 3, GL_FLOAT, GL_FALSE, offsetof(slv_vertex, normal));
+    api->VertexArrayAttribFormat(array, 2, 2, GL_HALF_FLOAT, GL_FALSE, offsetof(slv_vertex, uv));
+    api->VertexArrayAttribIFormat(array, 3, 1, GL_INT, offsetof(slv_vertex, face));
+    return array;
+}
+
+static void free_indices(const slv_gl_api *api, struct batch_indices *indices) {
+    api->DeleteBuffers(1, &indices->buffer);
+    api->DeleteVertexArrays(1, &indices->array);
+    free(indices->first);
+    memset(indices, 0, sizeof *indices);
+}
+
+static slv_result make_indices(slv_gl_renderer *renderer, const slv_env *env,
+                               const slv_gl_texture *texture, slv_strategy strategy,
+                               struct batch_indices *out) {
+    const slv_gl_batches *batches = slv_gl_texture_batches(texture, strategy);
+    const slv_gl_api *api = &renderer->gl->api;
+    uint32_t *list = NULL;
+    uint64_t count = 0;
+    slv_result result = SLV_OK;
+    if (out->texture == texture->serial)
+        return SLV_OK;
+    free_indices(api, out);
+    for (uint32_t f = 0; f < renderer->mesh.nfaces; f++)
+        count += slv_tessellation_indices(&renderer->mesh, f, NULL);
+    if (count > INT32_MAX)
+        return slv_fail(env, SLV_ERROR_LIMIT, "too many triangles: choose a coarser tessellation");
+    if ((result = slv_alloc(env, "triangles", count, sizeof *list, &list)) ||
+        (result = slv_alloc(env, "batches", batches->count + 1, sizeof *out->first, &out->first)))
+        goto done;
+    uint32_t at = 0;
+    for (uint32_t b = 0; b < batches->count; b++) {
+        const slv_gl_batch_range *range = &batches->ranges[b];
+        for (uint32_t i = 0; i < range->count; i++)
+            at += slv_tessellation_indices(&renderer->mesh, batches->faces[range->first + i],
+                                           list + at);
+        out->first[b + 1] = at;
+    }
+    if ((result = slv_gl_buffer(renderer->gl, env, "triangles", list, count * sizeof *list,
+                                &out->buffer)))
+        goto done;
+    out->array = make_array(api, renderer->vertices, out->buffer);
+    out->nbatches = batches->count;
+    out->strategy = strategy;
+    out->texture = texture->serial;
+done:
+    free(list);
+    if (result)
+        free_indices(api, out);
+    return result;
+}
+
+static void free_programs(slv_gl_renderer *renderer) {
+    for (uint32_t i = 0; i < renderer->nprograms; i++) {
+        free(renderer->programs[i].text);
+        renderer->gl->api.DeleteProgram(renderer->programs[i].program);
+    }
+    renderer->nprograms = 0;
+}
+
+static slv_result surface_program(slv_gl_renderer *renderer, const slv_env *env,
+                                  const char *lookups, GLuint *out) {
+    char *text = NULL;
+    slv_result result;
+    for (uint32_t i = 0; i < renderer->nprograms; i++) {
+        if (strcmp(renderer->programs[i].text, lookups) == 0) {
+            *out = renderer->programs[i].program;
+            return SLV_OK;
+        }
+    }
+    if ((result = slv_alloc(env, "shader", strlen(lookups) + 1, 1, &text)))
+        return result;
+    memcpy(text, lookups, strlen(lookups) + 1);
+    if ((result = slv_gl_program(renderer->gl, env, "surface", lookups, out)))
+        free(text);
+    else
+        renderer->programs[renderer->nprograms++] = (struct program){text, *out};
+    return result;
+}
+
+slv_result slv_gl_renderer_create(slv_gl *gl, const slv_env *env, const slv_mesh *mesh,
+                                  const slv_surface *surface, uint32_t segments,
+                                  slv_gl_renderer **out) {
+    slv_gl_renderer *made = NULL;
+    slv_adjacency *adjacency = NULL;
+    slv_result result = slv_alloc(env, "renderer", 1, sizeof *made, &made);
+    *out = NULL;
+    if (result)
+        return result;
+    made->gl = gl;
+    if (!(result = slv_mesh_adjacency(env, mesh, &adjacency)) &&
+        !(result = slv_tessellate(env, mesh, surface, adjacency, segments, &made->mesh)))
+        result = slv_gl_buffer(gl, env, "vertices", made->mesh.vertices,
+                               (uint64_t)made->mesh.first[made->mesh.nfaces] * sizeof(slv_vertex),
+                               &made->vertices);
+    slv_adjacency_destroy(adjacency);
+    free(made->mesh.vertices); /* the driver has its own copy */
+    made->mesh.vertices = NULL;
+    gl->api.CreateQueries(GL_TIME_ELAPSED, 1, &made->query);
+    if (result) {
+        slv_gl_renderer_destroy(made);
+        made = NULL;
+    }
+    *out = made;
+    return result;
+}
+
+void slv_gl_renderer_destroy(slv_gl_renderer *renderer) {
+    if (!renderer)
+        return;
+    const slv_gl_api *api = &renderer->gl->api;
+    free_target(api, &renderer->target);
+    for (int s = 0; s < SLV_STRATEGY_COUNT; s++)
+        free_indices(api, &renderer->indices[s]);
+    free_programs(renderer);
+    api->DeleteBuffers(1, &renderer->vertices);
+    api->DeleteQueries(1, &renderer->query);
+    slv_tessellation_free(&renderer->mesh);
+    free(renderer);
+}
+
+/* Column-major, from window and the depth range of the surface seen from the eye. */
+static void projection(const slv_gl_renderer *renderer, const slv_camera *camera, float out[16]) {
+    const float *w = camera->window;
+    float n, f;
+    slv_camera_depths(camera, renderer->mesh.bounds_min, renderer->mesh.bounds_max, &n, &f);
+    memset(out, 0, 16 * sizeof *out);
+    out[0] = 2 / (w[1] - w[0]);
+    out[5] = 2 / (w[3] - w[2]);
+    if (camera->perspective) {
+        out[8] = (w[1] + w[0]) / (w[1] - w[0]);
+        out[9] = (w[3] + w[2]) / (w[3] - w[2]);
+        out[10] = (n + f) / (n - f);
+        out[11] = -1;
+        out[14] = 2 * n * f / (n - f);
+    } else {
+        out[12] = -(w[1] + w[0]) / (w[1] - w[0]);
+        out[13] = -(w[3] + w[2]) / (w[3] - w[2]);
+        out[10] = 2 / (n - f);
+        out[14] = (n + f) / (n - f);
+        out[15] = 1;
+    }
+}
+
+static void set_frame(const slv_gl_renderer *renderer, const slv_frame *frame, GLuint program) {
+    const slv_gl_api *api = &renderer->gl->api;
+    float to_eye[16], to_clip[16], normals[9];
+    for (int r = 0; r < 4; r++)
+        for (int c = 0; c < 4; c++)
+            to_eye[4 * c + r] = frame->camera.world_to_camera[4 * r + c];
+    projection(renderer, &frame->camera, to_clip);
+    slv_camera_normal_matrix(&frame->camera, normals);
+    api->ProgramUniformMatrix4fv(program, 0, 1, GL_FALSE, to_eye);
+    api->ProgramUniformMatrix4fv(program, 1, 1, GL_FALSE, to_clip);
+    api->ProgramUniformMatrix3fv(program, 2, 1, GL_TRUE, normals);
+    api->ProgramUniform1i(program, 3, (GLint)frame->shading);
+    api->ProgramUniform1i(program, 4, frame->camera.perspective);
+    api->ProgramUniform2f(program, 5, frame->ka, frame->kd);
+}
+
+static void draw_batches(const slv_gl_renderer *renderer, slv_gl_texture *texture,
+                         const slv_frame *frame, const GLuint programs[SLV_GL_MAX_VARIANTS]) {
+    const slv_gl_api *api = &renderer->gl->api;
+    const slv_gl_batches *batches = slv_gl_texture_batches(texture, frame->strategy);
+    const struct batch_indices *indices = &renderer->indices[frame->strategy];
+    GLuint current = 0;
+    api->BindVertexArray(indices->array);
+    for (uint32_t b = 0; b < batches->count; b++) {
+        uint32_t count = indices->first[b + 1] - indices->first[b];
+        GLuint program = programs[batches->ranges[b].variant];
+        if (!count)
+            continue;
+        if (program != current)
+            api->UseProgram(program);
+        current = program;
+        slv_gl_texture_bind(texture, frame->strategy, b);
+        api->DrawElements(GL_TRIANGLES, (GLsizei)count, GL_UNSIGNED_INT,
+                          (const void *)(uintptr_t)(indices->first[b] * sizeof(uint32_t)));
+    }
+}
+
+static double now(void) {
+    struct timespec time;
+    clock_gettime(CLOCK_MONOTONIC, &time);
+    return (double)time.tv_sec + (double)time.tv_nsec * 1e-9;
+}
+
+static slv_result read_back(slv_gl_renderer *renderer, const slv_env *env, slv_image *image) {
+    const slv_gl_api *api = &renderer->gl->api;
+    const struct target *target = &renderer->target;
+    slv_result result = slv_image_create(env, target->width, target->height, 4, image);
+    size_t row = (size_t)target->width * 4;
+    if (result)
+        return result;
+    api->BindFramebuffer(GL_READ_FRAMEBUFFER, target->framebuffers[target->msaa > 1]);
+    api->ReadBuffer(GL_COLOR_ATTACHMENT0);
+    api->ReadPixels(0, 0, (GLsizei)target->width, (GLsizei)target->height, GL_RGBA, GL_FLOAT,
+                    image->pixels);
+    for (uint32_t y = 0; y < target->height / 2; y++) { /* OpenGL's first row is the lowest */
+        float *a = image->pixels + y * row, *b = image->pixels + (target->height - 1 - y) * row;
+        for (size_t i = 0; i < row; i++) {
+            float swapped = a[i];
+            a[i] = b[i];
+            b[i] = swapped;
+        }
+    }
+    return SLV_OK;
+}
+
+static slv_frame with_defaults(const slv_frame *given) {
+    slv_frame frame = *given;
+    frame.width = frame.width ? frame.width : 512;
+    frame.height = frame.height ? frame.height : 512;
+    frame.msaa = frame.msaa ? frame.msaa : 1;
+    if (frame.ka == 0 && frame.kd == 0) {
+        frame.ka = 0.2f;
+        frame.kd = 0.8f;
+    }
+    return frame;
+}
+
+slv_result slv_gl_renderer_draw(slv_gl_renderer *renderer, const slv_env *env,
+                                slv_gl_texture *texture, const slv_frame *given, slv_image *image,
+                                double *seconds) {
+    slv_gl *gl = renderer->gl;
+    const slv_gl_api *api = &gl->api;
+    slv_frame frame = with_defaults(given);
+    GLuint programs[SLV_GL_MAX_VARIANTS] = {0};
+    slv_result result;
+    const slv_gl_batches *batches = slv_gl_texture_batches(texture, frame.strategy);
+    if (!batches->count)
+        return slv_fail(env, SLV_ERROR_ARGUMENT, "the texture was not made for the strategy %s",
+                        slv_strategy_name(frame.strategy));
+    if (slv_gl_texture_face_count(texture) != renderer->mesh.nfaces)
+        return slv_fail(env, SLV_ERROR_MISMATCH, "the texture has %u faces, the mesh %u",
+                        slv_gl_texture_face_count(texture), renderer->mesh.nfaces);
+    if (frame.msaa > gl->info.max_msaa || (frame.msaa & (frame.msaa - 1)))
+        return slv_fail(env, SLV_ERROR_UNSUPPORTED,
+                        "%u samples per pixel: the driver has at most %u", frame.msaa,
+                        gl->info.max_msaa);
+    if ((result = make_target(gl, env, &frame, &renderer->target)) ||
+        (result = make_indices(renderer, env, texture, frame.strategy,
+                               &renderer->indices[frame.strategy])))
+        return result;
+    /* A viewer that keeps making textures starts afresh now and then: before a frame has collected
+     * its programs, not amid. */
+    if (renderer->nprograms + SLV_GL_MAX_VARIANTS > MAX_PROGRAMS)
+        free_programs(renderer);
+    for (uint32_t b = 0; b < batches->count; b++) {
+        uint32_t variant = batches->ranges[b].variant;
+        if (programs[variant])
+            continue;
+        const char *lookups = slv_gl_texture_glsl(texture, frame.strategy, variant);
+        if ((result = surface_program(renderer, env, lookups, &programs[variant])))
+            return result;
+        set_frame(renderer, &frame, programs[variant]);
+    }
+    slv_gl_set_state(gl);
+    static const float far_away = 1;
+    const struct target *target = &renderer->target;
+    bool timed = seconds && !gl->info.software;
+    if (seconds && gl->info.software)
+        api->Finish();
+    double start = now();
+    if (timed)
+        api->BeginQuery(GL_TIME_ELAPSED, renderer->query);
+    api->BindFramebuffer(GL_FRAMEBUFFER, target->framebuffers[0]);
+    api->Viewport(0, 0, (GLsizei)frame.width, (GLsizei)frame.height);
+    api->Enable(GL_DEPTH_TEST);
+    api->ClearNamedFramebufferfv(target->framebuffers[0], GL_COLOR, 0, frame.background);
+    api->ClearNamedFramebufferfv(target->framebuffers[0], GL_DEPTH, 0, &far_away);
+    draw_batches(renderer, texture, &frame, programs);
+    if (frame.msaa > 1)
+        api->BlitNamedFramebuffer(target->framebuffers[0], target->framebuffers[1], 0, 0,
+                                  (GLint)frame.width, (GLint)frame.height, 0, 0, (GLint)frame.width,
+                                  (GLint)frame.height, GL_COLOR_BUFFER_BIT, GL_NEAREST);
+    if (timed) {
+        GLuint64 nanoseconds = 0;
+        api->EndQuery(GL_TIME_ELAPSED);
+        api->GetQueryObjectui64v(renderer->query, GL_QUERY_RESULT, &nanoseconds);
+        *seconds = (double)nanoseconds * 1e-9;
+    } else if (seconds) {
+        api->Finish();
+        *seconds = now() - start;
+    }
+    if (image)
+        result = read_back(renderer, env, image);
+    slv_gl_texture_unbind(texture);
+    api->BindVertexArray(0);
+    api->BindFramebuffer(GL_FRAMEBUFFER, 0);
+    if (!result && (result = slv_gl_check(gl, env, "drawing")) && image)
+        slv_image_free(image);
+    return result;
+}

@@ -1,0 +1,214 @@
+/* Whether the edges of the face table lead back to each other. */
+#include "ptx/check/check.h"
+#include "ptx/format/ptx_file.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { MAX_POLYGON = 1 << 16 };
+
+static bool is_sub(const check_context *check, int32_t face) {
+    return check->faces[face].flags & SLV_FACE_SUBFACE;
+}
+
+static bool leads_to(const check_context *check, int32_t face, unsigned edge, int32_t to,
+                     unsigned to_edge) {
+    const slv_face_adjacency *a = &check->faces[face].adjacency;
+    return a->face[edge] == to && a->edge[edge] == to_edge;
+}
+
+/* The neighbour inside the polygon over edge 1 (the next sub-face) or 2 (the one before). */
+static bool step_inside(const check_context *check, int32_t *face, unsigned *edge) {
+    const slv_face_adjacency *a = &check->faces[*face].adjacency;
+    unsigned over = *edge;
+    *edge = a->edge[over];
+    *face = a->face[over];
+    return *face >= 0 && is_sub(check, *face);
+}
+
+/* Of the two sub-faces along a whole quad's edge, the record of the quad names the first; the
+ * second is across that one's edge (touching edge + 3) % 4. */
+static bool is_second_of(const check_context *check, int32_t sub, unsigned sub_edge, int32_t quad,
+                         unsigned quad_edge) {
+    int32_t face = check->faces[quad].adjacency.face[quad_edge];
+    unsigned edge = (check->faces[quad].adjacency.edge[quad_edge] + 3u) % 4;
+    if (face < 0 || !is_sub(check, face) || !step_inside(check, &face, &edge))
+        return false;
+    return face == sub && (edge + 3) % 4 == sub_edge;
+}
+
+static void describe(const check_context *check, int32_t face, unsigned edge, char *out,
+                     size_t size) {
+    const slv_face_adjacency *a = &check->faces[face].adjacency;
+    if (a->face[edge] < 0)
+        snprintf(out, size, "is a boundary");
+    else
+        snprintf(out, size, "leads to face %d edge %u", a->face[edge], a->edge[edge]);
+}
+
+static void check_edge(check_context *check, int32_t face, unsigned edge) {
+    const slv_face_adjacency *a = &check->faces[face].adjacency;
+    int32_t there = a->face[edge];
+    unsigned there_edge = a->edge[edge];
+    slv_check_finding finding = {
+        .kind = SLV_CHECK_ADJACENCY, .face = face, .edge = (int32_t)edge, .level = -1};
+    char back[64];
+    if (ptx_edge_is_lost(check->ptx, (uint32_t)face, edge, &there)) {
+        finding.repairable = true;
+        check_find(check->findings, &finding,
+                   "face %d edge %u: leads to face %d, but there are %u faces: readers refuse the "
+                   "file",
+                   face, edge, there, check->info->nfaces);
+        return;
+    }
+    if (there < 0)
+        return;
+    if (there_edge >= check->nedges) {
+        check_find(check->findings, &finding,
+                   "face %d edge %u: leads to edge %u of face %d, a triangle", face, edge,
+                   there_edge, there);
+        return;
+    }
+    if (leads_to(check, there, there_edge, face, edge))
+        return;
+    if (is_sub(check, face) && !is_sub(check, there) &&
+        is_second_of(check, face, edge, there, there_edge))
+        return;
+    describe(check, there, there_edge, back, sizeof back);
+    for (unsigned other = 0; other < check->nedges; other++)
+        if (other != there_edge && leads_to(check, there, other, face, edge)) {
+            check_find(check->findings, &finding,
+                       "face %d edge %u: leads to face %d edge %u, which %s: it is that face's "
+                       "edge %u that leads back",
+                       face, edge, there, there_edge, back, other);
+            return;
+        }
+    check_find(check->findings, &finding, "face %d edge %u: leads to face %d edge %u, which %s",
+               face, edge, there, there_edge, back);
+}
+
+/* A whole quad's edge to two sub-faces needs the second as well, and it must know the quad. */
+static void check_second(check_context *check, int32_t face, unsigned edge) {
+    const slv_face_adjacency *a = &check->faces[face].adjacency;
+    int32_t second = a->face[edge];
+    unsigned second_edge = (a->edge[edge] + 3u) % 4;
+    slv_check_finding finding = {
+        .kind = SLV_CHECK_SUBFACES, .face = face, .edge = (int32_t)edge, .level = -1};
+    if (second < 0 || is_sub(check, face) || !is_sub(check, second))
+        return;
+    if (!step_inside(check, &second, &second_edge)) {
+        check_find(check->findings, &finding,
+                   "face %d edge %u: meets sub-face %d, beside which the second one is missing "
+                   "(over its edge %u)",
+                   face, edge, a->face[edge], (a->edge[edge] + 3u) % 4);
+        return;
+    }
+    second_edge = (second_edge + 3) % 4;
+    if (!leads_to(check, second, second_edge, face, edge))
+        check_find(check->findings, &finding,
+                   "face %d edge %u: meets sub-faces %d and %d, but edge %u of the second does not "
+                   "lead back",
+                   face, edge, a->face[edge], second, second_edge);
+}
+
+/* The sub-faces of a polygon go round its middle, each one's edge 1 at the next one's edge 2. */
+static void check_polygon(check_context *check, int32_t start, uint8_t *seen) {
+    slv_check_finding finding = {
+        .kind = SLV_CHECK_SUBFACES, .warning = true, .face = start, .edge = 1, .level = -1};
+    int32_t face = start;
+    uint32_t count = 0;
+    if (seen[start])
+        return;
+    do {
+        unsigned edge = 1;
+        int32_t from = face;
+        seen[face] = 1;
+        finding.face = from;
+        if (!step_inside(check, &face, &edge) || edge != 2) {
+            check_find(check->findings, &finding,
+                       "face %d edge 1: is a sub-face, but no other's edge 2 follows it", from);
+            return;
+        }
+        if (seen[face] && face != start) {
+            check_find(check->findings, &finding,
+                       "face %d edge 1: the sub-faces from face %d on do not come back to it", from,
+                       start);
+            return;
+        }
+    } while (++count < MAX_POLYGON && face != start);
+    finding.face = start;
+    finding.edge = -1;
+    if (count < 3 || count == 4)
+        check_find(check->findings, &finding,
+                   "face %d: is a sub-face of a polygon of %u, which would not be split", start,
+                   count);
+}
+
+static bool same_value(const uint8_t *values, size_t size, int32_t a, int32_t b) {
+    return memcmp(values + (size_t)a * size, values + (size_t)b * size, size) == 0;
+}
+
+/* Filters do not look further than a face whose flag says that all around it is the same. */
+static void check_flag(check_context *check, int32_t face, const uint8_t *values) {
+    slv_check_finding finding = {.kind = SLV_CHECK_FLAGS,
+                                 .warning = true,
+                                 .repairable = true,
+                                 .face = face,
+                                 .edge = -1,
+                                 .level = -1};
+    const slv_ptx_face *f = &check->faces[face];
+    if (!(f->flags & SLV_FACE_NEIGHBOURS_CONSTANT))
+        return;
+    if (!(f->flags & SLV_FACE_CONSTANT)) {
+        check_find(check->findings, &finding,
+                   "face %d: is flagged as lying among its own value, but is not constant", face);
+        return;
+    }
+    for (unsigned edge = 0; edge < check->nedges; edge++) {
+        int32_t there = f->adjacency.face[edge];
+        finding.edge = (int32_t)edge;
+        if (there < 0 || ((check->faces[there].flags & SLV_FACE_CONSTANT) &&
+                          same_value(values, check->pixel_size, face, there)))
+            continue;
+        check_find(check->findings, &finding,
+                   "face %d edge %u: is flagged as lying among its own value, but face %d differs",
+                   face, edge, there);
+    }
+}
+
+slv_result check_adjacency(check_context *check) {
+    uint32_t nfaces = check->info->nfaces;
+    bool quads = check->info->mesh_type == SLV_PTX_QUAD;
+    uint8_t *seen = NULL, *values = NULL;
+    check_log log;
+    slv_env quiet = check_log_env(&check->env, &log, slv_ptx_name(check->ptx));
+    slv_ptx_reader *reader = NULL;
+    slv_result result = slv_alloc(&check->env, "faces", nfaces, 1, &seen);
+    if (result ||
+        (result =
+             slv_alloc(&check->env, "values of the faces", nfaces, check->pixel_size, &values)) ||
+        (result = slv_ptx_reader_create(&quiet, check->ptx, &reader)))
+        goto done;
+    for (uint32_t face = 0; face < nfaces && !result; face++)
+        result =
+            slv_ptx_reader_read(reader, face, (slv_res){0, 0}, values + face * check->pixel_size);
+    if (result)
+        goto done;
+    for (uint32_t i = 0; i < nfaces; i++) {
+        int32_t face = (int32_t)i;
+        for (unsigned edge = 0; edge < check->nedges; edge++) {
+            check_edge(check, face, edge);
+            if (quads)
+                check_second(check, face, edge);
+        }
+        if (quads && is_sub(check, face))
+            check_polygon(check, face, seen);
+        check_flag(check, face, values);
+    }
+done:
+    slv_ptx_reader_destroy(reader);
+    free(values);
+    free(seen);
+    return result;
+}

@@ -1,0 +1,36 @@
+#include "ptx/format/ptx_file.h"
+
+#include <stdio.h>
+
+static void keep_first(void *user, slv_log_level level, const char *message) {
+    const ptx_range_log *log = user;
+    ptx_errors *errors = log->errors;
+    if (level != SLV_LOG_ERROR)
+        return;
+    pthread_mutex_lock(&errors->lock);
+    if (!errors->any || log->range < errors->range) {
+        errors->any = true;
+        errors->range = log->range;
+        snprintf(errors->message, sizeof errors->message, "%s", message);
+    }
+    pthread_mutex_unlock(&errors->lock);
+}
+
+slv_env ptx_range_env(const slv_env *env, ptx_errors *errors, uint64_t first, ptx_range_log *log) {
+    slv_env inner = slv_env_or_default(env);
+    *log = (ptx_range_log){errors, first};
+    inner.log = keep_first;
+    inner.log_user = log;
+    return inner;
+}
+
+slv_result ptx_parallel_for(const slv_env *env, ptx_errors *errors, uint64_t count, uint64_t grain,
+                            slv_range_fn fn, void *user) {
+    pthread_mutex_init(&errors->lock, NULL);
+    errors->any = false;
+    slv_result result = slv_parallel_for(env, count, grain, fn, user);
+    if (errors->any)
+        slv_fail(env, result, "%s", errors->message);
+    pthread_mutex_destroy(&errors->lock);
+    return result;
+}

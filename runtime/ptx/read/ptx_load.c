@@ -1,0 +1,192 @@
+/* From a file to the library's own objects. */
+#include "ptx/read/ptx_texels.h"
+
+#include <stdlib.h>
+
+/* Blocks of consecutive faces follow each other. */
+#define READ_AHEAD (1 << 18)
+
+struct visit {
+    const slv_env *env;
+    const slv_ptx *ptx;
+    slv_ptx_visit_fn visit;
+    void *user;
+    ptx_errors errors;
+};
+
+static slv_result visit_range(void *user, uint64_t first, uint64_t end) {
+    struct visit *visit = user;
+    const slv_ptx *ptx = visit->ptx;
+    ptx_range_log log;
+    slv_env env = ptx_range_env(visit->env, &visit->errors, first, &log);
+    ptx_scratch scratch = {.env = &env, .read_ahead = READ_AHEAD};
+    ptx_buffer texels = {0};
+    slv_result result = SLV_OK;
+    for (uint64_t i = first; i < end && !result; i++) {
+        uint32_t face = (uint32_t)i;
+        slv_ptx_face f = ptx_face_at(ptx, face);
+        uint64_t count = ptx_is_one_texel(&f) ? 1 : ptx_texel_count(f.res);
+        slv_res res = count == 1 ? (slv_res){0, 0} : f.res;
+        if (!(result = ptx_scratch_reserve(&scratch, ptx, &texels, count * ptx->pixel_size)) &&
+            !(result = ptx_read_face_with(ptx, &scratch, face, res, texels.bytes)))
+            result = visit->visit(visit->user, &env, face, &f, texels.bytes);
+    }
+    free(texels.bytes);
+    ptx_scratch_free(&scratch);
+    return result;
+}
+
+/* Refuses before any memory is spent on them texels that cannot be there, or are more than allowed:
+ * together if `all`, else each for itself. */
+static slv_result check_sizes(const slv_env *env, const slv_ptx *ptx, bool all, uint64_t *total) {
+    uint64_t limit = slv_env_or_default(env).max_bytes;
+    *total = 0;
+    for (uint32_t face = 0; face < ptx->info.nfaces; face++) {
+        slv_ptx_face f = ptx_face_at(ptx, face);
+        uint64_t bytes = ptx->pixel_size;
+        if (!ptx_is_one_texel(&f)) {
+            if (!ptx_face_is_plausible(ptx, face, &f))
+                return slv_fail(env, SLV_ERROR_FORMAT,
+                                "%s: face %u: its texels do not fit into the bytes that it has",
+                                ptx->name, face);
+            bytes = ptx_texel_count(f.res) * ptx->pixel_size;
+        }
+        if (bytes > limit || (all && *total > limit - bytes))
+            return slv_fail(env, SLV_ERROR_LIMIT,
+                            "%s: face %u: with it the texels pass the limit of %llu bytes",
+                            ptx->name, face, (unsigned long long)limit);
+        *total += bytes;
+    }
+    return SLV_OK;
+}
+
+static slv_result visit_all(struct visit *visit, uint64_t total) {
+    uint32_t nfaces = visit->ptx->info.nfaces;
+    uint64_t grain = nfaces / (total / (1 << 20) + 1) + 1;
+    if (grain > nfaces / 16 + 1)
+        grain = nfaces / 16 + 1;
+    return ptx_parallel_for(visit->env, &visit->errors, nfaces, grain, visit_range, visit);
+}
+
+slv_result slv_ptx_visit_faces(const slv_env *env, const slv_ptx *ptx, slv_ptx_visit_fn visit,
+                               void *user) {
+    uint64_t total;
+    struct visit v = {.env = env, .ptx = ptx, .visit = visit, .user = user};
+    slv_result result = ptx_need(ptx, PTX_FACES | PTX_CONSTANTS | PTX_LEVEL(0));
+    if (result || (result = check_sizes(env, ptx, false, &total)))
+        return result;
+    return visit_all(&v, total);
+}
+
+static slv_result store_face(void *user, const slv_env *env, uint32_t face,
+                             const slv_ptx_face *info, void *texels) {
+    slv_texture *texture = user;
+    (void)env;
+    return ptx_is_one_texel(info) ? slv_texture_set_constant(texture, face, texels)
+                                  : slv_texture_set_face(texture, face, texels);
+}
+
+slv_result slv_ptx_load_texture(const slv_env *env, const slv_ptx *ptx, slv_texture **out) {
+    slv_res *res = NULL;
+    slv_texture *texture = NULL;
+    uint64_t total;
+    *out = NULL;
+    slv_result result = ptx_need(ptx, PTX_FACES | PTX_CONSTANTS | PTX_LEVEL(0));
+    if (result || (result = check_sizes(env, ptx, true, &total)) ||
+        (result = slv_alloc(env, ptx->name, ptx->info.nfaces, sizeof *res, &res)))
+        goto done;
+    for (uint32_t face = 0; face < ptx->info.nfaces; face++)
+        res[face] = ptx_face_at(ptx, face).res;
+    slv_texture_desc desc = {ptx->info.nfaces, ptx->info.type, ptx->info.nchannels,
+                             ptx->info.alpha_channel, res};
+    if ((result = slv_texture_create(env, &desc, &texture)))
+        goto done;
+    struct visit visit = {.env = env, .ptx = ptx, .visit = store_face, .user = texture};
+    if ((result = visit_all(&visit, total)))
+        goto done;
+    *out = texture;
+    texture = NULL;
+done:
+    slv_texture_destroy(texture);
+    free(res);
+    return result;
+}
+
+slv_result slv_ptx_load_adjacency(const slv_env *env, const slv_ptx *ptx, slv_adjacency **out) {
+    slv_face_adjacency *records = NULL;
+    uint8_t *flags = NULL;
+    *out = NULL;
+    if (ptx->info.mesh_type == SLV_PTX_TRIANGLE)
+        return slv_fail(env, SLV_ERROR_UNSUPPORTED,
+                        "%s: is a triangle-mesh texture; adjacency is of quads only", ptx->name);
+    slv_result result = ptx_need(ptx, PTX_FACES);
+    if (!result)
+        result = slv_alloc(env, ptx->name, ptx->info.nfaces, sizeof *records, &records);
+    if (!result)
+        result = slv_alloc(env, ptx->name, ptx->info.nfaces, 1, &flags);
+    for (uint32_t face = 0; !result && face < ptx->info.nfaces; face++) {
+        slv_ptx_face f = ptx_face_at(ptx, face);
+        records[face] = f.adjacency;
+        flags[face] = f.flags & SLV_FACE_SUBFACE;
+    }
+    if (!result)
+        result = slv_adjacency_create(env, ptx->info.nfaces, records, flags, out);
+    free(records);
+    free(flags);
+    return result;
+}
+
+static slv_result find_geometry(const slv_env *env, const slv_ptx *ptx, const char *key,
+                                slv_meta_type type, const slv_ptx_meta **out) {
+    if (!ptx_meta_lookup(ptx, key))
+        return slv_fail(env, SLV_ERROR_UNSUPPORTED, "%s: holds no mesh: it has no metadata %s",
+                        ptx->name, key);
+    if (!(*out = slv_ptx_find_meta(ptx, key)))
+        return SLV_ERROR_FORMAT;
+    if ((*out)->type != type)
+        return slv_fail(env, SLV_ERROR_MISMATCH, "%s: metadata %s has the wrong type", ptx->name,
+                        key);
+    return SLV_OK;
+}
+
+slv_result slv_ptx_load_mesh(const slv_env *env, const slv_ptx *ptx, slv_mesh **out) {
+    const slv_ptx_meta *counts = NULL, *indices = NULL, *positions = NULL;
+    slv_result result;
+    *out = NULL;
+    if ((result = find_geometry(env, ptx, "PtexFaceVertCounts", SLV_META_INT32, &counts)) ||
+        (result = find_geometry(env, ptx, "PtexFaceVertIndices", SLV_META_INT32, &indices)) ||
+        (result = find_geometry(env, ptx, "PtexVertPositions", SLV_META_FLOAT, &positions)))
+        return result;
+    const int32_t *sizes = counts->values, *verts = indices->values;
+    uint64_t nindices = 0, nfaces = 0;
+    uint32_t nverts = positions->count / 3;
+    bool triangle = ptx->info.mesh_type == SLV_PTX_TRIANGLE;
+    for (uint32_t poly = 0; poly < counts->count; poly++) {
+        if (triangle ? sizes[poly] != 3 : sizes[poly] < 3)
+            return slv_fail(env, SLV_ERROR_MISMATCH, "%s: its mesh has a polygon %u of %d vertices",
+                            ptx->name, poly, sizes[poly]);
+        nindices += (uint32_t)sizes[poly];
+        nfaces += triangle || sizes[poly] == 4 ? 1 : (uint32_t)sizes[poly];
+    }
+    if (nindices != indices->count)
+        return slv_fail(env, SLV_ERROR_MISMATCH,
+                        "%s: PtexFaceVertCounts adds up to %llu, PtexFaceVertIndices has %u",
+                        ptx->name, (unsigned long long)nindices, indices->count);
+    if (nfaces != ptx->info.nfaces)
+        return slv_fail(env, SLV_ERROR_MISMATCH, "%s: its mesh has %llu faces, its texture %u",
+                        ptx->name, (unsigned long long)nfaces, ptx->info.nfaces);
+    if (positions->count % 3)
+        return slv_fail(env, SLV_ERROR_MISMATCH, "%s: PtexVertPositions has %u values, not threes",
+                        ptx->name, positions->count);
+    for (uint32_t i = 0; i < indices->count; i++)
+        if (verts[i] < 0 || (uint32_t)verts[i] >= nverts)
+            return slv_fail(env, SLV_ERROR_MISMATCH,
+                            "%s: PtexFaceVertIndices names vertex %d of %u", ptx->name, verts[i],
+                            nverts);
+    slv_mesh_view view = {.nverts = nverts,
+                          .positions = positions->values,
+                          .npolys = counts->count,
+                          .poly_sizes = sizes,
+                          .poly_verts = verts};
+    return slv_mesh_create(env, &view, out);
+}

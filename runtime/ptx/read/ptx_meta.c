@@ -1,0 +1,254 @@
+/* Metadata: typed arrays under a key. */
+#include "ptx/format/ptx_file.h"
+
+#include <stdlib.h>
+
+static size_t element_size(unsigned type) {
+    static const uint8_t sizes[] = {1, 1, 2, 4, 4, 8};
+    return sizes[type];
+}
+
+/* While a file is being opened nobody else looks at its entries. */
+static void move(ptx_meta *to, const ptx_meta *from) {
+    to->entry = from->entry;
+    to->memory = from->memory;
+    to->large = from->large;
+    to->position = from->position;
+    to->zipped = from->zipped;
+    to->unpacked = from->unpacked;
+    atomic_init(&to->loaded, atomic_load_explicit(&from->loaded, memory_order_relaxed));
+}
+
+/* Adds an entry: with its values' memory, or, where `values` is NULL, without. */
+static slv_result append(slv_ptx *ptx, const uint8_t *key, unsigned key_size, unsigned type,
+                         uint32_t size, void **values) {
+    if (key_size < 1 || key[key_size - 1] != 0)
+        return slv_fail(&ptx->env, SLV_ERROR_FORMAT,
+                        "%s: metadata entry %u: its key does not end where it says", ptx->name,
+                        ptx->info.nmeta);
+    if (type > SLV_META_DOUBLE)
+        return slv_fail(&ptx->env, SLV_ERROR_FORMAT, "%s: metadata %s: unknown type %u", ptx->name,
+                        (const char *)key, type);
+    if (ptx->info.nmeta == ptx->meta_capacity) {
+        uint64_t capacity = ptx->meta_capacity ? 2 * (uint64_t)ptx->meta_capacity : 16;
+        ptx_meta *grown = NULL;
+        slv_result result = slv_alloc(&ptx->env, ptx->name, capacity, sizeof *grown, &grown);
+        if (result)
+            return result;
+        for (uint32_t i = 0; i < ptx->info.nmeta; i++)
+            move(&grown[i], &ptx->meta[i]);
+        free(ptx->meta);
+        ptx->meta = grown;
+        ptx->meta_capacity = (uint32_t)capacity;
+    }
+    ptx_meta *meta = &ptx->meta[ptx->info.nmeta];
+    /* one byte more, so that a string without its NUL gets one */
+    uint64_t room = values ? (uint64_t)size + 1 : 0;
+    memset(meta, 0, sizeof *meta);
+    slv_result result = slv_alloc(&ptx->env, ptx->name, room + key_size, 1, &meta->memory);
+    if (result)
+        return result;
+    char *name = (char *)meta->memory + room;
+    memcpy(name, key, key_size);
+    meta->entry = (slv_ptx_meta){name, (slv_meta_type)type, size / (uint32_t)element_size(type),
+                                 values ? meta->memory : NULL};
+    atomic_init(&meta->loaded, values != NULL);
+    ptx->info.nmeta++;
+    if (values)
+        *values = meta->memory;
+    return SLV_OK;
+}
+
+static void count_string(slv_ptx_meta *entry, uint32_t size) {
+    if (entry->type == SLV_META_STRING)
+        entry->count = (uint32_t)strnlen(entry->values, size);
+}
+
+slv_result ptx_meta_parse(slv_ptx *ptx, const char *what, const uint8_t *bytes, uint64_t size) {
+    uint64_t at = 0;
+    while (at < size) {
+        unsigned key_size = bytes[at];
+        uint64_t value = at + 1 + key_size + 5;
+        if (value > size || ptx_get_u32(bytes + value - 4) > size - value)
+            return slv_fail(&ptx->env, SLV_ERROR_FORMAT,
+                            "%s: the %s: entry %u, at byte %llu of %llu, goes beyond the end",
+                            ptx->name, what, ptx->info.nmeta, (unsigned long long)at,
+                            (unsigned long long)size);
+        uint32_t value_size = ptx_get_u32(bytes + value - 4);
+        void *values = NULL;
+        slv_result result =
+            append(ptx, bytes + at + 1, key_size, bytes[value - 5], value_size, &values);
+        if (result)
+            return result;
+        memcpy(values, bytes + value, value_size);
+        count_string(&ptx->meta[ptx->info.nmeta - 1].entry, value_size);
+        at = value + value_size;
+    }
+    return SLV_OK;
+}
+
+slv_result ptx_meta_read_large(slv_ptx *ptx, const uint8_t *headers, uint64_t size,
+                               uint64_t position, uint64_t end) {
+    uint64_t at = 0;
+    while (at < size) {
+        unsigned key_size = headers[at];
+        uint64_t next = at + 1 + key_size + 9;
+        if (next > size)
+            return slv_fail(&ptx->env, SLV_ERROR_FORMAT,
+                            "%s: the table of large metadata ends within entry %u", ptx->name,
+                            ptx->info.nmeta);
+        uint32_t value_size = ptx_get_u32(headers + next - 8);
+        uint32_t zipped = ptx_get_u32(headers + next - 4);
+        if (zipped > end - position)
+            return slv_fail(&ptx->env, SLV_ERROR_FORMAT,
+                            "%s: large metadata entry %u: %u bytes at offset %llu go beyond its "
+                            "section, which ends at %llu",
+                            ptx->name, ptx->info.nmeta, zipped, (unsigned long long)position,
+                            (unsigned long long)end);
+        if (!ptx_zip_is_plausible(zipped, value_size))
+            return slv_fail(&ptx->env, SLV_ERROR_FORMAT,
+                            "%s: large metadata entry %u claims %u bytes packed into %u", ptx->name,
+                            ptx->info.nmeta, value_size, zipped);
+        slv_result result =
+            append(ptx, headers + at + 1, key_size, headers[next - 9], value_size, NULL);
+        if (result)
+            return result;
+        ptx_meta *meta = &ptx->meta[ptx->info.nmeta - 1];
+        meta->position = position;
+        meta->zipped = zipped;
+        meta->unpacked = value_size;
+        position += zipped;
+        at = next;
+    }
+    return SLV_OK;
+}
+
+struct keyed {
+    const char *key;
+    uint32_t index;
+};
+
+static int compare_keyed(const void *a, const void *b) {
+    const struct keyed *x = a, *y = b;
+    int order = strcmp(x->key, y->key);
+    return order ? order : (x->index > y->index) - (x->index < y->index);
+}
+
+slv_result ptx_meta_finish(slv_ptx *ptx) {
+    uint32_t count = ptx->info.nmeta, kept = 0;
+    struct keyed *sorted = NULL;
+    uint32_t *moved = NULL;
+    slv_result result = slv_alloc(&ptx->env, ptx->name, count, sizeof *sorted, &sorted);
+    if (result || (result = slv_alloc(&ptx->env, ptx->name, count, sizeof *moved, &moved)) ||
+        (result =
+             slv_alloc(&ptx->env, ptx->name, count, sizeof *ptx->meta_by_key, &ptx->meta_by_key)))
+        goto done;
+    for (uint32_t i = 0; i < count; i++)
+        sorted[i] = (struct keyed){ptx->meta[i].entry.key, i};
+    if (count)
+        qsort(sorted, count, sizeof *sorted, compare_keyed);
+    /* of entries with one key the first gives the place and the last the value */
+    for (uint32_t first = 0, end; first < count; first = end) {
+        for (end = first + 1; end < count && !strcmp(sorted[end].key, sorted[first].key); end++)
+            ;
+        ptx_meta *place = &ptx->meta[sorted[first].index];
+        for (uint32_t i = first + 1; i < end; i++) {
+            ptx_meta *newer = &ptx->meta[sorted[i].index];
+            free(place->memory);
+            move(place, newer);
+            newer->memory = NULL;
+        }
+        sorted[kept].key = place->entry.key;
+        sorted[kept++].index = sorted[first].index;
+    }
+    uint32_t to = 0;
+    for (uint32_t i = 0; i < count; i++)
+        if (ptx->meta[i].memory) {
+            moved[i] = to;
+            if (to != i) {
+                move(&ptx->meta[to], &ptx->meta[i]);
+                ptx->meta[i].memory = NULL;
+            }
+            to++;
+        }
+    for (uint32_t i = 0; i < kept; i++)
+        ptx->meta_by_key[i] = moved[sorted[i].index];
+    ptx->info.nmeta = kept;
+done:
+    free(sorted);
+    free(moved);
+    return result;
+}
+
+void ptx_meta_free(slv_ptx *ptx) {
+    for (uint32_t i = 0; i < ptx->info.nmeta; i++) {
+        ptx_meta *meta = &ptx->meta[i];
+        free(meta->large);
+        free(meta->memory);
+    }
+    free(ptx->meta);
+    free(ptx->meta_by_key);
+}
+
+static slv_result load_large(const slv_ptx *ptx, ptx_meta *meta) {
+    struct libdeflate_decompressor *inflater = libdeflate_alloc_decompressor();
+    if (!inflater)
+        return slv_fail(&ptx->env, SLV_ERROR_MEMORY, "%s: no memory to unpack it", ptx->name);
+    slv_result result = ptx_read_zip(ptx, inflater, "large metadata", meta->position, meta->zipped,
+                                     meta->unpacked, &meta->large);
+    libdeflate_free_decompressor(inflater);
+    if (result)
+        return result;
+    meta->entry.values = meta->large;
+    count_string(&meta->entry, meta->unpacked);
+    return SLV_OK;
+}
+
+static const slv_ptx_meta *loaded_entry(const slv_ptx *ptx, ptx_meta *meta) {
+    if (atomic_load_explicit(&meta->loaded, memory_order_acquire))
+        return &meta->entry;
+    pthread_mutex_lock(&ptx->tables->lock);
+    bool loaded = atomic_load_explicit(&meta->loaded, memory_order_relaxed) ||
+                  load_large(ptx, meta) == SLV_OK;
+    atomic_store_explicit(&meta->loaded, loaded, memory_order_release);
+    pthread_mutex_unlock(&ptx->tables->lock);
+    return loaded ? &meta->entry : NULL;
+}
+
+const slv_ptx_meta *slv_ptx_get_meta(const slv_ptx *ptx, uint32_t index) {
+    return index < ptx->info.nmeta ? loaded_entry(ptx, &ptx->meta[index]) : NULL;
+}
+
+ptx_meta *ptx_meta_lookup(const slv_ptx *ptx, const char *key) {
+    uint32_t low = 0, high = ptx->info.nmeta;
+    while (low < high) {
+        uint32_t middle = low + (high - low) / 2;
+        ptx_meta *meta = &ptx->meta[ptx->meta_by_key[middle]];
+        int order = strcmp(key, meta->entry.key);
+        if (order == 0)
+            return meta;
+        if (order < 0)
+            high = middle;
+        else
+            low = middle + 1;
+    }
+    return NULL;
+}
+
+const slv_ptx_meta *slv_ptx_find_meta(const slv_ptx *ptx, const char *key) {
+    ptx_meta *meta = ptx_meta_lookup(ptx, key);
+    return meta ? loaded_entry(ptx, meta) : NULL;
+}
+
+uint64_t ptx_meta_bytes(const slv_ptx *ptx, bool all) {
+    uint64_t bytes = (uint64_t)ptx->meta_capacity * sizeof *ptx->meta + 4ull * ptx->info.nmeta;
+    for (uint32_t i = 0; i < ptx->info.nmeta; i++) {
+        const ptx_meta *meta = &ptx->meta[i];
+        bytes += strlen(meta->entry.key) + 1;
+        if (!meta->position)
+            bytes += (uint64_t)meta->entry.count * element_size(meta->entry.type) + 1;
+        else if (all || atomic_load_explicit(&meta->loaded, memory_order_acquire))
+            bytes += meta->unpacked + 1;
+    }
+    return bytes;
+}

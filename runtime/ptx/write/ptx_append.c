@@ -1,0 +1,193 @@
+/* Edits appended to a file. They lie behind what its header says is there, until they are complete
+ * and one write of the header takes them in: whoever kills an editor leaves the old file or the new
+ * one. */
+#include "ptx/write/ptx_write.h"
+
+#include <errno.h>
+#include <fcntl.h>
+#include <stdlib.h>
+#include <sys/file.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#define EDIT_FIELDS (PTX_HEADER_SIZE + 24) /* where the size and the position of the edits are */
+#define FLUSH (UINT64_C(1) << 20)
+
+enum { EDIT_FACE = 0, EDIT_META = 1 };
+
+static slv_result open_locked(const slv_env *env, const char *path, int *out) {
+    struct stat status;
+    slv_result result = SLV_OK;
+    int descriptor = open(path, O_RDWR | O_CLOEXEC | O_NONBLOCK);
+    if (descriptor < 0)
+        return slv_fail(env, SLV_ERROR_IO, "%s: cannot be edited: %s", path, strerror(errno));
+    if (fstat(descriptor, &status) != 0 || !S_ISREG(status.st_mode))
+        result = slv_fail(env, SLV_ERROR_IO, "%s: not a regular file", path);
+    else if (flock(descriptor, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK)
+        result = slv_fail(env, SLV_ERROR_IO, "%s: is being edited already", path);
+    if (result) {
+        close(descriptor);
+        return result;
+    }
+    *out = descriptor;
+    return SLV_OK;
+}
+
+slv_result slv_ptx_writer_edit(const slv_env *env, const char *path,
+                               const slv_ptx_writer_params *params, slv_ptx_writer **out) {
+    slv_ptx *ptx = NULL;
+    slv_ptx_writer *writer = NULL;
+    uint8_t size[4];
+    int descriptor = -1;
+    *out = NULL;
+    slv_result result = open_locked(env, path, &descriptor);
+    if (result || (result = slv_ptx_open(env, path, &ptx)) ||
+        (result = ptx_read_bytes(env, ptx, "header", 28, sizeof size, size)))
+        goto done;
+    if (ptx_get_u32(size) < PTX_EXTENDED_HEADER_SIZE) {
+        result = slv_fail(env, SLV_ERROR_UNSUPPORTED,
+                          "%s: its header has no room for edits; it can be rewritten", path);
+        goto done;
+    }
+    slv_ptx_writer_params own = ptx_writer_params_of_header(ptx);
+    if (params) {
+        own.compression = params->compression;
+        own.sync = params->sync;
+        own.memory = params->memory;
+    }
+    if ((result = ptx_writer_begin(env, path, &own, &writer)))
+        goto done;
+    writer->edited = descriptor;
+    writer->edit_position = ptx->edit_position;
+    writer->edit_end = ptx->edit_end;
+    descriptor = -1;
+    *out = writer;
+done:
+    if (descriptor >= 0)
+        close(descriptor);
+    slv_ptx_close(ptx);
+    return result;
+}
+
+/* Records on their way into the file. */
+struct append {
+    slv_ptx_writer *writer;
+    ptx_bytes bytes;
+    uint64_t position;
+};
+
+static slv_result flush(struct append *append) {
+    slv_ptx_writer *writer = append->writer;
+    slv_result result = ptx_write_at(&writer->env, writer->path, writer->edited, append->bytes.data,
+                                     append->bytes.size, append->position);
+    append->position += append->bytes.size;
+    append->bytes.size = 0;
+    return result;
+}
+
+static slv_result append_face(struct append *append, uint32_t face) {
+    slv_ptx_writer *writer = append->writer;
+    uint8_t head[PTX_EDIT_HEADER_SIZE + 4 + PTX_FACE_INFO_SIZE + 4] = {EDIT_FACE};
+    uint32_t header = writer->headers[0][face], block = PTX_BLOCK_SIZE(header);
+    uint64_t size = 8 + PTX_FACE_INFO_SIZE + writer->pixel_size + block;
+    ptx_put_u32(head + 1, (uint32_t)size);
+    ptx_put_u32(head + 5, face);
+    memcpy(head + 9, writer->records + (size_t)face * PTX_FACE_INFO_SIZE, PTX_FACE_INFO_SIZE);
+    ptx_put_u32(head + 9 + PTX_FACE_INFO_SIZE, header);
+    slv_result result =
+        ptx_bytes_append(&writer->env, writer->path, &append->bytes, head, sizeof head);
+    if (!result)
+        result =
+            ptx_bytes_append(&writer->env, writer->path, &append->bytes,
+                             writer->constants + face * writer->pixel_size, writer->pixel_size);
+    if (!result)
+        result = ptx_bytes_reserve(&writer->env, writer->path, &append->bytes, block);
+    if (!result)
+        result = ptx_spill_read(&writer->spill, &writer->env, writer->positions[face], block,
+                                append->bytes.data + append->bytes.size);
+    if (!result)
+        append->bytes.size += block;
+    return !result && append->bytes.size >= FLUSH ? flush(append) : result;
+}
+
+static slv_result append_meta(struct append *append) {
+    slv_ptx_writer *writer = append->writer;
+    uint8_t head[PTX_EDIT_HEADER_SIZE + 8] = {EDIT_META};
+    ptx_bytes plain = {0};
+    uint32_t zipped = 0;
+    uint64_t start = append->bytes.size;
+    struct libdeflate_compressor *deflater = libdeflate_alloc_compressor(writer->compression);
+    slv_result result = SLV_OK;
+    if (!deflater)
+        result = slv_fail(&writer->env, SLV_ERROR_MEMORY, "%s: no memory to pack it", writer->path);
+    if (!result &&
+        !(result = ptx_meta_pack_edit(&writer->env, writer->path, writer->meta, writer->nmeta,
+                                      &plain)) &&
+        !(result = ptx_bytes_append(&writer->env, writer->path, &append->bytes, head, sizeof head)))
+        result = ptx_bytes_append_zip(&writer->env, writer->path, deflater, &append->bytes,
+                                      plain.data, plain.size, UINT32_MAX - 8, &zipped);
+    if (!result) {
+        uint8_t *record = append->bytes.data + start;
+        ptx_put_u32(record + 1, zipped + 8);
+        ptx_put_u32(record + 5, zipped);
+        ptx_put_u32(record + 9, (uint32_t)plain.size);
+    }
+    libdeflate_free_compressor(deflater);
+    free(plain.data);
+    return result;
+}
+
+static slv_result put_fields(const slv_ptx_writer *writer, uint64_t end) {
+    uint8_t fields[16];
+    ptx_put_u64(fields, end - writer->edit_position);
+    ptx_put_u64(fields + 8, writer->edit_position);
+    return ptx_write_at(&writer->env, writer->path, writer->edited, fields, sizeof fields,
+                        EDIT_FIELDS);
+}
+
+static slv_result append_all(struct append *append) {
+    slv_ptx_writer *writer = append->writer;
+    slv_result result = SLV_OK;
+    for (uint32_t face = 0; !result && face < writer->params.nfaces; face++)
+        if (writer->given[face])
+            result = append_face(append, face);
+    if (!result && writer->nmeta)
+        result = append_meta(append);
+    return result ? result : flush(append);
+}
+
+slv_result ptx_writer_append(slv_ptx_writer *writer) {
+    struct append append = {.writer = writer, .position = writer->edit_end};
+    struct stat edited, named;
+    uint8_t fields[16];
+    if (fstat(writer->edited, &edited) != 0 || stat(writer->path, &named) != 0 ||
+        edited.st_dev != named.st_dev || edited.st_ino != named.st_ino)
+        return slv_fail(&writer->env, SLV_ERROR_IO, "%s: was replaced while it was being edited",
+                        writer->path);
+    if (pread(writer->edited, fields, sizeof fields, EDIT_FIELDS) != (ssize_t)sizeof fields)
+        return slv_fail(&writer->env, SLV_ERROR_IO, "%s: its header could not be read",
+                        writer->path);
+    slv_result result = SLV_OK;
+    /* old files have no end of their edits: all that follows would count, half written or not */
+    if (!ptx_get_u64(fields + 8))
+        result = put_fields(writer, writer->edit_end);
+    if (!result)
+        result = append_all(&append);
+    if (!result && writer->params.sync && fdatasync(writer->edited) != 0)
+        result = slv_fail(&writer->env, SLV_ERROR_IO, "%s: write failed: %s", writer->path,
+                          strerror(errno));
+    if (!result && append.position > writer->edit_end)
+        result = put_fields(writer, append.position);
+    free(append.bytes.data);
+    uint64_t end = result ? (uint64_t)edited.st_size : append.position;
+    if (!result && writer->params.sync && fdatasync(writer->edited) != 0)
+        result = slv_fail(&writer->env, SLV_ERROR_IO, "%s: write failed: %s", writer->path,
+                          strerror(errno));
+    /* what a killed editor left, or this one when it failed; nobody sees it, so nothing is lost if
+     * it stays */
+    if (end >= writer->edit_end)
+        (void)!ftruncate(writer->edited, (off_t)end);
+    if (!result)
+        ptx_temporary_sweep(writer->path);
+    return result;
+}

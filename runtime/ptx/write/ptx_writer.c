@@ -1,0 +1,305 @@
+/* Taking in faces, metadata and adjacency. */
+#include "ptx/format/ptx_reduce.h"
+#include "ptx/write/ptx_write.h"
+
+#include <stdlib.h>
+#include <unistd.h>
+
+#define DEFAULT_MEMORY (UINT64_C(128) << 20)
+/* With blocks of noise packed by other means, the first level that is no larger than zlib's sixth.
+ */
+#define DEFAULT_COMPRESSION 7
+
+/* Whether a file has faces of which reductions would be stored. */
+static bool could_reduce(const slv_ptx *ptx) {
+    if (ptx_need(ptx, PTX_FACES))
+        return false;
+    for (uint32_t face = 0; face < ptx->info.nfaces; face++) {
+        slv_ptx_face f = ptx_face_at(ptx, face);
+        if (ptx_min_log2(f.res) > 2 && !(f.flags & SLV_FACE_CONSTANT))
+            return true;
+    }
+    return false;
+}
+
+slv_ptx_writer_params ptx_writer_params_of_header(const slv_ptx *ptx) {
+    const slv_ptx_info *info = &ptx->info;
+    return (slv_ptx_writer_params){.mesh_type = info->mesh_type,
+                                   .type = info->type,
+                                   .nchannels = info->nchannels,
+                                   .alpha_channel = info->alpha_channel,
+                                   .nfaces = info->nfaces,
+                                   .border_u = info->border_u,
+                                   .border_v = info->border_v,
+                                   .edge_filter = info->edge_filter};
+}
+
+slv_ptx_writer_params slv_ptx_writer_params_like(const slv_ptx *ptx) {
+    slv_ptx_writer_params params = ptx_writer_params_of_header(ptx);
+    params.no_reductions = ptx->info.nlevels == 1 && could_reduce(ptx);
+    return params;
+}
+
+static slv_result check_params(const slv_env *env, const char *path,
+                               const slv_ptx_writer_params *p) {
+    if ((unsigned)p->mesh_type > SLV_PTX_QUAD || (unsigned)p->type > SLV_TYPE_FLOAT ||
+        (unsigned)p->border_u > SLV_BORDER_PERIODIC ||
+        (unsigned)p->border_v > SLV_BORDER_PERIODIC ||
+        (unsigned)p->edge_filter > SLV_EDGE_FILTER_TANVEC)
+        return slv_fail(env, SLV_ERROR_ARGUMENT,
+                        "%s: unknown mesh type, data type, border mode or edge filter", path);
+    if (p->nchannels < 1 || p->nchannels > UINT16_MAX)
+        return slv_fail(env, SLV_ERROR_ARGUMENT, "%s: %u channels, 1 to %d are possible", path,
+                        p->nchannels, UINT16_MAX);
+    if (p->alpha_channel < SLV_NO_ALPHA ||
+        (p->alpha_channel >= 0 && (uint32_t)p->alpha_channel >= p->nchannels))
+        return slv_fail(env, SLV_ERROR_ARGUMENT, "%s: alpha is channel %d, there are %u channels",
+                        path, p->alpha_channel, p->nchannels);
+    if (p->nfaces > INT32_MAX)
+        return slv_fail(env, SLV_ERROR_ARGUMENT, "%s: %u faces, the format has room for %d", path,
+                        p->nfaces, INT32_MAX);
+    if (p->compression < 0 || p->compression > 12)
+        return slv_fail(env, SLV_ERROR_ARGUMENT, "%s: compression is 1 to 12, not %d", path,
+                        p->compression);
+    return SLV_OK;
+}
+
+slv_result ptx_writer_begin(const slv_env *env, const char *path,
+                            const slv_ptx_writer_params *params, slv_ptx_writer **out) {
+    slv_ptx_writer *writer = NULL;
+    uint32_t nfaces = params->nfaces;
+    *out = NULL;
+    slv_result result = check_params(env, path, params);
+    if (result || (result = slv_alloc(env, path, 1, sizeof *writer, &writer)))
+        return result;
+    writer->edited = -1;
+    writer->params = *params;
+    writer->compression = params->compression ? params->compression : DEFAULT_COMPRESSION;
+    writer->pixel_size = params->nchannels * slv_type_size(params->type);
+    atomic_init(&writer->failed, false);
+    pthread_mutex_init(&writer->lock, NULL);
+    if ((result = slv_parallel_env_begin(env, &writer->log, &writer->env)))
+        goto done;
+    env = &writer->env;
+    /* a link stays one: what it names is replaced */
+    char *resolved = realpath(path, NULL);
+    const char *name = resolved ? resolved : path;
+    result = slv_alloc(env, path, strlen(name) + 1, 1, &writer->path);
+    if (!result)
+        memcpy(writer->path, name, strlen(name) + 1);
+    free(resolved);
+    if (result || (result = slv_alloc(env, path, nfaces, PTX_FACE_INFO_SIZE, &writer->records)) ||
+        (result = slv_alloc(env, path, nfaces, writer->pixel_size, &writer->constants)) ||
+        (result = slv_alloc(env, path, nfaces, 1, &writer->given)) ||
+        (result = slv_alloc(env, path, nfaces, sizeof *writer->positions, &writer->positions)) ||
+        (result = ptx_spill_begin(&writer->spill, env, writer->path,
+                                  params->memory ? params->memory : DEFAULT_MEMORY)))
+        goto done;
+    for (uint32_t level = 0; level < PTX_MAX_STORED_LEVELS; level++)
+        if ((result = slv_alloc(env, path, nfaces, sizeof(uint32_t), &writer->headers[level])))
+            goto done;
+    slv_ptx_face none = {
+        .flags = SLV_FACE_CONSTANT,
+        .adjacency.face = {SLV_BOUNDARY, SLV_BOUNDARY, SLV_BOUNDARY, SLV_BOUNDARY}};
+    for (uint32_t face = 0; face < nfaces; face++)
+        ptx_pack_record(&none, writer->records + (size_t)face * PTX_FACE_INFO_SIZE);
+    *out = writer;
+    writer = NULL;
+done:
+    slv_ptx_writer_destroy(writer);
+    return result;
+}
+
+slv_result slv_ptx_writer_create(const slv_env *env, const char *path,
+                                 const slv_ptx_writer_params *params, slv_ptx_writer **out) {
+    ptx_temporary temporary;
+    slv_result result = ptx_writer_begin(env, path, params, out);
+    if (result)
+        return result;
+    /* better to hear now than after the work that the folder cannot be written */
+    if ((result = ptx_temporary_create(&(*out)->env, (*out)->path, &temporary))) {
+        slv_ptx_writer_destroy(*out);
+        *out = NULL;
+        return result;
+    }
+    ptx_temporary_discard(&temporary);
+    return SLV_OK;
+}
+
+void slv_ptx_writer_destroy(slv_ptx_writer *writer) {
+    if (!writer)
+        return;
+    while (writer->idle) {
+        ptx_packer *packer = writer->idle;
+        writer->idle = packer->next;
+        ptx_packer_free(packer);
+    }
+    ptx_spill_end(&writer->spill);
+    for (uint32_t level = 0; level < PTX_MAX_STORED_LEVELS; level++)
+        free(writer->headers[level]);
+    for (uint32_t i = 0; i < writer->nmeta; i++)
+        free(writer->meta[i].memory);
+    if (writer->edited >= 0)
+        close(writer->edited);
+    free(writer->links);
+    free(writer->meta);
+    free(writer->records);
+    free(writer->constants);
+    free(writer->given);
+    free(writer->positions);
+    free(writer->path);
+    pthread_mutex_destroy(&writer->lock);
+    slv_parallel_env_end(writer->log);
+    free(writer);
+}
+
+static slv_result take_packer(slv_ptx_writer *writer, const slv_env *env, ptx_packer **out) {
+    pthread_mutex_lock(&writer->lock);
+    ptx_packer *packer = writer->idle;
+    if (packer)
+        writer->idle = packer->next;
+    pthread_mutex_unlock(&writer->lock);
+    *out = packer;
+    if (packer) {
+        packer->env = env;
+        return SLV_OK;
+    }
+    slv_result result = slv_alloc(env, writer->path, 1, sizeof *packer, &packer);
+    if (result)
+        return result;
+    packer->env = env;
+    packer->path = writer->path;
+    packer->type = writer->params.type;
+    packer->nchannels = writer->params.nchannels;
+    packer->pixel_size = writer->pixel_size;
+    packer->deflater = libdeflate_alloc_compressor(writer->compression);
+    if (writer->params.compression == 0)
+        packer->own = ptx_deflater_create();
+    if (!packer->deflater || (writer->params.compression == 0 && !packer->own)) {
+        ptx_packer_free(packer);
+        return slv_fail(env, SLV_ERROR_MEMORY, "%s: no memory to pack it", writer->path);
+    }
+    *out = packer;
+    return SLV_OK;
+}
+
+static void give_packer(slv_ptx_writer *writer, ptx_packer *packer) {
+    if (!packer)
+        return;
+    pthread_mutex_lock(&writer->lock);
+    packer->next = writer->idle;
+    writer->idle = packer;
+    pthread_mutex_unlock(&writer->lock);
+}
+
+/* Packs a face's texels and reductions, and finds its average. */
+static slv_result pack_face(slv_ptx_writer *writer, ptx_packer *packer, uint32_t face, slv_res res,
+                            const void *texels) {
+    const slv_ptx_writer_params *p = &writer->params;
+    bool premultiply = p->alpha_channel >= 0;
+    bool reduce = !p->no_reductions && writer->edited < 0;
+    uint8_t *average = writer->constants + face * writer->pixel_size;
+    unsigned turn = 0;
+    slv_result result;
+    packer->out.size = 0;
+    if ((result = ptx_pack(packer, face, texels, res, &writer->headers[0][face])))
+        return result;
+    uint64_t count = ptx_texel_count(res);
+    for (unsigned i = 0; i < 2; i++) {
+        packer->work[i].size = 0;
+        uint64_t room = i == 0 && premultiply ? count : reduce ? count / 4 : 0;
+        if ((result = ptx_bytes_reserve(packer->env, packer->path, &packer->work[i],
+                                        room * writer->pixel_size)))
+            return result;
+    }
+    if (premultiply) {
+        memcpy(packer->work[0].data, texels, (size_t)count * writer->pixel_size);
+        texels = packer->work[0].data;
+        slv_ptx_premultiply(p->type, p->nchannels, p->alpha_channel, packer->work[0].data, count);
+        turn = 1;
+    }
+    for (uint32_t level = 1; reduce && ptx_min_log2(res) > 2; level++) {
+        uint8_t *reduced = packer->work[turn].data;
+        slv_ptx_reduce(p->mesh_type, p->type, p->nchannels, res, texels, reduced);
+        texels = reduced;
+        turn ^= 1;
+        res = (slv_res){(int8_t)(res.u - 1), (int8_t)(res.v - 1)};
+        if ((result = ptx_pack(packer, face, texels, res, &writer->headers[level][face])))
+            return result;
+    }
+    slv_ptx_average(p->type, p->nchannels, texels, ptx_texel_count(res), average);
+    slv_ptx_unmultiply(p->type, p->nchannels, p->alpha_channel, average, 1);
+    return ptx_spill_append(&writer->spill, packer->env, packer->out.data, packer->out.size,
+                            &writer->positions[face]);
+}
+
+static slv_result check_info(const slv_ptx_writer *writer, const slv_env *env, uint32_t face,
+                             const slv_ptx_face *info) {
+    const slv_ptx_writer_params *p = &writer->params;
+    bool triangle = p->mesh_type == SLV_PTX_TRIANGLE;
+    if (writer->finished)
+        return slv_fail(env, SLV_ERROR_ARGUMENT, "%s: face %u: the file is finished", writer->path,
+                        face);
+    if (face >= p->nfaces)
+        return slv_fail(env, SLV_ERROR_ARGUMENT, "%s: face %u: there are %u faces", writer->path,
+                        face, p->nfaces);
+    if (info->res.u < 0 || info->res.v < 0 || info->res.u > SLV_MAX_LOG2_RES ||
+        info->res.v > SLV_MAX_LOG2_RES || (triangle && info->res.u != info->res.v))
+        return slv_fail(env, SLV_ERROR_ARGUMENT,
+                        "%s: face %u: a resolution of 2^%d x 2^%d; sides are 2^0 to 2^%d%s",
+                        writer->path, face, info->res.u, info->res.v, SLV_MAX_LOG2_RES,
+                        triangle ? ", those of a triangle equal" : "");
+    for (unsigned edge = 0; edge < (triangle ? 3 : 4); edge++)
+        if ((uint32_t)info->adjacency.face[edge] + 1 > p->nfaces)
+            return slv_fail(env, SLV_ERROR_ARGUMENT,
+                            "%s: face %u edge %u: the adjacent face is %d, but there are %u faces",
+                            writer->path, face, edge, info->adjacency.face[edge], p->nfaces);
+    return SLV_OK;
+}
+
+slv_result ptx_writer_put(slv_ptx_writer *writer, const slv_env *env, uint32_t face,
+                          const slv_ptx_face *info, const void *texels) {
+    ptx_packer *packer = NULL;
+    slv_result result = check_info(writer, env, face, info);
+    if (result)
+        return result;
+    slv_ptx_face own = *info;
+    bool triangle = writer->params.mesh_type == SLV_PTX_TRIANGLE;
+    own.flags &= triangle ? SLV_FACE_CONSTANT : SLV_FACE_CONSTANT | SLV_FACE_SUBFACE;
+    if (triangle) {
+        own.adjacency.face[3] = SLV_BOUNDARY;
+        own.adjacency.edge[3] = 0;
+    }
+    if (!(own.flags & SLV_FACE_CONSTANT) &&
+        ptx_all_equal(texels, writer->pixel_size, ptx_texel_count(own.res)))
+        own.flags |= SLV_FACE_CONSTANT;
+    for (uint32_t level = 0; writer->given[face] && level < PTX_MAX_STORED_LEVELS; level++)
+        writer->headers[level][face] = 0;
+    if (own.flags & SLV_FACE_CONSTANT)
+        memcpy(writer->constants + face * writer->pixel_size, texels, writer->pixel_size);
+    else if (!(result = take_packer(writer, env, &packer)))
+        result = pack_face(writer, packer, face, own.res, texels);
+    give_packer(writer, packer);
+    if (result) {
+        atomic_store(&writer->failed, true);
+        return result;
+    }
+    ptx_pack_record(&own, writer->records + (size_t)face * PTX_FACE_INFO_SIZE);
+    writer->given[face] = 1;
+    return SLV_OK;
+}
+
+slv_result slv_ptx_writer_write_face(slv_ptx_writer *writer, uint32_t face,
+                                     const slv_ptx_face *info, const void *texels) {
+    return ptx_writer_put(writer, &writer->env, face, info, texels);
+}
+
+slv_result slv_ptx_writer_finish(slv_ptx_writer *writer) {
+    if (writer->finished)
+        return slv_fail(&writer->env, SLV_ERROR_ARGUMENT, "%s: is finished already", writer->path);
+    writer->finished = true;
+    if (atomic_load(&writer->failed))
+        return slv_fail(&writer->env, SLV_ERROR_ARGUMENT,
+                        "%s: is not written, since one of its faces could not be", writer->path);
+    return writer->edited < 0 ? ptx_writer_assemble(writer) : ptx_writer_append(writer);
+}

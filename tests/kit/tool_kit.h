@@ -1,0 +1,141 @@
+/* What the tests of the command's verbs share: a folder, and the command run in it as a user runs
+ * it. */
+#ifndef SLV_TOOL_KIT_H
+#define SLV_TOOL_KIT_H
+
+#include "kit/ptx_kit.h"
+
+#include <selvage/ptx_writer.h>
+
+#include <stdarg.h>
+#include <sys/statvfs.h>
+#include <sys/wait.h>
+
+static char tool_folder[256];
+static char tool_out[65536]; /* what the last run printed, both streams */
+
+/* Tens of thousands of files are quick in memory, and take a minute on a busy disk. */
+static inline void tool_begin(void) {
+    const char *parent = getenv("TMPDIR") ? getenv("TMPDIR") : "/tmp";
+    struct statvfs room;
+    if (statvfs("/dev/shm", &room) == 0 && access("/dev/shm", W_OK) == 0 &&
+        (uint64_t)room.f_bavail * room.f_frsize >= UINT64_C(1) << 30)
+        parent = "/dev/shm";
+    snprintf(tool_folder, sizeof tool_folder, "%s/selvage_tool_XXXXXX", parent);
+    REQUIRE(mkdtemp(tool_folder));
+}
+
+static inline void tool_end(void) {
+    char line[512];
+    snprintf(line, sizeof line, "rm -rf '%s'", tool_folder);
+    CHECK(system(line) == 0);
+}
+
+/* Runs `selvage ARGUMENTS` in the folder and returns the exit code. */
+static inline int tool(const char *format, ...) __attribute__((format(printf, 1, 2)));
+static inline int tool(const char *format, ...) {
+    const char *bin = getenv("SELVAGE_BIN");
+    char line[4096], arguments[2048];
+    va_list args;
+    va_start(args, format);
+    vsnprintf(arguments, sizeof arguments, format, args);
+    va_end(args);
+    snprintf(line, sizeof line, "cd '%s' && '%s/selvage' 2>&1 %s", tool_folder, bin ? bin : "bin",
+             arguments);
+    FILE *pipe = popen(line, "r");
+    if (!pipe)
+        return -1;
+    size_t got = fread(tool_out, 1, sizeof tool_out - 1, pipe);
+    tool_out[got] = 0;
+    int status = pclose(pipe);
+    return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
+}
+
+#define HAS(text) CHECK_MSG(strstr(tool_out, text), "'%s' in:\n%s", text, tool_out)
+#define LACKS(text) CHECK_MSG(!strstr(tool_out, text), "no '%s' in:\n%s", text, tool_out)
+#define RUNS(code, ...)                                                                            \
+    do {                                                                                           \
+        int code_ = tool(__VA_ARGS__);                                                             \
+        CHECK_MSG(code_ == (code), "exit code %d, expected %d:\n%s", code_, code, tool_out);       \
+    } while (0)
+
+/* A path in the folder; four are valid at a time. */
+static inline const char *tool_path(const char *name) {
+    static char paths[4][512];
+    static int turn;
+    char *path = paths[turn = (turn + 1) % 4];
+    snprintf(path, sizeof paths[0], "%s/%s", tool_folder, name);
+    return path;
+}
+
+static inline slv_ptx *tool_open(const char *name) {
+    slv_env env = test_env();
+    slv_ptx *ptx = NULL;
+    REQUIRE(!slv_ptx_open(&env, tool_path(name), &ptx));
+    return ptx;
+}
+
+/* Noise on a mesh of quads and one pentagon, 16x16 texels a face, its geometry inside. */
+static inline void tool_write_noise(const char *name, slv_type type, uint32_t nchannels,
+                                    int32_t alpha, uint64_t seed) {
+    slv_env env = test_env();
+    slv_mesh *mesh = grid_mesh(3, 2, true);
+    slv_ptx_writer_params params = {.mesh_type = SLV_PTX_QUAD,
+                                    .type = type,
+                                    .nchannels = nchannels,
+                                    .alpha_channel = alpha,
+                                    .nfaces = slv_mesh_face_count(mesh)};
+    slv_ptx_writer *writer = NULL;
+    REQUIRE(!slv_ptx_writer_create(&env, tool_path(name), &params, &writer));
+    REQUIRE(!slv_ptx_writer_set_mesh(writer, mesh));
+    uint32_t count = 16 * 16 * nchannels;
+    float *values = calloc(count, sizeof *values);
+    void *texels = calloc(count, slv_type_size(type));
+    for (uint32_t face = 0; face < params.nfaces; face++) {
+        slv_ptx_face info = {.res = {4, 4}};
+        for (uint32_t i = 0; i < count; i++)
+            values[i] = (float)(test_random(&seed) % 65536) / 65535;
+        slv_type_from_float(type, values, count, texels);
+        REQUIRE(!slv_ptx_writer_write_face(writer, face, &info, texels));
+    }
+    REQUIRE(!slv_ptx_writer_finish(writer));
+    slv_ptx_writer_destroy(writer);
+    slv_mesh_destroy(mesh);
+    free(values);
+    free(texels);
+}
+
+/* A copy in which `change` may alter each face before it is written. */
+static inline void tool_copy(const char *from, const char *to, bool meta,
+                             void (*change)(uint32_t face, slv_ptx_face *info, void *texels)) {
+    slv_env env = test_env();
+    slv_ptx *ptx = tool_open(from);
+    const slv_ptx_info *info = slv_ptx_get_info(ptx);
+    slv_ptx_writer_params params = slv_ptx_writer_params_like(ptx);
+    slv_ptx_writer *writer = NULL;
+    REQUIRE(!slv_ptx_writer_create(&env, tool_path(to), &params, &writer));
+    for (uint32_t i = 0; meta && i < info->nmeta; i++)
+        REQUIRE(!slv_ptx_writer_set_meta(writer, slv_ptx_get_meta(ptx, i)));
+    for (uint32_t face = 0; face < info->nfaces; face++) {
+        slv_ptx_face f;
+        REQUIRE(!slv_ptx_get_face(ptx, face, &f));
+        void *texels = malloc((slv_type_size(info->type) * info->nchannels) << (f.res.u + f.res.v));
+        REQUIRE(!slv_ptx_read_face(ptx, face, f.res, texels));
+        f.flags &= (uint8_t)~SLV_FACE_CONSTANT;
+        change(face, &f, texels);
+        REQUIRE(!slv_ptx_writer_write_face(writer, face, &f, texels));
+        free(texels);
+    }
+    REQUIRE(!slv_ptx_writer_finish(writer));
+    slv_ptx_writer_destroy(writer);
+    slv_ptx_close(ptx);
+}
+
+static inline void tool_write_file(const char *name, const void *bytes, size_t size) {
+    FILE *stream = fopen(tool_path(name), "wb");
+    REQUIRE(stream);
+    CHECK(fwrite(bytes, 1, size, stream) == size);
+    CHECK(fclose(stream) == 0);
+}
+
+#endif

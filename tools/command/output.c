@@ -1,0 +1,173 @@
+#include "command/output.h"
+
+#include <errno.h>
+#include <math.h>
+#include <stdarg.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+
+#define NOT_UTF8 UINT32_MAX
+
+slv_result output_fail(const slv_env *env, slv_result result, const char *format, ...) {
+    char line[1024];
+    va_list args;
+    va_start(args, format);
+    vsnprintf(line, sizeof line, format, args);
+    va_end(args);
+    if (env && env->log)
+        env->log(env->log_user, SLV_LOG_ERROR, line);
+    return result;
+}
+
+uint64_t output_file_bytes(const char *path) {
+    struct stat status;
+    return stat(path, &status) == 0 ? (uint64_t)status.st_size : 0;
+}
+
+slv_result output_image(const slv_env *env, const char *path, const slv_image *image,
+                        slv_image_params params, bool forced, bool quiet) {
+    cli_progress progress = cli_progress_fleeting("writing", forced, quiet);
+    params.progress = cli_progress_report;
+    params.progress_user = &progress;
+    slv_result result = slv_image_save(env, path, image, &params);
+    cli_progress_end(&progress);
+    return result;
+}
+
+slv_result output_open(const slv_env *env, const char *path, output_file *out) {
+    size_t length = strlen(path);
+    *out = (output_file){.env = env, .path = path, .beside = malloc(length + sizeof ".tmp")};
+    if (!out->beside)
+        return output_fail(env, SLV_ERROR_MEMORY, "%s: no memory for its name", path);
+    memcpy(out->beside, path, length);
+    memcpy(out->beside + length, ".tmp", sizeof ".tmp");
+    out->stream = fopen(out->beside, "wb");
+    if (!out->stream) {
+        slv_result result =
+            output_fail(env, SLV_ERROR_IO, "%s: cannot be written: %s", path, strerror(errno));
+        free(out->beside);
+        return result;
+    }
+    return SLV_OK;
+}
+
+slv_result output_close(output_file *file, slv_result result) {
+    /* An earlier failure leaves only the stream's flag behind, and errno may be of something else
+     * by now. */
+    bool failed = ferror(file->stream) != 0;
+    errno = 0;
+    failed |= fclose(file->stream) != 0;
+    if (!result && (failed || rename(file->beside, file->path) != 0))
+        result = output_fail(file->env, SLV_ERROR_IO, "%s: cannot be written: %s", file->path,
+                             errno ? strerror(errno) : "the disk may be full");
+    if (result)
+        remove(file->beside);
+    free(file->beside);
+    return result;
+}
+
+/* Takes one character off the front (RFC 3629), or one byte if that is not the start of one. */
+static uint32_t next_character(const unsigned char **at, const unsigned char *end) {
+    static const uint32_t least[5] = {0, 0, 0x80, 0x800, 0x10000};
+    const unsigned char *p = (*at)++;
+    int length = *p < 0x80 ? 1 : *p >= 0xC2 && *p < 0xE0 ? 2 : *p >= 0xE0 && *p < 0xF0 ? 3 : 4;
+    if (length == 1)
+        return *p;
+    if (*p < 0xC2 || *p > 0xF4 || end - p < length)
+        return NOT_UTF8;
+    uint32_t code = *p & (0x7Fu >> length);
+    for (int i = 1; i < length; i++) {
+        if ((p[i] & 0xC0) != 0x80)
+            return NOT_UTF8;
+        code = code << 6 | (p[i] & 0x3Fu);
+    }
+    if (code < least[length] || code > 0x10FFFF || (code >= 0xD800 && code < 0xE000))
+        return NOT_UTF8;
+    *at = p + length;
+    return code;
+}
+
+void output_html(FILE *stream, const char *text) {
+    const unsigned char *at = (const unsigned char *)text, *end = at + strlen(text);
+    while (at < end) {
+        const unsigned char *start = at;
+        uint32_t code = next_character(&at, end);
+        switch (code) {
+        case '&':
+            fputs("&amp;", stream);
+            break;
+        case '<':
+            fputs("&lt;", stream);
+            break;
+        case '>':
+            fputs("&gt;", stream);
+            break;
+        case '"':
+            fputs("&quot;", stream);
+            break;
+        case '\'':
+            fputs("&#39;", stream);
+            break;
+        default:
+            if (code == NOT_UTF8 || code < 0x20 || (code >= 0x7F && code < 0xA0))
+                fputs("\xEF\xBF\xBD", stream);
+            else
+                fwrite(start, 1, (size_t)(at - start), stream);
+        }
+    }
+}
+
+bool output_terminal(FILE *stream, const char *text, size_t size, size_t max_chars) {
+    const unsigned char *at = (const unsigned char *)text, *end = at + size;
+    for (size_t count = 0; at < end; count++) {
+        if (count == max_chars)
+            return false;
+        const unsigned char *start = at;
+        uint32_t code = next_character(&at, end);
+        bool turns_text = (code >= 0x202A && code <= 0x202E) ||
+                          (code >= 0x2066 && code <= 0x2069) || code == 0x200E || code == 0x200F ||
+                          code == 0x061C;
+        bool breaks_line = code == 0x2028 || code == 0x2029;
+        if (code == NOT_UTF8 || code < 0x20 || code == 0x7F)
+            fprintf(stream, "\\x%02x", *start);
+        else if ((code >= 0x80 && code < 0xA0) || turns_text || breaks_line)
+            fprintf(stream, "\\u{%04x}", code);
+        else
+            fwrite(start, 1, (size_t)(at - start), stream);
+    }
+    return true;
+}
+
+json_t *output_json_text(const char *text, size_t size) {
+    const unsigned char *at = (const unsigned char *)text, *end = at + size;
+    char *clean = size < SIZE_MAX / 4 ? malloc(3 * size + 1) : NULL, *to = clean;
+    if (!clean)
+        return NULL;
+    while (at < end) {
+        const unsigned char *start = at;
+        bool good = next_character(&at, end) != NOT_UTF8;
+        size_t length = good ? (size_t)(at - start) : 3;
+        memcpy(to, good ? (const void *)start : "\xEF\xBF\xBD", length);
+        to += length;
+    }
+    json_t *string = json_stringn(clean, (size_t)(to - clean));
+    free(clean);
+    return string;
+}
+
+json_t *output_json_number(double value) {
+    return isfinite(value) ? json_real(value) : json_null();
+}
+
+int output_print_json(const char *path, json_t *root) {
+    int code = EXIT_OK;
+    if (!root)
+        return cli_error("%s: no memory to describe it", path);
+    if (json_dumpf(root, stdout, JSON_INDENT(2) | JSON_REAL_PRECISION(17)) == 0)
+        putchar('\n');
+    else if (!ferror(stdout))
+        code = cli_error("%s: no memory to print it", path);
+    json_decref(root);
+    return code;
+}

@@ -1,0 +1,54 @@
+/* Files that are written whole or not at all, and text made safe for where it goes. */
+#ifndef SELVAGE_TOOLS_OUTPUT_H
+#define SELVAGE_TOOLS_OUTPUT_H
+
+#include "command/cli.h"
+
+#include <jansson.h>
+#include <stdio.h>
+
+typedef struct output_file {
+    const slv_env *env;
+    const char *path;
+    char *beside;
+    FILE *stream;
+} output_file;
+
+/* Opens a file beside `path`. */
+slv_result output_open(const slv_env *env, const char *path, output_file *out);
+/* Puts it in the path's place if `result` is success and all was written, else removes it. */
+slv_result output_close(output_file *file, slv_result result);
+/* Files that appear together: they are written into a new folder `beside` their place. Ending with
+ * EXIT_OK makes that one the folder, or moves its files over where the folder exists already, the
+ * one named `last` (it may be NULL) after all others; any other code removes it. Each returns an
+ * exit code. */
+typedef struct output_folder {
+    char into[1100], beside[1200];
+    bool whole;
+    int lock;
+} output_folder;
+int output_folder_begin(const char *folder, output_folder *out);
+/* The same for files that go where `path` is, in a folder with others. */
+int output_files_begin(const char *path, output_folder *out);
+int output_folder_end(output_folder *folder, const char *last, int code);
+uint64_t output_file_bytes(const char *path); /* 0 if there is none */
+/* Saves a large image, and says how far that is: packing it takes longer than making it. The flags
+ * are those of cli_progress_fleeting. */
+slv_result output_image(const slv_env *env, const char *path, const slv_image *image,
+                        slv_image_params params, bool forced, bool quiet);
+/* Logs one error line and returns `result`. */
+slv_result output_fail(const slv_env *env, slv_result result, const char *format, ...)
+    __attribute__((format(printf, 3, 4)));
+
+/* For HTML text and quoted attributes. What is not UTF-8 becomes U+FFFD here and in JSON. */
+void output_html(FILE *stream, const char *text);
+/* For a terminal: control and direction characters and bytes that are not UTF-8 as \xNN, \u{NNNN}.
+ * Returns false if only the first `max_chars` characters were printed. */
+bool output_terminal(FILE *stream, const char *text, size_t size, size_t max_chars);
+/* NULL if there is no memory, which jansson's setters pass on as their own failure. */
+json_t *output_json_text(const char *text, size_t size);
+json_t *output_json_number(double value); /* null if it is not finite */
+/* Prints and releases; NULL means that there was no memory for it. Returns an exit code. */
+int output_print_json(const char *path, json_t *root);
+
+#endif

@@ -1,0 +1,72 @@
+#include "command/scene.h"
+
+#include <math.h>
+#include <string.h>
+
+/* The box around all groups of a name; all polygons if the name is NULL. False if there is no such
+ * group. */
+static bool find_bounds(const slv_mesh_view *mesh, const char *group, float low[3], float high[3]) {
+    const int32_t *verts = mesh->poly_verts;
+    bool inside = !group, found = false;
+    uint32_t next = 0;
+    for (int c = 0; c < 3; c++) {
+        low[c] = INFINITY;
+        high[c] = -INFINITY;
+    }
+    for (uint32_t p = 0; p < mesh->npolys; verts += mesh->poly_sizes[p++]) {
+        for (; group && next < mesh->ngroups && mesh->group_first[next] <= (int32_t)p; next++)
+            inside = strcmp(mesh->group_names[next], group) == 0;
+        for (int32_t k = 0; inside && k < mesh->poly_sizes[p]; k++) {
+            for (int c = 0; c < 3; c++) {
+                low[c] = fminf(low[c], mesh->positions[3 * (size_t)verts[k] + (size_t)c]);
+                high[c] = fmaxf(high[c], mesh->positions[3 * (size_t)verts[k] + (size_t)c]);
+            }
+        }
+        found |= inside;
+    }
+    return found;
+}
+
+slv_result scene_load(const slv_env *env, const scene_params *params, scene_data *out) {
+    slv_ptx *ptx = NULL;
+    slv_result result;
+    memset(out, 0, sizeof *out);
+    if ((result = slv_ptx_open(env, params->ptx, &ptx)))
+        goto done;
+    result = params->mesh ? slv_mesh_load_obj(env, params->mesh, &out->mesh)
+                          : slv_ptx_load_mesh(env, ptx, &out->mesh);
+    if (result || (params->adjacency == 0 && (result = slv_ptx_match_mesh(env, ptx, out->mesh))))
+        goto done;
+    result = params->adjacency == 1 ? slv_ptx_load_adjacency(env, ptx, &out->adjacency)
+                                    : slv_mesh_adjacency(env, out->mesh, &out->adjacency);
+    if (result)
+        goto done;
+    if (slv_adjacency_face_count(out->adjacency) != slv_ptx_get_info(ptx)->nfaces ||
+        slv_mesh_face_count(out->mesh) != slv_ptx_get_info(ptx)->nfaces) {
+        result = slv_ptx_match_mesh(env, ptx, out->mesh); /* for its message */
+        goto done;
+    }
+    slv_surface_params surface = {.scheme = params->scheme, .boundary = params->boundary};
+    if ((result = slv_surface_create(env, out->mesh, &surface, &out->surface)) ||
+        (result = slv_ptx_load_texture(env, ptx, &out->texture)))
+        goto done;
+    if (!find_bounds(slv_mesh_get_view(out->mesh), params->focus, out->bounds_min,
+                     out->bounds_max)) {
+        cli_error("%s: there is no group '%s' to focus on",
+                  params->mesh ? params->mesh : params->ptx, params->focus ? params->focus : "");
+        result = SLV_ERROR_ARGUMENT;
+    }
+done:
+    slv_ptx_close(ptx);
+    if (result)
+        scene_free(out);
+    return result;
+}
+
+void scene_free(scene_data *scene) {
+    slv_mesh_destroy(scene->mesh);
+    slv_adjacency_destroy(scene->adjacency);
+    slv_surface_destroy(scene->surface);
+    slv_texture_destroy(scene->texture);
+    memset(scene, 0, sizeof *scene);
+}

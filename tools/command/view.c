@@ -1,0 +1,156 @@
+#include "command/scene.h"
+
+#include <jansson.h>
+
+#include <errno.h>
+#include <float.h>
+#include <math.h>
+#include <stdarg.h>
+#include <stdio.h>
+#include <string.h>
+
+/* Says what is wrong with a view file. */
+static slv_result bad_view(const slv_env *env, const char *path, const char *format, ...)
+    __attribute__((format(printf, 3, 4)));
+
+static slv_result bad_view(const slv_env *env, const char *path, const char *format, ...) {
+    char text[256], line[512];
+    va_list args;
+    va_start(args, format);
+    vsnprintf(text, sizeof text, format, args);
+    va_end(args);
+    snprintf(line, sizeof line, "%s: %s", path, text);
+    env->log(env->log_user, SLV_LOG_ERROR, line);
+    return SLV_ERROR_FORMAT;
+}
+
+static bool read_floats(const json_t *array, size_t count, float *out) {
+    if (!json_is_array(array) || json_array_size(array) != count)
+        return false;
+    for (size_t i = 0; i < count; i++) {
+        const json_t *value = json_array_get(array, i);
+        if (!json_is_number(value) || !isfinite((float)json_number_value(value)))
+            return false;
+        out[i] = (float)json_number_value(value);
+    }
+    return true;
+}
+
+static slv_result read_camera(const slv_env *env, const char *path, const json_t *root,
+                              scene_view *out) {
+    const json_t *matrix = json_object_get(root, "world_to_camera");
+    const char *projection = json_string_value(json_object_get(root, "projection"));
+    if (!matrix)
+        return SLV_OK;
+    for (size_t r = 0; r < 4; r++)
+        if (!read_floats(json_array_get(matrix, r), 4, out->camera.world_to_camera + 4 * r))
+            return bad_view(env, path, "world_to_camera is not four rows of four numbers");
+    if (!projection ||
+        (strcmp(projection, "orthographic") != 0 && strcmp(projection, "perspective") != 0))
+        return bad_view(env, path, "projection is neither orthographic nor perspective");
+    out->camera.perspective = projection[0] == 'p';
+    if (!read_floats(json_object_get(root, "screen_window"), 4, out->camera.window))
+        return bad_view(env, path, "screen_window is not four numbers: left, right, bottom, top");
+    const float *w = out->camera.window;
+    if (!(w[1] - w[0] > FLT_MIN) || !(w[3] - w[2] > FLT_MIN))
+        return bad_view(env, path, "screen_window is empty");
+    const float *m = out->camera.world_to_camera;
+    double determinant = (double)m[0] * ((double)m[5] * m[10] - (double)m[6] * m[9]) -
+                         (double)m[1] * ((double)m[4] * m[10] - (double)m[6] * m[8]) +
+                         (double)m[2] * ((double)m[4] * m[9] - (double)m[5] * m[8]);
+    if (!isfinite(determinant) || fabs(determinant) < 1e-30 || m[12] != 0 || m[13] != 0 ||
+        m[14] != 0 || m[15] != 1)
+        return bad_view(env, path,
+                        "world_to_camera cannot be inverted, or its last row is not 0 0 0 1");
+    out->has_camera = true;
+    return SLV_OK;
+}
+
+/* Leaves the value alone where the file says nothing. */
+static bool read_weight(const json_t *shading, const char *key, float *out) {
+    const json_t *value = json_object_get(shading, key);
+    double number = json_number_value(value);
+    if (!value)
+        return true;
+    if (!json_is_number(value) || !(number >= 0 && number <= 1000))
+        return false;
+    *out = (float)number;
+    return true;
+}
+
+static slv_result read_shading(const slv_env *env, const char *path, const json_t *root,
+                               scene_view *out) {
+    const json_t *shading = json_object_get(root, "shading");
+    const char *model = json_string_value(json_object_get(shading, "model"));
+    if (!shading)
+        return SLV_OK;
+    if (!model || !slv_shading_from_name(model, &out->shading))
+        return bad_view(env, path, "unknown shading model '%s', expected " SCENE_SHADINGS,
+                        model ? model : "");
+    out->ka = 0.2f;
+    out->kd = 0.8f;
+    if (!read_weight(shading, "ka", &out->ka) || !read_weight(shading, "kd", &out->kd))
+        return bad_view(env, path, "ka and kd are numbers from 0 to 1000");
+    out->has_shading = true;
+    return SLV_OK;
+}
+
+static slv_result read_surface(const slv_env *env, const char *path, const json_t *root,
+                               scene_view *out) {
+    const json_t *boundary_value = json_object_get(root, "boundary"),
+                 *scheme_value = json_object_get(root, "scheme");
+    const char *boundary = json_string_value(boundary_value),
+               *scheme = json_string_value(scheme_value);
+    if ((boundary_value && !boundary) || (scheme_value && !scheme))
+        return bad_view(env, path, "boundary and scheme are words in quotes");
+    if (boundary && strcmp(boundary, "edge-only") == 0)
+        out->boundary = SLV_BOUNDARY_EDGE_ONLY;
+    else if (boundary && strcmp(boundary, "edge-and-corner") == 0)
+        out->boundary = SLV_BOUNDARY_EDGE_AND_CORNER;
+    else if (boundary && strcmp(boundary, "none") == 0)
+        out->boundary = SLV_BOUNDARY_NONE;
+    else if (boundary)
+        return bad_view(env, path, "unknown boundary '%s', expected edge-only|edge-and-corner|none",
+                        boundary);
+    out->has_scheme = scheme != NULL;
+    if (!scheme || strcmp(scheme, "catmull-clark") == 0 || strcmp(scheme, "catmark") == 0)
+        return SLV_OK;
+    if (strcmp(scheme, "bilinear") != 0)
+        return bad_view(env, path, "scheme '%s' is not supported, expected catmull-clark|bilinear",
+                        scheme);
+    out->scheme = SLV_SCHEME_BILINEAR;
+    return SLV_OK;
+}
+
+static slv_result read_size(const slv_env *env, const char *path, const json_t *root,
+                            scene_view *out) {
+    float size[2];
+    const json_t *array = json_object_get(root, "size");
+    if (!array)
+        return SLV_OK;
+    if (!read_floats(array, 2, size) ||
+        !(size[0] >= 1 && size[0] <= 16384 && size[1] >= 1 && size[1] <= 16384))
+        return bad_view(env, path, "size is not two numbers from 1 to 16384");
+    out->size[0] = (uint32_t)size[0];
+    out->size[1] = (uint32_t)size[1];
+    out->has_size = true;
+    return SLV_OK;
+}
+
+slv_result scene_load_view(const slv_env *env, const char *path, scene_view *out) {
+    json_error_t error;
+    slv_result result;
+    memset(out, 0, sizeof *out);
+    json_t *root = json_load_file(path, 0, &error);
+    if (!root)
+        return error.line > 0 ? bad_view(env, path, "line %d: %s", error.line, error.text)
+                              : bad_view(env, path, "cannot be read: %s", strerror(errno));
+    if (!json_is_object(root))
+        result = bad_view(env, path, "not a JSON object");
+    else if (!(result = read_size(env, path, root, out)) &&
+             !(result = read_camera(env, path, root, out)) &&
+             !(result = read_shading(env, path, root, out)))
+        result = read_surface(env, path, root, out);
+    json_decref(root);
+    return result;
+}

@@ -1,0 +1,445 @@
+#include "compare/compare.h"
+#include "command/output.h"
+
+#include <errno.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+
+struct compare {
+    const char *arguments[1];
+    uint32_t narguments;
+    const char *mesh, *out, *strategies, *focus, *msaa, *references;
+    int scheme, boundary, shading, context, adjacency;
+    bool quick, quiet, resume, compress, size_given, frames_given, reference_frames_given,
+        samples_given;
+    uint32_t size[2], aniso, frames, tess, threads, samples, accumulate, reference_frames;
+    float azimuth, elevation, fov, orbit, tilt, dolly;
+};
+
+struct session {
+    const struct compare *options;
+    slv_env env;
+    scene_data scene;
+    slv_gl *gl;
+    slv_gl_texture *texture, *blocks;
+    slv_gl_renderer *renderer;
+    report_data *report;
+    experiment experiment;
+};
+
+/* The next of some comma-separated words; NULL after the last. */
+static const char *next_word(const char *list, char *word, size_t size) {
+    size_t length = strcspn(list, ",");
+    if (!*list)
+        return NULL;
+    snprintf(word, size, "%.*s", (int)(length < size ? length : size - 1), list);
+    return list + length + (list[length] == ',');
+}
+
+/* Names into the report's list; false leaves the first that is unknown in `word`. If `list` is NULL
+ * all that there are, but for the plain form of traverse, which is slow and shows nothing else. */
+static bool parse_strategies(const char *list, report_data *report, char *word, size_t size) {
+    for (int s = 0; !list && s < SLV_STRATEGY_COUNT; s++)
+        if (s != SLV_STRATEGY_TRAVERSE_FULL)
+            report->strategies[report->nstrategies++].strategy = (slv_strategy)s;
+    while (list && (list = next_word(list, word, size))) {
+        slv_strategy strategy;
+        if (!slv_strategy_from_name(word, &strategy))
+            return false;
+        if (report_find(report, strategy) == report->nstrategies)
+            report->strategies[report->nstrategies++].strategy = strategy;
+    }
+    return report->nstrategies > 0;
+}
+
+static bool parse_references(const char *list, report_data *report) {
+    char word[32];
+    report->reference.first = REPORT_SOURCES;
+    if (strcmp(list, "none") == 0)
+        return true;
+    if (!*list)
+        return false;
+    while ((list = next_word(list, word, sizeof word))) {
+        int s = 0;
+        while (s < REPORT_SOURCES && strcmp(word, report_source_name((report_source)s)) != 0)
+            s++;
+        if (s == REPORT_SOURCES)
+            return false;
+        report->reference.used[s] = true;
+        if ((report_source)s < report->reference.first)
+            report->reference.first = (report_source)s;
+    }
+    return true;
+}
+
+/* One error line for an interruption, wherever it is noticed. */
+static slv_result interruption(slv_result result) {
+    if (result || !cli_interrupted())
+        return result;
+    cli_error("interrupted; --resume goes on from there");
+    return SLV_ERROR_CANCELLED;
+}
+
+static slv_result measure_seams(struct session *s) {
+    report_data *report = s->report;
+    slv_result result = SLV_OK;
+    cli_progress progress = cli_progress_begin(
+        "measuring seams", report->nstrategies * REPORT_LEVELS, s->options->quiet);
+    for (uint32_t k = 0; !result && k < report->nstrategies; k++) {
+        report_strategy *row = &report->strategies[k];
+        row->stats = slv_gl_texture_get_stats(s->texture, row->strategy);
+        for (uint32_t level = 0; !result && !cli_interrupted() && level < REPORT_LEVELS; level++) {
+            slv_gl_seam_params params = {.level = level};
+            result = slv_gl_texture_seam_jump(s->texture, &s->env, row->strategy,
+                                              s->scene.adjacency, &params, &row->seams[level]);
+            cli_progress_update(&progress, k * REPORT_LEVELS + level + 1);
+        }
+    }
+    if (!result && !cli_interrupted())
+        cli_progress_end(&progress);
+    return result;
+}
+
+static uint32_t count_resolutions(const slv_texture *texture) {
+    const slv_texture_desc *desc = slv_texture_get_desc(texture);
+    bool seen[SLV_MAX_LOG2_RES + 1][SLV_MAX_LOG2_RES + 1] = {{false}};
+    uint32_t count = 0;
+    for (uint32_t f = 0; f < desc->nfaces; f++) {
+        bool *cell = &seen[desc->res[f].u][desc->res[f].v];
+        count += !*cell;
+        *cell = true;
+    }
+    return count;
+}
+
+/* FNV-1a of a file, so that a run is not resumed with another one. */
+static json_t *fingerprint(const char *path) {
+    unsigned char block[65536];
+    uint64_t hash = 0xcbf29ce484222325u;
+    char text[32] = "";
+    FILE *stream = path ? fopen(path, "rb") : NULL;
+    for (size_t n; stream && (n = fread(block, 1, sizeof block, stream)) > 0;)
+        for (size_t i = 0; i < n; i++)
+            hash = (hash ^ block[i]) * 0x100000001b3u;
+    if (stream) {
+        fclose(stream);
+        snprintf(text, sizeof text, "%016llx", (unsigned long long)hash);
+    }
+    return json_string(text);
+}
+
+/* All that the numbers of a frame depend on. */
+static json_t *conditions(const struct session *s) {
+    const struct compare *o = s->options;
+    const report_data *r = s->report;
+    json_t *strategies = json_array(), *rates = json_array(), *references = json_array();
+    for (uint32_t k = 0; k < r->nstrategies; k++)
+        json_array_append_new(strategies,
+                              json_string(slv_strategy_name(r->strategies[k].strategy)));
+    for (uint32_t i = 0; i < r->nrates; i++)
+        json_array_append_new(rates, json_pack("[I, I]", (json_int_t)r->rates[i].msaa,
+                                               (json_int_t)r->rates[i].frames));
+    for (int k = 0; k < REPORT_SOURCES; k++)
+        if (r->reference.used[k])
+            json_array_append_new(references, json_string(report_source_name((report_source)k)));
+    return json_pack(
+        "{s:i, s:I, s:o, s:o, s:o, s:o, s:o, s:o, s:[I,I], s:I, s:I, s:I, s:I, s:I, "
+        "s:[f,f,f,f,f,f],"
+        " s:o, s:[i,i,i]}",
+        "schema", 1, "version", (json_int_t)slv_version(), "driver",
+        output_json_text(r->gl.renderer, strlen(r->gl.renderer)), "texture", fingerprint(r->ptx),
+        "mesh", fingerprint(r->mesh), "strategies", strategies, "msaa", rates, "reference",
+        references, "size", (json_int_t)r->width, (json_int_t)r->height, "aniso",
+        (json_int_t)r->anisotropy, "frames", (json_int_t)r->frames, "reference-frames",
+        (json_int_t)r->reference.frames, "reference-samples", (json_int_t)r->reference.samples,
+        "tess", (json_int_t)r->segments, "orbit", (double)r->path.azimuth, (double)r->path.turn,
+        (double)r->path.elevation, (double)r->path.tilt, (double)r->path.fov, (double)r->path.dolly,
+        "focus", o->focus ? output_json_text(o->focus, strlen(o->focus)) : json_null(), "surface",
+        o->scheme, o->boundary, o->shading);
+}
+
+/* Before anything is measured, since textures other than 8-bit are refused. */
+static slv_result upload_blocks(struct session *s, slv_gl_texture_params upload) {
+    s->report->compressed = s->options->compress;
+    upload.compression = SLV_GL_COMPRESSION_BLOCKS;
+    return s->options->compress ? slv_gl_texture_create(s->gl, &s->env, s->scene.texture,
+                                                        s->scene.adjacency, &upload, &s->blocks)
+                                : SLV_OK;
+}
+
+static slv_result prepare(struct session *s) {
+    const struct compare *o = s->options;
+    report_data *report = s->report;
+    scene_params params = {.ptx = o->arguments[0],
+                           .mesh = o->mesh,
+                           .adjacency = o->adjacency,
+                           .focus = o->focus,
+                           .scheme = (slv_scheme)o->scheme,
+                           .boundary = (slv_boundary)o->boundary};
+    slv_gl_texture_params upload = {.anisotropy = o->aniso};
+    slv_result result;
+    for (uint32_t k = 0; k < report->nstrategies; k++)
+        upload.strategies |= 1u << report->strategies[k].strategy;
+    if (report->reference.used[REPORT_SUPERSAMPLED])
+        upload.strategies |= 1u << SLV_STRATEGY_TRAVERSE;
+    if ((result = scene_load(&s->env, &params, &s->scene)) ||
+        (result = slv_gl_create(&s->env, (slv_gl_backend)o->context, &s->gl)) ||
+        (result = experiment_find_rates(&s->env, s->gl, o->accumulate, report)))
+        return result;
+    report->gl = *slv_gl_get_info(s->gl);
+    report->nfaces = slv_mesh_face_count(s->scene.mesh);
+    report->nresolutions = count_resolutions(s->scene.texture);
+    if (o->aniso > report->gl.max_anisotropy)
+        report->anisotropy = report->gl.max_anisotropy;
+    orbit *path = &report->path;
+    *path = (orbit){.azimuth = o->azimuth,
+                    .turn = o->orbit,
+                    .elevation = o->elevation,
+                    .tilt = o->tilt,
+                    .fov = o->fov,
+                    .dolly = o->dolly,
+                    .aspect = (float)report->width / (float)report->height};
+    memcpy(path->bounds_min, s->scene.bounds_min, sizeof path->bounds_min);
+    memcpy(path->bounds_max, s->scene.bounds_max, sizeof path->bounds_max);
+    slv_camera first = orbit_camera(path, 0);
+    report->segments =
+        o->tess ? o->tess
+                : slv_tessellation_for(s->scene.mesh, &first, report->width, report->height);
+    if ((result = slv_gl_texture_create(s->gl, &s->env, s->scene.texture, s->scene.adjacency,
+                                        &upload, &s->texture)) ||
+        (result = upload_blocks(s, upload)) ||
+        (result = slv_gl_renderer_create(s->gl, &s->env, s->scene.mesh, s->scene.surface,
+                                         report->segments, &s->renderer)))
+        return result;
+    s->experiment = (experiment){.env = &s->env,
+                                 .scene = &s->scene,
+                                 .gl = s->gl,
+                                 .texture = s->texture,
+                                 .renderer = s->renderer,
+                                 .shading = (slv_shading)o->shading,
+                                 .report = report,
+                                 .quiet = o->quiet};
+    return SLV_OK;
+}
+
+static slv_result run(struct session *s) {
+    char path[1100], older[1100];
+    slv_result result = prepare(s);
+    if (result)
+        return result;
+    json_t *given = conditions(s);
+    snprintf(path, sizeof path, "%s/frames.jsonl", s->options->out);
+    snprintf(older, sizeof older, "%s/frames.old.jsonl", s->options->out);
+    if (!s->options->resume)
+        rename(path, older); /* there may be hours in it, and --resume forgotten */
+    if (!given)
+        result = output_fail(&s->env, SLV_ERROR_MEMORY, "%s: no memory for it", path);
+    else if (mkdir(s->options->out, 0777) != 0 && errno != EEXIST)
+        result = output_fail(&s->env, SLV_ERROR_IO, "%s: cannot be made: %s", s->options->out,
+                             strerror(errno));
+    else
+        result = experiment_run(&s->experiment, path, given, s->options->resume);
+    json_decref(given);
+    if (result || (result = interruption(measure_seams(s))))
+        return result;
+    result = compare_draw_pictures(&s->experiment);
+    if (!result && s->blocks)
+        result = compare_draw_compressed(&s->experiment, s->blocks);
+    return result == SLV_ERROR_CANCELLED ? interruption(SLV_OK) : result;
+}
+
+static void end_session(struct session *s) {
+    slv_reference_destroy(s->experiment.reference);
+    slv_gl_renderer_destroy(s->renderer);
+    slv_gl_texture_destroy(s->texture);
+    slv_gl_texture_destroy(s->blocks);
+    slv_gl_destroy(s->gl);
+    scene_free(&s->scene);
+}
+
+static int write_report(const slv_env *env, const char *folder, const report_data *report) {
+    char json[1300], html[1300];
+    snprintf(json, sizeof json, "%s/report.json", folder);
+    snprintf(html, sizeof html, "%s/report.html", folder);
+    if (report_write_pictures(env, folder, report) || report_write_tables(env, folder, report) ||
+        report_write_json(env, json, report) || report_write_html(env, html, report))
+        return EXIT_FAILED;
+    return EXIT_OK;
+}
+
+static void choose(const struct compare *o, report_data *report) {
+    report->ptx = o->arguments[0];
+    report->mesh = o->mesh;
+    report->frames = o->frames_given ? o->frames : o->quick ? 4 : 60;
+    report->width = o->size_given ? o->size[0] : o->quick ? 480 : 960;
+    report->height = o->size_given ? o->size[1] : o->quick ? 270 : 540;
+    report->anisotropy = o->aniso;
+    report->nviews = o->quick ? 2 : REPORT_MAX_VIEWS;
+    report_reference *r = &report->reference;
+    if (r->first == REPORT_SOURCES)
+        return;
+    r->samples = o->samples_given ? o->samples : o->quick ? 64 : 256;
+    r->frames = o->reference_frames_given ? o->reference_frames : o->quick ? 2 : 12;
+    r->frames = r->frames < report->frames ? r->frames : report->frames;
+}
+
+static int compare(const struct compare *o, report_data *report) {
+    struct session session = {.options = o, .env = cli_env(o->threads), .report = report};
+    output_folder folder;
+    double start = cli_now();
+    /* whether it can be written is known before minutes are spent */
+    if (output_folder_begin(o->out, &folder))
+        return EXIT_FAILED;
+    output_folder_end(&folder, NULL, EXIT_FAILED);
+    cli_catch_interrupts();
+    choose(o, report);
+    slv_result result = run(&session);
+    report->seconds = cli_now() - start;
+    int code = result ? EXIT_FAILED : output_folder_begin(o->out, &folder);
+    if (!code)
+        code = output_folder_end(&folder, "report.html",
+                                 write_report(&session.env, folder.beside, report));
+    end_session(&session);
+    if (!code && !o->quiet)
+        compare_print(report, o->out);
+    report_free(report);
+    return code;
+}
+
+static const char *problem(const struct compare *o, report_data *report) {
+    if (o->fov < 0 || (o->fov > 0 && o->fov < 0.01f) || o->fov > 170)
+        return "--fov: expected 0 (orthographic) or 0.01 to 170";
+    if (!(o->dolly >= 1 && o->dolly <= 100))
+        return "--dolly: expected 1 to 100";
+    if (!experiment_parse_rates(o->msaa ? o->msaa : o->quick ? "1,4" : "1,2,4,8", report))
+        return "--msaa: expected some of 1, 2, 4, 8 with commas between";
+    if (o->accumulate & (o->accumulate - 1))
+        return "--accumulate: expected a power of two";
+    if (o->tess & (o->tess - 1))
+        return "--tess: expected a power of two from 2 to 128";
+    if (!parse_references(o->references                    ? o->references
+                          : o->shading == SLV_SHADE_LEVELS ? "none"
+                                                           : "raycast",
+                          report))
+        return "--reference: expected none, or some of raycast,mitchell,supersampled";
+    if (report->reference.first < REPORT_SOURCES && o->shading == SLV_SHADE_LEVELS)
+        return "--reference: the shading by levels has none";
+    return NULL;
+}
+
+static int unknown_strategy(const cli_command *command, const char *word) {
+    char names[256] = "";
+    for (int s = 0; s < SLV_STRATEGY_COUNT; s++) {
+        size_t length = strlen(names);
+        snprintf(names + length, sizeof names - length, "%s%s", s ? "|" : "",
+                 slv_strategy_name((slv_strategy)s));
+    }
+    return cli_usage(command, "--strategies: unknown strategy '%s', expected some of %s", word,
+                     names);
+}
+
+int verb_compare(int argc, char **argv) {
+    struct compare o = {.out = "selvage-report",
+                        .aniso = 16,
+                        .accumulate = 1,
+                        .elevation = 20,
+                        .azimuth = 30,
+                        .orbit = 360,
+                        .tilt = 15,
+                        .dolly = 2.5f,
+                        .fov = 35};
+    const cli_option options[] = {
+        {"--mesh|-m", CLI_TEXT, &o.mesh, "control mesh; default: the geometry inside the .ptx",
+         "FILE.obj", 0, 0, NULL},
+        {"--out|-o|--output", CLI_TEXT, &o.out,
+         "folder for report.html, report.json, tables and pictures (selvage-report)", "DIR", 0, 0,
+         NULL},
+        {"--strategies|-s", CLI_TEXT, &o.strategies, "comma-separated (all but traverse-full)",
+         "LIST", 0, 0, NULL},
+        {"--frames", CLI_UINT, &o.frames, "frames of the orbit (60, quick 4)", NULL, 1, 100000,
+         &o.frames_given},
+        {"--resume", CLI_FLAG, &o.resume, "go on with a run that was stopped", NULL, 0, 0, NULL},
+        {"--size", CLI_SIZE, o.size, "pixels (960x540, quick 480x270)", NULL, 48, 16384,
+         &o.size_given},
+        {"--msaa", CLI_TEXT, &o.msaa,
+         "samples per pixel, those that the driver has (1,2,4,8, quick 1,4)", "LIST", 0, 0, NULL},
+        {"--accumulate", CLI_UINT, &o.accumulate,
+         "make rates the driver lacks by averaging at most this many shifted pictures (1)", NULL, 1,
+         64, NULL},
+        {"--aniso", CLI_UINT, &o.aniso, "anisotropy, 1 (trilinear) to 16 (16)", NULL, 1, 16, NULL},
+        {"--compress", CLI_FLAG, &o.compress,
+         "8-bit textures: also drawn from blocks on the GPU (BC1 and its kin)", NULL, 0, 0, NULL},
+        {"--azimuth", CLI_FLOAT, &o.azimuth, "where the orbit starts, degrees from +z (30)", "DEG",
+         0, 0, NULL},
+        {"--orbit", CLI_FLOAT, &o.orbit, "how far it goes (360)", "DEG", 0, 0, NULL},
+        {"--elevation", CLI_FLOAT, &o.elevation, "degrees above the horizon (20)", "DEG", 0, 0,
+         NULL},
+        {"--tilt", CLI_FLOAT, &o.tilt, "how far the elevation swings (15)", "DEG", 0, 0, NULL},
+        {"--dolly", CLI_FLOAT, &o.dolly,
+         "how many times nearer and further the camera goes than where it frames the mesh (2.5)",
+         "X", 0, 0, NULL},
+        {"--focus", CLI_TEXT, &o.focus,
+         "frame this group (g, o) of the OBJ instead of the whole mesh", "GROUP", 0, 0, NULL},
+        {"--fov", CLI_FLOAT, &o.fov, "vertical field of view; 0 is orthographic (35)", "DEG", 0, 0,
+         NULL},
+        {"--shading", CLI_CHOICE, &o.shading, "shading (headlight)", SCENE_SHADINGS, 0, 0, NULL},
+        {"--scheme", CLI_CHOICE, &o.scheme, "subdivision scheme (catmark)", SCENE_SCHEMES, 0, 0,
+         NULL},
+        {"--boundary", CLI_CHOICE, &o.boundary, "boundary rule (the mesh's, or edge-and-corner)",
+         SCENE_BOUNDARIES, 0, 0, NULL},
+        {"--tess", CLI_UINT, &o.tess,
+         "segments per face edge, a power of two (by the size on screen)", NULL, 2, 128, NULL},
+        {"--adjacency", CLI_CHOICE, &o.adjacency,
+         "neighbours: refuse if file and mesh differ (agree), or take the one's", SCENE_ADJACENCIES,
+         0, 0, NULL},
+        {"--reference", CLI_TEXT, &o.references,
+         "what pictures are held against (raycast): none, or some of "
+         "raycast,mitchell,supersampled",
+         "LIST", 0, 0, NULL},
+        {"--reference-frames", CLI_UINT, &o.reference_frames,
+         "for how many frames of the orbit (12, quick 2)", NULL, 1, 100000,
+         &o.reference_frames_given},
+        {"--reference-samples", CLI_UINT, &o.samples, "rays per pixel (256, quick 64)", NULL, 2,
+         SLV_REFERENCE_MAX_SAMPLES, &o.samples_given},
+        {"--quick", CLI_FLAG, &o.quick, "fewer frames, smaller pictures", NULL, 0, 0, NULL},
+        {"--context", CLI_CHOICE, &o.context, "where OpenGL comes from (auto)", SCENE_CONTEXTS, 0,
+         0, NULL},
+        {"--threads", CLI_UINT, &o.threads, "worker threads (one per processor)", NULL, 1, 256,
+         NULL},
+        {"--quiet|-q", CLI_FLAG, &o.quiet, "no progress, no table", NULL, 0, 0, NULL},
+    };
+    const cli_command command = {
+        .name = "compare",
+        .summary = "measure the seam strategies against each other on one camera orbit",
+        .arguments = "FILE.ptx",
+        .examples =
+            "  selvage compare scene.ptx --mesh scene.obj --out report\n"
+            "  selvage compare teapot.ptx --quick --strategies clamp,traverse,discard --msaa 2\n"
+            "  selvage compare scene.ptx --frames 1000 --reference raycast,mitchell,supersampled "
+            "\\\n"
+            "    --reference-frames 1000 --accumulate 8 --resume\n",
+        .options = options,
+        .noptions = sizeof options / sizeof *options,
+        .min_arguments = 1,
+        .max_arguments = 1,
+        .positional = o.arguments,
+        .npositional = &o.narguments};
+    char word[32] = "";
+    int code = cli_parse(&command, argc, argv);
+    if (code >= 0)
+        return code;
+    report_data *report = calloc(1, sizeof *report);
+    if (!report)
+        return cli_error("out of memory");
+    const char *wrong = problem(&o, report);
+    if (wrong)
+        code = cli_usage(&command, "%s", wrong);
+    else if (!parse_strategies(o.strategies, report, word, sizeof word))
+        code = unknown_strategy(&command, word);
+    else
+        code = compare(&o, report);
+    free(report);
+    return code;
+}

@@ -1,0 +1,108 @@
+#include "compare/compare.h"
+
+#include "compare/report/report_findings.h"
+
+#include <math.h>
+#include <stdio.h>
+
+/* Right-aligned, behind a space; values of large floats would not fit as they are. */
+static void print_number(int width, int decimals, double value) {
+    if (isnan(value))
+        printf(" %*s", width, "none");
+    else if (fabs(value) < 1e6)
+        printf(" %*.*f", width, decimals, value);
+    else
+        printf(" %*.4g", width, value);
+}
+
+static void print_jumps(const slv_gl_seam *seam) {
+    print_number(12, 5, seam->nedges ? (double)seam->max : NAN);
+    print_number(12, 6, seam->nedges ? (double)seam->mean : NAN);
+    putchar('\n');
+}
+
+static void print_rates(const report_data *report) {
+    printf("%-14s", "frame ms");
+    for (uint32_t r = 0; r < report->nrates; r++)
+        printf(" %9ux", report->rates[r].samples);
+    putchar('\n');
+    for (uint32_t k = 0; k < report->nstrategies; k++) {
+        printf("%-14s", slv_strategy_name(report->strategies[k].strategy));
+        for (uint32_t r = 0; r < report->nrates; r++)
+            printf(" %10.2f", report->strategies[k].rates[r].median_ms);
+        putchar('\n');
+    }
+    for (uint32_t r = 0; r < report->nrates; r++)
+        if (report->rates[r].frames > 1)
+            printf("(%ux is %u pictures of %ux, averaged)\n", report->rates[r].samples,
+                   report->rates[r].frames, report->rates[r].msaa);
+    if (report->left_out[0])
+        printf("(left out: %s samples per pixel)\n", report->left_out);
+    putchar('\n');
+}
+
+static void print_errors(const report_data *report) {
+    const report_reference *ref = &report->reference;
+    if (ref->first == REPORT_SOURCES)
+        return;
+    printf("\n%-14s %10s %10s %10s %10s %10s\n", "RMS error", "interior", "edge", "regular",
+           "other", "all pixels");
+    for (uint32_t k = 0; k < report->nstrategies; k++) {
+        const report_errors *errors =
+            &report->strategies[k].rates[report->shown].errors[ref->first];
+        report_tally all = report_errors_part(errors, REPORT_ALL);
+        printf("%-14s", slv_strategy_name(report->strategies[k].strategy));
+        for (int label = REPORT_INTERIOR; label < REPORT_LABELS; label++)
+            print_number(10, 6, report_rms(&errors->labels[label]));
+        print_number(10, 6, report_rms(&all));
+        putchar('\n');
+    }
+    printf("(%ux MSAA against the reference '%s', of %u frame%s)\n",
+           report->rates[report->shown].samples, report_source_name(ref->first), ref->frames,
+           ref->frames == 1 ? "" : "s");
+}
+
+static void print_compressed(const report_data *report) {
+    bool reference = report->reference.first < REPORT_SOURCES;
+    if (!report->compressed)
+        return;
+    printf("\n%-14s %10s %10s %10s %12s %12s\n", "in blocks", "GPU MB", "PSNR",
+           reference ? "reference" : "", "max jump", "mean jump");
+    for (uint32_t k = 0; k < report->nstrategies; k++) {
+        const report_strategy *row = &report->strategies[k];
+        const report_blocks *blocks = &row->blocks;
+        printf("%-14s %10.1f", slv_strategy_name(row->strategy),
+               (double)blocks->stats.gpu_bytes / 1e6);
+        print_number(10, 2, blocks->psnr);
+        if (reference)
+            print_number(10, 2, blocks->reference_psnr);
+        else
+            printf(" %10s", "");
+        print_jumps(&blocks->seam);
+    }
+    printf("(dB from the pictures of the uncompressed texture%s)\n",
+           reference ? ", and from the reference" : "");
+}
+
+void compare_print(const report_data *report, const char *folder) {
+    if (report->nrates > 1 || report->left_out[0])
+        print_rates(report);
+    printf("%-14s %10s %8s %10s %12s %12s\n", "strategy", "frame ms", "ratio", "GPU MB", "max jump",
+           "mean jump");
+    for (uint32_t k = 0; k < report->nstrategies; k++) {
+        const report_strategy *row = &report->strategies[k];
+        printf("%-14s %10.2f %8.2f %10.1f", slv_strategy_name(row->strategy), row->median_ms,
+               row->ratio, (double)row->stats.gpu_bytes / 1e6);
+        print_jumps(&row->seams[0]);
+    }
+    printf("(%s; %u frame%s of %u x %u, %ux MSAA, %ux anisotropy; jumps of magnified lookups, full "
+           "scale is 1)\n",
+           report->gl.renderer, report->frames, report->frames == 1 ? "" : "s", report->width,
+           report->height, report->rates[report->shown].samples, report->anisotropy);
+    print_errors(report);
+    print_compressed(report);
+    report_advice advice = report_advise(report);
+    if (advice.measured)
+        printf("for this orbit: %s\n", slv_strategy_name(report->strategies[advice.take].strategy));
+    printf("report: %s/report.html\n", folder);
+}

@@ -1,0 +1,290 @@
+#include "compare/experiment.h"
+#include "command/output.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* The sums of a run so far. */
+typedef struct totals {
+    report_data *report;
+    double *ms; /* rates x strategies x frames */
+    bool *done; /* frames */
+    uint32_t ndone;
+    double squares[REPORT_SOURCES];
+} totals;
+
+/* The pictures of one moment: of every strategy at one rate, and of the references. */
+typedef struct moment {
+    slv_frame frame;
+    slv_image references[REPORT_SOURCES];
+    slv_image images[SLV_STRATEGY_COUNT];
+    uint8_t *labels;
+} moment;
+
+static double *times_of(const totals *t, uint32_t rate, uint32_t strategy) {
+    return t->ms + ((size_t)rate * t->report->nstrategies + strategy) * t->report->frames;
+}
+
+static slv_result add_frame(void *user, const experiment_frame *frame) {
+    totals *t = user;
+    report_data *report = t->report;
+    if (t->done[frame->index])
+        return SLV_OK;
+    t->done[frame->index] = true;
+    t->ndone++;
+    report->reference.frames += frame->referenced;
+    for (int label = 0; label < REPORT_LABELS; label++)
+        report->reference.npixels[label] += frame->npixels[label];
+    for (int s = 0; s < REPORT_SOURCES; s++)
+        t->squares[s] += frame->referenced ? frame->estimate[s] * frame->estimate[s] : 0;
+    for (uint32_t r = 0; r < report->nrates; r++) {
+        report_errors_merge(&report->apart[r], &frame->apart[r]);
+        for (uint32_t k = 0; k < report->nstrategies; k++) {
+            report_cell *cell = &report->strategies[k].rates[r];
+            times_of(t, r, k)[frame->index] = frame->ms[r][k];
+            report_tally_merge(&cell->flicker, &frame->flicker[r][k]);
+            for (int s = 0; s < REPORT_SOURCES; s++)
+                report_errors_merge(&cell->errors[s], &frame->errors[s][r][k]);
+        }
+    }
+    return SLV_OK;
+}
+
+static int by_value(const void *a, const void *b) {
+    double x = *(const double *)a, y = *(const double *)b;
+    return (x > y) - (x < y);
+}
+
+static void finish(totals *t) {
+    report_data *report = t->report;
+    uint32_t frames = report->frames;
+    for (uint32_t r = 0; r < report->nrates; r++) {
+        for (uint32_t k = 0; k < report->nstrategies; k++) {
+            report_cell *cell = &report->strategies[k].rates[r];
+            double *list = times_of(t, r, k);
+            qsort(list, frames, sizeof *list, by_value);
+            cell->median_ms = list[frames / 2];
+            cell->min_ms = list[0];
+            cell->max_ms = list[frames - 1];
+        }
+    }
+    uint32_t baseline = report_find(report, SLV_STRATEGY_CLAMP) % report->nstrategies;
+    for (uint32_t k = 0; k < report->nstrategies; k++) {
+        report_strategy *row = &report->strategies[k];
+        const report_cell *cell = &row->rates[report->shown];
+        row->median_ms = cell->median_ms;
+        row->min_ms = cell->min_ms;
+        row->max_ms = cell->max_ms;
+        row->ratio = cell->median_ms / report->strategies[baseline].rates[report->shown].median_ms;
+    }
+    for (int s = 0; s < REPORT_SOURCES; s++)
+        report->reference.estimate[s] = sqrt(t->squares[s] / report->reference.frames);
+}
+
+/* Which frames have references: `wanted` of them, the middle ones of equal stretches. */
+static bool is_referenced(const report_data *report, uint32_t index, uint32_t wanted) {
+    for (uint64_t k = 0; k < wanted; k++)
+        if ((2 * k + 1) * report->frames / (2 * (uint64_t)wanted) == index)
+            return true;
+    return false;
+}
+
+static void free_images(moment *m) {
+    for (int k = 0; k < SLV_STRATEGY_COUNT; k++)
+        slv_image_free(&m->images[k]);
+}
+
+static void free_moment(moment *m) {
+    free_images(m);
+    for (int s = 0; s < REPORT_SOURCES; s++)
+        slv_image_free(&m->references[s]);
+    free(m->labels);
+    memset(m, 0, sizeof *m);
+}
+
+/* The strategy that begins changes from frame to frame, so that whatever else the machine does
+ * falls on all alike. */
+static slv_result draw_all(const experiment *e, moment *m, uint32_t rate, uint32_t turn,
+                           double *ms) {
+    const report_data *report = e->report;
+    slv_result result = SLV_OK;
+    free_images(m);
+    for (uint32_t k = 0; k < report->nstrategies && !result; k++) {
+        uint32_t which = (k + turn) % report->nstrategies;
+        m->frame.strategy = report->strategies[which].strategy;
+        result = experiment_draw(e, &m->frame, &report->rates[rate], &m->images[which],
+                                 ms ? &ms[which] : NULL);
+        if (!result && cli_interrupted())
+            result = SLV_ERROR_CANCELLED;
+    }
+    return result;
+}
+
+static slv_result find_references(experiment *e, moment *m, experiment_frame *out) {
+    slv_result result = experiment_classify(e, &m->frame, &m->labels);
+    size_t npixels = (size_t)m->frame.width * m->frame.height;
+    for (size_t i = 0; i < npixels && !result; i++)
+        out->npixels[m->labels[i]]++;
+    for (int s = 0; s < REPORT_SOURCES && !result; s++)
+        if (e->report->reference.used[s])
+            result = experiment_reference(e, (report_source)s, &m->frame, &m->references[s],
+                                          &out->estimate[s]);
+    return result;
+}
+
+static void measure_apart(const experiment *e, const moment *m, report_errors *out) {
+    uint32_t a = report_find(e->report, SLV_STRATEGY_TRAVERSE),
+             b = report_find(e->report, SLV_STRATEGY_DISCARD), n = e->report->nstrategies;
+    size_t npixels = (size_t)m->frame.width * m->frame.height;
+    for (size_t i = 0; i < npixels && a < n && b < n; i++)
+        report_errors_add(
+            out, m->labels ? (report_label)m->labels[i] : REPORT_INTERIOR,
+            report_distance(m->images[a].pixels + 4 * i, m->images[b].pixels + 4 * i));
+}
+
+static void measure_errors(const experiment *e, const moment *m, uint32_t rate,
+                           experiment_frame *out) {
+    size_t npixels = (size_t)m->frame.width * m->frame.height;
+    for (int s = 0; s < REPORT_SOURCES; s++) {
+        const float *b = m->references[s].pixels;
+        for (uint32_t k = 0; k < e->report->nstrategies && b; k++)
+            for (size_t i = 0; i < npixels; i++)
+                report_errors_add(&out->errors[s][rate][k], (report_label)m->labels[i],
+                                  report_distance(m->images[k].pixels + 4 * i, b + 4 * i));
+    }
+}
+
+/* How much the error of every pixel inside has changed from one moment to the next. */
+static void measure_flicker(const experiment *e, const moment *before, const moment *after,
+                            report_source source, uint32_t rate, experiment_frame *out) {
+    size_t npixels = (size_t)before->frame.width * before->frame.height;
+    const float *r0 = before->references[source].pixels, *r1 = after->references[source].pixels;
+    for (uint32_t k = 0; k < e->report->nstrategies; k++) {
+        const float *a0 = before->images[k].pixels, *a1 = after->images[k].pixels;
+        for (size_t i = 0; i < 4 * npixels; i += 4) {
+            float e0[3], e1[3];
+            if (before->labels[i / 4] == REPORT_OUTLINE || after->labels[i / 4] == REPORT_OUTLINE)
+                continue;
+            for (size_t c = 0; c < 3; c++) {
+                e0[c] = a0[i + c] - r0[i + c];
+                e1[c] = a1[i + c] - r1[i + c];
+            }
+            report_tally_add(&out->flicker[rate][k], report_distance(e0, e1));
+        }
+    }
+}
+
+/* The next moment: one frame of an orbit of EXPERIMENT_STEPS later, however many are drawn. */
+static slv_result find_next(experiment *e, double t, report_source source, moment *next) {
+    double estimate;
+    next->frame = experiment_frame_at(e, t + 1.0 / EXPERIMENT_STEPS, SLV_STRATEGY_CLAMP);
+    slv_result result = experiment_classify(e, &next->frame, &next->labels);
+    return result ? result
+                  : experiment_reference(e, source, &next->frame, &next->references[source],
+                                         &estimate);
+}
+
+static slv_result measure_frame(experiment *e, uint32_t index, bool referenced,
+                                experiment_frame *out) {
+    const report_data *report = e->report;
+    double t = (double)index / report->frames;
+    moment here = {.frame = experiment_frame_at(e, t, SLV_STRATEGY_CLAMP)}, next = {.labels = NULL};
+    slv_result result = SLV_OK;
+    memset(out, 0, sizeof *out);
+    out->index = index;
+    out->referenced = referenced;
+    bool flickers = referenced && report->reference.first != REPORT_SUPERSAMPLED;
+    if (referenced && (result = find_references(e, &here, out)))
+        goto done;
+    if (flickers && (result = find_next(e, t, report->reference.first, &next)))
+        goto done;
+    for (uint32_t r = 0; r < report->nrates; r++) {
+        if ((result = draw_all(e, &here, r, index, out->ms[r])))
+            goto done;
+        measure_apart(e, &here, &out->apart[r]);
+        if (!referenced)
+            continue;
+        measure_errors(e, &here, r, out);
+        if (!flickers)
+            continue;
+        if ((result = draw_all(e, &next, r, 0, NULL)))
+            goto done;
+        measure_flicker(e, &here, &next, report->reference.first, r, out);
+    }
+done:
+    free_moment(&here);
+    free_moment(&next);
+    return result;
+}
+
+/* The first picture of each kind compiles shaders and lays out triangles. */
+static slv_result warm_up(const experiment *e) {
+    slv_result result = SLV_OK;
+    for (uint32_t r = 0; r < e->report->nrates && !result; r++) {
+        for (uint32_t k = 0; k < e->report->nstrategies && !result; k++) {
+            slv_frame frame = experiment_frame_at(e, 0, e->report->strategies[k].strategy);
+            result = experiment_draw(e, &frame, &e->report->rates[r], NULL, NULL);
+        }
+    }
+    return result;
+}
+
+static slv_result run_frames(experiment *e, totals *t, experiment_state *state,
+                             experiment_frame *frame, uint32_t wanted) {
+    const report_data *report = e->report;
+    slv_result result = SLV_OK;
+    uint32_t before = t->ndone;
+    char what[64] = "measuring frames";
+    if (before == report->frames)
+        return SLV_OK;
+    if (before)
+        snprintf(what, sizeof what, "measuring the other %u frames", report->frames - before);
+    cli_progress progress = cli_progress_begin(what, report->frames - before, e->quiet);
+    result = warm_up(e);
+    for (uint32_t i = 0; i < report->frames && !result; i++) {
+        if (t->done[i])
+            continue;
+        if (cli_interrupted())
+            result = SLV_ERROR_CANCELLED;
+        else if (!(result = measure_frame(e, i, is_referenced(report, i, wanted), frame)) &&
+                 !(result = experiment_state_append(e->env, state, report, frame)))
+            result = add_frame(t, frame);
+        cli_progress_update(&progress, t->ndone - before);
+    }
+    if (!result)
+        cli_progress_end(&progress);
+    return result;
+}
+
+slv_result experiment_run(experiment *e, const char *path, const json_t *conditions, bool resume) {
+    report_data *report = e->report;
+    totals t = {
+        .report = report,
+        .ms = calloc((size_t)report->nrates * report->nstrategies * report->frames, sizeof *t.ms),
+        .done = calloc(report->frames, sizeof *t.done)};
+    experiment_frame *frame = malloc(sizeof *frame);
+    experiment_state state = {.file = -1};
+    uint32_t wanted = report->reference.frames;
+    slv_result result;
+    report->reference.frames = 0; /* counted as they come in */
+    if (!t.ms || !t.done || !frame) {
+        result = output_fail(e->env, SLV_ERROR_MEMORY, "no memory for %u frames", report->frames);
+        goto done;
+    }
+    if ((result = experiment_state_open(e->env, path, conditions, resume, add_frame, &t, report,
+                                        &state)) ||
+        (result = run_frames(e, &t, &state, frame, wanted)))
+        goto done;
+    finish(&t);
+done:
+    if (result == SLV_ERROR_CANCELLED && cli_interrupted())
+        cli_error("interrupted after %u of %u frames; --resume goes on from there", t.ndone,
+                  report->frames);
+    experiment_state_close(&state);
+    free(frame);
+    free(t.ms);
+    free(t.done);
+    return result;
+}

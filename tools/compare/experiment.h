@@ -1,0 +1,79 @@
+/* Toth's experiment (2013, section 4): every frame of an orbit drawn with every strategy at every
+ * sampling rate, timed, and some of them held against references. */
+#ifndef SELVAGE_TOOLS_EXPERIMENT_H
+#define SELVAGE_TOOLS_EXPERIMENT_H
+
+#include "command/scene.h"
+#include "compare/report/report.h"
+
+#include <jansson.h>
+
+enum { EXPERIMENT_SUPERSAMPLING = 8, EXPERIMENT_STEPS = 1000 };
+
+/* What a frame needs. Outcomes go into `report`, which says what is wanted. */
+typedef struct experiment {
+    const slv_env *env;
+    const scene_data *scene;
+    slv_gl *gl;
+    slv_gl_texture *texture;
+    slv_gl_renderer *renderer;
+    slv_reference *reference; /* made when first needed */
+    slv_shading shading;
+    report_data *report;
+    bool quiet;
+} experiment;
+
+/* What one frame of the orbit has to say. Does not depend on any other frame. */
+typedef struct experiment_frame {
+    uint32_t index;
+    bool referenced;
+    uint64_t npixels[REPORT_LABELS];
+    double estimate[REPORT_SOURCES];
+    double ms[REPORT_MAX_RATES][SLV_STRATEGY_COUNT];
+    report_errors apart[REPORT_MAX_RATES];
+    report_errors errors[REPORT_SOURCES][REPORT_MAX_RATES][SLV_STRATEGY_COUNT];
+    report_tally flicker[REPORT_MAX_RATES][SLV_STRATEGY_COUNT];
+} experiment_frame;
+
+/* Turns a list such as "1,2,4,8" into report->rates, as far as the driver has them or can have them
+ * by at most `accumulate` pictures; the others are named in report->left_out. */
+bool experiment_parse_rates(const char *list, report_data *report);
+slv_result experiment_find_rates(const slv_env *env, const slv_gl *gl, uint32_t accumulate,
+                                 report_data *report);
+
+/* Draws with a strategy at a rate: report_rate.frames pictures, averaged in linear light. `ms` (may
+ * be NULL) is their time together. The size, shading and camera are those of `frame`. */
+slv_result experiment_draw(const experiment *e, const slv_frame *frame, const report_rate *rate,
+                           slv_image *image, double *ms);
+slv_frame experiment_frame_at(const experiment *e, double t, slv_strategy strategy);
+
+/* Draws and measures all frames, writing each into the state file `path` when it is done; with
+ * `resume`, those that are there already are taken from there. `conditions` must be equal for that;
+ * not taken over. */
+slv_result experiment_run(experiment *e, const char *path, const json_t *conditions, bool resume);
+
+/* A picture to hold others against, as the eye of `frame` sees it. `estimate` is NaN if unknown. */
+slv_result experiment_reference(experiment *e, report_source source, const slv_frame *frame,
+                                slv_image *image, double *estimate);
+/* A report_label for each pixel. */
+slv_result experiment_classify(experiment *e, const slv_frame *frame, uint8_t **labels);
+
+/* The file of finished frames: one line of JSON each, after one of conditions. */
+typedef struct experiment_state {
+    int file;
+    const char *path;
+    uint64_t size; /* of what is complete */
+} experiment_state;
+
+/* Starts the file, or goes on with it: `each` is called for every frame that it holds. */
+slv_result experiment_state_open(const slv_env *env, const char *path, const json_t *conditions,
+                                 bool resume,
+                                 slv_result (*each)(void *user, const experiment_frame *frame),
+                                 void *user, const report_data *report, experiment_state *out);
+slv_result experiment_state_append(const slv_env *env, experiment_state *state,
+                                   const report_data *report, const experiment_frame *frame);
+void experiment_state_close(experiment_state *state);
+
+json_t *experiment_errors_json(const report_errors *errors);
+
+#endif

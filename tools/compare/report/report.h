@@ -1,0 +1,165 @@
+/* The outcome of a comparison, and the files that tell of it. */
+#ifndef SELVAGE_TOOLS_REPORT_H
+#define SELVAGE_TOOLS_REPORT_H
+
+#include "compare/orbit.h"
+
+#include <selvage/reference.h>
+
+#include <stdio.h>
+
+enum {
+    REPORT_LEVELS = 5,
+    REPORT_MAX_VIEWS = 4,
+    REPORT_MAX_SPOTS = 6,
+    REPORT_ERROR_STEPS = 41,
+    REPORT_MAX_RATES = 8
+};
+
+/* Samples per pixel: `frames` pictures of `msaa` samples, moved by parts of a pixel and averaged.
+ */
+typedef struct report_rate {
+    uint32_t samples, msaa, frames;
+} report_rate;
+
+/* What a picture is held against. */
+typedef enum report_source {
+    REPORT_RAYCAST,      /* rays, each pixel the mean of its square */
+    REPORT_MITCHELL,     /* rays, Mitchell and Netravali's filter */
+    REPORT_SUPERSAMPLED, /* traverse at 8 x 8 times the size, the same filter (Toth 2013) */
+    REPORT_SOURCES
+} report_source;
+
+/* What a pixel shows: where its footprint and the filter's reach end. */
+typedef enum report_label {
+    REPORT_OUTLINE,       /* background, an outline, or a fold that hides something */
+    REPORT_INTERIOR,      /* one face */
+    REPORT_EDGE,          /* a face and its neighbour over an edge */
+    REPORT_REGULAR,       /* a vertex of four faces */
+    REPORT_EXTRAORDINARY, /* a vertex of any other number */
+    REPORT_LABELS
+} report_label;
+
+/* Sets of labels. */
+enum {
+    REPORT_ALL = (1 << REPORT_LABELS) - 1,
+    REPORT_INSIDE = REPORT_ALL & ~(1 << REPORT_OUTLINE),
+    REPORT_SEAMS = REPORT_INSIDE & ~(1 << REPORT_INTERIOR)
+};
+
+/* Distances of pixels. A pixel's error is the length of the difference of its linear RGB. */
+typedef struct report_tally {
+    uint64_t npixels, over[3]; /* further away than 1/255, 4/255, 16/255 */
+    double squares, max;
+} report_tally;
+
+typedef struct report_errors {
+    report_tally labels[REPORT_LABELS];
+    uint64_t curve[REPORT_ERROR_STEPS]; /* of all pixels, those further than report_error_step */
+} report_errors;
+
+/* One strategy at one rate, over the whole orbit. */
+typedef struct report_cell {
+    double median_ms, min_ms, max_ms; /* of a frame */
+    report_errors errors[REPORT_SOURCES];
+    report_tally flicker; /* how much the error inside changes from one frame to the next */
+} report_cell;
+
+/* A strategy with the texture in blocks. */
+typedef struct report_blocks {
+    slv_gl_texture_stats stats;
+    slv_gl_seam seam; /* magnified */
+    /* In dB, of the views: from the pictures of the uncompressed texture, and of both from the
+     * first reference; infinite for equal pictures, NaN without a reference. */
+    double psnr, reference_psnr, plain_reference_psnr;
+} report_blocks;
+
+typedef struct report_strategy {
+    slv_strategy strategy;
+    double median_ms, min_ms, max_ms; /* of a frame, at the rate that is shown */
+    double ratio; /* of medians, to clamp (or to the first strategy if clamp is not there) */
+    slv_gl_texture_stats stats;
+    slv_gl_seam seams[REPORT_LEVELS]; /* footprint magnified, then 2, 4, ... texels */
+    slv_image views[REPORT_MAX_VIEWS];
+    slv_image spots[REPORT_MAX_SPOTS];
+    slv_image heat;                      /* its distance from the reference in the first view */
+    report_cell rates[REPORT_MAX_RATES]; /* in the order of report_data.rates */
+    report_blocks blocks;                /* if report_data.compressed */
+} report_strategy;
+
+/* How two strategies' pictures differ, over the pixels that both cover, values in 0..1 linear. */
+typedef struct report_pair {
+    uint32_t a, b;          /* indices of strategies */
+    double max, mean, psnr; /* psnr is infinite for equal pictures */
+    double over_1, over_4;  /* share of pixels that differ by more than 1/255, 4/255 */
+    slv_image heat;         /* of the first view: 0 black, 16/255 and more white, colours between */
+} report_pair;
+
+typedef struct report_spot {
+    uint32_t view;
+    float x, y, zoom; /* in the view, 0..1 from the upper left; how many times enlarged */
+} report_spot;
+
+/* What the pictures of some frames were held against. */
+typedef struct report_reference {
+    bool used[REPORT_SOURCES];
+    double estimate[REPORT_SOURCES]; /* RMS of its own error; NaN if unknown */
+    uint32_t samples;                /* rays per pixel */
+    uint32_t frames;                 /* of the orbit that have one */
+    uint64_t npixels[REPORT_LABELS]; /* in those */
+    report_source first;             /* of the views and spots */
+    slv_image views[REPORT_MAX_VIEWS], spots[REPORT_MAX_SPOTS];
+} report_reference;
+
+typedef struct report_data {
+    const char *ptx, *mesh;
+    slv_gl_info gl;
+    uint32_t nfaces, segments, frames, width, height, anisotropy;
+    report_rate rates[REPORT_MAX_RATES];
+    uint32_t nrates, shown; /* `shown` is the rate of the pictures */
+    char left_out[160];     /* rates that the driver does not have, in words; or empty */
+    orbit path;
+    report_errors apart[REPORT_MAX_RATES]; /* traverse from discard, if both are there */
+    uint32_t nstrategies, nviews, nspots, npairs;
+    report_strategy strategies[SLV_STRATEGY_COUNT];
+    report_pair pairs[SLV_STRATEGY_COUNT * SLV_STRATEGY_COUNT];
+    report_spot spots[REPORT_MAX_SPOTS];
+    report_reference reference;
+    bool compressed;
+    uint32_t nresolutions; /* distinct face resolutions */
+    double seconds;        /* the whole run */
+} report_data;
+
+/* Pictures as PNG into `folder`: view0_clamp.png, seam0_clamp.png, difference_clamp_borders.png,
+ * ... */
+slv_result report_write_pictures(const slv_env *env, const char *folder, const report_data *report);
+slv_result report_write_json(const slv_env *env, const char *path, const report_data *report);
+/* What the report's tables and curves are made of, as CSV, and its table for papers. */
+slv_result report_write_tables(const slv_env *env, const char *folder, const report_data *report);
+/* One file with everything in it; needs no network and no neighbours. */
+slv_result report_write_html(const slv_env *env, const char *path, const report_data *report);
+
+/* Error number i of a curve: 1/1024 to 1 in steps of a quarter of an octave. */
+double report_error_step(uint32_t i);
+
+void report_tally_add(report_tally *tally, double distance);
+void report_tally_merge(report_tally *to, const report_tally *from);
+void report_errors_add(report_errors *errors, report_label label, double distance);
+void report_errors_merge(report_errors *to, const report_errors *from);
+/* Over a set of labels. */
+report_tally report_errors_part(const report_errors *errors, unsigned labels);
+double report_rms(const report_tally *tally); /* NaN without pixels */
+/* The share of all pixels further away than step i. */
+double report_share(const report_errors *errors, uint32_t i);
+/* The length of the difference of two pixels' RGB; infinite for what is not a number. */
+double report_distance(const float *a, const float *b);
+
+/* raycast, mitchell, supersampled; outline, interior, ... */
+const char *report_source_name(report_source source);
+const char *report_label_name(report_label label);
+/* The index of a strategy in the report, or nstrategies. */
+uint32_t report_find(const report_data *report, slv_strategy strategy);
+
+void report_free(report_data *report);
+
+#endif

@@ -1,0 +1,224 @@
+#include "compare/report/report_findings.h"
+
+#include <math.h>
+#include <stdarg.h>
+#include <string.h>
+
+/* What counts as a difference, and what Toth's "roughly equivalent" is taken for. */
+#define SLIGHT 1.02
+#define ROUGHLY 1.1
+
+double report_seam_error(const report_data *report, report_source source, uint32_t rate,
+                         uint32_t strategy) {
+    if (source >= REPORT_SOURCES || !report->reference.used[source])
+        return NAN;
+    report_tally seams =
+        report_errors_part(&report->strategies[strategy].rates[rate].errors[source], REPORT_SEAMS);
+    return report_rms(&seams);
+}
+
+report_advice report_advise(const report_data *report) {
+    report_advice advice = {.measured = false};
+    double errors[SLV_STRATEGY_COUNT], least = INFINITY, quickest = INFINITY;
+    uint64_t memory = UINT64_MAX;
+    uint32_t n = report->nstrategies;
+    for (uint32_t k = 0; k < n; k++) {
+        errors[k] = report_seam_error(report, report->reference.first, report->shown, k);
+        if (errors[k] < least) {
+            least = errors[k];
+            advice.closest = k;
+            advice.measured = true;
+        }
+        if (report->strategies[k].median_ms < report->strategies[advice.quickest].median_ms)
+            advice.quickest = k;
+    }
+    for (uint32_t k = 0; k < n; k++)
+        if (errors[k] <= least * REPORT_NEAR_BEST)
+            quickest = fmin(quickest, report->strategies[k].median_ms);
+    for (uint32_t k = 0; k < n; k++) {
+        const report_strategy *row = &report->strategies[k];
+        if (errors[k] <= least * REPORT_NEAR_BEST &&
+            row->median_ms <= quickest * REPORT_SAME_TIME && row->stats.gpu_bytes < memory) {
+            memory = row->stats.gpu_bytes;
+            advice.take = k;
+        }
+    }
+    return advice;
+}
+
+static double memory_ratio(const report_strategy *row) {
+    return row->stats.texel_bytes ? (double)row->stats.gpu_bytes / (double)row->stats.texel_bytes
+                                  : 0;
+}
+
+void report_write_advice(FILE *stream, const report_data *report, const report_advice *advice) {
+    const report_strategy *take = &report->strategies[advice->take],
+                          *closest = &report->strategies[advice->closest],
+                          *quickest = &report->strategies[advice->quickest];
+    const report_source source = report->reference.first;
+    const uint32_t baseline = report_find(report, SLV_STRATEGY_CLAMP) % report->nstrategies;
+    fprintf(
+        stream,
+        "On this orbit, at %u sample%s per pixel, take <strong>%s</strong>: an error of %.2f/255 "
+        "at seams",
+        report->rates[report->shown].samples, report->rates[report->shown].samples == 1 ? "" : "s",
+        slv_strategy_name(take->strategy),
+        255 * report_seam_error(report, source, report->shown, advice->take));
+    if (advice->take == advice->closest)
+        fputs(", the smallest there is", stream);
+    else
+        fprintf(stream, " (the smallest is %.2f, with %s at %.2f times the time)",
+                255 * report_seam_error(report, source, report->shown, advice->closest),
+                slv_strategy_name(closest->strategy), closest->median_ms / take->median_ms);
+    if (advice->take == baseline)
+        fprintf(stream, "; %.2f ms a frame", take->median_ms);
+    else
+        fprintf(stream, "; %.2f times the frame time of %s", take->ratio,
+                slv_strategy_name(report->strategies[baseline].strategy));
+    fprintf(stream, " and %.2f times the memory of the bare texels.", memory_ratio(take));
+    if (quickest->median_ms * REPORT_SAME_TIME < take->median_ms)
+        fprintf(stream, " The quickest is %s, at %.2f times that time and an error of %.2f/255.",
+                slv_strategy_name(quickest->strategy), quickest->median_ms / take->median_ms,
+                255 * report_seam_error(report, source, report->shown, advice->quickest));
+}
+
+const char *report_judgement_name(report_judgement judgement) {
+    static const char *const names[] = {"not measured", "reproduced", "refuted", "undecided"};
+    return names[judgement];
+}
+
+static void say(report_finding *finding, const char *format, ...)
+    __attribute__((format(printf, 2, 3)));
+
+static void say(report_finding *finding, const char *format, ...) {
+    size_t length = strlen(finding->numbers);
+    va_list args;
+    va_start(args, format);
+    vsnprintf(finding->numbers + length, sizeof finding->numbers - length, format, args);
+    va_end(args);
+}
+
+static uint32_t find_rate(const report_data *report, uint32_t samples) {
+    uint32_t r = 0;
+    while (r < report->nrates && report->rates[r].samples != samples)
+        r++;
+    return r;
+}
+
+/* The two strategies and the reference that Toth's claims are about. */
+typedef struct contest {
+    const report_data *report;
+    uint32_t traverse, discard;
+    report_source source;
+    bool both;
+} contest;
+
+static double seam_ratio(const contest *c, uint32_t rate) {
+    return report_seam_error(c->report, c->source, rate, c->discard) /
+           report_seam_error(c->report, c->source, rate, c->traverse);
+}
+
+/* Over all pixels, as Toth's curves are. */
+static double error_ratio(const contest *c, uint32_t rate) {
+    if (c->source == REPORT_SOURCES)
+        return NAN;
+    report_tally a = report_errors_part(
+        &c->report->strategies[c->discard].rates[rate].errors[c->source], REPORT_ALL);
+    report_tally b = report_errors_part(
+        &c->report->strategies[c->traverse].rates[rate].errors[c->source], REPORT_ALL);
+    return report_rms(&a) / report_rms(&b);
+}
+
+/* Whether a ratio that should be below 1 is; the strictest of several counts. */
+static report_judgement below_one(double ratio) {
+    if (isnan(ratio))
+        return REPORT_UNMEASURED;
+    return ratio < 1 / SLIGHT ? REPORT_REPRODUCED
+           : ratio > SLIGHT   ? REPORT_REFUTED
+                              : REPORT_UNDECIDED;
+}
+
+static report_judgement stricter(report_judgement a, report_judgement b) {
+    static const int order[] = {0, 1, 3, 2}; /* by report_judgement */
+    return order[a] > order[b] ? a : b;
+}
+
+static void judge_error(const contest *c, uint32_t samples, report_finding *finding) {
+    uint32_t rate = find_rate(c->report, samples);
+    if (!c->both || rate == c->report->nrates || isnan(error_ratio(c, rate)))
+        return;
+    double ratio = error_ratio(c, rate), at_seams = seam_ratio(c, rate);
+    report_judgement one = samples < 4                              ? below_one(1 / ratio)
+                           : samples > 4                            ? below_one(ratio)
+                           : ratio < ROUGHLY && ratio > 1 / ROUGHLY ? REPORT_REPRODUCED
+                                                                    : REPORT_REFUTED;
+    finding->judgement = stricter(finding->judgement, one);
+    say(finding, "%sat %ux the error of discard is %.3f times that of traverse",
+        finding->numbers[0] ? "; " : "", samples, ratio);
+    if (isfinite(at_seams))
+        say(finding, " (%.3f at seams)", at_seams);
+}
+
+static void judge_apart(const contest *c, report_finding *finding) {
+    const report_data *report = c->report;
+    double before = INFINITY;
+    if (!c->both || report->nrates < 2)
+        return;
+    finding->judgement = REPORT_REPRODUCED;
+    for (uint32_t r = 0; r < report->nrates; r++) {
+        report_tally all = report_errors_part(&report->apart[r], REPORT_ALL);
+        double rms = report_rms(&all);
+        if (!(rms < before) || rms == 0)
+            finding->judgement = REPORT_REFUTED;
+        before = rms;
+        say(finding, "%s%.2f/255 RMS at %ux", r ? ", " : "", rms * 255, report->rates[r].samples);
+    }
+}
+
+static double time_of(const contest *c, uint32_t strategy, uint32_t samples) {
+    uint32_t rate = find_rate(c->report, samples);
+    return rate < c->report->nrates ? c->report->strategies[strategy].rates[rate].median_ms
+                                    : (double)NAN;
+}
+
+static void judge_time(const contest *c, uint32_t samples, uint32_t against,
+                       report_finding *finding) {
+    if (!c->both)
+        return;
+    double ratio = time_of(c, c->discard, samples) / time_of(c, c->traverse, against);
+    if (isnan(ratio))
+        return;
+    finding->judgement = stricter(finding->judgement, below_one(ratio));
+    say(finding, "%s%.2f times the time at %ux", finding->numbers[0] ? ", " : "", ratio, samples);
+    if (samples != against)
+        say(finding, " of traverse at %ux", against);
+}
+
+void report_find_out(const report_data *report, report_finding findings[REPORT_FINDINGS]) {
+    static const char *const claims[REPORT_FINDINGS] = {
+        "At one and two samples per pixel traverse is closer to the reference than discard.",
+        "At four samples the two are roughly equal.",
+        "At eight samples discard is slightly ahead.",
+        "With more samples the two become more alike, but never the same.",
+        "At equal rates discard is quicker than traverse.",
+        "Discard at four samples is quicker than traverse at one.",
+        "Discard at eight samples is quicker than traverse at two.",
+    };
+    contest c = {.report = report,
+                 .traverse = report_find(report, SLV_STRATEGY_TRAVERSE),
+                 .discard = report_find(report, SLV_STRATEGY_DISCARD),
+                 .source = report->reference.used[REPORT_SUPERSAMPLED] ? REPORT_SUPERSAMPLED
+                                                                       : report->reference.first};
+    c.both = c.traverse < report->nstrategies && c.discard < report->nstrategies;
+    for (int i = 0; i < REPORT_FINDINGS; i++)
+        findings[i] = (report_finding){.claim = claims[i]};
+    judge_error(&c, 1, &findings[0]);
+    judge_error(&c, 2, &findings[0]);
+    judge_error(&c, 4, &findings[1]);
+    judge_error(&c, 8, &findings[2]);
+    judge_apart(&c, &findings[3]);
+    for (uint32_t r = 0; r < report->nrates; r++)
+        judge_time(&c, report->rates[r].samples, report->rates[r].samples, &findings[4]);
+    judge_time(&c, 4, 1, &findings[5]);
+    judge_time(&c, 8, 2, &findings[6]);
+}

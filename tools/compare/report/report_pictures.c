@@ -1,0 +1,74 @@
+#include "compare/report/report.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+static slv_result save(const slv_env *env, const char *folder, const char *name,
+                       const slv_image *image) {
+    static const slv_image_params params = {.encoding = SLV_ENCODE_SRGB, .bits = 8};
+    char path[4096];
+    if (!image->pixels)
+        return SLV_OK;
+    if (snprintf(path, sizeof path, "%s/%s", folder, name) >= (int)sizeof path) {
+        if (env && env->log)
+            env->log(env->log_user, SLV_LOG_ERROR,
+                     "the folder's name is too long for its pictures");
+        return SLV_ERROR_LIMIT;
+    }
+    return slv_image_save(env, path, image, &params);
+}
+
+slv_result report_write_pictures(const slv_env *env, const char *folder,
+                                 const report_data *report) {
+    char name[128];
+    slv_result result = SLV_OK;
+    for (uint32_t i = 0; i < report->nstrategies; i++) {
+        const report_strategy *row = &report->strategies[i];
+        const char *strategy = slv_strategy_name(row->strategy);
+        for (uint32_t v = 0; !result && v < report->nviews; v++) {
+            snprintf(name, sizeof name, "view%u_%s.png", v, strategy);
+            result = save(env, folder, name, &row->views[v]);
+        }
+        for (uint32_t s = 0; !result && s < report->nspots; s++) {
+            snprintf(name, sizeof name, "seam%u_%s.png", s, strategy);
+            result = save(env, folder, name, &row->spots[s]);
+        }
+        snprintf(name, sizeof name, "error_%s.png", strategy);
+        result = result ? result : save(env, folder, name, &row->heat);
+    }
+    for (uint32_t s = 0; !result && s < report->nspots; s++) {
+        snprintf(name, sizeof name, "seam%u_reference.png", s);
+        result = save(env, folder, name, &report->reference.spots[s]);
+    }
+    for (uint32_t v = 0; !result && v < report->nviews; v++) {
+        snprintf(name, sizeof name, "view%u_reference.png", v);
+        result = save(env, folder, name, &report->reference.views[v]);
+    }
+    for (uint32_t i = 0; !result && i < report->npairs; i++) {
+        const report_pair *pair = &report->pairs[i];
+        snprintf(name, sizeof name, "difference_%s_%s.png",
+                 slv_strategy_name(report->strategies[pair->a].strategy),
+                 slv_strategy_name(report->strategies[pair->b].strategy));
+        result = save(env, folder, name, &pair->heat);
+    }
+    return result;
+}
+
+void report_free(report_data *report) {
+    if (!report)
+        return;
+    for (uint32_t i = 0; i < SLV_STRATEGY_COUNT; i++) {
+        for (uint32_t v = 0; v < REPORT_MAX_VIEWS; v++)
+            slv_image_free(&report->strategies[i].views[v]);
+        for (uint32_t s = 0; s < REPORT_MAX_SPOTS; s++)
+            slv_image_free(&report->strategies[i].spots[s]);
+        slv_image_free(&report->strategies[i].heat);
+    }
+    for (uint32_t s = 0; s < REPORT_MAX_SPOTS; s++)
+        slv_image_free(&report->reference.spots[s]);
+    for (uint32_t v = 0; v < REPORT_MAX_VIEWS; v++)
+        slv_image_free(&report->reference.views[v]);
+    for (uint32_t i = 0; i < SLV_STRATEGY_COUNT * SLV_STRATEGY_COUNT; i++)
+        slv_image_free(&report->pairs[i].heat);
+}

@@ -1,0 +1,81 @@
+#include "compare/report/report.h"
+
+#include <math.h>
+
+double report_error_step(uint32_t i) {
+    return exp2(-10 + 0.25 * i);
+}
+
+const char *report_source_name(report_source source) {
+    static const char *const names[REPORT_SOURCES] = {"raycast", "mitchell", "supersampled"};
+    return names[source];
+}
+
+const char *report_label_name(report_label label) {
+    static const char *const names[REPORT_LABELS] = {"outline", "interior", "edge", "regular",
+                                                     "extraordinary"};
+    return names[label];
+}
+
+uint32_t report_find(const report_data *report, slv_strategy strategy) {
+    uint32_t k = 0;
+    while (k < report->nstrategies && report->strategies[k].strategy != strategy)
+        k++;
+    return k;
+}
+
+double report_distance(const float *a, const float *b) {
+    double squares = 0;
+    for (int c = 0; c < 3; c++) {
+        double one = (double)a[c] - (double)b[c];
+        squares += one * one;
+    }
+    return squares >= 0 ? sqrt(squares) : INFINITY;
+}
+
+void report_tally_add(report_tally *tally, double distance) {
+    tally->npixels++;
+    tally->squares += distance * distance;
+    tally->max = distance > tally->max ? distance : tally->max;
+    tally->over[0] += distance > 1.0 / 255;
+    tally->over[1] += distance > 4.0 / 255;
+    tally->over[2] += distance > 16.0 / 255;
+}
+
+void report_tally_merge(report_tally *to, const report_tally *from) {
+    to->npixels += from->npixels;
+    to->squares += from->squares;
+    to->max = fmax(to->max, from->max);
+    for (int k = 0; k < 3; k++)
+        to->over[k] += from->over[k];
+}
+
+void report_errors_add(report_errors *errors, report_label label, double distance) {
+    report_tally_add(&errors->labels[label], distance);
+    for (uint32_t i = 0; i < REPORT_ERROR_STEPS && distance > report_error_step(i); i++)
+        errors->curve[i]++;
+}
+
+void report_errors_merge(report_errors *to, const report_errors *from) {
+    for (int label = 0; label < REPORT_LABELS; label++)
+        report_tally_merge(&to->labels[label], &from->labels[label]);
+    for (uint32_t i = 0; i < REPORT_ERROR_STEPS; i++)
+        to->curve[i] += from->curve[i];
+}
+
+report_tally report_errors_part(const report_errors *errors, unsigned labels) {
+    report_tally sum = {0};
+    for (int label = 0; label < REPORT_LABELS; label++)
+        if (labels >> label & 1)
+            report_tally_merge(&sum, &errors->labels[label]);
+    return sum;
+}
+
+double report_rms(const report_tally *tally) {
+    return tally->npixels ? sqrt(tally->squares / (double)tally->npixels) : NAN;
+}
+
+double report_share(const report_errors *errors, uint32_t i) {
+    report_tally all = report_errors_part(errors, REPORT_ALL);
+    return all.npixels ? (double)errors->curve[i] / (double)all.npixels : 0;
+}

@@ -1,0 +1,165 @@
+#include "convert/convert.h"
+
+#include <errno.h>
+#include <string.h>
+#include <strings.h>
+#include <sys/stat.h>
+
+static bool ends_with(const char *path, const char *extension) {
+    size_t length = strlen(path), wanted = strlen(extension);
+    return length > wanted && strcasecmp(path + length - wanted, extension) == 0;
+}
+
+static bool is_folder(const char *path) {
+    struct stat status;
+    return stat(path, &status) == 0 && S_ISDIR(status.st_mode);
+}
+
+static json_t *convert_json(const convert_plan *plan, const char *const paths[2],
+                            const char *made) {
+    const slv_ptx_writer_params *target = &plan->target;
+    const convert_totals *totals = plan->totals;
+    bool folder = is_folder(paths[1]);
+    return json_pack(
+        "{s:i, s:o, s:o, s:s, s:I, s:I, s:s, s:I, s:o, s:I, s:I, s:o, s:I}", "schema", 1, "source",
+        output_json_text(paths[0], strlen(paths[0])), "path",
+        output_json_text(paths[1], strlen(paths[1])), "made", made, "faces",
+        (json_int_t)totals->faces, "resized_faces", (json_int_t)totals->resized, "data_type",
+        slv_type_name(target->type), "channels", (json_int_t)target->nchannels, "alpha_channel",
+        target->alpha_channel < 0 ? json_null() : json_integer(target->alpha_channel), "texels",
+        (json_int_t)totals->texels, "texel_bytes",
+        (json_int_t)(totals->texels * target->nchannels * slv_type_size(target->type)),
+        "file_bytes", folder ? json_null() : json_integer((json_int_t)output_file_bytes(paths[1])),
+        "clipped_values", (json_int_t)totals->clipped);
+}
+
+static int run_convert(const cli_command *command, const convert_options *options,
+                       const char *const paths[2]) {
+    slv_env env = cli_env(options->threads);
+    slv_ptx *ptx = NULL;
+    slv_mesh *mesh = NULL;
+    convert_plan plan = {0};
+    convert_totals totals = {.progress = cli_progress_fleeting("convert", options->progress,
+                                                               options->quiet || options->json)};
+    int code = EXIT_FAILED;
+    bool to_ptx = ends_with(paths[1], ".ptx"),
+         to_sheet = ends_with(paths[1], ".png") || ends_with(paths[1], ".exr");
+    if (options->mesh && slv_mesh_load_obj(&env, options->mesh, &mesh))
+        goto done;
+    if (is_folder(paths[0]) || ends_with(paths[0], ".json")) {
+        if (!to_ptx)
+            code = cli_usage(command, "from images only a .ptx can be made, not '%s'", paths[1]);
+        else
+            code = convert_from_index(command, &env, options, mesh, paths[0], paths[1], &totals,
+                                      &plan);
+        goto report;
+    }
+    if (slv_ptx_open(&env, paths[0], &ptx) || slv_ptx_load_tables(ptx))
+        goto done;
+    slv_ptx_writer_params source = slv_ptx_writer_params_like(ptx);
+    if ((code = convert_plan_make(command, options, paths[0], &source, &totals, &plan)))
+        goto done;
+    totals.progress.total = source.nfaces;
+    code = to_ptx     ? convert_to_ptx(&env, options, &plan, ptx, mesh, paths[1])
+           : to_sheet ? convert_to_sheet(&env, options, &plan, ptx, paths[1])
+                      : convert_to_folder(&env, options, &plan, ptx, paths[1]);
+report:
+    cli_progress_end(&totals.progress);
+    if (code == EXIT_OK)
+        convert_warn_clipped(&totals, plan.target.type);
+    if (code == EXIT_OK && options->json)
+        code = output_print_json(paths[1], convert_json(&plan, paths,
+                                                        to_ptx     ? "ptx"
+                                                        : to_sheet ? "sheet"
+                                                                   : "folder"));
+done:
+    convert_plan_free(&plan);
+    slv_mesh_destroy(mesh);
+    slv_ptx_close(ptx);
+    return code;
+}
+
+int verb_convert(int argc, char **argv) {
+    /* nobody means a folder by such a name */
+    static const char *const others[] = {".jpg", ".jpeg", ".tif", ".tiff", ".json"};
+    convert_options o = {0};
+    const char *paths[2] = {NULL, NULL};
+    uint32_t narguments = 0;
+    const cli_option options[] = {
+        {"--type|-t", CLI_CHOICE, &o.type, "data type (the source's)", CONVERT_TYPES, 0, 0,
+         &o.type_given},
+        {"--channels|-c", CLI_TEXT, &o.channels,
+         "channels of the result, each one of the source's or a value: 2,1,0,=1", "LIST", 0, 0,
+         NULL},
+        {"--alpha", CLI_TEXT, &o.alpha, "which channel of the result is alpha, or none", "N", 0, 0,
+         NULL},
+        {"--premultiply", CLI_FLAG, &o.premultiply, "multiply colours by alpha", NULL, 0, 0, NULL},
+        {"--unmultiply", CLI_FLAG, &o.unmultiply, "divide colours by alpha", NULL, 0, 0, NULL},
+        {"--scale", CLI_TEXT, &o.scale, "resize every face: 2, 1/2, 1/8", "X", 0, 0, NULL},
+        {"--max", CLI_SIZE, o.max, "no face larger than this", NULL, 1, 1u << SLV_MAX_LOG2_RES,
+         &o.max_given},
+        {"--min", CLI_SIZE, o.min, "no face smaller than this", NULL, 1, 1u << SLV_MAX_LOG2_RES,
+         &o.min_given},
+        {"--res", CLI_TEXT, &o.res, "sizes of single faces: 12=64x64,13=8", "LIST", 0, 0, NULL},
+        {"--border", CLI_CHOICE, &o.border, "border mode in u and v", CONVERT_BORDERS, 0, 0,
+         &o.border_given},
+        {"--border-u", CLI_CHOICE, &o.border_u, "border mode in u", CONVERT_BORDERS, 0, 0,
+         &o.border_u_given},
+        {"--border-v", CLI_CHOICE, &o.border_v, "border mode in v", CONVERT_BORDERS, 0, 0,
+         &o.border_v_given},
+        {"--edge-filter", CLI_CHOICE, &o.edge_filter, "edge filter mode", CONVERT_FILTERS, 0, 0,
+         &o.edge_filter_given},
+        {"--reductions", CLI_FLAG, &o.reductions, "store reductions", NULL, 0, 0, NULL},
+        {"--no-reductions", CLI_FLAG, &o.no_reductions, "store none", NULL, 0, 0, NULL},
+        {"--compression", CLI_UINT, &o.compression, "1 (fast) to 12 (small)", NULL, 1, 12, NULL},
+        {"--no-meta", CLI_FLAG, &o.no_meta, "leave metadata out", NULL, 0, 0, NULL},
+        {"--mesh|-m", CLI_TEXT, &o.mesh,
+         "control mesh whose geometry and adjacency go into OUT.ptx", "FILE.obj", 0, 0, NULL},
+        {"--format", CLI_CHOICE, &o.format, "of a folder's images (png, or exr for half and float)",
+         "png|exr", 0, 0, &o.format_given},
+        {"--json", CLI_FLAG, &o.json, "print what was done as JSON", NULL, 0, 0, NULL},
+        {"--progress", CLI_FLAG, &o.progress, "say on stderr how far it is, terminal or not", NULL,
+         0, 0, NULL},
+        {"--threads", CLI_UINT, &o.threads, "worker threads (one per processor)", NULL, 1, 256,
+         NULL},
+        {"--quiet|-q", CLI_FLAG, &o.quiet, "no progress on a terminal either", NULL, 0, 0, NULL},
+    };
+    const cli_command command = {
+        .name = "convert",
+        .summary = "change type, channels or size of a .ptx; images in and out",
+        .arguments = "IN.ptx|FOLDER|INDEX.json OUT.ptx|FOLDER|SHEET.png|SHEET.exr",
+        .examples =
+            "  selvage convert teapot.ptx small.ptx --scale 1/2 --max 64 --type half\n"
+            "  selvage convert rgba.ptx bgr.ptx --channels 2,1,0\n"
+            "  selvage convert rgb.ptx rgba.ptx --channels 0,1,2,=1 --alpha 3\n"
+            "  selvage convert teapot.ptx faces/ && selvage convert faces/ again.ptx\n"
+            "  selvage convert teapot.ptx sheet.exr && selvage convert sheet.json again.ptx\n",
+        .options = options,
+        .noptions = sizeof options / sizeof *options,
+        .min_arguments = 2,
+        .max_arguments = 2,
+        .positional = paths,
+        .npositional = &narguments};
+    int code = cli_parse(&command, argc, argv);
+    if (code >= 0)
+        return code;
+    if (o.premultiply && o.unmultiply)
+        return cli_usage(&command, "--premultiply and --unmultiply contradict each other");
+    if (o.reductions && o.no_reductions)
+        return cli_usage(&command, "--reductions and --no-reductions contradict each other");
+    if (o.mesh && !ends_with(paths[1], ".ptx"))
+        return cli_usage(&command, "--mesh: only a .ptx holds geometry");
+    bool to_ptx = ends_with(paths[1], ".ptx"),
+         to_sheet = ends_with(paths[1], ".png") || ends_with(paths[1], ".exr");
+    if (o.format_given && (to_ptx || to_sheet))
+        return cli_usage(&command, "--format: only for a folder of images, not '%s'", paths[1]);
+    if (o.compression && !to_ptx)
+        return cli_usage(&command, "--compression: only for a .ptx, not '%s'", paths[1]);
+    for (uint32_t i = 0; i < sizeof others / sizeof *others; i++)
+        if (ends_with(paths[1], others[i]))
+            return cli_usage(&command, "'%s': expected a folder, .ptx, .png or .exr", paths[1]);
+    code = run_convert(&command, &o, paths);
+    if (fflush(stdout) != 0 || ferror(stdout))
+        return code ? code : cli_error("cannot write the answer: %s", strerror(errno));
+    return code;
+}

@@ -1,0 +1,104 @@
+#include "merge/merge.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+/* Positions come first: their number bounds that of the vertices, which indices count. */
+enum { POSITIONS, COUNTS, INDICES, GEOMETRY_KEYS, MAX_KEY = 254 };
+
+static const char *const geometry_keys[GEOMETRY_KEYS] = {"PtexVertPositions", "PtexFaceVertCounts",
+                                                         "PtexFaceVertIndices"};
+
+static size_t value_size(slv_meta_type type) {
+    static const size_t sizes[] = {1, 1, 2, 4, 4, 8};
+    return sizes[type];
+}
+
+static bool is_geometry(const char *key) {
+    for (int i = 0; i < GEOMETRY_KEYS; i++)
+        if (strcmp(key, geometry_keys[i]) == 0)
+            return true;
+    return false;
+}
+
+static bool equal(const slv_ptx_meta *a, const slv_ptx_meta *b) {
+    return a->type == b->type && a->count == b->count &&
+           memcmp(a->values, b->values, a->count * value_size(a->type)) == 0;
+}
+
+/* One of the three arrays of geometry, of all files; vertices are counted on from file to file. */
+static slv_result join_geometry(const slv_env *env, struct merge *m, int which) {
+    uint64_t count = 0;
+    uint32_t done = 0, first_vertex = 0;
+    for (uint32_t i = 0; i < m->npaths; i++)
+        count += slv_ptx_find_meta(m->files[i], geometry_keys[which])->count;
+    if (count > INT32_MAX)
+        return output_fail(env, SLV_ERROR_LIMIT, "%s: %s would have %llu values", m->out,
+                           geometry_keys[which], (unsigned long long)count);
+    int32_t *values = malloc((size_t)count * sizeof *values + 1);
+    if (!values)
+        return output_fail(env, SLV_ERROR_MEMORY, "%s: no memory for its geometry", m->out);
+    for (uint32_t i = 0; i < m->npaths; i++) {
+        const slv_ptx_meta *meta = slv_ptx_find_meta(m->files[i], geometry_keys[which]);
+        memcpy(values + done, meta->values, meta->count * sizeof *values);
+        for (uint32_t k = 0; which == INDICES && k < meta->count; k++)
+            values[done + k] += (int32_t)first_vertex;
+        first_vertex += slv_ptx_find_meta(m->files[i], geometry_keys[POSITIONS])->count / 3;
+        done += meta->count;
+    }
+    slv_ptx_meta joined = {.key = geometry_keys[which],
+                           .type = which == POSITIONS ? SLV_META_FLOAT : SLV_META_INT32,
+                           .count = (uint32_t)count,
+                           .values = values};
+    slv_result result = slv_ptx_writer_set_meta(m->writer, &joined);
+    free(values);
+    return result;
+}
+
+/* Another value under a name that is taken is kept as KEY.2 for the second file, and so on. */
+static slv_result join_entry(const slv_env *env, struct merge *m, uint32_t file,
+                             const slv_ptx_meta *meta) {
+    char key[MAX_KEY + 16];
+    slv_ptx_meta renamed = *meta;
+    const slv_ptx_meta *before = NULL;
+    for (uint32_t i = 0; i < file && !before; i++)
+        before = slv_ptx_find_meta(m->files[i], meta->key);
+    if (!before)
+        return slv_ptx_writer_set_meta(m->writer, meta);
+    if (equal(before, meta))
+        return SLV_OK;
+    snprintf(key, sizeof key, "%s.%u", meta->key, file + 1);
+    for (uint32_t i = 0; i < m->npaths; i++)
+        if (slv_ptx_find_meta(m->files[i], key))
+            return output_fail(env, SLV_ERROR_MISMATCH,
+                               "%s: metadata %.200s differs, and the name %.210s is taken",
+                               m->paths[file], meta->key, key);
+    renamed.key = key;
+    return slv_ptx_writer_set_meta(m->writer, &renamed);
+}
+
+slv_result merge_meta(const slv_env *env, struct merge *m) {
+    slv_env silent = {.threads = env->threads};
+    uint32_t with_geometry = 0;
+    slv_result result = SLV_OK;
+    for (uint32_t i = 0; i < m->npaths; i++) {
+        slv_mesh *mesh = NULL;
+        with_geometry += slv_ptx_load_mesh(&silent, m->files[i], &mesh) == SLV_OK;
+        slv_mesh_destroy(mesh);
+    }
+    m->geometry = with_geometry == m->npaths;
+    if (with_geometry && !m->geometry)
+        cli_warning("%u of %u files have no usable geometry inside: none is kept",
+                    m->npaths - with_geometry, m->npaths);
+    for (int which = 0; m->geometry && which < GEOMETRY_KEYS && !result; which++)
+        result = join_geometry(env, m, which);
+    for (uint32_t i = 0; i < m->npaths && !result; i++)
+        for (uint32_t k = 0; k < slv_ptx_get_info(m->files[i])->nmeta && !result; k++) {
+            const slv_ptx_meta *meta = slv_ptx_get_meta(m->files[i], k);
+            if (!meta)
+                return SLV_ERROR_FORMAT;
+            if (!is_geometry(meta->key))
+                result = join_entry(env, m, i, meta);
+        }
+    return result;
+}

@@ -1,0 +1,256 @@
+#include "command/output.h"
+#include "command/scene.h"
+#include "reference/convergence.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+#include <strings.h>
+
+struct reference {
+    const char *arguments[1];
+    uint32_t narguments;
+    scene_options scene;
+    const char *out, *error, *convergence;
+    int filter;
+    uint32_t samples, seed, bits;
+    bool json, quiet;
+};
+
+struct outcome {
+    slv_reference_stats stats;
+    double seconds;
+    uint32_t width, height, segments;
+    convergence convergence;
+};
+
+static bool show_progress(void *user, uint64_t done, uint64_t total) {
+    cli_progress *progress = user;
+    progress->total = total;
+    cli_progress_update(progress, done);
+    return !cli_interrupted();
+}
+
+static bool is_exr(const char *path) {
+    const char *extension = strrchr(path, '.');
+    return extension && strcasecmp(extension, ".exr") == 0;
+}
+
+/* out from --out, or the texture's name with .exr */
+static const char *output_path(const struct reference *r, char *buffer, size_t size) {
+    if (r->out)
+        return r->out;
+    const char *name = strrchr(r->arguments[0], '/');
+    name = name ? name + 1 : r->arguments[0];
+    const char *dot = strrchr(name, '.');
+    snprintf(buffer, size, "%.*s.exr", dot && dot != name ? (int)(dot - name) : (int)strlen(name),
+             name);
+    return buffer;
+}
+
+static slv_result render(const struct reference *r, const slv_env *env,
+                         const slv_reference *reference, const slv_reference_frame *frame,
+                         slv_image *image, slv_image *error, slv_reference_stats *stats,
+                         double *seconds) {
+    char what[64];
+    snprintf(what, sizeof what, "%u samples per pixel", frame->samples);
+    cli_progress progress = cli_progress_begin(what, 1, r->quiet || r->json);
+    slv_reference_frame watched = *frame;
+    double start = cli_now();
+    watched.progress = show_progress;
+    watched.progress_user = &progress;
+    slv_result result = slv_reference_render(reference, env, &watched, image, error, stats);
+    *seconds = cli_now() - start;
+    if (!result)
+        cli_progress_end(&progress);
+    return result;
+}
+
+/* The same picture with fewer samples, each time others, held against the one with the most. */
+static slv_result converge(const struct reference *r, const slv_env *env,
+                           const slv_reference *reference, const slv_reference_frame *frame,
+                           const slv_image *best, struct outcome *o) {
+    convergence *c = &o->convergence;
+    slv_result result = SLV_OK;
+    *c = convergence_begin(frame->samples);
+    for (uint32_t i = 0; i + 1 < c->count && !result; i++) {
+        slv_reference_frame fewer = *frame;
+        slv_reference_stats stats;
+        slv_image image = {0};
+        fewer.samples = c->rows[i].samples;
+        fewer.seed = frame->seed + 1 + i;
+        result = render(r, env, reference, &fewer, &image, NULL, &stats, &c->rows[i].seconds);
+        if (!result) {
+            c->rows[i].estimate = stats.error;
+            c->rows[i].measured = convergence_distance(&image, best);
+        }
+        slv_image_free(&image);
+    }
+    c->rows[c->count - 1].seconds = o->seconds;
+    c->rows[c->count - 1].estimate = o->stats.error;
+    return result;
+}
+
+static int make(const struct reference *r, const char *path, const char *folder,
+                struct outcome *o) {
+    slv_env env = cli_env(r->scene.threads);
+    const slv_image_params file = {.bits = r->bits ? r->bits : 32}, wide = {.bits = 32};
+    scene_shot shot;
+    slv_reference *reference = NULL;
+    slv_image image = {0}, error = {0};
+    int code = EXIT_FAILED;
+    if (scene_load_shot(&env, r->arguments[0], &r->scene, &shot))
+        goto done;
+    const slv_reference_params params = {.segments = shot.segments,
+                                         .first_channel = r->scene.channel,
+                                         .nchannels = r->scene.nchannels};
+    slv_reference_frame frame = {.camera = shot.camera,
+                                 .width = shot.width,
+                                 .height = shot.height,
+                                 .shading = shot.shading,
+                                 .ka = shot.ka,
+                                 .kd = shot.kd,
+                                 .filter = (slv_pixel_filter)r->filter,
+                                 .samples = r->samples,
+                                 .seed = r->seed};
+    memcpy(frame.background, shot.background, sizeof frame.background);
+    o->width = shot.width;
+    o->height = shot.height;
+    o->segments = shot.segments;
+    if (slv_reference_create(&env, shot.scene.mesh, shot.scene.surface, shot.scene.texture,
+                             shot.scene.adjacency, &params, &reference) ||
+        render(r, &env, reference, &frame, &image, &error, &o->stats, &o->seconds) ||
+        (folder && (converge(r, &env, reference, &frame, &image, o) ||
+                    convergence_write(&env, folder, &o->convergence))) ||
+        slv_image_save(&env, path, &image, &file) ||
+        (r->error && slv_image_save(&env, r->error, &error, &wide)))
+        goto done;
+    code = EXIT_OK;
+done:
+    slv_image_free(&image);
+    slv_image_free(&error);
+    slv_reference_destroy(reference);
+    scene_free(&shot.scene);
+    return code;
+}
+
+static double speed(const struct outcome *o) {
+    return o->seconds > 0 ? (double)o->stats.samples / 1e6 / o->seconds : NAN;
+}
+
+static json_t *convergence_json(const convergence *c) {
+    json_t *list = json_array();
+    for (uint32_t i = 0; i < c->count; i++) {
+        const convergence_row *row = &c->rows[i];
+        if (json_array_append_new(list, json_pack("{s:I, s:o, s:o, s:o}", "samples",
+                                                  (json_int_t)row->samples, "seconds",
+                                                  output_json_number(row->seconds), "estimated_rms",
+                                                  output_json_number(row->estimate), "measured_rms",
+                                                  output_json_number(row->measured)))) {
+            json_decref(list);
+            return NULL;
+        }
+    }
+    return list;
+}
+
+static json_t *outcome_json(const struct reference *r, const char *path, const struct outcome *o) {
+    return json_pack(
+        "{s:i, s:o, s:o, s:I, s:I, s:I, s:s, s:I, s:I, s:o, s:o, s:o, s:o, s:o, s:o}", "schema", 1,
+        "texture", output_json_text(r->arguments[0], strlen(r->arguments[0])), "picture",
+        output_json_text(path, strlen(path)), "width", (json_int_t)o->width, "height",
+        (json_int_t)o->height, "segments", (json_int_t)o->segments, "filter",
+        r->filter == SLV_PIXEL_BOX ? "box" : "mitchell", "samples", (json_int_t)r->samples,
+        "covered_pixels", (json_int_t)o->stats.ncovered, "estimated_rms",
+        output_json_number(o->stats.error), "estimated_worst", output_json_number(o->stats.worst),
+        "seconds", output_json_number(o->seconds), "million_samples_per_second",
+        output_json_number(speed(o)), "convergence", convergence_json(&o->convergence), "order",
+        o->convergence.count ? output_json_number(convergence_order(&o->convergence))
+                             : json_null());
+}
+
+static void print_outcome(const struct reference *r, const char *path, const struct outcome *o) {
+    const convergence *c = &o->convergence;
+    printf("%s: %u x %u, %u samples per pixel, %s filter, %u segments, %.1f s, %.1f million "
+           "samples a second\n",
+           path, o->width, o->height, r->samples, r->filter == SLV_PIXEL_BOX ? "box" : "mitchell",
+           o->segments, o->seconds, speed(o));
+    if (!isnan(o->stats.error))
+        printf("its own error, estimated: %.2e RMS, %.2e in the worst pixel\n", o->stats.error,
+               o->stats.worst);
+    if (!c->count)
+        return;
+    printf("%10s %10s %14s %14s\n", "samples", "seconds", "estimated RMS", "measured RMS");
+    for (uint32_t i = 0; i < c->count; i++)
+        printf("%10u %10.2f %14.3e %14.3e\n", c->rows[i].samples, c->rows[i].seconds,
+               c->rows[i].estimate, c->rows[i].measured);
+    printf("the estimated error falls as 1/N^%.2f\n", convergence_order(c));
+}
+
+static int run(const struct reference *r, const char *path) {
+    struct outcome outcome = {.seconds = 0};
+    output_folder folder;
+    if (r->convergence && output_folder_begin(r->convergence, &folder))
+        return EXIT_FAILED;
+    cli_catch_interrupts();
+    int code = make(r, path, r->convergence ? folder.beside : NULL, &outcome);
+    if (r->convergence)
+        code = output_folder_end(&folder, NULL, code);
+    if (code)
+        return code;
+    if (r->json)
+        return output_print_json(path, outcome_json(r, path, &outcome));
+    if (!r->quiet)
+        print_outcome(r, path, &outcome);
+    return EXIT_OK;
+}
+
+int verb_reference(int argc, char **argv) {
+    enum { OWN = 9 };
+    struct reference r = {.scene = scene_options_default(), .samples = 256};
+    cli_option options[OWN + SCENE_OPTION_ROWS] = {
+        {"--out|-o|--output", CLI_TEXT, &r.out, "picture; default: the texture's name with .exr",
+         "FILE.exr", 0, 0, NULL},
+        {"--samples|-n", CLI_UINT, &r.samples, "rays per pixel, best a power of two (256)", NULL, 1,
+         SLV_REFERENCE_MAX_SAMPLES, NULL},
+        {"--filter", CLI_CHOICE, &r.filter,
+         "how samples count: evenly within the pixel (box), or two pixels wide", "box|mitchell", 0,
+         0, NULL},
+        {"--error", CLI_TEXT, &r.error, "the estimated error of every pixel", "FILE.exr", 0, 0,
+         NULL},
+        {"--convergence", CLI_TEXT, &r.convergence,
+         "1, 4, 16, ... samples against the most: a table and a plot", "FOLDER", 0, 0, NULL},
+        {"--seed", CLI_UINT, &r.seed, "other samples (0)", NULL, 0, UINT32_MAX, NULL},
+        {"--bits", CLI_UINT, &r.bits, "16 half or 32 float (32)", NULL, 16, 32, NULL},
+        {"--json", CLI_FLAG, &r.json, "print JSON, for scripts", NULL, 0, 0, NULL},
+        {"--quiet|-q", CLI_FLAG, &r.quiet, "print nothing on success", NULL, 0, 0, NULL},
+    };
+    const cli_command command = {
+        .name = "reference",
+        .summary = "ray-cast a .ptx: the picture that strategies are measured against",
+        .arguments = "FILE.ptx",
+        .examples =
+            "  selvage reference teapot.ptx --samples 1024 -o teapot.exr\n"
+            "  selvage reference cow.ptx --mesh cow.obj --view view.json --filter mitchell\n"
+            "  selvage reference teapot.ptx --samples 4096 --convergence study\n",
+        .options = options,
+        .noptions = sizeof options / sizeof *options,
+        .min_arguments = 1,
+        .max_arguments = 1,
+        .positional = r.arguments,
+        .npositional = &r.narguments};
+    char buffer[512];
+    scene_options_rows(&r.scene, options + OWN);
+    int code = cli_parse(&command, argc, argv);
+    if (code >= 0)
+        return code;
+    const char *problem = scene_options_problem(&r.scene);
+    if (problem)
+        return cli_usage(&command, "%s", problem);
+    if (r.bits && r.bits != 16 && r.bits != 32)
+        return cli_usage(&command, "--bits: expected 16 or 32");
+    const char *path = output_path(&r, buffer, sizeof buffer);
+    if (!is_exr(path) || (r.error && !is_exr(r.error)))
+        return cli_error("%s: the picture's name must end in .exr", is_exr(path) ? r.error : path);
+    return run(&r, path);
+}

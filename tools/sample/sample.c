@@ -1,0 +1,111 @@
+#include "sample/sample.h"
+
+#include <errno.h>
+#include <string.h>
+
+static void keep_log(void *user, slv_log_level level, const char *message) {
+    sample_log *log = user;
+    if (log->mode == SAMPLE_LOG_KEEP && level == SLV_LOG_ERROR)
+        snprintf(log->message, sizeof log->message, "%s", message);
+    else if (log->mode == SAMPLE_LOG_PRINT && level == SLV_LOG_ERROR)
+        cli_error("%s", message);
+    else if (log->mode == SAMPLE_LOG_PRINT && level == SLV_LOG_WARNING)
+        cli_warning("%s", message);
+}
+
+static int run_sample(const sample_options *options, const char *path) {
+    sample_log log = {0};
+    slv_env env = {.log = keep_log, .log_user = &log, .threads = options->threads};
+    slv_cache_params params = {.max_bytes = (uint64_t)options->cache_mib << 20,
+                               .premultiply = options->premultiply};
+    sample_texture texture = {.path = path, .log = &log};
+    sample_reader reader = {.descriptor = -1};
+    output_file file = {0};
+    FILE *stream = stdout;
+    uint64_t failed = 0;
+    int code = EXIT_FAILED;
+    if (slv_cache_create(&env, &params, &texture.cache) ||
+        slv_cache_open(texture.cache, path, &texture.file) ||
+        slv_cache_get_info(texture.cache, texture.file, &texture.info) ||
+        sample_reader_open(options->queries, &reader))
+        goto done;
+    if (options->out) {
+        /* what is half written shall go away on an interrupt too */
+        cli_catch_interrupts();
+        if (output_open(&env, options->out, &file))
+            goto done;
+        stream = file.stream;
+    }
+    code =
+        (options->bench ? sample_bench : sample_run)(options, &texture, &reader, stream, &failed);
+    if (file.stream && output_close(&file, code ? SLV_ERROR_CANCELLED : SLV_OK))
+        code = EXIT_FAILED;
+    if (failed > SAMPLE_COMPLAINTS)
+        cli_error("%s: %llu lookups failed, the first %d are shown", reader.name,
+                  (unsigned long long)failed, SAMPLE_COMPLAINTS);
+    if (failed)
+        code = EXIT_FAILED;
+done:
+    sample_reader_close(&reader);
+    slv_cache_destroy(texture.cache);
+    return code;
+}
+
+int verb_sample(int argc, char **argv) {
+    sample_options o = {0};
+    const char *path = NULL;
+    uint32_t narguments = 0;
+    const cli_option options[] = {
+        {"--queries|-i", CLI_TEXT, &o.queries, "the lookups, a line each (standard input)", "PATH",
+         0, 0, NULL},
+        {"--out|-o", CLI_TEXT, &o.out, "write the answers there, whole or not at all", "PATH", 0, 0,
+         NULL},
+        {"--json", CLI_FLAG, &o.json, "answer in JSON, for scripts", NULL, 0, 0, NULL},
+        {"--premultiply", CLI_FLAG, &o.premultiply, "multiply colours by alpha first", NULL, 0, 0,
+         NULL},
+        {"--bench", CLI_FLAG, &o.bench,
+         "repeat the lookups, and print how many a second there are instead of values", NULL, 0, 0,
+         NULL},
+        {"--cache", CLI_UINT, &o.cache_mib, "MiB that texels and tables may take (1024)", NULL, 8,
+         65536, NULL},
+        {"--threads", CLI_UINT, &o.threads, "threads at work (one per processor)", NULL, 1, 256,
+         NULL},
+        {"--progress", CLI_FLAG, &o.progress, "say on stderr how far it is, terminal or not", NULL,
+         0, 0, NULL},
+        {"--quiet|-q", CLI_FLAG, &o.quiet, "no progress on a terminal either", NULL, 0, 0, NULL},
+    };
+    const cli_command command = {
+        .name = "sample",
+        .summary = "filtered lookups in a .ptx, a line each",
+        .arguments = "FILE.ptx",
+        .examples =
+            "  echo 'bicubic 0 0.5 0 1 0 0 3 12 0.25 0.75 0.01 0 0 0.01' | selvage sample "
+            "teapot.ptx\n"
+            "  selvage sample teapot.ptx --queries lookups.txt --out answers.txt\n"
+            "  selvage sample teapot.ptx --queries lookups.txt --json | jq '.lookups[0].values'\n"
+            "  selvage sample teapot.ptx --queries lookups.txt --bench --threads 1\n\n"
+            "A line says, in this order:\n"
+            "  FILTER lerp sharpness noedgeblend width blur firstchan nchan faceid u v uw1 vw1 uw2 "
+            "vw2\n"
+            "  FILTER is point, bilinear, box, gaussian, bicubic, bspline, catmullrom, mitchell "
+            "or\n"
+            "  anisotropic.\n"
+            "  lerp and noedgeblend are 0 or 1; sharpness, 0 to 1, is of bicubic only. nchan 0 "
+            "means all.\n"
+            "  uw1 vw1 and uw2 vw2 are the sides of the footprint, in units of the face.\n"
+            "It comes back with ' -> ' and the values after it. What follows a '->' is not read;\n"
+            "blank lines and those that begin with # are passed over.\n",
+        .options = options,
+        .noptions = sizeof options / sizeof *options,
+        .min_arguments = 1,
+        .max_arguments = 1,
+        .positional = &path,
+        .npositional = &narguments};
+    int code = cli_parse(&command, argc, argv);
+    if (code >= 0)
+        return code;
+    code = run_sample(&o, path);
+    if (fflush(stdout) != 0 || ferror(stdout))
+        return code ? code : cli_error("cannot write the answers: %s", strerror(errno));
+    return code;
+}
