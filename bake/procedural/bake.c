@@ -1,8 +1,8 @@
 #include "base/log.h"
+#include "base/memory.h"
 #include "base/parallel.h"
 #include "procedural/pattern.h"
 
-#include <stdlib.h>
 #include <string.h>
 
 #define MAX_SAMPLES 64
@@ -120,8 +120,8 @@ static slv_result bake_range(void *user, uint64_t first, uint64_t end) {
     for (uint64_t face = first; !result && face < end; face++)
         result = bake_face(bake, (uint32_t)face, batch, texels);
 done:
-    free(batch);
-    free(texels);
+    slvi_free(batch);
+    slvi_free(texels);
     return result;
 }
 

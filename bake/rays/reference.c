@@ -1,8 +1,7 @@
 #include "rays/reference_data.h"
 
 #include "base/log.h"
-
-#include <stdlib.h>
+#include "base/memory.h"
 
 static slv_result embree_result(const slv_env *env, RTCDevice device) {
     enum RTCError error = rtcGetDeviceError(device);
@@ -126,8 +125,8 @@ void slv_reference_destroy(slv_reference *reference) {
         rtcReleaseDevice(reference->device);
     slv_tessellation_free(&reference->mesh);
     reference_texels_free(&reference->texels);
-    free(reference->quads);
-    free(reference);
+    slvi_free(reference->quads);
+    slvi_free(reference);
 }
 
 slv_result slv_reference_lookup(const slv_reference *reference, size_t count,

@@ -1,9 +1,8 @@
 #include "rays/reference_data.h"
 
-#include "base/log.h"
+#include "base/memory.h"
 
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
 enum { SHARES = 4096, STEPS = 64 * SHARES };
@@ -89,8 +88,8 @@ slv_result reference_sampler_create(const slv_env *env, slv_pixel_filter filter,
 }
 
 void reference_sampler_free(reference_sampler *sampler) {
-    free(sampler->sobol);
-    free(sampler->positions);
+    slvi_free(sampler->sobol);
+    slvi_free(sampler->positions);
     memset(sampler, 0, sizeof *sampler);
 }
 

@@ -1,12 +1,11 @@
 #include "rays/reference_data.h"
 
-#include "base/log.h"
+#include "base/memory.h"
 #include "base/parallel.h"
 
 #include <selvage/border.h>
 
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
 struct filling {
@@ -41,7 +40,7 @@ static slv_result fill(void *user, uint64_t begin, uint64_t end) {
             memcpy(to + i * t->nchannels, whole + i * f->nsource + f->first_channel,
                    t->nchannels * sizeof *to);
     }
-    free(whole);
+    slvi_free(whole);
     return result;
 }
 
@@ -210,12 +209,12 @@ done:
 }
 
 void reference_texels_free(reference_texels *texels) {
-    free(texels->res);
-    free(texels->first);
-    free(texels->values);
-    free(texels->first_link);
-    free(texels->links);
-    free(texels->corners);
-    free(texels->mended);
+    slvi_free(texels->res);
+    slvi_free(texels->first);
+    slvi_free(texels->values);
+    slvi_free(texels->first_link);
+    slvi_free(texels->links);
+    slvi_free(texels->corners);
+    slvi_free(texels->mended);
     memset(texels, 0, sizeof *texels);
 }

@@ -1,11 +1,11 @@
 #include "transfer/closest.h"
 
 #include "base/log.h"
+#include "base/memory.h"
 #include "base/parallel.h"
 
 #include <float.h>
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
 enum { LEAF = 4, MAX_DEPTH = 64 };
@@ -191,10 +191,10 @@ done:
 void slv_closest_destroy(slv_closest *closest) {
     if (!closest)
         return;
-    free(closest->points);
-    free(closest->triangles);
-    free(closest->nodes);
-    free(closest);
+    slvi_free(closest->points);
+    slvi_free(closest->triangles);
+    slvi_free(closest->nodes);
+    slvi_free(closest);
 }
 
 /* In double: squares of lengths that float holds need not fit in one. */

@@ -1,6 +1,7 @@
 #include "transfer/transfer_data.h"
 
 #include "base/log.h"
+#include "base/memory.h"
 #include "base/parallel.h"
 #include "transfer/closest.h"
 
@@ -8,7 +9,6 @@
 
 #include <math.h>
 #include <pthread.h>
-#include <stdlib.h>
 
 enum { SEGMENTS = 8, MAX_NEW_LOG2 = 12, MAX_SAMPLES = 4 };
 #define MATCH_TOLERANCE 1e-5f  /* of the source's diagonal */
@@ -111,12 +111,12 @@ struct buffers {
 };
 
 static void free_buffers(struct buffers *b) {
-    free(b->points);
-    free(b->positions);
-    free(b->normals);
-    free(b->values);
-    free(b->scratch);
-    free(b->texels);
+    slvi_free(b->points);
+    slvi_free(b->positions);
+    slvi_free(b->normals);
+    slvi_free(b->values);
+    slvi_free(b->scratch);
+    slvi_free(b->texels);
 }
 
 static slv_result allocate(const struct transfer *t, uint64_t w, uint64_t count,
@@ -328,9 +328,9 @@ done:
     pthread_mutex_destroy(&t.lock);
     slv_surface_destroy(t.source);
     slv_surface_destroy(t.target);
-    free(t.source_corners);
-    free(t.target_corners);
-    free(t.res);
+    slvi_free(t.source_corners);
+    slvi_free(t.target_corners);
+    slvi_free(t.res);
     slv_parallel_env_end(log);
     return result;
 }

@@ -1,7 +1,7 @@
 /* Faces of two meshes with the same corners, however they are numbered, turned or flipped. */
 #include "transfer/transfer_data.h"
 
-#include "base/log.h"
+#include "base/memory.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -41,7 +41,7 @@ slv_result transfer_corners(const slv_env *env, const slv_mesh *mesh, float **ou
             corners[9 + axis] = 0.5f * (own + last);
         }
     }
-    free(starts);
+    slvi_free(starts);
     return SLV_OK;
 }
 
@@ -149,7 +149,7 @@ slv_result transfer_match(const slv_env *env, uint32_t nsource, const float *sou
                 break;
             }
     }
-    free(entries);
+    slvi_free(entries);
     return SLV_OK;
 }
 
@@ -188,6 +188,6 @@ slv_result transfer_copy(const slv_env *env, const slv_texture *from,
             memcpy(texels + (size_t)(y * w + x) * size, in + (size_t)(sy * sw + sx) * size, size);
         }
     result = slv_texture_set_face(to, face, texels);
-    free(texels);
+    slvi_free(texels);
     return result;
 }

@@ -4,10 +4,9 @@
 
 #include <selvage/ptx.h>
 
-#include "base/log.h"
+#include "base/memory.h"
 
 #include <math.h>
-#include <stdlib.h>
 
 /* A constant face is as good as one texel however it is looked at. */
 static void measure(transfer_source *s, const float *corners, uint32_t face) {
@@ -49,7 +48,7 @@ slv_result transfer_source_begin(const slv_env *env, const slv_mesh *mesh,
 
 void transfer_source_end(transfer_source *s) {
     slv_adjacency_destroy(s->adjacency);
-    free(s->sizes);
+    slvi_free(s->sizes);
 }
 
 float transfer_finest_texel(const transfer_source *s, const slv_surface_point *at,

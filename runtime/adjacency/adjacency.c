@@ -1,8 +1,8 @@
 #include "adjacency/adjacency_data.h"
 
 #include "base/log.h"
+#include "base/memory.h"
 
-#include <stdlib.h>
 #include <string.h>
 
 static slv_half_edge across(const slv_adjacency *a, slv_half_edge h) {
@@ -80,7 +80,7 @@ static slv_result cut_one_sided_links(const slv_env *env, slv_adjacency *a) {
                  "adjacency: %u link(s) that the other side does not return were cut, the first at "
                  "face %d edge %u",
                  a->ncut, first_face, first_edge);
-    free(keep);
+    slvi_free(keep);
     return SLV_OK;
 }
 
@@ -120,14 +120,14 @@ done:
 void slv_adjacency_destroy(slv_adjacency *a) {
     if (!a)
         return;
-    free(a->faces);
-    free(a->subface);
-    free(a->ring_corners);
-    free(a->ring_first);
-    free(a->ring_closed);
-    free(a->corner_ring);
-    free(a->corner_position);
-    free(a);
+    slvi_free(a->faces);
+    slvi_free(a->subface);
+    slvi_free(a->ring_corners);
+    slvi_free(a->ring_first);
+    slvi_free(a->ring_closed);
+    slvi_free(a->corner_ring);
+    slvi_free(a->corner_position);
+    slvi_free(a);
 }
 
 uint32_t slv_adjacency_face_count(const slv_adjacency *a) {

@@ -3,9 +3,7 @@
  * is visited once. */
 #include "adjacency/adjacency_data.h"
 
-#include "base/log.h"
-
-#include <stdlib.h>
+#include "base/memory.h"
 
 #define NO_CORNER UINT32_MAX
 
@@ -70,8 +68,8 @@ slv_result slv_adjacency_build_rings(const slv_env *env, slv_adjacency *a) {
             collect_ring(a, next, c, true, &nrings, &filled);
     a->ring_first[nrings] = filled;
 done:
-    free(next);
-    free(entered);
+    slvi_free(next);
+    slvi_free(entered);
     return result;
 }
 

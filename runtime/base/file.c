@@ -1,10 +1,10 @@
 #include "base/file.h"
 
 #include "base/log.h"
+#include "base/memory.h"
 
 #include <errno.h>
 #include <fcntl.h>
-#include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
 #include <unistd.h>
@@ -38,7 +38,7 @@ slv_result slv_file_read(const slv_env *env, const char *path, char **data, size
     *size = (size_t)status.st_size;
     bytes = NULL;
 done:
-    free(bytes);
+    slvi_free(bytes);
     fclose(stream);
     return result;
 }
@@ -74,8 +74,8 @@ slv_result slv_file_writer_open(const slv_env *env, const char *path, slv_file_w
     }
     return SLV_OK;
 fail:
-    free(out->path);
-    free(out->temporary);
+    slvi_free(out->path);
+    slvi_free(out->temporary);
     memset(out, 0, sizeof *out);
     return result;
 }
@@ -105,8 +105,8 @@ void slv_file_writer_abandon(slv_file_writer *writer) {
         fclose(writer->stream);
         unlink(writer->temporary);
     }
-    free(writer->path);
-    free(writer->temporary);
+    slvi_free(writer->path);
+    slvi_free(writer->temporary);
     memset(writer, 0, sizeof *writer);
 }
 

@@ -3,12 +3,14 @@
 #ifndef SLV_BASE_FILE_H
 #define SLV_BASE_FILE_H
 
+#include "base/memory.h"
+
 #include <selvage/result.h>
 
 #include <stdio.h>
 
 /* Reads a regular file of at most env's max_bytes; *data has a NUL after its `size` bytes and is
- * released with free(). */
+ * released with slvi_free. */
 slv_result slv_file_read(const slv_env *env, const char *path, char **data, size_t *size);
 
 /* A file being written beside `path`, under a name of its own. */

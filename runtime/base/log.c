@@ -1,9 +1,8 @@
+/* Lines for the caller's log. */
 #include "base/log.h"
 
 #include <stdarg.h>
 #include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
 
 #define DEFAULT_MAX_BYTES (UINT64_C(16) << 30)
 
@@ -43,21 +42,4 @@ slv_result slv_fail(const slv_env *env, slv_result result, const char *format, .
     log_line(env, SLV_LOG_ERROR, format, args);
     va_end(args);
     return result;
-}
-
-slv_result slv_alloc(const slv_env *env, const char *what, uint64_t count, uint64_t size,
-                     void *out) {
-    void *memory = NULL;
-    uint64_t limit = env && env->max_bytes ? env->max_bytes : DEFAULT_MAX_BYTES;
-    memcpy(out, &memory, sizeof memory);
-    if (size && count > limit / size)
-        return slv_fail(env, SLV_ERROR_LIMIT, "%s: %llu x %llu bytes is over the limit of %llu",
-                        what, (unsigned long long)count, (unsigned long long)size,
-                        (unsigned long long)limit);
-    memory = calloc(count ? (size_t)count : 1, size ? (size_t)size : 1);
-    if (!memory)
-        return slv_fail(env, SLV_ERROR_MEMORY, "%s: no memory for %llu bytes", what,
-                        (unsigned long long)(count * size));
-    memcpy(out, &memory, sizeof memory);
-    return SLV_OK;
 }

@@ -1,4 +1,4 @@
-/* Words for the caller's log, and allocation that checks its arithmetic. */
+/* Words for the caller's log. */
 #ifndef SLV_BASE_LOG_H
 #define SLV_BASE_LOG_H
 
@@ -13,11 +13,5 @@ void slv_logf(const slv_env *env, slv_log_level level, const char *format, ...) 
 /* Logs an error and returns `result`, so that a failing line reads `return slv_fail(...)`. */
 slv_result slv_fail(const slv_env *env, slv_result result, const char *format, ...)
     SLV_PRINTF(3, 4);
-
-/* `count * size` zeroed bytes in *out, which is released with free(). Overflow or more than env's
- * max_bytes is SLV_ERROR_LIMIT; `what` names the thing in the message. A count of zero gives a
- * valid pointer. */
-slv_result slv_alloc(const slv_env *env, const char *what, uint64_t count, uint64_t size,
-                     void *out);
 
 #endif

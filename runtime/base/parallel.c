@@ -1,9 +1,9 @@
 #include "base/parallel.h"
 
 #include "base/log.h"
+#include "base/memory.h"
 
 #include <pthread.h>
-#include <stdlib.h>
 #include <unistd.h>
 
 #define MAX_THREADS 256
@@ -31,7 +31,8 @@ uint32_t slv_thread_count(const slv_env *env) {
     return threads < MAX_THREADS ? threads : MAX_THREADS;
 }
 
-static void *work(void *user) {
+static void work(void *user, uint32_t worker) {
+    (void)worker;
     struct job *job = user;
     for (;;) {
         pthread_mutex_lock(&job->lock);
@@ -43,7 +44,7 @@ static void *work(void *user) {
             job->next = end;
         pthread_mutex_unlock(&job->lock);
         if (done)
-            return NULL;
+            return;
         slv_result result = job->fn(job->user, first, end);
         if (result) {
             pthread_mutex_lock(&job->lock);
@@ -56,6 +57,22 @@ static void *work(void *user) {
     }
 }
 
+static void *thread(void *job) {
+    work(job, 0);
+    return NULL;
+}
+
+/* Threads for this call alone. */
+static void start_and_join(struct job *job, uint32_t wanted) {
+    pthread_t threads[MAX_THREADS];
+    uint32_t started = 0;
+    while (started + 1 < wanted && pthread_create(&threads[started], NULL, thread, job) == 0)
+        started++;
+    work(job, 0);
+    while (started)
+        pthread_join(threads[--started], NULL);
+}
+
 slv_result slv_parallel_for(const slv_env *env, uint64_t count, uint64_t grain, slv_range_fn fn,
                             void *user) {
     struct job job = {.count = count, .grain = grain ? grain : 1, .fn = fn, .user = user};
@@ -63,14 +80,11 @@ slv_result slv_parallel_for(const slv_env *env, uint64_t count, uint64_t grain, 
     uint32_t wanted = slv_thread_count(env);
     if (wanted > ranges)
         wanted = (uint32_t)ranges;
-    pthread_t threads[MAX_THREADS];
-    uint32_t started = 0;
     pthread_mutex_init(&job.lock, NULL);
-    while (started + 1 < wanted && pthread_create(&threads[started], NULL, work, &job) == 0)
-        started++;
-    work(&job);
-    while (started)
-        pthread_join(threads[--started], NULL);
+    if (wanted > 1 && env && env->execute)
+        env->execute(env->execute_user, wanted, work, &job);
+    else
+        start_and_join(&job, wanted);
     pthread_mutex_destroy(&job.lock);
     return job.failed;
 }
@@ -100,5 +114,5 @@ void slv_parallel_env_end(slv_parallel_log *state) {
     if (!state)
         return;
     pthread_mutex_destroy(&state->lock);
-    free(state);
+    slvi_free(state);
 }

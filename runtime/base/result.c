@@ -1,4 +1,11 @@
+/* What belongs to no subject of its own: the version, words for results, memory given back. */
+#include "base/memory.h"
+
 #include <selvage/result.h>
+
+void slv_free(void *memory) {
+    slvi_free(memory);
+}
 
 uint32_t slv_version(void) {
     return 0 << 16 | 1 << 8 | 0;

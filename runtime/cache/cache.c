@@ -1,7 +1,9 @@
 /* Making a cache, and the list of its files. */
 #include "cache/cache_data.h"
 
-#include <stdlib.h>
+#include "base/log.h"
+#include "base/memory.h"
+
 #include <sys/mman.h>
 
 #ifdef __linux__
@@ -53,10 +55,9 @@ static slv_result make_arena(slv_cache *cache) {
         (result = slv_alloc(&unlimited, "cache", CACHE_REQUESTS, sizeof *cache->requests,
                             &cache->requests)))
         return result;
-    cache->buckets = aligned_alloc(64, buckets * CACHE_WAYS * sizeof *cache->buckets);
-    if (!cache->buckets)
-        return slv_fail(&cache->env, SLV_ERROR_MEMORY, "cache: no memory for its table");
-    memset(cache->buckets, 0, buckets * CACHE_WAYS * sizeof *cache->buckets);
+    if ((result = slv_alloc_aligned(&unlimited, "cache", 64, buckets * CACHE_WAYS,
+                                    sizeof *cache->buckets, &cache->buckets)))
+        return result;
     cache->mapped_bytes = cache->nslabs * slab + HUGE_PAGE;
     cache->mapped = mmap(NULL, cache->mapped_bytes, PROT_READ | PROT_WRITE,
                          MAP_PRIVATE | MAP_ANONYMOUS | MAP_NORESERVE, -1, 0);
@@ -109,23 +110,23 @@ void slv_cache_destroy(slv_cache *cache) {
             pthread_mutex_lock(&cache->lock);
             cache_drop_tables(cache, file);
             pthread_mutex_unlock(&cache->lock);
-            free(file->path);
-            free(file);
+            slvi_free(file->path);
+            slvi_free(file);
         }
     }
     if (cache->mapped)
         munmap(cache->mapped, cache->mapped_bytes);
-    free(cache->slabs);
-    free(cache->queue);
-    free(cache->files);
-    free(cache->requests);
-    free(cache->buckets);
+    slvi_free(cache->slabs);
+    slvi_free(cache->queue);
+    slvi_free(cache->files);
+    slvi_free(cache->requests);
+    slvi_free(cache->buckets);
     slv_parallel_env_end(cache->log);
     pthread_cond_destroy(&cache->requested);
     pthread_cond_destroy(&cache->changed);
     pthread_mutex_destroy(&cache->handle_lock);
     pthread_mutex_destroy(&cache->lock);
-    free(cache);
+    slvi_free(cache);
 }
 
 /* Under the lock: a place for a file, closed ones first; or NULL. */
@@ -173,7 +174,7 @@ slv_result slv_cache_open(slv_cache *cache, const char *path, slv_file_id *out) 
     pthread_mutex_lock(&cache->lock);
     cache_file *file = take_place(cache, path, &place, &result);
     if (file) {
-        free(file->path);
+        slvi_free(file->path);
         file->path = copy;
         copy = NULL;
         file->info = info;
@@ -187,7 +188,7 @@ slv_result slv_cache_open(slv_cache *cache, const char *path, slv_file_id *out) 
         cache->nfiles++;
     }
     pthread_mutex_unlock(&cache->lock);
-    free(copy);
+    slvi_free(copy);
     return result;
 }
 

@@ -1,9 +1,11 @@
 /* File handles: no more than asked for, given up and taken again. */
 #include "cache/cache_data.h"
 
+#include "base/log.h"
+#include "base/memory.h"
+
 #include <errno.h>
 #include <fcntl.h>
-#include <stdlib.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -118,8 +120,8 @@ void cache_handle_release(cache_handle *h) {
         cache->nhandles--;
     }
     pthread_mutex_unlock(&cache->handle_lock);
-    free(h->path);
-    free(h);
+    slvi_free(h->path);
+    slvi_free(h);
 }
 
 static void handle_close(void *user) {
@@ -133,7 +135,7 @@ slv_result cache_handle_create(slv_cache *cache, const char *path, const cache_i
     if (!result)
         result = slv_alloc(&cache->env, path, strlen(path) + 1, 1, &h->path);
     if (result) {
-        free(h);
+        slvi_free(h);
         return result;
     }
     memcpy(h->path, path, strlen(path) + 1);

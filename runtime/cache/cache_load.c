@@ -1,8 +1,6 @@
 /* Reading what lookups did not find. */
 #include "cache/cache_data.h"
 
-#include <stdlib.h>
-
 static uint32_t block_offset(const slv_cache *cache, const cache_block *block) {
     size_t texels = (size_t)((const uint8_t *)block - cache->arena) + CACHE_HEADER;
     return (uint32_t)(texels / CACHE_UNIT);

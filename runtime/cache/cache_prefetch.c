@@ -1,6 +1,8 @@
 /* Reading ahead, by a thread of the cache's own. */
 #include "cache/cache_data.h"
 
+#include "base/log.h"
+
 static bool is_stopping(slv_cache *cache) {
     pthread_mutex_lock(&cache->lock);
     bool stops = cache->worker_stops;

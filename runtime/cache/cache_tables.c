@@ -2,7 +2,9 @@
  * been looked at for long and the limit asks for it. */
 #include "cache/cache_data.h"
 
-#include <stdlib.h>
+#include "base/log.h"
+#include "base/memory.h"
+
 #include <sys/mman.h>
 
 static size_t faces_bytes(uint32_t nfaces) {
@@ -17,7 +19,7 @@ static void free_tables(cache_tables *tables) {
     slv_ptx_close(tables->ptx);
     if (tables->handle)
         cache_handle_release(tables->handle);
-    free(tables);
+    slvi_free(tables);
 }
 
 static void give_room(slv_cache *cache, uint64_t bytes) {

@@ -1,7 +1,8 @@
 /* Samplers: parameters checked once, and the way to the lookups of this processor. */
 #include "filter/sampler.h"
 
-#include <stdlib.h>
+#include "base/log.h"
+#include "base/memory.h"
 
 static const char *const names[SLV_FILTER_COUNT] = {
     [SLV_FILTER_POINT] = "point",
@@ -61,10 +62,10 @@ slv_result slv_sampler_create(slv_cache *cache, const slv_filter_params *params,
         return slv_fail(env, SLV_ERROR_ARGUMENT,
                         "width %g, blur %g: must be finite and not negative", (double)p.width,
                         (double)p.blur);
-    slv_sampler *s = aligned_alloc(64, (sizeof *s + 63) / 64 * 64);
-    if (!s)
-        return slv_fail(env, SLV_ERROR_MEMORY, "no memory for a sampler");
-    memset(s, 0, sizeof *s);
+    slv_sampler *s = NULL;
+    slv_result result = slv_alloc_aligned(env, "sampler", 64, 1, sizeof *s, &s);
+    if (result)
+        return result;
     float sharpness = p.filter == SLV_FILTER_BSPLINE       ? 0
                       : p.filter == SLV_FILTER_CATMULL_ROM ? 1
                       : p.filter == SLV_FILTER_MITCHELL    ? 2.0f / 3.0f
@@ -85,7 +86,7 @@ void slv_sampler_destroy(slv_sampler *sampler) {
     if (!sampler)
         return;
     cache_thread_end(&sampler->thread);
-    free(sampler);
+    slvi_free(sampler);
 }
 
 uint32_t slv_sampler_channels(slv_sampler *sampler, slv_file_id file) {

@@ -1,9 +1,9 @@
 #include "form/resample_error.h"
 
 #include "base/log.h"
+#include "base/memory.h"
 
 #include <math.h>
-#include <stdlib.h>
 
 slv_result slv_resample_measure_all(const slv_env *env, slv_resample_measure *measure,
                                     const slv_texture_desc *desc, const char *name,
@@ -36,7 +36,7 @@ slv_result slv_resample_measure_all(const slv_env *env, slv_resample_measure *me
     sum.function_sum = sqrt(sum.function_sum / count);
     *out = sum;
 done:
-    free(measure->faces);
+    slvi_free(measure->faces);
     slv_parallel_env_end(log);
     return result;
 }

@@ -1,7 +1,9 @@
 #include "base/file.h"
+
+#include "base/log.h"
+#include "base/memory.h"
 #include "image/image_file.h"
 
-#include <stdlib.h>
 #include <string.h>
 #include <strings.h>
 
@@ -34,7 +36,7 @@ slv_result slv_image_create(const slv_env *env, uint32_t width, uint32_t height,
 void slv_image_free(slv_image *image) {
     if (!image)
         return;
-    free(image->pixels);
+    slvi_free(image->pixels);
     memset(image, 0, sizeof *image);
 }
 
@@ -74,7 +76,7 @@ slv_result slv_image_save(const slv_env *env, const char *path, const slv_image 
         return slv_fail(env, SLV_ERROR_UNSUPPORTED, "%s: images are written as .png or .exr", path);
     if (!(result = image_png_encode(env, path, image, params, &bytes, &size)))
         result = slv_file_write(env, path, bytes, size);
-    free(bytes);
+    slvi_free(bytes);
     return result;
 }
 
@@ -103,6 +105,6 @@ slv_result slv_image_load(const slv_env *env, const char *path, slv_image *out) 
     else
         result =
             slv_fail(env, SLV_ERROR_UNSUPPORTED, "%s: is neither a PNG nor an OpenEXR image", path);
-    free(bytes);
+    slvi_free(bytes);
     return result;
 }

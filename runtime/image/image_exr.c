@@ -1,12 +1,14 @@
 /* OpenEXR through OpenEXRCore, its C library. */
 #include "base/file.h"
+
+#include "base/log.h"
+#include "base/memory.h"
 #include "image/image_file.h"
 
 #include <selvage/half.h>
 
 #include <openexr.h>
 #include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
 
 /* What OpenEXRCore's callbacks reach. */
@@ -125,7 +127,7 @@ static bool reserve_planes(struct exr_decode *decode, const exr_chunk_info_t *ch
     size_t wanted = decode->plane_size * decode->image->nchannels;
     if (wanted <= decode->capacity)
         return true;
-    free(decode->planes);
+    slvi_free(decode->planes);
     decode->capacity = 0;
     decode->result = slv_alloc(decode->env, decode->path, wanted, 1, &decode->planes);
     if (!decode->result)
@@ -274,7 +276,7 @@ slv_result image_exr_decode(const slv_env *env, const char *path, const void *by
 done:
     exr_decoding_destroy(context, &decode.pipeline);
     exr_finish(&context);
-    free(decode.planes);
+    slvi_free(decode.planes);
     if (result)
         slv_image_free(out);
     return result;
@@ -391,6 +393,6 @@ slv_result image_exr_save(const slv_env *env, const char *path, const slv_image 
     if (!result)
         result = slv_file_writer_commit(env, &writer);
     slv_file_writer_abandon(&writer);
-    free(halves);
+    slvi_free(halves);
     return result;
 }

@@ -1,9 +1,11 @@
 #include "image/image_file.h"
 
+#include "base/log.h"
+#include "base/memory.h"
+
 #include <math.h>
 #include <png.h>
 #include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
 
 /* What libpng's callbacks reach; everything that changes between setjmp and longjmp lives here. */
@@ -40,7 +42,7 @@ static void on_write(png_structp png, png_bytep data, size_t size) {
             png_error(png, "no memory");
         if (stream->size)
             memcpy(grown, stream->data, stream->size);
-        free(stream->data);
+        slvi_free(stream->data);
         stream->data = grown;
         stream->capacity = capacity;
     }
@@ -142,8 +144,8 @@ slv_result image_png_encode(const slv_env *env, const char *path, const slv_imag
         stream.data = NULL;
     }
     png_destroy_write_struct(&png, &info);
-    free(stream.rows);
-    free(stream.data);
+    slvi_free(stream.rows);
+    slvi_free(stream.data);
     return result;
 }
 
@@ -219,7 +221,7 @@ slv_result image_png_decode(const slv_env *env, const char *path, const void *by
     if (result)
         slv_image_free(out);
     png_destroy_read_struct(&png, &info, NULL);
-    free(stream.rows);
-    free(stream.row_pointers);
+    slvi_free(stream.rows);
+    slvi_free(stream.row_pointers);
     return result;
 }

@@ -2,9 +2,9 @@
 
 #include "adjacency/adjacency_data.h"
 #include "base/log.h"
+#include "base/memory.h"
 
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
 static slv_result check_floats(const slv_env *env, const char *what, const float *values,
@@ -222,13 +222,13 @@ void slv_mesh_destroy(slv_mesh *mesh) {
     if (!mesh)
         return;
     while (mesh->nowned)
-        free(mesh->owned[--mesh->nowned]);
-    free(mesh->poly_first);
-    free(mesh->poly_face);
-    free(mesh->poly_hole);
-    free(mesh->faces);
-    free(mesh->flags);
-    free(mesh);
+        slvi_free(mesh->owned[--mesh->nowned]);
+    slvi_free(mesh->poly_first);
+    slvi_free(mesh->poly_face);
+    slvi_free(mesh->poly_hole);
+    slvi_free(mesh->faces);
+    slvi_free(mesh->flags);
+    slvi_free(mesh);
 }
 
 const slv_mesh_view *slv_mesh_get_view(const slv_mesh *mesh) {

@@ -1,9 +1,7 @@
 /* The edges of a polygon mesh, and what follows from them: adjacency and statistics. */
 #include "mesh/mesh_data.h"
 
-#include "base/log.h"
-
-#include <stdlib.h>
+#include "base/memory.h"
 
 static uint64_t hash_pair(int32_t a, int32_t b) {
     uint64_t x = (uint64_t)(uint32_t)a << 32 | (uint32_t)b;
@@ -74,10 +72,10 @@ slv_result slv_mesh_edges_create(const slv_env *env, const slv_mesh *mesh, slv_m
 }
 
 void slv_mesh_edges_clear(slv_mesh_edges *edges) {
-    free(edges->edges);
-    free(edges->side_edge);
-    free(edges->side_poly);
-    free(edges->table);
+    slvi_free(edges->edges);
+    slvi_free(edges->side_edge);
+    slvi_free(edges->side_poly);
+    slvi_free(edges->table);
     *edges = (slv_mesh_edges){0};
 }
 
@@ -145,7 +143,7 @@ slv_result slv_mesh_adjacency(const slv_env *env, const slv_mesh *mesh, slv_adja
     }
     result = slv_adjacency_create(env, mesh->nfaces, faces, mesh->flags, out);
 done:
-    free(faces);
+    slvi_free(faces);
     slv_mesh_edges_clear(&edges);
     return result;
 }
@@ -202,9 +200,9 @@ slv_result slv_mesh_get_stats(const slv_env *env, const slv_mesh *mesh, slv_mesh
     }
     add_bounds(view, out);
 done:
-    free(valence);
-    free(last_poly);
-    free(border);
+    slvi_free(valence);
+    slvi_free(last_poly);
+    slvi_free(border);
     slv_mesh_edges_clear(&edges);
     return result;
 }

@@ -1,8 +1,7 @@
 #include "mesh/mesh_data.h"
 
 #include "base/log.h"
-
-#include <stdlib.h>
+#include "base/memory.h"
 
 #define NO_SIDE UINT32_MAX
 
@@ -99,17 +98,17 @@ slv_result slv_mesh_fans_create(const slv_env *env, const slv_mesh *mesh,
         out->sharp[v] = place->nfans > 1 && place->differ;
     }
 done:
-    free(b.next);
-    free(b.entered);
-    free(b.places);
+    slvi_free(b.next);
+    slvi_free(b.entered);
+    slvi_free(b.places);
     if (result)
         slv_mesh_fans_clear(out);
     return result;
 }
 
 void slv_mesh_fans_clear(slv_mesh_fans *fans) {
-    free(fans->side_vert);
-    free(fans->origin);
-    free(fans->sharp);
+    slvi_free(fans->side_vert);
+    slvi_free(fans->origin);
+    slvi_free(fans->sharp);
     *fans = (slv_mesh_fans){0};
 }

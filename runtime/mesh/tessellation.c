@@ -1,12 +1,12 @@
 #include <selvage/tessellation.h>
 
 #include "base/log.h"
+#include "base/memory.h"
 #include "base/parallel.h"
 
 #include <selvage/half.h>
 
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
 static float longest_edge_in_pixels(const slv_mesh_view *mesh, const slv_camera *camera,
@@ -89,8 +89,8 @@ static slv_result evaluate(void *user, uint64_t begin, uint64_t end) {
         }
     }
 done:
-    free(positions);
-    free(normals);
+    slvi_free(positions);
+    slvi_free(normals);
     return result;
 }
 
@@ -231,9 +231,9 @@ done:
 }
 
 void slv_tessellation_free(slv_tessellation *tessellation) {
-    free(tessellation->vertices);
-    free(tessellation->first);
-    free(tessellation->segments);
+    slvi_free(tessellation->vertices);
+    slvi_free(tessellation->first);
+    slvi_free(tessellation->segments);
     memset(tessellation, 0, sizeof *tessellation);
 }
 

@@ -1,10 +1,10 @@
 #include "base/log.h"
+#include "base/memory.h"
 #include "texture/texture_data.h"
 
 #include <selvage/half.h>
 
 #include <assert.h>
-#include <stdlib.h>
 #include <string.h>
 
 #define FACES_PER_RANGE 16
@@ -167,12 +167,12 @@ done:
 void slv_levels_destroy(slv_levels *levels) {
     if (!levels)
         return;
-    free(levels->texels);
-    free(levels->offset);
-    free(levels->first);
-    free(levels->res);
+    slvi_free(levels->texels);
+    slvi_free(levels->offset);
+    slvi_free(levels->first);
+    slvi_free(levels->res);
     slv_parallel_env_end(levels->log);
-    free(levels);
+    slvi_free(levels);
 }
 
 const void *slv_levels_texels(const slv_levels *levels, uint32_t face, uint32_t level) {

@@ -1,9 +1,9 @@
 #include "base/log.h"
+#include "base/memory.h"
 #include "texture/texture_data.h"
 
 #include <assert.h>
 #include <stdatomic.h>
-#include <stdlib.h>
 #include <string.h>
 
 #define MAX_CHANNELS 65535 /* what a .ptx file can count */
@@ -92,12 +92,12 @@ void slv_texture_destroy(slv_texture *texture) {
     if (!texture)
         return;
     for (uint32_t face = 0; texture->texels && face < texture->desc.nfaces; face++)
-        free(texture->texels[face]);
-    free(texture->texels);
-    free(texture->constants);
-    free(texture->res);
+        slvi_free(texture->texels[face]);
+    slvi_free(texture->texels);
+    slvi_free(texture->constants);
+    slvi_free(texture->res);
     slv_parallel_env_end(texture->log);
-    free(texture);
+    slvi_free(texture);
 }
 
 const slv_texture_desc *slv_texture_get_desc(const slv_texture *texture) {
@@ -121,7 +121,7 @@ static slv_result check_face(const slv_texture *texture, uint32_t face, const vo
 static void make_constant(slv_texture *texture, uint32_t face, const void *texel) {
     memmove(texture->constants + face * texture->texel_size, texel, texture->texel_size);
     if (texture->texels[face]) {
-        free(texture->texels[face]);
+        slvi_free(texture->texels[face]);
         texture->texels[face] = NULL;
         atomic_fetch_sub(&texture->allocated,
                          texture->texel_size * slv_res_texels(texture->res[face]));
@@ -146,10 +146,9 @@ slv_result slv_texture_set_face(slv_texture *texture, uint32_t face, const void 
                               "texture: face %u: %llu bytes more are over the limit of %llu",
                               (unsigned)face, (unsigned long long)size,
                               (unsigned long long)texture->env.max_bytes);
-        else if (!(texture->texels[face] = malloc(size)))
-            result = slv_fail(&texture->env, SLV_ERROR_MEMORY,
-                              "texture: face %u: no memory for %llu bytes", (unsigned)face,
-                              (unsigned long long)size);
+        else
+            result =
+                slv_alloc_plain(&texture->env, "texels of a face", size, 1, &texture->texels[face]);
         if (result) {
             atomic_fetch_sub(&texture->allocated, size);
             return result;

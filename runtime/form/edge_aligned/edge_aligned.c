@@ -1,9 +1,9 @@
 #include "form/edge_aligned/edge_aligned_data.h"
 
 #include "base/log.h"
+#include "base/memory.h"
 
 #include <assert.h>
-#include <stdlib.h>
 #include <string.h>
 
 #define FACES_PER_RANGE 16
@@ -119,7 +119,7 @@ static slv_result fill_faces(void *user, uint64_t first, uint64_t end) {
                                 aligned->samples + offset[level]);
         }
     }
-    free(scratch);
+    slvi_free(scratch);
     return result;
 }
 
@@ -183,12 +183,12 @@ done:
 void slv_edge_aligned_destroy(slv_edge_aligned *aligned) {
     if (!aligned)
         return;
-    free(aligned->samples);
-    free(aligned->offset);
-    free(aligned->first);
-    free(aligned->res);
+    slvi_free(aligned->samples);
+    slvi_free(aligned->offset);
+    slvi_free(aligned->first);
+    slvi_free(aligned->res);
     slv_parallel_env_end(aligned->log);
-    free(aligned);
+    slvi_free(aligned);
 }
 
 const slv_texture_desc *slv_edge_aligned_get_desc(const slv_edge_aligned *aligned) {
@@ -302,8 +302,8 @@ static slv_result restore_faces(void *user, uint64_t first, uint64_t end) {
             goto done;
     }
 done:
-    free(values);
-    free(texels);
+    slvi_free(values);
+    slvi_free(texels);
     return result;
 }
 

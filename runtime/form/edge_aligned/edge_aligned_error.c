@@ -1,10 +1,9 @@
 #include "form/edge_aligned/edge_aligned_data.h"
 
-#include "base/log.h"
+#include "base/memory.h"
 #include "form/resample_error.h"
 
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
 /* Memory for the largest face of a range. */
@@ -14,12 +13,12 @@ typedef struct scratch {
 } scratch;
 
 static void scratch_free(scratch *s) {
-    free(s->samples);
-    free(s->bordered);
-    free(s->texels);
-    free(s->back);
-    free(s->rows[0]);
-    free(s->rows[1]);
+    slvi_free(s->samples);
+    slvi_free(s->bordered);
+    slvi_free(s->texels);
+    slvi_free(s->back);
+    slvi_free(s->rows[0]);
+    slvi_free(s->rows[1]);
 }
 
 static slv_result scratch_create(const slv_env *env, const slv_texture_desc *desc, uint64_t first,

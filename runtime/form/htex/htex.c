@@ -1,9 +1,9 @@
 #include "form/htex/htex_data.h"
 
 #include "base/log.h"
+#include "base/memory.h"
 
 #include <assert.h>
-#include <stdlib.h>
 #include <string.h>
 
 #define ITEMS_PER_RANGE 16
@@ -156,8 +156,8 @@ static slv_result fill_faces(void *user, uint64_t first, uint64_t end) {
             fill_triangle(fill, &source, 4 * face + e, ALL, row);
     }
 done:
-    free(bordered);
-    free(row);
+    slvi_free(bordered);
+    slvi_free(row);
     return result;
 }
 
@@ -209,7 +209,7 @@ static slv_result fill_edges(void *user, uint64_t first, uint64_t end) {
             texels += count * size;
         }
     }
-    free(rows);
+    slvi_free(rows);
     return result;
 }
 
@@ -277,9 +277,9 @@ static slv_result create(const slv_env *env, const slv_levels *levels,
     result = slv_htex_find_corners(env, htex, mesh, fill.tops);
 done:
     slv_parallel_env_end(log);
-    free(fill.ends);
-    free(fill.diagonals);
-    free(fill.tops);
+    slvi_free(fill.ends);
+    slvi_free(fill.diagonals);
+    slvi_free(fill.tops);
     return result;
 }
 
@@ -317,14 +317,14 @@ done:
 void slv_htex_destroy(slv_htex *htex) {
     if (!htex)
         return;
-    free(htex->texels);
-    free(htex->corners);
-    free(htex->values);
-    free(htex->offset);
-    free(htex->faces);
-    free(htex->log2);
-    free(htex->res);
-    free(htex);
+    slvi_free(htex->texels);
+    slvi_free(htex->corners);
+    slvi_free(htex->values);
+    slvi_free(htex->offset);
+    slvi_free(htex->faces);
+    slvi_free(htex->log2);
+    slvi_free(htex->res);
+    slvi_free(htex);
 }
 
 const slv_texture_desc *slv_htex_get_desc(const slv_htex *htex) {

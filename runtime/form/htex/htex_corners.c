@@ -1,8 +1,8 @@
 #include "form/htex/htex_data.h"
 
 #include "base/log.h"
+#include "base/memory.h"
 
-#include <stdlib.h>
 #include <string.h>
 
 enum { CORNERS = 4 };
@@ -114,9 +114,9 @@ slv_result slv_htex_find_corners(const slv_env *env, slv_htex *htex, const slv_h
             row->start[k] = number[mesh->root[half]];
     }
 done:
-    free(number);
-    free(count);
-    free(sums);
-    free(value);
+    slvi_free(number);
+    slvi_free(count);
+    slvi_free(sums);
+    slvi_free(value);
     return result;
 }

@@ -1,10 +1,9 @@
 #include "form/htex/htex_data.h"
 
-#include "base/log.h"
+#include "base/memory.h"
 #include "form/resample_error.h"
 
 #include <math.h>
-#include <stdlib.h>
 
 /* Points of a texel, of the face's or a square's: a lattice that has each coordinate once, for the
  * texels of squares lie at halves of the face's. */
@@ -73,8 +72,8 @@ static slv_result measure_faces(void *user, uint64_t first, uint64_t end) {
         measure_face(measure, &source, face, values);
     }
 done:
-    free(bordered);
-    free(values);
+    slvi_free(bordered);
+    slvi_free(values);
     return result;
 }
 

@@ -1,8 +1,8 @@
 #include "form/htex/htex_data.h"
 
 #include "base/log.h"
+#include "base/memory.h"
 
-#include <stdlib.h>
 #include <string.h>
 
 /* The sub-face across `edge`, if the two share a side that ends at their polygon's centre. */
@@ -143,18 +143,18 @@ slv_result slv_htex_mesh_create(const slv_env *env, const slv_adjacency *adjacen
     *out = mesh;
     memset(&mesh, 0, sizeof mesh);
 done:
-    free(seen);
+    slvi_free(seen);
     slv_htex_mesh_free(&mesh);
     return result;
 }
 
 void slv_htex_mesh_free(slv_htex_mesh *mesh) {
-    free(mesh->after);
-    free(mesh->before);
-    free(mesh->polygon);
-    free(mesh->twin);
-    free(mesh->edge);
-    free(mesh->half);
-    free(mesh->root);
+    slvi_free(mesh->after);
+    slvi_free(mesh->before);
+    slvi_free(mesh->polygon);
+    slvi_free(mesh->twin);
+    slvi_free(mesh->edge);
+    slvi_free(mesh->half);
+    slvi_free(mesh->root);
     memset(mesh, 0, sizeof *mesh);
 }

@@ -124,9 +124,9 @@ struct slv_gl {
 };
 
 /* Each makes a context current and returns how to find functions; the message says why not. */
-slv_result slv_gl_open_egl(bool hardware, char *why, size_t why_size, slv_gl_platform *out,
-                           slv_gl_get_proc *get_proc);
-slv_result slv_gl_open_osmesa(char *why, size_t why_size, slv_gl_platform *out,
+slv_result slv_gl_open_egl(const slv_env *env, bool hardware, char *why, size_t why_size,
+                           slv_gl_platform *out, slv_gl_get_proc *get_proc);
+slv_result slv_gl_open_osmesa(const slv_env *env, char *why, size_t why_size, slv_gl_platform *out,
                               slv_gl_get_proc *get_proc);
 
 /* The address of a function in an open library, written to the function pointer that `out` points

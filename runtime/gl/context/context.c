@@ -1,10 +1,10 @@
 #include "gl/context/api.h"
 
 #include "base/log.h"
+#include "base/memory.h"
 
 #include <dlfcn.h>
 #include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
 #include <strings.h>
 
@@ -142,7 +142,7 @@ static slv_result adopt(const slv_env *env, slv_gl_backend backend, slv_gl_platf
     if (result) {
         if (platform.destroy)
             platform.destroy(platform.state);
-        free(gl);
+        slvi_free(gl);
         return result;
     }
     gl->platform = platform;
@@ -160,11 +160,12 @@ slv_result slv_gl_create(const slv_env *env, slv_gl_backend backend, slv_gl **ou
         return slv_fail(env, SLV_ERROR_ARGUMENT, "a host's context is taken with slv_gl_wrap");
     if (backend != SLV_GL_OSMESA) {
         for (int software = 0; software < 2; software++)
-            if (!slv_gl_open_egl(!software, why[software], sizeof why[software], &platform,
+            if (!slv_gl_open_egl(env, !software, why[software], sizeof why[software], &platform,
                                  &get_proc))
                 return adopt(env, SLV_GL_EGL, platform, get_proc, NULL, out);
     }
-    if (backend != SLV_GL_EGL && !slv_gl_open_osmesa(why[2], sizeof why[2], &platform, &get_proc))
+    if (backend != SLV_GL_EGL &&
+        !slv_gl_open_osmesa(env, why[2], sizeof why[2], &platform, &get_proc))
         return adopt(env, SLV_GL_OSMESA, platform, get_proc, NULL, out);
     if (backend == SLV_GL_OSMESA)
         return slv_fail(env, SLV_ERROR_GL, "no usable OpenGL context: OSMesa: %s", why[2]);
@@ -187,7 +188,7 @@ void slv_gl_destroy(slv_gl *gl) {
         return;
     if (gl->platform.destroy)
         gl->platform.destroy(gl->platform.state);
-    free(gl);
+    slvi_free(gl);
 }
 
 const slv_gl_info *slv_gl_get_info(const slv_gl *gl) {

@@ -1,11 +1,12 @@
 #include "gl/context/api.h"
 
+#include "base/memory.h"
+
 #include <EGL/egl.h>
 #include <EGL/eglext.h>
 
 #include <dlfcn.h>
 #include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
 
 #ifndef EGL_PLATFORM_SURFACELESS_MESA
@@ -62,7 +63,7 @@ static void destroy(void *user) {
     if (state->egl.GetCurrentContext() == state->context)
         state->egl.MakeCurrent(state->display, EGL_NO_SURFACE, EGL_NO_SURFACE, EGL_NO_CONTEXT);
     state->egl.DestroyContext(state->display, state->context);
-    free(state);
+    slvi_free(state);
 }
 
 static bool try_display(struct egl_state *state, EGLDisplay display, const char **why) {
@@ -134,11 +135,11 @@ static bool try_surfaceless(struct egl_state *state, const char **why) {
                        why);
 }
 
-slv_result slv_gl_open_egl(bool hardware, char *why, size_t why_size, slv_gl_platform *out,
-                           slv_gl_get_proc *get_proc) {
+slv_result slv_gl_open_egl(const slv_env *env, bool hardware, char *why, size_t why_size,
+                           slv_gl_platform *out, slv_gl_get_proc *get_proc) {
     const char *reason = hardware ? "no hardware device" : "no device or surfaceless platform";
-    struct egl_state *state = calloc(1, sizeof *state);
-    if (!state) {
+    struct egl_state *state = NULL;
+    if (slv_alloc(env, "EGL", 1, sizeof *state, &state)) {
         reason = "out of memory";
     } else if (!load_egl(&state->egl)) {
         reason = "libEGL.so.1 cannot be loaded";
@@ -149,7 +150,7 @@ slv_result slv_gl_open_egl(bool hardware, char *why, size_t why_size, slv_gl_pla
         *get_proc = find_proc;
         return SLV_OK;
     }
-    free(state);
+    slvi_free(state);
     snprintf(why, why_size, "%s", reason);
     return SLV_ERROR_GL;
 }

@@ -1,8 +1,9 @@
 #include "gl/context/api.h"
 
+#include "base/memory.h"
+
 #include <dlfcn.h>
 #include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
 
 /* From <GL/osmesa.h>, which cannot be included beside the core profile header. */
@@ -45,10 +46,10 @@ static void destroy(void *user) {
     struct osmesa_state *state = user;
     state->make_current(NULL, NULL, 0, 0, 0);
     state->destroy(state->context);
-    free(state);
+    slvi_free(state);
 }
 
-slv_result slv_gl_open_osmesa(char *why, size_t why_size, slv_gl_platform *out,
+slv_result slv_gl_open_osmesa(const slv_env *env, char *why, size_t why_size, slv_gl_platform *out,
                               slv_gl_get_proc *get_proc) {
     static const int attributes[] = {OSMESA_FORMAT,
                                      GL_RGBA,
@@ -63,9 +64,9 @@ slv_result slv_gl_open_osmesa(char *why, size_t why_size, slv_gl_platform *out,
                                      0,
                                      0};
     const char *reason;
-    struct osmesa_state *state = calloc(1, sizeof *state);
+    struct osmesa_state *state = NULL;
     void *library = open_library(0);
-    if (!state) {
+    if (slv_alloc(env, "OSMesa", 1, sizeof *state, &state)) {
         reason = "out of memory";
     } else if (!library) {
         reason = "libOSMesa.so cannot be loaded";
@@ -84,7 +85,7 @@ slv_result slv_gl_open_osmesa(char *why, size_t why_size, slv_gl_platform *out,
         *get_proc = find_proc;
         return SLV_OK;
     }
-    free(state);
+    slvi_free(state);
     snprintf(why, why_size, "%s", reason);
     return SLV_ERROR_GL;
 }

@@ -2,6 +2,7 @@
 
 #include "base/file.h"
 #include "base/log.h"
+#include "base/memory.h"
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -86,7 +87,7 @@ slv_result slv_gl_program(const slv_gl *gl, const slv_env *env, const char *name
         snprintf(file, sizeof file, "draw/%s.%s", name, stage ? "frag" : "vert");
         if (!(result = slv_gl_shader_text(env, file, &texts[2], &owned)))
             result = compile(gl, env, file, stages[stage], texts, 3, &shaders[stage]);
-        free(owned);
+        slvi_free(owned);
     }
     if (!result)
         result = link_shaders(gl, env, name, shaders, out);

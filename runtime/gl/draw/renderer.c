@@ -1,11 +1,11 @@
 #include "gl/store/store.h"
 
 #include "base/log.h"
+#include "base/memory.h"
 
 #include <selvage/gl_renderer.h>
 
 #include <stddef.h>
-#include <stdlib.h>
 #include <string.h>
 #include <time.h>
 
@@ -110,7 +110,7 @@ static GLuint make_array(const slv_gl_api *api, GLuint vertices, GLuint indices)
 static void free_indices(const slv_gl_api *api, struct batch_indices *indices) {
     api->DeleteBuffers(1, &indices->buffer);
     api->DeleteVertexArrays(1, &indices->array);
-    free(indices->first);
+    slvi_free(indices->first);
     memset(indices, 0, sizeof *indices);
 }
 
@@ -148,7 +148,7 @@ static slv_result make_indices(slv_gl_renderer *renderer, const slv_env *env,
     out->strategy = strategy;
     out->texture = texture->serial;
 done:
-    free(list);
+    slvi_free(list);
     if (result)
         free_indices(api, out);
     return result;
@@ -156,7 +156,7 @@ done:
 
 static void free_programs(slv_gl_renderer *renderer) {
     for (uint32_t i = 0; i < renderer->nprograms; i++) {
-        free(renderer->programs[i].text);
+        slvi_free(renderer->programs[i].text);
         renderer->gl->api.DeleteProgram(renderer->programs[i].program);
     }
     renderer->nprograms = 0;
@@ -176,7 +176,7 @@ static slv_result surface_program(slv_gl_renderer *renderer, const slv_env *env,
         return result;
     memcpy(text, lookups, strlen(lookups) + 1);
     if ((result = slv_gl_program(renderer->gl, env, "surface", lookups, out)))
-        free(text);
+        slvi_free(text);
     else
         renderer->programs[renderer->nprograms++] = (struct program){text, *out};
     return result;
@@ -198,7 +198,7 @@ slv_result slv_gl_renderer_create(slv_gl *gl, const slv_env *env, const slv_mesh
                                (uint64_t)made->mesh.first[made->mesh.nfaces] * sizeof(slv_vertex),
                                &made->vertices);
     slv_adjacency_destroy(adjacency);
-    free(made->mesh.vertices); /* the driver has its own copy */
+    slvi_free(made->mesh.vertices); /* the driver has its own copy */
     made->mesh.vertices = NULL;
     gl->api.CreateQueries(GL_TIME_ELAPSED, 1, &made->query);
     if (result) {
@@ -220,7 +220,7 @@ void slv_gl_renderer_destroy(slv_gl_renderer *renderer) {
     api->DeleteBuffers(1, &renderer->vertices);
     api->DeleteQueries(1, &renderer->query);
     slv_tessellation_free(&renderer->mesh);
-    free(renderer);
+    slvi_free(renderer);
 }
 
 /* Column-major, from window and the depth range of the surface seen from the eye. */

@@ -1,9 +1,9 @@
 #include "gl/store/store.h"
 
 #include "base/log.h"
+#include "base/memory.h"
 
 #include <stddef.h>
-#include <stdlib.h>
 #include <string.h>
 
 #define TARGET_WIDTH 1024
@@ -162,9 +162,9 @@ slv_result slv_gl_texture_lookup(slv_gl_texture *texture, const slv_env *env, sl
                               out + 4 * (size_t)start);
     }
 done:
-    free(batch_of);
-    free(first);
-    free(order);
-    free(points);
+    slvi_free(batch_of);
+    slvi_free(first);
+    slvi_free(order);
+    slvi_free(points);
     return result;
 }

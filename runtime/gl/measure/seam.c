@@ -1,9 +1,9 @@
 #include "gl/store/store.h"
 
 #include "base/log.h"
+#include "base/memory.h"
 
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
 #define MAGNIFIED (1.0f / 64)
@@ -174,8 +174,8 @@ slv_result slv_gl_texture_seam_jump(slv_gl_texture *texture, const slv_env *env,
     if (!result)
         measure(seams, nseams, samples, values, out);
 done:
-    free(seams);
-    free(faces);
-    free(floats);
+    slvi_free(seams);
+    slvi_free(faces);
+    slvi_free(floats);
     return result;
 }

@@ -1,11 +1,11 @@
 #include "gl/store/store.h"
 
 #include "base/log.h"
+#include "base/memory.h"
 #include "base/parallel.h"
 
 #include <selvage/border.h>
 
-#include <stdlib.h>
 #include <string.h>
 
 #define MAX_REACH 9 /* a face and two neighbours across each edge */
@@ -18,18 +18,18 @@ struct link_row {
 };
 
 void slv_gl_batches_free(slv_gl_batches *batches) {
-    free(batches->ranges);
-    free(batches->faces);
+    slvi_free(batches->ranges);
+    slvi_free(batches->faces);
     memset(batches, 0, sizeof *batches);
 }
 
 static slv_result add_range(const slv_env *env, slv_gl_batches *batches, slv_gl_batch_range **out) {
     if (batches->count == batches->capacity) {
         uint32_t capacity = batches->capacity ? batches->capacity * 2 : 16;
-        slv_gl_batch_range *grown = realloc(batches->ranges, capacity * sizeof *grown);
-        if (!grown)
-            return slv_fail(env, SLV_ERROR_MEMORY, "no memory for %u batches", capacity);
-        batches->ranges = grown;
+        slv_result result =
+            slv_grow(env, "batches", capacity, sizeof *batches->ranges, &batches->ranges);
+        if (result)
+            return result;
         batches->capacity = capacity;
     }
     *out = &batches->ranges[batches->count++];
@@ -267,7 +267,7 @@ static slv_result fill_corners(void *user, uint64_t first, uint64_t end) {
             }
         }
     }
-    free(values);
+    slvi_free(values);
     return SLV_OK;
 }
 
@@ -303,8 +303,8 @@ static slv_result upload_links(const slv_gl_source *source, const slv_gl_store *
         result =
             slv_gl_table(source, "corner table", values, ncorners * 4 * sizeof *values, corners);
     *bytes = (uint64_t)nfaces * sizeof *rows + ncorners * 4 * sizeof *values;
-    free(rows);
-    free(values);
+    slvi_free(rows);
+    slvi_free(values);
     return result;
 }
 
@@ -377,8 +377,8 @@ static slv_result upload_squares(const slv_gl_source *source, const slv_htex *ht
         result = slv_gl_table(source, "corner table", values, nvalues * 4 * sizeof *values,
                               &store->corners);
 done:
-    free(rows);
-    free(values);
+    slvi_free(rows);
+    slvi_free(values);
     return result;
 }
 
@@ -404,7 +404,7 @@ slv_result slv_gl_batches_of_squares(const slv_gl_source *source, slv_gl_store *
     list_faces(&batches, order, nfaces, batch_of);
     result = upload_squares(source, htex, &batches, batch_of, store);
 done:
-    free(batch_of);
+    slvi_free(batch_of);
     if (result)
         slv_gl_batches_free(&batches);
     *out = batches;
@@ -426,7 +426,7 @@ slv_result slv_gl_batches_with_neighbours(const slv_gl_source *source, const slv
     list_faces(&batches, store->order, nfaces, batch_of);
     result = upload_links(source, store, &batches, batch_of, links, corners, bytes);
 done:
-    free(batch_of);
+    slvi_free(batch_of);
     if (result)
         slv_gl_batches_free(&batches);
     *out = batches;

@@ -1,10 +1,9 @@
 #include "gl/store/store.h"
 
-#include "base/log.h"
+#include "base/memory.h"
 #include "base/parallel.h"
 
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
 /* Above this a sum of a few texels, or the difference of two, could leave the range of a float:
@@ -57,7 +56,7 @@ static slv_result copy_faces(void *user, uint64_t first, uint64_t end) {
         result = slv_texture_is_constant(copy->from, f)
                      ? slv_texture_set_constant(copy->to, f, scaled)
                      : slv_texture_set_face(copy->to, f, scaled);
-        free(scaled);
+        slvi_free(scaled);
     }
     return result;
 }
@@ -69,7 +68,7 @@ static slv_result any_large(const slv_env *env, const slv_texture *texture, bool
     if (!result)
         result = slv_parallel_for(env, nfaces, 64, scan_faces, &scan);
     *large = !result && memchr(scan.large, true, nfaces);
-    free(scan.large);
+    slvi_free(scan.large);
     return result;
 }
 

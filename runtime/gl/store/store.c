@@ -1,11 +1,11 @@
 #include "gl/store/store.h"
 
 #include "base/log.h"
+#include "base/memory.h"
 #include "base/parallel.h"
 
 #include <selvage/edge_aligned.h>
 
-#include <stdlib.h>
 #include <string.h>
 
 #define ARRAY_BYTES (UINT64_C(512) << 20) /* software drivers refuse textures above 1 GiB */
@@ -52,7 +52,7 @@ static slv_result neighbourly_order(const slv_gl_source *source, uint32_t nfaces
             }
         }
     }
-    free(seen);
+    slvi_free(seen);
     return SLV_OK;
 }
 
@@ -78,7 +78,7 @@ static slv_result find_wide(void *user, uint64_t first, uint64_t end) {
                 (((size_t)1 << res.u) + 2) * (((size_t)1 << res.v) + 2) * desc->nchannels;
             bool wide = false;
             if (needed > capacity) {
-                free(scratch);
+                slvi_free(scratch);
                 capacity = needed;
                 result = slv_alloc(&job->env, "border", needed, sizeof *scratch, &scratch);
             }
@@ -88,7 +88,7 @@ static slv_result find_wide(void *user, uint64_t first, uint64_t end) {
             job->wide[face] |= wide;
         }
     }
-    free(scratch);
+    slvi_free(scratch);
     return result;
 }
 
@@ -127,10 +127,10 @@ struct items {
 };
 
 static void free_items(struct items *items) {
-    free(items->res);
-    free(items->wide);
-    free(items->order);
-    free(items->faces);
+    slvi_free(items->res);
+    slvi_free(items->wide);
+    slvi_free(items->order);
+    slvi_free(items->faces);
 }
 
 static slv_result list_faces(const slv_gl_source *source, struct items *out) {
@@ -171,7 +171,7 @@ static slv_result list_squares(const slv_gl_source *source, const slv_htex *htex
         }
     }
 done:
-    free(seen);
+    slvi_free(seen);
     return result;
 }
 
@@ -251,8 +251,8 @@ static slv_result assign_pools(const slv_gl_source *source, const struct items *
         }
     }
 done:
-    free(start);
-    free(templates);
+    slvi_free(start);
+    slvi_free(templates);
     return result;
 }
 
@@ -274,7 +274,7 @@ static slv_result make_coverage(const slv_gl_source *source, slv_gl_pool *pool) 
         api->TextureSubImage3D(pool->coverage, (GLint)level, 0, 0, 0, 1 << r.u, 1 << r.v, 1, GL_RED,
                                GL_UNSIGNED_BYTE, ones);
     }
-    free(ones);
+    slvi_free(ones);
     return SLV_OK;
 }
 
@@ -347,8 +347,8 @@ static slv_result upload_tables(const slv_gl_source *source, slv_gl_store *store
     store->bytes += bytes;
     result = slv_gl_table(source, "level table", rects, bytes, &store->rects);
 done:
-    free(rows);
-    free(rects);
+    slvi_free(rows);
+    slvi_free(rects);
     return result;
 }
 
@@ -416,7 +416,7 @@ done:
     slv_htex_destroy(forms.htex);
     slv_parallel_env_end(log);
     free_items(&items);
-    free(staging);
+    slvi_free(staging);
     if (result)
         slv_gl_store_free(source->gl, &store);
     *out = store;
@@ -432,9 +432,9 @@ void slv_gl_store_free(const slv_gl *gl, slv_gl_store *store) {
     gl->api.DeleteBuffers(1, &store->rects);
     gl->api.DeleteBuffers(1, &store->squares);
     gl->api.DeleteBuffers(1, &store->corners);
-    free(store->pools);
-    free(store->order);
-    free(store->pool_of);
-    free(store->layer_of);
+    slvi_free(store->pools);
+    slvi_free(store->order);
+    slvi_free(store->pool_of);
+    slvi_free(store->layer_of);
     memset(store, 0, sizeof *store);
 }

@@ -4,6 +4,8 @@
 #define SLV_GL_STORE_H
 
 #include "gl/context/api.h"
+
+#include "base/memory.h"
 #include "gl/store/compress.h"
 
 #include <selvage/gl_texture.h>
@@ -122,7 +124,7 @@ slv_result slv_gl_store_build(const slv_gl_source *source, slv_gl_layout layout,
 void slv_gl_store_free(const slv_gl *gl, slv_gl_store *store);
 
 /* Fills and uploads one level of every layer (packed: the whole layer), as many layers at a time as
- * the staging holds; `*staging` grows as needed and is released with free(). `env` logs one at a
+ * the staging holds; `*staging` grows as needed and is released with slvi_free. `env` logs one at a
  * time. */
 slv_result slv_gl_upload_level(const slv_gl_source *source, const slv_env *env, slv_gl_store *store,
                                const slv_gl_forms *forms, const slv_gl_pool *pool, uint32_t level,

@@ -1,6 +1,7 @@
 #include "gl/store/store.h"
 
 #include "base/log.h"
+#include "base/memory.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -199,13 +200,13 @@ void slv_gl_texture_destroy(slv_gl_texture *texture) {
     api->DeleteSamplers(SAMPLERS, texture->samplers);
     for (int s = 0; s < SLV_STRATEGY_COUNT; s++) {
         for (int v = 0; v < SLV_GL_MAX_VARIANTS; v++) {
-            free(texture->glsl[s][v]);
+            slvi_free(texture->glsl[s][v]);
             api->DeleteProgram(texture->lookup_programs[s][v]);
         }
     }
-    free(texture->sample_owned);
-    free(texture->res);
-    free(texture);
+    slvi_free(texture->sample_owned);
+    slvi_free(texture->res);
+    slvi_free(texture);
 }
 
 static bool split_coverage(const slv_gl_texture *texture, slv_strategy strategy) {

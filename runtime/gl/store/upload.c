@@ -1,9 +1,8 @@
 #include "gl/store/store.h"
 
-#include "base/log.h"
+#include "base/memory.h"
 #include "base/parallel.h"
 
-#include <stdlib.h>
 #include <string.h>
 
 #define STAGING_BYTES (UINT64_C(32) << 20)
@@ -91,7 +90,7 @@ static slv_result fill(void *user, uint64_t first, uint64_t end) {
                                      job->staging + layer * job->layer_size, job->used,
                                      job->blocks + layer * job->block_size, &job->errors[layer]);
     }
-    free(scratch);
+    slvi_free(scratch);
     return result;
 }
 
@@ -124,9 +123,9 @@ static slv_result begin_blocks(const slv_gl_source *source, uint32_t count, stru
 }
 
 static void end_blocks(struct fill_job *job) {
-    free(job->blocks);
-    free(job->errors);
-    free(job->used);
+    slvi_free(job->blocks);
+    slvi_free(job->errors);
+    slvi_free(job->used);
 }
 
 static void send(const slv_gl_api *api, const struct fill_job *job, uint32_t count) {
@@ -156,7 +155,7 @@ slv_result slv_gl_upload_level(const slv_gl_source *source, const slv_env *env, 
     slv_result result = SLV_OK;
     at_once = at_once < pool->nlayers ? at_once : pool->nlayers;
     if (layer_size * at_once > *capacity) {
-        free(*staging);
+        slvi_free(*staging);
         *capacity = layer_size * at_once;
         if ((result = slv_alloc(source->env, "upload", *capacity, 1, staging)))
             return result;

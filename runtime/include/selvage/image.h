@@ -35,7 +35,7 @@ SLV_API void slv_image_free(slv_image *image); /* frees the pixels and zeroes th
 /* Writes by the path's extension, .png or .exr (any case). Atomic: beside, then rename. */
 SLV_API slv_result slv_image_save(const slv_env *env, const char *path, const slv_image *image,
                                   const slv_image_params *params);
-/* PNG bytes in memory, for embedding; `*bytes` is released with free(). */
+/* PNG bytes in memory, for embedding; `*bytes` is released with slv_free. */
 SLV_API slv_result slv_image_encode_png(const slv_env *env, const slv_image *image,
                                         const slv_image_params *params, void **bytes, size_t *size);
 

@@ -37,18 +37,39 @@ SLV_API const char *slv_result_string(slv_result result);
 
 typedef enum slv_log_level { SLV_LOG_INFO, SLV_LOG_WARNING, SLV_LOG_ERROR } slv_log_level;
 
-/* The environment of a call: where words go, how many threads may work, how much may be allocated.
- * All zero is a sensible default; NULL stands for all zero. Objects keep a copy.
+/* The environment of a call: where words go, who works, where memory comes from and how much of it.
+ * All zero is a sensible default; NULL stands for all zero. Objects keep a copy, so that what it
+ * points to must outlive them.
  *
  * `log` receives one line without a newline, naming the file, face and edge where there are such.
  * It may be called from worker threads, one at a time. A function that returns an error has logged
- * exactly one SLV_LOG_ERROR line that says why. */
+ * exactly one SLV_LOG_ERROR line that says why.
+ *
+ * `allocate` returns memory aligned as malloc's, or NULL if there is none; `release` takes it back.
+ * Both or neither are set. They are called from any thread, several at once, and may outlive the
+ * call: an object is released by the hooks that it was made with. What the libraries below allocate
+ * (OpenSubdiv, OpenEXR, libpng, libdeflate, Embree, OpenGL) and the address space that a cache
+ * reserves does not come from them.
+ *
+ * `execute` runs task(argument, i) for each i of 0..count-1, in any order and on any threads, and
+ * returns when all are done; slv_threads_create makes one. Without it threads are started for each
+ * call that has work for them. */
 typedef struct slv_env {
     void (*log)(void *user, slv_log_level level, const char *message);
     void *log_user;
     uint32_t threads;   /* worker threads; 0 means one per processor */
     uint64_t max_bytes; /* most bytes that one object may allocate; 0 means 16 GiB */
+    void *(*allocate)(void *user, size_t bytes);
+    void (*release)(void *user, void *memory);
+    void *memory_user;
+    void (*execute)(void *user, uint32_t count, void (*task)(void *argument, uint32_t index),
+                    void *argument);
+    void *execute_user;
+    uint64_t reserved[6]; /* zero; for what later versions add */
 } slv_env;
+
+/* Releases memory that a function says is to be released with slv_free. NULL is fine. */
+SLV_API void slv_free(void *memory);
 
 /* The library's version as (major << 16 | minor << 8 | patch). */
 SLV_API uint32_t slv_version(void);

@@ -3,9 +3,9 @@
 
 #include "base/file.h"
 #include "base/log.h"
+#include "base/memory.h"
 
 #include <stdarg.h>
-#include <stdlib.h>
 #include <string.h>
 
 /* An array that grows by doubling. */
@@ -63,7 +63,7 @@ static slv_result append(obj *o, list *l, const void *items, uint64_t count, siz
             return result;
         if (l->count)
             memcpy(grown, l->items, (size_t)l->count * size);
-        free(l->items);
+        slvi_free(l->items);
         l->items = grown;
         l->capacity = capacity;
     }
@@ -447,12 +447,12 @@ static slv_result make_mesh(obj *o, slv_mesh **out) {
     };
     result = slv_mesh_create(o->env, &view, out);
 done:
-    free(crease_verts);
-    free(crease_sharpness);
-    free(corner_verts);
-    free(corner_sharpness);
-    free(hole_polys);
-    free(names);
+    slvi_free(crease_verts);
+    slvi_free(crease_sharpness);
+    slvi_free(corner_verts);
+    slvi_free(corner_sharpness);
+    slvi_free(hole_polys);
+    slvi_free(names);
     return result;
 }
 
@@ -472,10 +472,10 @@ slv_result slv_mesh_parse_obj(const slv_env *env, const char *name, const char *
     list *lists[] = {&o.sizes, &o.poly_lines,  &o.creases,  &o.corners,
                      &o.holes, &o.group_first, &o.group_at, &o.letters};
     for (size_t i = 0; i < sizeof lists / sizeof *lists; i++)
-        free(lists[i]->items);
+        slvi_free(lists[i]->items);
     for (int kind = 0; kind < NKINDS; kind++) {
-        free(o.values[kind].items);
-        free(o.indices[kind].items);
+        slvi_free(o.values[kind].items);
+        slvi_free(o.indices[kind].items);
     }
     return result;
 }
@@ -487,6 +487,6 @@ slv_result slv_mesh_load_obj(const slv_env *env, const char *path, slv_mesh **ou
     slv_result result = slv_file_read(env, path, &text, &size);
     if (!result)
         result = slv_mesh_parse_obj(env, path, text, size, out);
-    free(text);
+    slvi_free(text);
     return result;
 }

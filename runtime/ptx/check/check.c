@@ -2,7 +2,9 @@
  * at. */
 #include "ptx/check/check.h"
 
-#include <stdlib.h>
+#include "base/log.h"
+#include "base/memory.h"
+
 #include <string.h>
 
 enum { DEFAULT_MAX_FINDINGS = 1000 };
@@ -141,9 +143,9 @@ done:
     slv_ptx_close(ptx);
     check_findings_destroy(check.findings);
     slv_ptx_report_destroy(check.report);
-    free(check.faces);
-    free(check.strips);
-    free(check.strip_starts);
-    free(check.unread);
+    slvi_free(check.faces);
+    slvi_free(check.strips);
+    slvi_free(check.strip_starts);
+    slvi_free(check.unread);
     return result;
 }

@@ -1,9 +1,10 @@
 /* Whether the edges of the face table lead back to each other. */
 #include "ptx/check/check.h"
+
+#include "base/memory.h"
 #include "ptx/format/ptx_file.h"
 
 #include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
 
 enum { MAX_POLYGON = 1 << 16 };
@@ -208,7 +209,7 @@ slv_result check_adjacency(check_context *check) {
     }
 done:
     slv_ptx_reader_destroy(reader);
-    free(values);
-    free(seen);
+    slvi_free(values);
+    slvi_free(seen);
     return result;
 }

@@ -1,6 +1,8 @@
 /* Whether the faces of a file meet as those of a mesh do. */
 #include "ptx/check/check.h"
 
+#include "base/memory.h"
+
 #include <stdio.h>
 #include <stdlib.h>
 
@@ -52,7 +54,7 @@ static slv_result triangle_adjacency(const slv_env *env, const slv_mesh *mesh,
         out[b->face].face[b->edge] = a->face;
         out[b->face].edge[b->edge] = a->edge;
     }
-    free(sides);
+    slvi_free(sides);
     return SLV_OK;
 }
 
@@ -184,6 +186,6 @@ slv_result check_mesh(check_context *check, const slv_mesh *mesh, bool inside) {
     compare_faces(&c, count);
 done:
     slv_adjacency_destroy(quads);
-    free(expected);
+    slvi_free(expected);
     return result;
 }

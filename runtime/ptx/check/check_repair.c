@@ -1,6 +1,8 @@
 /* Copies in which what follows from the texels and a mesh is made anew. */
 #include "ptx/check/check.h"
 
+#include "base/log.h"
+
 #include <selvage/ptx_writer.h>
 
 static slv_result copy_face(void *user, const slv_env *env, uint32_t face, const slv_ptx_face *info,

@@ -1,6 +1,9 @@
 /* Findings from many threads, and the report that is the same for any number of them. */
 #include "ptx/check/check.h"
 
+#include "base/log.h"
+#include "base/memory.h"
+
 #include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -13,6 +16,7 @@ struct kept {
 
 struct check_findings {
     pthread_mutex_t lock;
+    slv_env env; /* says nothing */
     uint32_t max_kept;
     bool no_memory;
     struct kept kinds[SLV_CHECK_KINDS];
@@ -35,6 +39,8 @@ slv_result check_findings_create(const slv_env *env, uint32_t max_kept, check_fi
         return result;
     pthread_mutex_init(&(*out)->lock, NULL);
     (*out)->max_kept = max_kept;
+    (*out)->env = slv_env_or_default(env);
+    (*out)->env.log = NULL;
     return SLV_OK;
 }
 
@@ -42,9 +48,9 @@ void check_findings_destroy(check_findings *findings) {
     if (!findings)
         return;
     for (int kind = 0; kind < SLV_CHECK_KINDS; kind++)
-        free(findings->kinds[kind].list);
+        slvi_free(findings->kinds[kind].list);
     pthread_mutex_destroy(&findings->lock);
-    free(findings);
+    slvi_free(findings);
 }
 
 static int compare(const void *left, const void *right) {
@@ -71,10 +77,8 @@ static slv_check_finding *make_room(check_findings *findings, struct kept *kept)
         cut(kept, findings->max_kept);
     if (kept->count == kept->capacity) {
         uint32_t capacity = kept->capacity ? 2 * kept->capacity : 16;
-        slv_check_finding *list = realloc(kept->list, capacity * sizeof *list);
-        if (!list)
+        if (slv_grow(&findings->env, "findings", capacity, sizeof *kept->list, &kept->list))
             return NULL;
-        kept->list = list;
         kept->capacity = capacity;
     }
     return &kept->list[kept->count++];
@@ -157,6 +161,6 @@ void slv_ptx_report_destroy(slv_ptx_report *report) {
     if (!report)
         return;
     /* the list is const to those who read the report */
-    free((void *)(uintptr_t)report->findings);
-    free(report);
+    slvi_free((void *)(uintptr_t)report->findings);
+    slvi_free(report);
 }

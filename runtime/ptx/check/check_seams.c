@@ -2,7 +2,6 @@
 #include "ptx/check/check.h"
 
 #include <math.h>
-#include <stdlib.h>
 
 /* The texels of a stretch of a face's edge, counter-clockwise. */
 struct side {

@@ -1,8 +1,10 @@
 /* Whether every face can be read, and whether its reductions are its own. */
 #include "ptx/check/check.h"
 
+#include "base/log.h"
+#include "base/memory.h"
+
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
 enum { GRAIN = 32 };
@@ -25,7 +27,7 @@ struct reading {
 static slv_result reserve(struct reading *r, int buffer, uint64_t size) {
     if (size <= r->capacity[buffer])
         return SLV_OK;
-    free(r->bytes[buffer]);
+    slvi_free(r->bytes[buffer]);
     r->bytes[buffer] = NULL;
     r->capacity[buffer] = 0;
     slv_result result = slv_alloc(&r->check->env, "texels", size, 1, &r->bytes[buffer]);
@@ -275,7 +277,7 @@ static slv_result check_range(void *user, uint64_t first, uint64_t end) {
     pthread_mutex_unlock(&work->lock);
     slv_ptx_reader_destroy(r.reader);
     for (int i = 0; i < 3; i++)
-        free(r.bytes[i]);
+        slvi_free(r.bytes[i]);
     return result;
 }
 

@@ -1,10 +1,12 @@
 /* Comparing two files, whatever their types and resolutions. */
 #include "ptx/format/ptx_file.h"
 
+#include "base/log.h"
+#include "base/memory.h"
+
 #include <selvage/ptx_diff.h>
 
 #include <math.h>
-#include <stdlib.h>
 
 enum { GRAIN = 16 };
 
@@ -33,8 +35,8 @@ static slv_result read_values(const slv_env *env, const slv_ptx *ptx, struct sid
     uint64_t count = (UINT64_C(1) << (res.u + res.v)) * info->nchannels;
     slv_result result;
     if (count > side->capacity) {
-        free(side->texels);
-        free(side->values);
+        slvi_free(side->texels);
+        slvi_free(side->values);
         side->texels = NULL;
         side->values = NULL;
         side->capacity = 0;
@@ -144,8 +146,8 @@ static slv_result open_sides(const slv_env *env, const slv_ptx *const files[2],
 static void close_sides(struct side sides[2]) {
     for (int i = 0; i < 2; i++) {
         slv_ptx_reader_destroy(sides[i].reader);
-        free(sides[i].texels);
-        free(sides[i].values);
+        slvi_free(sides[i].texels);
+        slvi_free(sides[i].values);
     }
 }
 

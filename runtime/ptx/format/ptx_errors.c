@@ -1,5 +1,7 @@
 #include "ptx/format/ptx_file.h"
 
+#include "base/log.h"
+
 #include <stdio.h>
 
 static void keep_first(void *user, slv_log_level level, const char *message) {

@@ -4,7 +4,7 @@
 
 #include <selvage/ptx.h>
 
-#include "base/log.h"
+#include "base/memory.h"
 #include "base/parallel.h"
 
 #include <libdeflate.h>
@@ -127,8 +127,8 @@ slv_result ptx_read_bytes(const slv_env *env, const slv_ptx *ptx, const char *wh
                           uint64_t position, uint64_t size, void *out);
 /* Whether a zlib stream of `zipped` bytes can hold `size`: deflate packs at most 1032 to 1. */
 bool ptx_zip_is_plausible(uint64_t zipped, uint64_t size);
-/* Unpacks the `zipped` bytes at `position`, which must give exactly `size`, into *out (for free()).
- * A NUL follows them. */
+/* Unpacks the `zipped` bytes at `position`, which must give exactly `size`, into *out (for
+ * slvi_free). A NUL follows them. */
 slv_result ptx_read_zip(const slv_ptx *ptx, struct libdeflate_decompressor *inflater,
                         const char *what, uint64_t position, uint64_t zipped, uint64_t size,
                         void *out);

@@ -1,6 +1,8 @@
 /* Whether a file and a mesh belong together. */
 #include "ptx/format/ptx_file.h"
 
+#include "base/log.h"
+
 #include <stdio.h>
 
 struct match {

@@ -2,8 +2,8 @@
 #include <selvage/ptx_resize.h>
 
 #include "base/log.h"
+#include "base/memory.h"
 
-#include <stdlib.h>
 #include <string.h>
 
 /* `rows` runs of `from` texels of `size` values each become runs of `to` texels. */
@@ -44,7 +44,7 @@ static slv_result resize_quad(const slv_env *env, uint32_t nchannels, slv_res fr
         return result;
     resize_axis(h, w, to_w, nchannels, values, between);
     resize_axis(1, h, to_h, to_w * nchannels, between, out);
-    free(between);
+    slvi_free(between);
     return SLV_OK;
 }
 
@@ -84,8 +84,8 @@ static slv_result shrink_triangle(const slv_env *env, uint32_t nchannels, int fr
                        (slv_res){(int8_t)log2, (int8_t)log2}, source, target);
         source = target;
     }
-    free(work[0]);
-    free(work[1]);
+    slvi_free(work[0]);
+    slvi_free(work[1]);
     return result;
 }
 

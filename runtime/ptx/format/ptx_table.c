@@ -1,8 +1,10 @@
 /* The face table, the averages and the level tables, each read when it is first needed. */
 #include "ptx/format/ptx_file.h"
 
+#include "base/log.h"
+#include "base/memory.h"
+
 #include <stdio.h>
-#include <stdlib.h>
 
 void ptx_unpack_record(const uint8_t *record, bool triangle, slv_ptx_face *out) {
     memset(out, 0, sizeof *out);
@@ -140,7 +142,7 @@ static slv_result load_faces(const slv_ptx *ptx, struct libdeflate_decompressor 
         !(result = slv_alloc(&ptx->env, ptx->name, nfaces, sizeof *ranks, &ranks)))
         ptx_rank_faces(records, nfaces, ranks);
     if (result) {
-        free(records);
+        slvi_free(records);
         return result;
     }
     for (uint32_t i = 0; i < ptx->nedits; i++)
@@ -208,8 +210,8 @@ static slv_result load_level(const slv_ptx *ptx, struct libdeflate_decompressor 
         at += block;
     }
     if (result) {
-        free(headers);
-        free(positions);
+        slvi_free(headers);
+        slvi_free(positions);
         return result;
     }
     level->headers = headers;

@@ -1,6 +1,9 @@
 /* Edits: records appended to a finished file, each replacing a face's data or adding metadata. */
 #include "ptx/format/ptx_file.h"
 
+#include "base/log.h"
+#include "base/memory.h"
+
 #include <stdlib.h>
 
 enum { EDIT_FACE = 0, EDIT_META = 1 };
@@ -16,15 +19,15 @@ static slv_result reserve(slv_ptx *ptx) {
     if (!result)
         result = slv_alloc(&ptx->env, ptx->name, capacity, ptx->pixel_size, &values);
     if (result) {
-        free(edits);
+        slvi_free(edits);
         return result;
     }
     if (ptx->nedits) {
         memcpy(edits, ptx->edits, ptx->nedits * sizeof *edits);
         memcpy(values, ptx->edit_values, ptx->nedits * ptx->pixel_size);
     }
-    free(ptx->edits);
-    free(ptx->edit_values);
+    slvi_free(ptx->edits);
+    slvi_free(ptx->edit_values);
     ptx->edits = edits;
     ptx->edit_values = values;
     ptx->edit_capacity = (uint32_t)capacity;
@@ -99,7 +102,7 @@ static slv_result read_meta_edit(slv_ptx *ptx, struct libdeflate_decompressor *i
                           unpacked, &bytes);
     if (!result)
         result = ptx_meta_parse(ptx, "metadata edit", bytes, unpacked);
-    free(bytes);
+    slvi_free(bytes);
     return result;
 }
 
@@ -137,6 +140,6 @@ slv_result ptx_read_edits(slv_ptx *ptx, struct libdeflate_decompressor *inflater
         ptx->edit_end = position;
     }
     finish_edits(ptx);
-    free(buffer);
+    slvi_free(buffer);
     return result;
 }

@@ -1,8 +1,9 @@
 /* Where the texels of a face come from, and the functions that read them. */
 #include "ptx/format/ptx_reduce.h"
-#include "ptx/read/ptx_texels.h"
 
-#include <stdlib.h>
+#include "base/log.h"
+#include "base/memory.h"
+#include "ptx/read/ptx_texels.h"
 
 /* Where the texels of a face at full resolution are. */
 static void find_texels(const slv_ptx *ptx, uint32_t face, const slv_ptx_face *f, uint32_t *header,
@@ -155,7 +156,7 @@ void slv_ptx_reader_destroy(slv_ptx_reader *reader) {
     if (!reader)
         return;
     ptx_scratch_free(&reader->scratch);
-    free(reader);
+    slvi_free(reader);
 }
 
 slv_result slv_ptx_reader_read(slv_ptx_reader *reader, uint32_t face, slv_res res, void *out) {

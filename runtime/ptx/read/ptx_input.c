@@ -1,8 +1,10 @@
 #include "ptx/format/ptx_file.h"
 
+#include "base/log.h"
+#include "base/memory.h"
+
 #include <errno.h>
 #include <fcntl.h>
-#include <stdlib.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -31,7 +33,7 @@ static int file_read(void *user, uint64_t offset, void *buffer, size_t size) {
 static void file_close(void *user) {
     struct file_source *file = user;
     close(file->descriptor);
-    free(file);
+    slvi_free(file);
 }
 
 slv_result ptx_source_open(const slv_env *env, const char *path, slv_ptx_source *out) {
@@ -45,7 +47,7 @@ slv_result ptx_source_open(const slv_env *env, const char *path, slv_ptx_source 
         result = slv_fail(env, SLV_ERROR_IO, "%s: not a regular file", path);
     if (result) {
         close(descriptor);
-        free(file);
+        slvi_free(file);
         return result;
     }
     file->descriptor = descriptor;
@@ -100,7 +102,7 @@ slv_result ptx_read_zip(const slv_ptx *ptx, struct libdeflate_decompressor *infl
     memcpy(out, &bytes, sizeof bytes);
     bytes = NULL;
 done:
-    free(packed);
-    free(bytes);
+    slvi_free(packed);
+    slvi_free(bytes);
     return result;
 }

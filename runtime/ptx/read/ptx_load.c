@@ -1,7 +1,8 @@
 /* From a file to the library's own objects. */
 #include "ptx/read/ptx_texels.h"
 
-#include <stdlib.h>
+#include "base/log.h"
+#include "base/memory.h"
 
 /* Blocks of consecutive faces follow each other. */
 #define READ_AHEAD (1 << 18)
@@ -31,7 +32,7 @@ static slv_result visit_range(void *user, uint64_t first, uint64_t end) {
             !(result = ptx_read_face_with(ptx, &scratch, face, res, texels.bytes)))
             result = visit->visit(visit->user, &env, face, &f, texels.bytes);
     }
-    free(texels.bytes);
+    slvi_free(texels.bytes);
     ptx_scratch_free(&scratch);
     return result;
 }
@@ -108,7 +109,7 @@ slv_result slv_ptx_load_texture(const slv_env *env, const slv_ptx *ptx, slv_text
     texture = NULL;
 done:
     slv_texture_destroy(texture);
-    free(res);
+    slvi_free(res);
     return result;
 }
 
@@ -131,8 +132,8 @@ slv_result slv_ptx_load_adjacency(const slv_env *env, const slv_ptx *ptx, slv_ad
     }
     if (!result)
         result = slv_adjacency_create(env, ptx->info.nfaces, records, flags, out);
-    free(records);
-    free(flags);
+    slvi_free(records);
+    slvi_free(flags);
     return result;
 }
 

@@ -1,6 +1,9 @@
 /* Metadata: typed arrays under a key. */
 #include "ptx/format/ptx_file.h"
 
+#include "base/log.h"
+#include "base/memory.h"
+
 #include <stdlib.h>
 
 static size_t element_size(unsigned type) {
@@ -37,7 +40,7 @@ static slv_result append(slv_ptx *ptx, const uint8_t *key, unsigned key_size, un
             return result;
         for (uint32_t i = 0; i < ptx->info.nmeta; i++)
             move(&grown[i], &ptx->meta[i]);
-        free(ptx->meta);
+        slvi_free(ptx->meta);
         ptx->meta = grown;
         ptx->meta_capacity = (uint32_t)capacity;
     }
@@ -154,7 +157,7 @@ slv_result ptx_meta_finish(slv_ptx *ptx) {
         ptx_meta *place = &ptx->meta[sorted[first].index];
         for (uint32_t i = first + 1; i < end; i++) {
             ptx_meta *newer = &ptx->meta[sorted[i].index];
-            free(place->memory);
+            slvi_free(place->memory);
             move(place, newer);
             newer->memory = NULL;
         }
@@ -175,19 +178,19 @@ slv_result ptx_meta_finish(slv_ptx *ptx) {
         ptx->meta_by_key[i] = moved[sorted[i].index];
     ptx->info.nmeta = kept;
 done:
-    free(sorted);
-    free(moved);
+    slvi_free(sorted);
+    slvi_free(moved);
     return result;
 }
 
 void ptx_meta_free(slv_ptx *ptx) {
     for (uint32_t i = 0; i < ptx->info.nmeta; i++) {
         ptx_meta *meta = &ptx->meta[i];
-        free(meta->large);
-        free(meta->memory);
+        slvi_free(meta->large);
+        slvi_free(meta->memory);
     }
-    free(ptx->meta);
-    free(ptx->meta_by_key);
+    slvi_free(ptx->meta);
+    slvi_free(ptx->meta_by_key);
 }
 
 static slv_result load_large(const slv_ptx *ptx, ptx_meta *meta) {

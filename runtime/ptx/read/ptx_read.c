@@ -1,7 +1,8 @@
 /* Opening a file: the header, then every table that it points to. */
 #include "ptx/format/ptx_file.h"
 
-#include <stdlib.h>
+#include "base/log.h"
+#include "base/memory.h"
 
 static slv_result parse_header(slv_ptx *ptx, const uint8_t *header) {
     slv_ptx_info *info = &ptx->info;
@@ -80,7 +81,7 @@ static slv_result read_tail(slv_ptx *ptx, struct libdeflate_decompressor *inflat
             ptx_read_zip(ptx, inflater, "metadata", position, small_zipped, small_size, &bytes);
         if (!result)
             result = ptx_meta_parse(ptx, "metadata", bytes, small_size);
-        free(bytes);
+        slvi_free(bytes);
     }
     if (result)
         return result;
@@ -106,7 +107,7 @@ static slv_result read_tail(slv_ptx *ptx, struct libdeflate_decompressor *inflat
                               large_size, &bytes);
         if (!result)
             result = ptx_meta_read_large(ptx, bytes, large_size, data_position, summed);
-        free(bytes);
+        slvi_free(bytes);
     }
     if (result)
         return result;
@@ -223,21 +224,21 @@ void slv_ptx_close(slv_ptx *ptx) {
         ptx->source.close(ptx->source.user);
     if (ptx->tables) {
         for (uint32_t i = 0; i < PTX_MAX_LEVELS; i++) {
-            free(ptx->tables->levels[i].headers);
-            free(ptx->tables->levels[i].positions);
+            slvi_free(ptx->tables->levels[i].headers);
+            slvi_free(ptx->tables->levels[i].positions);
         }
-        free(ptx->tables->records);
-        free(ptx->tables->constants);
-        free(ptx->tables->ranks);
+        slvi_free(ptx->tables->records);
+        slvi_free(ptx->tables->constants);
+        slvi_free(ptx->tables->ranks);
         pthread_mutex_destroy(&ptx->tables->lock);
-        free(ptx->tables);
+        slvi_free(ptx->tables);
     }
     ptx_meta_free(ptx);
-    free(ptx->edits);
-    free(ptx->edit_values);
-    free(ptx->name);
+    slvi_free(ptx->edits);
+    slvi_free(ptx->edit_values);
+    slvi_free(ptx->name);
     slv_parallel_env_end(ptx->log);
-    free(ptx);
+    slvi_free(ptx);
 }
 
 const slv_ptx_info *slv_ptx_get_info(const slv_ptx *ptx) {

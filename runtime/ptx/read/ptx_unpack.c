@@ -1,8 +1,10 @@
 /* From the bytes of a stored array to its texels. */
 #include "ptx/read/ptx_texels.h"
 
+#include "base/log.h"
+#include "base/memory.h"
+
 #include <stdio.h>
-#include <stdlib.h>
 
 #define LARGE (UINT32_C(1) << 18)
 
@@ -10,7 +12,7 @@ slv_result ptx_scratch_reserve(ptx_scratch *scratch, const slv_ptx *ptx, ptx_buf
                                uint64_t size) {
     if (size <= buffer->capacity)
         return SLV_OK;
-    free(buffer->bytes);
+    slvi_free(buffer->bytes);
     buffer->capacity = 0;
     slv_result result = slv_alloc(scratch->env, ptx->name, size, 1, &buffer->bytes);
     if (!result)
@@ -19,7 +21,7 @@ slv_result ptx_scratch_reserve(ptx_scratch *scratch, const slv_ptx *ptx, ptx_buf
 }
 
 static void release(ptx_buffer *buffer) {
-    free(buffer->bytes);
+    slvi_free(buffer->bytes);
     *buffer = (ptx_buffer){0};
 }
 

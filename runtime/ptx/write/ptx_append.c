@@ -3,9 +3,11 @@
  * one. */
 #include "ptx/write/ptx_write.h"
 
+#include "base/log.h"
+#include "base/memory.h"
+
 #include <errno.h>
 #include <fcntl.h>
-#include <stdlib.h>
 #include <sys/file.h>
 #include <sys/stat.h>
 #include <unistd.h>
@@ -133,7 +135,7 @@ static slv_result append_meta(struct append *append) {
         ptx_put_u32(record + 9, (uint32_t)plain.size);
     }
     libdeflate_free_compressor(deflater);
-    free(plain.data);
+    slvi_free(plain.data);
     return result;
 }
 
@@ -178,7 +180,7 @@ slv_result ptx_writer_append(slv_ptx_writer *writer) {
                           strerror(errno));
     if (!result && append.position > writer->edit_end)
         result = put_fields(writer, append.position);
-    free(append.bytes.data);
+    slvi_free(append.bytes.data);
     uint64_t end = result ? (uint64_t)edited.st_size : append.position;
     if (!result && writer->params.sync && fdatasync(writer->edited) != 0)
         result = slv_fail(&writer->env, SLV_ERROR_IO, "%s: write failed: %s", writer->path,
@@ -188,6 +190,6 @@ slv_result ptx_writer_append(slv_ptx_writer *writer) {
     if (end >= writer->edit_end)
         (void)!ftruncate(writer->edited, (off_t)end);
     if (!result)
-        ptx_temporary_sweep(writer->path);
+        ptx_temporary_sweep(&writer->env, writer->path);
     return result;
 }

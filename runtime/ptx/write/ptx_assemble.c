@@ -1,6 +1,9 @@
 /* From packed faces to a complete file. */
 #include "ptx/write/ptx_write.h"
 
+#include "base/log.h"
+#include "base/memory.h"
+
 #include <stdlib.h>
 
 #define BATCH (UINT64_C(4) << 20)
@@ -77,7 +80,7 @@ static slv_result zip_levels(struct assembly *a, struct libdeflate_compressor *d
                                       (uint64_t)count * 4, UINT32_MAX, &a->table_sizes[level]);
         a->level_sizes[level] = size + a->table_sizes[level];
     }
-    free(headers);
+    slvi_free(headers);
     return result;
 }
 
@@ -219,8 +222,8 @@ static slv_result write_batch(const struct assembly *a, const slv_env *env,
     if (!result)
         result =
             ptx_write_at(env, writer->path, a->descriptor, bytes, batch->size, batch->position);
-    free(moves);
-    free(bytes);
+    slvi_free(moves);
+    slvi_free(bytes);
     return result;
 }
 
@@ -280,15 +283,15 @@ slv_result ptx_writer_assemble(slv_ptx_writer *writer) {
     if (!(result = ptx_temporary_create(&writer->env, writer->path, &temporary)) &&
         !(result = write_all(&a, &temporary)) &&
         !(result = ptx_temporary_commit(&writer->env, writer->path, &temporary, p->sync)))
-        ptx_temporary_sweep(writer->path);
+        ptx_temporary_sweep(&writer->env, writer->path);
 done:
     ptx_temporary_discard(&temporary);
     libdeflate_free_compressor(deflater);
-    free(a.ranks);
-    free(a.order);
-    free(a.tables.data);
-    free(a.front.data);
-    free(a.meta.bytes.data);
-    free(a.batches);
+    slvi_free(a.ranks);
+    slvi_free(a.order);
+    slvi_free(a.tables.data);
+    slvi_free(a.front.data);
+    slvi_free(a.meta.bytes.data);
+    slvi_free(a.batches);
     return result;
 }

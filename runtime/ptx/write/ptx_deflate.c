@@ -4,8 +4,9 @@
  * places of 8 bytes, finds as much as long chains do. */
 #include "ptx/write/ptx_write.h"
 
+#include "base/memory.h"
+
 #include <math.h>
-#include <stdlib.h>
 
 #define NLITERALS 286 /* bytes, the end of a block, lengths */
 #define NDISTANCES 30
@@ -463,11 +464,11 @@ static float entropy(const uint8_t *in, size_t size) {
     return sum / (float)size;
 }
 
-struct ptx_deflater *ptx_deflater_create(void) {
-    struct ptx_deflater *deflater = calloc(1, sizeof *deflater);
-    if (deflater)
-        deflater->base = 1;
-    return deflater;
+slv_result ptx_deflater_create(const slv_env *env, const char *path, struct ptx_deflater **out) {
+    slv_result result = slv_alloc(env, path, 1, sizeof **out, out);
+    if (!result)
+        (*out)->base = 1;
+    return result;
 }
 
 size_t ptx_deflate_bound(size_t size) {

@@ -1,8 +1,9 @@
 /* Texels to the blocks of a .ptx file. */
 #include "ptx/format/ptx_reduce.h"
-#include "ptx/write/ptx_write.h"
 
-#include <stdlib.h>
+#include "base/log.h"
+#include "base/memory.h"
+#include "ptx/write/ptx_write.h"
 
 /* A block as large as this, and no smaller, is cut into tiles. */
 #define TILE_BYTES 65536
@@ -22,7 +23,7 @@ slv_result ptx_bytes_reserve(const slv_env *env, const char *path, ptx_bytes *by
         return result;
     if (bytes->size)
         memcpy(grown, bytes->data, (size_t)bytes->size);
-    free(bytes->data);
+    slvi_free(bytes->data);
     bytes->data = grown;
     bytes->capacity = capacity;
     return SLV_OK;
@@ -199,7 +200,7 @@ static slv_result pack_tiles(ptx_packer *packer, uint32_t face, const uint8_t *t
     }
     *header = (uint32_t)(packer->out.size - start) | (uint32_t)PTX_TILED << 30;
 done:
-    free(headers);
+    slvi_free(headers);
     return result;
 }
 
@@ -223,11 +224,11 @@ void ptx_packer_free(ptx_packer *packer) {
     if (!packer)
         return;
     libdeflate_free_compressor(packer->deflater);
-    free(packer->own);
-    free(packer->out.data);
-    free(packer->tiles.data);
-    free(packer->planes.data);
-    free(packer->work[0].data);
-    free(packer->work[1].data);
-    free(packer);
+    slvi_free(packer->own);
+    slvi_free(packer->out.data);
+    slvi_free(packer->tiles.data);
+    slvi_free(packer->planes.data);
+    slvi_free(packer->work[0].data);
+    slvi_free(packer->work[1].data);
+    slvi_free(packer);
 }

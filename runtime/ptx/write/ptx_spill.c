@@ -1,7 +1,9 @@
 #include "ptx/write/ptx_write.h"
 
+#include "base/log.h"
+#include "base/memory.h"
+
 #include <errno.h>
-#include <stdlib.h>
 #include <unistd.h>
 
 #define CHUNK (UINT64_C(1) << 20)
@@ -21,15 +23,14 @@ static slv_result reserve(ptx_spill *spill, const slv_env *env, uint64_t size, u
     for (uint64_t i = first / CHUNK; i * CHUNK < end && i * CHUNK < spill->budget; i++) {
         if (spill->chunks[i])
             continue;
-        spill->chunks[i] = malloc(CHUNK);
-        if (!spill->chunks[i])
-            return slv_fail(env, SLV_ERROR_MEMORY, "%s: no memory for packed faces", spill->path);
+        slv_result result = slv_alloc_plain(env, spill->path, CHUNK, 1, &spill->chunks[i]);
+        if (result)
+            return result;
     }
     if (end > spill->budget && spill->descriptor < 0) {
-        spill->descriptor = ptx_open_nameless(spill->path);
-        if (spill->descriptor < 0)
-            return slv_fail(env, SLV_ERROR_IO, "%s: no file can be made beside it: %s", spill->path,
-                            strerror(errno));
+        slv_result result = ptx_open_nameless(env, spill->path, &spill->descriptor);
+        if (result)
+            return result;
     }
     *position = first;
     spill->size = end;
@@ -95,8 +96,8 @@ void ptx_spill_end(ptx_spill *spill) {
     if (!spill->path)
         return;
     for (uint64_t i = 0; spill->chunks && i < spill->budget / CHUNK; i++)
-        free(spill->chunks[i]);
-    free(spill->chunks);
+        slvi_free(spill->chunks[i]);
+    slvi_free(spill->chunks);
     if (spill->descriptor >= 0)
         close(spill->descriptor);
     pthread_mutex_destroy(&spill->lock);

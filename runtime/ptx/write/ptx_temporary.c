@@ -6,11 +6,13 @@
 
 #include "ptx/write/ptx_write.h"
 
+#include "base/log.h"
+#include "base/memory.h"
+
 #include <dirent.h>
 #include <errno.h>
 #include <fcntl.h>
 #include <stdio.h>
-#include <stdlib.h>
 #include <sys/file.h>
 #include <sys/stat.h>
 #include <time.h>
@@ -80,7 +82,7 @@ slv_result ptx_temporary_create(const slv_env *env, const char *path, ptx_tempor
         close(descriptor);
     }
     result = slv_fail(env, SLV_ERROR_IO, "%s: cannot be written: %s", path, strerror(errno));
-    free(out->name);
+    slvi_free(out->name);
     out->name = NULL;
     return result;
 }
@@ -94,7 +96,7 @@ slv_result ptx_temporary_commit(const slv_env *env, const char *path, ptx_tempor
         return result;
     }
     close(temporary->descriptor);
-    free(temporary->name);
+    slvi_free(temporary->name);
     *temporary = (ptx_temporary){-1, NULL};
     return SLV_OK;
 }
@@ -104,21 +106,19 @@ void ptx_temporary_discard(ptx_temporary *temporary) {
         return;
     unlink(temporary->name);
     close(temporary->descriptor);
-    free(temporary->name);
+    slvi_free(temporary->name);
     *temporary = (ptx_temporary){-1, NULL};
 }
 
-/* The folder of a path, for free(), and where in the path its last part begins. */
-static char *folder_of(const char *path, const char **base) {
+/* The folder of a path, for slvi_free, and where in the path its last part begins. */
+static slv_result folder_of(const slv_env *env, const char *path, const char **base, char **out) {
     const char *slash = strrchr(path, '/');
     *base = slash ? slash + 1 : path;
     size_t length = slash ? (size_t)(slash - path) + (slash == path) : 1;
-    char *folder = malloc(length + 1);
-    if (folder) {
-        memcpy(folder, slash ? path : ".", length);
-        folder[length] = 0;
-    }
-    return folder;
+    slv_result result = slv_alloc(env, path, length + 1, 1, out);
+    if (!result)
+        memcpy(*out, slash ? path : ".", length);
+    return result;
 }
 
 static bool is_ours(const char *name, const char *base) {
@@ -129,10 +129,12 @@ static bool is_ours(const char *name, const char *base) {
     return strspn(name + length + 1, "0123456789abcdef") >= DIGITS;
 }
 
-void ptx_temporary_sweep(const char *path) {
+void ptx_temporary_sweep(const slv_env *env, const char *path) {
+    slv_env quiet = *env;
+    quiet.log = NULL;
     const char *base;
-    char *name = folder_of(path, &base);
-    DIR *folder = name ? opendir(name) : NULL;
+    char *name;
+    DIR *folder = folder_of(&quiet, path, &base, &name) ? NULL : opendir(name);
     for (struct dirent *entry; folder && (entry = readdir(folder));) {
         if (!is_ours(entry->d_name, base))
             continue;
@@ -146,24 +148,29 @@ void ptx_temporary_sweep(const char *path) {
     }
     if (folder)
         closedir(folder);
-    free(name);
+    slvi_free(name);
 }
 
-int ptx_open_nameless(const char *path) {
+slv_result ptx_open_nameless(const slv_env *env, const char *path, int *out) {
     const char *base;
-    char *folder = folder_of(path, &base);
+    char *folder;
     ptx_temporary named;
     int descriptor = -1;
+    slv_result result = folder_of(env, path, &base, &folder);
+    if (result)
+        return result;
 #ifdef O_TMPFILE
-    if (folder)
-        descriptor = open(folder, O_TMPFILE | O_RDWR | O_CLOEXEC, 0600);
+    descriptor = open(folder, O_TMPFILE | O_RDWR | O_CLOEXEC, 0600);
 #endif
-    free(folder);
+    slvi_free(folder);
     /* not every file system has such files */
-    if (descriptor < 0 && ptx_temporary_create(NULL, path, &named) == SLV_OK) {
+    if (descriptor < 0) {
+        if ((result = ptx_temporary_create(env, path, &named)))
+            return result;
         unlink(named.name);
-        free(named.name);
+        slvi_free(named.name);
         descriptor = named.descriptor;
     }
-    return descriptor;
+    *out = descriptor;
+    return SLV_OK;
 }

@@ -6,6 +6,8 @@
 
 #include "ptx/format/ptx_file.h"
 
+#include "base/memory.h"
+
 /* Levels that can be stored: the smallest has 4 texels a side, of 2^SLV_MAX_LOG2_RES. */
 #define PTX_MAX_STORED_LEVELS SLV_MAX_LOG2_RES
 
@@ -25,8 +27,9 @@ slv_result ptx_bytes_append_zip(const slv_env *env, const char *path,
                                 struct libdeflate_compressor *deflater, ptx_bytes *bytes,
                                 const void *data, uint64_t size, uint64_t limit, uint32_t *zipped);
 
-/* ptx_deflate.c: zlib streams of differences. A deflater is released with free(). */
-struct ptx_deflater *ptx_deflater_create(void);
+/* ptx_deflate.c: zlib streams of differences. A deflater is released with slvi_free. */
+struct ptx_deflater;
+slv_result ptx_deflater_create(const slv_env *env, const char *path, struct ptx_deflater **out);
 size_t ptx_deflate_bound(size_t size);
 /* `row` bytes further things are much the same, and a texel takes `step`. Returns 0 if the bytes
  * are of a kind that a thorough search suits better; `out` has room for ptx_deflate_bound. */
@@ -83,9 +86,9 @@ slv_result ptx_temporary_commit(const slv_env *env, const char *path, ptx_tempor
                                 bool sync);
 void ptx_temporary_discard(ptx_temporary *temporary);
 /* Removes what killed writers of `path` left. */
-void ptx_temporary_sweep(const char *path);
-/* An unnamed file in the folder of `path`, or -1. */
-int ptx_open_nameless(const char *path);
+void ptx_temporary_sweep(const slv_env *env, const char *path);
+/* An unnamed file in the folder of `path`. */
+slv_result ptx_open_nameless(const slv_env *env, const char *path, int *descriptor);
 
 /* Sets the flag of constant faces among whose neighbours nothing but their value is found. */
 void ptx_flag_neighbourhoods(uint8_t *records, uint32_t nfaces, const uint8_t *constants,

@@ -1,7 +1,8 @@
 /* Metadata of a file being made. */
 #include "ptx/write/ptx_write.h"
 
-#include <stdlib.h>
+#include "base/log.h"
+#include "base/memory.h"
 
 struct meta_packer {
     const slv_env *env;
@@ -57,7 +58,7 @@ static slv_result add(struct meta_packer *m, const slv_ptx_meta *meta) {
         ptx_put_u32(header + 6 + key_size, zipped);
         if (!result)
             result = ptx_bytes_append(m->env, m->path, &m->large_headers, header, key_size + 10);
-        free(own.data);
+        slvi_free(own.data);
     }
     return result;
 }
@@ -86,9 +87,9 @@ slv_result ptx_meta_pack(const slv_env *env, const char *path,
     out->small_size = (uint32_t)m.small.size;
     out->large_size = (uint32_t)m.large_headers.size;
     out->large_data = m.large_data.size;
-    free(m.small.data);
-    free(m.large_headers.data);
-    free(m.large_data.data);
+    slvi_free(m.small.data);
+    slvi_free(m.large_headers.data);
+    slvi_free(m.large_data.data);
     return result;
 }
 

@@ -1,5 +1,8 @@
 /* Taking in faces, metadata and adjacency. */
 #include "ptx/format/ptx_reduce.h"
+
+#include "base/log.h"
+#include "base/memory.h"
 #include "ptx/write/ptx_write.h"
 
 #include <stdlib.h>
@@ -136,21 +139,21 @@ void slv_ptx_writer_destroy(slv_ptx_writer *writer) {
     }
     ptx_spill_end(&writer->spill);
     for (uint32_t level = 0; level < PTX_MAX_STORED_LEVELS; level++)
-        free(writer->headers[level]);
+        slvi_free(writer->headers[level]);
     for (uint32_t i = 0; i < writer->nmeta; i++)
-        free(writer->meta[i].memory);
+        slvi_free(writer->meta[i].memory);
     if (writer->edited >= 0)
         close(writer->edited);
-    free(writer->links);
-    free(writer->meta);
-    free(writer->records);
-    free(writer->constants);
-    free(writer->given);
-    free(writer->positions);
-    free(writer->path);
+    slvi_free(writer->links);
+    slvi_free(writer->meta);
+    slvi_free(writer->records);
+    slvi_free(writer->constants);
+    slvi_free(writer->given);
+    slvi_free(writer->positions);
+    slvi_free(writer->path);
     pthread_mutex_destroy(&writer->lock);
     slv_parallel_env_end(writer->log);
-    free(writer);
+    slvi_free(writer);
 }
 
 static slv_result take_packer(slv_ptx_writer *writer, const slv_env *env, ptx_packer **out) {
@@ -173,11 +176,13 @@ static slv_result take_packer(slv_ptx_writer *writer, const slv_env *env, ptx_pa
     packer->nchannels = writer->params.nchannels;
     packer->pixel_size = writer->pixel_size;
     packer->deflater = libdeflate_alloc_compressor(writer->compression);
-    if (writer->params.compression == 0)
-        packer->own = ptx_deflater_create();
-    if (!packer->deflater || (writer->params.compression == 0 && !packer->own)) {
+    if (!packer->deflater)
+        result = slv_fail(env, SLV_ERROR_MEMORY, "%s: no memory to pack it", writer->path);
+    else if (writer->params.compression == 0)
+        result = ptx_deflater_create(env, writer->path, &packer->own);
+    if (result) {
         ptx_packer_free(packer);
-        return slv_fail(env, SLV_ERROR_MEMORY, "%s: no memory to pack it", writer->path);
+        return result;
     }
     *out = packer;
     return SLV_OK;

@@ -1,6 +1,9 @@
 /* What a writer is told besides texels: metadata, and how faces meet. */
 #include "ptx/write/ptx_write.h"
 
+#include "base/log.h"
+#include "base/memory.h"
+
 #include <stdlib.h>
 
 static slv_result check_open(const slv_ptx_writer *writer, const char *what) {
@@ -26,7 +29,7 @@ slv_result slv_ptx_writer_set_meta(slv_ptx_writer *writer, const slv_ptx_meta *m
             return result;
         if (at)
             memcpy(grown, writer->meta, at * sizeof *grown);
-        free(writer->meta);
+        slvi_free(writer->meta);
         writer->meta = grown;
         writer->meta_capacity = (uint32_t)capacity;
     }
@@ -39,7 +42,7 @@ slv_result slv_ptx_writer_set_meta(slv_ptx_writer *writer, const slv_ptx_meta *m
         memcpy(memory, meta->values, (size_t)size);
     memcpy(memory + size, meta->key, key_size);
     if (at < writer->nmeta)
-        free(writer->meta[at].memory);
+        slvi_free(writer->meta[at].memory);
     writer->meta[at].entry =
         (slv_ptx_meta){(const char *)memory + size, meta->type, meta->count, memory};
     writer->meta[at].memory = memory;
@@ -123,7 +126,7 @@ static slv_result link_triangles(slv_ptx_writer *writer, const slv_mesh_view *vi
         writer->links[b->face].adjacency.edge[b->edge] = a->edge;
     }
 done:
-    free(sides);
+    slvi_free(sides);
     return result;
 }
 
