@@ -12,7 +12,7 @@ endfunction()
 file(GLOB_RECURSE SHADER_FILES CONFIGURE_DEPENDS ${CMAKE_CURRENT_SOURCE_DIR}/shaders/*.glsl
      ${CMAKE_CURRENT_SOURCE_DIR}/shaders/*.vert ${CMAKE_CURRENT_SOURCE_DIR}/shaders/*.frag)
 set(SELVAGE_SHADER_TABLE ${CMAKE_BINARY_DIR}/generated/shader_table.c)
-selvage_embed(slv_shader_table ${SELVAGE_SHADER_TABLE} ${CMAKE_CURRENT_SOURCE_DIR}/shaders ${SHADER_FILES})
+selvage_embed(slvi_shader_table ${SELVAGE_SHADER_TABLE} ${CMAKE_CURRENT_SOURCE_DIR}/shaders ${SHADER_FILES})
 
 file(GLOB REPORT_FILES CONFIGURE_DEPENDS ${CMAKE_CURRENT_SOURCE_DIR}/tools/compare/report/*.html
      ${CMAKE_CURRENT_SOURCE_DIR}/tools/compare/report/*.css ${CMAKE_CURRENT_SOURCE_DIR}/tools/compare/report/*.js)

@@ -59,7 +59,7 @@ static void mean_of_samples(const struct bake *bake, uint32_t face, const float 
     for (uint64_t i = 0; i < count; i++) {
         float sum[4] = {0}, rgba[4];
         for (uint32_t k = 0; k < per_texel; k++, positions += 3) {
-            slv_pattern_evaluate(&bake->pattern, (int32_t)face, positions, rgba);
+            slvi_pattern_evaluate(&bake->pattern, (int32_t)face, positions, rgba);
             for (int c = 0; c < 4; c++)
                 sum[c] += rgba[c];
         }
@@ -78,7 +78,7 @@ static slv_result bake_face(const struct bake *bake, uint32_t face, struct batch
     if (bake->pattern.pattern == SLV_PATTERN_FACE_COLOR) {
         static const float origin[3];
         float rgba[4];
-        slv_pattern_evaluate(&bake->pattern, (int32_t)face, origin, rgba);
+        slvi_pattern_evaluate(&bake->pattern, (int32_t)face, origin, rgba);
         keep_channels(rgba, desc->nchannels, batch->values);
         slv_type_from_float(desc->type, batch->values, desc->nchannels, texels);
         return slv_texture_set_constant(bake->texture, face, texels);
@@ -112,11 +112,11 @@ static slv_result bake_range(void *user, uint64_t first, uint64_t end) {
     char *texels = NULL;
     first += bake->first_face;
     end += bake->first_face;
-    slv_result result = slv_alloc(&bake->env, "bake: samples", 1, sizeof *batch, &batch);
+    slv_result result = slvi_alloc(&bake->env, "bake: samples", 1, sizeof *batch, &batch);
     if (result)
         goto done;
     result =
-        slv_alloc(&bake->env, "bake: texels", largest_face(bake->desc, first, end), 1, &texels);
+        slvi_alloc(&bake->env, "bake: texels", largest_face(bake->desc, first, end), 1, &texels);
     for (uint64_t face = first; !result && face < end; face++)
         result = bake_face(bake, (uint32_t)face, batch, texels);
 done:
@@ -134,41 +134,42 @@ slv_result slv_bake_procedural(const slv_env *env, const slv_surface *surface,
     if (!p.samples)
         p.samples = 1;
     if (desc->nfaces != nfaces)
-        return slv_fail(env, SLV_ERROR_MISMATCH, "bake: the surface has %u faces, the texture %u",
-                        nfaces, desc->nfaces);
+        return slvi_fail(env, SLV_ERROR_MISMATCH, "bake: the surface has %u faces, the texture %u",
+                         nfaces, desc->nfaces);
     if (p.samples > MAX_SAMPLES)
-        return slv_fail(env, SLV_ERROR_ARGUMENT, "bake: %u samples a texel and axis, at most %d",
-                        p.samples, MAX_SAMPLES);
+        return slvi_fail(env, SLV_ERROR_ARGUMENT, "bake: %u samples a texel and axis, at most %d",
+                         p.samples, MAX_SAMPLES);
     if (desc->nchannels > MAX_CHANNELS)
-        return slv_fail(env, SLV_ERROR_UNSUPPORTED, "bake: %u channels, a pattern has at most %d",
-                        desc->nchannels, MAX_CHANNELS);
+        return slvi_fail(env, SLV_ERROR_UNSUPPORTED, "bake: %u channels, a pattern has at most %d",
+                         desc->nchannels, MAX_CHANNELS);
     if ((int)pattern->pattern < SLV_PATTERN_STRIPES || pattern->pattern > SLV_PATTERN_POSITION)
-        return slv_fail(env, SLV_ERROR_ARGUMENT, "bake: there is no pattern %d",
-                        (int)pattern->pattern);
+        return slvi_fail(env, SLV_ERROR_ARGUMENT, "bake: there is no pattern %d",
+                         (int)pattern->pattern);
     if (p.first_face > nfaces || p.face_count > nfaces - p.first_face)
-        return slv_fail(env, SLV_ERROR_ARGUMENT, "bake: %u faces from face %u on, but there are %u",
-                        p.face_count, p.first_face, nfaces);
+        return slvi_fail(env, SLV_ERROR_ARGUMENT,
+                         "bake: %u faces from face %u on, but there are %u", p.face_count,
+                         p.first_face, nfaces);
     if (!p.face_count)
         p.face_count = nfaces - p.first_face;
 
     /* Checked here and not by each thread for itself, so that it is said once. */
-    uint64_t limit = slv_env_or_default(env).max_bytes;
+    uint64_t limit = slvi_env_or_default(env).max_bytes;
     uint64_t most = largest_face(desc, p.first_face, (uint64_t)p.first_face + p.face_count);
     if (most > limit || sizeof(struct batch) > limit)
-        return slv_fail(env, SLV_ERROR_LIMIT,
-                        "bake: a face of %llu bytes is over the limit of %llu",
-                        (unsigned long long)most, (unsigned long long)limit);
+        return slvi_fail(env, SLV_ERROR_LIMIT,
+                         "bake: a face of %llu bytes is over the limit of %llu",
+                         (unsigned long long)most, (unsigned long long)limit);
 
     struct bake bake = {.surface = surface,
                         .desc = desc,
-                        .pattern = slv_pattern_resolve(pattern),
+                        .pattern = slvi_pattern_resolve(pattern),
                         .samples = p.samples,
                         .first_face = p.first_face,
                         .texture = texture};
     slv_parallel_log *log = NULL;
-    slv_result result = slv_parallel_env_begin(env, &log, &bake.env);
+    slv_result result = slvi_parallel_env_begin(env, &log, &bake.env);
     if (!result)
-        result = slv_parallel_for(env, p.face_count, FACES_PER_RANGE, bake_range, &bake);
-    slv_parallel_env_end(log);
+        result = slvi_parallel_for(env, p.face_count, FACES_PER_RANGE, bake_range, &bake);
+    slvi_parallel_env_end(log);
     return result;
 }

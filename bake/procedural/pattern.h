@@ -4,10 +4,10 @@
 
 #include <selvage/bake.h>
 
-slv_procedural slv_pattern_resolve(const slv_procedural *pattern);
+slv_procedural slvi_pattern_resolve(const slv_procedural *pattern);
 
 /* slv_procedural_evaluate of a resolved pattern. */
-void slv_pattern_evaluate(const slv_procedural *resolved, int32_t face, const float position[3],
-                          float rgba[4]);
+void slvi_pattern_evaluate(const slv_procedural *resolved, int32_t face, const float position[3],
+                           float rgba[4]);
 
 #endif

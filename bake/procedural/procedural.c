@@ -133,7 +133,7 @@ static void default_color(float color[4], float grey) {
     }
 }
 
-slv_procedural slv_pattern_resolve(const slv_procedural *pattern) {
+slv_procedural slvi_pattern_resolve(const slv_procedural *pattern) {
     slv_procedural r = *pattern;
     if (r.frequency == 0.0f)
         r.frequency = 1.0f;
@@ -157,8 +157,8 @@ slv_procedural slv_pattern_resolve(const slv_procedural *pattern) {
     return r;
 }
 
-void slv_pattern_evaluate(const slv_procedural *resolved, int32_t face, const float position[3],
-                          float rgba[4]) {
+void slvi_pattern_evaluate(const slv_procedural *resolved, int32_t face, const float position[3],
+                           float rgba[4]) {
     float p[3], value = 0.0f;
     for (int i = 0; i < 3; i++)
         p[i] = (position[i] - resolved->offset[i]) * resolved->frequency;
@@ -194,6 +194,6 @@ void slv_pattern_evaluate(const slv_procedural *resolved, int32_t face, const fl
 
 void slv_procedural_evaluate(const slv_procedural *pattern, int32_t face, const float position[3],
                              float rgba[4]) {
-    slv_procedural resolved = slv_pattern_resolve(pattern);
-    slv_pattern_evaluate(&resolved, face, position, rgba);
+    slv_procedural resolved = slvi_pattern_resolve(pattern);
+    slvi_pattern_evaluate(&resolved, face, position, rgba);
 }

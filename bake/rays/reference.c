@@ -8,9 +8,9 @@ static slv_result embree_result(const slv_env *env, RTCDevice device) {
     if (device && error == RTC_ERROR_NONE)
         return SLV_OK;
     if (error == RTC_ERROR_OUT_OF_MEMORY)
-        return slv_fail(env, SLV_ERROR_MEMORY, "reference: Embree has no memory");
-    return slv_fail(env, SLV_ERROR_UNSUPPORTED, "reference: Embree fails with its error %d",
-                    (int)error);
+        return slvi_fail(env, SLV_ERROR_MEMORY, "reference: Embree has no memory");
+    return slvi_fail(env, SLV_ERROR_UNSUPPORTED, "reference: Embree fails with its error %d",
+                     (int)error);
 }
 
 static slv_result make_quads(slv_reference *r, uint64_t *count) {
@@ -19,7 +19,7 @@ static slv_result make_quads(slv_reference *r, uint64_t *count) {
     for (uint32_t face = 0; face < mesh->nfaces; face++)
         n += (uint64_t)mesh->segments[face] * mesh->segments[face];
     *count = n;
-    slv_result result = slv_alloc(&r->env, "quads", n, 4 * sizeof *r->quads, &r->quads);
+    slv_result result = slvi_alloc(&r->env, "quads", n, 4 * sizeof *r->quads, &r->quads);
     uint32_t *to = r->quads;
     for (uint32_t face = 0; !result && face < mesh->nfaces; face++) {
         uint32_t side = mesh->segments[face], row = side + 1, first = mesh->first[face];
@@ -69,11 +69,11 @@ static slv_result check(const slv_env *env, const slv_mesh *mesh, const slv_surf
     uint32_t nfaces = slv_mesh_face_count(mesh);
     if (slv_surface_face_count(surface) != nfaces || desc->nfaces != nfaces ||
         slv_adjacency_face_count(adjacency) != nfaces)
-        return slv_fail(env, SLV_ERROR_MISMATCH,
-                        "reference: the mesh has %u faces, the surface %u, the texture %u, the "
-                        "adjacency %u",
-                        nfaces, slv_surface_face_count(surface), desc->nfaces,
-                        slv_adjacency_face_count(adjacency));
+        return slvi_fail(env, SLV_ERROR_MISMATCH,
+                         "reference: the mesh has %u faces, the surface %u, the texture %u, the "
+                         "adjacency %u",
+                         nfaces, slv_surface_face_count(surface), desc->nfaces,
+                         slv_adjacency_face_count(adjacency));
     if (!params->nchannels && params->first_channel < desc->nchannels) {
         params->nchannels = desc->nchannels - params->first_channel;
         params->nchannels = params->nchannels < 4 ? params->nchannels : 4;
@@ -81,9 +81,9 @@ static slv_result check(const slv_env *env, const slv_mesh *mesh, const slv_surf
     if (params->nchannels < 1 || params->nchannels > 4 ||
         params->first_channel >= desc->nchannels ||
         params->nchannels > desc->nchannels - params->first_channel)
-        return slv_fail(env, SLV_ERROR_ARGUMENT,
-                        "reference: %u channels from %u on, of a texture with %u",
-                        params->nchannels, params->first_channel, desc->nchannels);
+        return slvi_fail(env, SLV_ERROR_ARGUMENT,
+                         "reference: %u channels from %u on, of a texture with %u",
+                         params->nchannels, params->first_channel, desc->nchannels);
     params->segments = params->segments ? params->segments : 32;
     return SLV_OK;
 }
@@ -98,12 +98,12 @@ slv_result slv_reference_create(const slv_env *env, const slv_mesh *mesh,
     slv_result result;
     *out = NULL;
     if ((result = check(env, mesh, surface, texture, adjacency, &params)) ||
-        (result = slv_alloc(env, "reference", 1, sizeof *made, &made)))
+        (result = slvi_alloc(env, "reference", 1, sizeof *made, &made)))
         return result;
-    made->env = slv_env_or_default(env);
+    made->env = slvi_env_or_default(env);
     uint32_t shown = params.nchannels < 3 ? params.nchannels : 3;
-    if ((result = reference_texels_create(env, texture, adjacency, params.first_channel, shown,
-                                          &made->texels)) ||
+    if ((result = slvi_reference_texels_create(env, texture, adjacency, params.first_channel, shown,
+                                               &made->texels)) ||
         (result = slv_mesh_adjacency(env, mesh, &own)) ||
         (result = slv_tessellate(env, mesh, surface, own, params.segments, &made->mesh)) ||
         (result = make_scene(made)))
@@ -124,7 +124,7 @@ void slv_reference_destroy(slv_reference *reference) {
     if (reference->device)
         rtcReleaseDevice(reference->device);
     slv_tessellation_free(&reference->mesh);
-    reference_texels_free(&reference->texels);
+    slvi_reference_texels_free(&reference->texels);
     slvi_free(reference->quads);
     slvi_free(reference);
 }
@@ -133,8 +133,8 @@ slv_result slv_reference_lookup(const slv_reference *reference, size_t count,
                                 const slv_surface_point *points, float *rgb) {
     for (size_t i = 0; i < count; i++) {
         if (points[i].face < 0 || (uint32_t)points[i].face >= reference->mesh.nfaces)
-            return slv_fail(&reference->env, SLV_ERROR_ARGUMENT,
-                            "reference: point %zu: there is no face %d", i, points[i].face);
+            return slvi_fail(&reference->env, SLV_ERROR_ARGUMENT,
+                             "reference: point %zu: there is no face %d", i, points[i].face);
         reference_fetch(&reference->texels, (uint32_t)points[i].face, points[i].u, points[i].v,
                         rgb + 3 * i);
     }

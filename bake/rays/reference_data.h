@@ -30,10 +30,10 @@ typedef struct reference_texels {
     bool *mended;   /* per face: it has links, or a corner that lacks something */
 } reference_texels;
 
-slv_result reference_texels_create(const slv_env *env, const slv_texture *texture,
-                                   const slv_adjacency *adjacency, uint32_t first_channel,
-                                   uint32_t nchannels, reference_texels *out);
-void reference_texels_free(reference_texels *texels);
+slv_result slvi_reference_texels_create(const slv_env *env, const slv_texture *texture,
+                                        const slv_adjacency *adjacency, uint32_t first_channel,
+                                        uint32_t nchannels, reference_texels *out);
+void slvi_reference_texels_free(reference_texels *texels);
 
 /* Quads on the vertices of the tessellation, (x+1,y) (x+1,y+1) (x,y+1) (x,y) for cell (x,y): Embree
  * splits a quad between its second and fourth vertex, which is where the renderer splits it. */
@@ -68,7 +68,8 @@ static inline bool reference_bilinear(const reference_texels *texels, uint32_t f
 }
 
 /* A value beside an edge of a face that needs it, made to meet the neighbours' on the edge. */
-void reference_mend(const reference_texels *texels, uint32_t face, float u, float v, float rgb[3]);
+void slvi_reference_mend(const reference_texels *texels, uint32_t face, float u, float v,
+                         float rgb[3]);
 
 /* The texture as a function; (u,v) is clamped. */
 static inline void reference_fetch(const reference_texels *texels, uint32_t face, float u, float v,
@@ -76,7 +77,7 @@ static inline void reference_fetch(const reference_texels *texels, uint32_t face
     u = reference_clamp(u, 1.0f);
     v = reference_clamp(v, 1.0f);
     if (reference_bilinear(texels, face, u, v, rgb) && texels->mended[face])
-        reference_mend(texels, face, u, v, rgb);
+        slvi_reference_mend(texels, face, u, v, rgb);
     if (texels->nchannels < 3) {
         rgb[1] = texels->nchannels == 1 ? rgb[0] : rgb[1];
         rgb[2] = texels->nchannels == 1 ? rgb[0] : 0.0f;
@@ -92,8 +93,8 @@ typedef struct reference_eye {
 } reference_eye;
 
 /* False if the camera cannot be inverted, or its window is empty. */
-bool reference_eye_make(const slv_reference *reference, const slv_camera *camera,
-                        reference_eye *out);
+bool slvi_reference_eye_make(const slv_reference *reference, const slv_camera *camera,
+                             reference_eye *out);
 
 /* The ray through (x,y) of the window's plane. Distances along it are depths: its direction has
  * length 1 along the eye's -z. */
@@ -115,18 +116,18 @@ typedef struct reference_sampler {
 } reference_sampler;
 
 /* `samples` is the most that one sequence will have. */
-slv_result reference_sampler_create(const slv_env *env, slv_pixel_filter filter, uint32_t seed,
-                                    uint32_t samples, reference_sampler *out);
-void reference_sampler_free(reference_sampler *sampler);
+slv_result slvi_reference_sampler_create(const slv_env *env, slv_pixel_filter filter, uint32_t seed,
+                                         uint32_t samples, reference_sampler *out);
+void slvi_reference_sampler_free(reference_sampler *sampler);
 
 /* A sequence of its own for each pixel and half. */
 typedef struct reference_sequence {
     uint32_t scramble[2];
 } reference_sequence;
-reference_sequence reference_sequence_begin(const reference_sampler *sampler, uint32_t x,
-                                            uint32_t y, uint32_t half);
+reference_sequence slvi_reference_sequence_begin(const reference_sampler *sampler, uint32_t x,
+                                                 uint32_t y, uint32_t half);
 /* Sample `index`: its offset from the pixel's upper left corner and its weight. */
-float reference_sample(const reference_sampler *sampler, const reference_sequence *sequence,
-                       uint32_t index, float offset[2]);
+float slvi_reference_sample(const reference_sampler *sampler, const reference_sequence *sequence,
+                            uint32_t index, float offset[2]);
 
 #endif

@@ -3,8 +3,8 @@
 #include <math.h>
 #include <string.h>
 
-bool reference_eye_make(const slv_reference *reference, const slv_camera *camera,
-                        reference_eye *out) {
+bool slvi_reference_eye_make(const slv_reference *reference, const slv_camera *camera,
+                             reference_eye *out) {
     const float *m = camera->world_to_camera, *w = camera->window;
     double columns[3][3], determinant = 0;
     float farthest;

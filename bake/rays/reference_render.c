@@ -207,9 +207,9 @@ static slv_result render_tile(work *w, uint64_t tile) {
     for (uint32_t i = 0; i < width * height; i++) {
         uint32_t x = left + i % width, y = top + i / width;
         for (uint32_t half = 0; half < 2; half++) {
-            reference_sequence sequence = reference_sequence_begin(&w->sampler, x, y, half);
+            reference_sequence sequence = slvi_reference_sequence_begin(&w->sampler, x, y, half);
             for (uint32_t k = 0; k < (frame->samples + 1 - half) / 2; k++) {
-                float offset[2], weight = reference_sample(&w->sampler, &sequence, k, offset);
+                float offset[2], weight = slvi_reference_sample(&w->sampler, &sequence, k, offset);
                 add_ray(w, &p, (float)x + offset[0], (float)y + offset[1], weight, &sums[i][half]);
             }
         }
@@ -244,17 +244,17 @@ static slv_result prepare(const slv_env *env, const slv_reference_frame *given,
         frame->kd = 0.8f;
     }
     if (frame->samples > SLV_REFERENCE_MAX_SAMPLES)
-        return slv_fail(env, SLV_ERROR_ARGUMENT, "reference: %u samples per pixel, the most is %u",
-                        frame->samples, SLV_REFERENCE_MAX_SAMPLES);
+        return slvi_fail(env, SLV_ERROR_ARGUMENT, "reference: %u samples per pixel, the most is %u",
+                         frame->samples, SLV_REFERENCE_MAX_SAMPLES);
     if ((unsigned)frame->filter > SLV_PIXEL_MITCHELL)
-        return slv_fail(env, SLV_ERROR_ARGUMENT, "reference: there is no pixel filter %d",
-                        (int)frame->filter);
+        return slvi_fail(env, SLV_ERROR_ARGUMENT, "reference: there is no pixel filter %d",
+                         (int)frame->filter);
     if ((unsigned)frame->shading > SLV_SHADE_LEVELS)
-        return slv_fail(env, SLV_ERROR_ARGUMENT, "reference: there is no shading %d",
-                        (int)frame->shading);
+        return slvi_fail(env, SLV_ERROR_ARGUMENT, "reference: there is no shading %d",
+                         (int)frame->shading);
     if (frame->shading == SLV_SHADE_LEVELS)
-        return slv_fail(env, SLV_ERROR_UNSUPPORTED,
-                        "reference: the shading by levels is about lookups, of which it has none");
+        return slvi_fail(env, SLV_ERROR_UNSUPPORTED,
+                         "reference: the shading by levels is about lookups, of which it has none");
     return SLV_OK;
 }
 
@@ -282,22 +282,22 @@ slv_result slv_reference_render(const slv_reference *reference, const slv_env *e
     slv_result result = prepare(env, given, &frame);
     if (result)
         return result;
-    if (!reference_eye_make(reference, &frame.camera, &w.eye))
-        return slv_fail(env, SLV_ERROR_ARGUMENT,
-                        "reference: the camera cannot be inverted, or its window is empty");
+    if (!slvi_reference_eye_make(reference, &frame.camera, &w.eye))
+        return slvi_fail(env, SLV_ERROR_ARGUMENT,
+                         "reference: the camera cannot be inverted, or its window is empty");
     if ((result = slv_image_create(env, frame.width, frame.height, 4, &w.image)) ||
         (result = slv_image_create(env, frame.width, frame.height, 1, &w.error)) ||
-        (result = reference_sampler_create(env, frame.filter, frame.seed, (frame.samples + 1) / 2,
-                                           &w.sampler)))
+        (result = slvi_reference_sampler_create(env, frame.filter, frame.seed,
+                                                (frame.samples + 1) / 2, &w.sampler)))
         goto done;
     w.tiles_across = (frame.width + TILE - 1) / TILE;
     w.ntiles = (uint64_t)w.tiles_across * ((frame.height + TILE - 1) / TILE);
     pthread_mutex_init(&w.lock, NULL);
-    result = slv_parallel_for(env, w.ntiles, 1, render_tiles, &w);
+    result = slvi_parallel_for(env, w.ntiles, 1, render_tiles, &w);
     pthread_mutex_destroy(&w.lock);
     if (result) {
-        result = slv_fail(env, result, "reference: stopped after %llu of %llu tiles",
-                          (unsigned long long)w.done, (unsigned long long)w.ntiles);
+        result = slvi_fail(env, result, "reference: stopped after %llu of %llu tiles",
+                           (unsigned long long)w.done, (unsigned long long)w.ntiles);
         goto done;
     }
     if (stats)
@@ -309,7 +309,7 @@ slv_result slv_reference_render(const slv_reference *reference, const slv_env *e
         memset(&w.error, 0, sizeof w.error);
     }
 done:
-    reference_sampler_free(&w.sampler);
+    slvi_reference_sampler_free(&w.sampler);
     slv_image_free(&w.image);
     slv_image_free(&w.error);
     return result;

@@ -41,7 +41,7 @@ static double density(double x) {
 static slv_result make_positions(const slv_env *env, float **out) {
     float *positions = NULL;
     double total = 0, sum = 0;
-    slv_result result = slv_alloc(env, "pixel filter", SHARES + 1, sizeof *positions, &positions);
+    slv_result result = slvi_alloc(env, "pixel filter", SHARES + 1, sizeof *positions, &positions);
     if (result)
         return result;
     const double step = 2 * RADIUS / STEPS;
@@ -68,13 +68,13 @@ static uint32_t reverse_bits(uint32_t x) {
     return (x & 0xaaaaaaaau) >> 1 | (x & 0x55555555u) << 1;
 }
 
-slv_result reference_sampler_create(const slv_env *env, slv_pixel_filter filter, uint32_t seed,
-                                    uint32_t samples, reference_sampler *out) {
+slv_result slvi_reference_sampler_create(const slv_env *env, slv_pixel_filter filter, uint32_t seed,
+                                         uint32_t samples, reference_sampler *out) {
     slv_result result;
     *out = (reference_sampler){.filter = filter, .seed = seed};
-    if ((result = slv_alloc(env, "samples", samples, sizeof *out->sobol, &out->sobol)) ||
+    if ((result = slvi_alloc(env, "samples", samples, sizeof *out->sobol, &out->sobol)) ||
         (filter == SLV_PIXEL_MITCHELL && (result = make_positions(env, &out->positions)))) {
-        reference_sampler_free(out);
+        slvi_reference_sampler_free(out);
         return result;
     }
     /* The direction numbers of Sobol's second dimension: Pascal's triangle modulo 2. */
@@ -87,7 +87,7 @@ slv_result reference_sampler_create(const slv_env *env, slv_pixel_filter filter,
     return SLV_OK;
 }
 
-void reference_sampler_free(reference_sampler *sampler) {
+void slvi_reference_sampler_free(reference_sampler *sampler) {
     slvi_free(sampler->sobol);
     slvi_free(sampler->positions);
     memset(sampler, 0, sizeof *sampler);
@@ -100,8 +100,8 @@ static uint32_t mix(uint32_t h, uint32_t value) {
     return h ^ h >> 16;
 }
 
-reference_sequence reference_sequence_begin(const reference_sampler *sampler, uint32_t x,
-                                            uint32_t y, uint32_t half) {
+reference_sequence slvi_reference_sequence_begin(const reference_sampler *sampler, uint32_t x,
+                                                 uint32_t y, uint32_t half) {
     uint32_t h = mix(mix(mix(mix(0x51c64a5du, sampler->seed), half), y), x);
     return (reference_sequence){{mix(h, 1), mix(h, 2)}};
 }
@@ -119,8 +119,8 @@ static float scramble(uint32_t reversed, uint32_t seed) {
     return (float)(reverse_bits(x) >> 8) * (1.0f / 16777216);
 }
 
-float reference_sample(const reference_sampler *sampler, const reference_sequence *sequence,
-                       uint32_t index, float offset[2]) {
+float slvi_reference_sample(const reference_sampler *sampler, const reference_sequence *sequence,
+                            uint32_t index, float offset[2]) {
     float weight = 1;
     offset[0] = scramble(index, sequence->scramble[0]);
     offset[1] = scramble(sampler->sobol[index], sequence->scramble[1]);

@@ -29,7 +29,7 @@ static slv_result fill(void *user, uint64_t begin, uint64_t end) {
         uint64_t most = 0;
         for (uint64_t face = begin; face < end; face++)
             most = bordered(t->res[face]) > most ? bordered(t->res[face]) : most;
-        if ((result = slv_alloc(f->env, "texels", most * f->nsource, sizeof *whole, &whole)))
+        if ((result = slvi_alloc(f->env, "texels", most * f->nsource, sizeof *whole, &whole)))
             return result;
     }
     for (uint64_t face = begin; face < end && !result; face++) {
@@ -143,7 +143,7 @@ static void with_corners(const reference_texels *t, uint32_t face, float u, floa
 /* On an edge the border texels agree with those of a coarser neighbour at this face's texel centres
  * only, and between two of them where the neighbour is linear. What is left is added here, fading
  * out towards the row of centres. */
-void reference_mend(const reference_texels *t, uint32_t face, float u, float v, float rgb[3]) {
+void slvi_reference_mend(const reference_texels *t, uint32_t face, float u, float v, float rgb[3]) {
     float width = (float)(1u << t->res[face].u), height = (float)(1u << t->res[face].v);
     with_corners(t, face, u, v, rgb);
     for (uint32_t i = t->first_link[face]; i < t->first_link[face + 1]; i++) {
@@ -164,9 +164,9 @@ void reference_mend(const reference_texels *t, uint32_t face, float u, float v, 
     }
 }
 
-slv_result reference_texels_create(const slv_env *env, const slv_texture *texture,
-                                   const slv_adjacency *adjacency, uint32_t first_channel,
-                                   uint32_t nchannels, reference_texels *out) {
+slv_result slvi_reference_texels_create(const slv_env *env, const slv_texture *texture,
+                                        const slv_adjacency *adjacency, uint32_t first_channel,
+                                        uint32_t nchannels, reference_texels *out) {
     const slv_texture_desc *desc = slv_texture_get_desc(texture);
     reference_texels made = {.nchannels = nchannels};
     slv_parallel_log *log = NULL;
@@ -174,10 +174,10 @@ slv_result reference_texels_create(const slv_env *env, const slv_texture *textur
     slv_env serial;
     uint64_t count = 0;
     slv_result result;
-    if ((result = slv_alloc(env, "resolutions", desc->nfaces, sizeof *made.res, &made.res)) ||
-        (result = slv_alloc(env, "faces", desc->nfaces, sizeof *made.first, &made.first)) ||
-        (result = slv_alloc(env, "faces", (uint64_t)desc->nfaces + 1, sizeof *made.first_link,
-                            &made.first_link)))
+    if ((result = slvi_alloc(env, "resolutions", desc->nfaces, sizeof *made.res, &made.res)) ||
+        (result = slvi_alloc(env, "faces", desc->nfaces, sizeof *made.first, &made.first)) ||
+        (result = slvi_alloc(env, "faces", (uint64_t)desc->nfaces + 1, sizeof *made.first_link,
+                             &made.first_link)))
         goto done;
     for (uint32_t face = 0; face < desc->nfaces; face++) {
         made.res[face] = desc->res[face];
@@ -185,30 +185,30 @@ slv_result reference_texels_create(const slv_env *env, const slv_texture *textur
         count += bordered(desc->res[face]) * nchannels;
     }
     list_links(adjacency, desc->nfaces, &made);
-    if ((result = slv_alloc(env, "links", made.first_link[desc->nfaces], sizeof *made.links,
-                            &made.links)) ||
-        (result = slv_alloc(env, "corners", (uint64_t)desc->nfaces * 4 * nchannels,
-                            sizeof *made.corners, &made.corners)) ||
-        (result = slv_alloc(env, "faces", desc->nfaces, sizeof *made.mended, &made.mended)))
+    if ((result = slvi_alloc(env, "links", made.first_link[desc->nfaces], sizeof *made.links,
+                             &made.links)) ||
+        (result = slvi_alloc(env, "corners", (uint64_t)desc->nfaces * 4 * nchannels,
+                             sizeof *made.corners, &made.corners)) ||
+        (result = slvi_alloc(env, "faces", desc->nfaces, sizeof *made.mended, &made.mended)))
         goto done;
     list_links(adjacency, desc->nfaces, &made);
-    if ((result = slv_alloc(env, "texels as floats", count, sizeof *made.values, &made.values)) ||
-        (result = slv_parallel_env_begin(env, &log, &serial)) ||
+    if ((result = slvi_alloc(env, "texels as floats", count, sizeof *made.values, &made.values)) ||
+        (result = slvi_parallel_env_begin(env, &log, &serial)) ||
         (result = slv_levels_create(&serial, texture, &levels)))
         goto done;
     struct filling filling = {levels, adjacency, &serial, first_channel, desc->nchannels, &made};
-    if (!(result = slv_parallel_for(env, desc->nfaces, 16, fill, &filling)))
+    if (!(result = slvi_parallel_for(env, desc->nfaces, 16, fill, &filling)))
         mend_corners(adjacency, desc->nfaces, &made);
 done:
     slv_levels_destroy(levels);
-    slv_parallel_env_end(log);
+    slvi_parallel_env_end(log);
     if (result)
-        reference_texels_free(&made);
+        slvi_reference_texels_free(&made);
     *out = made;
     return result;
 }
 
-void reference_texels_free(reference_texels *texels) {
+void slvi_reference_texels_free(reference_texels *texels) {
     slvi_free(texels->res);
     slvi_free(texels->first);
     slvi_free(texels->values);

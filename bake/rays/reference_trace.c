@@ -136,10 +136,10 @@ slv_result slv_reference_trace(const slv_reference *reference, const slv_env *en
                                slv_reference_hit *hits) {
     trace t = {.reference = reference, .width = width, .height = height, .hits = hits};
     if (!width || !height)
-        return slv_fail(env, SLV_ERROR_ARGUMENT, "reference: a picture of %u x %u pixels", width,
-                        height);
-    if (!reference_eye_make(reference, camera, &t.eye))
-        return slv_fail(env, SLV_ERROR_ARGUMENT,
-                        "reference: the camera cannot be inverted, or its window is empty");
-    return slv_parallel_for(env, height, ROW_GRAIN, trace_rows, &t);
+        return slvi_fail(env, SLV_ERROR_ARGUMENT, "reference: a picture of %u x %u pixels", width,
+                         height);
+    if (!slvi_reference_eye_make(reference, camera, &t.eye))
+        return slvi_fail(env, SLV_ERROR_ARGUMENT,
+                         "reference: the camera cannot be inverted, or its window is empty");
+    return slvi_parallel_for(env, height, ROW_GRAIN, trace_rows, &t);
 }

@@ -152,29 +152,29 @@ static void collapse(slv_closest *c) {
         c->points[i] = c->points[i % 3];
 }
 
-slv_result slv_closest_create(const slv_env *env, const slv_surface *surface, uint32_t segments,
-                              slv_closest **out) {
+slv_result slvi_closest_create(const slv_env *env, const slv_surface *surface, uint32_t segments,
+                               slv_closest **out) {
     slv_closest *c = NULL;
     uint64_t nfaces = slv_surface_face_count(surface),
              ntriangles = nfaces * segments * segments * 2;
     *out = NULL;
     if (ntriangles > INT32_MAX)
-        return slv_fail(env, SLV_ERROR_LIMIT, "%llu triangles to search, the most is %d",
-                        (unsigned long long)ntriangles, INT32_MAX);
-    slv_result result = slv_alloc(env, "surface search", 1, sizeof *c, &c);
+        return slvi_fail(env, SLV_ERROR_LIMIT, "%llu triangles to search, the most is %d",
+                         (unsigned long long)ntriangles, INT32_MAX);
+    slv_result result = slvi_alloc(env, "surface search", 1, sizeof *c, &c);
     if (result)
         return result;
     *c = (slv_closest){.nfaces = (uint32_t)nfaces,
                        .segments = segments,
                        .ntriangles = (uint32_t)ntriangles,
                        .nnodes = 1};
-    if ((result = slv_alloc(env, "surface points", nfaces * (segments + 1) * (segments + 1),
-                            3 * sizeof(float), &c->points)) ||
-        (result = slv_alloc(env, "triangles", ntriangles, sizeof *c->triangles, &c->triangles)) ||
-        (result = slv_alloc(env, "boxes", ntriangles + 1, sizeof *c->nodes, &c->nodes)))
+    if ((result = slvi_alloc(env, "surface points", nfaces * (segments + 1) * (segments + 1),
+                             3 * sizeof(float), &c->points)) ||
+        (result = slvi_alloc(env, "triangles", ntriangles, sizeof *c->triangles, &c->triangles)) ||
+        (result = slvi_alloc(env, "boxes", ntriangles + 1, sizeof *c->nodes, &c->nodes)))
         goto done;
     struct sampling sampling = {surface, c};
-    if ((result = slv_parallel_for(env, nfaces, 16, sample, &sampling)))
+    if ((result = slvi_parallel_for(env, nfaces, 16, sample, &sampling)))
         goto done;
     collapse(c);
     for (uint32_t i = 0; i < c->ntriangles; i++)
@@ -184,11 +184,11 @@ slv_result slv_closest_create(const slv_env *env, const slv_surface *surface, ui
     *out = c;
     c = NULL;
 done:
-    slv_closest_destroy(c);
+    slvi_closest_destroy(c);
     return result;
 }
 
-void slv_closest_destroy(slv_closest *closest) {
+void slvi_closest_destroy(slv_closest *closest) {
     if (!closest)
         return;
     slvi_free(closest->points);
@@ -206,7 +206,7 @@ static double dot(const double *a, const double *b) {
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 }
 
-float slv_closest_diagonal(const slv_closest *closest) {
+float slvi_closest_diagonal(const slv_closest *closest) {
     const struct node *root = &closest->nodes[0];
     double size[3] = {0};
     if (closest->ntriangles)
@@ -315,8 +315,8 @@ static void begin_near(struct search *s, const float position[3]) {
         s->from[k] = scale < 1 ? centre[k] + scale * away[k] : (double)position[k];
 }
 
-slv_closest_hit slv_closest_find(const slv_closest *closest, const float position[3],
-                                 const float *normal, float within) {
+slv_closest_hit slvi_closest_find(const slv_closest *closest, const float position[3],
+                                  const float *normal, float within) {
     struct search s = {.closest = closest,
                        .best = (double)within * (double)within,
                        .normal = normal,

@@ -12,14 +12,14 @@ typedef struct slv_closest_hit {
 } slv_closest_hit;
 
 /* Samples every face of the surface on a grid of segments x segments. */
-slv_result slv_closest_create(const slv_env *env, const slv_surface *surface, uint32_t segments,
-                              slv_closest **out);
-void slv_closest_destroy(slv_closest *closest);
+slv_result slvi_closest_create(const slv_env *env, const slv_surface *surface, uint32_t segments,
+                               slv_closest **out);
+void slvi_closest_destroy(slv_closest *closest);
 /* If `normal` is not NULL, only triangles that face the same way count. What is further away than
  * `within` (which may be infinite) need not be found. Thread-safe. */
-slv_closest_hit slv_closest_find(const slv_closest *closest, const float position[3],
-                                 const float *normal, float within);
+slv_closest_hit slvi_closest_find(const slv_closest *closest, const float position[3],
+                                  const float *normal, float within);
 /* The length of the diagonal of the box around everything. */
-float slv_closest_diagonal(const slv_closest *closest);
+float slvi_closest_diagonal(const slv_closest *closest);
 
 #endif

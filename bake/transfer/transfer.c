@@ -35,10 +35,10 @@ struct transfer {
 /* The nearest point that faces the same way, or, if that is too far, that faces any way. */
 static slv_closest_hit find(const struct transfer *t, const float *position, const float *normal) {
     float most = t->params.max_distance;
-    slv_closest_hit hit = slv_closest_find(t->closest, position, normal, most);
+    slv_closest_hit hit = slvi_closest_find(t->closest, position, normal, most);
     if (hit.point.face >= 0 && hit.distance <= most)
         return hit;
-    return slv_closest_find(t->closest, position, NULL, INFINITY);
+    return slvi_closest_find(t->closest, position, NULL, INFINITY);
 }
 
 static bool is_near(const struct transfer *t, const slv_closest_hit *hit) {
@@ -70,10 +70,10 @@ static slv_res choose_res(const struct transfer *t, uint32_t face, const slv_clo
     if (hit->point.face < 0)
         return (slv_res){0, 0};
     slv_res res = t->desc->res[hit->point.face];
-    double area = transfer_area(t->source_corners + (size_t)12 * (size_t)hit->point.face);
+    double area = slvi_transfer_area(t->source_corners + (size_t)12 * (size_t)hit->point.face);
     double density = area > 0 ? sqrt(ldexp(1, res.u + res.v) / area) : 0;
-    double u = density * (double)transfer_mean_length(c, c + 3, c + 9, c + 6),
-           v = density * (double)transfer_mean_length(c, c + 9, c + 3, c + 6);
+    double u = density * (double)slvi_transfer_mean_length(c, c + 3, c + 9, c + 6),
+           v = density * (double)slvi_transfer_mean_length(c, c + 9, c + 3, c + 6);
     if (!is_near(t, hit) || !(density > 0) || !isfinite(u) || !isfinite(v))
         return res;
     return (slv_res){log2_for(t, u), log2_for(t, v)};
@@ -84,9 +84,9 @@ static slv_result prepare_range(void *user, uint64_t first, uint64_t end) {
     for (uint64_t i = first; i < end; i++) {
         slv_transfer_face *f = &t->faces[i];
         const float *corners = t->target_corners + 12 * i;
-        f->area = (float)transfer_area(corners);
+        f->area = (float)slvi_transfer_area(corners);
         if (f->source >= 0) {
-            t->res[i] = transfer_turned(t->desc->res[f->source], f);
+            t->res[i] = slvi_transfer_turned(t->desc->res[f->source], f);
             continue;
         }
         float position[3], normal[3];
@@ -123,13 +123,13 @@ static slv_result allocate(const struct transfer *t, uint64_t w, uint64_t count,
                            struct buffers *b) {
     uint32_t n = t->desc->nchannels;
     slv_result result;
-    if ((result = slv_alloc(&t->env, "points", w, sizeof *b->points, &b->points)) ||
-        (result = slv_alloc(&t->env, "points", w, 3 * sizeof(float), &b->positions)) ||
-        (result = slv_alloc(&t->env, "normals", w, 3 * sizeof(float), &b->normals)) ||
-        (result = slv_alloc(&t->env, "values", count, n * sizeof(float), &b->values)) ||
-        (result = slv_alloc(&t->env, "values", n, sizeof(float), &b->scratch)))
+    if ((result = slvi_alloc(&t->env, "points", w, sizeof *b->points, &b->points)) ||
+        (result = slvi_alloc(&t->env, "points", w, 3 * sizeof(float), &b->positions)) ||
+        (result = slvi_alloc(&t->env, "normals", w, 3 * sizeof(float), &b->normals)) ||
+        (result = slvi_alloc(&t->env, "values", count, n * sizeof(float), &b->values)) ||
+        (result = slvi_alloc(&t->env, "values", n, sizeof(float), &b->scratch)))
         return result;
-    return slv_alloc(&t->env, "texels", count, n * slv_type_size(t->desc->type), &b->texels);
+    return slvi_alloc(&t->env, "texels", count, n * slv_type_size(t->desc->type), &b->texels);
 }
 
 /* Where a row of samples lies: one a texel, or `count` of them across one texel. */
@@ -164,7 +164,7 @@ static slv_result average(const struct transfer *t, uint32_t face, uint64_t x, u
                 find(t, b[1].positions + 3 * (size_t)i, b[1].normals + 3 * (size_t)i);
             if (hit.point.face < 0 || (t->params.blank && !is_near(t, &hit)))
                 continue;
-            transfer_look_up(&t->look, &hit.point, footprint, b->scratch, out);
+            slvi_transfer_look_up(&t->look, &hit.point, footprint, b->scratch, out);
             count++;
         }
     }
@@ -179,8 +179,8 @@ static slv_result resample(const struct transfer *t, uint32_t face) {
     uint64_t w = UINT64_C(1) << res.u, h = UINT64_C(1) << res.v, near = 0;
     uint32_t n = t->desc->nchannels;
     const float *c = t->target_corners + (size_t)12 * face;
-    const float size[2] = {ldexpf(transfer_mean_length(c, c + 3, c + 9, c + 6), -res.u),
-                           ldexpf(transfer_mean_length(c, c + 9, c + 3, c + 6), -res.v)};
+    const float size[2] = {ldexpf(slvi_transfer_mean_length(c, c + 3, c + 9, c + 6), -res.u),
+                           ldexpf(slvi_transfer_mean_length(c, c + 9, c + 3, c + 6), -res.v)};
     struct buffers b[2] = {0};
     slv_result result = allocate(t, w, w * h, &b[0]);
     if (!result)
@@ -195,13 +195,14 @@ static slv_result resample(const struct transfer *t, uint32_t face) {
             f->distance = fmaxf(f->distance, hit.distance);
             if (hit.point.face < 0 || (t->params.blank && !is_near(t, &hit)))
                 continue;
-            float finest = transfer_finest_texel(&t->look, &hit.point, fmaxf(size[0], size[1]));
+            float finest =
+                slvi_transfer_finest_texel(&t->look, &hit.point, fmaxf(size[0], size[1]));
             /* what is not covered is not worth a mean of many */
             if (is_near(t, &hit) &&
                 (samples_for(size[0], finest) > 1 || samples_for(size[1], finest) > 1))
                 result = average(t, face, x, y, size, finest, b, out);
             else
-                transfer_look_up(&t->look, &hit.point, 0, b->scratch, out);
+                slvi_transfer_look_up(&t->look, &hit.point, 0, b->scratch, out);
         }
     }
     if (!result) {
@@ -237,7 +238,7 @@ static slv_result fill_range(void *user, uint64_t first, uint64_t end) {
             continue;
         }
         f->covered = 1;
-        result = transfer_copy(&t->env, t->texture, f, t->out, (uint32_t)i);
+        result = slvi_transfer_copy(&t->env, t->texture, f, t->out, (uint32_t)i);
     }
     show_progress(t, end - first);
     return result;
@@ -250,14 +251,14 @@ static float diagonal_of(uint32_t nfaces, const float *corners) {
             low[k] = i ? fminf(low[k], corners[3 * i + (size_t)k]) : corners[k];
             high[k] = i ? fmaxf(high[k], corners[3 * i + (size_t)k]) : corners[k];
         }
-    return transfer_mean_length(low, high, low, high);
+    return slvi_transfer_mean_length(low, high, low, high);
 }
 
 static void warn_of_units(const slv_env *env, float source, float target) {
     if (source > OTHER_UNITS * target || target > OTHER_UNITS * source)
-        slv_logf(env, SLV_LOG_WARNING,
-                 "the old model's diagonal is %g, the new one's %g: are their units the same?",
-                 (double)source, (double)target);
+        slvi_logf(env, SLV_LOG_WARNING,
+                  "the old model's diagonal is %g, the new one's %g: are their units the same?",
+                  (double)source, (double)target);
 }
 
 static slv_result prepare(const slv_env *env, struct transfer *t, const slv_mesh *source,
@@ -265,22 +266,23 @@ static slv_result prepare(const slv_env *env, struct transfer *t, const slv_mesh
     slv_surface_params surface = {.scheme = t->params.scheme};
     uint32_t nsource = slv_mesh_face_count(source), ntarget = slv_mesh_face_count(target);
     slv_result result;
-    if ((result = transfer_corners(env, source, &t->source_corners)) ||
-        (result = transfer_corners(env, target, &t->target_corners)) ||
+    if ((result = slvi_transfer_corners(env, source, &t->source_corners)) ||
+        (result = slvi_transfer_corners(env, target, &t->target_corners)) ||
         (result = slv_surface_create(env, source, &surface, &t->source)) ||
         (result = slv_surface_create(env, target, &surface, &t->target)) ||
-        (result = slv_closest_create(env, t->source, SEGMENTS, &t->closest)) ||
-        (result = transfer_source_begin(env, source, t->texture, t->source_corners, &t->look)) ||
-        (result = slv_alloc(env, "resolutions", ntarget, sizeof *t->res, &t->res)))
+        (result = slvi_closest_create(env, t->source, SEGMENTS, &t->closest)) ||
+        (result =
+             slvi_transfer_source_begin(env, source, t->texture, t->source_corners, &t->look)) ||
+        (result = slvi_alloc(env, "resolutions", ntarget, sizeof *t->res, &t->res)))
         return result;
     warn_of_units(env, diagonal_of(nsource, t->source_corners),
                   diagonal_of(ntarget, t->target_corners));
     t->most_log2 = most_log2(t->desc, ntarget);
-    float diagonal = slv_closest_diagonal(t->closest);
+    float diagonal = slvi_closest_diagonal(t->closest);
     if (!(t->params.max_distance > 0))
         t->params.max_distance = DEFAULT_DISTANCE * diagonal;
-    return transfer_match(env, t->params.no_copies ? 0 : nsource, t->source_corners, ntarget,
-                          t->target_corners, MATCH_TOLERANCE * diagonal, t->faces);
+    return slvi_transfer_match(env, t->params.no_copies ? 0 : nsource, t->source_corners, ntarget,
+                               t->target_corners, MATCH_TOLERANCE * diagonal, t->faces);
 }
 
 slv_result slv_transfer(const slv_env *env, const slv_mesh *source, const slv_texture *texture,
@@ -290,7 +292,7 @@ slv_result slv_transfer(const slv_env *env, const slv_mesh *source, const slv_te
     uint32_t ntarget = slv_mesh_face_count(target);
     slv_parallel_log *log = NULL;
     double area = 0, near = 0;
-    slv_result result = slv_parallel_env_begin(env, &log, &t.env);
+    slv_result result = slvi_parallel_env_begin(env, &log, &t.env);
     *out = NULL;
     if (result)
         return result;
@@ -299,21 +301,21 @@ slv_result slv_transfer(const slv_env *env, const slv_mesh *source, const slv_te
     t.total = ntarget;
     pthread_mutex_init(&t.lock, NULL);
     if (t.desc->nfaces != slv_mesh_face_count(source)) {
-        result = slv_fail(env, SLV_ERROR_MISMATCH, "the texture has %u faces, its mesh %u",
-                          t.desc->nfaces, slv_mesh_face_count(source));
+        result = slvi_fail(env, SLV_ERROR_MISMATCH, "the texture has %u faces, its mesh %u",
+                           t.desc->nfaces, slv_mesh_face_count(source));
         goto done;
     }
     if ((result = prepare(env, &t, source, target)) ||
-        (result = slv_parallel_for(env, ntarget, 64, prepare_range, &t)))
+        (result = slvi_parallel_for(env, ntarget, 64, prepare_range, &t)))
         goto done;
     slv_texture_desc desc = *t.desc;
     desc.nfaces = ntarget;
     desc.res = t.res;
     if ((result = slv_texture_create(env, &desc, &t.out)) ||
-        (result = slv_parallel_for(env, ntarget, 4, fill_range, &t)))
+        (result = slvi_parallel_for(env, ntarget, 4, fill_range, &t)))
         goto done;
     for (uint32_t face = 0; face < ntarget; face++) {
-        double own = transfer_area(t.target_corners + (size_t)12 * face);
+        double own = slvi_transfer_area(t.target_corners + (size_t)12 * face);
         area += own;
         near += own * (double)faces[face].covered;
     }
@@ -323,14 +325,14 @@ slv_result slv_transfer(const slv_env *env, const slv_mesh *source, const slv_te
     t.out = NULL;
 done:
     slv_texture_destroy(t.out);
-    slv_closest_destroy(t.closest);
-    transfer_source_end(&t.look);
+    slvi_closest_destroy(t.closest);
+    slvi_transfer_source_end(&t.look);
     pthread_mutex_destroy(&t.lock);
     slv_surface_destroy(t.source);
     slv_surface_destroy(t.target);
     slvi_free(t.source_corners);
     slvi_free(t.target_corners);
     slvi_free(t.res);
-    slv_parallel_env_end(log);
+    slvi_parallel_env_end(log);
     return result;
 }

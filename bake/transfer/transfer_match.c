@@ -7,14 +7,14 @@
 #include <stdlib.h>
 #include <string.h>
 
-slv_result transfer_corners(const slv_env *env, const slv_mesh *mesh, float **out) {
+slv_result slvi_transfer_corners(const slv_env *env, const slv_mesh *mesh, float **out) {
     const slv_mesh_view *view = slv_mesh_get_view(mesh);
     uint32_t nfaces = slv_mesh_face_count(mesh);
     const slv_mesh_face *faces = slv_mesh_faces(mesh);
     uint64_t *starts = NULL;
-    slv_result result = slv_alloc(env, "corners", nfaces, 12 * sizeof **out, out);
+    slv_result result = slvi_alloc(env, "corners", nfaces, 12 * sizeof **out, out);
     if (result ||
-        (result = slv_alloc(env, "polygons", (uint64_t)view->npolys + 1, sizeof *starts, &starts)))
+        (result = slvi_alloc(env, "polygons", (uint64_t)view->npolys + 1, sizeof *starts, &starts)))
         return result;
     for (uint32_t poly = 0; poly < view->npolys; poly++)
         starts[poly + 1] = starts[poly] + (uint32_t)view->poly_sizes[poly];
@@ -56,7 +56,7 @@ static double triangle_area(const float *a, const float *b, const float *c) {
     return 0.5 * sqrt(n[0] * n[0] + n[1] * n[1] + n[2] * n[2]);
 }
 
-double transfer_area(const float *corners) {
+double slvi_transfer_area(const float *corners) {
     return triangle_area(corners, corners + 3, corners + 6) +
            triangle_area(corners, corners + 6, corners + 9);
 }
@@ -67,7 +67,7 @@ static double length_of(const float *a, const float *b) {
     return sqrt(x * x + y * y + z * z);
 }
 
-float transfer_mean_length(const float *a, const float *b, const float *c, const float *d) {
+float slvi_transfer_mean_length(const float *a, const float *b, const float *c, const float *d) {
     return (float)(0.5 * (length_of(a, b) + length_of(c, d)));
 }
 
@@ -114,11 +114,11 @@ static bool corners_match(const float *source, const float *target, float tolera
     return false;
 }
 
-slv_result transfer_match(const slv_env *env, uint32_t nsource, const float *source,
-                          uint32_t ntarget, const float *target, float tolerance,
-                          slv_transfer_face *faces) {
+slv_result slvi_transfer_match(const slv_env *env, uint32_t nsource, const float *source,
+                               uint32_t ntarget, const float *target, float tolerance,
+                               slv_transfer_face *faces) {
     struct entry *entries = NULL;
-    slv_result result = slv_alloc(env, "faces to match", nsource, sizeof *entries, &entries);
+    slv_result result = slvi_alloc(env, "faces to match", nsource, sizeof *entries, &entries);
     if (result)
         return result;
     for (uint32_t face = 0; face < nsource; face++)
@@ -153,19 +153,19 @@ slv_result transfer_match(const slv_env *env, uint32_t nsource, const float *sou
     return SLV_OK;
 }
 
-slv_res transfer_turned(slv_res res, const slv_transfer_face *match) {
+slv_res slvi_transfer_turned(slv_res res, const slv_transfer_face *match) {
     /* a flip at corner 0 swaps the axes, and every quarter turn does */
     bool swapped = (match->turn % 2 != 0) != match->flipped;
     return swapped ? (slv_res){res.v, res.u} : res;
 }
 
-slv_result transfer_copy(const slv_env *env, const slv_texture *from,
-                         const slv_transfer_face *match, slv_texture *to, uint32_t face) {
+slv_result slvi_transfer_copy(const slv_env *env, const slv_texture *from,
+                              const slv_transfer_face *match, slv_texture *to, uint32_t face) {
     static const int corner_u[4] = {0, 1, 1, 0}, corner_v[4] = {0, 0, 1, 1};
     const slv_texture_desc *desc = slv_texture_get_desc(from);
     uint32_t source = (uint32_t)match->source;
     const uint8_t *in = slv_texture_texels(from, source);
-    slv_res res = transfer_turned(desc->res[source], match);
+    slv_res res = slvi_transfer_turned(desc->res[source], match);
     int64_t w = INT64_C(1) << res.u, h = INT64_C(1) << res.v;
     int64_t sw = INT64_C(1) << desc->res[source].u, sh = INT64_C(1) << desc->res[source].v;
     size_t size = slv_type_size(desc->type) * desc->nchannels;
@@ -179,7 +179,7 @@ slv_result transfer_copy(const slv_env *env, const slv_texture *from,
         vu = corner_v[c1] - corner_v[c0], vv = corner_v[c3] - corner_v[c0];
     int64_t u0 = corner_u[c0] * (sw - 1), v0 = corner_v[c0] * (sh - 1);
     uint8_t *texels = NULL;
-    slv_result result = slv_alloc(env, "texels", (uint64_t)(w * h), size, &texels);
+    slv_result result = slvi_alloc(env, "texels", (uint64_t)(w * h), size, &texels);
     if (result)
         return result;
     for (int64_t y = 0; y < h; y++)

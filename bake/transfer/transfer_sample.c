@@ -12,8 +12,8 @@
 static void measure(transfer_source *s, const float *corners, uint32_t face) {
     const float *c = corners + (size_t)12 * face;
     bool constant = slv_texture_is_constant(s->texture, face);
-    float u = transfer_mean_length(c, c + 3, c + 9, c + 6),
-          v = transfer_mean_length(c, c + 9, c + 3, c + 6);
+    float u = slvi_transfer_mean_length(c, c + 3, c + 9, c + 6),
+          v = slvi_transfer_mean_length(c, c + 9, c + 3, c + 6);
     slv_res res = s->desc->res[face];
     s->sizes[face].u = constant || !(u > 0) ? INFINITY : ldexpf(u, -res.u);
     s->sizes[face].v = constant || !(v > 0) ? INFINITY : ldexpf(v, -res.v);
@@ -23,12 +23,12 @@ static float finer(const transfer_size *size) {
     return fminf(size->u, size->v);
 }
 
-slv_result transfer_source_begin(const slv_env *env, const slv_mesh *mesh,
-                                 const slv_texture *texture, const float *corners,
-                                 transfer_source *out) {
+slv_result slvi_transfer_source_begin(const slv_env *env, const slv_mesh *mesh,
+                                      const slv_texture *texture, const float *corners,
+                                      transfer_source *out) {
     uint32_t nfaces = slv_mesh_face_count(mesh);
     *out = (transfer_source){.texture = texture, .desc = slv_texture_get_desc(texture)};
-    slv_result result = slv_alloc(env, "texel sizes", nfaces, sizeof *out->sizes, &out->sizes);
+    slv_result result = slvi_alloc(env, "texel sizes", nfaces, sizeof *out->sizes, &out->sizes);
     if (result || (result = slv_mesh_adjacency(env, mesh, &out->adjacency)))
         return result;
     for (uint32_t face = 0; face < nfaces; face++)
@@ -46,13 +46,13 @@ slv_result transfer_source_begin(const slv_env *env, const slv_mesh *mesh,
     return SLV_OK;
 }
 
-void transfer_source_end(transfer_source *s) {
+void slvi_transfer_source_end(transfer_source *s) {
     slv_adjacency_destroy(s->adjacency);
     slvi_free(s->sizes);
 }
 
-float transfer_finest_texel(const transfer_source *s, const slv_surface_point *at,
-                            float footprint) {
+float slvi_transfer_finest_texel(const transfer_source *s, const slv_surface_point *at,
+                                 float footprint) {
     const transfer_size *size = &s->sizes[at->face];
     slv_res res = s->desc->res[at->face];
     /* how far the nearest edges are, in mesh units; of constant faces that is not known */
@@ -126,8 +126,8 @@ static uint32_t covered(float footprint, float texel, float at, int8_t log2, uin
     return (uint32_t)count;
 }
 
-void transfer_look_up(const transfer_source *s, const slv_surface_point *at, float footprint,
-                      float *scratch, float *out) {
+void slvi_transfer_look_up(const transfer_source *s, const slv_surface_point *at, float footprint,
+                           float *scratch, float *out) {
     uint32_t face = (uint32_t)at->face, x, y;
     const transfer_size *size = &s->sizes[face];
     slv_res res = s->desc->res[face];

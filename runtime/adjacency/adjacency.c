@@ -17,8 +17,8 @@ static bool in_table(const slv_adjacency *a, int32_t face) {
     return face >= 0 && (uint32_t)face < a->nfaces;
 }
 
-slv_half_edge slv_adjacency_secondary(const slv_adjacency *a, slv_half_edge whole,
-                                      slv_half_edge primary) {
+slv_half_edge slvi_adjacency_secondary(const slv_adjacency *a, slv_half_edge whole,
+                                       slv_half_edge primary) {
     static const slv_half_edge none = {SLV_BOUNDARY, 0};
     slv_half_edge inner = {primary.face, (uint8_t)((primary.edge + 3) & 3)};
     slv_half_edge other = across(a, inner);
@@ -31,7 +31,7 @@ slv_half_edge slv_adjacency_secondary(const slv_adjacency *a, slv_half_edge whol
     return secondary;
 }
 
-bool slv_adjacency_is_primary(const slv_adjacency *a, slv_half_edge sub) {
+bool slvi_adjacency_is_primary(const slv_adjacency *a, slv_half_edge sub) {
     return same_half_edge(across(a, across(a, sub)), sub);
 }
 
@@ -47,7 +47,7 @@ static bool link_is_mutual(const slv_adjacency *a, slv_half_edge from) {
         return false;
     if (!in_table(a, back.face) || !a->subface[back.face] || !same_half_edge(across(a, back), to))
         return false;
-    return same_half_edge(slv_adjacency_secondary(a, to, back), from);
+    return same_half_edge(slvi_adjacency_secondary(a, to, back), from);
 }
 
 /* Every link is judged on the records as they came, so the order of the faces does not matter; and
@@ -56,7 +56,7 @@ static slv_result cut_one_sided_links(const slv_env *env, slv_adjacency *a) {
     uint8_t *keep = NULL;
     int32_t first_face = 0;
     unsigned first_edge = 0;
-    slv_result result = slv_alloc(env, "adjacency", a->nfaces, 1, &keep);
+    slv_result result = slvi_alloc(env, "adjacency", a->nfaces, 1, &keep);
     if (result)
         return result;
     for (uint32_t f = 0; f < a->nfaces; f++)
@@ -76,10 +76,11 @@ static slv_result cut_one_sided_links(const slv_env *env, slv_adjacency *a) {
             a->faces[f].edge[e] = 0;
         }
     if (a->ncut)
-        slv_logf(env, SLV_LOG_WARNING,
-                 "adjacency: %u link(s) that the other side does not return were cut, the first at "
-                 "face %d edge %u",
-                 a->ncut, first_face, first_edge);
+        slvi_logf(
+            env, SLV_LOG_WARNING,
+            "adjacency: %u link(s) that the other side does not return were cut, the first at "
+            "face %d edge %u",
+            a->ncut, first_face, first_edge);
     slvi_free(keep);
     return SLV_OK;
 }
@@ -91,15 +92,15 @@ slv_result slv_adjacency_create(const slv_env *env, uint32_t nfaces,
     slv_adjacency *a = NULL;
     *out = NULL;
     if (nfaces && !faces)
-        return slv_fail(env, SLV_ERROR_ARGUMENT, "adjacency: no face records");
+        return slvi_fail(env, SLV_ERROR_ARGUMENT, "adjacency: no face records");
     if (nfaces > SLV_MAX_FACES)
-        return slv_fail(env, SLV_ERROR_LIMIT, "adjacency: %u faces, at most %d are possible",
-                        nfaces, SLV_MAX_FACES);
-    if ((result = slv_alloc(env, "adjacency", 1, sizeof *a, &a)))
+        return slvi_fail(env, SLV_ERROR_LIMIT, "adjacency: %u faces, at most %d are possible",
+                         nfaces, SLV_MAX_FACES);
+    if ((result = slvi_alloc(env, "adjacency", 1, sizeof *a, &a)))
         return result;
     a->nfaces = nfaces;
-    if ((result = slv_alloc(env, "adjacency", nfaces, sizeof *a->faces, &a->faces)) ||
-        (result = slv_alloc(env, "adjacency", nfaces, 1, &a->subface)))
+    if ((result = slvi_alloc(env, "adjacency", nfaces, sizeof *a->faces, &a->faces)) ||
+        (result = slvi_alloc(env, "adjacency", nfaces, 1, &a->subface)))
         goto done;
     for (uint32_t f = 0; f < nfaces; f++) {
         a->subface[f] = flags && flags[f] & SLV_FACE_SUBFACE ? 1 : 0;
@@ -108,7 +109,7 @@ slv_result slv_adjacency_create(const slv_env *env, uint32_t nfaces,
             a->faces[f].edge[e] = faces[f].edge[e] & 3;
         }
     }
-    if ((result = cut_one_sided_links(env, a)) || (result = slv_adjacency_build_rings(env, a)))
+    if ((result = cut_one_sided_links(env, a)) || (result = slvi_adjacency_build_rings(env, a)))
         goto done;
     *out = a;
     a = NULL;

@@ -27,12 +27,12 @@ typedef struct slv_half_edge {
 
 /* The second sub-face along an edge of a whole quad whose record names `primary`; none if the
  * tables do not agree. */
-slv_half_edge slv_adjacency_secondary(const slv_adjacency *adjacency, slv_half_edge whole,
-                                      slv_half_edge primary);
+slv_half_edge slvi_adjacency_secondary(const slv_adjacency *adjacency, slv_half_edge whole,
+                                       slv_half_edge primary);
 
 /* Whether a sub-face's edge that meets a whole quad is the first half of that quad's edge. */
-bool slv_adjacency_is_primary(const slv_adjacency *adjacency, slv_half_edge sub);
+bool slvi_adjacency_is_primary(const slv_adjacency *adjacency, slv_half_edge sub);
 
-slv_result slv_adjacency_build_rings(const slv_env *env, slv_adjacency *adjacency);
+slv_result slvi_adjacency_build_rings(const slv_env *env, slv_adjacency *adjacency);
 
 #endif

@@ -43,11 +43,11 @@ uint32_t slv_adjacency_neighbours(const slv_adjacency *a, int32_t face, unsigned
     }
     if (a->subface[face]) {
         out[0] =
-            neighbour(here.edge, to, 0, 1, 0.5f, slv_adjacency_is_primary(a, here) ? 0.5f : 1.0f);
+            neighbour(here.edge, to, 0, 1, 0.5f, slvi_adjacency_is_primary(a, here) ? 0.5f : 1.0f);
         return 1;
     }
     out[0] = neighbour(here.edge, to, 0, 0.5f, 2, 1);
-    slv_half_edge secondary = slv_adjacency_secondary(a, here, to);
+    slv_half_edge secondary = slvi_adjacency_secondary(a, here, to);
     if (secondary.face == SLV_BOUNDARY)
         return 1;
     out[1] = neighbour(here.edge, secondary, 0.5f, 1, 2, 2);
@@ -61,7 +61,7 @@ bool slv_adjacency_is_t_corner(const slv_adjacency *a, int32_t face, unsigned co
         slv_half_edge h = {face, (uint8_t)((corner + 3 * side) & 3)};
         int32_t to = a->faces[face].face[h.edge];
         /* The first half of the quad's edge starts, the second half ends in its middle. */
-        if (to != SLV_BOUNDARY && !a->subface[to] && slv_adjacency_is_primary(a, h) == !side)
+        if (to != SLV_BOUNDARY && !a->subface[to] && slvi_adjacency_is_primary(a, h) == !side)
             return true;
     }
     return false;

@@ -21,8 +21,8 @@ static uint32_t counter_clockwise(const slv_adjacency *a, uint32_t corner) {
         return corner_id(to, to_edge);
     if (a->subface[leave.face])
         /* Of the two halves only the first ends where the whole quad's edge starts. */
-        return slv_adjacency_is_primary(a, leave) ? corner_id(to, to_edge) : NO_CORNER;
-    slv_half_edge last = slv_adjacency_secondary(a, leave, (slv_half_edge){to, to_edge});
+        return slvi_adjacency_is_primary(a, leave) ? corner_id(to, to_edge) : NO_CORNER;
+    slv_half_edge last = slvi_adjacency_secondary(a, leave, (slv_half_edge){to, to_edge});
     return last.face == SLV_BOUNDARY ? NO_CORNER : corner_id(last.face, last.edge);
 }
 
@@ -39,20 +39,20 @@ static void collect_ring(slv_adjacency *a, const uint32_t *next, uint32_t start,
     } while (corner != NO_CORNER && corner != start);
 }
 
-slv_result slv_adjacency_build_rings(const slv_env *env, slv_adjacency *a) {
+slv_result slvi_adjacency_build_rings(const slv_env *env, slv_adjacency *a) {
     slv_result result = SLV_OK;
     uint32_t ncorners = a->nfaces * 4, nrings = 0, filled = 0;
     uint32_t *next = NULL;
     uint8_t *entered = NULL;
-    if ((result = slv_alloc(env, "rings", ncorners, sizeof *next, &next)) ||
-        (result = slv_alloc(env, "rings", ncorners, 1, &entered)) ||
-        (result = slv_alloc(env, "rings", ncorners, sizeof *a->ring_corners, &a->ring_corners)) ||
-        (result = slv_alloc(env, "rings", (uint64_t)ncorners + 1, sizeof *a->ring_first,
-                            &a->ring_first)) ||
-        (result = slv_alloc(env, "rings", ncorners, 1, &a->ring_closed)) ||
-        (result = slv_alloc(env, "rings", ncorners, sizeof *a->corner_ring, &a->corner_ring)) ||
+    if ((result = slvi_alloc(env, "rings", ncorners, sizeof *next, &next)) ||
+        (result = slvi_alloc(env, "rings", ncorners, 1, &entered)) ||
+        (result = slvi_alloc(env, "rings", ncorners, sizeof *a->ring_corners, &a->ring_corners)) ||
+        (result = slvi_alloc(env, "rings", (uint64_t)ncorners + 1, sizeof *a->ring_first,
+                             &a->ring_first)) ||
+        (result = slvi_alloc(env, "rings", ncorners, 1, &a->ring_closed)) ||
+        (result = slvi_alloc(env, "rings", ncorners, sizeof *a->corner_ring, &a->corner_ring)) ||
         (result =
-             slv_alloc(env, "rings", ncorners, sizeof *a->corner_position, &a->corner_position)))
+             slvi_alloc(env, "rings", ncorners, sizeof *a->corner_position, &a->corner_position)))
         goto done;
     for (uint32_t c = 0; c < ncorners; c++) {
         next[c] = counter_clockwise(a, c);

@@ -9,7 +9,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-slv_result slv_file_read(const slv_env *env, const char *path, char **data, size_t *size) {
+slv_result slvi_file_read(const slv_env *env, const char *path, char **data, size_t *size) {
     slv_result result = SLV_OK;
     char *bytes = NULL;
     struct stat status;
@@ -19,19 +19,19 @@ slv_result slv_file_read(const slv_env *env, const char *path, char **data, size
         open(path, O_RDONLY | O_NONBLOCK | O_CLOEXEC); /* a pipe must not make us wait */
     FILE *stream = descriptor < 0 ? NULL : fdopen(descriptor, "rb");
     if (!stream) {
-        result = slv_fail(env, SLV_ERROR_IO, "%s: %s", path, strerror(errno));
+        result = slvi_fail(env, SLV_ERROR_IO, "%s: %s", path, strerror(errno));
         if (descriptor >= 0)
             close(descriptor);
         return result;
     }
     if (fstat(fileno(stream), &status) != 0 || !S_ISREG(status.st_mode)) {
-        result = slv_fail(env, SLV_ERROR_IO, "%s: not a regular file", path);
+        result = slvi_fail(env, SLV_ERROR_IO, "%s: not a regular file", path);
         goto done;
     }
-    if ((result = slv_alloc(env, path, (uint64_t)status.st_size + 1, 1, &bytes)))
+    if ((result = slvi_alloc(env, path, (uint64_t)status.st_size + 1, 1, &bytes)))
         goto done;
     if (fread(bytes, 1, (size_t)status.st_size, stream) != (size_t)status.st_size) {
-        result = slv_fail(env, SLV_ERROR_IO, "%s: could not be read to its end", path);
+        result = slvi_fail(env, SLV_ERROR_IO, "%s: could not be read to its end", path);
         goto done;
     }
     *data = bytes;
@@ -43,7 +43,7 @@ done:
     return result;
 }
 
-slv_result slv_file_writer_open(const slv_env *env, const char *path, slv_file_writer *out) {
+slv_result slvi_file_writer_open(const slv_env *env, const char *path, slv_file_writer *out) {
     slv_result result = SLV_OK;
     size_t length = strlen(path);
     int descriptor = -1;
@@ -51,9 +51,9 @@ slv_result slv_file_writer_open(const slv_env *env, const char *path, slv_file_w
     memset(out, 0, sizeof *out);
     /* rename() would replace a device or pipe by a file of that name */
     if (stat(path, &status) == 0 && !S_ISREG(status.st_mode))
-        return slv_fail(env, SLV_ERROR_IO, "%s: not a regular file, cannot be written", path);
-    if ((result = slv_alloc(env, path, length + 1, 1, &out->path)) ||
-        (result = slv_alloc(env, path, length + 32, 1, &out->temporary)))
+        return slvi_fail(env, SLV_ERROR_IO, "%s: not a regular file, cannot be written", path);
+    if ((result = slvi_alloc(env, path, length + 1, 1, &out->path)) ||
+        (result = slvi_alloc(env, path, length + 32, 1, &out->temporary)))
         goto fail;
     memcpy(out->path, path, length + 1);
     for (unsigned attempt = 0; descriptor < 0 && attempt < 1000; attempt++) {
@@ -63,11 +63,11 @@ slv_result slv_file_writer_open(const slv_env *env, const char *path, slv_file_w
             break;
     }
     if (descriptor < 0) {
-        result = slv_fail(env, SLV_ERROR_IO, "%s: cannot be written: %s", path, strerror(errno));
+        result = slvi_fail(env, SLV_ERROR_IO, "%s: cannot be written: %s", path, strerror(errno));
         goto fail;
     }
     if (!(out->stream = fdopen(descriptor, "wb"))) {
-        result = slv_fail(env, SLV_ERROR_IO, "%s: cannot be written: %s", path, strerror(errno));
+        result = slvi_fail(env, SLV_ERROR_IO, "%s: cannot be written: %s", path, strerror(errno));
         close(descriptor);
         unlink(out->temporary);
         goto fail;
@@ -80,27 +80,28 @@ fail:
     return result;
 }
 
-slv_result slv_file_writer_write(const slv_env *env, slv_file_writer *writer, const void *data,
-                                 size_t size) {
+slv_result slvi_file_writer_write(const slv_env *env, slv_file_writer *writer, const void *data,
+                                  size_t size) {
     if (size && fwrite(data, 1, size, writer->stream) != size)
-        return slv_fail(env, SLV_ERROR_IO, "%s: write failed: %s", writer->path, strerror(errno));
+        return slvi_fail(env, SLV_ERROR_IO, "%s: write failed: %s", writer->path, strerror(errno));
     return SLV_OK;
 }
 
-slv_result slv_file_writer_commit(const slv_env *env, slv_file_writer *writer) {
+slv_result slvi_file_writer_commit(const slv_env *env, slv_file_writer *writer) {
     slv_result result = SLV_OK;
     bool flushed = fflush(writer->stream) == 0;
     flushed = fclose(writer->stream) == 0 && flushed;
     writer->stream = NULL;
     if (!flushed || rename(writer->temporary, writer->path) != 0) {
-        result = slv_fail(env, SLV_ERROR_IO, "%s: write failed: %s", writer->path, strerror(errno));
+        result =
+            slvi_fail(env, SLV_ERROR_IO, "%s: write failed: %s", writer->path, strerror(errno));
         unlink(writer->temporary);
     }
-    slv_file_writer_abandon(writer);
+    slvi_file_writer_abandon(writer);
     return result;
 }
 
-void slv_file_writer_abandon(slv_file_writer *writer) {
+void slvi_file_writer_abandon(slv_file_writer *writer) {
     if (writer->stream) {
         fclose(writer->stream);
         unlink(writer->temporary);
@@ -110,14 +111,14 @@ void slv_file_writer_abandon(slv_file_writer *writer) {
     memset(writer, 0, sizeof *writer);
 }
 
-slv_result slv_file_write(const slv_env *env, const char *path, const void *data, size_t size) {
+slv_result slvi_file_write(const slv_env *env, const char *path, const void *data, size_t size) {
     slv_file_writer writer;
-    slv_result result = slv_file_writer_open(env, path, &writer);
+    slv_result result = slvi_file_writer_open(env, path, &writer);
     if (result)
         return result;
-    result = slv_file_writer_write(env, &writer, data, size);
+    result = slvi_file_writer_write(env, &writer, data, size);
     if (!result)
-        return slv_file_writer_commit(env, &writer);
-    slv_file_writer_abandon(&writer);
+        return slvi_file_writer_commit(env, &writer);
+    slvi_file_writer_abandon(&writer);
     return result;
 }

@@ -11,7 +11,7 @@
 
 /* Reads a regular file of at most env's max_bytes; *data has a NUL after its `size` bytes and is
  * released with slvi_free. */
-slv_result slv_file_read(const slv_env *env, const char *path, char **data, size_t *size);
+slv_result slvi_file_read(const slv_env *env, const char *path, char **data, size_t *size);
 
 /* A file being written beside `path`, under a name of its own. */
 typedef struct slv_file_writer {
@@ -19,16 +19,16 @@ typedef struct slv_file_writer {
     char *path, *temporary;
 } slv_file_writer;
 
-slv_result slv_file_writer_open(const slv_env *env, const char *path, slv_file_writer *out);
-slv_result slv_file_writer_write(const slv_env *env, slv_file_writer *writer, const void *data,
-                                 size_t size);
+slv_result slvi_file_writer_open(const slv_env *env, const char *path, slv_file_writer *out);
+slv_result slvi_file_writer_write(const slv_env *env, slv_file_writer *writer, const void *data,
+                                  size_t size);
 /* Renames over the target. On failure the target is untouched and the temporary gone. It does not
  * wait for the disk: a folder of images would take minutes. */
-slv_result slv_file_writer_commit(const slv_env *env, slv_file_writer *writer);
+slv_result slvi_file_writer_commit(const slv_env *env, slv_file_writer *writer);
 /* Removes the temporary. Does nothing after a commit, or on a zeroed struct. */
-void slv_file_writer_abandon(slv_file_writer *writer);
+void slvi_file_writer_abandon(slv_file_writer *writer);
 
 /* Writes `size` bytes atomically. */
-slv_result slv_file_write(const slv_env *env, const char *path, const void *data, size_t size);
+slv_result slvi_file_write(const slv_env *env, const char *path, const void *data, size_t size);
 
 #endif

@@ -6,7 +6,7 @@
 
 #define DEFAULT_MAX_BYTES (UINT64_C(16) << 30)
 
-slv_env slv_env_or_default(const slv_env *env) {
+slv_env slvi_env_or_default(const slv_env *env) {
     slv_env copy = {0};
     if (env)
         copy = *env;
@@ -29,14 +29,14 @@ static void log_line(const slv_env *env, slv_log_level level, const char *format
     env->log(env->log_user, level, line);
 }
 
-void slv_logf(const slv_env *env, slv_log_level level, const char *format, ...) {
+void slvi_logf(const slv_env *env, slv_log_level level, const char *format, ...) {
     va_list args;
     va_start(args, format);
     log_line(env, level, format, args);
     va_end(args);
 }
 
-slv_result slv_fail(const slv_env *env, slv_result result, const char *format, ...) {
+slv_result slvi_fail(const slv_env *env, slv_result result, const char *format, ...) {
     va_list args;
     va_start(args, format);
     log_line(env, SLV_LOG_ERROR, format, args);

@@ -7,11 +7,11 @@
 #define SLV_PRINTF(f, a) __attribute__((format(printf, f, a)))
 
 /* NULL stands for all defaults. */
-slv_env slv_env_or_default(const slv_env *env);
+slv_env slvi_env_or_default(const slv_env *env);
 
-void slv_logf(const slv_env *env, slv_log_level level, const char *format, ...) SLV_PRINTF(3, 4);
-/* Logs an error and returns `result`, so that a failing line reads `return slv_fail(...)`. */
-slv_result slv_fail(const slv_env *env, slv_result result, const char *format, ...)
+void slvi_logf(const slv_env *env, slv_log_level level, const char *format, ...) SLV_PRINTF(3, 4);
+/* Logs an error and returns `result`, so that a failing line reads `return slvi_fail(...)`. */
+slv_result slvi_fail(const slv_env *env, slv_result result, const char *format, ...)
     SLV_PRINTF(3, 4);
 
 #endif

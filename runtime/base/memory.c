@@ -27,14 +27,14 @@ static slv_result allocate(const slv_env *env, const char *what, uint64_t alignm
                            uint64_t size, bool zeroed, void *out) {
     unsigned char *start = NULL;
     void *memory = NULL;
-    slv_env known = slv_env_or_default(env);
+    slv_env known = slvi_env_or_default(env);
     uint64_t room = sizeof(header) + (alignment > MALLOC_ALIGNMENT ? alignment : 0), most;
     memcpy(out, &memory, sizeof memory);
     most = known.max_bytes < SIZE_MAX - room ? known.max_bytes : SIZE_MAX - room;
     if (size && count > most / size)
-        return slv_fail(env, SLV_ERROR_LIMIT, "%s: %llu x %llu bytes is over the limit of %llu",
-                        what, (unsigned long long)count, (unsigned long long)size,
-                        (unsigned long long)most);
+        return slvi_fail(env, SLV_ERROR_LIMIT, "%s: %llu x %llu bytes is over the limit of %llu",
+                         what, (unsigned long long)count, (unsigned long long)size,
+                         (unsigned long long)most);
     uint64_t bytes = count * size;
     if (known.allocate)
         start = known.allocate(known.memory_user, (size_t)(room + bytes));
@@ -43,8 +43,8 @@ static slv_result allocate(const slv_env *env, const char *what, uint64_t alignm
     else
         start = malloc((size_t)(room + bytes));
     if (!start)
-        return slv_fail(env, SLV_ERROR_MEMORY, "%s: no memory for %llu bytes", what,
-                        (unsigned long long)bytes);
+        return slvi_fail(env, SLV_ERROR_MEMORY, "%s: no memory for %llu bytes", what,
+                         (unsigned long long)bytes);
     unsigned char *at = start + sizeof(header);
     if (alignment > MALLOC_ALIGNMENT)
         at += (alignment - (uintptr_t)at % alignment) % alignment;
@@ -57,23 +57,23 @@ static slv_result allocate(const slv_env *env, const char *what, uint64_t alignm
     return SLV_OK;
 }
 
-slv_result slv_alloc(const slv_env *env, const char *what, uint64_t count, uint64_t size,
-                     void *out) {
+slv_result slvi_alloc(const slv_env *env, const char *what, uint64_t count, uint64_t size,
+                      void *out) {
     return allocate(env, what, MALLOC_ALIGNMENT, count, size, true, out);
 }
 
-slv_result slv_alloc_plain(const slv_env *env, const char *what, uint64_t count, uint64_t size,
-                           void *out) {
+slv_result slvi_alloc_plain(const slv_env *env, const char *what, uint64_t count, uint64_t size,
+                            void *out) {
     return allocate(env, what, MALLOC_ALIGNMENT, count, size, false, out);
 }
 
-slv_result slv_alloc_aligned(const slv_env *env, const char *what, uint64_t alignment,
-                             uint64_t count, uint64_t size, void *out) {
+slv_result slvi_alloc_aligned(const slv_env *env, const char *what, uint64_t alignment,
+                              uint64_t count, uint64_t size, void *out) {
     return allocate(env, what, alignment, count, size, true, out);
 }
 
-slv_result slv_grow(const slv_env *env, const char *what, uint64_t count, uint64_t size,
-                    void *memory) {
+slv_result slvi_grow(const slv_env *env, const char *what, uint64_t count, uint64_t size,
+                     void *memory) {
     void *before, *after;
     memcpy(&before, memory, sizeof before);
     slv_result result = allocate(env, what, MALLOC_ALIGNMENT, count, size, false, &after);

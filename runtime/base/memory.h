@@ -7,18 +7,18 @@
 /* `count * size` zeroed bytes in *out, aligned as malloc's and released with slvi_free. Overflow or
  * more than env's max_bytes is SLV_ERROR_LIMIT; `what` names the thing in the message. A count of
  * zero gives a valid pointer. */
-slv_result slv_alloc(const slv_env *env, const char *what, uint64_t count, uint64_t size,
-                     void *out);
+slv_result slvi_alloc(const slv_env *env, const char *what, uint64_t count, uint64_t size,
+                      void *out);
 /* The same, not zeroed, for what is filled at once. */
-slv_result slv_alloc_plain(const slv_env *env, const char *what, uint64_t count, uint64_t size,
-                           void *out);
-/* The same as slv_alloc, aligned to a power of two of at least 32. */
-slv_result slv_alloc_aligned(const slv_env *env, const char *what, uint64_t alignment,
-                             uint64_t count, uint64_t size, void *out);
+slv_result slvi_alloc_plain(const slv_env *env, const char *what, uint64_t count, uint64_t size,
+                            void *out);
+/* The same as slvi_alloc, aligned to a power of two of at least 32. */
+slv_result slvi_alloc_aligned(const slv_env *env, const char *what, uint64_t alignment,
+                              uint64_t count, uint64_t size, void *out);
 /* Makes room for `count` elements in *memory (a pointer to NULL, or to memory of this file), whose
  * contents move along; what is new is not zeroed. On failure *memory is as it was. */
-slv_result slv_grow(const slv_env *env, const char *what, uint64_t count, uint64_t size,
-                    void *memory);
+slv_result slvi_grow(const slv_env *env, const char *what, uint64_t count, uint64_t size,
+                     void *memory);
 /* Releases any of these; NULL is fine. What a public function hands out goes back through slv_free.
  */
 void slvi_free(void *memory);

@@ -22,7 +22,7 @@ struct slv_parallel_log {
     slv_env inner;
 };
 
-uint32_t slv_thread_count(const slv_env *env) {
+uint32_t slvi_thread_count(const slv_env *env) {
     uint32_t threads = env ? env->threads : 0;
     if (!threads) {
         long online = sysconf(_SC_NPROCESSORS_ONLN);
@@ -73,11 +73,11 @@ static void start_and_join(struct job *job, uint32_t wanted) {
         pthread_join(threads[--started], NULL);
 }
 
-slv_result slv_parallel_for(const slv_env *env, uint64_t count, uint64_t grain, slv_range_fn fn,
-                            void *user) {
+slv_result slvi_parallel_for(const slv_env *env, uint64_t count, uint64_t grain, slv_range_fn fn,
+                             void *user) {
     struct job job = {.count = count, .grain = grain ? grain : 1, .fn = fn, .user = user};
     uint64_t ranges = count / job.grain + (count % job.grain != 0);
-    uint32_t wanted = slv_thread_count(env);
+    uint32_t wanted = slvi_thread_count(env);
     if (wanted > ranges)
         wanted = (uint32_t)ranges;
     pthread_mutex_init(&job.lock, NULL);
@@ -96,12 +96,12 @@ static void locked_log(void *user, slv_log_level level, const char *message) {
     pthread_mutex_unlock(&state->lock);
 }
 
-slv_result slv_parallel_env_begin(const slv_env *env, slv_parallel_log **state, slv_env *out) {
-    slv_result result = slv_alloc(env, "log lock", 1, sizeof **state, state);
+slv_result slvi_parallel_env_begin(const slv_env *env, slv_parallel_log **state, slv_env *out) {
+    slv_result result = slvi_alloc(env, "log lock", 1, sizeof **state, state);
     if (result)
         return result;
     pthread_mutex_init(&(*state)->lock, NULL);
-    (*state)->inner = slv_env_or_default(env);
+    (*state)->inner = slvi_env_or_default(env);
     *out = (*state)->inner;
     if (out->log) {
         out->log = locked_log;
@@ -110,7 +110,7 @@ slv_result slv_parallel_env_begin(const slv_env *env, slv_parallel_log **state, 
     return SLV_OK;
 }
 
-void slv_parallel_env_end(slv_parallel_log *state) {
+void slvi_parallel_env_end(slv_parallel_log *state) {
     if (!state)
         return;
     pthread_mutex_destroy(&state->lock);

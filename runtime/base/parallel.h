@@ -12,15 +12,15 @@ typedef slv_result (*slv_range_fn)(void *user, uint64_t first, uint64_t end);
  * threads, the caller's among them. The ranges are the same for any number of threads. Returns the
  * error of the lowest failing range that ran, or SLV_OK. Inside, env's log is called by one thread
  * at a time only if `fn` logs through slv_parallel_env. */
-slv_result slv_parallel_for(const slv_env *env, uint64_t count, uint64_t grain, slv_range_fn fn,
-                            void *user);
+slv_result slvi_parallel_for(const slv_env *env, uint64_t count, uint64_t grain, slv_range_fn fn,
+                             void *user);
 
 /* A copy of env whose log is serialised with a mutex, for use in `fn`. Valid until
- * slv_parallel_env_end. */
+ * slvi_parallel_env_end. */
 typedef struct slv_parallel_log slv_parallel_log;
-slv_result slv_parallel_env_begin(const slv_env *env, slv_parallel_log **state, slv_env *out);
-void slv_parallel_env_end(slv_parallel_log *state);
+slv_result slvi_parallel_env_begin(const slv_env *env, slv_parallel_log **state, slv_env *out);
+void slvi_parallel_env_end(slv_parallel_log *state);
 
-uint32_t slv_thread_count(const slv_env *env);
+uint32_t slvi_thread_count(const slv_env *env);
 
 #endif

@@ -79,12 +79,13 @@ static void execute(void *user, uint32_t count, void (*task)(void *argument, uin
 
 slv_result slv_threads_create(const slv_env *env, slv_threads **out) {
     slv_threads *threads = NULL;
-    uint32_t wanted = slv_thread_count(env) - 1;
+    uint32_t wanted = slvi_thread_count(env) - 1;
     *out = NULL;
-    slv_result result = slv_alloc(env, "threads", 1, sizeof *threads, &threads);
+    slv_result result = slvi_alloc(env, "threads", 1, sizeof *threads, &threads);
     if (result)
         return result;
-    if ((result = slv_alloc(env, "threads", wanted, sizeof *threads->threads, &threads->threads))) {
+    if ((result =
+             slvi_alloc(env, "threads", wanted, sizeof *threads->threads, &threads->threads))) {
         slvi_free(threads);
         return result;
     }

@@ -47,24 +47,24 @@ static slv_result make_arena(slv_cache *cache) {
     unlimited.max_bytes = UINT64_MAX;
     slv_result result;
     if ((result =
-             slv_alloc(&unlimited, "cache", cache->nslabs, sizeof *cache->slabs, &cache->slabs)) ||
+             slvi_alloc(&unlimited, "cache", cache->nslabs, sizeof *cache->slabs, &cache->slabs)) ||
         (result =
-             slv_alloc(&unlimited, "cache", cache->nslabs, sizeof *cache->queue, &cache->queue)) ||
+             slvi_alloc(&unlimited, "cache", cache->nslabs, sizeof *cache->queue, &cache->queue)) ||
         (result =
-             slv_alloc(&unlimited, "cache", CACHE_FILES, sizeof *cache->files, &cache->files)) ||
-        (result = slv_alloc(&unlimited, "cache", CACHE_REQUESTS, sizeof *cache->requests,
-                            &cache->requests)))
+             slvi_alloc(&unlimited, "cache", CACHE_FILES, sizeof *cache->files, &cache->files)) ||
+        (result = slvi_alloc(&unlimited, "cache", CACHE_REQUESTS, sizeof *cache->requests,
+                             &cache->requests)))
         return result;
-    if ((result = slv_alloc_aligned(&unlimited, "cache", 64, buckets * CACHE_WAYS,
-                                    sizeof *cache->buckets, &cache->buckets)))
+    if ((result = slvi_alloc_aligned(&unlimited, "cache", 64, buckets * CACHE_WAYS,
+                                     sizeof *cache->buckets, &cache->buckets)))
         return result;
     cache->mapped_bytes = cache->nslabs * slab + HUGE_PAGE;
     cache->mapped = mmap(NULL, cache->mapped_bytes, PROT_READ | PROT_WRITE,
                          MAP_PRIVATE | MAP_ANONYMOUS | MAP_NORESERVE, -1, 0);
     if (cache->mapped == MAP_FAILED) {
         cache->mapped = NULL;
-        return slv_fail(&cache->env, SLV_ERROR_MEMORY, "cache: %llu bytes cannot be reserved",
-                        (unsigned long long)(cache->nslabs * slab));
+        return slvi_fail(&cache->env, SLV_ERROR_MEMORY, "cache: %llu bytes cannot be reserved",
+                         (unsigned long long)(cache->nslabs * slab));
     }
     cache->arena = (uint8_t *)cache->mapped + HUGE_PAGE - (uintptr_t)cache->mapped % HUGE_PAGE;
 #ifdef MADV_HUGEPAGE
@@ -78,7 +78,7 @@ slv_result slv_cache_create(const slv_env *env, const slv_cache_params *params, 
     slv_cache_params p = params ? *params : (slv_cache_params){0};
     slv_cache *cache = NULL;
     *out = NULL;
-    slv_result result = slv_alloc(env, "cache", 1, sizeof *cache, &cache);
+    slv_result result = slvi_alloc(env, "cache", 1, sizeof *cache, &cache);
     if (result)
         return result;
     uint64_t bytes = p.max_bytes ? p.max_bytes : UINT64_C(1) << 30;
@@ -91,7 +91,7 @@ slv_result slv_cache_create(const slv_env *env, const slv_cache_params *params, 
     pthread_mutex_init(&cache->handle_lock, NULL);
     pthread_cond_init(&cache->changed, NULL);
     pthread_cond_init(&cache->requested, NULL);
-    if ((result = slv_parallel_env_begin(env, &cache->log, &cache->env)) ||
+    if ((result = slvi_parallel_env_begin(env, &cache->log, &cache->env)) ||
         (result = make_arena(cache))) {
         slv_cache_destroy(cache);
         return result;
@@ -103,12 +103,12 @@ slv_result slv_cache_create(const slv_env *env, const slv_cache_params *params, 
 void slv_cache_destroy(slv_cache *cache) {
     if (!cache)
         return;
-    cache_stop_worker(cache);
+    slvi_cache_stop_worker(cache);
     for (uint32_t i = 0; i < cache->file_end; i++) {
         cache_file *file = atomic_load(&cache->files[i]);
         if (file) {
             pthread_mutex_lock(&cache->lock);
-            cache_drop_tables(cache, file);
+            slvi_cache_drop_tables(cache, file);
             pthread_mutex_unlock(&cache->lock);
             slvi_free(file->path);
             slvi_free(file);
@@ -121,7 +121,7 @@ void slv_cache_destroy(slv_cache *cache) {
     slvi_free(cache->files);
     slvi_free(cache->requests);
     slvi_free(cache->buckets);
-    slv_parallel_env_end(cache->log);
+    slvi_parallel_env_end(cache->log);
     pthread_cond_destroy(&cache->requested);
     pthread_cond_destroy(&cache->changed);
     pthread_mutex_destroy(&cache->handle_lock);
@@ -145,11 +145,11 @@ static cache_file *take_place(slv_cache *cache, const char *path, uint32_t *plac
     if (file)
         return file;
     if (cache->file_end >= CACHE_FILES - 1) {
-        *result = slv_fail(&cache->env, SLV_ERROR_LIMIT, "%s: %d files are open already", path,
-                           CACHE_FILES - 1);
+        *result = slvi_fail(&cache->env, SLV_ERROR_LIMIT, "%s: %d files are open already", path,
+                            CACHE_FILES - 1);
         return NULL;
     }
-    if ((*result = slv_alloc(&cache->env, path, 1, sizeof *file, &file)))
+    if ((*result = slvi_alloc(&cache->env, path, 1, sizeof *file, &file)))
         return NULL;
     *place = cache->file_end++;
     atomic_store_explicit(&cache->files[*place], file, memory_order_release);
@@ -168,7 +168,7 @@ slv_result slv_cache_open(slv_cache *cache, const char *path, slv_file_id *out) 
     slv_ptx_close(ptx);
     info.level_faces = NULL;
     info.level_bytes = NULL;
-    if ((result = slv_alloc(&cache->env, path, strlen(path) + 1, 1, &copy)))
+    if ((result = slvi_alloc(&cache->env, path, strlen(path) + 1, 1, &copy)))
         return result;
     memcpy(copy, path, strlen(path) + 1);
     pthread_mutex_lock(&cache->lock);
@@ -212,7 +212,7 @@ slv_result slv_cache_close(slv_cache *cache, slv_file_id id) {
         atomic_store_explicit(&file->id, 0, memory_order_relaxed);
         /* the place is not given out before its tables are gone */
         file->loading = true;
-        cache_drop_tables(cache, file);
+        slvi_cache_drop_tables(cache, file);
         file->loading = false;
         cache->nfiles--;
         pthread_cond_broadcast(&cache->changed);
@@ -233,7 +233,7 @@ slv_result slv_cache_invalidate(slv_cache *cache, slv_file_id id) {
         cache_file *file = find_file(cache, which);
         if (file) {
             file->identified = false;
-            cache_drop_tables(cache, file);
+            slvi_cache_drop_tables(cache, file);
         } else if (id)
             result = SLV_ERROR_ARGUMENT;
     }
@@ -267,7 +267,7 @@ void slv_cache_get_stats(slv_cache *cache, slv_cache_stats *out) {
         out->misses += atomic_load_explicit(&t->misses, memory_order_relaxed);
     }
     out->hits = out->hits > out->misses ? out->hits - out->misses : 0;
-    out->bytes = cache_used_bytes(cache);
+    out->bytes = slvi_cache_used_bytes(cache);
     out->peak_bytes = out->peak_bytes > out->bytes ? out->peak_bytes : out->bytes;
     out->files = cache->nfiles;
     pthread_mutex_unlock(&cache->lock);
@@ -278,7 +278,7 @@ void slv_cache_get_stats(slv_cache *cache, slv_cache_stats *out) {
     pthread_mutex_unlock(&cache->handle_lock);
 }
 
-void cache_thread_begin(slv_cache *cache, cache_thread *thread) {
+void slvi_cache_thread_begin(slv_cache *cache, cache_thread *thread) {
     memset(thread, 0, sizeof *thread);
     thread->cache = cache;
     pthread_mutex_lock(&cache->lock);
@@ -287,7 +287,7 @@ void cache_thread_begin(slv_cache *cache, cache_thread *thread) {
     pthread_mutex_unlock(&cache->lock);
 }
 
-void cache_thread_end(cache_thread *thread) {
+void slvi_cache_thread_end(cache_thread *thread) {
     slv_cache *cache = thread->cache;
     pthread_mutex_lock(&cache->lock);
     cache_thread **at = &cache->threads;

@@ -192,60 +192,61 @@ struct slv_cache {
 };
 
 /* cache.c */
-void cache_thread_begin(slv_cache *cache, cache_thread *thread);
-void cache_thread_end(cache_thread *thread);
+void slvi_cache_thread_begin(slv_cache *cache, cache_thread *thread);
+void slvi_cache_thread_end(cache_thread *thread);
 
 /* cache_slab.c; all under the lock, the caller not pinned */
 /* Room for a block of `units`; its slab has one more pending, until it is settled. May let go of
  * the lock. */
-cache_block *cache_allocate(slv_cache *cache, uint32_t units);
-void cache_settle(slv_cache *cache, const cache_block *block);
+cache_block *slvi_cache_allocate(slv_cache *cache, uint32_t units);
+void slvi_cache_settle(slv_cache *cache, const cache_block *block);
 /* Gives slabs back, as far as tables need the room. May let go of the lock. */
-void cache_trim_slabs(slv_cache *cache);
+void slvi_cache_trim_slabs(slv_cache *cache);
 /* All that counts against the limit. */
-uint64_t cache_used_bytes(const slv_cache *cache);
-void cache_note_peak(slv_cache *cache);
+uint64_t slvi_cache_used_bytes(const slv_cache *cache);
+void slvi_cache_note_peak(slv_cache *cache);
 /* Begins an epoch after something was unlinked; returns it. */
-uint64_t cache_begin_epoch(slv_cache *cache);
+uint64_t slvi_cache_begin_epoch(slv_cache *cache);
 /* Waits until no thread can see what was unlinked before that epoch. */
-void cache_wait_for_readers(slv_cache *cache, uint64_t epoch);
+void slvi_cache_wait_for_readers(slv_cache *cache, uint64_t epoch);
 
 /* cache_tables.c; those that take an id lock by themselves, the others are called under the lock.
  */
 /* Makes the tables of a file. */
-slv_result cache_load_tables(slv_cache *cache, slv_file_id id);
-void cache_drop_tables(slv_cache *cache, cache_file *file);
-void cache_learn_face(cache_tables *tables, uint32_t face);
+slv_result slvi_cache_load_tables(slv_cache *cache, slv_file_id id);
+void slvi_cache_drop_tables(slv_cache *cache, cache_file *file);
+void slvi_cache_learn_face(cache_tables *tables, uint32_t face);
 /* How texels of this resolution are cut. */
-slv_res cache_tile_res(const cache_tables *tables, int res_u, int res_v);
+slv_res slvi_cache_tile_res(const cache_tables *tables, int res_u, int res_v);
 
 /* cache_load.c */
 /* What cache_find_block did not find: unpins, reads and pins again. NULL with SLV_OK in *result if
  * the tables were dropped meanwhile: they must not be looked at again. */
-const uint8_t *cache_load_block(cache_thread *thread, cache_tables *tables, uint32_t face,
-                                int res_u, int res_v, uint32_t tile, slv_result *result);
-/* Puts in texels that the caller made of others: lets go of its pin as cache_load_block does. NULL
- * if the tables were dropped. */
-const uint8_t *cache_publish(cache_thread *thread, cache_tables *tables, uint32_t face, int res_u,
-                             int res_v, uint32_t tile, const void *texels, size_t bytes,
-                             uint32_t note);
+const uint8_t *slvi_cache_load_block(cache_thread *thread, cache_tables *tables, uint32_t face,
+                                     int res_u, int res_v, uint32_t tile, slv_result *result);
+/* Puts in texels that the caller made of others: lets go of its pin as slvi_cache_load_block does.
+ * NULL if the tables were dropped. */
+const uint8_t *slvi_cache_publish(cache_thread *thread, cache_tables *tables, uint32_t face,
+                                  int res_u, int res_v, uint32_t tile, const void *texels,
+                                  size_t bytes, uint32_t note);
 /* Whether a block can be found, and was looked at since this was last asked. */
-bool cache_take_use(slv_cache *cache, cache_block *block);
-void cache_unlink(slv_cache *cache, cache_block *block);
+bool slvi_cache_take_use(slv_cache *cache, cache_block *block);
+void slvi_cache_unlink(slv_cache *cache, cache_block *block);
 
 /* cache_handle.c */
 /* A handle, and a source that opens the file when it is read from and closes it when others need
  * the handle. `identity` (may be NULL) is what the file must be. The source owns the handle too. */
-slv_result cache_handle_create(slv_cache *cache, const char *path, const cache_identity *identity,
-                               slv_ptx_source *source, cache_handle **out);
-void cache_handle_release(cache_handle *handle);
+slv_result slvi_cache_handle_create(slv_cache *cache, const char *path,
+                                    const cache_identity *identity, slv_ptx_source *source,
+                                    cache_handle **out);
+void slvi_cache_handle_release(cache_handle *handle);
 /* An environment whose log says of reads that failed why they did. */
-slv_env cache_handle_env(cache_handle *handle);
+slv_env slvi_cache_handle_env(cache_handle *handle);
 /* What a result means that came of reading through a handle. */
-slv_result cache_handle_result(const cache_handle *handle, slv_result result);
+slv_result slvi_cache_handle_result(const cache_handle *handle, slv_result result);
 
 /* cache_prefetch.c */
-void cache_stop_worker(slv_cache *cache);
+void slvi_cache_stop_worker(slv_cache *cache);
 
 static inline void cache_pin(cache_thread *thread) {
     slv_cache *cache = thread->cache;
@@ -286,7 +287,7 @@ static inline cache_tables *cache_find_tables(const slv_cache *cache, slv_file_i
 static inline cache_face *cache_find_face(cache_tables *tables, uint32_t face) {
     cache_face *f = &tables->faces[face];
     if (atomic_load_explicit(&f->state, memory_order_acquire) != CACHE_KNOWN)
-        cache_learn_face(tables, face);
+        slvi_cache_learn_face(tables, face);
     return f;
 }
 

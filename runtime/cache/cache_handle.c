@@ -104,7 +104,7 @@ static int handle_read(void *user, uint64_t offset, void *buffer, size_t size) {
     return error ? -1 : 0;
 }
 
-void cache_handle_release(cache_handle *h) {
+void slvi_cache_handle_release(cache_handle *h) {
     slv_cache *cache = h->cache;
     pthread_mutex_lock(&cache->handle_lock);
     if (--h->owners) {
@@ -125,15 +125,16 @@ void cache_handle_release(cache_handle *h) {
 }
 
 static void handle_close(void *user) {
-    cache_handle_release(user);
+    slvi_cache_handle_release(user);
 }
 
-slv_result cache_handle_create(slv_cache *cache, const char *path, const cache_identity *identity,
-                               slv_ptx_source *source, cache_handle **out) {
+slv_result slvi_cache_handle_create(slv_cache *cache, const char *path,
+                                    const cache_identity *identity, slv_ptx_source *source,
+                                    cache_handle **out) {
     cache_handle *h = NULL;
-    slv_result result = slv_alloc(&cache->env, path, 1, sizeof *h, &h);
+    slv_result result = slvi_alloc(&cache->env, path, 1, sizeof *h, &h);
     if (!result)
-        result = slv_alloc(&cache->env, path, strlen(path) + 1, 1, &h->path);
+        result = slvi_alloc(&cache->env, path, strlen(path) + 1, 1, &h->path);
     if (result) {
         slvi_free(h);
         return result;
@@ -152,10 +153,11 @@ slv_result cache_handle_create(slv_cache *cache, const char *path, const cache_i
     bool opened = open_handle(cache, h);
     pthread_mutex_unlock(&cache->handle_lock);
     if (!opened) {
-        result = atomic_load(&h->changed) ? slv_fail(&cache->env, SLV_ERROR_MISMATCH, CHANGED, path)
-                                          : slv_fail(&cache->env, SLV_ERROR_IO, "%s: %s", path,
-                                                     strerror(atomic_load(&h->error)));
-        cache_handle_release(h);
+        result = atomic_load(&h->changed)
+                     ? slvi_fail(&cache->env, SLV_ERROR_MISMATCH, CHANGED, path)
+                     : slvi_fail(&cache->env, SLV_ERROR_IO, "%s: %s", path,
+                                 strerror(atomic_load(&h->error)));
+        slvi_cache_handle_release(h);
         return result;
     }
     h->owners = 2;
@@ -169,20 +171,20 @@ static void handle_log(void *user, slv_log_level level, const char *message) {
     const slv_env *env = &h->cache->env;
     int error = atomic_load(&h->error);
     if (level == SLV_LOG_ERROR && atomic_load(&h->changed))
-        slv_logf(env, level, CHANGED, h->path);
+        slvi_logf(env, level, CHANGED, h->path);
     else if (level == SLV_LOG_ERROR && error)
-        slv_logf(env, level, "%s: %s", message, strerror(error));
+        slvi_logf(env, level, "%s: %s", message, strerror(error));
     else
-        slv_logf(env, level, "%s", message);
+        slvi_logf(env, level, "%s", message);
 }
 
-slv_env cache_handle_env(cache_handle *handle) {
+slv_env slvi_cache_handle_env(cache_handle *handle) {
     slv_env env = handle->cache->env;
     env.log = handle_log;
     env.log_user = handle;
     return env;
 }
 
-slv_result cache_handle_result(const cache_handle *handle, slv_result result) {
+slv_result slvi_cache_handle_result(const cache_handle *handle, slv_result result) {
     return result && atomic_load(&handle->changed) ? SLV_ERROR_MISMATCH : result;
 }

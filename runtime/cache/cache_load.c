@@ -63,7 +63,7 @@ static _Atomic(uint64_t) *hashed_entry(const slv_cache *cache, const cache_block
     return NULL;
 }
 
-bool cache_take_use(slv_cache *cache, cache_block *block) {
+bool slvi_cache_take_use(slv_cache *cache, cache_block *block) {
     cache_face *face;
     if (!block->serial)
         return false;
@@ -74,7 +74,7 @@ bool cache_take_use(slv_cache *cache, cache_block *block) {
            (entry || hashed_entry(cache, block));
 }
 
-void cache_unlink(slv_cache *cache, cache_block *block) {
+void slvi_cache_unlink(slv_cache *cache, cache_block *block) {
     cache_face *face;
     if (!block->serial)
         return;
@@ -92,7 +92,7 @@ static slv_result read_texels(cache_thread *thread, const cache_tables *tables, 
     if (thread->reader_serial != tables->serial) {
         slv_ptx_reader_destroy(thread->reader);
         thread->reader_serial = 0;
-        slv_env env = cache_handle_env(tables->handle);
+        slv_env env = slvi_cache_handle_env(tables->handle);
         slv_result result = slv_ptx_reader_create(&env, tables->ptx, &thread->reader);
         if (result)
             return result;
@@ -102,7 +102,7 @@ static slv_result read_texels(cache_thread *thread, const cache_tables *tables, 
     slv_result result =
         slv_ptx_reader_read_tile(thread->reader, face, res, tile_res, tile % columns << tile_res.u,
                                  tile / columns << tile_res.v, out);
-    return cache_handle_result(tables->handle, result);
+    return slvi_cache_handle_result(tables->handle, result);
 }
 
 static bool is_loading(const slv_cache *cache, const cache_load *load) {
@@ -143,13 +143,13 @@ static const uint8_t *load_block(cache_thread *thread, cache_tables *tables, cac
                                  bool direct, slv_result *result) {
     slv_cache *cache = thread->cache;
     slv_res res = {load->res_u, load->res_v};
-    slv_res tile_res = cache_tile_res(tables, res.u, res.v);
+    slv_res tile_res = slvi_cache_tile_res(tables, res.u, res.v);
     size_t bytes = ((size_t)tables->pixel_size << (tile_res.u + tile_res.v));
     size_t units = block_units(bytes);
     cache_block *block;
     load->next = cache->loads;
     cache->loads = load;
-    block = cache_allocate(cache, (uint32_t)units);
+    block = slvi_cache_allocate(cache, (uint32_t)units);
     pthread_mutex_unlock(&cache->lock);
 
     uint8_t *texels = (uint8_t *)block + CACHE_HEADER;
@@ -160,12 +160,12 @@ static const uint8_t *load_block(cache_thread *thread, cache_tables *tables, cac
     end_load(cache, load);
     if (!*result && !tables->dropped)
         identify(cache, tables, load, direct, block);
-    cache_settle(cache, block);
+    slvi_cache_settle(cache, block);
     return *result ? NULL : texels;
 }
 
-const uint8_t *cache_load_block(cache_thread *thread, cache_tables *tables, uint32_t face,
-                                int res_u, int res_v, uint32_t tile, slv_result *result) {
+const uint8_t *slvi_cache_load_block(cache_thread *thread, cache_tables *tables, uint32_t face,
+                                     int res_u, int res_v, uint32_t tile, slv_result *result) {
     slv_cache *cache = thread->cache;
     cache_load load = {tables, face, tile, (int8_t)res_u, (int8_t)res_v, NULL};
     cache_face *f = &tables->faces[face];
@@ -200,9 +200,9 @@ const uint8_t *cache_load_block(cache_thread *thread, cache_tables *tables, uint
     return texels;
 }
 
-const uint8_t *cache_publish(cache_thread *thread, cache_tables *tables, uint32_t face, int res_u,
-                             int res_v, uint32_t tile, const void *texels, size_t bytes,
-                             uint32_t note) {
+const uint8_t *slvi_cache_publish(cache_thread *thread, cache_tables *tables, uint32_t face,
+                                  int res_u, int res_v, uint32_t tile, const void *texels,
+                                  size_t bytes, uint32_t note) {
     slv_cache *cache = thread->cache;
     cache_load load = {tables, face, tile, (int8_t)res_u, (int8_t)res_v, NULL};
     const uint8_t *found = NULL;
@@ -211,7 +211,7 @@ const uint8_t *cache_publish(cache_thread *thread, cache_tables *tables, uint32_
     cache_unpin(thread);
     thread->moves++;
     pthread_mutex_lock(&cache->lock);
-    cache_block *block = tables->dropped ? NULL : cache_allocate(cache, (uint32_t)units);
+    cache_block *block = tables->dropped ? NULL : slvi_cache_allocate(cache, (uint32_t)units);
     if (block) {
         uint8_t *to = (uint8_t *)block + CACHE_HEADER;
         /* allocating lets go of the lock at times */
@@ -223,7 +223,7 @@ const uint8_t *cache_publish(cache_thread *thread, cache_tables *tables, uint32_
             identify(cache, tables, &load, false, block);
             found = to;
         }
-        cache_settle(cache, block);
+        slvi_cache_settle(cache, block);
     }
     cache_pin(thread);
     if (tables->dropped)

@@ -14,7 +14,7 @@ static bool is_stopping(slv_cache *cache) {
 static void fetch(cache_thread *thread, cache_request request) {
     slv_cache *cache = thread->cache;
     uint64_t tile = 0, ntiles = 1;
-    while (tile < ntiles && !is_stopping(cache) && !cache_load_tables(cache, request.file)) {
+    while (tile < ntiles && !is_stopping(cache) && !slvi_cache_load_tables(cache, request.file)) {
         slv_result result = SLV_OK;
         cache_pin(thread);
         cache_tables *tables = cache_find_tables(cache, request.file);
@@ -23,7 +23,7 @@ static void fetch(cache_thread *thread, cache_request request) {
         else if (tables) {
             cache_face *f = cache_find_face(tables, request.face);
             slv_res res = {f->res_u, f->res_v};
-            slv_res part = cache_tile_res(tables, res.u, res.v);
+            slv_res part = slvi_cache_tile_res(tables, res.u, res.v);
             bool direct = res.u + res.v <= tables->whole_log2;
             ntiles = UINT64_C(1) << (res.u - part.u + res.v - part.v);
             if ((f->flags & SLV_FACE_CONSTANT) || res.u + res.v == 0)
@@ -31,8 +31,8 @@ static void fetch(cache_thread *thread, cache_request request) {
             else if ((direct ? cache_find_full(cache, f)
                              : cache_find_hashed(cache, tables, request.face, res.u, res.v,
                                                  (uint32_t)tile)) ||
-                     cache_load_block(thread, tables, request.face, res.u, res.v, (uint32_t)tile,
-                                      &result))
+                     slvi_cache_load_block(thread, tables, request.face, res.u, res.v,
+                                           (uint32_t)tile, &result))
                 tile++;
         }
         cache_unpin(thread);
@@ -44,7 +44,7 @@ static void fetch(cache_thread *thread, cache_request request) {
 static void *work(void *user) {
     slv_cache *cache = user;
     cache_thread thread;
-    cache_thread_begin(cache, &thread);
+    slvi_cache_thread_begin(cache, &thread);
     pthread_mutex_lock(&cache->lock);
     while (!cache->worker_stops) {
         if (!cache->request_count) {
@@ -61,7 +61,7 @@ static void *work(void *user) {
         pthread_cond_broadcast(&cache->changed);
     }
     pthread_mutex_unlock(&cache->lock);
-    cache_thread_end(&thread);
+    slvi_cache_thread_end(&thread);
     return NULL;
 }
 
@@ -75,7 +75,7 @@ slv_result slv_cache_prefetch(slv_cache *cache, slv_file_id file, uint32_t face)
         if (pthread_create(&cache->worker, NULL, work, cache) == 0)
             cache->worker_runs = true;
         else
-            result = slv_fail(&cache->env, SLV_ERROR_MEMORY, "no thread to read ahead");
+            result = slvi_fail(&cache->env, SLV_ERROR_MEMORY, "no thread to read ahead");
     }
     if (!result && cache->request_count < CACHE_REQUESTS) {
         uint32_t at = (cache->request_first + cache->request_count++) % CACHE_REQUESTS;
@@ -95,7 +95,7 @@ void slv_cache_wait(slv_cache *cache) {
     pthread_mutex_unlock(&cache->lock);
 }
 
-void cache_stop_worker(slv_cache *cache) {
+void slvi_cache_stop_worker(slv_cache *cache) {
     pthread_mutex_lock(&cache->lock);
     cache->worker_stops = true;
     pthread_cond_signal(&cache->requested);

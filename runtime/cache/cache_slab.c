@@ -15,17 +15,17 @@ static size_t slab_bytes(const slv_cache *cache) {
     return (size_t)cache->slab_units * CACHE_UNIT;
 }
 
-uint64_t cache_used_bytes(const slv_cache *cache) {
+uint64_t slvi_cache_used_bytes(const slv_cache *cache) {
     return (uint64_t)cache->nbacked * slab_bytes(cache) + cache->table_held + cache->fixed_bytes;
 }
 
-void cache_note_peak(slv_cache *cache) {
-    uint64_t bytes = cache_used_bytes(cache);
+void slvi_cache_note_peak(slv_cache *cache) {
+    uint64_t bytes = slvi_cache_used_bytes(cache);
     if (bytes > cache->stats.peak_bytes)
         cache->stats.peak_bytes = bytes;
 }
 
-uint64_t cache_begin_epoch(slv_cache *cache) {
+uint64_t slvi_cache_begin_epoch(slv_cache *cache) {
     uint64_t epoch = atomic_fetch_add_explicit(&cache->epoch, 1, memory_order_seq_cst) + 1;
 #ifdef __linux__
     if (!cache->fences)
@@ -34,7 +34,7 @@ uint64_t cache_begin_epoch(slv_cache *cache) {
     return epoch;
 }
 
-void cache_wait_for_readers(slv_cache *cache, uint64_t epoch) {
+void slvi_cache_wait_for_readers(slv_cache *cache, uint64_t epoch) {
     for (cache_thread *thread = cache->threads; thread; thread = thread->next) {
         uint64_t pinned;
         while ((pinned = atomic_load_explicit(&thread->epoch, memory_order_seq_cst)) != 0 &&
@@ -64,7 +64,7 @@ static bool is_in_use(slv_cache *cache, uint32_t slab) {
     uint32_t used = 0, units = cache->slabs[slab].units;
     for (uint32_t at = 0; at < units;) {
         cache_block *block = block_at(cache, slab, at);
-        if (cache_take_use(cache, block))
+        if (slvi_cache_take_use(cache, block))
             used += block->units;
         at += block->units;
     }
@@ -75,11 +75,11 @@ static void retire(slv_cache *cache, uint32_t index) {
     cache_slab *slab = &cache->slabs[index];
     for (uint32_t at = 0; at < slab->units;) {
         cache_block *block = block_at(cache, index, at);
-        cache_unlink(cache, block);
+        slvi_cache_unlink(cache, block);
         at += block->units;
     }
     slab->state = SLAB_RETIRED;
-    slab->epoch = cache_begin_epoch(cache);
+    slab->epoch = slvi_cache_begin_epoch(cache);
 }
 
 /* Retires the oldest slab that was not much used since it was last asked. False if there is none
@@ -127,12 +127,12 @@ static uint32_t take_slab(slv_cache *cache) {
         if (index == none && retire_one(cache))
             index = find_slab(cache, SLAB_RETIRED, true);
         if (index != none)
-            cache_wait_for_readers(cache, cache->slabs[index].epoch);
+            slvi_cache_wait_for_readers(cache, cache->slabs[index].epoch);
     }
     return index;
 }
 
-cache_block *cache_allocate(slv_cache *cache, uint32_t units) {
+cache_block *slvi_cache_allocate(slv_cache *cache, uint32_t units) {
     while (cache->open_slab == cache->nslabs ||
            units > cache->slab_units - cache->slabs[cache->open_slab].units) {
         uint32_t index = take_slab(cache);
@@ -157,17 +157,17 @@ cache_block *cache_allocate(slv_cache *cache, uint32_t units) {
     block->units = units;
     slab->units += units;
     slab->pending++;
-    cache_note_peak(cache);
+    slvi_cache_note_peak(cache);
     return block;
 }
 
-void cache_settle(slv_cache *cache, const cache_block *block) {
+void slvi_cache_settle(slv_cache *cache, const cache_block *block) {
     size_t offset = (size_t)((const uint8_t *)block - cache->arena);
     cache->slabs[offset / slab_bytes(cache)].pending--;
     pthread_cond_broadcast(&cache->changed);
 }
 
-void cache_trim_slabs(slv_cache *cache) {
+void slvi_cache_trim_slabs(slv_cache *cache) {
     while (cache->nbacked > allowed_slabs(cache)) {
         uint32_t index = find_slab(cache, SLAB_EMPTY, true);
         if (index == cache->nslabs) {
@@ -177,7 +177,7 @@ void cache_trim_slabs(slv_cache *cache) {
                     pthread_cond_wait(&cache->changed, &cache->lock);
                 continue;
             }
-            cache_wait_for_readers(cache, cache->slabs[index].epoch);
+            slvi_cache_wait_for_readers(cache, cache->slabs[index].epoch);
         }
         cache_slab *slab = &cache->slabs[index];
         madvise(cache->arena + index * slab_bytes(cache), slab_bytes(cache), MADV_DONTNEED);

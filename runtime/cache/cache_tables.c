@@ -18,7 +18,7 @@ static void free_tables(cache_tables *tables) {
         munmap(tables->faces, faces_bytes(tables->nfaces));
     slv_ptx_close(tables->ptx);
     if (tables->handle)
-        cache_handle_release(tables->handle);
+        slvi_cache_handle_release(tables->handle);
     slvi_free(tables);
 }
 
@@ -27,13 +27,13 @@ static void give_room(slv_cache *cache, uint64_t bytes) {
     pthread_cond_broadcast(&cache->changed);
 }
 
-void cache_drop_tables(slv_cache *cache, cache_file *file) {
+void slvi_cache_drop_tables(slv_cache *cache, cache_file *file) {
     cache_tables *tables = atomic_load_explicit(&file->tables, memory_order_relaxed);
     if (!tables)
         return;
     atomic_store_explicit(&file->tables, NULL, memory_order_seq_cst);
     tables->dropped = true;
-    cache_wait_for_readers(cache, cache_begin_epoch(cache));
+    slvi_cache_wait_for_readers(cache, slvi_cache_begin_epoch(cache));
     while (atomic_load_explicit(&tables->users, memory_order_acquire))
         pthread_cond_wait(&cache->changed, &cache->lock);
     cache->table_held -= tables->bytes;
@@ -53,7 +53,7 @@ static bool drop_some(slv_cache *cache) {
         if (!tables || atomic_exchange_explicit(&tables->used, 0, memory_order_relaxed) ||
             atomic_load_explicit(&tables->users, memory_order_relaxed))
             continue;
-        cache_drop_tables(cache, file);
+        slvi_cache_drop_tables(cache, file);
         return true;
     }
     return false;
@@ -69,9 +69,9 @@ static void take_room(slv_cache *cache, uint64_t bytes) {
             cache->table_waiters--;
         }
     cache->table_bytes += bytes;
-    cache_trim_slabs(cache);
+    slvi_cache_trim_slabs(cache);
     cache->table_held += bytes;
-    cache_note_peak(cache);
+    slvi_cache_note_peak(cache);
 }
 
 /* The caller lets go of t also when this fails. */
@@ -79,10 +79,10 @@ static slv_result fill_tables(slv_cache *cache, const char *path, const cache_id
                               cache_tables *t) {
     slv_ptx_source source;
     slv_ptx_open_params params = {.premultiply = cache->premultiply, .source = &source};
-    slv_result result = cache_handle_create(cache, path, identity, &source, &t->handle);
+    slv_result result = slvi_cache_handle_create(cache, path, identity, &source, &t->handle);
     if (result)
         return result;
-    slv_env env = cache_handle_env(t->handle);
+    slv_env env = slvi_cache_handle_env(t->handle);
     if ((result = slv_ptx_open_with(&env, path, &params, &t->ptx)))
         return result;
     const slv_ptx_info *info = slv_ptx_get_info(t->ptx);
@@ -102,9 +102,9 @@ static slv_result fill_tables(slv_cache *cache, const char *path, const cache_id
         t->whole_log2++;
     uint64_t bytes = slv_ptx_full_table_bytes(t->ptx) + faces_bytes(t->nfaces) + sizeof *t;
     if (bytes > cache->max_bytes / 2)
-        return slv_fail(&cache->env, SLV_ERROR_LIMIT,
-                        "%s: its tables take %llu bytes, more than half of the cache's %llu", path,
-                        (unsigned long long)bytes, (unsigned long long)cache->max_bytes);
+        return slvi_fail(&cache->env, SLV_ERROR_LIMIT,
+                         "%s: its tables take %llu bytes, more than half of the cache's %llu", path,
+                         (unsigned long long)bytes, (unsigned long long)cache->max_bytes);
     pthread_mutex_lock(&cache->lock);
     take_room(cache, bytes);
     pthread_mutex_unlock(&cache->lock);
@@ -120,8 +120,8 @@ static slv_result fill_tables(slv_cache *cache, const char *path, const cache_id
                     MAP_PRIVATE | MAP_ANONYMOUS | MAP_NORESERVE, -1, 0);
     if (t->faces == MAP_FAILED) {
         t->faces = NULL;
-        return slv_fail(&cache->env, SLV_ERROR_MEMORY, "%s: no memory for %u faces", path,
-                        t->nfaces);
+        return slvi_fail(&cache->env, SLV_ERROR_MEMORY, "%s: no memory for %u faces", path,
+                         t->nfaces);
     }
     return SLV_OK;
 }
@@ -130,13 +130,13 @@ static slv_result make_tables(slv_cache *cache, const char *path, const cache_id
                               cache_tables **out) {
     cache_tables *t = NULL;
     *out = NULL;
-    slv_result result = slv_alloc(&cache->env, path, 1, sizeof *t, &t);
+    slv_result result = slvi_alloc(&cache->env, path, 1, sizeof *t, &t);
     if (result)
         return result;
     result = fill_tables(cache, path, identity, t);
     if (result) {
         uint64_t bytes = t->bytes;
-        result = t->handle ? cache_handle_result(t->handle, result) : result;
+        result = t->handle ? slvi_cache_handle_result(t->handle, result) : result;
         free_tables(t);
         pthread_mutex_lock(&cache->lock);
         cache->table_held -= bytes;
@@ -177,7 +177,7 @@ static slv_result load_file(slv_cache *cache, cache_file *file, slv_file_id id) 
     return SLV_OK;
 }
 
-slv_result cache_load_tables(slv_cache *cache, slv_file_id id) {
+slv_result slvi_cache_load_tables(slv_cache *cache, slv_file_id id) {
     slv_result result = SLV_OK;
     pthread_mutex_lock(&cache->lock);
     for (;;) {
@@ -199,7 +199,7 @@ slv_result cache_load_tables(slv_cache *cache, slv_file_id id) {
     return result;
 }
 
-void cache_learn_face(cache_tables *tables, uint32_t index) {
+void slvi_cache_learn_face(cache_tables *tables, uint32_t index) {
     cache_face *f = &tables->faces[index];
     uint8_t state = CACHE_UNKNOWN;
     if (!atomic_compare_exchange_strong(&f->state, &state, CACHE_BUSY)) {
@@ -227,7 +227,7 @@ void cache_learn_face(cache_tables *tables, uint32_t index) {
 }
 
 /* As .ptx files are tiled, so that a block is a tile of most files. */
-slv_res cache_tile_res(const cache_tables *tables, int res_u, int res_v) {
+slv_res slvi_cache_tile_res(const cache_tables *tables, int res_u, int res_v) {
     uint64_t pieces = ((uint64_t)tables->pixel_size << (res_u + res_v)) / 65536;
     int n = 0;
     while (pieces > 1) {

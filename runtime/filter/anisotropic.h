@@ -198,7 +198,7 @@ static void add_run(job *j, const cell *c, cache_face *f, int res_u, int res_v, 
     bool whole = res_u + res_v <= t->whole_log2;
     slv_res tile = {(int8_t)res_u, (int8_t)res_v};
     if (!whole)
-        tile = cache_tile_res(t, res_u, res_v);
+        tile = slvi_cache_tile_res(t, res_u, res_v);
     while (n > 0) {
         uint32_t index = 0;
         int here = n, from = x;

@@ -100,8 +100,8 @@ static __attribute__((noinline)) const uint8_t *make_apron(lookup_state *state, 
                 there &= ~region;
         }
     const uint8_t *made =
-        cache_publish(&state->sampler->thread, t, face, res_u, res_v, CACHE_APRON, texels,
-                      (size_t)side_u * (size_t)side_v * t->pixel_size, there);
+        slvi_cache_publish(&state->sampler->thread, t, face, res_u, res_v, CACHE_APRON, texels,
+                           (size_t)side_u * (size_t)side_v * t->pixel_size, there);
     state->gone = !made;
     return made;
 }

@@ -3,7 +3,7 @@
 #include "filter/apron.h"
 
 #ifndef LOOKUP_FUNCTIONS
-#define LOOKUP_FUNCTIONS lookup_portable
+#define LOOKUP_FUNCTIONS slvi_lookup_portable
 #endif
 
 static void point_sum(lookup_state *state, const slv_lookup *l) {
@@ -31,7 +31,7 @@ static void point_sum(lookup_state *state, const slv_lookup *l) {
         at = ((size_t)y << f->res_u) + (size_t)x;
         texels = find_whole(state, l->face, f, f->res_u, f->res_v);
     } else {
-        slv_res tile = cache_tile_res(t, f->res_u, f->res_v);
+        slv_res tile = slvi_cache_tile_res(t, f->res_u, f->res_v);
         uint32_t index = ((uint32_t)(y >> tile.v) << (f->res_u - tile.u)) + (uint32_t)(x >> tile.u);
         texels = find_tile(state, l->face, f->res_u, f->res_v, index);
         at = ((size_t)(y & ((1 << tile.v) - 1)) << tile.u) + (size_t)(x & ((1 << tile.u) - 1));
@@ -221,7 +221,7 @@ static inline slv_result look_up(slv_sampler *s, const slv_lookup *l, size_t roo
         if (!t) {
             cache_unpin(&s->thread);
             s->thread.moves++;
-            slv_result result = cache_load_tables(s->thread.cache, l->file);
+            slv_result result = slvi_cache_load_tables(s->thread.cache, l->file);
             cache_pin(&s->thread);
             if (!result)
                 continue;
@@ -242,7 +242,7 @@ static inline slv_result look_up(slv_sampler *s, const slv_lookup *l, size_t roo
         if (s->shape.filter == SLV_FILTER_POINT)
             point_sum(&state, l);
         else if (t->triangle)
-            triangle_sum(&state, l);
+            slvi_triangle_sum(&state, l);
         else if (s->shape.filter == SLV_FILTER_ANISOTROPIC)
             ANISOTROPIC_SUM(&state, l);
         else

@@ -42,9 +42,9 @@ static const lookup_functions *best_functions(void) {
 #ifdef SLV_HAVE_AVX2
     /* no processor has these without F16C, which not all compilers can ask for */
     if (__builtin_cpu_supports("avx2") && __builtin_cpu_supports("bmi2"))
-        return lookup_avx2;
+        return slvi_lookup_avx2;
 #endif
-    return lookup_portable;
+    return slvi_lookup_portable;
 }
 
 slv_result slv_sampler_create(slv_cache *cache, const slv_filter_params *params,
@@ -53,17 +53,17 @@ slv_result slv_sampler_create(slv_cache *cache, const slv_filter_params *params,
     slv_env *env = &cache->env;
     *out = NULL;
     if ((unsigned)p.filter >= SLV_FILTER_COUNT)
-        return slv_fail(env, SLV_ERROR_ARGUMENT, "filter %d: there is no such filter",
-                        (int)p.filter);
+        return slvi_fail(env, SLV_ERROR_ARGUMENT, "filter %d: there is no such filter",
+                         (int)p.filter);
     if (!(p.sharpness >= 0 && p.sharpness <= 1))
-        return slv_fail(env, SLV_ERROR_ARGUMENT, "sharpness %g: must lie in 0..1",
-                        (double)p.sharpness);
+        return slvi_fail(env, SLV_ERROR_ARGUMENT, "sharpness %g: must lie in 0..1",
+                         (double)p.sharpness);
     if (!(p.width >= 0 && p.width < INFINITY) || !(p.blur >= 0 && p.blur < INFINITY))
-        return slv_fail(env, SLV_ERROR_ARGUMENT,
-                        "width %g, blur %g: must be finite and not negative", (double)p.width,
-                        (double)p.blur);
+        return slvi_fail(env, SLV_ERROR_ARGUMENT,
+                         "width %g, blur %g: must be finite and not negative", (double)p.width,
+                         (double)p.blur);
     slv_sampler *s = NULL;
-    slv_result result = slv_alloc_aligned(env, "sampler", 64, 1, sizeof *s, &s);
+    slv_result result = slvi_alloc_aligned(env, "sampler", 64, 1, sizeof *s, &s);
     if (result)
         return result;
     float sharpness = p.filter == SLV_FILTER_BSPLINE       ? 0
@@ -77,7 +77,7 @@ slv_result slv_sampler_create(slv_cache *cache, const slv_filter_params *params,
     s->first_channel = p.first_channel;
     s->nchannels = p.nchannels ? p.nchannels : UINT32_MAX;
     s->functions = best_functions()[p.filter];
-    cache_thread_begin(cache, &s->thread);
+    slvi_cache_thread_begin(cache, &s->thread);
     *out = s;
     return SLV_OK;
 }
@@ -85,7 +85,7 @@ slv_result slv_sampler_create(slv_cache *cache, const slv_filter_params *params,
 void slv_sampler_destroy(slv_sampler *sampler) {
     if (!sampler)
         return;
-    cache_thread_end(&sampler->thread);
+    slvi_cache_thread_end(&sampler->thread);
     slvi_free(sampler);
 }
 

@@ -13,9 +13,9 @@ typedef struct lookup_functions {
                        size_t count, float *out, size_t stride, slv_result *results);
 } lookup_functions;
 
-extern const lookup_functions lookup_portable[SLV_FILTER_COUNT];
+extern const lookup_functions slvi_lookup_portable[SLV_FILTER_COUNT];
 #ifdef SLV_HAVE_AVX2
-extern const lookup_functions lookup_avx2[SLV_FILTER_COUNT];
+extern const lookup_functions slvi_lookup_avx2[SLV_FILTER_COUNT];
 #endif
 
 struct slv_sampler {
@@ -42,12 +42,12 @@ typedef struct lookup_state {
 } lookup_state;
 
 /* triangle.c: the elliptical filter of triangle meshes. u and v are finite. */
-void triangle_sum(lookup_state *state, const slv_lookup *lookup);
+void slvi_triangle_sum(lookup_state *state, const slv_lookup *lookup);
 
 /* anisotropic.c: the anisotropic filter of quad meshes, compiled for each kind of processor too. u
  * and v are finite, the footprint is a number. */
 #ifndef ANISOTROPIC_SUM
-#define ANISOTROPIC_SUM anisotropic_sum
+#define ANISOTROPIC_SUM slvi_anisotropic_sum
 #endif
 void ANISOTROPIC_SUM(lookup_state *state, const slv_lookup *lookup);
 
@@ -60,7 +60,8 @@ static inline const uint8_t *find_tile(lookup_state *state, uint32_t face, int r
         cache_find_hashed(thread->cache, state->tables, face, res_u, res_v, tile);
     state->pieces++;
     if (!texels) {
-        texels = cache_load_block(thread, state->tables, face, res_u, res_v, tile, &state->result);
+        texels =
+            slvi_cache_load_block(thread, state->tables, face, res_u, res_v, tile, &state->result);
         state->gone = !texels && !state->result;
     }
     return texels;

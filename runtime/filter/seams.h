@@ -51,7 +51,7 @@ static void add_gathered(lookup_state *state, const uint8_t *texels, size_t pitc
 }
 
 static void apply_tiles(lookup_state *state, uint32_t face, const kernel *k) {
-    slv_res tile = cache_tile_res(state->tables, k->a[0].res, k->a[1].res);
+    slv_res tile = slvi_cache_tile_res(state->tables, k->a[0].res, k->a[1].res);
     int log2[2] = {tile.u, tile.v}, first[2], last[2];
     for (int axis = 0; axis < 2; axis++) {
         first[axis] = k->a[axis].start >> log2[axis];

@@ -151,7 +151,7 @@ static void sum_set(lookup_state *state, uint32_t face, cache_face *f, const tex
             sum_rectangle(state, set, res, 0, 0, size, size, texels, (size_t)size);
         return;
     }
-    int tile = cache_tile_res(t, res, res).u, last = (1 << (res - tile)) - 1, low[2], high[2];
+    int tile = slvi_cache_tile_res(t, res, res).u, last = (1 << (res - tile)) - 1, low[2], high[2];
     for (int i = 0; i < 2; i++) {
         low[i] = set->low[i] > 0 ? set->low[i] >> tile : 0;
         high[i] = (set->high[i] - 1) >> tile < last ? (set->high[i] - 1) >> tile : last;
@@ -206,7 +206,7 @@ static void sum_across(lookup_state *state, uint32_t face, ellipse e, int res) {
     state->depth--;
 }
 
-void triangle_sum(lookup_state *state, const slv_lookup *l) {
+void slvi_triangle_sum(lookup_state *state, const slv_lookup *l) {
     const cache_tables *t = state->tables;
     cache_face *f = cache_find_face(state->tables, l->face);
     if (f->flags & SLV_FACE_NEIGHBOURS_CONSTANT) {

@@ -5,23 +5,23 @@
 
 #include <math.h>
 
-slv_result slv_resample_measure_all(const slv_env *env, slv_resample_measure *measure,
-                                    const slv_texture_desc *desc, const char *name,
-                                    slv_range_fn faces, slv_face_error *out) {
+slv_result slvi_resample_measure_all(const slv_env *env, slv_resample_measure *measure,
+                                     const slv_texture_desc *desc, const char *name,
+                                     slv_range_fn faces, slv_face_error *out) {
     const slv_texture_desc *levels = &measure->levels->desc;
     slv_parallel_log *log = NULL;
     slv_face_error sum = {0};
     double count = 0;
     slv_result result;
-    if (!slv_texture_desc_same(levels, desc) ||
+    if (!slvi_texture_desc_same(levels, desc) ||
         slv_adjacency_face_count(measure->adjacency) != desc->nfaces)
-        return slv_fail(env, SLV_ERROR_MISMATCH, "%s not made from these levels and this adjacency",
-                        name);
-    if ((result = slv_parallel_env_begin(env, &log, &measure->env)))
+        return slvi_fail(env, SLV_ERROR_MISMATCH,
+                         "%s not made from these levels and this adjacency", name);
+    if ((result = slvi_parallel_env_begin(env, &log, &measure->env)))
         return result;
-    if ((result = slv_alloc(&measure->env, "errors of faces", desc->nfaces, sizeof *measure->faces,
-                            &measure->faces)) ||
-        (result = slv_parallel_for(&measure->env, desc->nfaces, 16, faces, measure)))
+    if ((result = slvi_alloc(&measure->env, "errors of faces", desc->nfaces, sizeof *measure->faces,
+                             &measure->faces)) ||
+        (result = slvi_parallel_for(&measure->env, desc->nfaces, 16, faces, measure)))
         goto done;
     for (uint32_t face = 0; face < desc->nfaces; face++) {
         const slv_face_error *from = &measure->faces[face];
@@ -37,6 +37,6 @@ slv_result slv_resample_measure_all(const slv_env *env, slv_resample_measure *me
     *out = sum;
 done:
     slvi_free(measure->faces);
-    slv_parallel_env_end(log);
+    slvi_parallel_env_end(log);
     return result;
 }

@@ -20,11 +20,11 @@ typedef struct slv_resample_measure {
     slv_face_error *faces;
 } slv_resample_measure;
 
-/* Calls `faces` (slv_parallel_for's function; its user is the measure) for all faces. `desc` is
+/* Calls `faces` (slvi_parallel_for's function; its user is the measure) for all faces. `desc` is
  * that of the resampled form, which `name` is said to be in messages. *out is the sum over all
  * faces, the sums as root mean squares, each texel counting the same. */
-slv_result slv_resample_measure_all(const slv_env *env, slv_resample_measure *measure,
-                                    const slv_texture_desc *desc, const char *name,
-                                    slv_range_fn faces, slv_face_error *out);
+slv_result slvi_resample_measure_all(const slv_env *env, slv_resample_measure *measure,
+                                     const slv_texture_desc *desc, const char *name,
+                                     slv_range_fn faces, slv_face_error *out);
 
 #endif

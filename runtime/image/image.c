@@ -11,10 +11,10 @@ static slv_result check_size(const slv_env *env, uint32_t width, uint32_t height
                              uint32_t nchannels) {
     if (width < 1 || height < 1 || width > IMAGE_MAX_SIDE || height > IMAGE_MAX_SIDE ||
         nchannels < 1 || nchannels > 4)
-        return slv_fail(env, SLV_ERROR_ARGUMENT,
-                        "an image of %u x %u pixels with %u channels; 1 to %d pixels and 1 to 4 "
-                        "channels are possible",
-                        width, height, nchannels, IMAGE_MAX_SIDE);
+        return slvi_fail(env, SLV_ERROR_ARGUMENT,
+                         "an image of %u x %u pixels with %u channels; 1 to %d pixels and 1 to 4 "
+                         "channels are possible",
+                         width, height, nchannels, IMAGE_MAX_SIDE);
     return SLV_OK;
 }
 
@@ -23,8 +23,8 @@ slv_result slv_image_create(const slv_env *env, uint32_t width, uint32_t height,
     memset(out, 0, sizeof *out);
     slv_result result = check_size(env, width, height, nchannels);
     if (!result)
-        result = slv_alloc(env, "image", (uint64_t)width * height, nchannels * sizeof(float),
-                           &out->pixels);
+        result = slvi_alloc(env, "image", (uint64_t)width * height, nchannels * sizeof(float),
+                            &out->pixels);
     if (!result) {
         out->width = width;
         out->height = height;
@@ -49,13 +49,13 @@ static slv_result check_image(const slv_env *env, const slv_image *image,
                               const slv_image_params *params) {
     slv_result result = check_size(env, image->width, image->height, image->nchannels);
     if (!result && !image->pixels)
-        result = slv_fail(env, SLV_ERROR_ARGUMENT, "an image without pixels");
+        result = slvi_fail(env, SLV_ERROR_ARGUMENT, "an image without pixels");
     if (!result && (unsigned)params->encoding > SLV_ENCODE_RAW)
-        result = slv_fail(env, SLV_ERROR_ARGUMENT, "unknown image encoding %d", params->encoding);
+        result = slvi_fail(env, SLV_ERROR_ARGUMENT, "unknown image encoding %d", params->encoding);
     return result;
 }
 
-void image_progress(const slv_image_params *params, const slv_image *image, uint32_t rows) {
+void slvi_image_progress(const slv_image_params *params, const slv_image *image, uint32_t rows) {
     if (params->progress)
         params->progress(params->progress_user, rows, image->height);
 }
@@ -71,11 +71,12 @@ slv_result slv_image_save(const slv_env *env, const char *path, const slv_image 
     if (result)
         return result;
     if (has_extension(path, ".exr"))
-        return image_exr_save(env, path, image, params);
+        return slvi_image_exr_save(env, path, image, params);
     if (!has_extension(path, ".png"))
-        return slv_fail(env, SLV_ERROR_UNSUPPORTED, "%s: images are written as .png or .exr", path);
-    if (!(result = image_png_encode(env, path, image, params, &bytes, &size)))
-        result = slv_file_write(env, path, bytes, size);
+        return slvi_fail(env, SLV_ERROR_UNSUPPORTED, "%s: images are written as .png or .exr",
+                         path);
+    if (!(result = slvi_image_png_encode(env, path, image, params, &bytes, &size)))
+        result = slvi_file_write(env, path, bytes, size);
     slvi_free(bytes);
     return result;
 }
@@ -88,23 +89,23 @@ slv_result slv_image_encode_png(const slv_env *env, const slv_image *image,
     if (!params)
         params = &defaults;
     slv_result result = check_image(env, image, params);
-    return result ? result : image_png_encode(env, "PNG image", image, params, bytes, size);
+    return result ? result : slvi_image_png_encode(env, "PNG image", image, params, bytes, size);
 }
 
 slv_result slv_image_load(const slv_env *env, const char *path, slv_image *out) {
     char *bytes = NULL;
     size_t size = 0;
     memset(out, 0, sizeof *out);
-    slv_result result = slv_file_read(env, path, &bytes, &size);
+    slv_result result = slvi_file_read(env, path, &bytes, &size);
     if (result)
         return result;
     if (size >= 4 && !memcmp(bytes, "\x89PNG", 4))
-        result = image_png_decode(env, path, bytes, size, out);
+        result = slvi_image_png_decode(env, path, bytes, size, out);
     else if (size >= 4 && !memcmp(bytes, "\x76\x2f\x31\x01", 4))
-        result = image_exr_decode(env, path, bytes, size, out);
+        result = slvi_image_exr_decode(env, path, bytes, size, out);
     else
-        result =
-            slv_fail(env, SLV_ERROR_UNSUPPORTED, "%s: is neither a PNG nor an OpenEXR image", path);
+        result = slvi_fail(env, SLV_ERROR_UNSUPPORTED, "%s: is neither a PNG nor an OpenEXR image",
+                           path);
     slvi_free(bytes);
     return result;
 }

@@ -75,7 +75,7 @@ static exr_context_initializer_t initializer(struct exr_stream *stream) {
 
 static slv_result report(const slv_env *env, slv_result result, const char *path,
                          const struct exr_stream *stream, const char *otherwise) {
-    return slv_fail(env, result, "%s: %s", path, stream->message[0] ? stream->message : otherwise);
+    return slvi_fail(env, result, "%s: %s", path, stream->message[0] ? stream->message : otherwise);
 }
 
 /* The channels that are read, in the image's order; 0 if the file is of another kind. */
@@ -129,7 +129,7 @@ static bool reserve_planes(struct exr_decode *decode, const exr_chunk_info_t *ch
         return true;
     slvi_free(decode->planes);
     decode->capacity = 0;
-    decode->result = slv_alloc(decode->env, decode->path, wanted, 1, &decode->planes);
+    decode->result = slvi_alloc(decode->env, decode->path, wanted, 1, &decode->planes);
     if (!decode->result)
         decode->capacity = wanted;
     return !decode->result;
@@ -229,8 +229,8 @@ static exr_result_t decode_tiles(struct exr_decode *decode) {
     return EXR_ERR_SUCCESS;
 }
 
-slv_result image_exr_decode(const slv_env *env, const char *path, const void *bytes, size_t size,
-                            slv_image *out) {
+slv_result slvi_image_exr_decode(const slv_env *env, const char *path, const void *bytes,
+                                 size_t size, slv_image *out) {
     struct exr_stream stream = {.source = bytes, .size = size};
     exr_context_initializer_t init = initializer(&stream);
     exr_context_t context = NULL;
@@ -251,17 +251,18 @@ slv_result image_exr_decode(const slv_env *env, const char *path, const void *by
     }
     uint32_t n = choose_channels(list, decode.names);
     if (!n || (storage != EXR_STORAGE_SCANLINE && storage != EXR_STORAGE_TILED)) {
-        result = slv_fail(env, SLV_ERROR_UNSUPPORTED,
-                          "%s: an EXR must have half or float channels R G B (A) or Y (A), in flat "
-                          "scanlines or tiles",
-                          path);
+        result =
+            slvi_fail(env, SLV_ERROR_UNSUPPORTED,
+                      "%s: an EXR must have half or float channels R G B (A) or Y (A), in flat "
+                      "scanlines or tiles",
+                      path);
         goto done;
     }
     int64_t width = (int64_t)window.max.x - window.min.x + 1;
     int64_t height = (int64_t)window.max.y - window.min.y + 1;
     if (width < 1 || height < 1 || width > IMAGE_MAX_SIDE || height > IMAGE_MAX_SIDE) {
-        result = slv_fail(env, SLV_ERROR_LIMIT, "%s: %lld x %lld pixels", path, (long long)width,
-                          (long long)height);
+        result = slvi_fail(env, SLV_ERROR_LIMIT, "%s: %lld x %lld pixels", path, (long long)width,
+                           (long long)height);
         goto done;
     }
     if ((result = slv_image_create(env, (uint32_t)width, (uint32_t)height, n, out)))
@@ -346,8 +347,8 @@ static exr_result_t encode_chunk(exr_context_t context, exr_encode_pipeline_t *e
     return exr_encoding_run(context, 0, encoder);
 }
 
-slv_result image_exr_save(const slv_env *env, const char *path, const slv_image *image,
-                          const slv_image_params *params) {
+slv_result slvi_image_exr_save(const slv_env *env, const char *path, const slv_image *image,
+                               const slv_image_params *params) {
     static const char *const grey[] = {"Y", "A"}, *const colour[] = {"R", "G", "B", "A"};
     const char *const *names = image->nchannels < 3 ? grey : colour;
     uint32_t bits = params->bits ? params->bits : 16;
@@ -360,8 +361,8 @@ slv_result image_exr_save(const slv_env *env, const char *path, const slv_image 
     compress_fn original = NULL;
     int32_t lines = 0;
     if (bits != 16 && bits != 32)
-        return slv_fail(env, SLV_ERROR_ARGUMENT, "%s: EXR has 16 or 32 bits, not %u", path, bits);
-    slv_result result = slv_file_writer_open(env, path, &writer);
+        return slvi_fail(env, SLV_ERROR_ARGUMENT, "%s: EXR has 16 or 32 bits, not %u", path, bits);
+    slv_result result = slvi_file_writer_open(env, path, &writer);
     if (result)
         return result;
     stream.target = writer.stream;
@@ -372,7 +373,7 @@ slv_result image_exr_save(const slv_env *env, const char *path, const slv_image 
         code = exr_get_scanlines_per_chunk(context, 0, &lines);
     size_t row = (size_t)image->width * image->nchannels;
     if (!code && bits == 16)
-        result = slv_alloc(env, path, row * (uint32_t)lines, sizeof *halves, &halves);
+        result = slvi_alloc(env, path, row * (uint32_t)lines, sizeof *halves, &halves);
     for (uint32_t y = 0; !code && !result && y < image->height; y += (uint32_t)lines) {
         const float *pixels = image->pixels + y * row;
         uint32_t left = image->height - y;
@@ -383,7 +384,8 @@ slv_result image_exr_save(const slv_env *env, const char *path, const slv_image 
                             halves ? (const uint8_t *)halves : (const uint8_t *)pixels, bits / 8,
                             &original);
         if (!code)
-            image_progress(params, image, y + (left < (uint32_t)lines ? left : (uint32_t)lines));
+            slvi_image_progress(params, image,
+                                y + (left < (uint32_t)lines ? left : (uint32_t)lines));
     }
     exr_encoding_destroy(context, &encoder);
     exr_result_t finished = exr_finish(&context);
@@ -391,8 +393,8 @@ slv_result image_exr_save(const slv_env *env, const char *path, const slv_image 
         result = report(env, SLV_ERROR_IO, path, &stream,
                         exr_get_default_error_message(code ? code : finished));
     if (!result)
-        result = slv_file_writer_commit(env, &writer);
-    slv_file_writer_abandon(&writer);
+        result = slvi_file_writer_commit(env, &writer);
+    slvi_file_writer_abandon(&writer);
     slvi_free(halves);
     return result;
 }

@@ -9,15 +9,15 @@
 #define IMAGE_MAX_SIDE 131072 /* pixels; keeps row lengths in 32 bits */
 
 /* From the bytes of a whole file. */
-slv_result image_png_decode(const slv_env *env, const char *path, const void *bytes, size_t size,
-                            slv_image *out);
-slv_result image_exr_decode(const slv_env *env, const char *path, const void *bytes, size_t size,
-                            slv_image *out);
+slv_result slvi_image_png_decode(const slv_env *env, const char *path, const void *bytes,
+                                 size_t size, slv_image *out);
+slv_result slvi_image_exr_decode(const slv_env *env, const char *path, const void *bytes,
+                                 size_t size, slv_image *out);
 /* `path` only names the image in messages. */
-slv_result image_png_encode(const slv_env *env, const char *path, const slv_image *image,
-                            const slv_image_params *params, void **bytes, size_t *size);
-void image_progress(const slv_image_params *params, const slv_image *image, uint32_t rows);
-slv_result image_exr_save(const slv_env *env, const char *path, const slv_image *image,
-                          const slv_image_params *params);
+slv_result slvi_image_png_encode(const slv_env *env, const char *path, const slv_image *image,
+                                 const slv_image_params *params, void **bytes, size_t *size);
+void slvi_image_progress(const slv_image_params *params, const slv_image *image, uint32_t rows);
+slv_result slvi_image_exr_save(const slv_env *env, const char *path, const slv_image *image,
+                               const slv_image_params *params);
 
 #endif

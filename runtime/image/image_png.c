@@ -37,7 +37,7 @@ static void on_write(png_structp png, png_bytep data, size_t size) {
     if (size > stream->capacity - stream->size) {
         uint8_t *grown = NULL;
         size_t capacity = stream->size + size + stream->capacity / 2 + 4096;
-        stream->result = slv_alloc(stream->env, stream->path, capacity, 1, &grown);
+        stream->result = slvi_alloc(stream->env, stream->path, capacity, 1, &grown);
         if (stream->result)
             png_error(png, "no memory");
         if (stream->size)
@@ -65,7 +65,7 @@ static void on_read(png_structp png, png_bytep data, size_t size) {
 static slv_result report(struct png_stream *stream, slv_result otherwise) {
     return stream->result
                ? stream->result
-               : slv_fail(stream->env, otherwise, "%s: %s", stream->path, stream->message);
+               : slvi_fail(stream->env, otherwise, "%s: %s", stream->path, stream->message);
 }
 
 /* The sRGB curve (IEC 61966-2-1). */
@@ -116,26 +116,26 @@ static bool write_png(png_structp png, png_infop info, const slv_image *image,
         encode_row(image, image->pixels + (size_t)y * image->width * image->nchannels,
                    params->encoding, bits, stream->rows);
         png_write_row(png, stream->rows);
-        image_progress(params, image, y + 1);
+        slvi_image_progress(params, image, y + 1);
     }
     png_write_end(png, info);
     return true;
 }
 
-slv_result image_png_encode(const slv_env *env, const char *path, const slv_image *image,
-                            const slv_image_params *params, void **bytes, size_t *size) {
+slv_result slvi_image_png_encode(const slv_env *env, const char *path, const slv_image *image,
+                                 const slv_image_params *params, void **bytes, size_t *size) {
     struct png_stream stream = {.env = env, .path = path};
     uint32_t bits = params->bits ? params->bits : 8;
     png_infop info = NULL;
     if (bits != 8 && bits != 16)
-        return slv_fail(env, SLV_ERROR_ARGUMENT, "%s: PNG has 8 or 16 bits, not %u", path, bits);
+        return slvi_fail(env, SLV_ERROR_ARGUMENT, "%s: PNG has 8 or 16 bits, not %u", path, bits);
     png_structp png = png_create_write_struct(PNG_LIBPNG_VER_STRING, &stream, on_error, on_warning);
     if (png)
         info = png_create_info_struct(png);
     slv_result result =
-        slv_alloc(env, path, image->width, (uint64_t)image->nchannels * (bits / 8), &stream.rows);
+        slvi_alloc(env, path, image->width, (uint64_t)image->nchannels * (bits / 8), &stream.rows);
     if (!result && !info)
-        result = slv_fail(env, SLV_ERROR_MEMORY, "%s: no memory to encode it", path);
+        result = slvi_fail(env, SLV_ERROR_MEMORY, "%s: no memory to encode it", path);
     if (!result && !write_png(png, info, image, params, bits, &stream))
         result = report(&stream, SLV_ERROR_IO);
     if (!result) {
@@ -181,16 +181,16 @@ static slv_result decode(png_structp png, png_infop info, struct png_stream *str
     uint64_t row = png_get_rowbytes(png, info), values = (uint64_t)width * n;
     /* deflate packs at most 1032 to 1; low depths and palettes expand by up to 8 and 4 */
     if (row * height / (1032 * 32) > stream->size)
-        return slv_fail(stream->env, SLV_ERROR_FORMAT,
-                        "%s: claims %u x %u pixels in a file of %zu bytes", stream->path, width,
-                        height, stream->size);
+        return slvi_fail(stream->env, SLV_ERROR_FORMAT,
+                         "%s: claims %u x %u pixels in a file of %zu bytes", stream->path, width,
+                         height, stream->size);
     if (row != values * (bits / 8) || (bits != 8 && bits != 16))
-        return slv_fail(stream->env, SLV_ERROR_UNSUPPORTED, "%s: an unusual kind of PNG",
-                        stream->path);
+        return slvi_fail(stream->env, SLV_ERROR_UNSUPPORTED, "%s: an unusual kind of PNG",
+                         stream->path);
     slv_result result;
-    if ((result = slv_alloc(stream->env, stream->path, height, row, &stream->rows)) ||
-        (result = slv_alloc(stream->env, stream->path, height, sizeof *stream->row_pointers,
-                            &stream->row_pointers)) ||
+    if ((result = slvi_alloc(stream->env, stream->path, height, row, &stream->rows)) ||
+        (result = slvi_alloc(stream->env, stream->path, height, sizeof *stream->row_pointers,
+                             &stream->row_pointers)) ||
         (result = slv_image_create(stream->env, width, height, n, out)))
         return result;
     for (uint32_t y = 0; y < height; y++)
@@ -206,8 +206,8 @@ static slv_result decode(png_structp png, png_infop info, struct png_stream *str
     return SLV_OK;
 }
 
-slv_result image_png_decode(const slv_env *env, const char *path, const void *bytes, size_t size,
-                            slv_image *out) {
+slv_result slvi_image_png_decode(const slv_env *env, const char *path, const void *bytes,
+                                 size_t size, slv_image *out) {
     struct png_stream stream = {.env = env, .path = path, .source = bytes, .size = size};
     slv_result result;
     png_infop info = NULL;
@@ -217,7 +217,7 @@ slv_result image_png_decode(const slv_env *env, const char *path, const void *by
     if (info)
         result = decode(png, info, &stream, out);
     else
-        result = slv_fail(env, SLV_ERROR_MEMORY, "%s: no memory to decode it", path);
+        result = slvi_fail(env, SLV_ERROR_MEMORY, "%s: no memory to decode it", path);
     if (result)
         slv_image_free(out);
     png_destroy_read_struct(&png, &info, NULL);

@@ -11,8 +11,8 @@ static slv_result check_floats(const slv_env *env, const char *what, const float
                                uint64_t count, unsigned per_item) {
     for (uint64_t i = 0; i < count * per_item; i++)
         if (!isfinite(values[i]))
-            return slv_fail(env, SLV_ERROR_FORMAT, "mesh: %s %llu is not finite", what,
-                            (unsigned long long)(i / per_item));
+            return slvi_fail(env, SLV_ERROR_FORMAT, "mesh: %s %llu is not finite", what,
+                             (unsigned long long)(i / per_item));
     return SLV_OK;
 }
 
@@ -20,8 +20,8 @@ static slv_result check_indices(const slv_env *env, const char *what, const int3
                                 uint64_t count, uint32_t limit) {
     for (uint64_t i = 0; i < count; i++)
         if (indices[i] < 0 || (uint32_t)indices[i] >= limit)
-            return slv_fail(env, SLV_ERROR_FORMAT, "mesh: %s %llu names %d, expected 0..%u", what,
-                            (unsigned long long)i, indices[i], limit ? limit - 1 : 0);
+            return slvi_fail(env, SLV_ERROR_FORMAT, "mesh: %s %llu names %d, expected 0..%u", what,
+                             (unsigned long long)i, indices[i], limit ? limit - 1 : 0);
     return SLV_OK;
 }
 
@@ -29,8 +29,8 @@ static slv_result check_sharpness(const slv_env *env, const char *what, const fl
                                   uint32_t count) {
     for (uint32_t i = 0; i < count; i++)
         if (!(values[i] >= 0 && isfinite(values[i])))
-            return slv_fail(env, SLV_ERROR_FORMAT, "mesh: %s %u has sharpness %g", what, i,
-                            (double)values[i]);
+            return slvi_fail(env, SLV_ERROR_FORMAT, "mesh: %s %u has sharpness %g", what, i,
+                             (double)values[i]);
     return SLV_OK;
 }
 
@@ -42,9 +42,9 @@ static slv_result check_poly_indices(const slv_env *env, const slv_mesh_view *vi
     for (uint32_t p = 0; p < view->npolys; p++)
         for (int32_t i = 0; i < view->poly_sizes[p]; i++, indices++)
             if (*indices < lowest || (*indices >= 0 && (uint32_t)*indices >= limit))
-                return slv_fail(env, SLV_ERROR_FORMAT,
-                                "mesh: polygon %u: %s index %d is outside 0..%lld", p, what,
-                                *indices, (long long)limit - 1);
+                return slvi_fail(env, SLV_ERROR_FORMAT,
+                                 "mesh: polygon %u: %s index %d is outside 0..%lld", p, what,
+                                 *indices, (long long)limit - 1);
     return SLV_OK;
 }
 
@@ -56,18 +56,18 @@ static slv_result check_present(const slv_env *env, const slv_mesh_view *view) {
         (view->ncorners && (!view->corner_verts || !view->corner_sharpness)) ||
         (view->nholes && !view->hole_polys) ||
         (view->ngroups && (!view->group_names || !view->group_first)))
-        return slv_fail(env, SLV_ERROR_ARGUMENT, "mesh: an array is counted but not given");
+        return slvi_fail(env, SLV_ERROR_ARGUMENT, "mesh: an array is counted but not given");
     if (view->nverts > INT32_MAX || view->npolys > INT32_MAX || view->ntexcoords > INT32_MAX ||
         view->nnormals > INT32_MAX)
-        return slv_fail(env, SLV_ERROR_LIMIT, "mesh: more than %d elements of a kind", INT32_MAX);
+        return slvi_fail(env, SLV_ERROR_LIMIT, "mesh: more than %d elements of a kind", INT32_MAX);
     if ((unsigned)view->boundary > SLV_BOUNDARY_EDGE_AND_CORNER)
-        return slv_fail(env, SLV_ERROR_ARGUMENT, "mesh: unknown boundary rule %d",
-                        (int)view->boundary);
+        return slvi_fail(env, SLV_ERROR_ARGUMENT, "mesh: unknown boundary rule %d",
+                         (int)view->boundary);
     for (uint32_t g = 0; g < view->ngroups; g++)
         if (!view->group_names[g] || view->group_first[g] < 0 ||
             (uint32_t)view->group_first[g] > view->npolys ||
             (g && view->group_first[g] < view->group_first[g - 1]))
-            return slv_fail(env, SLV_ERROR_ARGUMENT, "mesh: group %u is out of order", g);
+            return slvi_fail(env, SLV_ERROR_ARGUMENT, "mesh: group %u is out of order", g);
     return SLV_OK;
 }
 
@@ -79,15 +79,15 @@ static slv_result check_view(const slv_env *env, const slv_mesh_view *view, uint
     *nsides = *nfaces = 0;
     for (uint32_t p = 0; p < view->npolys; p++) {
         if (view->poly_sizes[p] < 3)
-            return slv_fail(env, SLV_ERROR_FORMAT,
-                            "mesh: polygon %u has %d vertices, expected at least 3", p,
-                            view->poly_sizes[p]);
+            return slvi_fail(env, SLV_ERROR_FORMAT,
+                             "mesh: polygon %u has %d vertices, expected at least 3", p,
+                             view->poly_sizes[p]);
         *nsides += (uint32_t)view->poly_sizes[p];
         *nfaces += view->poly_sizes[p] == 4 ? 1 : (uint32_t)view->poly_sizes[p];
     }
     if (*nsides > INT32_MAX || *nfaces > SLV_MAX_FACES)
-        return slv_fail(env, SLV_ERROR_LIMIT, "mesh: %llu faces, at most %d are possible",
-                        (unsigned long long)*nfaces, SLV_MAX_FACES);
+        return slvi_fail(env, SLV_ERROR_LIMIT, "mesh: %llu faces, at most %d are possible",
+                         (unsigned long long)*nfaces, SLV_MAX_FACES);
     if ((result = check_poly_indices(env, view, "vertex", view->poly_verts, 0, view->nverts)) ||
         (result = check_poly_indices(env, view, "texture", view->poly_texcoords, -1,
                                      view->ntexcoords)) ||
@@ -111,7 +111,7 @@ static slv_result copy_array(const slv_env *env, slv_mesh *mesh, const void *sou
                              uint64_t size, void *out) {
     void *copy = NULL;
     if (source && count) {
-        slv_result result = slv_alloc(env, "mesh", count, size, &copy);
+        slv_result result = slvi_alloc(env, "mesh", count, size, &copy);
         if (result)
             return result;
         memcpy(copy, source, (size_t)(count * size));
@@ -130,10 +130,10 @@ static slv_result copy_groups(const slv_env *env, slv_mesh *mesh, const slv_mesh
         bytes += strlen(from->group_names[g]) + 1;
     if ((result = copy_array(env, mesh, from->group_first, from->ngroups, sizeof(int32_t),
                              &mesh->view.group_first)) ||
-        (result = slv_alloc(env, "mesh group names", bytes, 1, &text)))
+        (result = slvi_alloc(env, "mesh group names", bytes, 1, &text)))
         return result;
     mesh->owned[mesh->nowned++] = text;
-    if ((result = slv_alloc(env, "mesh group names", from->ngroups, sizeof *names, &names)))
+    if ((result = slvi_alloc(env, "mesh group names", from->ngroups, sizeof *names, &names)))
         return result;
     mesh->owned[mesh->nowned++] = names;
     for (uint32_t g = 0; g < from->ngroups; g++) {
@@ -198,17 +198,17 @@ slv_result slv_mesh_create(const slv_env *env, const slv_mesh_view *view, slv_me
     uint64_t nsides = 0, nfaces = 0;
     *out = NULL;
     if ((result = check_view(env, view, &nsides, &nfaces)) ||
-        (result = slv_alloc(env, "mesh", 1, sizeof *mesh, &mesh)))
+        (result = slvi_alloc(env, "mesh", 1, sizeof *mesh, &mesh)))
         return result;
     mesh->nfaces = (uint32_t)nfaces;
     uint64_t npolys = view->npolys;
     if ((result = copy_view(env, mesh, view, nsides)) ||
         (result =
-             slv_alloc(env, "mesh", npolys + 1, sizeof *mesh->poly_first, &mesh->poly_first)) ||
-        (result = slv_alloc(env, "mesh", npolys, sizeof *mesh->poly_face, &mesh->poly_face)) ||
-        (result = slv_alloc(env, "mesh", npolys, 1, &mesh->poly_hole)) ||
-        (result = slv_alloc(env, "mesh faces", nfaces, sizeof *mesh->faces, &mesh->faces)) ||
-        (result = slv_alloc(env, "mesh faces", nfaces, 1, &mesh->flags)))
+             slvi_alloc(env, "mesh", npolys + 1, sizeof *mesh->poly_first, &mesh->poly_first)) ||
+        (result = slvi_alloc(env, "mesh", npolys, sizeof *mesh->poly_face, &mesh->poly_face)) ||
+        (result = slvi_alloc(env, "mesh", npolys, 1, &mesh->poly_hole)) ||
+        (result = slvi_alloc(env, "mesh faces", nfaces, sizeof *mesh->faces, &mesh->faces)) ||
+        (result = slvi_alloc(env, "mesh faces", nfaces, 1, &mesh->flags)))
         goto done;
     number_faces(mesh);
     *out = mesh;

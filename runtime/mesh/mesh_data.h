@@ -36,12 +36,12 @@ typedef struct slv_mesh_edges {
     uint32_t table_mask;
 } slv_mesh_edges;
 
-slv_result slv_mesh_edges_create(const slv_env *env, const slv_mesh *mesh, slv_mesh_edges *out);
-void slv_mesh_edges_clear(slv_mesh_edges *edges);
+slv_result slvi_mesh_edges_create(const slv_env *env, const slv_mesh *mesh, slv_mesh_edges *out);
+void slvi_mesh_edges_clear(slv_mesh_edges *edges);
 /* The edge between two vertices in either order, or SLV_NO_EDGE. */
-uint32_t slv_mesh_edges_find(const slv_mesh_edges *edges, int32_t a, int32_t b);
+uint32_t slvi_mesh_edges_find(const slv_mesh_edges *edges, int32_t a, int32_t b);
 /* True if the two sides of an edge used twice run the same way along it. */
-bool slv_mesh_edge_is_flipped(const slv_mesh *mesh, const slv_mesh_edge *edge);
+bool slvi_mesh_edge_is_flipped(const slv_mesh *mesh, const slv_mesh_edge *edge);
 
 /* A mesh pulled apart until it is an oriented manifold: each fan of polygons that hang together
  * around a vertex over edges shared by two polygons running opposite ways gets a vertex of its own.
@@ -55,9 +55,9 @@ typedef struct slv_mesh_fans {
 } slv_mesh_fans;
 
 /* `left_out` marks polygons that belong to no fan. */
-slv_result slv_mesh_fans_create(const slv_env *env, const slv_mesh *mesh,
-                                const slv_mesh_edges *edges, const uint8_t *left_out,
-                                slv_mesh_fans *out);
-void slv_mesh_fans_clear(slv_mesh_fans *fans);
+slv_result slvi_mesh_fans_create(const slv_env *env, const slv_mesh *mesh,
+                                 const slv_mesh_edges *edges, const uint8_t *left_out,
+                                 slv_mesh_fans *out);
+void slvi_mesh_fans_clear(slv_mesh_fans *fans);
 
 #endif

@@ -19,7 +19,7 @@ static uint32_t *find_slot(const slv_mesh_edges *edges, int32_t v0, int32_t v1) 
     return &edges->table[i];
 }
 
-uint32_t slv_mesh_edges_find(const slv_mesh_edges *edges, int32_t a, int32_t b) {
+uint32_t slvi_mesh_edges_find(const slv_mesh_edges *edges, int32_t a, int32_t b) {
     return a < b ? *find_slot(edges, a, b) : *find_slot(edges, b, a);
 }
 
@@ -44,7 +44,7 @@ static void add_side(const slv_mesh *mesh, slv_mesh_edges *edges, uint32_t poly,
     edges->side_edge[side] = *slot;
 }
 
-slv_result slv_mesh_edges_create(const slv_env *env, const slv_mesh *mesh, slv_mesh_edges *out) {
+slv_result slvi_mesh_edges_create(const slv_env *env, const slv_mesh *mesh, slv_mesh_edges *out) {
     const slv_mesh_view *view = &mesh->view;
     slv_result result = SLV_OK;
     uint32_t nsides = mesh->poly_first[view->npolys];
@@ -52,11 +52,11 @@ slv_result slv_mesh_edges_create(const slv_env *env, const slv_mesh *mesh, slv_m
     *out = (slv_mesh_edges){0};
     while (capacity < (uint64_t)nsides + nsides / 2)
         capacity *= 2;
-    if ((result = slv_alloc(env, "mesh edges", nsides, sizeof *out->edges, &out->edges)) ||
-        (result = slv_alloc(env, "mesh edges", nsides, sizeof *out->side_edge, &out->side_edge)) ||
-        (result = slv_alloc(env, "mesh edges", nsides, sizeof *out->side_poly, &out->side_poly)) ||
-        (result = slv_alloc(env, "mesh edges", capacity, sizeof *out->table, &out->table))) {
-        slv_mesh_edges_clear(out);
+    if ((result = slvi_alloc(env, "mesh edges", nsides, sizeof *out->edges, &out->edges)) ||
+        (result = slvi_alloc(env, "mesh edges", nsides, sizeof *out->side_edge, &out->side_edge)) ||
+        (result = slvi_alloc(env, "mesh edges", nsides, sizeof *out->side_poly, &out->side_poly)) ||
+        (result = slvi_alloc(env, "mesh edges", capacity, sizeof *out->table, &out->table))) {
+        slvi_mesh_edges_clear(out);
         return result;
     }
     out->table_mask = (uint32_t)(capacity - 1);
@@ -71,7 +71,7 @@ slv_result slv_mesh_edges_create(const slv_env *env, const slv_mesh *mesh, slv_m
     return SLV_OK;
 }
 
-void slv_mesh_edges_clear(slv_mesh_edges *edges) {
+void slvi_mesh_edges_clear(slv_mesh_edges *edges) {
     slvi_free(edges->edges);
     slvi_free(edges->side_edge);
     slvi_free(edges->side_poly);
@@ -79,7 +79,7 @@ void slv_mesh_edges_clear(slv_mesh_edges *edges) {
     *edges = (slv_mesh_edges){0};
 }
 
-bool slv_mesh_edge_is_flipped(const slv_mesh *mesh, const slv_mesh_edge *edge) {
+bool slvi_mesh_edge_is_flipped(const slv_mesh *mesh, const slv_mesh_edge *edge) {
     return edge->count == 2 &&
            mesh->view.poly_verts[edge->side[0]] == mesh->view.poly_verts[edge->side[1]];
 }
@@ -122,8 +122,8 @@ slv_result slv_mesh_adjacency(const slv_env *env, const slv_mesh *mesh, slv_adja
     slv_mesh_edges edges = {0};
     slv_face_adjacency *faces = NULL;
     *out = NULL;
-    if ((result = slv_mesh_edges_create(env, mesh, &edges)) ||
-        (result = slv_alloc(env, "adjacency", mesh->nfaces, sizeof *faces, &faces)))
+    if ((result = slvi_mesh_edges_create(env, mesh, &edges)) ||
+        (result = slvi_alloc(env, "adjacency", mesh->nfaces, sizeof *faces, &faces)))
         goto done;
     for (uint32_t f = 0; f < mesh->nfaces; f++) {
         slv_mesh_face face = mesh->faces[f];
@@ -137,14 +137,14 @@ slv_result slv_mesh_adjacency(const slv_env *env, const slv_mesh *mesh, slv_adja
     }
     for (uint32_t i = 0; i < edges.count; i++) {
         const slv_mesh_edge *edge = &edges.edges[i];
-        if (edge->count == 2 && !edge->hole && !slv_mesh_edge_is_flipped(mesh, edge))
+        if (edge->count == 2 && !edge->hole && !slvi_mesh_edge_is_flipped(mesh, edge))
             link_sides(faces, faces_of_side(mesh, &edges, edge->side[0]),
                        faces_of_side(mesh, &edges, edge->side[1]));
     }
     result = slv_adjacency_create(env, mesh->nfaces, faces, mesh->flags, out);
 done:
     slvi_free(faces);
-    slv_mesh_edges_clear(&edges);
+    slvi_mesh_edges_clear(&edges);
     return result;
 }
 
@@ -170,10 +170,10 @@ slv_result slv_mesh_get_stats(const slv_env *env, const slv_mesh *mesh, slv_mesh
                             .nfaces = mesh->nfaces,
                             .nsubfaces = mesh->nsubfaces,
                             .ncreases = view->ncreases};
-    if ((result = slv_mesh_edges_create(env, mesh, &edges)) ||
-        (result = slv_alloc(env, "mesh statistics", view->nverts, 4, &valence)) ||
-        (result = slv_alloc(env, "mesh statistics", view->nverts, 4, &last_poly)) ||
-        (result = slv_alloc(env, "mesh statistics", view->nverts, 1, &border)))
+    if ((result = slvi_mesh_edges_create(env, mesh, &edges)) ||
+        (result = slvi_alloc(env, "mesh statistics", view->nverts, 4, &valence)) ||
+        (result = slvi_alloc(env, "mesh statistics", view->nverts, 4, &last_poly)) ||
+        (result = slvi_alloc(env, "mesh statistics", view->nverts, 1, &border)))
         goto done;
     for (uint32_t p = 0; p < view->npolys; p++) {
         out->nholes += mesh->poly_hole[p];
@@ -189,7 +189,7 @@ slv_result slv_mesh_get_stats(const slv_env *env, const slv_mesh *mesh, slv_mesh
         const slv_mesh_edge *edge = &edges.edges[i];
         out->nboundary_edges += edge->count == 1;
         out->nnonmanifold_edges += edge->count > 2;
-        out->nflipped_edges += slv_mesh_edge_is_flipped(mesh, edge);
+        out->nflipped_edges += slvi_mesh_edge_is_flipped(mesh, edge);
         if (edge->count == 1)
             border[edge->v0] = border[edge->v1] = 1;
     }
@@ -203,6 +203,6 @@ done:
     slvi_free(valence);
     slvi_free(last_poly);
     slvi_free(border);
-    slv_mesh_edges_clear(&edges);
+    slvi_mesh_edges_clear(&edges);
     return result;
 }

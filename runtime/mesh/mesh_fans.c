@@ -32,7 +32,7 @@ static void find_next(builder *b, const uint8_t *left_out, uint32_t side) {
     if (edge_id == SLV_NO_EDGE || left_out[b->edges->side_poly[side]])
         return;
     const slv_mesh_edge *edge = &b->edges->edges[edge_id];
-    if (edge->count != 2 || slv_mesh_edge_is_flipped(b->mesh, edge))
+    if (edge->count != 2 || slvi_mesh_edge_is_flipped(b->mesh, edge))
         return;
     uint32_t mate = edge->side[edge->side[0] == leave];
     if (left_out[b->edges->side_poly[mate]])
@@ -62,9 +62,9 @@ static void number_fan(builder *b, uint32_t first, bool closed) {
         closed || high == SLV_NO_EDGE || low != place->ends[0] || high != place->ends[1];
 }
 
-slv_result slv_mesh_fans_create(const slv_env *env, const slv_mesh *mesh,
-                                const slv_mesh_edges *edges, const uint8_t *left_out,
-                                slv_mesh_fans *out) {
+slv_result slvi_mesh_fans_create(const slv_env *env, const slv_mesh *mesh,
+                                 const slv_mesh_edges *edges, const uint8_t *left_out,
+                                 slv_mesh_fans *out) {
     uint32_t nsides = mesh->poly_first[mesh->view.npolys], nverts = mesh->view.nverts;
     /* every fan has a side of its own */
     uint64_t most = (uint64_t)nverts + nsides;
@@ -72,14 +72,14 @@ slv_result slv_mesh_fans_create(const slv_env *env, const slv_mesh *mesh,
     builder b = {.mesh = mesh, .edges = edges, .out = out};
     *out = (slv_mesh_fans){.nverts = nverts};
     if (most > INT32_MAX)
-        return slv_fail(env, SLV_ERROR_LIMIT, "mesh: %llu vertices and sides are too many",
-                        (unsigned long long)most);
-    if ((result = slv_alloc(env, "mesh fans", nsides, sizeof *b.next, &b.next)) ||
-        (result = slv_alloc(env, "mesh fans", nsides, 1, &b.entered)) ||
-        (result = slv_alloc(env, "mesh fans", nverts, sizeof *b.places, &b.places)) ||
-        (result = slv_alloc(env, "mesh fans", nsides, sizeof *out->side_vert, &out->side_vert)) ||
-        (result = slv_alloc(env, "mesh fans", most, sizeof *out->origin, &out->origin)) ||
-        (result = slv_alloc(env, "mesh fans", most, 1, &out->sharp)))
+        return slvi_fail(env, SLV_ERROR_LIMIT, "mesh: %llu vertices and sides are too many",
+                         (unsigned long long)most);
+    if ((result = slvi_alloc(env, "mesh fans", nsides, sizeof *b.next, &b.next)) ||
+        (result = slvi_alloc(env, "mesh fans", nsides, 1, &b.entered)) ||
+        (result = slvi_alloc(env, "mesh fans", nverts, sizeof *b.places, &b.places)) ||
+        (result = slvi_alloc(env, "mesh fans", nsides, sizeof *out->side_vert, &out->side_vert)) ||
+        (result = slvi_alloc(env, "mesh fans", most, sizeof *out->origin, &out->origin)) ||
+        (result = slvi_alloc(env, "mesh fans", most, 1, &out->sharp)))
         goto done;
     for (uint32_t v = 0; v < nverts; v++)
         out->origin[v] = (int32_t)v;
@@ -102,11 +102,11 @@ done:
     slvi_free(b.entered);
     slvi_free(b.places);
     if (result)
-        slv_mesh_fans_clear(out);
+        slvi_mesh_fans_clear(out);
     return result;
 }
 
-void slv_mesh_fans_clear(slv_mesh_fans *fans) {
+void slvi_mesh_fans_clear(slv_mesh_fans *fans) {
     slvi_free(fans->side_vert);
     slvi_free(fans->origin);
     slvi_free(fans->sharp);

@@ -69,8 +69,8 @@ static slv_result evaluate(void *user, uint64_t begin, uint64_t end) {
     float *positions = NULL, *normals = NULL;
     slv_result result;
     if ((result =
-             slv_alloc(&job->env, "tessellation", points * 3, sizeof *positions, &positions)) ||
-        (result = slv_alloc(&job->env, "tessellation", points * 3, sizeof *normals, &normals)))
+             slvi_alloc(&job->env, "tessellation", points * 3, sizeof *positions, &positions)) ||
+        (result = slvi_alloc(&job->env, "tessellation", points * 3, sizeof *normals, &normals)))
         goto done;
     for (uint64_t face = begin; face < end; face++) {
         uint32_t n = out->segments[face];
@@ -189,16 +189,16 @@ slv_result slv_tessellate(const slv_env *env, const slv_mesh *mesh, const slv_su
     uint64_t count = 0;
     memset(out, 0, sizeof *out);
     if (segments < 2 || segments > 128 || (segments & (segments - 1)))
-        return slv_fail(env, SLV_ERROR_ARGUMENT,
-                        "%u segments: a power of two from 2 to 128 is needed", segments);
+        return slvi_fail(env, SLV_ERROR_ARGUMENT,
+                         "%u segments: a power of two from 2 to 128 is needed", segments);
     if (slv_surface_face_count(surface) != made.nfaces ||
         slv_adjacency_face_count(adjacency) != made.nfaces)
-        return slv_fail(env, SLV_ERROR_MISMATCH,
-                        "the mesh has %u faces, its surface %u, the adjacency %u", made.nfaces,
-                        slv_surface_face_count(surface), slv_adjacency_face_count(adjacency));
-    if ((result = slv_alloc(env, "tessellation", (uint64_t)made.nfaces + 1, sizeof *made.first,
-                            &made.first)) ||
-        (result = slv_alloc(env, "tessellation", made.nfaces, 1, &made.segments)))
+        return slvi_fail(env, SLV_ERROR_MISMATCH,
+                         "the mesh has %u faces, its surface %u, the adjacency %u", made.nfaces,
+                         slv_surface_face_count(surface), slv_adjacency_face_count(adjacency));
+    if ((result = slvi_alloc(env, "tessellation", (uint64_t)made.nfaces + 1, sizeof *made.first,
+                             &made.first)) ||
+        (result = slvi_alloc(env, "tessellation", made.nfaces, 1, &made.segments)))
         goto done;
     for (uint32_t f = 0; f < made.nfaces; f++) {
         uint32_t n = slv_adjacency_is_subface(adjacency, (int32_t)f) ? segments / 2 : segments;
@@ -208,22 +208,22 @@ slv_result slv_tessellate(const slv_env *env, const slv_mesh *mesh, const slv_su
         count += n ? (uint64_t)(n + 1) * (n + 1) : 0;
         if (count > INT32_MAX) {
             result =
-                slv_fail(env, SLV_ERROR_LIMIT, "%u faces with %u segments are too many vertices",
-                         made.nfaces, segments);
+                slvi_fail(env, SLV_ERROR_LIMIT, "%u faces with %u segments are too many vertices",
+                          made.nfaces, segments);
             goto done;
         }
     }
     made.first[made.nfaces] = (uint32_t)count;
-    if ((result = slv_alloc(env, "vertices", count, sizeof *made.vertices, &made.vertices)))
+    if ((result = slvi_alloc(env, "vertices", count, sizeof *made.vertices, &made.vertices)))
         goto done;
     struct job job = {.surface = surface, .adjacency = adjacency, .out = &made, .most = segments};
-    if ((result = slv_parallel_env_begin(env, &log, &job.env)) ||
-        (result = slv_parallel_for(env, made.nfaces, 16, evaluate, &job)) ||
-        (result = slv_parallel_for(env, made.nfaces, 256, weld, &job)))
+    if ((result = slvi_parallel_env_begin(env, &log, &job.env)) ||
+        (result = slvi_parallel_for(env, made.nfaces, 16, evaluate, &job)) ||
+        (result = slvi_parallel_for(env, made.nfaces, 256, weld, &job)))
         goto done;
     find_bounds(&made);
 done:
-    slv_parallel_env_end(log);
+    slvi_parallel_env_end(log);
     if (result)
         slv_tessellation_free(&made);
     *out = made;

@@ -117,7 +117,7 @@ static slv_result lay_out(slv_levels *levels, const slv_texture *texture, uint64
             uint64_t size =
                 (uint64_t)levels->texel_size * slv_res_texels(slv_res_level(res, level));
             if (size > UINT64_MAX - total)
-                return slv_fail(&levels->env, SLV_ERROR_LIMIT, "levels: more than 2^64 bytes");
+                return slvi_fail(&levels->env, SLV_ERROR_LIMIT, "levels: more than 2^64 bytes");
             total += size;
         }
     }
@@ -130,9 +130,9 @@ slv_result slv_levels_create(const slv_env *env, const slv_texture *texture, slv
     slv_levels *levels = NULL;
     *out = NULL;
     if (!texture)
-        return slv_fail(env, SLV_ERROR_ARGUMENT, "levels: no texture");
+        return slvi_fail(env, SLV_ERROR_ARGUMENT, "levels: no texture");
     const slv_texture_desc *desc = slv_texture_get_desc(texture);
-    slv_result result = slv_alloc(env, "levels", 1, sizeof *levels, &levels);
+    slv_result result = slvi_alloc(env, "levels", 1, sizeof *levels, &levels);
     if (result)
         return result;
     levels->desc = *desc;
@@ -140,22 +140,22 @@ slv_result slv_levels_create(const slv_env *env, const slv_texture *texture, slv
     uint64_t nlevels = 0, bytes = 0;
     for (uint32_t face = 0; face < desc->nfaces; face++)
         nlevels += slv_res_level_count(desc->res[face]);
-    if ((result = slv_parallel_env_begin(env, &levels->log, &levels->env)) ||
-        (result = slv_alloc(env, "level resolutions", desc->nfaces, sizeof *levels->res,
-                            &levels->res)) ||
-        (result = slv_alloc(env, "level table", desc->nfaces + (uint64_t)1, sizeof *levels->first,
-                            &levels->first)) ||
+    if ((result = slvi_parallel_env_begin(env, &levels->log, &levels->env)) ||
+        (result = slvi_alloc(env, "level resolutions", desc->nfaces, sizeof *levels->res,
+                             &levels->res)) ||
+        (result = slvi_alloc(env, "level table", desc->nfaces + (uint64_t)1, sizeof *levels->first,
+                             &levels->first)) ||
         (result =
-             slv_alloc(env, "level offsets", nlevels, sizeof *levels->offset, &levels->offset)))
+             slvi_alloc(env, "level offsets", nlevels, sizeof *levels->offset, &levels->offset)))
         goto done;
     if (desc->nfaces)
         memcpy(levels->res, desc->res, desc->nfaces * sizeof *levels->res);
     levels->desc.res = levels->res;
     if ((result = lay_out(levels, texture, &bytes)) ||
-        (result = slv_alloc(env, "level texels", bytes, 1, &levels->texels)))
+        (result = slvi_alloc(env, "level texels", bytes, 1, &levels->texels)))
         goto done;
     struct fill fill = {texture, levels};
-    if ((result = slv_parallel_for(env, desc->nfaces, FACES_PER_RANGE, fill_faces, &fill)))
+    if ((result = slvi_parallel_for(env, desc->nfaces, FACES_PER_RANGE, fill_faces, &fill)))
         goto done;
     *out = levels;
     levels = NULL;
@@ -171,7 +171,7 @@ void slv_levels_destroy(slv_levels *levels) {
     slvi_free(levels->offset);
     slvi_free(levels->first);
     slvi_free(levels->res);
-    slv_parallel_env_end(levels->log);
+    slvi_parallel_env_end(levels->log);
     slvi_free(levels);
 }
 

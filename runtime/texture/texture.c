@@ -20,38 +20,38 @@ struct slv_texture {
     unsigned char **texels;   /* NULL where the face is constant */
 };
 
-bool slv_texture_desc_same(const slv_texture_desc *a, const slv_texture_desc *b) {
+bool slvi_texture_desc_same(const slv_texture_desc *a, const slv_texture_desc *b) {
     return a->nfaces == b->nfaces && a->type == b->type && a->nchannels == b->nchannels &&
            (!a->nfaces || memcmp(a->res, b->res, a->nfaces * sizeof *a->res) == 0);
 }
 
-slv_result slv_texture_check_desc(const slv_env *env, const slv_texture_desc *desc,
-                                  uint64_t *bytes) {
+slv_result slvi_texture_check_desc(const slv_env *env, const slv_texture_desc *desc,
+                                   uint64_t *bytes) {
     if (!desc || (desc->nfaces && !desc->res))
-        return slv_fail(env, SLV_ERROR_ARGUMENT, "texture: no description");
+        return slvi_fail(env, SLV_ERROR_ARGUMENT, "texture: no description");
     if (!slv_type_size(desc->type))
-        return slv_fail(env, SLV_ERROR_ARGUMENT, "texture: unknown type %d", (int)desc->type);
+        return slvi_fail(env, SLV_ERROR_ARGUMENT, "texture: unknown type %d", (int)desc->type);
     if (desc->nchannels < 1 || desc->nchannels > MAX_CHANNELS)
-        return slv_fail(env, SLV_ERROR_ARGUMENT, "texture: %u channels, expected 1 to %u",
-                        (unsigned)desc->nchannels, (unsigned)MAX_CHANNELS);
+        return slvi_fail(env, SLV_ERROR_ARGUMENT, "texture: %u channels, expected 1 to %u",
+                         (unsigned)desc->nchannels, (unsigned)MAX_CHANNELS);
     if (desc->alpha_channel != SLV_NO_ALPHA &&
         (desc->alpha_channel < 0 || (uint32_t)desc->alpha_channel >= desc->nchannels))
-        return slv_fail(env, SLV_ERROR_ARGUMENT, "texture: alpha channel %d of %u channels",
-                        (int)desc->alpha_channel, (unsigned)desc->nchannels);
+        return slvi_fail(env, SLV_ERROR_ARGUMENT, "texture: alpha channel %d of %u channels",
+                         (int)desc->alpha_channel, (unsigned)desc->nchannels);
     if (desc->nfaces > INT32_MAX)
-        return slv_fail(env, SLV_ERROR_LIMIT, "texture: %u faces, at most %d can be numbered",
-                        (unsigned)desc->nfaces, INT32_MAX);
+        return slvi_fail(env, SLV_ERROR_LIMIT, "texture: %u faces, at most %d can be numbered",
+                         (unsigned)desc->nfaces, INT32_MAX);
     uint64_t texel = slv_type_size(desc->type) * (uint64_t)desc->nchannels, total = 0;
     for (uint32_t face = 0; face < desc->nfaces; face++) {
         slv_res res = desc->res[face];
         if (res.u < 0 || res.v < 0 || res.u > SLV_MAX_LOG2_RES || res.v > SLV_MAX_LOG2_RES)
-            return slv_fail(env, SLV_ERROR_ARGUMENT,
-                            "texture: face %u: resolution 2^%d x 2^%d, expected exponents 0 to %d",
-                            (unsigned)face, res.u, res.v, SLV_MAX_LOG2_RES);
+            return slvi_fail(env, SLV_ERROR_ARGUMENT,
+                             "texture: face %u: resolution 2^%d x 2^%d, expected exponents 0 to %d",
+                             (unsigned)face, res.u, res.v, SLV_MAX_LOG2_RES);
         uint64_t size = texel * slv_res_texels(res);
         if (size > UINT64_MAX - total)
-            return slv_fail(env, SLV_ERROR_LIMIT,
-                            "texture: face %u: more than 2^64 bytes of texels", (unsigned)face);
+            return slvi_fail(env, SLV_ERROR_LIMIT,
+                             "texture: face %u: more than 2^64 bytes of texels", (unsigned)face);
         total += size;
     }
     *bytes = total;
@@ -62,21 +62,21 @@ slv_result slv_texture_create(const slv_env *env, const slv_texture_desc *desc, 
     slv_texture *texture = NULL;
     uint64_t bytes = 0;
     *out = NULL;
-    slv_result result = slv_texture_check_desc(env, desc, &bytes);
+    slv_result result = slvi_texture_check_desc(env, desc, &bytes);
     if (result)
         return result;
-    if ((result = slv_alloc(env, "texture", 1, sizeof *texture, &texture)))
+    if ((result = slvi_alloc(env, "texture", 1, sizeof *texture, &texture)))
         return result;
     texture->desc = *desc;
     texture->bytes = bytes;
     texture->texel_size = slv_type_size(desc->type) * desc->nchannels;
     atomic_init(&texture->allocated, 0);
-    if ((result = slv_parallel_env_begin(env, &texture->log, &texture->env)))
+    if ((result = slvi_parallel_env_begin(env, &texture->log, &texture->env)))
         goto done;
     uint64_t n = desc->nfaces;
-    if ((result = slv_alloc(env, "texture resolutions", n, sizeof *texture->res, &texture->res)) ||
-        (result = slv_alloc(env, "texture faces", n, sizeof *texture->texels, &texture->texels)) ||
-        (result = slv_alloc(env, "constant texels", n, texture->texel_size, &texture->constants)))
+    if ((result = slvi_alloc(env, "texture resolutions", n, sizeof *texture->res, &texture->res)) ||
+        (result = slvi_alloc(env, "texture faces", n, sizeof *texture->texels, &texture->texels)) ||
+        (result = slvi_alloc(env, "constant texels", n, texture->texel_size, &texture->constants)))
         goto done;
     if (n)
         memcpy(texture->res, desc->res, n * sizeof *texture->res);
@@ -96,7 +96,7 @@ void slv_texture_destroy(slv_texture *texture) {
     slvi_free(texture->texels);
     slvi_free(texture->constants);
     slvi_free(texture->res);
-    slv_parallel_env_end(texture->log);
+    slvi_parallel_env_end(texture->log);
     slvi_free(texture);
 }
 
@@ -110,11 +110,11 @@ uint64_t slv_texture_bytes(const slv_texture *texture) {
 
 static slv_result check_face(const slv_texture *texture, uint32_t face, const void *texels) {
     if (face >= texture->desc.nfaces)
-        return slv_fail(&texture->env, SLV_ERROR_ARGUMENT, "texture: face %u of %u", (unsigned)face,
-                        (unsigned)texture->desc.nfaces);
+        return slvi_fail(&texture->env, SLV_ERROR_ARGUMENT, "texture: face %u of %u",
+                         (unsigned)face, (unsigned)texture->desc.nfaces);
     if (!texels)
-        return slv_fail(&texture->env, SLV_ERROR_ARGUMENT, "texture: face %u: no texels",
-                        (unsigned)face);
+        return slvi_fail(&texture->env, SLV_ERROR_ARGUMENT, "texture: face %u: no texels",
+                         (unsigned)face);
     return SLV_OK;
 }
 
@@ -142,13 +142,13 @@ slv_result slv_texture_set_face(slv_texture *texture, uint32_t face, const void 
     if (!texture->texels[face]) {
         uint64_t before = atomic_fetch_add(&texture->allocated, size);
         if (before > texture->env.max_bytes || size > texture->env.max_bytes - before)
-            result = slv_fail(&texture->env, SLV_ERROR_LIMIT,
-                              "texture: face %u: %llu bytes more are over the limit of %llu",
-                              (unsigned)face, (unsigned long long)size,
-                              (unsigned long long)texture->env.max_bytes);
+            result = slvi_fail(&texture->env, SLV_ERROR_LIMIT,
+                               "texture: face %u: %llu bytes more are over the limit of %llu",
+                               (unsigned)face, (unsigned long long)size,
+                               (unsigned long long)texture->env.max_bytes);
         else
-            result =
-                slv_alloc_plain(&texture->env, "texels of a face", size, 1, &texture->texels[face]);
+            result = slvi_alloc_plain(&texture->env, "texels of a face", size, 1,
+                                      &texture->texels[face]);
         if (result) {
             atomic_fetch_sub(&texture->allocated, size);
             return result;

@@ -19,11 +19,11 @@ struct slv_levels {
 };
 
 /* Checks everything that a description can get wrong; *bytes is the size of all its texels. */
-slv_result slv_texture_check_desc(const slv_env *env, const slv_texture_desc *desc,
-                                  uint64_t *bytes);
+slv_result slvi_texture_check_desc(const slv_env *env, const slv_texture_desc *desc,
+                                   uint64_t *bytes);
 
 /* Whether two textures have the same faces, type and channels. */
-bool slv_texture_desc_same(const slv_texture_desc *a, const slv_texture_desc *b);
+bool slvi_texture_desc_same(const slv_texture_desc *a, const slv_texture_desc *b);
 
 static inline size_t slv_res_texels(slv_res res) {
     return (size_t)1 << (res.u + res.v);

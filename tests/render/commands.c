@@ -454,17 +454,22 @@ static void check_options_shown(const char *verb, const char *name) {
         CHECK_MSG(strstr(run.out, option), "selvage %s --help does not show%s", verb, option + 1);
     }
     CHECK_MSG(count > 0, "no options found in %s", name);
-    bool shared = strstr(source, "scene_options_rows") && strcmp(name, "scene_options.c") != 0;
+    bool shared =
+        strstr(source, "scene_options_rows") && strcmp(name, "command/scene_options.c") != 0;
     free(source);
     if (shared)
-        check_options_shown(verb, "scene_options.c");
+        check_options_shown(verb, "command/scene_options.c");
 }
 
 static void check_verb_help(const char *verb) {
     char file[64];
     kit_selvage(&scratch, NULL, ARGUMENTS(verb, "--help"), &run);
     CHECK(run.code == 0 && !run.err[0] && strstr(run.out, "Usage") && strstr(run.out, "Examples"));
-    snprintf(file, sizeof file, "%s.c", verb);
+    char path[KIT_PATH], folder[KIT_PATH];
+    kit_join(folder, kit_variable("SELVAGE_TESTS"), "../tools");
+    snprintf(file, sizeof file, "%s/%s.c", verb, verb);
+    if (access(kit_join(path, folder, file), R_OK) != 0)
+        snprintf(file, sizeof file, "%s.c", verb);
     check_options_shown(verb, file);
     kit_selvage(&scratch, NULL, ARGUMENTS(verb, "-h"), &run);
     CHECK(run.code == 0);

@@ -191,7 +191,7 @@ static void check_convergence(void) {
 }
 
 /* A point on an edge has one value, seen from either face. */
-static void check_seams(void) {
+static void slvi_check_seams(void) {
     static const float start[4][2] = {{0, 0}, {1, 0}, {1, 1}, {0, 1}};
     static const float along[4][2] = {{1, 0}, {0, 1}, {-1, 0}, {0, -1}};
     const slv_procedural noise = {
@@ -378,7 +378,7 @@ int main(void) {
     check_positions();
     check_threads();
     check_convergence();
-    check_seams();
+    slvi_check_seams();
     check_cancel();
     check_refusals();
     check_holes();

@@ -35,7 +35,7 @@ static void compare(const char *path) {
             out[way] = calloc(count, sizeof **out);
             REQUIRE(out[way]);
             sampler->functions =
-                way == 0 ? lookup_portable[all[p].filter] : lookup_avx2[all[p].filter];
+                way == 0 ? slvi_lookup_portable[all[p].filter] : slvi_lookup_avx2[all[p].filter];
             if (way < 2)
                 CHECK(slv_sample_batch(sampler, lookups, MANY, out[way], info.nchannels, NULL) ==
                       SLV_OK);

@@ -85,7 +85,7 @@ static void png_round_trip(uint32_t width, uint32_t height, uint32_t n, uint32_t
     struct stat status;
     REQUIRE(slv_image_encode_png(&env, &image, &params, &bytes, &size) == SLV_OK);
     CHECK(stat(path, &status) == 0 && (size_t)status.st_size == size);
-    free(bytes);
+    slv_free(bytes);
     slv_image_free(&image);
     slv_image_free(&back);
     CHECK(!back.pixels && !back.width);

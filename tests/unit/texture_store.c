@@ -232,7 +232,7 @@ static void test_levels(slv_type type, uint32_t nchannels) {
         slv_result result = slv_texture_create(&env, &desc, &texture);
         REQUIRE(result == SLV_OK);
         struct setter setter = {texture};
-        CHECK(slv_parallel_for(&env, FACES, 3, set_faces, &setter) == SLV_OK);
+        CHECK(slvi_parallel_for(&env, FACES, 3, set_faces, &setter) == SLV_OK);
         result = slv_levels_create(&env, texture, &levels[i]);
         REQUIRE(result == SLV_OK);
         slv_texture_destroy(texture);

@@ -75,7 +75,7 @@ static void write_ptx(void) {
 
 #define HAS(text) CHECK_MSG(strstr(out, text), "'%s' in:\n%s", text, out)
 
-static void check_mesh(void) {
+static void slvi_check_mesh(void) {
     char out[16384];
     CHECK(info("mesh.obj --faces", out, sizeof out) == 0);
     HAS("4, of them 3 sub-faces");
@@ -135,7 +135,7 @@ int main(void) {
     REQUIRE(mkdtemp(folder));
     write_mesh();
     write_ptx();
-    check_mesh();
+    slvi_check_mesh();
     check_ptx();
     check_errors();
     static const char *const names[] = {"mesh.obj", "texture.data", "short.ptx", "other.txt"};

@@ -100,8 +100,8 @@ static void sample(const build *b, uint32_t face, uint32_t level, float u, float
     int nx = weight[0] > 0.0f ? 2 : 1, ny = weight[1] > 0.0f ? 2 : 1;
     for (int y = 0; y < ny; y++) {
         for (int x = 0; x < nx; x++)
-            slv_border_fetch(&b->view, face, level, (uint32_t)(low[0] + x), (uint32_t)(low[1] + y),
-                             row[y][x]);
+            slvi_border_fetch(&b->view, face, level, (uint32_t)(low[0] + x), (uint32_t)(low[1] + y),
+                              row[y][x]);
         for (uint32_t c = 0; nx == 2 && c < b->view.count; c++)
             row[y][0][c] += weight[0] * (row[y][1][c] - row[y][0][c]);
     }
@@ -133,15 +133,15 @@ static void sample_strip(const build *b, const slv_border_edge *edge, const slv_
 static void mirror_strip(const build *b, const slv_border_edge *edge, const slv_border_link *link,
                          uint32_t j0, uint32_t j1) {
     slv_border_function function;
-    slv_border_function_begin(&b->view, link, &function);
+    slvi_border_function_begin(&b->view, link, &function);
     for (uint32_t j = j0; j < j1; j++) {
         int32_t x, y, own_x, own_y;
         float value[SLV_BORDER_CHANNELS], own[SLV_BORDER_CHANNELS];
         float t = ((float)j + 0.5f) / (float)(1u << edge->exponent);
-        slv_border_function_at(&b->view, &function, link->slope * t + link->offset, value);
+        slvi_border_function_at(&b->view, &function, link->slope * t + link->offset, value);
         slv_border_edge_texel(b->res, edge->edge, (int32_t)j, -1, &x, &y);
         slv_border_edge_texel(b->res, edge->edge, (int32_t)j, 0, &own_x, &own_y);
-        slv_border_fetch(&b->view, b->face, b->level, (uint32_t)own_x, (uint32_t)own_y, own);
+        slvi_border_fetch(&b->view, b->face, b->level, (uint32_t)own_x, (uint32_t)own_y, own);
         for (uint32_t c = 0; c < b->view.count; c++)
             value[c] = 2.0f * value[c] - own[c];
         store(b, x, y, value);
@@ -150,7 +150,7 @@ static void mirror_strip(const build *b, const slv_border_edge *edge, const slv_
 
 static void fill_link(const build *b, const slv_border_edge *edge, const slv_border_link *link,
                       int32_t depth_count, uint32_t j0, uint32_t j1) {
-    uint32_t from_j = slv_border_link_index(edge, link, j0);
+    uint32_t from_j = slvi_border_link_index(edge, link, j0);
     int32_t last = (1 << slv_border_exponent(link->res, link->to.edge + 1u)) - 1;
     for (int32_t depth = 1; depth <= depth_count; depth++) {
         if (link->aligned || (depth == 1 && link->relation == SLV_BORDER_EXACT))
@@ -176,7 +176,7 @@ static void fill_single(const build *b, const slv_border_edge *edge, int32_t dep
         float value[SLV_BORDER_CHANNELS], half[SLV_BORDER_CHANNELS];
         slv_border_edge_texel(b->res, edge->edge, 0, -depth, &x, &y);
         if (depth == 1) {
-            slv_border_across(&b->view, edge, 0, value);
+            slvi_border_across(&b->view, edge, 0, value);
         } else {
             memset(value, 0, sizeof value);
             for (uint32_t i = 0; i < edge->nlinks; i++) {
@@ -228,7 +228,7 @@ static void path_begin(const build *b, const slv_border_edge *edge, bool at_end,
          * the neighbour's. */
         uint32_t onward = (out->link.to.edge + (at_end ? 3u : 1u)) % 4;
         out->onward =
-            slv_border_edge_at(&b->view, (uint32_t)out->link.to.face, out->link.level, onward);
+            slvi_border_edge_at(&b->view, (uint32_t)out->link.to.face, out->link.level, onward);
     }
 }
 
@@ -290,7 +290,7 @@ static void fill_corner(const build *b, const slv_border_edge edges[4], uint32_t
     int32_t step_x = right ? 1 : -1, step_y = top ? 1 : -1;
     float own[SLV_BORDER_CHANNELS], m[SLV_BORDER_CHANNELS], d[SLV_BORDER_CHANNELS],
         across[2][SLV_BORDER_CHANNELS];
-    slv_border_fetch(&b->view, b->face, b->level, (uint32_t)own_x, (uint32_t)own_y, own);
+    slvi_border_fetch(&b->view, b->face, b->level, (uint32_t)own_x, (uint32_t)own_y, own);
     if (b->bu > 1 || b->bv > 1) {
         corner_path paths[2];
         path_begin(b, starts, false, &paths[0]);
@@ -300,9 +300,9 @@ static void fill_corner(const build *b, const slv_border_edge edges[4], uint32_t
                 if (x > 1 || y > 1)
                     fill_beyond(b, paths, own, own_x + step_x * x, own_y + step_y * y);
     }
-    if (!slv_border_vertex_value(&b->view, b->face, b->level, corner, m, d)) {
-        slv_border_across(&b->view, starts, 0, across[0]);
-        slv_border_across(&b->view, ends, (1u << ends->exponent) - 1, across[1]);
+    if (!slvi_border_vertex_value(&b->view, b->face, b->level, corner, m, d)) {
+        slvi_border_across(&b->view, starts, 0, across[0]);
+        slvi_border_across(&b->view, ends, (1u << ends->exponent) - 1, across[1]);
         for (uint32_t c = 0; c < b->view.count; c++)
             d[c] = slv_border_diagonal(m[c], own[c], across[0][c], across[1][c]);
     }
@@ -325,20 +325,20 @@ slv_result slv_border_build(const slv_levels *levels, const slv_adjacency *adjac
                             bool *out_of_range) {
     const slv_texture_desc *desc = &levels->desc;
     if (slv_adjacency_face_count(adjacency) != desc->nfaces)
-        return slv_fail(&levels->env, SLV_ERROR_MISMATCH,
-                        "border: %u faces of texture, %u of adjacency", (unsigned)desc->nfaces,
-                        (unsigned)slv_adjacency_face_count(adjacency));
+        return slvi_fail(&levels->env, SLV_ERROR_MISMATCH,
+                         "border: %u faces of texture, %u of adjacency", (unsigned)desc->nfaces,
+                         (unsigned)slv_adjacency_face_count(adjacency));
     if (face >= desc->nfaces || level >= slv_levels_count(levels, face))
-        return slv_fail(&levels->env, SLV_ERROR_ARGUMENT, "border: face %u of %u has no level %u",
-                        (unsigned)face, (unsigned)desc->nfaces, (unsigned)level);
+        return slvi_fail(&levels->env, SLV_ERROR_ARGUMENT, "border: face %u of %u has no level %u",
+                         (unsigned)face, (unsigned)desc->nfaces, (unsigned)level);
     slv_res res = slv_res_level(desc->res[face], level);
     uint32_t width = 1u << res.u, height = 1u << res.v;
     if (bu < 1 || bv < 1 || bu > width || bv > height)
-        return slv_fail(&levels->env, SLV_ERROR_ARGUMENT,
-                        "border: face %u level %u: a border of %u x %u around %u x %u texels",
-                        (unsigned)face, (unsigned)level, (unsigned)bu, (unsigned)bv,
-                        (unsigned)width, (unsigned)height);
-    build b = {.view = slv_border_view_begin(levels, adjacency),
+        return slvi_fail(&levels->env, SLV_ERROR_ARGUMENT,
+                         "border: face %u level %u: a border of %u x %u around %u x %u texels",
+                         (unsigned)face, (unsigned)level, (unsigned)bu, (unsigned)bv,
+                         (unsigned)width, (unsigned)height);
+    build b = {.view = slvi_border_view_begin(levels, adjacency),
                .face = face,
                .level = level,
                .res = res,
@@ -350,9 +350,9 @@ slv_result slv_border_build(const slv_levels *levels, const slv_adjacency *adjac
                .out = out};
     slv_border_edge edges[4];
     for (uint32_t edge = 0; edge < 4; edge++)
-        edges[edge] = slv_border_edge_at(&b.view, face, level, edge);
+        edges[edge] = slvi_border_edge_at(&b.view, face, level, edge);
     copy_interior(&b);
-    while (slv_border_view_next(&b.view)) {
+    while (slvi_border_view_next(&b.view)) {
         for (uint32_t edge = 0; edge < 4; edge++)
             fill_side(&b, &edges[edge]);
         for (uint32_t corner = 0; corner < 4; corner++)

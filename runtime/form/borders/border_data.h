@@ -18,13 +18,13 @@ typedef struct slv_border_view {
     float one; /* the raw value that stands for 1 */
 } slv_border_view;
 
-slv_border_view slv_border_view_begin(const slv_levels *levels, const slv_adjacency *adjacency);
+slv_border_view slvi_border_view_begin(const slv_levels *levels, const slv_adjacency *adjacency);
 /* Goes on to the next block of channels; false after the last. */
-bool slv_border_view_next(slv_border_view *view);
+bool slvi_border_view_next(slv_border_view *view);
 
 /* The texel's channels of this block, raw. */
-void slv_border_fetch(const slv_border_view *view, uint32_t face, uint32_t level, uint32_t x,
-                      uint32_t y, float *out);
+void slvi_border_fetch(const slv_border_view *view, uint32_t face, uint32_t level, uint32_t x,
+                       uint32_t y, float *out);
 
 /* How a face at some level meets a neighbour. EXACT: at a level with as long texels. COARSER: at
  * its level 0, whose texels are longer. FINER: the face's edge is a single texel and the neighbour
@@ -52,8 +52,8 @@ typedef struct slv_border_edge {
     slv_border_link links[2];
 } slv_border_edge;
 
-slv_border_edge slv_border_edge_at(const slv_border_view *view, uint32_t face, uint32_t level,
-                                   uint32_t edge);
+slv_border_edge slvi_border_edge_at(const slv_border_view *view, uint32_t face, uint32_t level,
+                                    uint32_t edge);
 
 static inline int slv_border_exponent(slv_res res, uint32_t edge) {
     return edge & 1 ? res.v : res.u;
@@ -68,10 +68,10 @@ static inline void slv_border_edge_texel(slv_res res, uint32_t edge, int32_t j, 
 }
 
 /* The neighbour's edge index that index j meets: floor of where its centre falls. */
-uint32_t slv_border_link_index(const slv_border_edge *edge, const slv_border_link *link,
-                               uint32_t j);
+uint32_t slvi_border_link_index(const slv_border_edge *edge, const slv_border_link *link,
+                                uint32_t j);
 /* The link that index j meets, or NULL at a boundary. */
-const slv_border_link *slv_border_link_at(const slv_border_edge *edge, uint32_t j);
+const slv_border_link *slvi_border_link_at(const slv_border_edge *edge, uint32_t j);
 
 /* Walks along a coarser neighbour's edge function E: the knots are its texel centres and its ends.
  */
@@ -81,22 +81,22 @@ typedef struct slv_border_function {
     float value[2][SLV_BORDER_CHANNELS];
 } slv_border_function;
 
-void slv_border_function_begin(const slv_border_view *view, const slv_border_link *link,
-                               slv_border_function *out);
-void slv_border_function_at(const slv_border_view *view, slv_border_function *function, float t,
-                            float *out);
+void slvi_border_function_begin(const slv_border_view *view, const slv_border_link *link,
+                                slv_border_function *out);
+void slvi_border_function_at(const slv_border_view *view, slv_border_function *function, float t,
+                             float *out);
 
 /* The neighbour's own texel where index j meets it, or the face's own if link is NULL, raw. */
-void slv_border_edge_from(const slv_border_view *view, const slv_border_edge *edge,
-                          const slv_border_link *link, uint32_t j, float *out);
+void slvi_border_edge_from(const slv_border_view *view, const slv_border_edge *edge,
+                           const slv_border_link *link, uint32_t j, float *out);
 /* The innermost border texel across an edge at index j, raw. */
-void slv_border_across(const slv_border_view *view, const slv_border_edge *edge, uint32_t j,
-                       float *out);
+void slvi_border_across(const slv_border_view *view, const slv_border_edge *edge, uint32_t j,
+                        float *out);
 
 /* The agreed value M of a vertex, raw. `opposite` (may be NULL) receives the texel diagonally
  * across where the vertex has four faces that all meet at equal resolution, and says so. */
-bool slv_border_vertex_value(const slv_border_view *view, uint32_t face, uint32_t level,
-                             uint32_t corner, float *out, float *opposite);
+bool slvi_border_vertex_value(const slv_border_view *view, uint32_t face, uint32_t level,
+                              uint32_t corner, float *out, float *opposite);
 
 /* d = 4M - a - b - e, in an order that leaves a constant as it is. */
 static inline float slv_border_diagonal(float m, float a, float b, float e) {

@@ -1,6 +1,6 @@
 #include "form/borders/border_data.h"
 
-slv_border_view slv_border_view_begin(const slv_levels *levels, const slv_adjacency *adjacency) {
+slv_border_view slvi_border_view_begin(const slv_levels *levels, const slv_adjacency *adjacency) {
     slv_border_view view = {.levels = levels, .adjacency = adjacency, .one = 1.0f};
     if (levels->desc.type == SLV_TYPE_U8)
         view.one = 255.0f;
@@ -9,15 +9,15 @@ slv_border_view slv_border_view_begin(const slv_levels *levels, const slv_adjace
     return view;
 }
 
-bool slv_border_view_next(slv_border_view *view) {
+bool slvi_border_view_next(slv_border_view *view) {
     view->first += view->count;
     uint32_t left = view->levels->desc.nchannels - view->first;
     view->count = left < SLV_BORDER_CHANNELS ? left : SLV_BORDER_CHANNELS;
     return left > 0;
 }
 
-void slv_border_fetch(const slv_border_view *view, uint32_t face, uint32_t level, uint32_t x,
-                      uint32_t y, float *out) {
+void slvi_border_fetch(const slv_border_view *view, uint32_t face, uint32_t level, uint32_t x,
+                       uint32_t y, float *out) {
     const slv_levels *levels = view->levels;
     slv_res res = slv_res_level(levels->res[face], level);
     const unsigned char *texels = slv_levels_texels(levels, face, level);
@@ -77,8 +77,8 @@ static void meet(const slv_border_view *view, const slv_border_edge *edge, slv_b
                     slv_border_exponent(link->res, to->edge + 1u) == want_across;
 }
 
-slv_border_edge slv_border_edge_at(const slv_border_view *view, uint32_t face, uint32_t level,
-                                   uint32_t edge) {
+slv_border_edge slvi_border_edge_at(const slv_border_view *view, uint32_t face, uint32_t level,
+                                    uint32_t edge) {
     slv_border_edge out = {.face = face, .level = level, .edge = edge};
     out.res = slv_res_level(view->levels->res[face], level);
     out.exponent = (uint32_t)slv_border_exponent(out.res, edge);
@@ -95,14 +95,14 @@ static float centre(uint32_t exponent, uint32_t j) {
     return ((float)j + 0.5f) / (float)(UINT32_C(1) << exponent);
 }
 
-uint32_t slv_border_link_index(const slv_border_edge *edge, const slv_border_link *link,
-                               uint32_t j) {
+uint32_t slvi_border_link_index(const slv_border_edge *edge, const slv_border_link *link,
+                                uint32_t j) {
     int32_t n = INT32_C(1) << slv_border_exponent(link->res, link->to.edge);
     float at = (link->slope * centre(edge->exponent, j) + link->offset) * (float)n;
     return (uint32_t)clamp_int((int)at, 0, n - 1);
 }
 
-const slv_border_link *slv_border_link_at(const slv_border_edge *edge, uint32_t j) {
+const slv_border_link *slvi_border_link_at(const slv_border_edge *edge, uint32_t j) {
     float t = centre(edge->exponent, j);
     for (uint32_t i = 0; i < edge->nlinks; i++)
         if (t > edge->links[i].to.t0 && t < edge->links[i].to.t1)
@@ -114,12 +114,12 @@ static void fetch_row(const slv_border_view *view, uint32_t face, uint32_t level
                       uint32_t edge, uint32_t j, float *out) {
     int32_t x, y;
     slv_border_edge_texel(res, edge, (int32_t)j, 0, &x, &y);
-    slv_border_fetch(view, face, level, (uint32_t)x, (uint32_t)y, out);
+    slvi_border_fetch(view, face, level, (uint32_t)x, (uint32_t)y, out);
 }
 
-void slv_border_function_begin(const slv_border_view *view, const slv_border_link *link,
-                               slv_border_function *out) {
-    out->edge = slv_border_edge_at(view, (uint32_t)link->to.face, 0, link->to.edge);
+void slvi_border_function_begin(const slv_border_view *view, const slv_border_link *link,
+                                slv_border_function *out) {
+    out->edge = slvi_border_edge_at(view, (uint32_t)link->to.face, 0, link->to.edge);
     out->index[0] = out->index[1] = -2;
 }
 
@@ -132,12 +132,12 @@ static void knot(const slv_border_view *view, slv_border_function *function, uin
     function->index[slot] = k;
     if (k < 0 || k == n) {
         uint32_t corner = k < 0 ? edge->edge : (edge->edge + 1) % 4;
-        slv_border_vertex_value(view, edge->face, 0, corner, value, NULL);
+        slvi_border_vertex_value(view, edge->face, 0, corner, value, NULL);
         return;
     }
     float own[SLV_BORDER_CHANNELS], across[SLV_BORDER_CHANNELS];
     fetch_row(view, edge->face, 0, edge->res, edge->edge, (uint32_t)k, own);
-    slv_border_across(view, edge, (uint32_t)k, across);
+    slvi_border_across(view, edge, (uint32_t)k, across);
     for (uint32_t c = 0; c < view->count; c++)
         value[c] = 0.5f * (own[c] + across[c]);
 }
@@ -152,8 +152,8 @@ static uint32_t find_knot(const slv_border_view *view, slv_border_function *func
     return !keep;
 }
 
-void slv_border_function_at(const slv_border_view *view, slv_border_function *function, float t,
-                            float *out) {
+void slvi_border_function_at(const slv_border_view *view, slv_border_function *function, float t,
+                             float *out) {
     int32_t n = INT32_C(1) << function->edge.exponent;
     float at = t * (float)n - 0.5f;
     int32_t k = at < 0.0f ? -1 : (int32_t)at;
@@ -170,11 +170,11 @@ void slv_border_function_at(const slv_border_view *view, slv_border_function *fu
     }
 }
 
-void slv_border_edge_from(const slv_border_view *view, const slv_border_edge *edge,
-                          const slv_border_link *link, uint32_t j, float *out) {
+void slvi_border_edge_from(const slv_border_view *view, const slv_border_edge *edge,
+                           const slv_border_link *link, uint32_t j, float *out) {
     if (link)
         fetch_row(view, (uint32_t)link->to.face, link->level, link->res, link->to.edge,
-                  slv_border_link_index(edge, link, j), out);
+                  slvi_border_link_index(edge, link, j), out);
     else
         fetch_row(view, edge->face, edge->level, edge->res, edge->edge, j, out);
 }
@@ -196,21 +196,21 @@ static void across_two(const slv_border_view *view, const slv_border_edge *edge,
         out[c] = 0.5f * (half[0][c] + half[1][c]);
 }
 
-void slv_border_across(const slv_border_view *view, const slv_border_edge *edge, uint32_t j,
-                       float *out) {
+void slvi_border_across(const slv_border_view *view, const slv_border_edge *edge, uint32_t j,
+                        float *out) {
     if (edge->nlinks && edge->links[0].relation == SLV_BORDER_FINER) {
         across_two(view, edge, out);
         return;
     }
-    const slv_border_link *link = slv_border_link_at(edge, j);
-    slv_border_edge_from(view, edge, link, j, out);
+    const slv_border_link *link = slvi_border_link_at(edge, j);
+    slvi_border_edge_from(view, edge, link, j, out);
     if (!link || link->relation == SLV_BORDER_EXACT)
         return;
     float own[SLV_BORDER_CHANNELS];
     slv_border_function function;
-    slv_border_function_begin(view, link, &function);
-    slv_border_function_at(view, &function, link->slope * centre(edge->exponent, j) + link->offset,
-                           out);
+    slvi_border_function_begin(view, link, &function);
+    slvi_border_function_at(view, &function, link->slope * centre(edge->exponent, j) + link->offset,
+                            out);
     fetch_row(view, edge->face, edge->level, edge->res, edge->edge, j, own);
     for (uint32_t c = 0; c < view->count; c++)
         out[c] = 2.0f * out[c] - own[c];

@@ -138,7 +138,7 @@ static void fetch_corner(const slv_border_view *view, uint32_t face, uint32_t le
     slv_res res = slv_res_level(res_of(view, (int32_t)face), level);
     uint32_t x = corner == 1 || corner == 2 ? (1u << res.u) - 1 : 0;
     uint32_t y = corner >= 2 ? (1u << res.v) - 1 : 0;
-    slv_border_fetch(view, face, level, x, y, out);
+    slvi_border_fetch(view, face, level, x, y, out);
 }
 
 /* The middle of a whole quad's edge: the mean of two sub-faces and the quad's texels on both sides
@@ -147,17 +147,17 @@ static void t_value(const slv_border_view *view, const ring_levels *levels, cons
                     float *out) {
     uint32_t quad = (uint32_t)levels->quad;
     uint32_t level = meeting_level(view, levels, levels->quad, levels->quad_offset);
-    slv_border_edge edge = slv_border_edge_at(view, quad, level, levels->quad_edge);
+    slv_border_edge edge = slvi_border_edge_at(view, quad, level, levels->quad_edge);
     uint32_t n = UINT32_C(1) << edge.exponent;
     float texel[2][SLV_BORDER_CHANNELS], across[SLV_BORDER_CHANNELS];
     for (uint32_t side = 0; side < 2; side++) {
         int32_t x, y;
         slv_border_edge_texel(edge.res, edge.edge, n > 1 ? (int32_t)(n / 2 - 1 + side) : 0, 0, &x,
                               &y);
-        slv_border_fetch(view, quad, level, (uint32_t)x, (uint32_t)y, texel[side]);
+        slvi_border_fetch(view, quad, level, (uint32_t)x, (uint32_t)y, texel[side]);
     }
     if (n == 1)
-        slv_border_across(view, &edge, 0, across);
+        slvi_border_across(view, &edge, 0, across);
     for (uint32_t c = 0; c < view->count; c++) {
         /* Where a sub-face is missing, the quad's own texel stands for it, as at any boundary. */
         double missing = (levels->quad_meets_first ? 0.0 : (double)texel[0][c]) +
@@ -230,9 +230,9 @@ static bool find_opposite(const slv_border_view *view, const ring_levels *levels
     }
     const slv_corner *own = &levels->ring.corners[position];
     uint32_t before = at[(position + 3) % 4], after = at[(position + 1) % 4];
-    slv_border_edge starts = slv_border_edge_at(view, (uint32_t)own->face, level, own->corner);
+    slv_border_edge starts = slvi_border_edge_at(view, (uint32_t)own->face, level, own->corner);
     slv_border_edge ends =
-        slv_border_edge_at(view, (uint32_t)own->face, level, (own->corner + 3u) % 4);
+        slvi_border_edge_at(view, (uint32_t)own->face, level, (own->corner + 3u) % 4);
     if (at[position] != level || !starts.nlinks || !ends.nlinks)
         return false;
     const slv_border_link *to_before = &starts.links[0], *to_after = &ends.links[ends.nlinks - 1];
@@ -245,8 +245,8 @@ static bool find_opposite(const slv_border_view *view, const ring_levels *levels
     return true;
 }
 
-bool slv_border_vertex_value(const slv_border_view *view, uint32_t face, uint32_t level,
-                             uint32_t corner, float *out, float *opposite) {
+bool slvi_border_vertex_value(const slv_border_view *view, uint32_t face, uint32_t level,
+                              uint32_t corner, float *out, float *opposite) {
     uint32_t position = 0;
     ring_levels levels = ring_levels_at(view, face, level, corner, &position);
     double sum[SLV_BORDER_CHANNELS] = {0};
@@ -278,10 +278,10 @@ bool slv_border_vertex_value(const slv_border_view *view, uint32_t face, uint32_
 void slv_border_vertex(const slv_levels *levels, const slv_adjacency *adjacency, uint32_t face,
                        uint32_t level, unsigned corner, float *out) {
     assert(face < levels->desc.nfaces && face < slv_adjacency_face_count(adjacency));
-    slv_border_view view = slv_border_view_begin(levels, adjacency);
+    slv_border_view view = slvi_border_view_begin(levels, adjacency);
     float value[SLV_BORDER_CHANNELS];
-    while (slv_border_view_next(&view)) {
-        slv_border_vertex_value(&view, face, level, corner % 4, value, NULL);
+    while (slvi_border_view_next(&view)) {
+        slvi_border_vertex_value(&view, face, level, corner % 4, value, NULL);
         for (uint32_t c = 0; c < view.count; c++)
             out[view.first + c] = value[c] / view.one;
     }

@@ -48,23 +48,23 @@ static void fill_edges(const slv_levels *levels, const slv_adjacency *adjacency,
               height = (ptrdiff_t)1 << res.v, pitch = (width + 1) * n;
     const ptrdiff_t corners[4] = {0, width * n, height * pitch + width * n, height * pitch};
     const ptrdiff_t steps[4] = {n, pitch, -n, -pitch};
-    slv_border_view view = slv_border_view_begin(levels, adjacency);
+    slv_border_view view = slvi_border_view_begin(levels, adjacency);
     slv_border_edge edges[4];
     for (uint32_t edge = 0; edge < 4; edge++)
-        edges[edge] = slv_border_edge_at(&view, face, level, edge);
-    while (slv_border_view_next(&view)) {
+        edges[edge] = slvi_border_edge_at(&view, face, level, edge);
+    while (slvi_border_view_next(&view)) {
         for (uint32_t edge = 0; edge < 4; edge++) {
             float value[SLV_BORDER_CHANNELS], *start = out + corners[edge] + view.first;
-            slv_edge_aligned_corner(&view, rounded, face, level, edge, value);
+            slvi_edge_aligned_corner(&view, rounded, face, level, edge, value);
             for (uint32_t c = 0; c < view.count; c++)
                 start[c] = value[c] / view.one;
-            slv_edge_aligned_side(&view, rounded, &edges[edge], start + steps[edge], steps[edge]);
+            slvi_edge_aligned_side(&view, rounded, &edges[edge], start + steps[edge], steps[edge]);
         }
     }
 }
 
-void slv_edge_aligned_fill(const slv_levels *levels, const slv_adjacency *adjacency, bool rounded,
-                           uint32_t face, uint32_t level, float *out) {
+void slvi_edge_aligned_fill(const slv_levels *levels, const slv_adjacency *adjacency, bool rounded,
+                            uint32_t face, uint32_t level, float *out) {
     slv_res res = slv_res_level(levels->res[face], level);
     fill_interior(levels, face, level, res, out);
     fill_edges(levels, adjacency, rounded, face, level, res, out);
@@ -74,14 +74,14 @@ slv_result slv_edge_aligned_build(const slv_levels *levels, const slv_adjacency 
                                   uint32_t face, uint32_t level, float *out) {
     const slv_texture_desc *desc = &levels->desc;
     if (slv_adjacency_face_count(adjacency) != desc->nfaces)
-        return slv_fail(&levels->env, SLV_ERROR_MISMATCH,
-                        "edge-aligned: %u faces of texture, %u of adjacency",
-                        (unsigned)desc->nfaces, (unsigned)slv_adjacency_face_count(adjacency));
+        return slvi_fail(&levels->env, SLV_ERROR_MISMATCH,
+                         "edge-aligned: %u faces of texture, %u of adjacency",
+                         (unsigned)desc->nfaces, (unsigned)slv_adjacency_face_count(adjacency));
     if (face >= desc->nfaces || level >= slv_levels_count(levels, face))
-        return slv_fail(&levels->env, SLV_ERROR_ARGUMENT,
-                        "edge-aligned: face %u of %u has no level %u", (unsigned)face,
-                        (unsigned)desc->nfaces, (unsigned)level);
-    slv_edge_aligned_fill(levels, adjacency, false, face, level, out);
+        return slvi_fail(&levels->env, SLV_ERROR_ARGUMENT,
+                         "edge-aligned: face %u of %u has no level %u", (unsigned)face,
+                         (unsigned)desc->nfaces, (unsigned)level);
+    slvi_edge_aligned_fill(levels, adjacency, false, face, level, out);
     return SLV_OK;
 }
 
@@ -105,15 +105,15 @@ static slv_result fill_faces(void *user, uint64_t first, uint64_t end) {
     const struct fill *fill = user;
     slv_edge_aligned *aligned = fill->aligned;
     float *scratch = NULL;
-    slv_result result = slv_alloc(&aligned->env, "samples", largest(&aligned->desc, first, end),
-                                  sizeof *scratch, &scratch);
+    slv_result result = slvi_alloc(&aligned->env, "samples", largest(&aligned->desc, first, end),
+                                   sizeof *scratch, &scratch);
     for (uint64_t face = first; !result && face < end; face++) {
         const uint64_t *offset = aligned->offset + aligned->first[face];
         uint32_t nlevels = slv_res_level_count(aligned->res[face]);
         for (uint32_t level = 0; level < nlevels; level++) {
             uint64_t count = slv_edge_aligned_count(slv_res_level(aligned->res[face], level));
-            slv_edge_aligned_fill(fill->levels, fill->adjacency, true, (uint32_t)face, level,
-                                  scratch);
+            slvi_edge_aligned_fill(fill->levels, fill->adjacency, true, (uint32_t)face, level,
+                                   scratch);
             slv_type_from_float(aligned->desc.type, scratch,
                                 (size_t)count * aligned->desc.nchannels,
                                 aligned->samples + offset[level]);
@@ -132,8 +132,8 @@ static slv_result lay_out(slv_edge_aligned *aligned) {
             uint64_t count = slv_edge_aligned_count(slv_res_level(aligned->res[face], level));
             aligned->offset[next++] = total;
             if (count > (UINT64_MAX - total) / aligned->texel_size)
-                return slv_fail(&aligned->env, SLV_ERROR_LIMIT,
-                                "edge-aligned: more than 2^64 bytes of samples");
+                return slvi_fail(&aligned->env, SLV_ERROR_LIMIT,
+                                 "edge-aligned: more than 2^64 bytes of samples");
             total += count * aligned->texel_size;
         }
     }
@@ -149,29 +149,30 @@ slv_result slv_edge_aligned_create(const slv_env *env, const slv_levels *levels,
     slv_result result;
     *out = NULL;
     if (slv_adjacency_face_count(adjacency) != desc->nfaces)
-        return slv_fail(env, SLV_ERROR_MISMATCH,
-                        "edge-aligned: %u faces of texture, %u of adjacency",
-                        (unsigned)desc->nfaces, (unsigned)slv_adjacency_face_count(adjacency));
-    if ((result = slv_alloc(env, "edge-aligned texture", 1, sizeof *aligned, &aligned)))
+        return slvi_fail(env, SLV_ERROR_MISMATCH,
+                         "edge-aligned: %u faces of texture, %u of adjacency",
+                         (unsigned)desc->nfaces, (unsigned)slv_adjacency_face_count(adjacency));
+    if ((result = slvi_alloc(env, "edge-aligned texture", 1, sizeof *aligned, &aligned)))
         return result;
     aligned->desc = *desc;
     aligned->texel_size = levels->texel_size;
     for (uint32_t face = 0; face < desc->nfaces; face++)
         nlevels += slv_res_level_count(desc->res[face]);
-    if ((result = slv_parallel_env_begin(env, &aligned->log, &aligned->env)) ||
+    if ((result = slvi_parallel_env_begin(env, &aligned->log, &aligned->env)) ||
         (result =
-             slv_alloc(env, "resolutions", desc->nfaces, sizeof *aligned->res, &aligned->res)) ||
-        (result = slv_alloc(env, "faces", desc->nfaces, sizeof *aligned->first, &aligned->first)) ||
-        (result = slv_alloc(env, "levels", nlevels, sizeof *aligned->offset, &aligned->offset)))
+             slvi_alloc(env, "resolutions", desc->nfaces, sizeof *aligned->res, &aligned->res)) ||
+        (result =
+             slvi_alloc(env, "faces", desc->nfaces, sizeof *aligned->first, &aligned->first)) ||
+        (result = slvi_alloc(env, "levels", nlevels, sizeof *aligned->offset, &aligned->offset)))
         goto done;
     if (desc->nfaces)
         memcpy(aligned->res, desc->res, desc->nfaces * sizeof *aligned->res);
     aligned->desc.res = aligned->res;
     if ((result = lay_out(aligned)) ||
-        (result = slv_alloc(env, "edge-aligned samples", aligned->bytes, 1, &aligned->samples)))
+        (result = slvi_alloc(env, "edge-aligned samples", aligned->bytes, 1, &aligned->samples)))
         goto done;
     struct fill fill = {levels, adjacency, aligned};
-    if ((result = slv_parallel_for(env, desc->nfaces, FACES_PER_RANGE, fill_faces, &fill)))
+    if ((result = slvi_parallel_for(env, desc->nfaces, FACES_PER_RANGE, fill_faces, &fill)))
         goto done;
     *out = aligned;
     aligned = NULL;
@@ -187,7 +188,7 @@ void slv_edge_aligned_destroy(slv_edge_aligned *aligned) {
     slvi_free(aligned->offset);
     slvi_free(aligned->first);
     slvi_free(aligned->res);
-    slv_parallel_env_end(aligned->log);
+    slvi_parallel_env_end(aligned->log);
     slvi_free(aligned);
 }
 
@@ -247,9 +248,9 @@ void slv_edge_aligned_lookup(const slv_edge_aligned *aligned, uint32_t face, uin
 slv_result slv_edge_aligned_centred(const slv_edge_aligned *aligned, uint32_t face, uint32_t level,
                                     float *out) {
     if (face >= aligned->desc.nfaces || level >= slv_res_level_count(aligned->res[face]))
-        return slv_fail(&aligned->env, SLV_ERROR_ARGUMENT,
-                        "edge-aligned: face %u of %u has no level %u", (unsigned)face,
-                        (unsigned)aligned->desc.nfaces, (unsigned)level);
+        return slvi_fail(&aligned->env, SLV_ERROR_ARGUMENT,
+                         "edge-aligned: face %u of %u has no level %u", (unsigned)face,
+                         (unsigned)aligned->desc.nfaces, (unsigned)level);
     slv_res res = slv_res_level(aligned->res[face], level);
     size_t n = aligned->desc.nchannels, width = (size_t)1 << res.u, height = (size_t)1 << res.v;
     size_t pitch = (width + 1) * aligned->texel_size;
@@ -290,8 +291,8 @@ static slv_result restore_faces(void *user, uint64_t first, uint64_t end) {
     float *values = NULL;
     void *texels = NULL;
     slv_result result;
-    if ((result = slv_alloc(&restore->env, "texels", most, sizeof *values, &values)) ||
-        (result = slv_alloc(&restore->env, "texels", most, slv_type_size(desc->type), &texels)))
+    if ((result = slvi_alloc(&restore->env, "texels", most, sizeof *values, &values)) ||
+        (result = slvi_alloc(&restore->env, "texels", most, slv_type_size(desc->type), &texels)))
         goto done;
     for (uint64_t face = first; face < end; face++) {
         if ((result = slv_edge_aligned_centred(restore->aligned, (uint32_t)face, 0, values)))
@@ -313,16 +314,16 @@ slv_result slv_edge_aligned_to_texture(const slv_env *env, const slv_edge_aligne
     slv_parallel_log *log = NULL;
     slv_result result;
     *out = NULL;
-    if ((result = slv_parallel_env_begin(env, &log, &restore.env)))
+    if ((result = slvi_parallel_env_begin(env, &log, &restore.env)))
         return result;
     if (!(result = slv_texture_create(&restore.env, &aligned->desc, &restore.texture)))
-        result = slv_parallel_for(&restore.env, aligned->desc.nfaces, FACES_PER_RANGE,
-                                  restore_faces, &restore);
+        result = slvi_parallel_for(&restore.env, aligned->desc.nfaces, FACES_PER_RANGE,
+                                   restore_faces, &restore);
     if (result) {
         slv_texture_destroy(restore.texture);
         restore.texture = NULL;
     }
-    slv_parallel_env_end(log);
+    slvi_parallel_env_end(log);
     *out = restore.texture;
     return result;
 }

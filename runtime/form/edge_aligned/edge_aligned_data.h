@@ -10,19 +10,19 @@
 /* The value of a vertex as a face at some level has it. If `rounded`, what is interpolated between
  * samples is interpolated between samples that are rounded to the texture's type, as a lookup will
  * find them. */
-void slv_edge_aligned_corner(const slv_border_view *view, bool rounded, uint32_t face,
-                             uint32_t level, uint32_t corner, float *out);
+void slvi_edge_aligned_corner(const slv_border_view *view, bool rounded, uint32_t face,
+                              uint32_t level, uint32_t corner, float *out);
 
 /* Writes the samples strictly inside an edge, 1..2^exponent - 1 counter-clockwise, divided by
  * view->one; `to` is where sample 1 goes, `step` the floats from one to the next. */
-void slv_edge_aligned_side(const slv_border_view *view, bool rounded, const slv_border_edge *edge,
-                           float *to, ptrdiff_t step);
+void slvi_edge_aligned_side(const slv_border_view *view, bool rounded, const slv_border_edge *edge,
+                            float *to, ptrdiff_t step);
 
 /* slv_edge_aligned_build, which rounds nothing, or for samples that will be rounded. Checks
  * nothing.
  */
-void slv_edge_aligned_fill(const slv_levels *levels, const slv_adjacency *adjacency, bool rounded,
-                           uint32_t face, uint32_t level, float *out);
+void slvi_edge_aligned_fill(const slv_levels *levels, const slv_adjacency *adjacency, bool rounded,
+                            uint32_t face, uint32_t level, float *out);
 
 /* Floats that a face's level 0, the largest of its levels, takes. */
 static inline uint64_t slv_edge_aligned_floats(const slv_texture_desc *desc, uint32_t face) {

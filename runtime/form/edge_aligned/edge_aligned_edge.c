@@ -44,16 +44,16 @@ static void round_to_type(const slv_border_view *view, float *raw) {
         slv_type_to_float(type, stored, view->count, raw);
 }
 
-void slv_edge_aligned_corner(const slv_border_view *view, bool rounded, uint32_t face,
-                             uint32_t level, uint32_t corner, float *out) {
+void slvi_edge_aligned_corner(const slv_border_view *view, bool rounded, uint32_t face,
+                              uint32_t level, uint32_t corner, float *out) {
     uint32_t quad, edge;
     if (!straight_past(view, face, corner, &quad, &edge)) {
-        slv_border_vertex_value(view, face, level, corner, out, NULL);
+        slvi_border_vertex_value(view, face, level, corner, out, NULL);
         return;
     }
     float ends[2][SLV_BORDER_CHANNELS];
-    slv_border_vertex_value(view, quad, 0, edge, ends[0], NULL);
-    slv_border_vertex_value(view, quad, 0, (edge + 1) % 4, ends[1], NULL);
+    slvi_border_vertex_value(view, quad, 0, edge, ends[0], NULL);
+    slvi_border_vertex_value(view, quad, 0, (edge + 1) % 4, ends[1], NULL);
     for (uint32_t i = 0; rounded && i < 2; i++)
         round_to_type(view, ends[i]);
     for (uint32_t c = 0; c < view->count; c++)
@@ -64,8 +64,8 @@ void slv_edge_aligned_corner(const slv_border_view *view, bool rounded, uint32_t
 static void pair(const slv_border_view *view, const slv_border_edge *edge,
                  const slv_border_link *link, uint32_t j, float *out) {
     float across[SLV_BORDER_CHANNELS];
-    slv_border_edge_from(view, edge, NULL, j, out);
-    slv_border_edge_from(view, edge, link, j, across);
+    slvi_border_edge_from(view, edge, NULL, j, out);
+    slvi_border_edge_from(view, edge, link, j, across);
     for (uint32_t c = 0; c < view->count; c++)
         out[c] += across[c];
 }
@@ -82,7 +82,7 @@ static void middle(const slv_border_view *view, bool rounded, const slv_border_e
     uint32_t corner = link->to.t0 > 0.25f ? (link->to.edge + 1u) % 4 : link->to.edge;
     /* All levels 0 agree, even around a vertex at which the levels that meet do not. */
     uint32_t level = edge->level ? link->level : 0;
-    slv_edge_aligned_corner(view, rounded, (uint32_t)link->to.face, level, corner, out);
+    slvi_edge_aligned_corner(view, rounded, (uint32_t)link->to.face, level, corner, out);
 }
 
 /* Sample k = 0..2^exponent of an edge whose own texels decide there. */
@@ -90,8 +90,8 @@ static void decide(const slv_border_view *view, bool rounded, const slv_border_e
                    uint32_t k, float *out) {
     uint32_t n = 1u << edge->exponent;
     if (k == 0 || k == n) {
-        slv_edge_aligned_corner(view, rounded, edge->face, edge->level, (edge->edge + (k == n)) % 4,
-                                out);
+        slvi_edge_aligned_corner(view, rounded, edge->face, edge->level,
+                                 (edge->edge + (k == n)) % 4, out);
         return;
     }
     if (is_middle(edge, k)) {
@@ -99,7 +99,7 @@ static void decide(const slv_border_view *view, bool rounded, const slv_border_e
         return;
     }
     float before[SLV_BORDER_CHANNELS];
-    const slv_border_link *link = slv_border_link_at(edge, k);
+    const slv_border_link *link = slvi_border_link_at(edge, k);
     pair(view, edge, link, k - 1, before);
     pair(view, edge, link, k, out);
     for (uint32_t c = 0; c < view->count; c++)
@@ -132,7 +132,7 @@ static void fill_met(const slv_border_view *view, const slv_border_edge *edge,
 static void fill_between(const slv_border_view *view, bool rounded, const slv_border_edge *edge,
                          const slv_border_link *link, uint32_t k0, uint32_t k1, float *to,
                          ptrdiff_t step) {
-    slv_border_edge coarse = slv_border_edge_at(view, (uint32_t)link->to.face, 0, link->to.edge);
+    slv_border_edge coarse = slvi_border_edge_at(view, (uint32_t)link->to.face, 0, link->to.edge);
     float n = (float)(1u << edge->exponent), coarse_n = (float)(1u << coarse.exponent);
     float ends[2][SLV_BORDER_CHANNELS], value[SLV_BORDER_CHANNELS];
     uint32_t low = UINT32_MAX;
@@ -155,13 +155,13 @@ static void fill_between(const slv_border_view *view, bool rounded, const slv_bo
     }
 }
 
-void slv_edge_aligned_side(const slv_border_view *view, bool rounded, const slv_border_edge *edge,
-                           float *to, ptrdiff_t step) {
+void slvi_edge_aligned_side(const slv_border_view *view, bool rounded, const slv_border_edge *edge,
+                            float *to, ptrdiff_t step) {
     uint32_t n = 1u << edge->exponent;
     bool split = n > 1 && is_middle(edge, n / 2);
     for (uint32_t half = 0; half <= (split ? 1u : 0u); half++) {
         uint32_t first = half ? n / 2 : 0, end = split && !half ? n / 2 : n;
-        const slv_border_link *link = slv_border_link_at(edge, first);
+        const slv_border_link *link = slvi_border_link_at(edge, first);
         float *start = to + (ptrdiff_t)first * step;
         if (link && link->relation == SLV_BORDER_COARSER)
             fill_between(view, rounded, edge, link, first + 1, end, start, step);

@@ -34,12 +34,12 @@ static slv_result scratch_create(const slv_env *env, const slv_texture_desc *des
         row = count > row ? count : row;
     }
     memset(out, 0, sizeof *out);
-    if ((result = slv_alloc(env, "samples", bordered, sizeof(float), &out->samples)) ||
-        (result = slv_alloc(env, "border", bordered, sizeof(float), &out->bordered)) ||
-        (result = slv_alloc(env, "texels", bordered, sizeof(float), &out->texels)) ||
-        (result = slv_alloc(env, "texels", bordered, sizeof(float), &out->back)) ||
-        (result = slv_alloc(env, "row", row, sizeof(double), &out->rows[0])) ||
-        (result = slv_alloc(env, "row", row, sizeof(double), &out->rows[1])))
+    if ((result = slvi_alloc(env, "samples", bordered, sizeof(float), &out->samples)) ||
+        (result = slvi_alloc(env, "border", bordered, sizeof(float), &out->bordered)) ||
+        (result = slvi_alloc(env, "texels", bordered, sizeof(float), &out->texels)) ||
+        (result = slvi_alloc(env, "texels", bordered, sizeof(float), &out->back)) ||
+        (result = slvi_alloc(env, "row", row, sizeof(double), &out->rows[0])) ||
+        (result = slvi_alloc(env, "row", row, sizeof(double), &out->rows[1])))
         scratch_free(out);
     return result;
 }
@@ -125,8 +125,8 @@ slv_result slv_edge_aligned_measure(const slv_env *env, const slv_edge_aligned *
                                     slv_edge_aligned_error *out) {
     slv_resample_measure measure = {.resampled = aligned, .levels = levels, .adjacency = adjacency};
     slv_face_error sum;
-    slv_result result = slv_resample_measure_all(env, &measure, slv_edge_aligned_get_desc(aligned),
-                                                 "edge-aligned: it was", measure_faces, &sum);
+    slv_result result = slvi_resample_measure_all(env, &measure, slv_edge_aligned_get_desc(aligned),
+                                                  "edge-aligned: it was", measure_faces, &sum);
     if (!result)
         *out = (slv_edge_aligned_error){sum.texel_sum, sum.texel_max, sum.function_sum,
                                         sum.function_max};

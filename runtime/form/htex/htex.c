@@ -23,7 +23,7 @@ struct fill {
 /* Which part of a half-edge's triangle lies in a face. */
 typedef enum triangle_part { ALL, START_SIDE, END_SIDE } triangle_part;
 
-void slv_htex_source_at(const slv_htex_source *source, float u, float v, float *out) {
+void slvi_htex_source_at(const slv_htex_source *source, float u, float v, float *out) {
     size_t n = source->nchannels, width = (size_t)1 << source->res.u,
            height = (size_t)1 << source->res.v;
     float x = u * (float)width + 0.5f, y = v * (float)height + 0.5f;
@@ -61,10 +61,10 @@ static void sample(const slv_htex_source *source, const slv_htex_map *map, trian
         }
         float u = map->us * s + map->ut * t + map->u0, v = map->vs * s + map->vt * t + map->v0;
         if (npoints == 1) {
-            slv_htex_source_at(source, u, v, out);
+            slvi_htex_source_at(source, u, v, out);
             return;
         }
-        slv_htex_source_at(source, u, v, point);
+        slvi_htex_source_at(source, u, v, point);
         for (size_t c = 0; c < source->nchannels; c++)
             out[c] += point[c] / (float)(npoints * npoints);
     }
@@ -114,11 +114,11 @@ static void fill_tops(const struct fill *fill, const slv_htex_source *source, ui
     bool part = slv_htex_is_part(mesh, face);
     for (uint32_t e = 0; e < (part ? 1u : 4u); e++)
         if (mesh->root[4 * face + e] == 4 * face + e)
-            slv_htex_source_at(source, corners[e][0], corners[e][1],
-                               fill->tops + (size_t)(4 * face + e) * source->nchannels);
+            slvi_htex_source_at(source, corners[e][0], corners[e][1],
+                                fill->tops + (size_t)(4 * face + e) * source->nchannels);
     if (mesh->polygon[face] == face)
-        slv_htex_source_at(source, part ? 1 : 0.5f, part ? 1 : 0.5f,
-                           fill->tops + (4 * (size_t)mesh->nfaces + face) * source->nchannels);
+        slvi_htex_source_at(source, part ? 1 : 0.5f, part ? 1 : 0.5f,
+                            fill->tops + (4 * (size_t)mesh->nfaces + face) * source->nchannels);
 }
 
 static slv_result fill_faces(void *user, uint64_t first, uint64_t end) {
@@ -138,8 +138,8 @@ static slv_result fill_faces(void *user, uint64_t first, uint64_t end) {
             width = side > width ? side : width;
         }
     }
-    if ((result = slv_alloc(&fill->env, "border", texels * n, sizeof *bordered, &bordered)) ||
-        (result = slv_alloc(&fill->env, "texels", (width + 1) * n, sizeof *row, &row)))
+    if ((result = slvi_alloc(&fill->env, "border", texels * n, sizeof *bordered, &bordered)) ||
+        (result = slvi_alloc(&fill->env, "texels", (width + 1) * n, sizeof *row, &row)))
         goto done;
     for (uint32_t face = (uint32_t)first; face < end; face++) {
         slv_htex_source source = {htex->res[face], n, bordered};
@@ -186,7 +186,7 @@ static slv_result fill_edges(void *user, uint64_t first, uint64_t end) {
     for (uint64_t edge = first; edge < end; edge++)
         most = htex->log2[edge] > most ? htex->log2[edge] : most;
     slv_result result =
-        slv_alloc(&fill->env, "texels", (UINT64_C(2) << most) * n, sizeof *rows, &rows);
+        slvi_alloc(&fill->env, "texels", (UINT64_C(2) << most) * n, sizeof *rows, &rows);
     for (uint64_t edge = first; !result && edge < end; edge++) {
         uint32_t log2 = htex->log2[edge], width = 1u << log2;
         bool boundary = fill->mesh->half[edge][1] == SLV_HTEX_NONE;
@@ -244,7 +244,8 @@ static slv_result lay_out(const slv_env *env, const slv_htex_mesh *mesh, slv_hte
         for (uint32_t level = 0; level <= log2; level++) {
             uint64_t count = slv_htex_level_texels(log2, level);
             if (count > (UINT64_MAX - total) / htex->texel_size)
-                return slv_fail(env, SLV_ERROR_LIMIT, "half-edges: more than 2^64 bytes of texels");
+                return slvi_fail(env, SLV_ERROR_LIMIT,
+                                 "half-edges: more than 2^64 bytes of texels");
             total += count * htex->texel_size;
         }
     }
@@ -260,23 +261,23 @@ static slv_result create(const slv_env *env, const slv_levels *levels,
     uint64_t nedges = mesh->nedges, n = htex->desc.nchannels;
     slv_parallel_log *log = NULL;
     slv_result result;
-    if ((result = slv_alloc(env, "edges", nedges, sizeof *htex->log2, &htex->log2)) ||
-        (result = slv_alloc(env, "faces", mesh->nfaces, sizeof *htex->faces, &htex->faces)) ||
-        (result = slv_alloc(env, "edges", nedges + 1, sizeof *htex->offset, &htex->offset)) ||
-        (result = slv_alloc(env, "edges", nedges + 1, sizeof *fill.ends, &fill.ends)) ||
+    if ((result = slvi_alloc(env, "edges", nedges, sizeof *htex->log2, &htex->log2)) ||
+        (result = slvi_alloc(env, "faces", mesh->nfaces, sizeof *htex->faces, &htex->faces)) ||
+        (result = slvi_alloc(env, "edges", nedges + 1, sizeof *htex->offset, &htex->offset)) ||
+        (result = slvi_alloc(env, "edges", nedges + 1, sizeof *fill.ends, &fill.ends)) ||
         (result = lay_out(env, mesh, htex, fill.ends)) ||
-        (result = slv_alloc(env, "squares", htex->offset[nedges], 1, &htex->texels)) ||
-        (result = slv_alloc(env, "samples on edges", fill.ends[nedges] * 2 * n,
-                            sizeof *fill.diagonals, &fill.diagonals)) ||
-        (result = slv_alloc(env, "corners", 5 * (uint64_t)mesh->nfaces * n, sizeof *fill.tops,
-                            &fill.tops)) ||
-        (result = slv_parallel_env_begin(env, &log, &fill.env)) ||
-        (result = slv_parallel_for(env, mesh->nfaces, ITEMS_PER_RANGE, fill_faces, &fill)) ||
-        (result = slv_parallel_for(env, nedges, ITEMS_PER_RANGE, fill_edges, &fill)))
+        (result = slvi_alloc(env, "squares", htex->offset[nedges], 1, &htex->texels)) ||
+        (result = slvi_alloc(env, "samples on edges", fill.ends[nedges] * 2 * n,
+                             sizeof *fill.diagonals, &fill.diagonals)) ||
+        (result = slvi_alloc(env, "corners", 5 * (uint64_t)mesh->nfaces * n, sizeof *fill.tops,
+                             &fill.tops)) ||
+        (result = slvi_parallel_env_begin(env, &log, &fill.env)) ||
+        (result = slvi_parallel_for(env, mesh->nfaces, ITEMS_PER_RANGE, fill_faces, &fill)) ||
+        (result = slvi_parallel_for(env, nedges, ITEMS_PER_RANGE, fill_edges, &fill)))
         goto done;
-    result = slv_htex_find_corners(env, htex, mesh, fill.tops);
+    result = slvi_htex_find_corners(env, htex, mesh, fill.tops);
 done:
-    slv_parallel_env_end(log);
+    slvi_parallel_env_end(log);
     slvi_free(fill.ends);
     slvi_free(fill.diagonals);
     slvi_free(fill.tops);
@@ -291,14 +292,15 @@ slv_result slv_htex_create(const slv_env *env, const slv_levels *levels,
     slv_result result;
     *out = NULL;
     if (slv_adjacency_face_count(adjacency) != desc->nfaces)
-        return slv_fail(env, SLV_ERROR_MISMATCH, "half-edges: %u faces of texture, %u of adjacency",
-                        (unsigned)desc->nfaces, (unsigned)slv_adjacency_face_count(adjacency));
-    if ((result = slv_alloc(env, "half-edge texture", 1, sizeof *htex, &htex)))
+        return slvi_fail(env, SLV_ERROR_MISMATCH,
+                         "half-edges: %u faces of texture, %u of adjacency", (unsigned)desc->nfaces,
+                         (unsigned)slv_adjacency_face_count(adjacency));
+    if ((result = slvi_alloc(env, "half-edge texture", 1, sizeof *htex, &htex)))
         return result;
     htex->desc = *desc;
     htex->texel_size = levels->texel_size;
-    if ((result = slv_alloc(env, "resolutions", desc->nfaces, sizeof *htex->res, &htex->res)) ||
-        (result = slv_htex_mesh_create(env, adjacency, &mesh)))
+    if ((result = slvi_alloc(env, "resolutions", desc->nfaces, sizeof *htex->res, &htex->res)) ||
+        (result = slvi_htex_mesh_create(env, adjacency, &mesh)))
         goto done;
     if (desc->nfaces)
         memcpy(htex->res, desc->res, desc->nfaces * sizeof *htex->res);
@@ -309,7 +311,7 @@ slv_result slv_htex_create(const slv_env *env, const slv_levels *levels,
     *out = htex;
     htex = NULL;
 done:
-    slv_htex_mesh_free(&mesh);
+    slvi_htex_mesh_free(&mesh);
     slv_htex_destroy(htex);
     return result;
 }

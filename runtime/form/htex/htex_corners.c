@@ -31,7 +31,8 @@ static slv_result number_nodes(const slv_env *env, slv_htex *htex, const slv_hte
             if (number[nodes[k]] == SLV_HTEX_NONE)
                 number[nodes[k]] = htex->ncorners++;
     }
-    if ((result = slv_alloc(env, "corners", htex->ncorners, sizeof *htex->corners, &htex->corners)))
+    if ((result =
+             slvi_alloc(env, "corners", htex->ncorners, sizeof *htex->corners, &htex->corners)))
         return result;
     for (uint32_t edge = 0; edge < htex->nedges; edge++) {
         uint32_t nodes[CORNERS], n = nodes_of(mesh, edge, nodes);
@@ -47,7 +48,7 @@ static slv_result number_nodes(const slv_env *env, slv_htex *htex, const slv_hte
         total += htex->corners[i].log2 + 1u;
     }
     if (total > UINT32_MAX)
-        return slv_fail(env, SLV_ERROR_LIMIT, "half-edges: too many corners for 32-bit indices");
+        return slvi_fail(env, SLV_ERROR_LIMIT, "half-edges: too many corners for 32-bit indices");
     htex->nvalues = (uint32_t)total;
     return SLV_OK;
 }
@@ -89,20 +90,20 @@ static void take_means(slv_htex *htex, uint64_t nnodes, const uint32_t *number,
     }
 }
 
-slv_result slv_htex_find_corners(const slv_env *env, slv_htex *htex, const slv_htex_mesh *mesh,
-                                 const float *tops) {
+slv_result slvi_htex_find_corners(const slv_env *env, slv_htex *htex, const slv_htex_mesh *mesh,
+                                  const float *tops) {
     uint64_t nnodes = 5 * (uint64_t)mesh->nfaces, n = htex->desc.nchannels;
     uint32_t *number = NULL, *count = NULL;
     double *sums = NULL;
     float *value = NULL;
     slv_result result;
-    if ((result = slv_alloc(env, "corners", nnodes, sizeof *number, &number)) ||
-        (result = slv_alloc(env, "corners", nnodes, sizeof *count, &count)) ||
+    if ((result = slvi_alloc(env, "corners", nnodes, sizeof *number, &number)) ||
+        (result = slvi_alloc(env, "corners", nnodes, sizeof *count, &count)) ||
         (result = number_nodes(env, htex, mesh, number, count)) ||
-        (result = slv_alloc(env, "corners", htex->nvalues * n, sizeof *sums, &sums)) ||
-        (result = slv_alloc(env, "corners", n, sizeof *value, &value)) ||
+        (result = slvi_alloc(env, "corners", htex->nvalues * n, sizeof *sums, &sums)) ||
+        (result = slvi_alloc(env, "corners", n, sizeof *value, &value)) ||
         (result =
-             slv_alloc(env, "corners", htex->nvalues * n, sizeof *htex->values, &htex->values)))
+             slvi_alloc(env, "corners", htex->nvalues * n, sizeof *htex->values, &htex->values)))
         goto done;
     add_texels(htex, mesh, number, sums, value);
     take_means(htex, nnodes, number, count, sums, tops);

@@ -23,9 +23,9 @@ typedef struct slv_htex_mesh {
     uint32_t *root;      /* per half-edge: the node of its start */
 } slv_htex_mesh;
 
-slv_result slv_htex_mesh_create(const slv_env *env, const slv_adjacency *adjacency,
-                                slv_htex_mesh *out);
-void slv_htex_mesh_free(slv_htex_mesh *mesh);
+slv_result slvi_htex_mesh_create(const slv_env *env, const slv_adjacency *adjacency,
+                                 slv_htex_mesh *out);
+void slvi_htex_mesh_free(slv_htex_mesh *mesh);
 
 static inline bool slv_htex_is_part(const slv_htex_mesh *mesh, uint32_t face) {
     return mesh->after[face] != SLV_HTEX_NONE;
@@ -89,11 +89,11 @@ typedef struct slv_htex_source {
 } slv_htex_source;
 
 /* Bilinear; (u,v) lies in the face. */
-void slv_htex_source_at(const slv_htex_source *source, float u, float v, float *out);
+void slvi_htex_source_at(const slv_htex_source *source, float u, float v, float *out);
 
 /* Finds what the squares at a node agree on, and the corners of each face. `tops` has, per node,
  * the value at the least resolution around it. */
-slv_result slv_htex_find_corners(const slv_env *env, slv_htex *htex, const slv_htex_mesh *mesh,
-                                 const float *tops);
+slv_result slvi_htex_find_corners(const slv_env *env, slv_htex *htex, const slv_htex_mesh *mesh,
+                                  const float *tops);
 
 #endif

@@ -14,7 +14,7 @@ static void add_point(const slv_resample_measure *measure, const slv_htex_source
                       uint32_t face, float u, float v, float *values, double *sum, double *most) {
     size_t n = source->nchannels;
     slv_htex_lookup(measure->resampled, face, u, v, 0, values);
-    slv_htex_source_at(source, u, v, values + n);
+    slvi_htex_source_at(source, u, v, values + n);
     for (size_t c = 0; c < n; c++) {
         double lost = fabs((double)values[c] - (double)values[c + n]);
         *sum += lost * lost;
@@ -59,10 +59,10 @@ static slv_result measure_faces(void *user, uint64_t first, uint64_t end) {
             ((UINT64_C(1) << desc->res[face].u) + 2) * ((UINT64_C(1) << desc->res[face].v) + 2);
         texels = count > texels ? count : texels;
     }
-    if ((result = slv_alloc(&measure->env, "border", texels * desc->nchannels, sizeof *bordered,
-                            &bordered)) ||
-        (result = slv_alloc(&measure->env, "values", 2 * (uint64_t)desc->nchannels, sizeof *values,
-                            &values)))
+    if ((result = slvi_alloc(&measure->env, "border", texels * desc->nchannels, sizeof *bordered,
+                             &bordered)) ||
+        (result = slvi_alloc(&measure->env, "values", 2 * (uint64_t)desc->nchannels, sizeof *values,
+                             &values)))
         goto done;
     for (uint32_t face = (uint32_t)first; face < end; face++) {
         slv_htex_source source = {desc->res[face], desc->nchannels, bordered};
@@ -81,8 +81,8 @@ slv_result slv_htex_measure(const slv_env *env, const slv_htex *htex, const slv_
                             const slv_adjacency *adjacency, slv_htex_error *out) {
     slv_resample_measure measure = {.resampled = htex, .levels = levels, .adjacency = adjacency};
     slv_face_error sum;
-    slv_result result = slv_resample_measure_all(env, &measure, &htex->desc,
-                                                 "half-edges: they were", measure_faces, &sum);
+    slv_result result = slvi_resample_measure_all(env, &measure, &htex->desc,
+                                                  "half-edges: they were", measure_faces, &sum);
     if (!result)
         *out = (slv_htex_error){sum.texel_sum, sum.texel_max, sum.function_sum, sum.function_max};
     return result;

@@ -118,24 +118,24 @@ static void find_edges(slv_htex_mesh *mesh) {
         mesh->root[h] = find_root(mesh->root, h);
 }
 
-slv_result slv_htex_mesh_create(const slv_env *env, const slv_adjacency *adjacency,
-                                slv_htex_mesh *out) {
+slv_result slvi_htex_mesh_create(const slv_env *env, const slv_adjacency *adjacency,
+                                 slv_htex_mesh *out) {
     slv_htex_mesh mesh = {.nfaces = slv_adjacency_face_count(adjacency)};
     uint64_t nfaces = mesh.nfaces, nhalves = 4 * nfaces;
     bool *seen = NULL;
     slv_result result;
     memset(out, 0, sizeof *out);
     if (nfaces > UINT32_MAX / 5)
-        return slv_fail(env, SLV_ERROR_LIMIT, "half-edges: %u faces are too many",
-                        (unsigned)mesh.nfaces);
-    if ((result = slv_alloc(env, "polygons", nfaces, sizeof *seen, &seen)) ||
-        (result = slv_alloc(env, "polygons", nfaces, sizeof *mesh.after, &mesh.after)) ||
-        (result = slv_alloc(env, "polygons", nfaces, sizeof *mesh.before, &mesh.before)) ||
-        (result = slv_alloc(env, "polygons", nfaces, sizeof *mesh.polygon, &mesh.polygon)) ||
-        (result = slv_alloc(env, "half-edges", nhalves, sizeof *mesh.twin, &mesh.twin)) ||
-        (result = slv_alloc(env, "half-edges", nhalves, sizeof *mesh.edge, &mesh.edge)) ||
-        (result = slv_alloc(env, "half-edges", nhalves, sizeof *mesh.root, &mesh.root)) ||
-        (result = slv_alloc(env, "edges", nhalves, sizeof *mesh.half, &mesh.half)))
+        return slvi_fail(env, SLV_ERROR_LIMIT, "half-edges: %u faces are too many",
+                         (unsigned)mesh.nfaces);
+    if ((result = slvi_alloc(env, "polygons", nfaces, sizeof *seen, &seen)) ||
+        (result = slvi_alloc(env, "polygons", nfaces, sizeof *mesh.after, &mesh.after)) ||
+        (result = slvi_alloc(env, "polygons", nfaces, sizeof *mesh.before, &mesh.before)) ||
+        (result = slvi_alloc(env, "polygons", nfaces, sizeof *mesh.polygon, &mesh.polygon)) ||
+        (result = slvi_alloc(env, "half-edges", nhalves, sizeof *mesh.twin, &mesh.twin)) ||
+        (result = slvi_alloc(env, "half-edges", nhalves, sizeof *mesh.edge, &mesh.edge)) ||
+        (result = slvi_alloc(env, "half-edges", nhalves, sizeof *mesh.root, &mesh.root)) ||
+        (result = slvi_alloc(env, "edges", nhalves, sizeof *mesh.half, &mesh.half)))
         goto done;
     find_polygons(adjacency, &mesh, seen);
     find_twins(adjacency, &mesh);
@@ -144,11 +144,11 @@ slv_result slv_htex_mesh_create(const slv_env *env, const slv_adjacency *adjacen
     memset(&mesh, 0, sizeof mesh);
 done:
     slvi_free(seen);
-    slv_htex_mesh_free(&mesh);
+    slvi_htex_mesh_free(&mesh);
     return result;
 }
 
-void slv_htex_mesh_free(slv_htex_mesh *mesh) {
+void slvi_htex_mesh_free(slv_htex_mesh *mesh) {
     slvi_free(mesh->after);
     slvi_free(mesh->before);
     slvi_free(mesh->polygon);

@@ -124,31 +124,31 @@ struct slv_gl {
 };
 
 /* Each makes a context current and returns how to find functions; the message says why not. */
-slv_result slv_gl_open_egl(const slv_env *env, bool hardware, char *why, size_t why_size,
-                           slv_gl_platform *out, slv_gl_get_proc *get_proc);
-slv_result slv_gl_open_osmesa(const slv_env *env, char *why, size_t why_size, slv_gl_platform *out,
-                              slv_gl_get_proc *get_proc);
+slv_result slvi_gl_open_egl(const slv_env *env, bool hardware, char *why, size_t why_size,
+                            slv_gl_platform *out, slv_gl_get_proc *get_proc);
+slv_result slvi_gl_open_osmesa(const slv_env *env, char *why, size_t why_size, slv_gl_platform *out,
+                               slv_gl_get_proc *get_proc);
 
 /* The address of a function in an open library, written to the function pointer that `out` points
  * to. */
-bool slv_gl_symbol(void *library, const char *name, void *out);
+bool slvi_gl_symbol(void *library, const char *name, void *out);
 
 /* Puts what drawing and transfers depend on into the state that a fresh context has, whatever a
  * host left behind: pixel store and pixel buffers, clip control, raster, depth and per-fragment
  * state. */
-void slv_gl_set_state(const slv_gl *gl);
+void slvi_gl_set_state(const slv_gl *gl);
 
 /* SLV_ERROR_GL with `what` in the message if the driver has an error pending. */
-slv_result slv_gl_check(const slv_gl *gl, const slv_env *env, const char *what);
+slv_result slvi_gl_check(const slv_gl *gl, const slv_env *env, const char *what);
 
 /* Compiles and links shaders/draw/NAME.vert with shaders/draw/NAME.frag, `lookups`
  * (slv_gl_texture_glsl) in front of the latter. The compiler's first words go to the log. */
-slv_result slv_gl_program(const slv_gl *gl, const slv_env *env, const char *name,
-                          const char *lookups, GLuint *out);
+slv_result slvi_gl_program(const slv_gl *gl, const slv_env *env, const char *name,
+                           const char *lookups, GLuint *out);
 
 /* The text of a file in shaders/; from SELVAGE_SHADER_DIR if that is set, else as embedded at
  * build. `*owned` is to be freed by the caller (NULL when embedded). */
-slv_result slv_gl_shader_text(const slv_env *env, const char *name, const char **text,
-                              char **owned);
+slv_result slvi_gl_shader_text(const slv_env *env, const char *name, const char **text,
+                               char **owned);
 
 #endif

@@ -22,7 +22,7 @@ bool slv_gl_backend_from_name(const char *name, slv_gl_backend *out) {
     return false;
 }
 
-bool slv_gl_symbol(void *library, const char *name, void *out) {
+bool slvi_gl_symbol(void *library, const char *name, void *out) {
     void *symbol = dlsym(library, name);
     memcpy(out, &symbol, sizeof symbol);
     return symbol != NULL;
@@ -40,7 +40,7 @@ static slv_result load_functions(const slv_env *env, slv_gl_api *api, slv_gl_get
     SLV_GL_FUNCTIONS(SLV_GL_LOAD)
 #undef SLV_GL_LOAD
     if (missing)
-        return slv_fail(env, SLV_ERROR_GL, "the driver lacks %s: OpenGL 4.5 is needed", missing);
+        return slvi_fail(env, SLV_ERROR_GL, "the driver lacks %s: OpenGL 4.5 is needed", missing);
     return SLV_OK;
 }
 
@@ -106,8 +106,8 @@ static slv_result fill_info(const slv_env *env, slv_gl *gl, slv_gl_backend backe
     api->GetIntegerv(GL_MAJOR_VERSION, &major);
     api->GetIntegerv(GL_MINOR_VERSION, &minor);
     if (major * 10 + minor < 45)
-        return slv_fail(env, SLV_ERROR_GL, "%s has OpenGL %d.%d: 4.5 is needed", info->renderer,
-                        major, minor);
+        return slvi_fail(env, SLV_ERROR_GL, "%s has OpenGL %d.%d: 4.5 is needed", info->renderer,
+                         major, minor);
     api->GetIntegerv(GL_MAX_ARRAY_TEXTURE_LAYERS, &layers);
     api->GetIntegerv(GL_MAX_TEXTURE_SIZE, &size);
     api->GetIntegerv(GL_MAX_TEXTURE_IMAGE_UNITS, &units);
@@ -134,7 +134,7 @@ static slv_result fill_info(const slv_env *env, slv_gl *gl, slv_gl_backend backe
 static slv_result adopt(const slv_env *env, slv_gl_backend backend, slv_gl_platform platform,
                         slv_gl_get_proc get_proc, void *user, slv_gl **out) {
     slv_gl *gl = NULL;
-    slv_result result = slv_alloc(env, "GL context", 1, sizeof *gl, &gl);
+    slv_result result = slvi_alloc(env, "GL context", 1, sizeof *gl, &gl);
     if (!result)
         result = load_functions(env, &gl->api, get_proc, user);
     if (!result)
@@ -157,24 +157,24 @@ slv_result slv_gl_create(const slv_env *env, slv_gl_backend backend, slv_gl **ou
     slv_gl_get_proc get_proc = NULL;
     *out = NULL;
     if (backend == SLV_GL_HOST)
-        return slv_fail(env, SLV_ERROR_ARGUMENT, "a host's context is taken with slv_gl_wrap");
+        return slvi_fail(env, SLV_ERROR_ARGUMENT, "a host's context is taken with slv_gl_wrap");
     if (backend != SLV_GL_OSMESA) {
         for (int software = 0; software < 2; software++)
-            if (!slv_gl_open_egl(env, !software, why[software], sizeof why[software], &platform,
-                                 &get_proc))
+            if (!slvi_gl_open_egl(env, !software, why[software], sizeof why[software], &platform,
+                                  &get_proc))
                 return adopt(env, SLV_GL_EGL, platform, get_proc, NULL, out);
     }
     if (backend != SLV_GL_EGL &&
-        !slv_gl_open_osmesa(env, why[2], sizeof why[2], &platform, &get_proc))
+        !slvi_gl_open_osmesa(env, why[2], sizeof why[2], &platform, &get_proc))
         return adopt(env, SLV_GL_OSMESA, platform, get_proc, NULL, out);
     if (backend == SLV_GL_OSMESA)
-        return slv_fail(env, SLV_ERROR_GL, "no usable OpenGL context: OSMesa: %s", why[2]);
+        return slvi_fail(env, SLV_ERROR_GL, "no usable OpenGL context: OSMesa: %s", why[2]);
     if (backend == SLV_GL_EGL)
-        return slv_fail(env, SLV_ERROR_GL, "no usable OpenGL context: EGL: %s; in software: %s",
-                        why[0], why[1]);
-    return slv_fail(env, SLV_ERROR_GL,
-                    "no usable OpenGL context: EGL: %s; in software: %s; OSMesa: %s", why[0],
-                    why[1], why[2]);
+        return slvi_fail(env, SLV_ERROR_GL, "no usable OpenGL context: EGL: %s; in software: %s",
+                         why[0], why[1]);
+    return slvi_fail(env, SLV_ERROR_GL,
+                     "no usable OpenGL context: EGL: %s; in software: %s; OSMesa: %s", why[0],
+                     why[1], why[2]);
 }
 
 slv_result slv_gl_wrap(const slv_env *env, slv_gl_get_proc get_proc, void *user, slv_gl **out) {
@@ -199,7 +199,7 @@ slv_gl_proc slv_gl_get_function(const slv_gl *gl, const char *name) {
     return gl->get_proc ? gl->get_proc(NULL, name) : NULL;
 }
 
-void slv_gl_set_state(const slv_gl *gl) {
+void slvi_gl_set_state(const slv_gl *gl) {
     static const GLenum off[] = {GL_BLEND,
                                  GL_COLOR_LOGIC_OP,
                                  GL_CULL_FACE,
@@ -241,13 +241,13 @@ void slv_gl_set_state(const slv_gl *gl) {
     api->ColorMask(1, 1, 1, 1);
 }
 
-slv_result slv_gl_check(const slv_gl *gl, const slv_env *env, const char *what) {
+slv_result slvi_gl_check(const slv_gl *gl, const slv_env *env, const char *what) {
     GLenum error = gl->api.GetError();
     if (error == GL_NO_ERROR)
         return SLV_OK;
     while (gl->api.GetError() != GL_NO_ERROR)
         continue;
-    return slv_fail(env, error == GL_OUT_OF_MEMORY ? SLV_ERROR_MEMORY : SLV_ERROR_GL,
-                    "%s: the driver reports %s (0x%04x)", what,
-                    error == GL_OUT_OF_MEMORY ? "out of memory" : "an error", error);
+    return slvi_fail(env, error == GL_OUT_OF_MEMORY ? SLV_ERROR_MEMORY : SLV_ERROR_GL,
+                     "%s: the driver reports %s (0x%04x)", what,
+                     error == GL_OUT_OF_MEMORY ? "out of memory" : "an error", error);
 }

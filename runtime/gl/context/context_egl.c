@@ -36,22 +36,22 @@ struct egl_state {
 static bool load_egl(struct egl_functions *egl) {
     /* never closed: drivers leave threads and thread-local destructors behind */
     void *library = dlopen("libEGL.so.1", RTLD_NOW | RTLD_LOCAL);
-    return library && slv_gl_symbol(library, "eglGetProcAddress", &egl->GetProcAddress) &&
-           slv_gl_symbol(library, "eglInitialize", &egl->Initialize) &&
-           slv_gl_symbol(library, "eglBindAPI", &egl->BindAPI) &&
-           slv_gl_symbol(library, "eglChooseConfig", &egl->ChooseConfig) &&
-           slv_gl_symbol(library, "eglCreateContext", &egl->CreateContext) &&
-           slv_gl_symbol(library, "eglDestroyContext", &egl->DestroyContext) &&
-           slv_gl_symbol(library, "eglMakeCurrent", &egl->MakeCurrent) &&
-           slv_gl_symbol(library, "eglQueryString", &egl->QueryString) &&
-           slv_gl_symbol(library, "eglGetCurrentContext", &egl->GetCurrentContext);
+    return library && slvi_gl_symbol(library, "eglGetProcAddress", &egl->GetProcAddress) &&
+           slvi_gl_symbol(library, "eglInitialize", &egl->Initialize) &&
+           slvi_gl_symbol(library, "eglBindAPI", &egl->BindAPI) &&
+           slvi_gl_symbol(library, "eglChooseConfig", &egl->ChooseConfig) &&
+           slvi_gl_symbol(library, "eglCreateContext", &egl->CreateContext) &&
+           slvi_gl_symbol(library, "eglDestroyContext", &egl->DestroyContext) &&
+           slvi_gl_symbol(library, "eglMakeCurrent", &egl->MakeCurrent) &&
+           slvi_gl_symbol(library, "eglQueryString", &egl->QueryString) &&
+           slvi_gl_symbol(library, "eglGetCurrentContext", &egl->GetCurrentContext);
 }
 
 static slv_gl_proc find_proc(void *user, const char *name) {
     get_proc_fn get_proc = NULL;
     void *library = dlopen("libEGL.so.1", RTLD_NOW | RTLD_LOCAL | RTLD_NOLOAD);
     (void)user;
-    if (!library || !slv_gl_symbol(library, "eglGetProcAddress", &get_proc))
+    if (!library || !slvi_gl_symbol(library, "eglGetProcAddress", &get_proc))
         return NULL;
     return (slv_gl_proc)get_proc(name);
 }
@@ -135,11 +135,11 @@ static bool try_surfaceless(struct egl_state *state, const char **why) {
                        why);
 }
 
-slv_result slv_gl_open_egl(const slv_env *env, bool hardware, char *why, size_t why_size,
-                           slv_gl_platform *out, slv_gl_get_proc *get_proc) {
+slv_result slvi_gl_open_egl(const slv_env *env, bool hardware, char *why, size_t why_size,
+                            slv_gl_platform *out, slv_gl_get_proc *get_proc) {
     const char *reason = hardware ? "no hardware device" : "no device or surfaceless platform";
     struct egl_state *state = NULL;
-    if (slv_alloc(env, "EGL", 1, sizeof *state, &state)) {
+    if (slvi_alloc(env, "EGL", 1, sizeof *state, &state)) {
         reason = "out of memory";
     } else if (!load_egl(&state->egl)) {
         reason = "libEGL.so.1 cannot be loaded";

@@ -37,7 +37,7 @@ static slv_gl_proc find_proc(void *user, const char *name) {
     slv_gl_proc (*get_proc)(const char *) = NULL;
     void *library = open_library(RTLD_NOLOAD);
     (void)user;
-    if (!library || !slv_gl_symbol(library, "OSMesaGetProcAddress", &get_proc))
+    if (!library || !slvi_gl_symbol(library, "OSMesaGetProcAddress", &get_proc))
         return NULL;
     return get_proc(name);
 }
@@ -49,8 +49,8 @@ static void destroy(void *user) {
     slvi_free(state);
 }
 
-slv_result slv_gl_open_osmesa(const slv_env *env, char *why, size_t why_size, slv_gl_platform *out,
-                              slv_gl_get_proc *get_proc) {
+slv_result slvi_gl_open_osmesa(const slv_env *env, char *why, size_t why_size, slv_gl_platform *out,
+                               slv_gl_get_proc *get_proc) {
     static const int attributes[] = {OSMESA_FORMAT,
                                      GL_RGBA,
                                      OSMESA_DEPTH_BITS,
@@ -66,13 +66,13 @@ slv_result slv_gl_open_osmesa(const slv_env *env, char *why, size_t why_size, sl
     const char *reason;
     struct osmesa_state *state = NULL;
     void *library = open_library(0);
-    if (slv_alloc(env, "OSMesa", 1, sizeof *state, &state)) {
+    if (slvi_alloc(env, "OSMesa", 1, sizeof *state, &state)) {
         reason = "out of memory";
     } else if (!library) {
         reason = "libOSMesa.so cannot be loaded";
-    } else if (!slv_gl_symbol(library, "OSMesaCreateContextAttribs", &state->create) ||
-               !slv_gl_symbol(library, "OSMesaMakeCurrent", &state->make_current) ||
-               !slv_gl_symbol(library, "OSMesaDestroyContext", &state->destroy)) {
+    } else if (!slvi_gl_symbol(library, "OSMesaCreateContextAttribs", &state->create) ||
+               !slvi_gl_symbol(library, "OSMesaMakeCurrent", &state->make_current) ||
+               !slvi_gl_symbol(library, "OSMesaDestroyContext", &state->destroy)) {
         reason = "the library is too old";
     } else if (!(state->context = state->create(attributes, NULL))) {
         reason = "it makes no OpenGL 4.5 core context";

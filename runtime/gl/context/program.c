@@ -11,27 +11,27 @@
 struct slv_shader_table_row {
     const char *name, *text;
 };
-extern const struct slv_shader_table_row slv_shader_table[];
+extern const struct slv_shader_table_row slvi_shader_table[];
 
-slv_result slv_gl_shader_text(const slv_env *env, const char *name, const char **text,
-                              char **owned) {
+slv_result slvi_gl_shader_text(const slv_env *env, const char *name, const char **text,
+                               char **owned) {
     const char *folder = getenv("SELVAGE_SHADER_DIR");
     *owned = NULL;
     if (folder && *folder) {
         char path[1024];
         size_t size;
         snprintf(path, sizeof path, "%s/%s", folder, name);
-        slv_result result = slv_file_read(env, path, owned, &size);
+        slv_result result = slvi_file_read(env, path, owned, &size);
         *text = *owned;
         return result;
     }
-    for (const struct slv_shader_table_row *row = slv_shader_table; row->name; row++) {
+    for (const struct slv_shader_table_row *row = slvi_shader_table; row->name; row++) {
         if (strcmp(row->name, name) == 0) {
             *text = row->text;
             return SLV_OK;
         }
     }
-    return slv_fail(env, SLV_ERROR_ARGUMENT, "there is no shader %s", name);
+    return slvi_fail(env, SLV_ERROR_ARGUMENT, "there is no shader %s", name);
 }
 
 static void first_line(char *text) {
@@ -51,7 +51,7 @@ static slv_result compile(const slv_gl *gl, const slv_env *env, const char *name
         return SLV_OK;
     api->GetShaderInfoLog(*out, sizeof words, NULL, words);
     first_line(words);
-    return slv_fail(env, SLV_ERROR_GL, "shader %s does not compile: %s", name, words);
+    return slvi_fail(env, SLV_ERROR_GL, "shader %s does not compile: %s", name, words);
 }
 
 static slv_result link_shaders(const slv_gl *gl, const slv_env *env, const char *name,
@@ -71,11 +71,11 @@ static slv_result link_shaders(const slv_gl *gl, const slv_env *env, const char 
     api->GetProgramInfoLog(program, sizeof words, NULL, words);
     first_line(words);
     api->DeleteProgram(program);
-    return slv_fail(env, SLV_ERROR_GL, "shader %s does not link: %s", name, words);
+    return slvi_fail(env, SLV_ERROR_GL, "shader %s does not link: %s", name, words);
 }
 
-slv_result slv_gl_program(const slv_gl *gl, const slv_env *env, const char *name,
-                          const char *lookups, GLuint *out) {
+slv_result slvi_gl_program(const slv_gl *gl, const slv_env *env, const char *name,
+                           const char *lookups, GLuint *out) {
     static const char version[] = "#version 450 core\n";
     static const GLenum stages[2] = {GL_VERTEX_SHADER, GL_FRAGMENT_SHADER};
     GLuint shaders[2] = {0, 0};
@@ -85,7 +85,7 @@ slv_result slv_gl_program(const slv_gl *gl, const slv_env *env, const char *name
         const char *texts[3] = {version, stage ? lookups : "", NULL};
         char file[64], *owned = NULL;
         snprintf(file, sizeof file, "draw/%s.%s", name, stage ? "frag" : "vert");
-        if (!(result = slv_gl_shader_text(env, file, &texts[2], &owned)))
+        if (!(result = slvi_gl_shader_text(env, file, &texts[2], &owned)))
             result = compile(gl, env, file, stages[stage], texts, 3, &shaders[stage]);
         slvi_free(owned);
     }

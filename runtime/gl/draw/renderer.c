@@ -74,12 +74,13 @@ static slv_result make_target(const slv_gl *gl, const slv_env *env, const slv_fr
         if (api->CheckNamedFramebufferStatus(out->framebuffers[i], GL_FRAMEBUFFER) !=
             GL_FRAMEBUFFER_COMPLETE) {
             free_target(api, out);
-            slv_gl_check(gl, NULL, "framebuffer");
-            return slv_fail(env, SLV_ERROR_GL, "the driver makes no %u x %u target with %u samples",
-                            frame->width, frame->height, frame->msaa);
+            slvi_gl_check(gl, NULL, "framebuffer");
+            return slvi_fail(env, SLV_ERROR_GL,
+                             "the driver makes no %u x %u target with %u samples", frame->width,
+                             frame->height, frame->msaa);
         }
     }
-    slv_result result = slv_gl_check(gl, env, "framebuffer");
+    slv_result result = slvi_gl_check(gl, env, "framebuffer");
     if (result) {
         free_target(api, out);
         return result;
@@ -117,7 +118,7 @@ static void free_indices(const slv_gl_api *api, struct batch_indices *indices) {
 static slv_result make_indices(slv_gl_renderer *renderer, const slv_env *env,
                                const slv_gl_texture *texture, slv_strategy strategy,
                                struct batch_indices *out) {
-    const slv_gl_batches *batches = slv_gl_texture_batches(texture, strategy);
+    const slv_gl_batches *batches = slvi_gl_texture_batches(texture, strategy);
     const slv_gl_api *api = &renderer->gl->api;
     uint32_t *list = NULL;
     uint64_t count = 0;
@@ -128,9 +129,9 @@ static slv_result make_indices(slv_gl_renderer *renderer, const slv_env *env,
     for (uint32_t f = 0; f < renderer->mesh.nfaces; f++)
         count += slv_tessellation_indices(&renderer->mesh, f, NULL);
     if (count > INT32_MAX)
-        return slv_fail(env, SLV_ERROR_LIMIT, "too many triangles: choose a coarser tessellation");
-    if ((result = slv_alloc(env, "triangles", count, sizeof *list, &list)) ||
-        (result = slv_alloc(env, "batches", batches->count + 1, sizeof *out->first, &out->first)))
+        return slvi_fail(env, SLV_ERROR_LIMIT, "too many triangles: choose a coarser tessellation");
+    if ((result = slvi_alloc(env, "triangles", count, sizeof *list, &list)) ||
+        (result = slvi_alloc(env, "batches", batches->count + 1, sizeof *out->first, &out->first)))
         goto done;
     uint32_t at = 0;
     for (uint32_t b = 0; b < batches->count; b++) {
@@ -140,8 +141,8 @@ static slv_result make_indices(slv_gl_renderer *renderer, const slv_env *env,
                                            list + at);
         out->first[b + 1] = at;
     }
-    if ((result = slv_gl_buffer(renderer->gl, env, "triangles", list, count * sizeof *list,
-                                &out->buffer)))
+    if ((result = slvi_gl_buffer(renderer->gl, env, "triangles", list, count * sizeof *list,
+                                 &out->buffer)))
         goto done;
     out->array = make_array(api, renderer->vertices, out->buffer);
     out->nbatches = batches->count;
@@ -172,10 +173,10 @@ static slv_result surface_program(slv_gl_renderer *renderer, const slv_env *env,
             return SLV_OK;
         }
     }
-    if ((result = slv_alloc(env, "shader", strlen(lookups) + 1, 1, &text)))
+    if ((result = slvi_alloc(env, "shader", strlen(lookups) + 1, 1, &text)))
         return result;
     memcpy(text, lookups, strlen(lookups) + 1);
-    if ((result = slv_gl_program(renderer->gl, env, "surface", lookups, out)))
+    if ((result = slvi_gl_program(renderer->gl, env, "surface", lookups, out)))
         slvi_free(text);
     else
         renderer->programs[renderer->nprograms++] = (struct program){text, *out};
@@ -187,16 +188,16 @@ slv_result slv_gl_renderer_create(slv_gl *gl, const slv_env *env, const slv_mesh
                                   slv_gl_renderer **out) {
     slv_gl_renderer *made = NULL;
     slv_adjacency *adjacency = NULL;
-    slv_result result = slv_alloc(env, "renderer", 1, sizeof *made, &made);
+    slv_result result = slvi_alloc(env, "renderer", 1, sizeof *made, &made);
     *out = NULL;
     if (result)
         return result;
     made->gl = gl;
     if (!(result = slv_mesh_adjacency(env, mesh, &adjacency)) &&
         !(result = slv_tessellate(env, mesh, surface, adjacency, segments, &made->mesh)))
-        result = slv_gl_buffer(gl, env, "vertices", made->mesh.vertices,
-                               (uint64_t)made->mesh.first[made->mesh.nfaces] * sizeof(slv_vertex),
-                               &made->vertices);
+        result = slvi_gl_buffer(gl, env, "vertices", made->mesh.vertices,
+                                (uint64_t)made->mesh.first[made->mesh.nfaces] * sizeof(slv_vertex),
+                                &made->vertices);
     slv_adjacency_destroy(adjacency);
     slvi_free(made->mesh.vertices); /* the driver has its own copy */
     made->mesh.vertices = NULL;
@@ -265,7 +266,7 @@ static void set_frame(const slv_gl_renderer *renderer, const slv_frame *frame, G
 static void draw_batches(const slv_gl_renderer *renderer, slv_gl_texture *texture,
                          const slv_frame *frame, const GLuint programs[SLV_GL_MAX_VARIANTS]) {
     const slv_gl_api *api = &renderer->gl->api;
-    const slv_gl_batches *batches = slv_gl_texture_batches(texture, frame->strategy);
+    const slv_gl_batches *batches = slvi_gl_texture_batches(texture, frame->strategy);
     const struct batch_indices *indices = &renderer->indices[frame->strategy];
     GLuint current = 0;
     api->BindVertexArray(indices->array);
@@ -331,17 +332,17 @@ slv_result slv_gl_renderer_draw(slv_gl_renderer *renderer, const slv_env *env,
     slv_frame frame = with_defaults(given);
     GLuint programs[SLV_GL_MAX_VARIANTS] = {0};
     slv_result result;
-    const slv_gl_batches *batches = slv_gl_texture_batches(texture, frame.strategy);
+    const slv_gl_batches *batches = slvi_gl_texture_batches(texture, frame.strategy);
     if (!batches->count)
-        return slv_fail(env, SLV_ERROR_ARGUMENT, "the texture was not made for the strategy %s",
-                        slv_strategy_name(frame.strategy));
+        return slvi_fail(env, SLV_ERROR_ARGUMENT, "the texture was not made for the strategy %s",
+                         slv_strategy_name(frame.strategy));
     if (slv_gl_texture_face_count(texture) != renderer->mesh.nfaces)
-        return slv_fail(env, SLV_ERROR_MISMATCH, "the texture has %u faces, the mesh %u",
-                        slv_gl_texture_face_count(texture), renderer->mesh.nfaces);
+        return slvi_fail(env, SLV_ERROR_MISMATCH, "the texture has %u faces, the mesh %u",
+                         slv_gl_texture_face_count(texture), renderer->mesh.nfaces);
     if (frame.msaa > gl->info.max_msaa || (frame.msaa & (frame.msaa - 1)))
-        return slv_fail(env, SLV_ERROR_UNSUPPORTED,
-                        "%u samples per pixel: the driver has at most %u", frame.msaa,
-                        gl->info.max_msaa);
+        return slvi_fail(env, SLV_ERROR_UNSUPPORTED,
+                         "%u samples per pixel: the driver has at most %u", frame.msaa,
+                         gl->info.max_msaa);
     if ((result = make_target(gl, env, &frame, &renderer->target)) ||
         (result = make_indices(renderer, env, texture, frame.strategy,
                                &renderer->indices[frame.strategy])))
@@ -359,7 +360,7 @@ slv_result slv_gl_renderer_draw(slv_gl_renderer *renderer, const slv_env *env,
             return result;
         set_frame(renderer, &frame, programs[variant]);
     }
-    slv_gl_set_state(gl);
+    slvi_gl_set_state(gl);
     static const float far_away = 1;
     const struct target *target = &renderer->target;
     bool timed = seconds && !gl->info.software;
@@ -392,7 +393,7 @@ slv_result slv_gl_renderer_draw(slv_gl_renderer *renderer, const slv_env *env,
     slv_gl_texture_unbind(texture);
     api->BindVertexArray(0);
     api->BindFramebuffer(GL_FRAMEBUFFER, 0);
-    if (!result && (result = slv_gl_check(gl, env, "drawing")) && image)
+    if (!result && (result = slvi_gl_check(gl, env, "drawing")) && image)
         slv_image_free(image);
     return result;
 }

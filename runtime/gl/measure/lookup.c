@@ -23,8 +23,8 @@ static slv_result lookup_program(slv_gl_texture *texture, const slv_env *env, sl
     GLuint *program = &texture->lookup_programs[strategy][variant];
     slv_result result = SLV_OK;
     if (!*program)
-        result = slv_gl_program(texture->gl, env, "lookup",
-                                slv_gl_texture_glsl(texture, strategy, variant), program);
+        result = slvi_gl_program(texture->gl, env, "lookup",
+                                 slv_gl_texture_glsl(texture, strategy, variant), program);
     *out = *program;
     return result;
 }
@@ -85,18 +85,18 @@ static void sort_by_batch(const slv_gl_batches *batches, const uint32_t *batch_o
 static slv_result lookup_chunk(slv_gl_texture *texture, const slv_env *env, slv_strategy strategy,
                                const uint32_t *batch_of, const struct point *points, uint32_t count,
                                uint32_t *first, uint32_t *order, float *out) {
-    const slv_gl_batches *batches = slv_gl_texture_batches(texture, strategy);
+    const slv_gl_batches *batches = slvi_gl_texture_batches(texture, strategy);
     const slv_gl_api *api = &texture->gl->api;
     uint32_t height = (count + TARGET_WIDTH - 1) / TARGET_WIDTH;
     uint32_t whole = count / TARGET_WIDTH, rest = count % TARGET_WIDTH;
     struct target target = {0};
     slv_result result = SLV_OK;
     sort_by_batch(batches, batch_of, points, count, first, order);
-    slv_gl_set_state(texture->gl);
+    slvi_gl_set_state(texture->gl);
     make_target(api, height, points, order, count, &target);
     if (api->CheckNamedFramebufferStatus(target.framebuffer, GL_FRAMEBUFFER) !=
         GL_FRAMEBUFFER_COMPLETE)
-        result = slv_fail(env, SLV_ERROR_GL, "the driver makes no target for %u lookups", count);
+        result = slvi_fail(env, SLV_ERROR_GL, "the driver makes no target for %u lookups", count);
     api->BindFramebuffer(GL_FRAMEBUFFER, target.framebuffer);
     api->Viewport(0, 0, TARGET_WIDTH, (GLsizei)height);
     api->Disable(GL_DEPTH_TEST);
@@ -122,24 +122,24 @@ static slv_result lookup_chunk(slv_gl_texture *texture, const slv_env *env, slv_
                         out + 4 * (size_t)TARGET_WIDTH * whole);
     slv_gl_texture_unbind(texture);
     free_target(api, &target);
-    return result ? result : slv_gl_check(texture->gl, env, "lookups");
+    return result ? result : slvi_gl_check(texture->gl, env, "lookups");
 }
 
 slv_result slv_gl_texture_lookup(slv_gl_texture *texture, const slv_env *env, slv_strategy strategy,
                                  uint32_t count, const int32_t *faces, const float *uv,
                                  const float *dx, const float *dy, float *out) {
-    const slv_gl_batches *batches = slv_gl_texture_batches(texture, strategy);
+    const slv_gl_batches *batches = slvi_gl_texture_batches(texture, strategy);
     uint32_t *batch_of = NULL, *first = NULL, *order = NULL;
     struct point *points = NULL;
     uint32_t chunk = count < CHUNK ? count : CHUNK;
     slv_result result = SLV_OK;
     if (!batches->count)
-        return slv_fail(env, SLV_ERROR_ARGUMENT, "the texture was not made for the strategy %s",
-                        slv_strategy_name(strategy));
-    if ((result = slv_alloc(env, "lookups", texture->nfaces, sizeof *batch_of, &batch_of)) ||
-        (result = slv_alloc(env, "lookups", batches->count + 1, sizeof *first, &first)) ||
-        (result = slv_alloc(env, "lookups", chunk, sizeof *order, &order)) ||
-        (result = slv_alloc(env, "lookups", chunk, sizeof *points, &points)))
+        return slvi_fail(env, SLV_ERROR_ARGUMENT, "the texture was not made for the strategy %s",
+                         slv_strategy_name(strategy));
+    if ((result = slvi_alloc(env, "lookups", texture->nfaces, sizeof *batch_of, &batch_of)) ||
+        (result = slvi_alloc(env, "lookups", batches->count + 1, sizeof *first, &first)) ||
+        (result = slvi_alloc(env, "lookups", chunk, sizeof *order, &order)) ||
+        (result = slvi_alloc(env, "lookups", chunk, sizeof *points, &points)))
         goto done;
     for (uint32_t b = 0; b < batches->count; b++)
         for (uint32_t i = 0; i < batches->ranges[b].count; i++)
@@ -149,8 +149,8 @@ slv_result slv_gl_texture_lookup(slv_gl_texture *texture, const slv_env *env, sl
         for (uint32_t i = 0; i < here; i++) {
             size_t at = (size_t)start + i;
             if (faces[at] < 0 || (uint32_t)faces[at] >= texture->nfaces) {
-                result = slv_fail(env, SLV_ERROR_ARGUMENT, "lookup %zu: there is no face %d", at,
-                                  faces[at]);
+                result = slvi_fail(env, SLV_ERROR_ARGUMENT, "lookup %zu: there is no face %d", at,
+                                   faces[at]);
                 goto done;
             }
             points[i] = (struct point){faces[at],

@@ -59,7 +59,7 @@ static slv_result find_seams(const slv_env *env, const slv_adjacency *adjacency,
                              const slv_res *table, uint32_t level, struct seam **out,
                              uint32_t *count) {
     uint32_t nfaces = slv_adjacency_face_count(adjacency), found = 0;
-    slv_result result = slv_alloc(env, "seams", (uint64_t)nfaces * 8, sizeof **out, out);
+    slv_result result = slvi_alloc(env, "seams", (uint64_t)nfaces * 8, sizeof **out, out);
     if (result)
         return result;
     for (uint32_t f = 0; f < nfaces; f++) {
@@ -145,20 +145,20 @@ slv_result slv_gl_texture_seam_jump(slv_gl_texture *texture, const slv_env *env,
     memset(out, 0, sizeof *out);
     out->face = out->edge = -1;
     if (slv_adjacency_face_count(adjacency) != texture->nfaces)
-        return slv_fail(env, SLV_ERROR_MISMATCH, "the texture has %u faces, the adjacency %u",
-                        texture->nfaces, slv_adjacency_face_count(adjacency));
+        return slvi_fail(env, SLV_ERROR_MISMATCH, "the texture has %u faces, the adjacency %u",
+                         texture->nfaces, slv_adjacency_face_count(adjacency));
     if (level > SLV_MAX_LOG2_RES)
-        return slv_fail(env, SLV_ERROR_ARGUMENT, "there is no level %u", level);
+        return slvi_fail(env, SLV_ERROR_ARGUMENT, "there is no level %u", level);
     if ((result = find_seams(env, adjacency, texture->res, level, &seams, &nseams)))
         goto done;
     uint64_t count = 2 * (uint64_t)nseams * samples;
     if (count > UINT32_MAX) {
         result =
-            slv_fail(env, SLV_ERROR_LIMIT, "too many samples: %u edges of %u", nseams, samples);
+            slvi_fail(env, SLV_ERROR_LIMIT, "too many samples: %u edges of %u", nseams, samples);
         goto done;
     }
-    if ((result = slv_alloc(env, "seam samples", count, sizeof *faces, &faces)) ||
-        (result = slv_alloc(env, "seam samples", count * 10, sizeof *floats, &floats)))
+    if ((result = slvi_alloc(env, "seam samples", count, sizeof *faces, &faces)) ||
+        (result = slvi_alloc(env, "seam samples", count * 10, sizeof *floats, &floats)))
         goto done;
     float *uv = floats, *dx = uv + 2 * count, *dy = dx + 2 * count, *values = dy + 2 * count;
     for (uint32_t s = 0; s < nseams; s++) {

@@ -17,7 +17,7 @@ struct link_row {
     uint32_t corners, levels;
 };
 
-void slv_gl_batches_free(slv_gl_batches *batches) {
+void slvi_gl_batches_free(slv_gl_batches *batches) {
     slvi_free(batches->ranges);
     slvi_free(batches->faces);
     memset(batches, 0, sizeof *batches);
@@ -27,7 +27,7 @@ static slv_result add_range(const slv_env *env, slv_gl_batches *batches, slv_gl_
     if (batches->count == batches->capacity) {
         uint32_t capacity = batches->capacity ? batches->capacity * 2 : 16;
         slv_result result =
-            slv_grow(env, "batches", capacity, sizeof *batches->ranges, &batches->ranges);
+            slvi_grow(env, "batches", capacity, sizeof *batches->ranges, &batches->ranges);
         if (result)
             return result;
         batches->capacity = capacity;
@@ -37,12 +37,12 @@ static slv_result add_range(const slv_env *env, slv_gl_batches *batches, slv_gl_
     return SLV_OK;
 }
 
-slv_result slv_gl_batches_by_pool(const slv_gl_source *source, const slv_gl_store *store,
-                                  slv_gl_batches *out) {
+slv_result slvi_gl_batches_by_pool(const slv_gl_source *source, const slv_gl_store *store,
+                                   slv_gl_batches *out) {
     uint32_t nfaces = slv_levels_get_desc(source->levels)->nfaces, first = 0;
     slv_gl_batches batches = {0};
     slv_result result =
-        slv_alloc(source->env, "batches", nfaces, sizeof *batches.faces, &batches.faces);
+        slvi_alloc(source->env, "batches", nfaces, sizeof *batches.faces, &batches.faces);
     for (uint32_t p = 0; !result && p < store->npools; p++) {
         slv_gl_batch_range *range = NULL;
         if ((result = add_range(source->env, &batches, &range)))
@@ -55,7 +55,7 @@ slv_result slv_gl_batches_by_pool(const slv_gl_source *source, const slv_gl_stor
         first += range->count;
     }
     if (result)
-        slv_gl_batches_free(&batches);
+        slvi_gl_batches_free(&batches);
     *out = batches;
     return result;
 }
@@ -170,11 +170,11 @@ static slv_result assign_batches(const slv_gl_source *source, const slv_gl_store
         }
     }
     if (dropped_faces)
-        slv_logf(source->env, SLV_LOG_WARNING,
-                 "%u faces meet more array textures than the driver has units for: some of their "
-                 "edges are drawn "
-                 "as boundaries",
-                 dropped_faces);
+        slvi_logf(source->env, SLV_LOG_WARNING,
+                  "%u faces meet more array textures than the driver has units for: some of their "
+                  "edges are drawn "
+                  "as boundaries",
+                  dropped_faces);
     return SLV_OK;
 }
 
@@ -248,8 +248,8 @@ static slv_result fill_corners(void *user, uint64_t first, uint64_t end) {
     const slv_gl_texture_params *params = &job->source->params;
     float *values = NULL;
     slv_result result =
-        slv_alloc(&job->env, "corner", slv_levels_get_desc(job->source->levels)->nchannels,
-                  sizeof *values, &values);
+        slvi_alloc(&job->env, "corner", slv_levels_get_desc(job->source->levels)->nchannels,
+                   sizeof *values, &values);
     if (result)
         return result;
     for (uint64_t face = first; face < end; face++) {
@@ -278,30 +278,30 @@ static slv_result upload_links(const slv_gl_source *source, const slv_gl_store *
     uint64_t ncorners = 0;
     struct link_row *rows = NULL;
     float *values = NULL;
-    slv_result result = slv_alloc(source->env, "link table", nfaces, sizeof *rows, &rows);
+    slv_result result = slvi_alloc(source->env, "link table", nfaces, sizeof *rows, &rows);
     for (uint32_t f = 0; !result && f < nfaces; f++) {
         fill_link_row(source, store, batches, batch_of, f, &rows[f]);
         rows[f].levels = slv_levels_count(source->levels, f);
         rows[f].corners = (uint32_t)ncorners;
         ncorners += 4 * (uint64_t)rows[f].levels;
         if (ncorners > UINT32_MAX)
-            result = slv_fail(source->env, SLV_ERROR_LIMIT,
-                              "too many corners for 32-bit indices at face %u", f);
+            result = slvi_fail(source->env, SLV_ERROR_LIMIT,
+                               "too many corners for 32-bit indices at face %u", f);
     }
     if (!result)
-        result = slv_alloc(source->env, "corner table", ncorners, 4 * sizeof *values, &values);
+        result = slvi_alloc(source->env, "corner table", ncorners, 4 * sizeof *values, &values);
     if (!result) {
         struct corner_job job = {.source = source, .rows = rows, .corners = values};
         slv_parallel_log *log = NULL;
-        if (!(result = slv_parallel_env_begin(source->env, &log, &job.env)))
-            result = slv_parallel_for(source->env, nfaces, 256, fill_corners, &job);
-        slv_parallel_env_end(log);
+        if (!(result = slvi_parallel_env_begin(source->env, &log, &job.env)))
+            result = slvi_parallel_for(source->env, nfaces, 256, fill_corners, &job);
+        slvi_parallel_env_end(log);
     }
     if (!result)
-        result = slv_gl_table(source, "link table", rows, (uint64_t)nfaces * sizeof *rows, links);
+        result = slvi_gl_table(source, "link table", rows, (uint64_t)nfaces * sizeof *rows, links);
     if (!result)
         result =
-            slv_gl_table(source, "corner table", values, ncorners * 4 * sizeof *values, corners);
+            slvi_gl_table(source, "corner table", values, ncorners * 4 * sizeof *values, corners);
     *bytes = (uint64_t)nfaces * sizeof *rows + ncorners * 4 * sizeof *values;
     slvi_free(rows);
     slvi_free(values);
@@ -358,9 +358,9 @@ static slv_result upload_squares(const slv_gl_source *source, const slv_htex *ht
     float *values = NULL;
     slv_result result;
     if (nvalues >> 27)
-        return slv_fail(source->env, SLV_ERROR_LIMIT, "too many corners for 27-bit indices");
-    if ((result = slv_alloc(source->env, "table of squares", desc->nfaces, sizeof *rows, &rows)) ||
-        (result = slv_alloc(source->env, "corner table", nvalues, 4 * sizeof *values, &values)))
+        return slvi_fail(source->env, SLV_ERROR_LIMIT, "too many corners for 27-bit indices");
+    if ((result = slvi_alloc(source->env, "table of squares", desc->nfaces, sizeof *rows, &rows)) ||
+        (result = slvi_alloc(source->env, "corner table", nvalues, 4 * sizeof *values, &values)))
         goto done;
     for (uint32_t f = 0; f < desc->nfaces; f++)
         fill_square_row(store, &batches->ranges[batch_of[f]], htex, f, &rows[f]);
@@ -372,25 +372,25 @@ static slv_result upload_squares(const slv_gl_source *source, const slv_htex *ht
             to[1] = to[2] = to[0];
     }
     store->bytes += desc->nfaces * sizeof *rows + nvalues * 4 * sizeof *values;
-    if (!(result = slv_gl_table(source, "table of squares", rows, desc->nfaces * sizeof *rows,
-                                &store->squares)))
-        result = slv_gl_table(source, "corner table", values, nvalues * 4 * sizeof *values,
-                              &store->corners);
+    if (!(result = slvi_gl_table(source, "table of squares", rows, desc->nfaces * sizeof *rows,
+                                 &store->squares)))
+        result = slvi_gl_table(source, "corner table", values, nvalues * 4 * sizeof *values,
+                               &store->corners);
 done:
     slvi_free(rows);
     slvi_free(values);
     return result;
 }
 
-slv_result slv_gl_batches_of_squares(const slv_gl_source *source, slv_gl_store *store,
-                                     const slv_htex *htex, const uint32_t *order,
-                                     slv_gl_batches *out) {
+slv_result slvi_gl_batches_of_squares(const slv_gl_source *source, slv_gl_store *store,
+                                      const slv_htex *htex, const uint32_t *order,
+                                      slv_gl_batches *out) {
     uint32_t nfaces = slv_levels_get_desc(source->levels)->nfaces, *batch_of = NULL;
     slv_gl_batches batches = {0};
     slv_result result;
     if ((result =
-             slv_alloc(source->env, "batches", nfaces, sizeof *batches.faces, &batches.faces)) ||
-        (result = slv_alloc(source->env, "batches", nfaces, sizeof *batch_of, &batch_of)))
+             slvi_alloc(source->env, "batches", nfaces, sizeof *batches.faces, &batches.faces)) ||
+        (result = slvi_alloc(source->env, "batches", nfaces, sizeof *batch_of, &batch_of)))
         goto done;
     for (uint32_t i = 0; i < nfaces; i++) {
         slv_htex_face face = slv_htex_get_face(htex, order[i]);
@@ -406,21 +406,21 @@ slv_result slv_gl_batches_of_squares(const slv_gl_source *source, slv_gl_store *
 done:
     slvi_free(batch_of);
     if (result)
-        slv_gl_batches_free(&batches);
+        slvi_gl_batches_free(&batches);
     *out = batches;
     return result;
 }
 
-slv_result slv_gl_batches_with_neighbours(const slv_gl_source *source, const slv_gl_store *store,
-                                          slv_gl_batches *out, GLuint *links, GLuint *corners,
-                                          uint64_t *bytes) {
+slv_result slvi_gl_batches_with_neighbours(const slv_gl_source *source, const slv_gl_store *store,
+                                           slv_gl_batches *out, GLuint *links, GLuint *corners,
+                                           uint64_t *bytes) {
     uint32_t nfaces = slv_levels_get_desc(source->levels)->nfaces;
     slv_gl_batches batches = {0};
     uint32_t *batch_of = NULL;
     slv_result result;
     if ((result =
-             slv_alloc(source->env, "batches", nfaces, sizeof *batches.faces, &batches.faces)) ||
-        (result = slv_alloc(source->env, "batches", nfaces, sizeof *batch_of, &batch_of)) ||
+             slvi_alloc(source->env, "batches", nfaces, sizeof *batches.faces, &batches.faces)) ||
+        (result = slvi_alloc(source->env, "batches", nfaces, sizeof *batch_of, &batch_of)) ||
         (result = assign_batches(source, store, &batches, batch_of)))
         goto done;
     list_faces(&batches, store->order, nfaces, batch_of);
@@ -428,7 +428,7 @@ slv_result slv_gl_batches_with_neighbours(const slv_gl_source *source, const slv
 done:
     slvi_free(batch_of);
     if (result)
-        slv_gl_batches_free(&batches);
+        slvi_gl_batches_free(&batches);
     *out = batches;
     return result;
 }

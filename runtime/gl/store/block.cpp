@@ -16,7 +16,7 @@ static int flags_of(slv_gl_block kind) {
     }
 }
 
-bool slv_gl_block_encode(slv_gl_block kind, const uint8_t rgba[64], uint32_t mask, uint8_t *out) {
+bool slvi_gl_block_encode(slv_gl_block kind, const uint8_t rgba[64], uint32_t mask, uint8_t *out) {
     try {
         squish::CompressMasked(rgba, static_cast<int>(mask), out, flags_of(kind));
         return true;
@@ -35,7 +35,7 @@ static void decode_single(const uint8_t *block, unsigned channel, uint8_t rgba[6
         rgba[4 * i + channel] = decoded[4 * i + 3];
 }
 
-bool slv_gl_block_decode(slv_gl_block kind, const uint8_t *block, uint8_t rgba[64]) {
+bool slvi_gl_block_decode(slv_gl_block kind, const uint8_t *block, uint8_t rgba[64]) {
     try {
         if (kind == SLV_GL_BLOCK_BC4 || kind == SLV_GL_BLOCK_BC5)
             decode_single(block, 0, rgba);

@@ -25,8 +25,8 @@ static inline size_t slv_gl_block_bytes(slv_gl_block kind) {
 
 /* `rgba` is 16 texels in rows; bit i of `mask` says that texel i matters. False if the library
  * threw an exception. */
-bool slv_gl_block_encode(slv_gl_block kind, const uint8_t rgba[64], uint32_t mask, uint8_t *out);
-bool slv_gl_block_decode(slv_gl_block kind, const uint8_t *block, uint8_t rgba[64]);
+bool slvi_gl_block_encode(slv_gl_block kind, const uint8_t rgba[64], uint32_t mask, uint8_t *out);
+bool slvi_gl_block_decode(slv_gl_block kind, const uint8_t *block, uint8_t rgba[64]);
 
 #ifdef __cplusplus
 }

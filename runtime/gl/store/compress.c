@@ -4,7 +4,7 @@
 
 #include <string.h>
 
-void slv_gl_block_error_add(slv_gl_block_error *to, const slv_gl_block_error *from) {
+void slvi_gl_block_error_add(slv_gl_block_error *to, const slv_gl_block_error *from) {
     to->squares += from->squares;
     to->most = from->most > to->most ? from->most : to->most;
     to->count += from->count;
@@ -54,7 +54,7 @@ static bool encode(slv_gl_block kind, const uint8_t rgba[64], uint32_t mask, uin
     uint8_t least[64], other[64];
     uint32_t quarters = 0;
     if (mask != 0xffff)
-        return slv_gl_block_encode(kind, rgba, mask, out);
+        return slvi_gl_block_encode(kind, rgba, mask, out);
     memcpy(least, rgba, sizeof least);
     for (uint32_t q = 1; q < 4; q++) {
         turn(rgba, q, other);
@@ -63,16 +63,16 @@ static bool encode(slv_gl_block kind, const uint8_t rgba[64], uint32_t mask, uin
             quarters = q;
         }
     }
-    if (!slv_gl_block_encode(kind, least, mask, out))
+    if (!slvi_gl_block_encode(kind, least, mask, out))
         return false;
     turn_block_back(kind, out, quarters);
     return true;
 }
 
-slv_result slv_gl_compress(const slv_env *env, slv_gl_block kind, uint32_t ncomponents,
-                           uint32_t nmeasured, uint32_t width, uint32_t height,
-                           const uint8_t *texels, const uint8_t *used, uint8_t *out,
-                           slv_gl_block_error *error) {
+slv_result slvi_gl_compress(const slv_env *env, slv_gl_block kind, uint32_t ncomponents,
+                            uint32_t nmeasured, uint32_t width, uint32_t height,
+                            const uint8_t *texels, const uint8_t *used, uint8_t *out,
+                            slv_gl_block_error *error) {
     for (uint32_t y = 0; y < height; y += 4) {
         for (uint32_t x = 0; x < width; x += 4, out += slv_gl_block_bytes(kind)) {
             uint8_t rgba[64] = {0}, decoded[64];
@@ -88,8 +88,8 @@ slv_result slv_gl_compress(const slv_env *env, slv_gl_block kind, uint32_t ncomp
             memset(out, 0, slv_gl_block_bytes(kind));
             if (!mask)
                 continue;
-            if (!encode(kind, rgba, mask, out) || !slv_gl_block_decode(kind, out, decoded))
-                return slv_fail(env, SLV_ERROR_MEMORY, "a block could not be compressed");
+            if (!encode(kind, rgba, mask, out) || !slvi_gl_block_decode(kind, out, decoded))
+                return slvi_fail(env, SLV_ERROR_MEMORY, "a block could not be compressed");
             for (uint32_t i = 0; i < 16; i++) {
                 for (uint32_t c = 0; mask >> i & 1 && c < nmeasured; c++) {
                     double lost = ((double)decoded[4 * i + c] - rgba[4 * i + c]) / 255;

@@ -6,7 +6,7 @@
 
 #include <string.h>
 
-slv_gl_format slv_gl_format_for(slv_type type, uint32_t first, uint32_t nchannels, bool coverage) {
+slv_gl_format slvi_gl_format_for(slv_type type, uint32_t first, uint32_t nchannels, bool coverage) {
     static const GLenum internal[4][3] = {{GL_R8, GL_RG8, GL_RGBA8},
                                           {GL_R16, GL_RG16, GL_RGBA16},
                                           {GL_R16F, GL_RG16F, GL_RGBA16F},
@@ -48,8 +48,8 @@ static void one_of(slv_type type, void *out) {
         memcpy(out, type == SLV_TYPE_U16 ? &one16 : &one_half, 2);
 }
 
-void slv_gl_convert(const slv_gl_format *format, const void *texels, uint32_t nchannels,
-                    size_t count, bool constant, void *out) {
+void slvi_gl_convert(const slv_gl_format *format, const void *texels, uint32_t nchannels,
+                     size_t count, bool constant, void *out) {
     size_t size = slv_type_size(format->type), stride = constant ? 0 : size * nchannels;
     size_t copied = size * format->nsource, last = size * (format->ncomponents - 1);
     const unsigned char *from = (const unsigned char *)texels + size * format->first;
@@ -79,8 +79,8 @@ void slv_gl_convert(const slv_gl_format *format, const void *texels, uint32_t nc
     }
 }
 
-void slv_gl_convert_float(const slv_gl_format *format, const float *texels, uint32_t nchannels,
-                          size_t count, void *out) {
+void slvi_gl_convert_float(const slv_gl_format *format, const float *texels, uint32_t nchannels,
+                           size_t count, void *out) {
     size_t size = slv_type_size(format->type), last = size * (format->ncomponents - 1);
     unsigned char *to = out;
     unsigned char one[4];
@@ -93,13 +93,13 @@ void slv_gl_convert_float(const slv_gl_format *format, const float *texels, uint
     }
 }
 
-slv_result slv_gl_format_compress(const slv_gl *gl, const slv_env *env, slv_gl_format *format) {
+slv_result slvi_gl_format_compress(const slv_gl *gl, const slv_env *env, slv_gl_format *format) {
     if (format->type != SLV_TYPE_U8)
-        return slv_fail(env, SLV_ERROR_UNSUPPORTED,
-                        "a texture of %s cannot be compressed, only one of uint8",
-                        slv_type_name(format->type));
+        return slvi_fail(env, SLV_ERROR_UNSUPPORTED,
+                         "a texture of %s cannot be compressed, only one of uint8",
+                         slv_type_name(format->type));
     if (format->ncomponents == 4 && !gl->s3tc)
-        return slv_fail(env, SLV_ERROR_GL, "the driver lacks GL_EXT_texture_compression_s3tc");
+        return slvi_fail(env, SLV_ERROR_GL, "the driver lacks GL_EXT_texture_compression_s3tc");
     if (format->ncomponents == 4) {
         format->block = format->nsource == 4 ? SLV_GL_BLOCK_BC3 : SLV_GL_BLOCK_BC1;
         format->internal = format->nsource == 4 ? SLV_GL_RGBA_BC3 : SLV_GL_RGBA_BC1;
@@ -115,8 +115,8 @@ static uint32_t whole_blocks(uint32_t texels, bool blocks) {
     return blocks ? (texels + 3) / 4 * 4 : texels;
 }
 
-void slv_gl_pack_levels(slv_res res, slv_gl_layout layout, uint32_t border, bool blocks,
-                        slv_gl_pool *pool) {
+void slvi_gl_pack_levels(slv_res res, slv_gl_layout layout, uint32_t border, bool blocks,
+                         slv_gl_pool *pool) {
     uint32_t x = 0, y = 0, shelf = 0, more = layout == SLV_GL_EDGE_ALIGNED ? 1 : 0;
     pool->width = 0;
     pool->nlevels = slv_res_level_count(res);

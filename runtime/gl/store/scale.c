@@ -49,7 +49,7 @@ static slv_result copy_faces(void *user, uint64_t first, uint64_t end) {
         const float *values = slv_texture_texels(copy->from, f);
         uint64_t count = stored_values(copy->from, f);
         float *scaled = NULL;
-        if ((result = slv_alloc(&copy->env, "scaled texels", count, sizeof *scaled, &scaled)))
+        if ((result = slvi_alloc(&copy->env, "scaled texels", count, sizeof *scaled, &scaled)))
             return result;
         for (uint64_t i = 0; i < count; i++)
             scaled[i] = values[i] / SLV_GL_SCALE;
@@ -64,15 +64,15 @@ static slv_result copy_faces(void *user, uint64_t first, uint64_t end) {
 static slv_result any_large(const slv_env *env, const slv_texture *texture, bool *large) {
     uint32_t nfaces = slv_texture_get_desc(texture)->nfaces;
     struct scan scan = {.texture = texture};
-    slv_result result = slv_alloc(env, "faces of large values", nfaces, 1, &scan.large);
+    slv_result result = slvi_alloc(env, "faces of large values", nfaces, 1, &scan.large);
     if (!result)
-        result = slv_parallel_for(env, nfaces, 64, scan_faces, &scan);
+        result = slvi_parallel_for(env, nfaces, 64, scan_faces, &scan);
     *large = !result && memchr(scan.large, true, nfaces);
     slvi_free(scan.large);
     return result;
 }
 
-slv_result slv_gl_scale_down(const slv_env *env, const slv_texture *texture, slv_texture **out) {
+slv_result slvi_gl_scale_down(const slv_env *env, const slv_texture *texture, slv_texture **out) {
     const slv_texture_desc *desc = slv_texture_get_desc(texture);
     slv_parallel_log *log = NULL;
     struct copy copy = {.from = texture};
@@ -82,9 +82,9 @@ slv_result slv_gl_scale_down(const slv_env *env, const slv_texture *texture, slv
     if (desc->type != SLV_TYPE_FLOAT || (result = any_large(env, texture, &large)) || !large)
         return result;
     if (!(result = slv_texture_create(env, desc, &copy.to)) &&
-        !(result = slv_parallel_env_begin(env, &log, &copy.env)))
-        result = slv_parallel_for(env, desc->nfaces, 16, copy_faces, &copy);
-    slv_parallel_env_end(log);
+        !(result = slvi_parallel_env_begin(env, &log, &copy.env)))
+        result = slvi_parallel_for(env, desc->nfaces, 16, copy_faces, &copy);
+    slvi_parallel_env_end(log);
     if (result) {
         slv_texture_destroy(copy.to);
         copy.to = NULL;

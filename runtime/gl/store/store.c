@@ -10,22 +10,22 @@
 
 #define ARRAY_BYTES (UINT64_C(512) << 20) /* software drivers refuse textures above 1 GiB */
 
-slv_result slv_gl_buffer(const slv_gl *gl, const slv_env *env, const char *what, const void *data,
-                         uint64_t bytes, GLuint *out) {
+slv_result slvi_gl_buffer(const slv_gl *gl, const slv_env *env, const char *what, const void *data,
+                          uint64_t bytes, GLuint *out) {
     const slv_gl_api *api = &gl->api;
     api->CreateBuffers(1, out);
     api->NamedBufferStorage(*out, (GLsizeiptr)(bytes ? bytes : 16), bytes ? data : NULL, 0);
-    return slv_gl_check(gl, env, what);
+    return slvi_gl_check(gl, env, what);
 }
 
-slv_result slv_gl_table(const slv_gl_source *source, const char *what, const void *data,
-                        uint64_t bytes, GLuint *out) {
+slv_result slvi_gl_table(const slv_gl_source *source, const char *what, const void *data,
+                         uint64_t bytes, GLuint *out) {
     uint64_t most = source->gl->max_storage;
     if (bytes > most)
-        return slv_fail(source->env, SLV_ERROR_LIMIT,
-                        "the %s takes %llu bytes, the driver's limit is %llu", what,
-                        (unsigned long long)bytes, (unsigned long long)most);
-    return slv_gl_buffer(source->gl, source->env, what, data, bytes, out);
+        return slvi_fail(source->env, SLV_ERROR_LIMIT,
+                         "the %s takes %llu bytes, the driver's limit is %llu", what,
+                         (unsigned long long)bytes, (unsigned long long)most);
+    return slvi_gl_buffer(source->gl, source->env, what, data, bytes, out);
 }
 
 /* Faces in breadth-first order over the adjacency, so that faces which meet get layers close
@@ -33,7 +33,7 @@ slv_result slv_gl_table(const slv_gl_source *source, const char *what, const voi
 static slv_result neighbourly_order(const slv_gl_source *source, uint32_t nfaces, uint32_t *order) {
     const slv_face_adjacency *adjacency = slv_adjacency_faces(source->adjacency);
     bool *seen = NULL;
-    slv_result result = slv_alloc(source->env, "face order", nfaces, sizeof *seen, &seen);
+    slv_result result = slvi_alloc(source->env, "face order", nfaces, sizeof *seen, &seen);
     if (result)
         return result;
     uint32_t head = 0, tail = 0;
@@ -80,7 +80,7 @@ static slv_result find_wide(void *user, uint64_t first, uint64_t end) {
             if (needed > capacity) {
                 slvi_free(scratch);
                 capacity = needed;
-                result = slv_alloc(&job->env, "border", needed, sizeof *scratch, &scratch);
+                result = slvi_alloc(&job->env, "border", needed, sizeof *scratch, &scratch);
             }
             if (!result)
                 result = slv_border_build(job->source->levels, job->source->adjacency,
@@ -137,9 +137,9 @@ static slv_result list_faces(const slv_gl_source *source, struct items *out) {
     const slv_texture_desc *desc = slv_levels_get_desc(source->levels);
     slv_result result;
     out->count = desc->nfaces;
-    if ((result = slv_alloc(source->env, "faces", out->count, sizeof *out->res, &out->res)) ||
-        (result = slv_alloc(source->env, "faces", out->count, 1, &out->wide)) ||
-        (result = slv_alloc(source->env, "faces", out->count, sizeof *out->order, &out->order)))
+    if ((result = slvi_alloc(source->env, "faces", out->count, sizeof *out->res, &out->res)) ||
+        (result = slvi_alloc(source->env, "faces", out->count, 1, &out->wide)) ||
+        (result = slvi_alloc(source->env, "faces", out->count, sizeof *out->order, &out->order)))
         return result;
     memcpy(out->res, desc->res, out->count * sizeof *out->res);
     return neighbourly_order(source, out->count, out->order);
@@ -152,11 +152,11 @@ static slv_result list_squares(const slv_gl_source *source, const slv_htex *htex
     bool *seen = NULL;
     slv_result result;
     out->count = slv_htex_edge_count(htex);
-    if ((result = slv_alloc(source->env, "edges", out->count, sizeof *out->res, &out->res)) ||
-        (result = slv_alloc(source->env, "edges", out->count, 1, &out->wide)) ||
-        (result = slv_alloc(source->env, "edges", out->count, sizeof *out->order, &out->order)) ||
-        (result = slv_alloc(source->env, "edges", out->count, sizeof *seen, &seen)) ||
-        (result = slv_alloc(source->env, "face order", nfaces, sizeof *out->faces, &out->faces)) ||
+    if ((result = slvi_alloc(source->env, "edges", out->count, sizeof *out->res, &out->res)) ||
+        (result = slvi_alloc(source->env, "edges", out->count, 1, &out->wide)) ||
+        (result = slvi_alloc(source->env, "edges", out->count, sizeof *out->order, &out->order)) ||
+        (result = slvi_alloc(source->env, "edges", out->count, sizeof *seen, &seen)) ||
+        (result = slvi_alloc(source->env, "face order", nfaces, sizeof *out->faces, &out->faces)) ||
         (result = neighbourly_order(source, nfaces, out->faces)))
         goto done;
     for (uint32_t i = 0; i < nfaces; i++) {
@@ -183,11 +183,11 @@ static slv_result assign_pools(const slv_gl_source *source, const struct items *
     uint32_t count_all = items->count, npools = 0, *start = NULL;
     slv_gl_pool *templates = NULL;
     bool packed = slv_gl_is_packed(store->layout);
-    if ((result = slv_alloc(env, "size classes", NCLASSES + 1, sizeof *start, &start)) ||
-        (result = slv_alloc(env, "size classes", NCLASSES, sizeof *templates, &templates)) ||
-        (result = slv_alloc(env, "layers", count_all, sizeof *store->order, &store->order)) ||
-        (result = slv_alloc(env, "pools", count_all, sizeof *store->pool_of, &store->pool_of)) ||
-        (result = slv_alloc(env, "layers", count_all, sizeof *store->layer_of, &store->layer_of)))
+    if ((result = slvi_alloc(env, "size classes", NCLASSES + 1, sizeof *start, &start)) ||
+        (result = slvi_alloc(env, "size classes", NCLASSES, sizeof *templates, &templates)) ||
+        (result = slvi_alloc(env, "layers", count_all, sizeof *store->order, &store->order)) ||
+        (result = slvi_alloc(env, "pools", count_all, sizeof *store->pool_of, &store->pool_of)) ||
+        (result = slvi_alloc(env, "layers", count_all, sizeof *store->layer_of, &store->layer_of)))
         goto done;
     for (uint32_t i = 0; i < count_all; i++)
         start[class_of(items->res[i], items->wide[i]) + 1]++;
@@ -199,8 +199,8 @@ static slv_result assign_pools(const slv_gl_source *source, const struct items *
             pool->wide = c >> 10;
             const slv_gl_format *format = pool->wide ? &store->wide_format : &store->format;
             if (packed) {
-                slv_gl_pack_levels(pool->res, store->layout, source->params.border, format->block,
-                                   pool);
+                slvi_gl_pack_levels(pool->res, store->layout, source->params.border, format->block,
+                                    pool);
             } else {
                 pool->width = 1u << pool->res.u;
                 pool->height = 1u << pool->res.v;
@@ -208,7 +208,7 @@ static slv_result assign_pools(const slv_gl_source *source, const struct items *
             }
             uint32_t limit = source->gl->info.max_texture_size;
             if (pool->width > limit || pool->height > limit) {
-                result = slv_fail(
+                result = slvi_fail(
                     env, SLV_ERROR_LIMIT,
                     "%s of %u x %u texels needs a texture of %u x %u, the driver's limit is %u",
                     store->layout == SLV_GL_HALF_EDGE ? "an edge's square" : "a face",
@@ -224,11 +224,11 @@ static slv_result assign_pools(const slv_gl_source *source, const struct items *
         start[c + 1] += start[c];
     }
     if (npools > 0xffff) {
-        result = slv_fail(env, SLV_ERROR_LIMIT, "%u array textures are needed, the limit is 65535",
-                          npools);
+        result = slvi_fail(env, SLV_ERROR_LIMIT, "%u array textures are needed, the limit is 65535",
+                           npools);
         goto done;
     }
-    if ((result = slv_alloc(env, "pools", npools, sizeof *store->pools, &store->pools)))
+    if ((result = slvi_alloc(env, "pools", npools, sizeof *store->pools, &store->pools)))
         goto done;
     for (uint32_t i = 0; i < count_all; i++) {
         uint32_t item = items->order[i];
@@ -262,7 +262,7 @@ static slv_result make_coverage(const slv_gl_source *source, slv_gl_pool *pool) 
     const slv_gl_api *api = &source->gl->api;
     unsigned char *ones = NULL;
     slv_result result =
-        slv_alloc(source->env, "coverage", (uint64_t)pool->width * pool->height, 1, &ones);
+        slvi_alloc(source->env, "coverage", (uint64_t)pool->width * pool->height, 1, &ones);
     if (result)
         return result;
     memset(ones, 255, (size_t)pool->width * pool->height);
@@ -299,16 +299,16 @@ static slv_result upload_pool(const slv_gl_source *source, const slv_env *env, s
     api->TextureStorage3D(pool->texture, (GLsizei)nlevels, format->internal, (GLsizei)pool->width,
                           (GLsizei)pool->height, (GLsizei)pool->nlayers);
     api->TextureParameteriv(pool->texture, GL_TEXTURE_SWIZZLE_RGBA, format->swizzle);
-    if ((result = slv_gl_check(source->gl, source->env, "array texture")))
+    if ((result = slvi_gl_check(source->gl, source->env, "array texture")))
         return result;
     store->bytes += layer_bytes(pool, format, packed) * pool->nlayers;
     for (uint32_t level = 0; !result && level < nlevels; level++)
-        result = slv_gl_upload_level(source, env, store, forms, pool, level, staging, capacity);
+        result = slvi_gl_upload_level(source, env, store, forms, pool, level, staging, capacity);
     if (!result && store->layout == SLV_GL_BARE && format->nsource == 4) {
         result = make_coverage(source, pool);
         store->coverage_bytes += coverage_bytes(pool);
     }
-    return result ? result : slv_gl_check(source->gl, source->env, "texture upload");
+    return result ? result : slvi_gl_check(source->gl, source->env, "texture upload");
 }
 
 static slv_result upload_tables(const slv_gl_source *source, slv_gl_store *store) {
@@ -316,7 +316,7 @@ static slv_result upload_tables(const slv_gl_source *source, slv_gl_store *store
     const slv_env *env = source->env;
     uint32_t *rows = NULL;
     float *rects = NULL;
-    slv_result result = slv_alloc(env, "face table", desc->nfaces, 8, &rows);
+    slv_result result = slvi_alloc(env, "face table", desc->nfaces, 8, &rows);
     if (result)
         goto done;
     for (uint32_t f = 0; f < desc->nfaces; f++) {
@@ -325,12 +325,12 @@ static slv_result upload_tables(const slv_gl_source *source, slv_gl_store *store
         rows[2 * f + 1] = (uint32_t)desc->res[f].u | (uint32_t)desc->res[f].v << 8;
     }
     store->bytes += (uint64_t)desc->nfaces * 8;
-    if ((result =
-             slv_gl_table(source, "face table", rows, (uint64_t)desc->nfaces * 8, &store->table)) ||
+    if ((result = slvi_gl_table(source, "face table", rows, (uint64_t)desc->nfaces * 8,
+                                &store->table)) ||
         !slv_gl_is_packed(store->layout))
         goto done;
     uint64_t bytes = (uint64_t)store->npools * SLV_GL_LEVELS * 4 * sizeof *rects;
-    if ((result = slv_alloc(env, "level table", bytes, 1, &rects)))
+    if ((result = slvi_alloc(env, "level table", bytes, 1, &rects)))
         goto done;
     float first_sample = store->layout == SLV_GL_EDGE_ALIGNED ? 0.5f : 0.0f;
     for (uint32_t p = 0; p < store->npools; p++) {
@@ -345,7 +345,7 @@ static slv_result upload_tables(const slv_gl_source *source, slv_gl_store *store
         }
     }
     store->bytes += bytes;
-    result = slv_gl_table(source, "level table", rects, bytes, &store->rects);
+    result = slvi_gl_table(source, "level table", rects, bytes, &store->rects);
 done:
     slvi_free(rows);
     slvi_free(rects);
@@ -364,7 +364,7 @@ static slv_result build_forms(const slv_gl_source *source, const slv_env *env, s
 static slv_result widen(const slv_gl_source *source, const slv_env *env, bool blocks,
                         struct items *items, slv_gl_store *store) {
     struct widen_job job = {.source = source, .env = *env, .wide = items->wide};
-    slv_result result = slv_parallel_for(env, items->count, 64, find_wide, &job);
+    slv_result result = slvi_parallel_for(env, items->count, 64, find_wide, &job);
     for (uint32_t f = 0; f < items->count; f++)
         *(blocks ? &store->nclipped : &store->nwide) += items->wide[f];
     if (blocks)
@@ -372,8 +372,8 @@ static slv_result widen(const slv_gl_source *source, const slv_env *env, bool bl
     return result;
 }
 
-slv_result slv_gl_store_build(const slv_gl_source *source, slv_gl_layout layout, slv_gl_store *out,
-                              slv_gl_batches *batches) {
+slv_result slvi_gl_store_build(const slv_gl_source *source, slv_gl_layout layout, slv_gl_store *out,
+                               slv_gl_batches *batches) {
     const slv_texture_desc *desc = slv_levels_get_desc(source->levels);
     uint32_t first = source->params.first_channel, nchannels = source->params.nchannels;
     bool coverage = layout == SLV_GL_BARE;
@@ -385,15 +385,15 @@ slv_result slv_gl_store_build(const slv_gl_source *source, slv_gl_layout layout,
     slv_parallel_log *log = NULL;
     slv_env env;
     slv_result result = SLV_OK;
-    store.format = slv_gl_format_for(desc->type, first, nchannels, coverage);
-    store.wide_format = slv_gl_format_for(
+    store.format = slvi_gl_format_for(desc->type, first, nchannels, coverage);
+    store.wide_format = slvi_gl_format_for(
         desc->type == SLV_TYPE_U8 ? SLV_TYPE_HALF : SLV_TYPE_FLOAT, first, nchannels, coverage);
     bool blocks = source->params.compression == SLV_GL_COMPRESSION_BLOCKS;
-    if (blocks && (result = slv_gl_format_compress(source->gl, source->env, &store.format))) {
+    if (blocks && (result = slvi_gl_format_compress(source->gl, source->env, &store.format))) {
         *out = store;
         return result;
     }
-    if ((result = slv_parallel_env_begin(source->env, &log, &env)) ||
+    if ((result = slvi_parallel_env_begin(source->env, &log, &env)) ||
         (result = build_forms(source, &env, layout, &forms)) ||
         (result =
              forms.htex ? list_squares(source, forms.htex, &items) : list_faces(source, &items)))
@@ -409,21 +409,21 @@ slv_result slv_gl_store_build(const slv_gl_source *source, slv_gl_layout layout,
         result = upload_tables(source, &store);
     if (!result)
         result = forms.htex
-                     ? slv_gl_batches_of_squares(source, &store, forms.htex, items.faces, batches)
-                     : slv_gl_batches_by_pool(source, &store, batches);
+                     ? slvi_gl_batches_of_squares(source, &store, forms.htex, items.faces, batches)
+                     : slvi_gl_batches_by_pool(source, &store, batches);
 done:
     slv_edge_aligned_destroy(forms.aligned);
     slv_htex_destroy(forms.htex);
-    slv_parallel_env_end(log);
+    slvi_parallel_env_end(log);
     free_items(&items);
     slvi_free(staging);
     if (result)
-        slv_gl_store_free(source->gl, &store);
+        slvi_gl_store_free(source->gl, &store);
     *out = store;
     return result;
 }
 
-void slv_gl_store_free(const slv_gl *gl, slv_gl_store *store) {
+void slvi_gl_store_free(const slv_gl *gl, slv_gl_store *store) {
     for (uint32_t p = 0; p < store->npools; p++) {
         gl->api.DeleteTextures(1, &store->pools[p].texture);
         gl->api.DeleteTextures(1, &store->pools[p].coverage);

@@ -98,19 +98,19 @@ static inline uint32_t slv_gl_variant_pools(uint32_t variant) {
     return 1u << (variant >> 1);
 }
 
-slv_gl_format slv_gl_format_for(slv_type type, uint32_t first, uint32_t nchannels, bool coverage);
+slv_gl_format slvi_gl_format_for(slv_type type, uint32_t first, uint32_t nchannels, bool coverage);
 /* One row-major block of `count` texels, from all channels of the store's type to the format. */
-void slv_gl_convert(const slv_gl_format *format, const void *texels, uint32_t nchannels,
-                    size_t count, bool constant, void *out);
+void slvi_gl_convert(const slv_gl_format *format, const void *texels, uint32_t nchannels,
+                     size_t count, bool constant, void *out);
 /* The same from floats of `nchannels`. */
-void slv_gl_convert_float(const slv_gl_format *format, const float *texels, uint32_t nchannels,
-                          size_t count, void *out);
+void slvi_gl_convert_float(const slv_gl_format *format, const float *texels, uint32_t nchannels,
+                           size_t count, void *out);
 
 /* Lays one size class's levels out in a layer; fills rects, width and height. */
-void slv_gl_pack_levels(slv_res res, slv_gl_layout layout, uint32_t border, bool blocks,
-                        slv_gl_pool *pool);
+void slvi_gl_pack_levels(slv_res res, slv_gl_layout layout, uint32_t border, bool blocks,
+                         slv_gl_pool *pool);
 /* Makes a format of 8-bit texels one of blocks. */
-slv_result slv_gl_format_compress(const slv_gl *gl, const slv_env *env, slv_gl_format *format);
+slv_result slvi_gl_format_compress(const slv_gl *gl, const slv_env *env, slv_gl_format *format);
 
 /* What is made from a texture for some layouts, NULL for the others, while they are uploaded. */
 typedef struct slv_gl_forms {
@@ -119,47 +119,48 @@ typedef struct slv_gl_forms {
 } slv_gl_forms;
 
 /* The batches are those of lookups that stay in the own layer, and of half-edge squares. */
-slv_result slv_gl_store_build(const slv_gl_source *source, slv_gl_layout layout, slv_gl_store *out,
-                              slv_gl_batches *batches);
-void slv_gl_store_free(const slv_gl *gl, slv_gl_store *store);
+slv_result slvi_gl_store_build(const slv_gl_source *source, slv_gl_layout layout, slv_gl_store *out,
+                               slv_gl_batches *batches);
+void slvi_gl_store_free(const slv_gl *gl, slv_gl_store *store);
 
 /* Fills and uploads one level of every layer (packed: the whole layer), as many layers at a time as
  * the staging holds; `*staging` grows as needed and is released with slvi_free. `env` logs one at a
  * time. */
-slv_result slv_gl_upload_level(const slv_gl_source *source, const slv_env *env, slv_gl_store *store,
-                               const slv_gl_forms *forms, const slv_gl_pool *pool, uint32_t level,
-                               unsigned char **staging, uint64_t *capacity);
+slv_result slvi_gl_upload_level(const slv_gl_source *source, const slv_env *env,
+                                slv_gl_store *store, const slv_gl_forms *forms,
+                                const slv_gl_pool *pool, uint32_t level, unsigned char **staging,
+                                uint64_t *capacity);
 
 /* One batch a pool. */
-slv_result slv_gl_batches_by_pool(const slv_gl_source *source, const slv_gl_store *store,
-                                  slv_gl_batches *out);
+slv_result slvi_gl_batches_by_pool(const slv_gl_source *source, const slv_gl_store *store,
+                                   slv_gl_batches *out);
 /* Batches whose pools hold all squares that their faces look up, and the table of these. `order`
  * has the faces so that those which meet are close together. */
-slv_result slv_gl_batches_of_squares(const slv_gl_source *source, slv_gl_store *store,
-                                     const slv_htex *htex, const uint32_t *order,
-                                     slv_gl_batches *out);
+slv_result slvi_gl_batches_of_squares(const slv_gl_source *source, slv_gl_store *store,
+                                      const slv_htex *htex, const uint32_t *order,
+                                      slv_gl_batches *out);
 /* A batch looks up a face's squares, which can lie in four pools, however few a host asks for. */
 static inline uint32_t slv_gl_square_pools(const slv_gl_texture_params *params) {
     return params->batch_pools < 4 ? 4 : params->batch_pools;
 }
 /* Batches whose pools hold the neighbours too, the link table that goes with them, and the corner
  * values. */
-slv_result slv_gl_batches_with_neighbours(const slv_gl_source *source, const slv_gl_store *store,
-                                          slv_gl_batches *out, GLuint *links, GLuint *corners,
-                                          uint64_t *bytes);
-void slv_gl_batches_free(slv_gl_batches *batches);
+slv_result slvi_gl_batches_with_neighbours(const slv_gl_source *source, const slv_gl_store *store,
+                                           slv_gl_batches *out, GLuint *links, GLuint *corners,
+                                           uint64_t *bytes);
+void slvi_gl_batches_free(slv_gl_batches *batches);
 
 /* Shaders multiply what they return by this where the texture was divided by it. */
 #define SLV_GL_SCALE 16777216.0f
 /* A copy of a float texture with values so large that sums of a few would overflow, divided by
  * SLV_GL_SCALE; NULL for any other. */
-slv_result slv_gl_scale_down(const slv_env *env, const slv_texture *texture, slv_texture **out);
+slv_result slvi_gl_scale_down(const slv_env *env, const slv_texture *texture, slv_texture **out);
 
-slv_result slv_gl_buffer(const slv_gl *gl, const slv_env *env, const char *what, const void *data,
-                         uint64_t bytes, GLuint *out);
+slv_result slvi_gl_buffer(const slv_gl *gl, const slv_env *env, const char *what, const void *data,
+                          uint64_t bytes, GLuint *out);
 /* A buffer that shaders read: refused above the driver's limit for storage blocks. */
-slv_result slv_gl_table(const slv_gl_source *source, const char *what, const void *data,
-                        uint64_t bytes, GLuint *out);
+slv_result slvi_gl_table(const slv_gl_source *source, const char *what, const void *data,
+                         uint64_t bytes, GLuint *out);
 
 struct slv_gl_texture {
     slv_gl *gl;
@@ -168,7 +169,7 @@ struct slv_gl_texture {
     uint32_t nfaces;
     slv_res *res; /* of each face */
     uint64_t texel_bytes;
-    bool scaled; /* see slv_gl_scale_down */
+    bool scaled; /* see slvi_gl_scale_down */
     slv_gl_store stores[SLV_GL_LAYOUT_COUNT];
     slv_gl_batches own[SLV_GL_LAYOUT_COUNT]; /* clamp and discard; borders; edge-aligned; htex */
     slv_gl_batches reach;                    /* traverse */
@@ -181,6 +182,6 @@ struct slv_gl_texture {
     GLuint lookup_programs[SLV_STRATEGY_COUNT][SLV_GL_MAX_VARIANTS];
 };
 
-const slv_gl_batches *slv_gl_texture_batches(const slv_gl_texture *texture, slv_strategy strategy);
+const slv_gl_batches *slvi_gl_texture_batches(const slv_gl_texture *texture, slv_strategy strategy);
 
 #endif

@@ -77,14 +77,14 @@ static slv_result fill_params(slv_gl *gl, const slv_env *env, const slv_texture_
     }
     if (params.nchannels < 1 || params.nchannels > 4 || params.first_channel >= desc->nchannels ||
         params.nchannels > desc->nchannels - params.first_channel)
-        return slv_fail(
+        return slvi_fail(
             env, SLV_ERROR_ARGUMENT, "channels %u to %u cannot be shown, the texture has %u",
             params.first_channel, params.first_channel + params.nchannels - 1, desc->nchannels);
     if (!params.anisotropy)
         params.anisotropy = 1;
     if (params.anisotropy > gl->info.max_anisotropy) {
-        slv_logf(env, SLV_LOG_WARNING, "anisotropy %u is cut to the driver's %u", params.anisotropy,
-                 gl->info.max_anisotropy);
+        slvi_logf(env, SLV_LOG_WARNING, "anisotropy %u is cut to the driver's %u",
+                  params.anisotropy, gl->info.max_anisotropy);
         params.anisotropy = gl->info.max_anisotropy;
     }
     if (!params.border)
@@ -138,24 +138,24 @@ slv_result slv_gl_texture_create(slv_gl *gl, const slv_env *env, const slv_textu
     slv_result result = SLV_OK;
     *out = NULL;
     if (slv_adjacency_face_count(adjacency) != desc->nfaces)
-        return slv_fail(env, SLV_ERROR_MISMATCH, "the texture has %u faces, the adjacency %u",
-                        desc->nfaces, slv_adjacency_face_count(adjacency));
-    if ((result = slv_alloc(env, "GL texture", 1, sizeof *made, &made)))
+        return slvi_fail(env, SLV_ERROR_MISMATCH, "the texture has %u faces, the adjacency %u",
+                         desc->nfaces, slv_adjacency_face_count(adjacency));
+    if ((result = slvi_alloc(env, "GL texture", 1, sizeof *made, &made)))
         return result;
     made->gl = gl;
     made->serial = ++gl->serial;
     made->nfaces = desc->nfaces;
     if ((result = fill_params(gl, env, desc, params, &made->params)) ||
-        (result = slv_gl_shader_text(env, "lookup/selvage_sample.glsl", &made->sample_text,
-                                     &made->sample_owned)) ||
-        (result = slv_alloc(env, "face table", desc->nfaces, sizeof *made->res, &made->res)) ||
-        (result = slv_gl_scale_down(env, texture, &scaled)) ||
+        (result = slvi_gl_shader_text(env, "lookup/selvage_sample.glsl", &made->sample_text,
+                                      &made->sample_owned)) ||
+        (result = slvi_alloc(env, "face table", desc->nfaces, sizeof *made->res, &made->res)) ||
+        (result = slvi_gl_scale_down(env, texture, &scaled)) ||
         (result = slv_levels_create(env, scaled ? scaled : texture, &levels)))
         goto done;
     made->scaled = scaled != NULL;
     slv_texture_destroy(scaled);
     scaled = NULL;
-    slv_gl_set_state(gl);
+    slvi_gl_set_state(gl);
     memcpy(made->res, desc->res, desc->nfaces * sizeof *made->res);
     made->texel_bytes = texel_bytes(desc, made->params.nchannels);
     slv_gl_source source = {
@@ -166,15 +166,15 @@ slv_result slv_gl_texture_create(slv_gl *gl, const slv_env *env, const slv_textu
     for (int s = 0; s < SLV_STRATEGY_COUNT; s++)
         layouts[layout_of((slv_strategy)s)] |= wants(made, (slv_strategy)s);
     for (int k = 0; k < SLV_GL_LAYOUT_COUNT; k++)
-        if (layouts[k] && (result = slv_gl_store_build(&source, (slv_gl_layout)k, &made->stores[k],
-                                                       &made->own[k])))
+        if (layouts[k] && (result = slvi_gl_store_build(&source, (slv_gl_layout)k, &made->stores[k],
+                                                        &made->own[k])))
             goto done;
-    if (reaching &&
-        (result = slv_gl_batches_with_neighbours(&source, &made->stores[SLV_GL_BARE], &made->reach,
-                                                 &made->links, &made->corners, &made->reach_bytes)))
+    if (reaching && (result = slvi_gl_batches_with_neighbours(&source, &made->stores[SLV_GL_BARE],
+                                                              &made->reach, &made->links,
+                                                              &made->corners, &made->reach_bytes)))
         goto done;
     make_samplers(made);
-    result = slv_gl_check(gl, env, "GL texture");
+    result = slvi_gl_check(gl, env, "GL texture");
 done:
     slv_texture_destroy(scaled);
     slv_levels_destroy(levels);
@@ -191,10 +191,10 @@ void slv_gl_texture_destroy(slv_gl_texture *texture) {
         return;
     const slv_gl_api *api = &texture->gl->api;
     for (int k = 0; k < SLV_GL_LAYOUT_COUNT; k++) {
-        slv_gl_store_free(texture->gl, &texture->stores[k]);
-        slv_gl_batches_free(&texture->own[k]);
+        slvi_gl_store_free(texture->gl, &texture->stores[k]);
+        slvi_gl_batches_free(&texture->own[k]);
     }
-    slv_gl_batches_free(&texture->reach);
+    slvi_gl_batches_free(&texture->reach);
     api->DeleteBuffers(1, &texture->links);
     api->DeleteBuffers(1, &texture->corners);
     api->DeleteSamplers(SAMPLERS, texture->samplers);
@@ -218,7 +218,8 @@ static const slv_gl_store *store_of(const slv_gl_texture *texture, slv_strategy 
     return &texture->stores[layout_of(strategy)];
 }
 
-const slv_gl_batches *slv_gl_texture_batches(const slv_gl_texture *texture, slv_strategy strategy) {
+const slv_gl_batches *slvi_gl_texture_batches(const slv_gl_texture *texture,
+                                              slv_strategy strategy) {
     static const slv_gl_batches none;
     if ((unsigned)strategy >= SLV_STRATEGY_COUNT || !wants(texture, strategy))
         return &none;
@@ -231,7 +232,7 @@ slv_gl_texture_stats slv_gl_texture_get_stats(const slv_gl_texture *texture,
     slv_gl_texture_stats stats = {.texel_bytes = texture->texel_bytes,
                                   .gpu_bytes = store->bytes,
                                   .pools = store->npools,
-                                  .batches = slv_gl_texture_batches(texture, strategy)->count,
+                                  .batches = slvi_gl_texture_batches(texture, strategy)->count,
                                   .widened = store->nwide,
                                   .clipped = store->nclipped,
                                   .block_max = store->error.most};
@@ -249,12 +250,12 @@ uint32_t slv_gl_texture_face_count(const slv_gl_texture *texture) {
 }
 
 uint32_t slv_gl_texture_batch_count(const slv_gl_texture *texture, slv_strategy strategy) {
-    return slv_gl_texture_batches(texture, strategy)->count;
+    return slvi_gl_texture_batches(texture, strategy)->count;
 }
 
 slv_gl_batch slv_gl_texture_batch(const slv_gl_texture *texture, slv_strategy strategy,
                                   uint32_t index) {
-    const slv_gl_batches *batches = slv_gl_texture_batches(texture, strategy);
+    const slv_gl_batches *batches = slvi_gl_texture_batches(texture, strategy);
     slv_gl_batch batch = {0};
     if (index < batches->count) {
         batch.faces = batches->faces + batches->ranges[index].first;
@@ -270,8 +271,7 @@ const char *slv_gl_texture_glsl(slv_gl_texture *texture, slv_strategy strategy, 
     char **text = &texture->glsl[strategy][variant];
     if (!*text) {
         size_t size = strlen(texture->sample_text) + 512;
-        *text = malloc(size);
-        if (!*text)
+        if (slvi_alloc_plain(NULL, "text of a strategy", size, 1, text))
             return "";
         /* alpha is a texel's own only where there are four channels */
         float scale = texture->scaled ? SLV_GL_SCALE : 1;
@@ -291,7 +291,7 @@ const char *slv_gl_texture_glsl(slv_gl_texture *texture, slv_strategy strategy, 
 }
 
 void slv_gl_texture_bind(slv_gl_texture *texture, slv_strategy strategy, uint32_t index) {
-    const slv_gl_batches *batches = slv_gl_texture_batches(texture, strategy);
+    const slv_gl_batches *batches = slvi_gl_texture_batches(texture, strategy);
     const slv_gl_store *store = store_of(texture, strategy);
     const slv_gl_api *api = &texture->gl->api;
     if (index >= batches->count)

@@ -29,8 +29,8 @@ static slv_result fill_bare(const struct fill_job *job, uint32_t layer) {
     const void *texels = job->forms->htex
                              ? slv_htex_texels(job->forms->htex, face, job->level)
                              : slv_levels_texels(job->source->levels, face, job->level);
-    slv_gl_convert(job->format, texels, desc->nchannels, (size_t)1 << (res.u + res.v), false,
-                   job->staging + layer * job->layer_size);
+    slvi_gl_convert(job->format, texels, desc->nchannels, (size_t)1 << (res.u + res.v), false,
+                    job->staging + layer * job->layer_size);
     return SLV_OK;
 }
 
@@ -46,10 +46,10 @@ static slv_result fill_bordered(const struct fill_job *job, uint32_t layer, floa
         if (result)
             return result;
         for (uint32_t y = 0; y < height; y++)
-            slv_gl_convert_float(job->format, scratch + (size_t)y * width * desc->nchannels,
-                                 desc->nchannels, width,
-                                 out + ((size_t)(rect->y + y) * job->pool->width + rect->x) *
-                                           job->format->texel_bytes);
+            slvi_gl_convert_float(job->format, scratch + (size_t)y * width * desc->nchannels,
+                                  desc->nchannels, width,
+                                  out + ((size_t)(rect->y + y) * job->pool->width + rect->x) *
+                                            job->format->texel_bytes);
     }
     return SLV_OK;
 }
@@ -63,9 +63,9 @@ static slv_result fill_aligned(const struct fill_job *job, uint32_t layer) {
         const unsigned char *from = slv_edge_aligned_samples(job->forms->aligned, face, level);
         size_t row = rect->width + 1, bytes = row * desc->nchannels * slv_type_size(desc->type);
         for (uint32_t y = 0; y <= rect->height; y++, from += bytes)
-            slv_gl_convert(job->format, from, desc->nchannels, row, false,
-                           out + ((size_t)(rect->y + y) * job->pool->width + rect->x) *
-                                     job->format->texel_bytes);
+            slvi_gl_convert(job->format, from, desc->nchannels, row, false,
+                            out + ((size_t)(rect->y + y) * job->pool->width + rect->x) *
+                                      job->format->texel_bytes);
     }
     return SLV_OK;
 }
@@ -76,19 +76,19 @@ static slv_result fill(void *user, uint64_t first, uint64_t end) {
     float *scratch = NULL;
     if (job->layout == SLV_GL_BORDERED) {
         uint32_t nchannels = slv_levels_get_desc(job->source->levels)->nchannels;
-        result = slv_alloc(&job->env, "border",
-                           (uint64_t)job->pool->width * job->pool->height * nchannels,
-                           sizeof *scratch, &scratch);
+        result = slvi_alloc(&job->env, "border",
+                            (uint64_t)job->pool->width * job->pool->height * nchannels,
+                            sizeof *scratch, &scratch);
     }
     for (uint64_t layer = first; !result && layer < end; layer++) {
         result = job->layout == SLV_GL_BORDERED ? fill_bordered(job, (uint32_t)layer, scratch)
                  : job->forms->aligned          ? fill_aligned(job, (uint32_t)layer)
                                                 : fill_bare(job, (uint32_t)layer);
         if (!result && job->format->block)
-            result = slv_gl_compress(&job->env, job->format->block, job->format->ncomponents,
-                                     job->format->nsource, job->width, job->height,
-                                     job->staging + layer * job->layer_size, job->used,
-                                     job->blocks + layer * job->block_size, &job->errors[layer]);
+            result = slvi_gl_compress(&job->env, job->format->block, job->format->ncomponents,
+                                      job->format->nsource, job->width, job->height,
+                                      job->staging + layer * job->layer_size, job->used,
+                                      job->blocks + layer * job->block_size, &job->errors[layer]);
     }
     slvi_free(scratch);
     return result;
@@ -111,11 +111,11 @@ static slv_result begin_blocks(const slv_gl_source *source, uint32_t count, stru
     uint64_t texels = (uint64_t)job->width * job->height;
     slv_result result;
     job->block_size = slv_gl_compressed_bytes(job->format->block, job->width, job->height);
-    if ((result = slv_alloc(source->env, "blocks", job->block_size * count, 1, &job->blocks)) ||
-        (result = slv_alloc(source->env, "errors of blocks", count, sizeof *job->errors,
-                            &job->errors)) ||
+    if ((result = slvi_alloc(source->env, "blocks", job->block_size * count, 1, &job->blocks)) ||
+        (result = slvi_alloc(source->env, "errors of blocks", count, sizeof *job->errors,
+                             &job->errors)) ||
         (slv_gl_is_packed(job->layout) &&
-         (result = slv_alloc(source->env, "layer", texels, 1, &job->used))))
+         (result = slvi_alloc(source->env, "layer", texels, 1, &job->used))))
         return result;
     if (job->used)
         mark_used(job->pool, job->layout, job->used);
@@ -142,9 +142,10 @@ static void send(const slv_gl_api *api, const struct fill_job *job, uint32_t cou
                                format->data, job->staging);
 }
 
-slv_result slv_gl_upload_level(const slv_gl_source *source, const slv_env *env, slv_gl_store *store,
-                               const slv_gl_forms *forms, const slv_gl_pool *pool, uint32_t level,
-                               unsigned char **staging, uint64_t *capacity) {
+slv_result slvi_gl_upload_level(const slv_gl_source *source, const slv_env *env,
+                                slv_gl_store *store, const slv_gl_forms *forms,
+                                const slv_gl_pool *pool, uint32_t level, unsigned char **staging,
+                                uint64_t *capacity) {
     const slv_gl_format *format = pool->wide ? &store->wide_format : &store->format;
     slv_res res = slv_res_level(pool->res, level);
     bool packed = slv_gl_is_packed(store->layout);
@@ -157,7 +158,7 @@ slv_result slv_gl_upload_level(const slv_gl_source *source, const slv_env *env, 
     if (layer_size * at_once > *capacity) {
         slvi_free(*staging);
         *capacity = layer_size * at_once;
-        if ((result = slv_alloc(source->env, "upload", *capacity, 1, staging)))
+        if ((result = slvi_alloc(source->env, "upload", *capacity, 1, staging)))
             return result;
     }
     for (uint32_t first = 0; !result && first < pool->nlayers; first += (uint32_t)at_once) {
@@ -181,11 +182,11 @@ slv_result slv_gl_upload_level(const slv_gl_source *source, const slv_env *env, 
             result = begin_blocks(source, count, &job);
         if (!result)
             result =
-                slv_parallel_for(source->env, count, count > 512 ? 64 : count / 8 + 1, fill, &job);
+                slvi_parallel_for(source->env, count, count > 512 ? 64 : count / 8 + 1, fill, &job);
         if (!result)
             send(&source->gl->api, &job, count);
         for (uint32_t i = 0; !result && format->block && i < count; i++)
-            slv_gl_block_error_add(&store->error, &job.errors[i]);
+            slvi_gl_block_error_add(&store->error, &job.errors[i]);
         end_blocks(&job);
     }
     return result;

@@ -24,5 +24,6 @@
 #include <selvage/surface.h>
 #include <selvage/tessellation.h>
 #include <selvage/texture.h>
+#include <selvage/threads.h>
 
 #endif

@@ -49,7 +49,7 @@ static slv_result fail_at(const obj *o, uint32_t line, const char *format, ...) 
     va_start(args, format);
     vsnprintf(words, sizeof words, format, args);
     va_end(args);
-    return slv_fail(o->env, SLV_ERROR_FORMAT, "%s:%u: %s", o->name, line, words);
+    return slvi_fail(o->env, SLV_ERROR_FORMAT, "%s:%u: %s", o->name, line, words);
 }
 
 static slv_result append(obj *o, list *l, const void *items, uint64_t count, size_t size) {
@@ -58,7 +58,7 @@ static slv_result append(obj *o, list *l, const void *items, uint64_t count, siz
         void *grown = NULL;
         while (capacity < l->count + count)
             capacity *= 2;
-        slv_result result = slv_alloc(o->env, o->name, capacity, size, &grown);
+        slv_result result = slvi_alloc(o->env, o->name, capacity, size, &grown);
         if (result)
             return result;
         if (l->count)
@@ -77,29 +77,29 @@ static uint64_t kind_count(const obj *o, int kind) {
 }
 
 static slv_result read_float(obj *o, const char *what, float *out) {
-    if (!slv_scan_more(&o->scan))
+    if (!slvi_scan_more(&o->scan))
         return fail_at(o, o->scan.line, "%s: expected a number, found the line's end", what);
     slv_scan word = o->scan;
-    if (slv_scan_float(&o->scan, out) && slv_scan_at_break(&o->scan))
+    if (slvi_scan_float(&o->scan, out) && slvi_scan_at_break(&o->scan))
         return SLV_OK;
     const char *text;
-    size_t length = slv_scan_word(&word, &text);
+    size_t length = slvi_scan_word(&word, &text);
     return fail_at(o, o->scan.line, "%s: expected a finite number, found '%.*s'", what,
                    (int)(length < 40 ? length : 40), text);
 }
 
 static slv_result read_int(obj *o, const char *what, int32_t *out) {
     int64_t value;
-    if (!slv_scan_more(&o->scan))
+    if (!slvi_scan_more(&o->scan))
         return fail_at(o, o->scan.line, "%s: expected an integer, found the line's end", what);
     slv_scan word = o->scan;
-    if (slv_scan_int(&o->scan, &value) && slv_scan_at_break(&o->scan) && value >= INT32_MIN &&
+    if (slvi_scan_int(&o->scan, &value) && slvi_scan_at_break(&o->scan) && value >= INT32_MIN &&
         value <= INT32_MAX) {
         *out = (int32_t)value;
         return SLV_OK;
     }
     const char *text;
-    size_t length = slv_scan_word(&word, &text);
+    size_t length = slvi_scan_word(&word, &text);
     return fail_at(o, o->scan.line, "%s: expected an integer, found '%.*s'", what,
                    (int)(length < 40 ? length : 40), text);
 }
@@ -109,7 +109,7 @@ static slv_result read_value(obj *o, int kind) {
     float values[3] = {0, 0, 0};
     slv_result result = SLV_OK;
     for (unsigned i = 0; i < kind_floats[kind]; i++) {
-        if (kind == TEXCOORD && i == 1 && !slv_scan_more(&o->scan))
+        if (kind == TEXCOORD && i == 1 && !slvi_scan_more(&o->scan))
             break; /* a one-dimensional texture coordinate */
         if ((result = read_float(o, keywords[kind], &values[i])))
             return result;
@@ -121,7 +121,7 @@ static slv_result read_value(obj *o, int kind) {
  * read. */
 static slv_result read_index(obj *o, int kind, int32_t *out) {
     int64_t index;
-    if (!slv_scan_int(&o->scan, &index))
+    if (!slvi_scan_int(&o->scan, &index))
         return fail_at(o, o->scan.line, "f: malformed %s index", kind_names[kind]);
     if (index == 0 || index > INT32_MAX || index < -(int64_t)kind_count(o, kind))
         return fail_at(o, o->scan.line, "f: %s index %lld, but there are %llu", kind_names[kind],
@@ -142,11 +142,11 @@ static slv_result read_side(obj *o) {
     int32_t side[NKINDS] = {-1, -1, -1};
     slv_result result = read_index(o, VERTEX, &side[VERTEX]);
     for (int kind = TEXCOORD; !result && kind <= NORMAL && take_slash(o); kind++)
-        if (!slv_scan_at_break(&o->scan) && *o->scan.next != '/')
+        if (!slvi_scan_at_break(&o->scan) && *o->scan.next != '/')
             result = read_index(o, kind, &side[kind]);
     if (result)
         return result;
-    if (!slv_scan_at_break(&o->scan))
+    if (!slvi_scan_at_break(&o->scan))
         return fail_at(o, o->scan.line, "f: expected v, v/t, v//n or v/t/n");
     for (int kind = 0; !result && kind < NKINDS; kind++)
         result = append(o, &o->indices[kind], &side[kind], 1, sizeof side[kind]);
@@ -156,7 +156,7 @@ static slv_result read_side(obj *o) {
 static slv_result read_polygon(obj *o) {
     slv_result result = SLV_OK;
     uint64_t first = o->indices[VERTEX].count;
-    while (slv_scan_more(&o->scan))
+    while (slvi_scan_more(&o->scan))
         if ((result = read_side(o)))
             return result;
     uint64_t size = o->indices[VERTEX].count - first;
@@ -175,8 +175,8 @@ static slv_result read_group(obj *o) {
     slv_result result = SLV_OK;
     uint64_t at = o->letters.count;
     const char *word, terminator = 0;
-    while (!result && slv_scan_more(&o->scan)) {
-        size_t length = slv_scan_word(&o->scan, &word);
+    while (!result && slvi_scan_more(&o->scan)) {
+        size_t length = slvi_scan_word(&o->scan, &word);
         if (o->letters.count > at)
             result = append(o, &o->letters, " ", 1, 1);
         if (!result)
@@ -198,13 +198,13 @@ static slv_result read_group(obj *o) {
 /* Tags read `t name nints/nfloats/nstrings`, then that many of each. */
 static slv_result read_tag_counts(obj *o, int64_t counts[3]) {
     counts[0] = counts[1] = counts[2] = 0;
-    bool good = slv_scan_more(&o->scan);
+    bool good = slvi_scan_more(&o->scan);
     for (int i = 0; good && i < 3; i++) {
-        good = (i == 0 || take_slash(o)) && slv_scan_int(&o->scan, &counts[i]) && counts[i] >= 0;
-        if (good && i && slv_scan_at_break(&o->scan))
+        good = (i == 0 || take_slash(o)) && slvi_scan_int(&o->scan, &counts[i]) && counts[i] >= 0;
+        if (good && i && slvi_scan_at_break(&o->scan))
             break;
     }
-    if (!good || !slv_scan_at_break(&o->scan))
+    if (!good || !slvi_scan_at_break(&o->scan))
         return fail_at(o, o->scan.line, "t: expected three counts such as 2/1/0");
     return SLV_OK;
 }
@@ -270,9 +270,9 @@ static bool word_is(const char *word, size_t length, const char *expected) {
 static slv_result read_tag(obj *o) {
     const char *word;
     int64_t counts[3];
-    if (!slv_scan_more(&o->scan))
+    if (!slvi_scan_more(&o->scan))
         return fail_at(o, o->line, "t: expected the name of a tag");
-    size_t length = slv_scan_word(&o->scan, &word);
+    size_t length = slvi_scan_word(&o->scan, &word);
     slv_result result = read_tag_counts(o, counts);
     if (result)
         return result;
@@ -285,8 +285,8 @@ static slv_result read_tag(obj *o) {
     if (word_is(word, length, "hole"))
         return read_hole_tag(o, counts);
     if (!o->skipped_tag)
-        slv_logf(o->env, SLV_LOG_WARNING, "%s:%u: tag '%.*s' and others not known are skipped",
-                 o->name, o->line, (int)(length < 40 ? length : 40), word);
+        slvi_logf(o->env, SLV_LOG_WARNING, "%s:%u: tag '%.*s' and others not known are skipped",
+                  o->name, o->line, (int)(length < 40 ? length : 40), word);
     o->skipped_tag = true;
     return SLV_OK;
 }
@@ -310,8 +310,8 @@ static slv_result read_other(obj *o, const char *word, size_t length) {
         if ((unsigned char)word[i] < 0x20 || (unsigned char)word[i] >= 0x7f)
             return fail_at(o, o->line, "not a text of the OBJ format");
     if (!is_ignored(word, length) && !o->skipped_keyword) {
-        slv_logf(o->env, SLV_LOG_WARNING, "%s:%u: '%.*s' and others not known are skipped", o->name,
-                 o->line, (int)(length < 40 ? length : 40), word);
+        slvi_logf(o->env, SLV_LOG_WARNING, "%s:%u: '%.*s' and others not known are skipped",
+                  o->name, o->line, (int)(length < 40 ? length : 40), word);
         o->skipped_keyword = true;
     }
     return SLV_OK;
@@ -319,10 +319,10 @@ static slv_result read_other(obj *o, const char *word, size_t length) {
 
 static slv_result read_statement(obj *o) {
     const char *word;
-    if (!slv_scan_more(&o->scan) || *o->scan.next == '#')
+    if (!slvi_scan_more(&o->scan) || *o->scan.next == '#')
         return SLV_OK;
     o->line = o->scan.line;
-    size_t length = slv_scan_word(&o->scan, &word);
+    size_t length = slvi_scan_word(&o->scan, &word);
     if (word_is(word, length, "v"))
         return read_value(o, VERTEX);
     if (word_is(word, length, "vt"))
@@ -376,9 +376,9 @@ static slv_result split_tags(const obj *o, const list *l, int width, int32_t **i
                              float **sharpness) {
     const tag *tags = l->items;
     slv_result result =
-        slv_alloc(o->env, o->name, l->count * (uint64_t)width, sizeof **indices, indices);
+        slvi_alloc(o->env, o->name, l->count * (uint64_t)width, sizeof **indices, indices);
     if (!result && sharpness)
-        result = slv_alloc(o->env, o->name, l->count, sizeof **sharpness, sharpness);
+        result = slvi_alloc(o->env, o->name, l->count, sizeof **sharpness, sharpness);
     if (result)
         return result;
     for (uint64_t i = 0; i < l->count; i++) {
@@ -398,7 +398,7 @@ static slv_result make_mesh(obj *o, slv_mesh **out) {
     const char **names = NULL;
     uint64_t nverts = kind_count(o, VERTEX), npolys = o->sizes.count;
     if (!npolys)
-        return slv_fail(o->env, SLV_ERROR_FORMAT, "%s: holds no polygons", o->name);
+        return slvi_fail(o->env, SLV_ERROR_FORMAT, "%s: holds no polygons", o->name);
     if ((result = check_indices(o)) ||
         (result = check_tags(o, &o->creases, "crease", true, nverts)) ||
         (result = check_tags(o, &o->corners, "corner", false, nverts)) ||
@@ -406,13 +406,13 @@ static slv_result make_mesh(obj *o, slv_mesh **out) {
         (result = split_tags(o, &o->creases, 2, &crease_verts, &crease_sharpness)) ||
         (result = split_tags(o, &o->corners, 1, &corner_verts, &corner_sharpness)) ||
         (result = split_tags(o, &o->holes, 1, &hole_polys, NULL)) ||
-        (result = slv_alloc(o->env, o->name, o->group_at.count, sizeof *names, &names)))
+        (result = slvi_alloc(o->env, o->name, o->group_at.count, sizeof *names, &names)))
         goto done;
     if (nverts > INT32_MAX || npolys > INT32_MAX || kind_count(o, TEXCOORD) > INT32_MAX ||
         kind_count(o, NORMAL) > INT32_MAX || o->creases.count > INT32_MAX ||
         o->corners.count > INT32_MAX || o->holes.count > INT32_MAX) {
-        result = slv_fail(o->env, SLV_ERROR_LIMIT, "%s: more than %d elements of a kind", o->name,
-                          INT32_MAX);
+        result = slvi_fail(o->env, SLV_ERROR_LIMIT, "%s: more than %d elements of a kind", o->name,
+                           INT32_MAX);
         goto done;
     }
     for (uint64_t g = 0; g < o->group_at.count; g++)
@@ -465,7 +465,7 @@ slv_result slv_mesh_parse_obj(const slv_env *env, const char *name, const char *
         o.scan.next += 3;
     while (!result && o.scan.next < o.scan.end) {
         if (!(result = read_statement(&o)))
-            slv_scan_next_line(&o.scan);
+            slvi_scan_next_line(&o.scan);
     }
     if (!result)
         result = make_mesh(&o, out);
@@ -484,7 +484,7 @@ slv_result slv_mesh_load_obj(const slv_env *env, const char *path, slv_mesh **ou
     char *text = NULL;
     size_t size = 0;
     *out = NULL;
-    slv_result result = slv_file_read(env, path, &text, &size);
+    slv_result result = slvi_file_read(env, path, &text, &size);
     if (!result)
         result = slv_mesh_parse_obj(env, path, text, size, out);
     slvi_free(text);

@@ -24,12 +24,12 @@ static size_t joined_line_end(const slv_scan *scan) {
     return 0;
 }
 
-bool slv_scan_at_break(const slv_scan *scan) {
+bool slvi_scan_at_break(const slv_scan *scan) {
     return scan->next == scan->end || is_blank(*scan->next) || is_line_end(*scan->next) ||
            joined_line_end(scan);
 }
 
-bool slv_scan_more(slv_scan *scan) {
+bool slvi_scan_more(slv_scan *scan) {
     while (scan->next < scan->end) {
         size_t joined = joined_line_end(scan);
         if (joined) {
@@ -44,7 +44,7 @@ bool slv_scan_more(slv_scan *scan) {
     return false;
 }
 
-void slv_scan_next_line(slv_scan *scan) {
+void slvi_scan_next_line(slv_scan *scan) {
     while (scan->next < scan->end && !is_line_end(*scan->next)) {
         size_t joined = joined_line_end(scan);
         scan->line += joined != 0;
@@ -57,9 +57,9 @@ void slv_scan_next_line(slv_scan *scan) {
     scan->line++;
 }
 
-size_t slv_scan_word(slv_scan *scan, const char **word) {
+size_t slvi_scan_word(slv_scan *scan, const char **word) {
     *word = scan->next;
-    while (!slv_scan_at_break(scan))
+    while (!slvi_scan_at_break(scan))
         scan->next++;
     return (size_t)(scan->next - *word);
 }
@@ -71,7 +71,7 @@ static bool take_sign(slv_scan *scan) {
     return negative;
 }
 
-bool slv_scan_int(slv_scan *scan, int64_t *out) {
+bool slvi_scan_int(slv_scan *scan, int64_t *out) {
     bool negative = take_sign(scan);
     int64_t value = 0;
     const char *first = scan->next;
@@ -135,7 +135,7 @@ static double scale_by_ten(uint64_t digits, int64_t exponent) {
     return exponent < 0 ? value / tens[-exponent] : value * tens[exponent];
 }
 
-bool slv_scan_float(slv_scan *scan, float *out) {
+bool slvi_scan_float(slv_scan *scan, float *out) {
     bool negative = take_sign(scan);
     decimal d = {0, 0, false};
     take_digits(scan, &d, false);

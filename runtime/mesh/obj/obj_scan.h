@@ -13,19 +13,19 @@ typedef struct slv_scan {
 } slv_scan;
 
 /* Skips blanks and joined line ends; true if a word follows on the line. */
-bool slv_scan_more(slv_scan *scan);
+bool slvi_scan_more(slv_scan *scan);
 /* Skips the rest of the line and its end. */
-void slv_scan_next_line(slv_scan *scan);
+void slvi_scan_next_line(slv_scan *scan);
 /* Takes a word up to the next blank. */
-size_t slv_scan_word(slv_scan *scan, const char **word);
+size_t slvi_scan_word(slv_scan *scan, const char **word);
 
 /* These parse at `next`, pass what they took and return false, having taken an unspecified amount,
  * where there is no such number or it does not fit its type. What follows the number is the
  * caller's affair. */
-bool slv_scan_int(slv_scan *scan, int64_t *out);
-bool slv_scan_float(slv_scan *scan, float *out);
+bool slvi_scan_int(slv_scan *scan, int64_t *out);
+bool slvi_scan_float(slv_scan *scan, float *out);
 
 /* True at the end of a word: blank, line end, joined line end or end of text. */
-bool slv_scan_at_break(const slv_scan *scan);
+bool slvi_scan_at_break(const slv_scan *scan);
 
 #endif

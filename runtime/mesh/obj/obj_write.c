@@ -49,12 +49,12 @@ static void write_mesh(FILE *stream, const slv_mesh *mesh) {
 
 slv_result slv_mesh_save_obj(const slv_env *env, const slv_mesh *mesh, const char *path) {
     slv_file_writer writer;
-    slv_result result = slv_file_writer_open(env, path, &writer);
+    slv_result result = slvi_file_writer_open(env, path, &writer);
     if (result)
         return result;
     locale_t plain = newlocale(LC_ALL_MASK, "C", (locale_t)0);
     if (!plain) {
-        result = slv_fail(env, SLV_ERROR_MEMORY, "%s: no memory for the C locale", path);
+        result = slvi_fail(env, SLV_ERROR_MEMORY, "%s: no memory for the C locale", path);
         goto done;
     }
     locale_t before = uselocale(plain);
@@ -62,11 +62,11 @@ slv_result slv_mesh_save_obj(const slv_env *env, const slv_mesh *mesh, const cha
     uselocale(before);
     freelocale(plain);
     if (ferror(writer.stream)) {
-        result = slv_fail(env, SLV_ERROR_IO, "%s: write failed: %s", path, strerror(errno));
+        result = slvi_fail(env, SLV_ERROR_IO, "%s: write failed: %s", path, strerror(errno));
         goto done;
     }
-    return slv_file_writer_commit(env, &writer);
+    return slvi_file_writer_commit(env, &writer);
 done:
-    slv_file_writer_abandon(&writer);
+    slvi_file_writer_abandon(&writer);
     return result;
 }

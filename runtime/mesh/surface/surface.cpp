@@ -285,7 +285,7 @@ void add_creases(const slv_mesh *mesh, const slv_mesh_edges &edges, const slv_me
     std::vector<float> sharpness(edges.count, 0);
     for (uint32_t i = 0; i < view->ncreases; i++) {
         const int32_t *ends = view->crease_verts + 2 * size_t(i);
-        uint32_t edge = slv_mesh_edges_find(&edges, ends[0], ends[1]);
+        uint32_t edge = slvi_mesh_edges_find(&edges, ends[0], ends[1]);
         if (edge != SLV_NO_EDGE)
             sharpness[edge] = std::min(view->crease_sharpness[i], 10.0f);
     }
@@ -398,7 +398,7 @@ struct Edges : slv_mesh_edges {
     Edges() : slv_mesh_edges() {
     }
     ~Edges() {
-        slv_mesh_edges_clear(this);
+        slvi_mesh_edges_clear(this);
     }
     Edges(const Edges &) = delete;
     Edges &operator=(const Edges &) = delete;
@@ -408,7 +408,7 @@ struct Fans : slv_mesh_fans {
     Fans() : slv_mesh_fans() {
     }
     ~Fans() {
-        slv_mesh_fans_clear(this);
+        slvi_mesh_fans_clear(this);
     }
     Fans(const Fans &) = delete;
     Fans &operator=(const Fans &) = delete;
@@ -420,8 +420,8 @@ slv_result make_manifold(const slv_env *env, const slv_mesh *mesh, const slv_sur
     Fans fans;
     slv_result result;
     leave_out_bad(s, out);
-    if ((result = slv_mesh_edges_create(env, mesh, &edges)) ||
-        (result = slv_mesh_fans_create(env, mesh, &edges, out.left_out.data(), &fans)))
+    if ((result = slvi_mesh_edges_create(env, mesh, &edges)) ||
+        (result = slvi_mesh_fans_create(env, mesh, &edges, out.left_out.data(), &fans)))
         return result;
     add_creases(mesh, edges, fans, out);
     add_corners(slv_mesh_get_view(mesh), fans, out);
@@ -531,16 +531,16 @@ slv_result build_patches(const slv_env *env, const slv_mesh *mesh, slv_surface *
         options.SetApproxLevelSmooth(kSmoothLevel).SetApproxLevelSharp(kSharpLevel);
         Factory factory(*topology.refiner, options);
         build.factory = &factory;
-        if ((result = slv_parallel_for(env, npolys, kChunk, prepare_range, &build)))
-            return slv_fail(env, result, "surface: could not be prepared: %s",
-                            slv_result_string(result));
+        if ((result = slvi_parallel_for(env, npolys, kChunk, prepare_range, &build)))
+            return slvi_fail(env, result, "surface: could not be prepared: %s",
+                             slv_result_string(result));
     } else {
         build.refused = uint32_t(npolys);
     }
     if (build.refused)
-        slv_logf(env, SLV_LOG_WARNING,
-                 "surface: OpenSubdiv has no limit for %u polygon(s), they stay flat",
-                 build.refused.load());
+        slvi_logf(env, SLV_LOG_WARNING,
+                  "surface: OpenSubdiv has no limit for %u polygon(s), they stay flat",
+                  build.refused.load());
     return SLV_OK;
 }
 
@@ -642,9 +642,9 @@ template <typename Body> slv_result guarded(const slv_env *env, Body body) {
     try {
         return body();
     } catch (const std::bad_alloc &) {
-        return slv_fail(env, SLV_ERROR_MEMORY, "surface: out of memory");
+        return slvi_fail(env, SLV_ERROR_MEMORY, "surface: out of memory");
     } catch (...) {
-        return slv_fail(env, SLV_ERROR_UNSUPPORTED, "surface: OpenSubdiv gave up");
+        return slvi_fail(env, SLV_ERROR_UNSUPPORTED, "surface: OpenSubdiv gave up");
     }
 }
 
@@ -665,19 +665,19 @@ slv_result slv_surface_create(const slv_env *env, const slv_mesh *mesh,
         std::memcpy(&boundary, &params->boundary, sizeof boundary);
         if (scheme < 0 || scheme > SLV_SCHEME_BILINEAR || boundary < 0 ||
             boundary > SLV_BOUNDARY_EDGE_AND_CORNER)
-            return slv_fail(env, SLV_ERROR_ARGUMENT,
-                            "surface: unknown scheme %d or boundary rule %d", scheme, boundary);
+            return slvi_fail(env, SLV_ERROR_ARGUMENT,
+                             "surface: unknown scheme %d or boundary rule %d", scheme, boundary);
         chosen = *params;
     }
     if (chosen.boundary == SLV_BOUNDARY_DEFAULT)
         chosen.boundary = slv_mesh_get_view(mesh)->boundary;
     if (chosen.boundary == SLV_BOUNDARY_NONE)
-        slv_logf(env, SLV_LOG_WARNING,
-                 "surface: boundary rule 'none' leaves faces without a limit, edge-and-corner is "
-                 "used instead");
+        slvi_logf(env, SLV_LOG_WARNING,
+                  "surface: boundary rule 'none' leaves faces without a limit, edge-and-corner is "
+                  "used instead");
     return guarded(env, [&]() -> slv_result {
         std::unique_ptr<slv_surface> s(new slv_surface());
-        s->env = slv_env_or_default(env);
+        s->env = slvi_env_or_default(env);
         s->scheme = chosen.scheme;
         s->boundary = chosen.boundary;
         copy_mesh(mesh, s.get());
@@ -707,9 +707,9 @@ slv_result slv_surface_evaluate(const slv_surface *surface, size_t count,
         for (size_t i = 0; i < count; i++) {
             if (points[i].face != prepared) {
                 if (!face_exists(surface, points[i].face))
-                    return slv_fail(&surface->env, SLV_ERROR_ARGUMENT,
-                                    "surface: point %zu is on face %d of %zu", i, points[i].face,
-                                    surface->faces.size());
+                    return slvi_fail(&surface->env, SLV_ERROR_ARGUMENT,
+                                     "surface: point %zu is on face %d of %zu", i, points[i].face,
+                                     surface->faces.size());
                 prepared = points[i].face;
                 prepare_face(*surface, prepared, face);
             }
@@ -722,9 +722,9 @@ slv_result slv_surface_evaluate(const slv_surface *surface, size_t count,
 slv_result slv_surface_evaluate_grid(const slv_surface *surface, int32_t face_id, uint32_t nu,
                                      uint32_t nv, const slv_surface_arrays *out) {
     if (!face_exists(surface, face_id) || !nu || !nv)
-        return slv_fail(&surface->env, SLV_ERROR_ARGUMENT,
-                        "surface: a grid of %u x %u on face %d of %zu", nu, nv, face_id,
-                        surface->faces.size());
+        return slvi_fail(&surface->env, SLV_ERROR_ARGUMENT,
+                         "surface: a grid of %u x %u on face %d of %zu", nu, nv, face_id,
+                         surface->faces.size());
     return guarded(&surface->env, [&]() -> slv_result {
         Prepared face;
         size_t i = 0;
@@ -747,8 +747,8 @@ slv_result slv_surface_osd_adjacency(const slv_surface *surface, slv_face_adjace
         leave_out_bad(*surface, topology);
         make_refiner(*surface, surface->verts.data(), surface->positions.size() / 3, topology);
         if (!topology.refiner)
-            return slv_fail(&surface->env, SLV_ERROR_UNSUPPORTED,
-                            "surface: the mesh is beyond OpenSubdiv's limits");
+            return slvi_fail(&surface->env, SLV_ERROR_UNSUPPORTED,
+                             "surface: the mesh is beyond OpenSubdiv's limits");
         Far::PtexIndices ptex(*topology.refiner);
         /* Its numbers count only the polygons that it was given. */
         std::vector<int32_t> ours;

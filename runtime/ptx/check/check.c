@@ -19,16 +19,16 @@ static bool is_of_file(slv_result result) {
 static slv_result find_failure(check_context *check, slv_check_kind kind, slv_result result,
                                const char *path, const check_log *log) {
     if (!is_of_file(result))
-        return slv_fail(&check->env, result, "%s: %s", path, log->message);
+        return slvi_fail(&check->env, result, "%s: %s", path, log->message);
     slv_check_finding finding = {.kind = kind, .face = -1, .edge = -1, .level = -1};
-    check_find(check->findings, &finding, "%s", log->message);
+    slvi_check_find(check->findings, &finding, "%s", log->message);
     return SLV_OK;
 }
 
 static slv_result load_faces(check_context *check) {
     uint32_t nfaces = check->info->nfaces;
     slv_result result =
-        slv_alloc(&check->env, "faces", nfaces, sizeof *check->faces, &check->faces);
+        slvi_alloc(&check->env, "faces", nfaces, sizeof *check->faces, &check->faces);
     for (uint32_t face = 0; !result && face < nfaces; face++)
         result = slv_ptx_get_face(check->ptx, face, &check->faces[face]);
     return result;
@@ -40,7 +40,7 @@ static void check_counts(check_context *check, const slv_ptx_meta *meta) {
         .kind = SLV_CHECK_META, .warning = true, .face = -1, .edge = -1, .level = -1};
     bool triangle = check->info->mesh_type == SLV_PTX_TRIANGLE;
     if (!meta->key[0])
-        check_find(check->findings, &finding, "metadata without a name");
+        slvi_check_find(check->findings, &finding, "metadata without a name");
     if (strcmp(meta->key, "PtexFaceVertCounts") == 0 && meta->type == SLV_META_INT32) {
         uint64_t faces = 0;
         const int32_t *sizes = meta->values;
@@ -48,10 +48,11 @@ static void check_counts(check_context *check, const slv_ptx_meta *meta) {
             faces += triangle || sizes[i] == 4 ? 1 : sizes[i] > 0 ? (uint32_t)sizes[i] : 0;
         finding.warning = false;
         if (faces != check->info->nfaces)
-            check_find(check->findings, &finding,
-                       "PtexFaceVertCounts has %u polygons, which are %llu faces, where the file "
-                       "has %u",
-                       meta->count, (unsigned long long)faces, check->info->nfaces);
+            slvi_check_find(
+                check->findings, &finding,
+                "PtexFaceVertCounts has %u polygons, which are %llu faces, where the file "
+                "has %u",
+                meta->count, (unsigned long long)faces, check->info->nfaces);
     }
 }
 
@@ -64,28 +65,28 @@ static slv_result check_meta(check_context *check, check_log *log) {
             continue;
         }
         slv_check_finding finding = {.kind = SLV_CHECK_META, .face = -1, .edge = -1, .level = -1};
-        check_find(check->findings, &finding, "metadata entry %u: %s", i, log->message);
+        slvi_check_find(check->findings, &finding, "metadata entry %u: %s", i, log->message);
     }
     return SLV_OK;
 }
 
 static slv_result check_meshes(check_context *check, const char *path) {
     check_log log;
-    slv_env quiet = check_log_env(&check->env, &log, path);
+    slv_env quiet = slvi_check_log_env(&check->env, &log, path);
     slv_mesh *inside = NULL;
     slv_result result = slv_ptx_load_mesh(&quiet, check->ptx, &inside);
     if (!result)
-        result = check_mesh(check, inside, true);
+        result = slvi_check_mesh(check, inside, true);
     else if (result == SLV_ERROR_UNSUPPORTED)
         result = SLV_OK;
     else
         result = find_failure(check, SLV_CHECK_META, result, path, &log);
     slv_mesh_destroy(inside);
     if (!result && check->params.mesh)
-        result = check_mesh(check, check->params.mesh, false);
+        result = slvi_check_mesh(check, check->params.mesh, false);
     if (!result && check->mesh_fits) {
-        check_findings_mend(check->findings, SLV_CHECK_ADJACENCY);
-        check_findings_mend(check->findings, SLV_CHECK_SUBFACES);
+        slvi_check_findings_mend(check->findings, SLV_CHECK_ADJACENCY);
+        slvi_check_findings_mend(check->findings, SLV_CHECK_SUBFACES);
     }
     return result;
 }
@@ -98,32 +99,32 @@ static slv_result check_file(check_context *check, const char *path, check_log *
     check->nedges = check->info->mesh_type == SLV_PTX_TRIANGLE ? 3 : 4;
     check->pixel_size = slv_type_size(check->info->type) * check->info->nchannels;
     if ((result = load_faces(check)) || (result = check_meta(check, log)) ||
-        (result = check_adjacency(check)) || (result = check_meshes(check, path)))
+        (result = slvi_check_adjacency(check)) || (result = check_meshes(check, path)))
         return result;
     if (check->params.no_texels)
         return SLV_OK;
-    if ((result = check_texels(check)))
+    if ((result = slvi_check_texels(check)))
         return result;
-    return check->strips ? check_seams(check) : SLV_OK;
+    return check->strips ? slvi_check_seams(check) : SLV_OK;
 }
 
 slv_result slv_ptx_check(const slv_env *env, const char *path, const slv_ptx_check_params *params,
                          slv_ptx_report **out) {
-    check_context check = {.env = slv_env_or_default(env)};
+    check_context check = {.env = slvi_env_or_default(env)};
     check_log log;
-    slv_env quiet = check_log_env(&check.env, &log, path);
+    slv_env quiet = slvi_check_log_env(&check.env, &log, path);
     slv_ptx *ptx = NULL;
     *out = NULL;
     if (params)
         check.params = *params;
     if (!check.params.max_findings)
         check.params.max_findings = DEFAULT_MAX_FINDINGS;
-    slv_result result = slv_alloc(env, "report", 1, sizeof *check.report, &check.report);
+    slv_result result = slvi_alloc(env, "report", 1, sizeof *check.report, &check.report);
     if (result)
         return result;
     check.report->worst_seam =
         (slv_check_finding){.kind = SLV_CHECK_SEAMS, .face = -1, .edge = -1, .level = -1};
-    if ((result = check_findings_create(env, check.params.max_findings, &check.findings)))
+    if ((result = slvi_check_findings_create(env, check.params.max_findings, &check.findings)))
         goto done;
     const slv_ptx_open_params lenient = {.lenient = true};
     if ((result = slv_ptx_open_with(&quiet, path, &lenient, &ptx))) {
@@ -134,14 +135,14 @@ slv_result slv_ptx_check(const slv_env *env, const char *path, const slv_ptx_che
         result = check_file(&check, path, &log);
     }
     if (!result)
-        result = check_findings_report(env, check.findings, check.report);
+        result = slvi_check_findings_report(env, check.findings, check.report);
     if (!result) {
         *out = check.report;
         check.report = NULL;
     }
 done:
     slv_ptx_close(ptx);
-    check_findings_destroy(check.findings);
+    slvi_check_findings_destroy(check.findings);
     slv_ptx_report_destroy(check.report);
     slvi_free(check.faces);
     slvi_free(check.strips);

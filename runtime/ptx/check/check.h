@@ -28,27 +28,27 @@ typedef struct check_context {
 } check_context;
 
 /* check_report.c: findings come from any thread, in any order. */
-slv_result check_findings_create(const slv_env *env, uint32_t max_kept, check_findings **out);
-void check_findings_destroy(check_findings *findings);
+slv_result slvi_check_findings_create(const slv_env *env, uint32_t max_kept, check_findings **out);
+void slvi_check_findings_destroy(check_findings *findings);
 /* `finding` but for its message. */
-void check_find(check_findings *findings, const slv_check_finding *finding, const char *format, ...)
-    SLV_PRINTF(3, 4);
+void slvi_check_find(check_findings *findings, const slv_check_finding *finding, const char *format,
+                     ...) SLV_PRINTF(3, 4);
 /* All findings of a kind so far can be repaired. */
-void check_findings_mend(check_findings *findings, slv_check_kind kind);
-slv_result check_findings_report(const slv_env *env, check_findings *findings,
-                                 slv_ptx_report *report);
+void slvi_check_findings_mend(check_findings *findings, slv_check_kind kind);
+slv_result slvi_check_findings_report(const slv_env *env, check_findings *findings,
+                                      slv_ptx_report *report);
 
 /* What a failing call said, kept as a finding instead of a line in the log. */
 typedef struct check_log {
     char message[240];
     const char *prefix; /* dropped from the front: the file's name */
 } check_log;
-slv_env check_log_env(const slv_env *env, check_log *log, const char *prefix);
+slv_env slvi_check_log_env(const slv_env *env, check_log *log, const char *prefix);
 
 /* Each adds findings; a result other than SLV_OK means that the check itself failed. */
-slv_result check_adjacency(check_context *check);
-slv_result check_mesh(check_context *check, const slv_mesh *mesh, bool inside);
-slv_result check_texels(check_context *check);
-slv_result check_seams(check_context *check);
+slv_result slvi_check_adjacency(check_context *check);
+slv_result slvi_check_mesh(check_context *check, const slv_mesh *mesh, bool inside);
+slv_result slvi_check_texels(check_context *check);
+slv_result slvi_check_seams(check_context *check);
 
 #endif

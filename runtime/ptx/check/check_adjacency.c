@@ -55,20 +55,21 @@ static void check_edge(check_context *check, int32_t face, unsigned edge) {
     slv_check_finding finding = {
         .kind = SLV_CHECK_ADJACENCY, .face = face, .edge = (int32_t)edge, .level = -1};
     char back[64];
-    if (ptx_edge_is_lost(check->ptx, (uint32_t)face, edge, &there)) {
+    if (slvi_ptx_edge_is_lost(check->ptx, (uint32_t)face, edge, &there)) {
         finding.repairable = true;
-        check_find(check->findings, &finding,
-                   "face %d edge %u: leads to face %d, but there are %u faces: readers refuse the "
-                   "file",
-                   face, edge, there, check->info->nfaces);
+        slvi_check_find(
+            check->findings, &finding,
+            "face %d edge %u: leads to face %d, but there are %u faces: readers refuse the "
+            "file",
+            face, edge, there, check->info->nfaces);
         return;
     }
     if (there < 0)
         return;
     if (there_edge >= check->nedges) {
-        check_find(check->findings, &finding,
-                   "face %d edge %u: leads to edge %u of face %d, a triangle", face, edge,
-                   there_edge, there);
+        slvi_check_find(check->findings, &finding,
+                        "face %d edge %u: leads to edge %u of face %d, a triangle", face, edge,
+                        there_edge, there);
         return;
     }
     if (leads_to(check, there, there_edge, face, edge))
@@ -79,14 +80,16 @@ static void check_edge(check_context *check, int32_t face, unsigned edge) {
     describe(check, there, there_edge, back, sizeof back);
     for (unsigned other = 0; other < check->nedges; other++)
         if (other != there_edge && leads_to(check, there, other, face, edge)) {
-            check_find(check->findings, &finding,
-                       "face %d edge %u: leads to face %d edge %u, which %s: it is that face's "
-                       "edge %u that leads back",
-                       face, edge, there, there_edge, back, other);
+            slvi_check_find(
+                check->findings, &finding,
+                "face %d edge %u: leads to face %d edge %u, which %s: it is that face's "
+                "edge %u that leads back",
+                face, edge, there, there_edge, back, other);
             return;
         }
-    check_find(check->findings, &finding, "face %d edge %u: leads to face %d edge %u, which %s",
-               face, edge, there, there_edge, back);
+    slvi_check_find(check->findings, &finding,
+                    "face %d edge %u: leads to face %d edge %u, which %s", face, edge, there,
+                    there_edge, back);
 }
 
 /* A whole quad's edge to two sub-faces needs the second as well, and it must know the quad. */
@@ -99,18 +102,20 @@ static void check_second(check_context *check, int32_t face, unsigned edge) {
     if (second < 0 || is_sub(check, face) || !is_sub(check, second))
         return;
     if (!step_inside(check, &second, &second_edge)) {
-        check_find(check->findings, &finding,
-                   "face %d edge %u: meets sub-face %d, beside which the second one is missing "
-                   "(over its edge %u)",
-                   face, edge, a->face[edge], (a->edge[edge] + 3u) % 4);
+        slvi_check_find(
+            check->findings, &finding,
+            "face %d edge %u: meets sub-face %d, beside which the second one is missing "
+            "(over its edge %u)",
+            face, edge, a->face[edge], (a->edge[edge] + 3u) % 4);
         return;
     }
     second_edge = (second_edge + 3) % 4;
     if (!leads_to(check, second, second_edge, face, edge))
-        check_find(check->findings, &finding,
-                   "face %d edge %u: meets sub-faces %d and %d, but edge %u of the second does not "
-                   "lead back",
-                   face, edge, a->face[edge], second, second_edge);
+        slvi_check_find(
+            check->findings, &finding,
+            "face %d edge %u: meets sub-faces %d and %d, but edge %u of the second does not "
+            "lead back",
+            face, edge, a->face[edge], second, second_edge);
 }
 
 /* The sub-faces of a polygon go round its middle, each one's edge 1 at the next one's edge 2. */
@@ -127,23 +132,24 @@ static void check_polygon(check_context *check, int32_t start, uint8_t *seen) {
         seen[face] = 1;
         finding.face = from;
         if (!step_inside(check, &face, &edge) || edge != 2) {
-            check_find(check->findings, &finding,
-                       "face %d edge 1: is a sub-face, but no other's edge 2 follows it", from);
+            slvi_check_find(check->findings, &finding,
+                            "face %d edge 1: is a sub-face, but no other's edge 2 follows it",
+                            from);
             return;
         }
         if (seen[face] && face != start) {
-            check_find(check->findings, &finding,
-                       "face %d edge 1: the sub-faces from face %d on do not come back to it", from,
-                       start);
+            slvi_check_find(check->findings, &finding,
+                            "face %d edge 1: the sub-faces from face %d on do not come back to it",
+                            from, start);
             return;
         }
     } while (++count < MAX_POLYGON && face != start);
     finding.face = start;
     finding.edge = -1;
     if (count < 3 || count == 4)
-        check_find(check->findings, &finding,
-                   "face %d: is a sub-face of a polygon of %u, which would not be split", start,
-                   count);
+        slvi_check_find(check->findings, &finding,
+                        "face %d: is a sub-face of a polygon of %u, which would not be split",
+                        start, count);
 }
 
 static bool same_value(const uint8_t *values, size_t size, int32_t a, int32_t b) {
@@ -162,8 +168,9 @@ static void check_flag(check_context *check, int32_t face, const uint8_t *values
     if (!(f->flags & SLV_FACE_NEIGHBOURS_CONSTANT))
         return;
     if (!(f->flags & SLV_FACE_CONSTANT)) {
-        check_find(check->findings, &finding,
-                   "face %d: is flagged as lying among its own value, but is not constant", face);
+        slvi_check_find(check->findings, &finding,
+                        "face %d: is flagged as lying among its own value, but is not constant",
+                        face);
         return;
     }
     for (unsigned edge = 0; edge < check->nedges; edge++) {
@@ -172,23 +179,24 @@ static void check_flag(check_context *check, int32_t face, const uint8_t *values
         if (there < 0 || ((check->faces[there].flags & SLV_FACE_CONSTANT) &&
                           same_value(values, check->pixel_size, face, there)))
             continue;
-        check_find(check->findings, &finding,
-                   "face %d edge %u: is flagged as lying among its own value, but face %d differs",
-                   face, edge, there);
+        slvi_check_find(
+            check->findings, &finding,
+            "face %d edge %u: is flagged as lying among its own value, but face %d differs", face,
+            edge, there);
     }
 }
 
-slv_result check_adjacency(check_context *check) {
+slv_result slvi_check_adjacency(check_context *check) {
     uint32_t nfaces = check->info->nfaces;
     bool quads = check->info->mesh_type == SLV_PTX_QUAD;
     uint8_t *seen = NULL, *values = NULL;
     check_log log;
-    slv_env quiet = check_log_env(&check->env, &log, slv_ptx_name(check->ptx));
+    slv_env quiet = slvi_check_log_env(&check->env, &log, slv_ptx_name(check->ptx));
     slv_ptx_reader *reader = NULL;
-    slv_result result = slv_alloc(&check->env, "faces", nfaces, 1, &seen);
+    slv_result result = slvi_alloc(&check->env, "faces", nfaces, 1, &seen);
     if (result ||
         (result =
-             slv_alloc(&check->env, "values of the faces", nfaces, check->pixel_size, &values)) ||
+             slvi_alloc(&check->env, "values of the faces", nfaces, check->pixel_size, &values)) ||
         (result = slv_ptx_reader_create(&quiet, check->ptx, &reader)))
         goto done;
     for (uint32_t face = 0; face < nfaces && !result; face++)

@@ -29,7 +29,7 @@ static slv_result triangle_adjacency(const slv_env *env, const slv_mesh *mesh,
     const slv_mesh_view *view = slv_mesh_get_view(mesh);
     uint64_t nsides = (uint64_t)view->npolys * 3;
     struct side *sides = NULL;
-    slv_result result = slv_alloc(env, "edges", nsides, sizeof *sides, &sides);
+    slv_result result = slvi_alloc(env, "edges", nsides, sizeof *sides, &sides);
     if (result)
         return result;
     for (uint64_t i = 0; i < nsides; i++) {
@@ -100,9 +100,9 @@ static void compare_face(const struct comparison *c, uint32_t face) {
     const slv_ptx_face *f = &c->check->faces[face];
     bool sub = f->flags & SLV_FACE_SUBFACE;
     if (c->quads && sub != slv_adjacency_is_subface(c->quads, (int32_t)face))
-        check_find(c->check->findings, &finding, "face %u: is %s, but %s has %s", face,
-                   sub ? "a sub-face" : "a whole quad", c->name,
-                   sub ? "a whole quad" : "a sub-face");
+        slvi_check_find(c->check->findings, &finding, "face %u: is %s, but %s has %s", face,
+                        sub ? "a sub-face" : "a whole quad", c->name,
+                        sub ? "a whole quad" : "a sub-face");
     if (c->quads && slv_mesh_face_is_hole(c->mesh, (int32_t)face))
         return;
     for (unsigned edge = 0; edge < c->check->nedges; edge++) {
@@ -113,8 +113,8 @@ static void compare_face(const struct comparison *c, uint32_t face) {
         describe(there, sizeof there, f->adjacency.face[edge], f->adjacency.edge[edge]);
         describe(expected, sizeof expected, c->expected[face].face[edge],
                  c->expected[face].edge[edge]);
-        check_find(c->check->findings, &finding, "face %u edge %u: is at %s, but in %s at %s", face,
-                   edge, there, c->name, expected);
+        slvi_check_find(c->check->findings, &finding, "face %u edge %u: is at %s, but in %s at %s",
+                        face, edge, there, c->name, expected);
     }
 }
 
@@ -134,24 +134,24 @@ static void compare_faces(const struct comparison *c, uint32_t mesh_faces) {
     slv_check_finding finding = {.kind = SLV_CHECK_MESH, .face = -1, .edge = -1, .level = -1};
     uint64_t inner = 0;
     if (nfaces != mesh_faces)
-        check_find(check->findings, &finding, "the file has %u faces, %s has %u", nfaces, c->name,
-                   mesh_faces);
+        slvi_check_find(check->findings, &finding, "the file has %u faces, %s has %u", nfaces,
+                        c->name, mesh_faces);
     for (uint32_t face = 0; face < mesh_faces; face++)
         for (unsigned edge = 0; edge < check->nedges; edge++)
             inner += c->expected[face].face[edge] >= 0;
     if (inner && !has_adjacency(check)) {
         finding.warning = true;
         finding.repairable = c->repairable;
-        check_find(check->findings, &finding,
-                   "no face has a neighbour, but %s has %llu shared edges", c->name,
-                   (unsigned long long)inner / 2);
+        slvi_check_find(check->findings, &finding,
+                        "no face has a neighbour, but %s has %llu shared edges", c->name,
+                        (unsigned long long)inner / 2);
         return;
     }
     for (uint32_t face = 0; face < common; face++)
         compare_face(c, face);
 }
 
-slv_result check_mesh(check_context *check, const slv_mesh *mesh, bool inside) {
+slv_result slvi_check_mesh(check_context *check, const slv_mesh *mesh, bool inside) {
     const slv_mesh_view *view = slv_mesh_get_view(mesh);
     bool triangles = check->info->mesh_type == SLV_PTX_TRIANGLE;
     uint32_t count = triangles ? view->npolys : slv_mesh_face_count(mesh);
@@ -166,13 +166,13 @@ slv_result check_mesh(check_context *check, const slv_mesh *mesh, bool inside) {
     check->mesh_fits = false;
     for (uint32_t poly = 0; triangles && poly < view->npolys; poly++)
         if (view->poly_sizes[poly] != 3) {
-            check_find(check->findings, &finding,
-                       "the file is of triangles, but polygon %u of %s has %d vertices", poly,
-                       c.name, view->poly_sizes[poly]);
+            slvi_check_find(check->findings, &finding,
+                            "the file is of triangles, but polygon %u of %s has %d vertices", poly,
+                            c.name, view->poly_sizes[poly]);
             return SLV_OK;
         }
     if (triangles) {
-        if ((result = slv_alloc(&check->env, "edges", count, sizeof *expected, &expected)) ||
+        if ((result = slvi_alloc(&check->env, "edges", count, sizeof *expected, &expected)) ||
             (result = triangle_adjacency(&check->env, mesh, expected)))
             goto done;
         c.expected = expected;

@@ -41,7 +41,7 @@ slv_result slv_ptx_repair(const slv_env *env, const slv_ptx *ptx, const slv_mesh
     uint32_t count = info->mesh_type == SLV_PTX_TRIANGLE ? slv_mesh_get_view(mesh)->npolys
                                                          : slv_mesh_face_count(mesh);
     if (count != info->nfaces)
-        return slv_fail(env, SLV_ERROR_MISMATCH, "%s: has %u faces, the mesh has %u",
-                        slv_ptx_name(ptx), info->nfaces, count);
+        return slvi_fail(env, SLV_ERROR_MISMATCH, "%s: has %u faces, the mesh has %u",
+                         slv_ptx_name(ptx), info->nfaces, count);
     return copy_with_mesh(env, ptx, mesh, path);
 }

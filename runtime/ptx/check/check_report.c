@@ -33,18 +33,18 @@ const char *slv_check_kind_name(slv_check_kind kind) {
     return (unsigned)kind < SLV_CHECK_KINDS ? names[kind] : "unknown";
 }
 
-slv_result check_findings_create(const slv_env *env, uint32_t max_kept, check_findings **out) {
-    slv_result result = slv_alloc(env, "findings", 1, sizeof **out, out);
+slv_result slvi_check_findings_create(const slv_env *env, uint32_t max_kept, check_findings **out) {
+    slv_result result = slvi_alloc(env, "findings", 1, sizeof **out, out);
     if (result)
         return result;
     pthread_mutex_init(&(*out)->lock, NULL);
     (*out)->max_kept = max_kept;
-    (*out)->env = slv_env_or_default(env);
+    (*out)->env = slvi_env_or_default(env);
     (*out)->env.log = NULL;
     return SLV_OK;
 }
 
-void check_findings_destroy(check_findings *findings) {
+void slvi_check_findings_destroy(check_findings *findings) {
     if (!findings)
         return;
     for (int kind = 0; kind < SLV_CHECK_KINDS; kind++)
@@ -77,15 +77,15 @@ static slv_check_finding *make_room(check_findings *findings, struct kept *kept)
         cut(kept, findings->max_kept);
     if (kept->count == kept->capacity) {
         uint32_t capacity = kept->capacity ? 2 * kept->capacity : 16;
-        if (slv_grow(&findings->env, "findings", capacity, sizeof *kept->list, &kept->list))
+        if (slvi_grow(&findings->env, "findings", capacity, sizeof *kept->list, &kept->list))
             return NULL;
         kept->capacity = capacity;
     }
     return &kept->list[kept->count++];
 }
 
-void check_find(check_findings *findings, const slv_check_finding *finding, const char *format,
-                ...) {
+void slvi_check_find(check_findings *findings, const slv_check_finding *finding, const char *format,
+                     ...) {
     pthread_mutex_lock(&findings->lock);
     slv_check_finding *kept = make_room(findings, &findings->kinds[finding->kind]);
     findings->counts[finding->kind]++;
@@ -102,7 +102,7 @@ void check_find(check_findings *findings, const slv_check_finding *finding, cons
     pthread_mutex_unlock(&findings->lock);
 }
 
-void check_findings_mend(check_findings *findings, slv_check_kind kind) {
+void slvi_check_findings_mend(check_findings *findings, slv_check_kind kind) {
     struct kept *kept = &findings->kinds[kind];
     pthread_mutex_lock(&findings->lock);
     for (uint32_t i = 0; i < kept->count; i++)
@@ -110,17 +110,17 @@ void check_findings_mend(check_findings *findings, slv_check_kind kind) {
     pthread_mutex_unlock(&findings->lock);
 }
 
-slv_result check_findings_report(const slv_env *env, check_findings *findings,
-                                 slv_ptx_report *report) {
+slv_result slvi_check_findings_report(const slv_env *env, check_findings *findings,
+                                      slv_ptx_report *report) {
     slv_check_finding *list = NULL;
     uint32_t count = 0;
     if (findings->no_memory)
-        return slv_fail(env, SLV_ERROR_MEMORY, "no memory for the findings of the check");
+        return slvi_fail(env, SLV_ERROR_MEMORY, "no memory for the findings of the check");
     for (int kind = 0; kind < SLV_CHECK_KINDS; kind++) {
         cut(&findings->kinds[kind], findings->max_kept);
         count += findings->kinds[kind].count;
     }
-    slv_result result = slv_alloc(env, "findings", count, sizeof *list, &list);
+    slv_result result = slvi_alloc(env, "findings", count, sizeof *list, &list);
     if (result)
         return result;
     for (int kind = 0; kind < SLV_CHECK_KINDS; kind++) {
@@ -148,7 +148,7 @@ static void keep_error(void *user, slv_log_level level, const char *message) {
     snprintf(log->message, sizeof log->message, "%s", message);
 }
 
-slv_env check_log_env(const slv_env *env, check_log *log, const char *prefix) {
+slv_env slvi_check_log_env(const slv_env *env, check_log *log, const char *prefix) {
     slv_env inner = *env;
     log->message[0] = 0;
     log->prefix = prefix;

@@ -67,11 +67,12 @@ static void compare_sides(check_context *check, const slv_check_finding *place,
     if (worst)
         check->report->worst_seam = finding;
     if (finding.amount > check->params.seam_tolerance)
-        check_find(check->findings, &finding,
-                   "face %d edge %d: differs by %g from face %d edge %u, at %.3g along the edge in "
-                   "channel %u",
-                   finding.face, finding.edge, (double)finding.amount, other, other_edge,
-                   (double)where, channel);
+        slvi_check_find(
+            check->findings, &finding,
+            "face %d edge %d: differs by %g from face %d edge %u, at %.3g along the edge in "
+            "channel %u",
+            finding.face, finding.edge, (double)finding.amount, other, other_edge, (double)where,
+            channel);
 }
 
 static void check_seam(check_context *check, int32_t face, unsigned edge) {
@@ -102,7 +103,7 @@ static void check_seam(check_context *check, int32_t face, unsigned edge) {
     }
 }
 
-slv_result check_seams(check_context *check) {
+slv_result slvi_check_seams(check_context *check) {
     for (uint32_t face = 0; face < check->info->nfaces; face++)
         for (unsigned edge = 0; edge < check->nedges; edge++)
             check_seam(check, (int32_t)face, edge);

@@ -30,7 +30,7 @@ static slv_result reserve(struct reading *r, int buffer, uint64_t size) {
     slvi_free(r->bytes[buffer]);
     r->bytes[buffer] = NULL;
     r->capacity[buffer] = 0;
-    slv_result result = slv_alloc(&r->check->env, "texels", size, 1, &r->bytes[buffer]);
+    slv_result result = slvi_alloc(&r->check->env, "texels", size, 1, &r->bytes[buffer]);
     if (!result)
         r->capacity[buffer] = (size_t)size;
     return result;
@@ -58,9 +58,9 @@ static slv_result read_level(struct reading *r, uint32_t face, uint32_t level, s
     *good = false;
     slv_result result = slv_ptx_get_block(check->ptx, face, level, &block);
     if (!result && block.stored && !is_plausible(&block, bytes)) {
-        check_find(check->findings, &finding,
-                   "face %u: %u bytes at level %u cannot hold %u x %u texels", face, block.bytes,
-                   level, 1u << res.u, 1u << res.v);
+        slvi_check_find(check->findings, &finding,
+                        "face %u: %u bytes at level %u cannot hold %u x %u texels", face,
+                        block.bytes, level, 1u << res.u, 1u << res.v);
         return SLV_OK;
     }
     if (!result && (result = reserve(r, buffer, bytes)))
@@ -68,9 +68,9 @@ static slv_result read_level(struct reading *r, uint32_t face, uint32_t level, s
     if (!result)
         result = slv_ptx_reader_read(r->reader, face, res, r->bytes[buffer]);
     if (result == SLV_ERROR_MEMORY)
-        return slv_fail(&check->env, result, "%s: %s", slv_ptx_name(check->ptx), r->log.message);
+        return slvi_fail(&check->env, result, "%s: %s", slv_ptx_name(check->ptx), r->log.message);
     if (result)
-        check_find(check->findings, &finding, "%s", r->log.message);
+        slvi_check_find(check->findings, &finding, "%s", r->log.message);
     *good = !result;
     return SLV_OK;
 }
@@ -90,12 +90,13 @@ static void check_values(check_context *check, uint32_t face, const uint8_t *tex
     slv_check_finding finding = {
         .kind = SLV_CHECK_VALUES, .warning = true, .face = (int32_t)face, .edge = -1, .level = -1};
     if (bad)
-        check_find(check->findings, &finding,
-                   "face %u: %llu of %llu values are not finite, the first in texel %llu channel "
-                   "%llu",
-                   face, (unsigned long long)bad, (unsigned long long)nvalues,
-                   (unsigned long long)(first / check->info->nchannels),
-                   (unsigned long long)(first % check->info->nchannels));
+        slvi_check_find(
+            check->findings, &finding,
+            "face %u: %llu of %llu values are not finite, the first in texel %llu channel "
+            "%llu",
+            face, (unsigned long long)bad, (unsigned long long)nvalues,
+            (unsigned long long)(first / check->info->nchannels),
+            (unsigned long long)(first % check->info->nchannels));
 }
 
 static float largest_difference(const check_context *check, const uint8_t *a, const uint8_t *b,
@@ -150,11 +151,12 @@ static void compare(struct reading *r, uint32_t face, uint32_t level, const uint
                                  .level = average ? -1 : (int32_t)level,
                                  .amount = difference};
     if (average)
-        check_find(check->findings, &finding, "face %u: its average is off by %g", face,
-                   (double)difference);
+        slvi_check_find(check->findings, &finding, "face %u: its average is off by %g", face,
+                        (double)difference);
     else
-        check_find(check->findings, &finding, "face %u: its reduction at level %u is off by %g",
-                   face, level, (double)difference);
+        slvi_check_find(check->findings, &finding,
+                        "face %u: its reduction at level %u is off by %g", face, level,
+                        (double)difference);
 }
 
 static slv_result check_average(struct reading *r, uint32_t face, uint32_t level,
@@ -168,8 +170,8 @@ static slv_result check_average(struct reading *r, uint32_t face, uint32_t level
     slv_ptx_unmultiply(info->type, info->nchannels, info->alpha_channel, expected, 1);
     uint8_t *found = expected + r->check->pixel_size;
     if ((result = slv_ptx_reader_read(r->reader, face, (slv_res){0, 0}, found)))
-        return slv_fail(&r->check->env, result, "%s: %s", slv_ptx_name(r->check->ptx),
-                        r->log.message);
+        return slvi_fail(&r->check->env, result, "%s: %s", slv_ptx_name(r->check->ptx),
+                         r->log.message);
     compare(r, face, level, expected, found, 1, true);
     return SLV_OK;
 }
@@ -264,10 +266,10 @@ static slv_result check_range(void *user, uint64_t first, uint64_t end) {
     struct work *work = user;
     struct reading r = {.check = work->check};
     const slv_ptx_check_params *params = &work->check->params;
-    slv_env quiet = check_log_env(&work->check->env, &r.log, slv_ptx_name(work->check->ptx));
+    slv_env quiet = slvi_check_log_env(&work->check->env, &r.log, slv_ptx_name(work->check->ptx));
     slv_result result = slv_ptx_reader_create(&quiet, work->check->ptx, &r.reader);
     if (result)
-        result = slv_fail(&work->check->env, result, "%s", r.log.message);
+        result = slvi_fail(&work->check->env, result, "%s", r.log.message);
     for (uint64_t face = first; face < end && !result; face++)
         result = check_face(&r, (uint32_t)face);
     pthread_mutex_lock(&work->lock);
@@ -285,8 +287,8 @@ static slv_result place_strips(check_context *check) {
     uint64_t total = 0;
     uint32_t nfaces = check->info->nfaces;
     slv_result result =
-        slv_alloc(&check->env, "edges", nfaces, sizeof *check->strip_starts, &check->strip_starts);
-    if (result || (result = slv_alloc(&check->env, "faces", nfaces, 1, &check->unread)))
+        slvi_alloc(&check->env, "edges", nfaces, sizeof *check->strip_starts, &check->strip_starts);
+    if (result || (result = slvi_alloc(&check->env, "faces", nfaces, 1, &check->unread)))
         return result;
     for (uint32_t face = 0; face < nfaces; face++) {
         const slv_ptx_face *f = &check->faces[face];
@@ -294,21 +296,21 @@ static slv_result place_strips(check_context *check) {
         check->strip_starts[face] = total;
         total += f->flags & SLV_FACE_CONSTANT ? 1 : check->nedges == 3 ? 3 * w : 2 * (w + h);
     }
-    return slv_alloc(&check->env, "texels along the edges", total, check->pixel_size,
-                     &check->strips);
+    return slvi_alloc(&check->env, "texels along the edges", total, check->pixel_size,
+                      &check->strips);
 }
 
-slv_result check_texels(check_context *check) {
+slv_result slvi_check_texels(check_context *check) {
     struct work work = {.check = check};
     slv_parallel_log *log = NULL;
     slv_env caller = check->env;
     slv_result result = check->params.seams ? place_strips(check) : SLV_OK;
-    if (result || (result = slv_parallel_env_begin(&caller, &log, &check->env)))
+    if (result || (result = slvi_parallel_env_begin(&caller, &log, &check->env)))
         return result;
     pthread_mutex_init(&work.lock, NULL);
-    result = slv_parallel_for(&caller, check->info->nfaces, GRAIN, check_range, &work);
+    result = slvi_parallel_for(&caller, check->info->nfaces, GRAIN, check_range, &work);
     pthread_mutex_destroy(&work.lock);
     check->env = caller;
-    slv_parallel_env_end(log);
+    slvi_parallel_env_end(log);
     return result;
 }

@@ -40,8 +40,8 @@ static slv_result read_values(const slv_env *env, const slv_ptx *ptx, struct sid
         side->texels = NULL;
         side->values = NULL;
         side->capacity = 0;
-        if ((result = slv_alloc(env, "texels", count, slv_type_size(info->type), &side->texels)) ||
-            (result = slv_alloc(env, "texels", count, sizeof(float), &side->values)))
+        if ((result = slvi_alloc(env, "texels", count, slv_type_size(info->type), &side->texels)) ||
+            (result = slvi_alloc(env, "texels", count, sizeof(float), &side->values)))
             return result;
         side->capacity = count;
     }
@@ -155,7 +155,7 @@ static slv_result compare_range(void *user, uint64_t first, uint64_t end) {
     struct work *work = user;
     struct side sides[2] = {0};
     ptx_range_log log;
-    slv_env env = ptx_range_env(work->env, &work->errors, first, &log);
+    slv_env env = slvi_ptx_range_env(work->env, &work->errors, first, &log);
     slv_result result = open_sides(&env, work->files, sides);
     for (uint64_t face = first; face < end && !result; face++)
         result = compare_face(work, &env, sides, (uint32_t)face);
@@ -170,9 +170,9 @@ static slv_result compare_range(void *user, uint64_t first, uint64_t end) {
 
 static slv_result check_types(const slv_env *env, const slv_ptx *a, const slv_ptx *b) {
     if (slv_ptx_get_info(a)->mesh_type != slv_ptx_get_info(b)->mesh_type)
-        return slv_fail(env, SLV_ERROR_MISMATCH,
-                        "%s and %s: triangles cannot be compared with quads", slv_ptx_name(a),
-                        slv_ptx_name(b));
+        return slvi_fail(env, SLV_ERROR_MISMATCH,
+                         "%s and %s: triangles cannot be compared with quads", slv_ptx_name(a),
+                         slv_ptx_name(b));
     return SLV_OK;
 }
 
@@ -190,7 +190,7 @@ slv_result slv_ptx_diff(const slv_env *env, const slv_ptx *a, const slv_ptx *b,
     work.total = work.infos[0]->nfaces > work.infos[1]->nfaces ? work.infos[0]->nfaces
                                                                : work.infos[1]->nfaces;
     pthread_mutex_init(&work.lock, NULL);
-    result = ptx_parallel_for(env, &work.errors, work.total, GRAIN, compare_range, &work);
+    result = slvi_ptx_parallel_for(env, &work.errors, work.total, GRAIN, compare_range, &work);
     pthread_mutex_destroy(&work.lock);
     return result;
 }

@@ -18,21 +18,22 @@ static void keep_first(void *user, slv_log_level level, const char *message) {
     pthread_mutex_unlock(&errors->lock);
 }
 
-slv_env ptx_range_env(const slv_env *env, ptx_errors *errors, uint64_t first, ptx_range_log *log) {
-    slv_env inner = slv_env_or_default(env);
+slv_env slvi_ptx_range_env(const slv_env *env, ptx_errors *errors, uint64_t first,
+                           ptx_range_log *log) {
+    slv_env inner = slvi_env_or_default(env);
     *log = (ptx_range_log){errors, first};
     inner.log = keep_first;
     inner.log_user = log;
     return inner;
 }
 
-slv_result ptx_parallel_for(const slv_env *env, ptx_errors *errors, uint64_t count, uint64_t grain,
-                            slv_range_fn fn, void *user) {
+slv_result slvi_ptx_parallel_for(const slv_env *env, ptx_errors *errors, uint64_t count,
+                                 uint64_t grain, slv_range_fn fn, void *user) {
     pthread_mutex_init(&errors->lock, NULL);
     errors->any = false;
-    slv_result result = slv_parallel_for(env, count, grain, fn, user);
+    slv_result result = slvi_parallel_for(env, count, grain, fn, user);
     if (errors->any)
-        slv_fail(env, result, "%s", errors->message);
+        slvi_fail(env, result, "%s", errors->message);
     pthread_mutex_destroy(&errors->lock);
     return result;
 }

@@ -121,58 +121,59 @@ static inline void ptx_put_u64(uint8_t *p, uint64_t v) {
 }
 
 /* ptx_source.c */
-slv_result ptx_source_open(const slv_env *env, const char *path, slv_ptx_source *out);
+slv_result slvi_ptx_source_open(const slv_env *env, const char *path, slv_ptx_source *out);
 /* Reads `size` bytes at `position`; `what` names the section in messages. */
-slv_result ptx_read_bytes(const slv_env *env, const slv_ptx *ptx, const char *what,
-                          uint64_t position, uint64_t size, void *out);
+slv_result slvi_ptx_read_bytes(const slv_env *env, const slv_ptx *ptx, const char *what,
+                               uint64_t position, uint64_t size, void *out);
 /* Whether a zlib stream of `zipped` bytes can hold `size`: deflate packs at most 1032 to 1. */
-bool ptx_zip_is_plausible(uint64_t zipped, uint64_t size);
+bool slvi_ptx_zip_is_plausible(uint64_t zipped, uint64_t size);
 /* Unpacks the `zipped` bytes at `position`, which must give exactly `size`, into *out (for
  * slvi_free). A NUL follows them. */
-slv_result ptx_read_zip(const slv_ptx *ptx, struct libdeflate_decompressor *inflater,
-                        const char *what, uint64_t position, uint64_t zipped, uint64_t size,
-                        void *out);
+slv_result slvi_ptx_read_zip(const slv_ptx *ptx, struct libdeflate_decompressor *inflater,
+                             const char *what, uint64_t position, uint64_t zipped, uint64_t size,
+                             void *out);
 
 /* ptx_table.c */
 /* The list of levels; the tables themselves are put off. */
-slv_result ptx_read_levels(slv_ptx *ptx, const uint8_t *header, uint64_t position);
-slv_result ptx_load_parts(const slv_ptx *ptx, uint64_t parts);
+slv_result slvi_ptx_read_levels(slv_ptx *ptx, const uint8_t *header, uint64_t position);
+slv_result slvi_ptx_load_parts(const slv_ptx *ptx, uint64_t parts);
 /* Sees that tables are there. */
 static inline slv_result ptx_need(const slv_ptx *ptx, uint64_t parts) {
     uint64_t ready = atomic_load_explicit(&ptx->tables->ready, memory_order_acquire);
-    return (ready & parts) == parts ? SLV_OK : ptx_load_parts(ptx, parts);
+    return (ready & parts) == parts ? SLV_OK : slvi_ptx_load_parts(ptx, parts);
 }
 /* Says what is wrong with a record of the face table. */
-slv_result ptx_check_record(const slv_ptx *ptx, uint32_t face, const uint8_t *record);
+slv_result slvi_ptx_check_record(const slv_ptx *ptx, uint32_t face, const uint8_t *record);
 /* A face; PTX_FACES must be there. */
-slv_ptx_face ptx_face_at(const slv_ptx *ptx, uint32_t face);
+slv_ptx_face slvi_ptx_face_at(const slv_ptx *ptx, uint32_t face);
 /* The edge leads to a face that the file does not have: only in one opened leniently. */
-bool ptx_edge_is_lost(const slv_ptx *ptx, uint32_t face, unsigned edge, int32_t *to);
-void ptx_unpack_record(const uint8_t *record, bool triangle, slv_ptx_face *out);
-void ptx_pack_record(const slv_ptx_face *face, uint8_t *record);
+bool slvi_ptx_edge_is_lost(const slv_ptx *ptx, uint32_t face, unsigned edge, int32_t *to);
+void slvi_ptx_unpack_record(const uint8_t *record, bool triangle, slv_ptx_face *out);
+void slvi_ptx_pack_record(const slv_ptx_face *face, uint8_t *record);
 /* Where a level keeps a block, by face or rank; PTX_LEVEL(level) must be there. */
-uint64_t ptx_block_position(const ptx_level *level, uint32_t index);
+uint64_t slvi_ptx_block_position(const ptx_level *level, uint32_t index);
 /* The edit of a face, or NULL. */
-const ptx_edit *ptx_find_edit(const slv_ptx *ptx, uint32_t face);
+const ptx_edit *slvi_ptx_find_edit(const slv_ptx *ptx, uint32_t face);
 
 /* The place in reduction order of faces whose table is `records`, made in two passes. */
-void ptx_rank_faces(const uint8_t *records, uint32_t nfaces, uint32_t *ranks);
+void slvi_ptx_rank_faces(const uint8_t *records, uint32_t nfaces, uint32_t *ranks);
 
-/* ptx_meta.c: entries are appended as they are met; ptx_meta_finish drops the replaced ones. */
-slv_result ptx_meta_parse(slv_ptx *ptx, const char *what, const uint8_t *bytes, uint64_t size);
+/* ptx_meta.c: entries are appended as they are met; slvi_ptx_meta_finish drops the replaced ones.
+ */
+slv_result slvi_ptx_meta_parse(slv_ptx *ptx, const char *what, const uint8_t *bytes, uint64_t size);
 /* Large values stay in the file until they are asked for. */
-slv_result ptx_meta_read_large(slv_ptx *ptx, const uint8_t *headers, uint64_t size,
-                               uint64_t position, uint64_t end);
-slv_result ptx_meta_finish(slv_ptx *ptx);
-void ptx_meta_free(slv_ptx *ptx);
+slv_result slvi_ptx_meta_read_large(slv_ptx *ptx, const uint8_t *headers, uint64_t size,
+                                    uint64_t position, uint64_t end);
+slv_result slvi_ptx_meta_finish(slv_ptx *ptx);
+void slvi_ptx_meta_free(slv_ptx *ptx);
 /* Bytes of memory that the entries take, or would take once all large values were read. */
-uint64_t ptx_meta_bytes(const slv_ptx *ptx, bool all);
+uint64_t slvi_ptx_meta_bytes(const slv_ptx *ptx, bool all);
 /* The entry of a key, its value read or not, or NULL. */
-ptx_meta *ptx_meta_lookup(const slv_ptx *ptx, const char *key);
+ptx_meta *slvi_ptx_meta_lookup(const slv_ptx *ptx, const char *key);
 
 /* ptx_edits.c */
-slv_result ptx_read_edits(slv_ptx *ptx, struct libdeflate_decompressor *inflater, uint64_t position,
-                          uint64_t end, bool open_ended);
+slv_result slvi_ptx_read_edits(slv_ptx *ptx, struct libdeflate_decompressor *inflater,
+                               uint64_t position, uint64_t end, bool open_ended);
 
 /* ptx_face.c */
 /* Whether a face has one value, kept with the averages. */
@@ -180,7 +181,7 @@ static inline bool ptx_is_one_texel(const slv_ptx_face *face) {
     return (face->flags & SLV_FACE_CONSTANT) || (face->res.u == 0 && face->res.v == 0);
 }
 /* Whether the block of a face at level 0 can hold as many texels as the face claims. */
-bool ptx_face_is_plausible(const slv_ptx *ptx, uint32_t face, const slv_ptx_face *f);
+bool slvi_ptx_face_is_plausible(const slv_ptx *ptx, uint32_t face, const slv_ptx_face *f);
 
 /* ptx_errors.c: workers that fail at once, and the one line that says why. */
 typedef struct ptx_errors {
@@ -196,11 +197,12 @@ typedef struct ptx_range_log {
 } ptx_range_log;
 
 /* An environment for the range that starts at `first`, which keeps its messages in `errors`. */
-slv_env ptx_range_env(const slv_env *env, ptx_errors *errors, uint64_t first, ptx_range_log *log);
-/* slv_parallel_for that logs the message of the lowest failing range. `errors` is where `fn` finds
+slv_env slvi_ptx_range_env(const slv_env *env, ptx_errors *errors, uint64_t first,
+                           ptx_range_log *log);
+/* slvi_parallel_for that logs the message of the lowest failing range. `errors` is where `fn` finds
  * it too. */
-slv_result ptx_parallel_for(const slv_env *env, ptx_errors *errors, uint64_t count, uint64_t grain,
-                            slv_range_fn fn, void *user);
+slv_result slvi_ptx_parallel_for(const slv_env *env, ptx_errors *errors, uint64_t count,
+                                 uint64_t grain, slv_range_fn fn, void *user);
 
 static inline uint64_t ptx_texel_count(slv_res res) {
     return UINT64_C(1) << (res.u + res.v);

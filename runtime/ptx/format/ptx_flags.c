@@ -16,7 +16,7 @@ enum walk { WALK_CLOSED, WALK_BOUNDARY, WALK_DIFFERENT };
 
 static slv_ptx_face face_at(const struct surroundings *s, int32_t face) {
     slv_ptx_face out;
-    ptx_unpack_record(s->records + (size_t)face * PTX_FACE_INFO_SIZE, s->nedges == 3, &out);
+    slvi_ptx_unpack_record(s->records + (size_t)face * PTX_FACE_INFO_SIZE, s->nedges == 3, &out);
     return out;
 }
 
@@ -81,8 +81,9 @@ static enum walk walk_counter_clockwise(const struct surroundings *s, uint32_t s
     return WALK_CLOSED;
 }
 
-void ptx_flag_neighbourhoods(uint8_t *records, uint32_t nfaces, const uint8_t *constants,
-                             size_t pixel_size, slv_ptx_mesh_type mesh_type, bool borders_clamp) {
+void slvi_ptx_flag_neighbourhoods(uint8_t *records, uint32_t nfaces, const uint8_t *constants,
+                                  size_t pixel_size, slv_ptx_mesh_type mesh_type,
+                                  bool borders_clamp) {
     unsigned nedges = mesh_type == SLV_PTX_TRIANGLE ? 3 : 4;
     struct surroundings s = {records, constants, pixel_size, nedges, borders_clamp};
     for (uint32_t face = 0; face < nfaces; face++) {

@@ -20,7 +20,7 @@ static void describe(char *out, size_t size, int32_t face, unsigned edge) {
 }
 
 static bool edge_matches(const struct match *match, uint32_t face, unsigned edge) {
-    slv_ptx_face f = ptx_face_at(match->ptx, face);
+    slv_ptx_face f = slvi_ptx_face_at(match->ptx, face);
     const slv_face_adjacency *file = &f.adjacency;
     int32_t there = file->face[edge];
     slv_neighbour neighbours[2];
@@ -41,7 +41,7 @@ static bool faces_match(const struct match *match, uint32_t count, char *out, si
     const uint8_t *flags = slv_mesh_face_flags(match->mesh);
     const slv_face_adjacency *mesh_faces = slv_adjacency_faces(match->adjacency);
     for (uint32_t face = 0; face < count; face++) {
-        slv_ptx_face f = ptx_face_at(match->ptx, face);
+        slv_ptx_face f = slvi_ptx_face_at(match->ptx, face);
         bool file_sub = f.flags & SLV_FACE_SUBFACE, mesh_sub = flags[face] & SLV_FACE_SUBFACE;
         if (file_sub != mesh_sub) {
             snprintf(out, size, "face %u, from its edge 0 on: the file says %s, the mesh says %s",
@@ -68,7 +68,7 @@ static bool faces_match(const struct match *match, uint32_t count, char *out, si
 
 static bool has_adjacency(const slv_ptx *ptx) {
     for (uint32_t face = 0; face < ptx->info.nfaces; face++) {
-        slv_ptx_face f = ptx_face_at(ptx, face);
+        slv_ptx_face f = slvi_ptx_face_at(ptx, face);
         for (unsigned edge = 0; edge < 4; edge++)
             if (f.adjacency.face[edge] >= 0)
                 return true;
@@ -83,10 +83,11 @@ slv_result slv_ptx_match_mesh(const slv_env *env, const slv_ptx *ptx, const slv_
     slv_adjacency *adjacency = NULL;
     slv_result result = SLV_OK;
     if (ptx->info.mesh_type == SLV_PTX_TRIANGLE)
-        return slv_fail(env, SLV_ERROR_MISMATCH,
-                        "%s does not fit the mesh: it is a triangle-mesh texture, the mesh's faces "
-                        "are quads (first at face 0 edge 3)",
-                        ptx->name);
+        return slvi_fail(
+            env, SLV_ERROR_MISMATCH,
+            "%s does not fit the mesh: it is a triangle-mesh texture, the mesh's faces "
+            "are quads (first at face 0 edge 3)",
+            ptx->name);
     if ((result = ptx_need(ptx, PTX_FACES)))
         return result;
     bool compare = has_adjacency(ptx);
@@ -98,12 +99,12 @@ slv_result slv_ptx_match_mesh(const slv_env *env, const slv_ptx *ptx, const slv_
         snprintf(difference, sizeof difference, "face %u edge 0 is the first that the %s lacks",
                  common, file_count < mesh_count ? "file" : "mesh");
     if (file_count != mesh_count)
-        result = slv_fail(env, SLV_ERROR_MISMATCH,
-                          "%s does not fit the mesh: it has %u faces, the mesh has %u: %s",
-                          ptx->name, file_count, mesh_count, difference);
+        result = slvi_fail(env, SLV_ERROR_MISMATCH,
+                           "%s does not fit the mesh: it has %u faces, the mesh has %u: %s",
+                           ptx->name, file_count, mesh_count, difference);
     else if (!equal)
-        result = slv_fail(env, SLV_ERROR_MISMATCH, "%s does not fit the mesh: %s", ptx->name,
-                          difference);
+        result = slvi_fail(env, SLV_ERROR_MISMATCH, "%s does not fit the mesh: %s", ptx->name,
+                           difference);
     slv_adjacency_destroy(adjacency);
     return result;
 }

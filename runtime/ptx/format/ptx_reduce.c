@@ -98,23 +98,26 @@ DEFINE_TYPE(float, float, float_from_float, float_from_float, REAL_MEAN2, REAL_M
         break;                                                                                     \
     }
 
-void ptx_halve_u(slv_type type, uint32_t nchannels, slv_res res, const void *texels, void *out) {
+void slvi_ptx_halve_u(slv_type type, uint32_t nchannels, slv_res res, const void *texels,
+                      void *out) {
     size_t w = (size_t)1 << res.u, h = (size_t)1 << res.v;
     SELECT(type, halve_u, nchannels, w, h, texels, out)
 }
 
-void ptx_halve_v(slv_type type, uint32_t nchannels, slv_res res, const void *texels, void *out) {
+void slvi_ptx_halve_v(slv_type type, uint32_t nchannels, slv_res res, const void *texels,
+                      void *out) {
     size_t w = (size_t)1 << res.u, h = (size_t)1 << res.v;
     SELECT(type, halve_v, nchannels, w, h, texels, out)
 }
 
-void ptx_halve_both(slv_type type, uint32_t nchannels, slv_res res, const void *texels, void *out) {
+void slvi_ptx_halve_both(slv_type type, uint32_t nchannels, slv_res res, const void *texels,
+                         void *out) {
     size_t w = (size_t)1 << res.u, h = (size_t)1 << res.v;
     SELECT(type, halve_both, nchannels, w, h, texels, out)
 }
 
-void ptx_halve_triangle(slv_type type, uint32_t nchannels, int log2, const void *texels,
-                        const void *mirrored, void *out, size_t pitch) {
+void slvi_ptx_halve_triangle(slv_type type, uint32_t nchannels, int log2, const void *texels,
+                             const void *mirrored, void *out, size_t pitch) {
     size_t w = (size_t)1 << log2;
     SELECT(type, halve_triangle, nchannels, w, texels, mirrored, out, pitch)
 }
@@ -122,9 +125,10 @@ void ptx_halve_triangle(slv_type type, uint32_t nchannels, int log2, const void 
 void slv_ptx_reduce(slv_ptx_mesh_type mesh_type, slv_type type, uint32_t nchannels, slv_res res,
                     const void *texels, void *out) {
     if (mesh_type == SLV_PTX_TRIANGLE)
-        ptx_halve_triangle(type, nchannels, res.u, texels, texels, out, (size_t)1 << res.u >> 1);
+        slvi_ptx_halve_triangle(type, nchannels, res.u, texels, texels, out,
+                                (size_t)1 << res.u >> 1);
     else
-        ptx_halve_both(type, nchannels, res, texels, out);
+        slvi_ptx_halve_both(type, nchannels, res, texels, out);
 }
 
 void slv_ptx_average(slv_type type, uint32_t nchannels, const void *texels, uint64_t count,
@@ -146,7 +150,7 @@ void slv_ptx_unmultiply(slv_type type, uint32_t nchannels, int32_t alpha, void *
     SELECT(type, scale, nchannels, (size_t)alpha, true, texels, count)
 }
 
-void ptx_fill(void *out, const void *texel, size_t size, uint64_t count) {
+void slvi_ptx_fill(void *out, const void *texel, size_t size, uint64_t count) {
     uint8_t *to = out;
     size_t total = size * (size_t)count, done = size;
     memcpy(to, texel, size);
@@ -157,7 +161,7 @@ void ptx_fill(void *out, const void *texel, size_t size, uint64_t count) {
     }
 }
 
-bool ptx_all_equal(const void *texels, size_t size, uint64_t count) {
+bool slvi_ptx_all_equal(const void *texels, size_t size, uint64_t count) {
     const uint8_t *bytes = texels;
     /* the array equals itself shifted by one texel */
     return count < 2 || memcmp(bytes, bytes + size, size * (size_t)(count - 1)) == 0;

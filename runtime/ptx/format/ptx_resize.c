@@ -38,8 +38,8 @@ static slv_result resize_quad(const slv_env *env, uint32_t nchannels, slv_res fr
     uint64_t w = UINT64_C(1) << from.u, h = UINT64_C(1) << from.v, to_w = UINT64_C(1) << to.u,
              to_h = UINT64_C(1) << to.v;
     float *between = NULL;
-    slv_result result =
-        slv_alloc(env, "texels between two sizes", to_w * h, nchannels * sizeof *between, &between);
+    slv_result result = slvi_alloc(env, "texels between two sizes", to_w * h,
+                                   nchannels * sizeof *between, &between);
     if (result)
         return result;
     resize_axis(h, w, to_w, nchannels, values, between);
@@ -76,8 +76,8 @@ static slv_result shrink_triangle(const slv_env *env, uint32_t nchannels, int fr
     const float *source = values;
     slv_result result = SLV_OK;
     for (int i = 0; i < 2 && !result; i++)
-        result = slv_alloc(env, "texels between two sizes", UINT64_C(1) << (2 * (from - 1)),
-                           nchannels * sizeof(float), &work[i]);
+        result = slvi_alloc(env, "texels between two sizes", UINT64_C(1) << (2 * (from - 1)),
+                            nchannels * sizeof(float), &work[i]);
     for (int log2 = from; log2 > to && !result; log2--) {
         float *target = log2 == to + 1 ? out : work[log2 & 1];
         slv_ptx_reduce(SLV_PTX_TRIANGLE, SLV_TYPE_FLOAT, nchannels,
@@ -95,11 +95,11 @@ slv_result slv_ptx_resize(const slv_env *env, slv_ptx_mesh_type mesh_type, uint3
     const int8_t sides[4] = {from.u, from.v, to.u, to.v};
     for (int i = 0; i < 4; i++)
         if (sides[i] < 0 || sides[i] > SLV_MAX_LOG2_RES)
-            return slv_fail(env, SLV_ERROR_ARGUMENT,
-                            "a resolution of 2^%d, where 2^0 to 2^%d is possible", sides[i],
-                            SLV_MAX_LOG2_RES);
+            return slvi_fail(env, SLV_ERROR_ARGUMENT,
+                             "a resolution of 2^%d, where 2^0 to 2^%d is possible", sides[i],
+                             SLV_MAX_LOG2_RES);
     if (triangle && (from.u != from.v || to.u != to.v))
-        return slv_fail(env, SLV_ERROR_ARGUMENT, "the texels of a triangle are square");
+        return slvi_fail(env, SLV_ERROR_ARGUMENT, "the texels of a triangle are square");
     if (from.u == to.u && from.v == to.v)
         memcpy(out, values, ((size_t)nchannels << (from.u + from.v)) * sizeof *out);
     else if (!triangle)

@@ -6,7 +6,7 @@
 
 #include <stdio.h>
 
-void ptx_unpack_record(const uint8_t *record, bool triangle, slv_ptx_face *out) {
+void slvi_ptx_unpack_record(const uint8_t *record, bool triangle, slv_ptx_face *out) {
     memset(out, 0, sizeof *out);
     out->res = (slv_res){(int8_t)record[0], (int8_t)record[1]};
     out->flags = record[3];
@@ -18,7 +18,7 @@ void ptx_unpack_record(const uint8_t *record, bool triangle, slv_ptx_face *out) 
     }
 }
 
-void ptx_pack_record(const slv_ptx_face *face, uint8_t *record) {
+void slvi_ptx_pack_record(const slv_ptx_face *face, uint8_t *record) {
     record[0] = (uint8_t)face->res.u;
     record[1] = (uint8_t)face->res.v;
     record[2] = 0;
@@ -33,10 +33,10 @@ static bool is_lost(const slv_ptx *ptx, int32_t there) {
     return (uint32_t)there + 1 > ptx->info.nfaces; /* a boundary, -1, becomes 0 */
 }
 
-slv_ptx_face ptx_face_at(const slv_ptx *ptx, uint32_t face) {
+slv_ptx_face slvi_ptx_face_at(const slv_ptx *ptx, uint32_t face) {
     slv_ptx_face out;
-    ptx_unpack_record(ptx->tables->records + (size_t)face * PTX_FACE_INFO_SIZE,
-                      ptx->info.mesh_type == SLV_PTX_TRIANGLE, &out);
+    slvi_ptx_unpack_record(ptx->tables->records + (size_t)face * PTX_FACE_INFO_SIZE,
+                           ptx->info.mesh_type == SLV_PTX_TRIANGLE, &out);
     for (unsigned edge = 0; ptx->lenient && edge < 4; edge++)
         if (is_lost(ptx, out.adjacency.face[edge])) {
             out.adjacency.face[edge] = SLV_BOUNDARY;
@@ -45,10 +45,10 @@ slv_ptx_face ptx_face_at(const slv_ptx *ptx, uint32_t face) {
     return out;
 }
 
-bool ptx_edge_is_lost(const slv_ptx *ptx, uint32_t face, unsigned edge, int32_t *to) {
+bool slvi_ptx_edge_is_lost(const slv_ptx *ptx, uint32_t face, unsigned edge, int32_t *to) {
     slv_ptx_face f;
-    ptx_unpack_record(ptx->tables->records + (size_t)face * PTX_FACE_INFO_SIZE,
-                      ptx->info.mesh_type == SLV_PTX_TRIANGLE, &f);
+    slvi_ptx_unpack_record(ptx->tables->records + (size_t)face * PTX_FACE_INFO_SIZE,
+                           ptx->info.mesh_type == SLV_PTX_TRIANGLE, &f);
     *to = f.adjacency.face[edge];
     return is_lost(ptx, *to);
 }
@@ -63,31 +63,31 @@ static bool record_is_sound(const uint8_t *record, bool triangle, uint32_t nface
     return sound & (triangle | (ptx_get_u32(record + 16) + 1 <= nfaces));
 }
 
-slv_result ptx_check_record(const slv_ptx *ptx, uint32_t face, const uint8_t *record) {
+slv_result slvi_ptx_check_record(const slv_ptx *ptx, uint32_t face, const uint8_t *record) {
     bool triangle = ptx->info.mesh_type == SLV_PTX_TRIANGLE;
     slv_ptx_face f;
     if (record_is_sound(record, triangle, ptx->info.nfaces))
         return SLV_OK;
-    ptx_unpack_record(record, triangle, &f);
+    slvi_ptx_unpack_record(record, triangle, &f);
     if (f.res.u < 0 || f.res.v < 0 || f.res.u > SLV_MAX_LOG2_RES || f.res.v > SLV_MAX_LOG2_RES)
-        return slv_fail(&ptx->env, SLV_ERROR_FORMAT,
-                        "%s: face %u: a resolution of 2^%d x 2^%d, where 2^0 to 2^%d is possible",
-                        ptx->name, face, f.res.u, f.res.v, SLV_MAX_LOG2_RES);
+        return slvi_fail(&ptx->env, SLV_ERROR_FORMAT,
+                         "%s: face %u: a resolution of 2^%d x 2^%d, where 2^0 to 2^%d is possible",
+                         ptx->name, face, f.res.u, f.res.v, SLV_MAX_LOG2_RES);
     if (triangle && f.res.u != f.res.v)
-        return slv_fail(&ptx->env, SLV_ERROR_FORMAT,
-                        "%s: face %u: a triangle of 2^%d x 2^%d texels is not square", ptx->name,
-                        face, f.res.u, f.res.v);
+        return slvi_fail(&ptx->env, SLV_ERROR_FORMAT,
+                         "%s: face %u: a triangle of 2^%d x 2^%d texels is not square", ptx->name,
+                         face, f.res.u, f.res.v);
     unsigned edge = 0;
     if (ptx->lenient)
         return SLV_OK;
     while (edge < 3 && !is_lost(ptx, f.adjacency.face[edge]))
         edge++;
-    return slv_fail(&ptx->env, SLV_ERROR_FORMAT,
-                    "%s: face %u edge %u: the adjacent face is %d, but there are %u faces",
-                    ptx->name, face, edge, f.adjacency.face[edge], ptx->info.nfaces);
+    return slvi_fail(&ptx->env, SLV_ERROR_FORMAT,
+                     "%s: face %u edge %u: the adjacent face is %d, but there are %u faces",
+                     ptx->name, face, edge, f.adjacency.face[edge], ptx->info.nfaces);
 }
 
-const ptx_edit *ptx_find_edit(const slv_ptx *ptx, uint32_t face) {
+const ptx_edit *slvi_ptx_find_edit(const slv_ptx *ptx, uint32_t face) {
     uint32_t low = 0, high = ptx->nedits;
     while (low < high) {
         uint32_t middle = low + (high - low) / 2;
@@ -103,7 +103,7 @@ const ptx_edit *ptx_find_edit(const slv_ptx *ptx, uint32_t face) {
 
 /* Reduced faces are stored finest first: a stable sort by the smaller side, constant faces last but
  * for 1x1. */
-void ptx_rank_faces(const uint8_t *records, uint32_t nfaces, uint32_t *ranks) {
+void slvi_ptx_rank_faces(const uint8_t *records, uint32_t nfaces, uint32_t *ranks) {
     uint32_t next[SLV_MAX_LOG2_RES + 1] = {0}, total = 0;
     for (uint32_t pass = 0; pass < 2; pass++) {
         const uint8_t *record = records;
@@ -130,17 +130,17 @@ static slv_result load_faces(const slv_ptx *ptx, struct libdeflate_decompressor 
     uint32_t nfaces = ptx->info.nfaces, *ranks = NULL;
     uint8_t *records = NULL;
     slv_result result =
-        ptx_read_zip(ptx, inflater, "face table", tables->faces_position, tables->faces_zipped,
-                     (uint64_t)nfaces * PTX_FACE_INFO_SIZE, &records);
+        slvi_ptx_read_zip(ptx, inflater, "face table", tables->faces_position, tables->faces_zipped,
+                          (uint64_t)nfaces * PTX_FACE_INFO_SIZE, &records);
     for (uint32_t face = 0; !result && face < nfaces; face++) {
         uint8_t *record = records + (size_t)face * PTX_FACE_INFO_SIZE;
         record[3] &= SLV_FACE_CONSTANT | SLV_FACE_NEIGHBOURS_CONSTANT | SLV_FACE_SUBFACE;
-        result = ptx_check_record(ptx, face, record);
+        result = slvi_ptx_check_record(ptx, face, record);
     }
     /* the order of reductions is that of before any edit */
     if (!result && ptx->info.nlevels > 1 && ptx->nedits &&
-        !(result = slv_alloc(&ptx->env, ptx->name, nfaces, sizeof *ranks, &ranks)))
-        ptx_rank_faces(records, nfaces, ranks);
+        !(result = slvi_alloc(&ptx->env, ptx->name, nfaces, sizeof *ranks, &ranks)))
+        slvi_ptx_rank_faces(records, nfaces, ranks);
     if (result) {
         slvi_free(records);
         return result;
@@ -160,9 +160,9 @@ static slv_result load_faces(const slv_ptx *ptx, struct libdeflate_decompressor 
 static slv_result load_constants(const slv_ptx *ptx, struct libdeflate_decompressor *inflater) {
     ptx_tables *tables = ptx->tables;
     uint8_t *constants = NULL;
-    slv_result result = ptx_read_zip(ptx, inflater, "constant data", tables->constants_position,
-                                     tables->constants_zipped,
-                                     (uint64_t)ptx->info.nfaces * ptx->pixel_size, &constants);
+    slv_result result = slvi_ptx_read_zip(ptx, inflater, "constant data",
+                                          tables->constants_position, tables->constants_zipped,
+                                          (uint64_t)ptx->info.nfaces * ptx->pixel_size, &constants);
     if (result)
         return result;
     for (uint32_t i = 0; i < ptx->nedits; i++)
@@ -177,10 +177,10 @@ static slv_result load_constants(const slv_ptx *ptx, struct libdeflate_decompres
 
 static slv_result load_ranks(const slv_ptx *ptx) {
     uint32_t *ranks = NULL;
-    slv_result result = slv_alloc(&ptx->env, ptx->name, ptx->info.nfaces, sizeof *ranks, &ranks);
+    slv_result result = slvi_alloc(&ptx->env, ptx->name, ptx->info.nfaces, sizeof *ranks, &ranks);
     if (result)
         return result;
-    ptx_rank_faces(ptx->tables->records, ptx->info.nfaces, ranks);
+    slvi_ptx_rank_faces(ptx->tables->records, ptx->info.nfaces, ranks);
     ptx->tables->ranks = ranks;
     return SLV_OK;
 }
@@ -192,18 +192,18 @@ static slv_result load_level(const slv_ptx *ptx, struct libdeflate_decompressor 
     uint64_t *positions = NULL;
     char what[32];
     snprintf(what, sizeof what, "table of level %u", index);
-    slv_result result = ptx_read_zip(ptx, inflater, what, level->position, level->zipped,
-                                     (uint64_t)level->nfaces * 4, &headers);
+    slv_result result = slvi_ptx_read_zip(ptx, inflater, what, level->position, level->zipped,
+                                          (uint64_t)level->nfaces * 4, &headers);
     if (!result)
-        result = slv_alloc(&ptx->env, ptx->name, level->nfaces / PTX_POSITION_STEP + 1,
-                           sizeof *positions, &positions);
+        result = slvi_alloc(&ptx->env, ptx->name, level->nfaces / PTX_POSITION_STEP + 1,
+                            sizeof *positions, &positions);
     uint64_t at = level->position + level->zipped, end = level->position + level->size;
     for (uint32_t i = 0; !result && i < level->nfaces; i++) {
         uint32_t block = PTX_BLOCK_SIZE(headers[i]);
         if (i % PTX_POSITION_STEP == 0)
             positions[i / PTX_POSITION_STEP] = at;
         if (block > end - at)
-            result = slv_fail(
+            result = slvi_fail(
                 &ptx->env, SLV_ERROR_FORMAT,
                 "%s: level %u, block %u: %u bytes at offset %llu go beyond the level's end at %llu",
                 ptx->name, index, i, block, (unsigned long long)at, (unsigned long long)end);
@@ -219,7 +219,7 @@ static slv_result load_level(const slv_ptx *ptx, struct libdeflate_decompressor 
     return SLV_OK;
 }
 
-uint64_t ptx_block_position(const ptx_level *level, uint32_t index) {
+uint64_t slvi_ptx_block_position(const ptx_level *level, uint32_t index) {
     uint32_t i = index - index % PTX_POSITION_STEP;
     uint64_t at = level->positions[i / PTX_POSITION_STEP];
     for (; i < index; i++)
@@ -227,14 +227,14 @@ uint64_t ptx_block_position(const ptx_level *level, uint32_t index) {
     return at;
 }
 
-slv_result ptx_load_parts(const slv_ptx *ptx, uint64_t parts) {
+slv_result slvi_ptx_load_parts(const slv_ptx *ptx, uint64_t parts) {
     ptx_tables *tables = ptx->tables;
     slv_result result = SLV_OK;
     pthread_mutex_lock(&tables->lock);
     uint64_t loaded = atomic_load_explicit(&tables->ready, memory_order_relaxed);
     struct libdeflate_decompressor *inflater = libdeflate_alloc_decompressor();
     if (!inflater)
-        result = slv_fail(&ptx->env, SLV_ERROR_MEMORY, "%s: no memory to unpack it", ptx->name);
+        result = slvi_fail(&ptx->env, SLV_ERROR_MEMORY, "%s: no memory to unpack it", ptx->name);
     if (parts & PTX_RANKS)
         parts |= PTX_FACES;
     if (!result && (parts & ~loaded & PTX_FACES))
@@ -274,7 +274,7 @@ const void *slv_ptx_get_averages(const slv_ptx *ptx) {
 static uint64_t table_bytes(const slv_ptx *ptx, uint64_t parts, bool all) {
     uint64_t nfaces = ptx->info.nfaces, edit = sizeof *ptx->edits + ptx->pixel_size;
     uint64_t bytes = sizeof *ptx + sizeof *ptx->tables + strlen(ptx->name) + 1 +
-                     ptx->edit_capacity * edit + ptx_meta_bytes(ptx, all);
+                     ptx->edit_capacity * edit + slvi_ptx_meta_bytes(ptx, all);
     if (parts & PTX_FACES)
         bytes += nfaces * PTX_FACE_INFO_SIZE;
     if (parts & PTX_CONSTANTS)
@@ -296,7 +296,7 @@ uint64_t slv_ptx_full_table_bytes(const slv_ptx *ptx) {
     return table_bytes(ptx, all_parts(ptx), true);
 }
 
-slv_result ptx_read_levels(slv_ptx *ptx, const uint8_t *header, uint64_t position) {
+slv_result slvi_ptx_read_levels(slv_ptx *ptx, const uint8_t *header, uint64_t position) {
     uint8_t records[PTX_MAX_LEVELS * PTX_LEVEL_INFO_SIZE];
     uint32_t nlevels = ptx->info.nlevels, nfaces = ptx->info.nfaces;
     ptx_tables *tables = ptx->tables;
@@ -314,23 +314,24 @@ slv_result ptx_read_levels(slv_ptx *ptx, const uint8_t *header, uint64_t positio
     for (size_t i = 0; i < 2; i++) {
         uint64_t end = ptx->source.size;
         if (parts[i].position > end || parts[i].zipped > end - parts[i].position)
-            return ptx_read_bytes(&ptx->env, ptx, parts[i].what, parts[i].position, parts[i].zipped,
-                                  NULL);
-        if (!ptx_zip_is_plausible(parts[i].zipped, parts[i].size))
-            return slv_fail(&ptx->env, SLV_ERROR_FORMAT,
-                            "%s: the %s at offset %llu claims %llu bytes packed into %llu",
-                            ptx->name, parts[i].what, (unsigned long long)parts[i].position,
-                            (unsigned long long)parts[i].size, (unsigned long long)parts[i].zipped);
+            return slvi_ptx_read_bytes(&ptx->env, ptx, parts[i].what, parts[i].position,
+                                       parts[i].zipped, NULL);
+        if (!slvi_ptx_zip_is_plausible(parts[i].zipped, parts[i].size))
+            return slvi_fail(&ptx->env, SLV_ERROR_FORMAT,
+                             "%s: the %s at offset %llu claims %llu bytes packed into %llu",
+                             ptx->name, parts[i].what, (unsigned long long)parts[i].position,
+                             (unsigned long long)parts[i].size,
+                             (unsigned long long)parts[i].zipped);
     }
     uint64_t list = tables->constants_position + tables->constants_zipped;
-    slv_result result = ptx_read_bytes(&ptx->env, ptx, "level list", list,
-                                       (uint64_t)nlevels * PTX_LEVEL_INFO_SIZE, records);
+    slv_result result = slvi_ptx_read_bytes(&ptx->env, ptx, "level list", list,
+                                            (uint64_t)nlevels * PTX_LEVEL_INFO_SIZE, records);
     if (result)
         return result;
     uint64_t size = ptx_get_u64(header + 48);
     position = list + (uint64_t)nlevels * PTX_LEVEL_INFO_SIZE;
     if (position > ptx->source.size || size > ptx->source.size - position)
-        return ptx_read_bytes(&ptx->env, ptx, "level data", position, size, NULL);
+        return slvi_ptx_read_bytes(&ptx->env, ptx, "level data", position, size, NULL);
     uint64_t end = position + size;
     for (uint32_t i = 0; i < nlevels; i++) {
         const uint8_t *record = records + (size_t)i * PTX_LEVEL_INFO_SIZE;
@@ -340,15 +341,15 @@ slv_result ptx_read_levels(slv_ptx *ptx, const uint8_t *header, uint64_t positio
         level->zipped = ptx_get_u32(record + 8);
         level->nfaces = ptx_get_u32(record + 12);
         if (i == 0 ? level->nfaces != nfaces : level->nfaces > nfaces)
-            return slv_fail(&ptx->env, SLV_ERROR_FORMAT,
-                            "%s: level %u has %u faces, the file has %u", ptx->name, i,
-                            level->nfaces, nfaces);
+            return slvi_fail(&ptx->env, SLV_ERROR_FORMAT,
+                             "%s: level %u has %u faces, the file has %u", ptx->name, i,
+                             level->nfaces, nfaces);
         if (level->size > end - position || level->zipped > level->size)
-            return slv_fail(&ptx->env, SLV_ERROR_FORMAT,
-                            "%s: level %u: %llu bytes with a table of %u at offset %llu, but the "
-                            "levels end at %llu",
-                            ptx->name, i, (unsigned long long)level->size, level->zipped,
-                            (unsigned long long)position, (unsigned long long)end);
+            return slvi_fail(&ptx->env, SLV_ERROR_FORMAT,
+                             "%s: level %u: %llu bytes with a table of %u at offset %llu, but the "
+                             "levels end at %llu",
+                             ptx->name, i, (unsigned long long)level->size, level->zipped,
+                             (unsigned long long)position, (unsigned long long)end);
         ptx->level_faces[i] = level->nfaces;
         ptx->level_bytes[i] = level->size;
         position += level->size;

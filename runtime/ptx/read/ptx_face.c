@@ -9,19 +9,20 @@
 static void find_texels(const slv_ptx *ptx, uint32_t face, const slv_ptx_face *f, uint32_t *header,
                         uint64_t *position) {
     const ptx_level *level = &ptx->tables->levels[0];
-    const ptx_edit *edit = f->flags & SLV_FACE_EDITED ? ptx_find_edit(ptx, face) : NULL;
+    const ptx_edit *edit = f->flags & SLV_FACE_EDITED ? slvi_ptx_find_edit(ptx, face) : NULL;
     *header = edit ? edit->header : level->headers[face];
-    *position = edit ? edit->position : ptx_block_position(level, face);
+    *position = edit ? edit->position : slvi_ptx_block_position(level, face);
 }
 
-bool ptx_face_is_plausible(const slv_ptx *ptx, uint32_t face, const slv_ptx_face *f) {
+bool slvi_ptx_face_is_plausible(const slv_ptx *ptx, uint32_t face, const slv_ptx_face *f) {
     uint64_t position;
     uint32_t header;
     find_texels(ptx, face, f, &header, &position);
     uint32_t encoding = PTX_BLOCK_ENCODING(header);
     if (encoding == PTX_CONSTANT || encoding == PTX_TILED)
         return PTX_BLOCK_SIZE(header) != 0;
-    return ptx_zip_is_plausible(PTX_BLOCK_SIZE(header), ptx_texel_count(f->res) * ptx->pixel_size);
+    return slvi_ptx_zip_is_plausible(PTX_BLOCK_SIZE(header),
+                                     ptx_texel_count(f->res) * ptx->pixel_size);
 }
 
 /* The level that stores the face at `res`, or -1. */
@@ -66,7 +67,7 @@ static slv_result find_block(const slv_ptx *ptx, uint32_t face, const slv_ptx_fa
     else {
         const ptx_level *table = &ptx->tables->levels[level];
         block->header = table->headers[ptx->tables->ranks[face]];
-        block->position = ptx_block_position(table, ptx->tables->ranks[face]);
+        block->position = slvi_ptx_block_position(table, ptx->tables->ranks[face]);
     }
     return SLV_OK;
 }
@@ -81,55 +82,55 @@ static slv_result read_region(const slv_ptx *ptx, ptx_scratch *scratch, uint32_t
     uint32_t steps;
     ptx_block block;
     if (face >= ptx->info.nfaces)
-        return slv_fail(scratch->env, SLV_ERROR_ARGUMENT, "%s: face %u: there are %u faces",
-                        ptx->name, face, ptx->info.nfaces);
+        return slvi_fail(scratch->env, SLV_ERROR_ARGUMENT, "%s: face %u: there are %u faces",
+                         ptx->name, face, ptx->info.nfaces);
     slv_result result = ptx_need(ptx, PTX_FACES);
     if (result)
         return result;
-    slv_ptx_face f = ptx_face_at(ptx, face);
+    slv_ptx_face f = slvi_ptx_face_at(ptx, face);
     bool triangle = ptx->info.mesh_type == SLV_PTX_TRIANGLE;
     if (res.u < 0 || res.v < 0 || res.u > f.res.u || res.v > f.res.v ||
         (triangle && res.u != res.v))
-        return slv_fail(scratch->env, SLV_ERROR_ARGUMENT,
-                        "%s: face %u: has 2^%d x 2^%d texels, which do not reduce to 2^%d x 2^%d",
-                        ptx->name, face, f.res.u, f.res.v, res.u, res.v);
+        return slvi_fail(scratch->env, SLV_ERROR_ARGUMENT,
+                         "%s: face %u: has 2^%d x 2^%d texels, which do not reduce to 2^%d x 2^%d",
+                         ptx->name, face, f.res.u, f.res.v, res.u, res.v);
     if (region.size.u < 0 || region.size.v < 0 || region.size.u > res.u || region.size.v > res.v ||
         (triangle && region.size.u != region.size.v) ||
         !is_on_grid(region.x, region.size.u, res.u) || !is_on_grid(region.y, region.size.v, res.v))
-        return slv_fail(scratch->env, SLV_ERROR_ARGUMENT,
-                        "%s: face %u: 2^%d x 2^%d texels at (%u, %u) are no tile of 2^%d x 2^%d",
-                        ptx->name, face, region.size.u, region.size.v, region.x, region.y, res.u,
-                        res.v);
+        return slvi_fail(scratch->env, SLV_ERROR_ARGUMENT,
+                         "%s: face %u: 2^%d x 2^%d texels at (%u, %u) are no tile of 2^%d x 2^%d",
+                         ptx->name, face, region.size.u, region.size.v, region.x, region.y, res.u,
+                         res.v);
     if ((f.flags & SLV_FACE_CONSTANT) || (res.u == 0 && res.v == 0)) {
         if ((result = ptx_need(ptx, PTX_CONSTANTS)))
             return result;
-        ptx_fill(out, ptx->tables->constants + face * ptx->pixel_size, ptx->pixel_size,
-                 ptx_texel_count(region.size));
+        slvi_ptx_fill(out, ptx->tables->constants + face * ptx->pixel_size, ptx->pixel_size,
+                      ptx_texel_count(region.size));
         return SLV_OK;
     }
     if (!scratch->inflater) {
         scratch->inflater = libdeflate_alloc_decompressor();
         if (!scratch->inflater)
-            return slv_fail(scratch->env, SLV_ERROR_MEMORY, "%s: face %u: no memory to unpack it",
-                            ptx->name, face);
+            return slvi_fail(scratch->env, SLV_ERROR_MEMORY, "%s: face %u: no memory to unpack it",
+                             ptx->name, face);
     }
     chain[0] = res;
     if ((result = find_block(ptx, face, &f, chain, &steps, &block)))
         return result;
-    result = ptx_read_reduced(ptx, scratch, &block, chain, steps, region, out);
-    ptx_scratch_trim(scratch);
+    result = slvi_ptx_read_reduced(ptx, scratch, &block, chain, steps, region, out);
+    slvi_ptx_scratch_trim(scratch);
     return result;
 }
 
-slv_result ptx_read_face_with(const slv_ptx *ptx, ptx_scratch *scratch, uint32_t face, slv_res res,
-                              void *out) {
+slv_result slvi_ptx_read_face_with(const slv_ptx *ptx, ptx_scratch *scratch, uint32_t face,
+                                   slv_res res, void *out) {
     return read_region(ptx, scratch, face, res, (ptx_region){res, 0, 0}, out);
 }
 
 slv_result slv_ptx_read_face(const slv_ptx *ptx, uint32_t face, slv_res res, void *out) {
     ptx_scratch scratch = {.env = &ptx->env};
-    slv_result result = ptx_read_face_with(ptx, &scratch, face, res, out);
-    ptx_scratch_free(&scratch);
+    slv_result result = slvi_ptx_read_face_with(ptx, &scratch, face, res, out);
+    slvi_ptx_scratch_free(&scratch);
     return result;
 }
 
@@ -141,12 +142,12 @@ struct slv_ptx_reader {
 
 slv_result slv_ptx_reader_create(const slv_env *env, const slv_ptx *ptx, slv_ptx_reader **out) {
     slv_ptx_reader *reader = NULL;
-    slv_result result = slv_alloc(env, ptx->name, 1, sizeof *reader, &reader);
+    slv_result result = slvi_alloc(env, ptx->name, 1, sizeof *reader, &reader);
     *out = NULL;
     if (result)
         return result;
     reader->ptx = ptx;
-    reader->env = slv_env_or_default(env);
+    reader->env = slvi_env_or_default(env);
     reader->scratch.env = &reader->env;
     *out = reader;
     return SLV_OK;
@@ -155,12 +156,12 @@ slv_result slv_ptx_reader_create(const slv_env *env, const slv_ptx *ptx, slv_ptx
 void slv_ptx_reader_destroy(slv_ptx_reader *reader) {
     if (!reader)
         return;
-    ptx_scratch_free(&reader->scratch);
+    slvi_ptx_scratch_free(&reader->scratch);
     slvi_free(reader);
 }
 
 slv_result slv_ptx_reader_read(slv_ptx_reader *reader, uint32_t face, slv_res res, void *out) {
-    return ptx_read_face_with(reader->ptx, &reader->scratch, face, res, out);
+    return slvi_ptx_read_face_with(reader->ptx, &reader->scratch, face, res, out);
 }
 
 slv_result slv_ptx_reader_read_tile(slv_ptx_reader *reader, uint32_t face, slv_res res,

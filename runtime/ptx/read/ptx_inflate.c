@@ -172,7 +172,7 @@ static bool read_block(struct input *in, const struct codes *codes, uint8_t **ou
     return true;
 }
 
-bool ptx_inflate_literals(const uint8_t *in, size_t size, uint8_t *out, size_t out_size) {
+bool slvi_ptx_inflate_literals(const uint8_t *in, size_t size, uint8_t *out, size_t out_size) {
     struct codes codes;
     struct input input = {.at = in + 2, .end = in + size};
     uint8_t *to = out;

@@ -36,15 +36,15 @@ static void file_close(void *user) {
     slvi_free(file);
 }
 
-slv_result ptx_source_open(const slv_env *env, const char *path, slv_ptx_source *out) {
+slv_result slvi_ptx_source_open(const slv_env *env, const char *path, slv_ptx_source *out) {
     struct file_source *file = NULL;
     struct stat status;
     int descriptor = open(path, O_RDONLY | O_CLOEXEC | O_NONBLOCK);
     if (descriptor < 0)
-        return slv_fail(env, SLV_ERROR_IO, "%s: %s", path, strerror(errno));
-    slv_result result = slv_alloc(env, path, 1, sizeof *file, &file);
+        return slvi_fail(env, SLV_ERROR_IO, "%s: %s", path, strerror(errno));
+    slv_result result = slvi_alloc(env, path, 1, sizeof *file, &file);
     if (!result && (fstat(descriptor, &status) != 0 || !S_ISREG(status.st_mode)))
-        result = slv_fail(env, SLV_ERROR_IO, "%s: not a regular file", path);
+        result = slvi_fail(env, SLV_ERROR_IO, "%s: not a regular file", path);
     if (result) {
         close(descriptor);
         slvi_free(file);
@@ -55,48 +55,48 @@ slv_result ptx_source_open(const slv_env *env, const char *path, slv_ptx_source 
     return SLV_OK;
 }
 
-slv_result ptx_read_bytes(const slv_env *env, const slv_ptx *ptx, const char *what,
-                          uint64_t position, uint64_t size, void *out) {
+slv_result slvi_ptx_read_bytes(const slv_env *env, const slv_ptx *ptx, const char *what,
+                               uint64_t position, uint64_t size, void *out) {
     if (position > ptx->source.size || size > ptx->source.size - position)
-        return slv_fail(env, SLV_ERROR_FORMAT,
-                        "%s: truncated: the %s is %llu bytes at offset %llu, but the file ends at "
-                        "%llu",
-                        ptx->name, what, (unsigned long long)size, (unsigned long long)position,
-                        (unsigned long long)ptx->source.size);
+        return slvi_fail(env, SLV_ERROR_FORMAT,
+                         "%s: truncated: the %s is %llu bytes at offset %llu, but the file ends at "
+                         "%llu",
+                         ptx->name, what, (unsigned long long)size, (unsigned long long)position,
+                         (unsigned long long)ptx->source.size);
     if (size && ptx->source.read(ptx->source.user, position, out, (size_t)size) != 0)
-        return slv_fail(env, SLV_ERROR_IO, "%s: the %s at offset %llu could not be read", ptx->name,
-                        what, (unsigned long long)position);
+        return slvi_fail(env, SLV_ERROR_IO, "%s: the %s at offset %llu could not be read",
+                         ptx->name, what, (unsigned long long)position);
     return SLV_OK;
 }
 
-bool ptx_zip_is_plausible(uint64_t zipped, uint64_t size) {
+bool slvi_ptx_zip_is_plausible(uint64_t zipped, uint64_t size) {
     return size / 1032 <= zipped;
 }
 
-slv_result ptx_read_zip(const slv_ptx *ptx, struct libdeflate_decompressor *inflater,
-                        const char *what, uint64_t position, uint64_t zipped, uint64_t size,
-                        void *out) {
+slv_result slvi_ptx_read_zip(const slv_ptx *ptx, struct libdeflate_decompressor *inflater,
+                             const char *what, uint64_t position, uint64_t zipped, uint64_t size,
+                             void *out) {
     uint8_t *packed = NULL, *bytes = NULL;
     slv_result result = SLV_OK;
     memset(out, 0, sizeof(void *));
-    if (!ptx_zip_is_plausible(zipped, size))
-        return slv_fail(&ptx->env, SLV_ERROR_FORMAT,
-                        "%s: the %s at offset %llu claims %llu bytes packed into %llu", ptx->name,
-                        what, (unsigned long long)position, (unsigned long long)size,
-                        (unsigned long long)zipped);
+    if (!slvi_ptx_zip_is_plausible(zipped, size))
+        return slvi_fail(&ptx->env, SLV_ERROR_FORMAT,
+                         "%s: the %s at offset %llu claims %llu bytes packed into %llu", ptx->name,
+                         what, (unsigned long long)position, (unsigned long long)size,
+                         (unsigned long long)zipped);
     /* before the allocation, so that it is bounded by the file */
     if (position > ptx->source.size || zipped > ptx->source.size - position)
-        return ptx_read_bytes(&ptx->env, ptx, what, position, zipped, NULL);
-    if ((result = slv_alloc(&ptx->env, ptx->name, zipped, 1, &packed)) ||
-        (result = slv_alloc(&ptx->env, ptx->name, size + 1, 1, &bytes)) ||
-        (result = ptx_read_bytes(&ptx->env, ptx, what, position, zipped, packed)))
+        return slvi_ptx_read_bytes(&ptx->env, ptx, what, position, zipped, NULL);
+    if ((result = slvi_alloc(&ptx->env, ptx->name, zipped, 1, &packed)) ||
+        (result = slvi_alloc(&ptx->env, ptx->name, size + 1, 1, &bytes)) ||
+        (result = slvi_ptx_read_bytes(&ptx->env, ptx, what, position, zipped, packed)))
         goto done;
     /* libdeflate cannot be given no room, and an empty stream says nothing */
     if (size && libdeflate_zlib_decompress(inflater, packed, (size_t)zipped, bytes, (size_t)size,
                                            NULL) != LIBDEFLATE_SUCCESS) {
-        result = slv_fail(&ptx->env, SLV_ERROR_FORMAT,
-                          "%s: the %s at offset %llu does not unpack to %llu bytes", ptx->name,
-                          what, (unsigned long long)position, (unsigned long long)size);
+        result = slvi_fail(&ptx->env, SLV_ERROR_FORMAT,
+                           "%s: the %s at offset %llu does not unpack to %llu bytes", ptx->name,
+                           what, (unsigned long long)position, (unsigned long long)size);
         goto done;
     }
     memcpy(out, &bytes, sizeof bytes);

@@ -19,43 +19,43 @@ static slv_result visit_range(void *user, uint64_t first, uint64_t end) {
     struct visit *visit = user;
     const slv_ptx *ptx = visit->ptx;
     ptx_range_log log;
-    slv_env env = ptx_range_env(visit->env, &visit->errors, first, &log);
+    slv_env env = slvi_ptx_range_env(visit->env, &visit->errors, first, &log);
     ptx_scratch scratch = {.env = &env, .read_ahead = READ_AHEAD};
     ptx_buffer texels = {0};
     slv_result result = SLV_OK;
     for (uint64_t i = first; i < end && !result; i++) {
         uint32_t face = (uint32_t)i;
-        slv_ptx_face f = ptx_face_at(ptx, face);
+        slv_ptx_face f = slvi_ptx_face_at(ptx, face);
         uint64_t count = ptx_is_one_texel(&f) ? 1 : ptx_texel_count(f.res);
         slv_res res = count == 1 ? (slv_res){0, 0} : f.res;
-        if (!(result = ptx_scratch_reserve(&scratch, ptx, &texels, count * ptx->pixel_size)) &&
-            !(result = ptx_read_face_with(ptx, &scratch, face, res, texels.bytes)))
+        if (!(result = slvi_ptx_scratch_reserve(&scratch, ptx, &texels, count * ptx->pixel_size)) &&
+            !(result = slvi_ptx_read_face_with(ptx, &scratch, face, res, texels.bytes)))
             result = visit->visit(visit->user, &env, face, &f, texels.bytes);
     }
     slvi_free(texels.bytes);
-    ptx_scratch_free(&scratch);
+    slvi_ptx_scratch_free(&scratch);
     return result;
 }
 
 /* Refuses before any memory is spent on them texels that cannot be there, or are more than allowed:
  * together if `all`, else each for itself. */
 static slv_result check_sizes(const slv_env *env, const slv_ptx *ptx, bool all, uint64_t *total) {
-    uint64_t limit = slv_env_or_default(env).max_bytes;
+    uint64_t limit = slvi_env_or_default(env).max_bytes;
     *total = 0;
     for (uint32_t face = 0; face < ptx->info.nfaces; face++) {
-        slv_ptx_face f = ptx_face_at(ptx, face);
+        slv_ptx_face f = slvi_ptx_face_at(ptx, face);
         uint64_t bytes = ptx->pixel_size;
         if (!ptx_is_one_texel(&f)) {
-            if (!ptx_face_is_plausible(ptx, face, &f))
-                return slv_fail(env, SLV_ERROR_FORMAT,
-                                "%s: face %u: its texels do not fit into the bytes that it has",
-                                ptx->name, face);
+            if (!slvi_ptx_face_is_plausible(ptx, face, &f))
+                return slvi_fail(env, SLV_ERROR_FORMAT,
+                                 "%s: face %u: its texels do not fit into the bytes that it has",
+                                 ptx->name, face);
             bytes = ptx_texel_count(f.res) * ptx->pixel_size;
         }
         if (bytes > limit || (all && *total > limit - bytes))
-            return slv_fail(env, SLV_ERROR_LIMIT,
-                            "%s: face %u: with it the texels pass the limit of %llu bytes",
-                            ptx->name, face, (unsigned long long)limit);
+            return slvi_fail(env, SLV_ERROR_LIMIT,
+                             "%s: face %u: with it the texels pass the limit of %llu bytes",
+                             ptx->name, face, (unsigned long long)limit);
         *total += bytes;
     }
     return SLV_OK;
@@ -66,7 +66,7 @@ static slv_result visit_all(struct visit *visit, uint64_t total) {
     uint64_t grain = nfaces / (total / (1 << 20) + 1) + 1;
     if (grain > nfaces / 16 + 1)
         grain = nfaces / 16 + 1;
-    return ptx_parallel_for(visit->env, &visit->errors, nfaces, grain, visit_range, visit);
+    return slvi_ptx_parallel_for(visit->env, &visit->errors, nfaces, grain, visit_range, visit);
 }
 
 slv_result slv_ptx_visit_faces(const slv_env *env, const slv_ptx *ptx, slv_ptx_visit_fn visit,
@@ -94,10 +94,10 @@ slv_result slv_ptx_load_texture(const slv_env *env, const slv_ptx *ptx, slv_text
     *out = NULL;
     slv_result result = ptx_need(ptx, PTX_FACES | PTX_CONSTANTS | PTX_LEVEL(0));
     if (result || (result = check_sizes(env, ptx, true, &total)) ||
-        (result = slv_alloc(env, ptx->name, ptx->info.nfaces, sizeof *res, &res)))
+        (result = slvi_alloc(env, ptx->name, ptx->info.nfaces, sizeof *res, &res)))
         goto done;
     for (uint32_t face = 0; face < ptx->info.nfaces; face++)
-        res[face] = ptx_face_at(ptx, face).res;
+        res[face] = slvi_ptx_face_at(ptx, face).res;
     slv_texture_desc desc = {ptx->info.nfaces, ptx->info.type, ptx->info.nchannels,
                              ptx->info.alpha_channel, res};
     if ((result = slv_texture_create(env, &desc, &texture)))
@@ -118,15 +118,15 @@ slv_result slv_ptx_load_adjacency(const slv_env *env, const slv_ptx *ptx, slv_ad
     uint8_t *flags = NULL;
     *out = NULL;
     if (ptx->info.mesh_type == SLV_PTX_TRIANGLE)
-        return slv_fail(env, SLV_ERROR_UNSUPPORTED,
-                        "%s: is a triangle-mesh texture; adjacency is of quads only", ptx->name);
+        return slvi_fail(env, SLV_ERROR_UNSUPPORTED,
+                         "%s: is a triangle-mesh texture; adjacency is of quads only", ptx->name);
     slv_result result = ptx_need(ptx, PTX_FACES);
     if (!result)
-        result = slv_alloc(env, ptx->name, ptx->info.nfaces, sizeof *records, &records);
+        result = slvi_alloc(env, ptx->name, ptx->info.nfaces, sizeof *records, &records);
     if (!result)
-        result = slv_alloc(env, ptx->name, ptx->info.nfaces, 1, &flags);
+        result = slvi_alloc(env, ptx->name, ptx->info.nfaces, 1, &flags);
     for (uint32_t face = 0; !result && face < ptx->info.nfaces; face++) {
-        slv_ptx_face f = ptx_face_at(ptx, face);
+        slv_ptx_face f = slvi_ptx_face_at(ptx, face);
         records[face] = f.adjacency;
         flags[face] = f.flags & SLV_FACE_SUBFACE;
     }
@@ -139,14 +139,14 @@ slv_result slv_ptx_load_adjacency(const slv_env *env, const slv_ptx *ptx, slv_ad
 
 static slv_result find_geometry(const slv_env *env, const slv_ptx *ptx, const char *key,
                                 slv_meta_type type, const slv_ptx_meta **out) {
-    if (!ptx_meta_lookup(ptx, key))
-        return slv_fail(env, SLV_ERROR_UNSUPPORTED, "%s: holds no mesh: it has no metadata %s",
-                        ptx->name, key);
+    if (!slvi_ptx_meta_lookup(ptx, key))
+        return slvi_fail(env, SLV_ERROR_UNSUPPORTED, "%s: holds no mesh: it has no metadata %s",
+                         ptx->name, key);
     if (!(*out = slv_ptx_find_meta(ptx, key)))
         return SLV_ERROR_FORMAT;
     if ((*out)->type != type)
-        return slv_fail(env, SLV_ERROR_MISMATCH, "%s: metadata %s has the wrong type", ptx->name,
-                        key);
+        return slvi_fail(env, SLV_ERROR_MISMATCH, "%s: metadata %s has the wrong type", ptx->name,
+                         key);
     return SLV_OK;
 }
 
@@ -164,26 +164,27 @@ slv_result slv_ptx_load_mesh(const slv_env *env, const slv_ptx *ptx, slv_mesh **
     bool triangle = ptx->info.mesh_type == SLV_PTX_TRIANGLE;
     for (uint32_t poly = 0; poly < counts->count; poly++) {
         if (triangle ? sizes[poly] != 3 : sizes[poly] < 3)
-            return slv_fail(env, SLV_ERROR_MISMATCH, "%s: its mesh has a polygon %u of %d vertices",
-                            ptx->name, poly, sizes[poly]);
+            return slvi_fail(env, SLV_ERROR_MISMATCH,
+                             "%s: its mesh has a polygon %u of %d vertices", ptx->name, poly,
+                             sizes[poly]);
         nindices += (uint32_t)sizes[poly];
         nfaces += triangle || sizes[poly] == 4 ? 1 : (uint32_t)sizes[poly];
     }
     if (nindices != indices->count)
-        return slv_fail(env, SLV_ERROR_MISMATCH,
-                        "%s: PtexFaceVertCounts adds up to %llu, PtexFaceVertIndices has %u",
-                        ptx->name, (unsigned long long)nindices, indices->count);
+        return slvi_fail(env, SLV_ERROR_MISMATCH,
+                         "%s: PtexFaceVertCounts adds up to %llu, PtexFaceVertIndices has %u",
+                         ptx->name, (unsigned long long)nindices, indices->count);
     if (nfaces != ptx->info.nfaces)
-        return slv_fail(env, SLV_ERROR_MISMATCH, "%s: its mesh has %llu faces, its texture %u",
-                        ptx->name, (unsigned long long)nfaces, ptx->info.nfaces);
+        return slvi_fail(env, SLV_ERROR_MISMATCH, "%s: its mesh has %llu faces, its texture %u",
+                         ptx->name, (unsigned long long)nfaces, ptx->info.nfaces);
     if (positions->count % 3)
-        return slv_fail(env, SLV_ERROR_MISMATCH, "%s: PtexVertPositions has %u values, not threes",
-                        ptx->name, positions->count);
+        return slvi_fail(env, SLV_ERROR_MISMATCH, "%s: PtexVertPositions has %u values, not threes",
+                         ptx->name, positions->count);
     for (uint32_t i = 0; i < indices->count; i++)
         if (verts[i] < 0 || (uint32_t)verts[i] >= nverts)
-            return slv_fail(env, SLV_ERROR_MISMATCH,
-                            "%s: PtexFaceVertIndices names vertex %d of %u", ptx->name, verts[i],
-                            nverts);
+            return slvi_fail(env, SLV_ERROR_MISMATCH,
+                             "%s: PtexFaceVertIndices names vertex %d of %u", ptx->name, verts[i],
+                             nverts);
     slv_mesh_view view = {.nverts = nverts,
                           .positions = positions->values,
                           .npolys = counts->count,

@@ -26,16 +26,16 @@ static void move(ptx_meta *to, const ptx_meta *from) {
 static slv_result append(slv_ptx *ptx, const uint8_t *key, unsigned key_size, unsigned type,
                          uint32_t size, void **values) {
     if (key_size < 1 || key[key_size - 1] != 0)
-        return slv_fail(&ptx->env, SLV_ERROR_FORMAT,
-                        "%s: metadata entry %u: its key does not end where it says", ptx->name,
-                        ptx->info.nmeta);
+        return slvi_fail(&ptx->env, SLV_ERROR_FORMAT,
+                         "%s: metadata entry %u: its key does not end where it says", ptx->name,
+                         ptx->info.nmeta);
     if (type > SLV_META_DOUBLE)
-        return slv_fail(&ptx->env, SLV_ERROR_FORMAT, "%s: metadata %s: unknown type %u", ptx->name,
-                        (const char *)key, type);
+        return slvi_fail(&ptx->env, SLV_ERROR_FORMAT, "%s: metadata %s: unknown type %u", ptx->name,
+                         (const char *)key, type);
     if (ptx->info.nmeta == ptx->meta_capacity) {
         uint64_t capacity = ptx->meta_capacity ? 2 * (uint64_t)ptx->meta_capacity : 16;
         ptx_meta *grown = NULL;
-        slv_result result = slv_alloc(&ptx->env, ptx->name, capacity, sizeof *grown, &grown);
+        slv_result result = slvi_alloc(&ptx->env, ptx->name, capacity, sizeof *grown, &grown);
         if (result)
             return result;
         for (uint32_t i = 0; i < ptx->info.nmeta; i++)
@@ -48,7 +48,7 @@ static slv_result append(slv_ptx *ptx, const uint8_t *key, unsigned key_size, un
     /* one byte more, so that a string without its NUL gets one */
     uint64_t room = values ? (uint64_t)size + 1 : 0;
     memset(meta, 0, sizeof *meta);
-    slv_result result = slv_alloc(&ptx->env, ptx->name, room + key_size, 1, &meta->memory);
+    slv_result result = slvi_alloc(&ptx->env, ptx->name, room + key_size, 1, &meta->memory);
     if (result)
         return result;
     char *name = (char *)meta->memory + room;
@@ -67,16 +67,17 @@ static void count_string(slv_ptx_meta *entry, uint32_t size) {
         entry->count = (uint32_t)strnlen(entry->values, size);
 }
 
-slv_result ptx_meta_parse(slv_ptx *ptx, const char *what, const uint8_t *bytes, uint64_t size) {
+slv_result slvi_ptx_meta_parse(slv_ptx *ptx, const char *what, const uint8_t *bytes,
+                               uint64_t size) {
     uint64_t at = 0;
     while (at < size) {
         unsigned key_size = bytes[at];
         uint64_t value = at + 1 + key_size + 5;
         if (value > size || ptx_get_u32(bytes + value - 4) > size - value)
-            return slv_fail(&ptx->env, SLV_ERROR_FORMAT,
-                            "%s: the %s: entry %u, at byte %llu of %llu, goes beyond the end",
-                            ptx->name, what, ptx->info.nmeta, (unsigned long long)at,
-                            (unsigned long long)size);
+            return slvi_fail(&ptx->env, SLV_ERROR_FORMAT,
+                             "%s: the %s: entry %u, at byte %llu of %llu, goes beyond the end",
+                             ptx->name, what, ptx->info.nmeta, (unsigned long long)at,
+                             (unsigned long long)size);
         uint32_t value_size = ptx_get_u32(bytes + value - 4);
         void *values = NULL;
         slv_result result =
@@ -90,28 +91,28 @@ slv_result ptx_meta_parse(slv_ptx *ptx, const char *what, const uint8_t *bytes, 
     return SLV_OK;
 }
 
-slv_result ptx_meta_read_large(slv_ptx *ptx, const uint8_t *headers, uint64_t size,
-                               uint64_t position, uint64_t end) {
+slv_result slvi_ptx_meta_read_large(slv_ptx *ptx, const uint8_t *headers, uint64_t size,
+                                    uint64_t position, uint64_t end) {
     uint64_t at = 0;
     while (at < size) {
         unsigned key_size = headers[at];
         uint64_t next = at + 1 + key_size + 9;
         if (next > size)
-            return slv_fail(&ptx->env, SLV_ERROR_FORMAT,
-                            "%s: the table of large metadata ends within entry %u", ptx->name,
-                            ptx->info.nmeta);
+            return slvi_fail(&ptx->env, SLV_ERROR_FORMAT,
+                             "%s: the table of large metadata ends within entry %u", ptx->name,
+                             ptx->info.nmeta);
         uint32_t value_size = ptx_get_u32(headers + next - 8);
         uint32_t zipped = ptx_get_u32(headers + next - 4);
         if (zipped > end - position)
-            return slv_fail(&ptx->env, SLV_ERROR_FORMAT,
-                            "%s: large metadata entry %u: %u bytes at offset %llu go beyond its "
-                            "section, which ends at %llu",
-                            ptx->name, ptx->info.nmeta, zipped, (unsigned long long)position,
-                            (unsigned long long)end);
-        if (!ptx_zip_is_plausible(zipped, value_size))
-            return slv_fail(&ptx->env, SLV_ERROR_FORMAT,
-                            "%s: large metadata entry %u claims %u bytes packed into %u", ptx->name,
-                            ptx->info.nmeta, value_size, zipped);
+            return slvi_fail(&ptx->env, SLV_ERROR_FORMAT,
+                             "%s: large metadata entry %u: %u bytes at offset %llu go beyond its "
+                             "section, which ends at %llu",
+                             ptx->name, ptx->info.nmeta, zipped, (unsigned long long)position,
+                             (unsigned long long)end);
+        if (!slvi_ptx_zip_is_plausible(zipped, value_size))
+            return slvi_fail(&ptx->env, SLV_ERROR_FORMAT,
+                             "%s: large metadata entry %u claims %u bytes packed into %u",
+                             ptx->name, ptx->info.nmeta, value_size, zipped);
         slv_result result =
             append(ptx, headers + at + 1, key_size, headers[next - 9], value_size, NULL);
         if (result)
@@ -137,14 +138,14 @@ static int compare_keyed(const void *a, const void *b) {
     return order ? order : (x->index > y->index) - (x->index < y->index);
 }
 
-slv_result ptx_meta_finish(slv_ptx *ptx) {
+slv_result slvi_ptx_meta_finish(slv_ptx *ptx) {
     uint32_t count = ptx->info.nmeta, kept = 0;
     struct keyed *sorted = NULL;
     uint32_t *moved = NULL;
-    slv_result result = slv_alloc(&ptx->env, ptx->name, count, sizeof *sorted, &sorted);
-    if (result || (result = slv_alloc(&ptx->env, ptx->name, count, sizeof *moved, &moved)) ||
+    slv_result result = slvi_alloc(&ptx->env, ptx->name, count, sizeof *sorted, &sorted);
+    if (result || (result = slvi_alloc(&ptx->env, ptx->name, count, sizeof *moved, &moved)) ||
         (result =
-             slv_alloc(&ptx->env, ptx->name, count, sizeof *ptx->meta_by_key, &ptx->meta_by_key)))
+             slvi_alloc(&ptx->env, ptx->name, count, sizeof *ptx->meta_by_key, &ptx->meta_by_key)))
         goto done;
     for (uint32_t i = 0; i < count; i++)
         sorted[i] = (struct keyed){ptx->meta[i].entry.key, i};
@@ -183,7 +184,7 @@ done:
     return result;
 }
 
-void ptx_meta_free(slv_ptx *ptx) {
+void slvi_ptx_meta_free(slv_ptx *ptx) {
     for (uint32_t i = 0; i < ptx->info.nmeta; i++) {
         ptx_meta *meta = &ptx->meta[i];
         slvi_free(meta->large);
@@ -196,9 +197,9 @@ void ptx_meta_free(slv_ptx *ptx) {
 static slv_result load_large(const slv_ptx *ptx, ptx_meta *meta) {
     struct libdeflate_decompressor *inflater = libdeflate_alloc_decompressor();
     if (!inflater)
-        return slv_fail(&ptx->env, SLV_ERROR_MEMORY, "%s: no memory to unpack it", ptx->name);
-    slv_result result = ptx_read_zip(ptx, inflater, "large metadata", meta->position, meta->zipped,
-                                     meta->unpacked, &meta->large);
+        return slvi_fail(&ptx->env, SLV_ERROR_MEMORY, "%s: no memory to unpack it", ptx->name);
+    slv_result result = slvi_ptx_read_zip(ptx, inflater, "large metadata", meta->position,
+                                          meta->zipped, meta->unpacked, &meta->large);
     libdeflate_free_decompressor(inflater);
     if (result)
         return result;
@@ -222,7 +223,7 @@ const slv_ptx_meta *slv_ptx_get_meta(const slv_ptx *ptx, uint32_t index) {
     return index < ptx->info.nmeta ? loaded_entry(ptx, &ptx->meta[index]) : NULL;
 }
 
-ptx_meta *ptx_meta_lookup(const slv_ptx *ptx, const char *key) {
+ptx_meta *slvi_ptx_meta_lookup(const slv_ptx *ptx, const char *key) {
     uint32_t low = 0, high = ptx->info.nmeta;
     while (low < high) {
         uint32_t middle = low + (high - low) / 2;
@@ -239,11 +240,11 @@ ptx_meta *ptx_meta_lookup(const slv_ptx *ptx, const char *key) {
 }
 
 const slv_ptx_meta *slv_ptx_find_meta(const slv_ptx *ptx, const char *key) {
-    ptx_meta *meta = ptx_meta_lookup(ptx, key);
+    ptx_meta *meta = slvi_ptx_meta_lookup(ptx, key);
     return meta ? loaded_entry(ptx, meta) : NULL;
 }
 
-uint64_t ptx_meta_bytes(const slv_ptx *ptx, bool all) {
+uint64_t slvi_ptx_meta_bytes(const slv_ptx *ptx, bool all) {
     uint64_t bytes = (uint64_t)ptx->meta_capacity * sizeof *ptx->meta + 4ull * ptx->info.nmeta;
     for (uint32_t i = 0; i < ptx->info.nmeta; i++) {
         const ptx_meta *meta = &ptx->meta[i];

@@ -10,15 +10,15 @@ static slv_result parse_header(slv_ptx *ptx, const uint8_t *header) {
     uint32_t type = ptx_get_u32(header + 12), nfaces = ptx_get_u32(header + 24);
     const char *name = ptx->name;
     if (version != 1)
-        return slv_fail(&ptx->env, SLV_ERROR_UNSUPPORTED,
-                        "%s: version %u of the format; only version 1 is known", name, version);
+        return slvi_fail(&ptx->env, SLV_ERROR_UNSUPPORTED,
+                         "%s: version %u of the format; only version 1 is known", name, version);
     if (mesh_type > SLV_PTX_QUAD)
-        return slv_fail(&ptx->env, SLV_ERROR_FORMAT,
-                        "%s: unknown mesh type %u (0 is triangles, 1 quads)", name, mesh_type);
+        return slvi_fail(&ptx->env, SLV_ERROR_FORMAT,
+                         "%s: unknown mesh type %u (0 is triangles, 1 quads)", name, mesh_type);
     if (type > SLV_TYPE_FLOAT)
-        return slv_fail(&ptx->env, SLV_ERROR_FORMAT, "%s: unknown data type %u", name, type);
+        return slvi_fail(&ptx->env, SLV_ERROR_FORMAT, "%s: unknown data type %u", name, type);
     if (nfaces > INT32_MAX)
-        return slv_fail(&ptx->env, SLV_ERROR_FORMAT, "%s: claims %u faces", name, nfaces);
+        return slvi_fail(&ptx->env, SLV_ERROR_FORMAT, "%s: claims %u faces", name, nfaces);
     info->mesh_type = (slv_ptx_mesh_type)mesh_type;
     info->type = (slv_type)type;
     info->nchannels = ptx_get_u16(header + 20);
@@ -31,12 +31,12 @@ static slv_result parse_header(slv_ptx *ptx, const uint8_t *header) {
     info->file_bytes = ptx->source.size;
     ptx->pixel_size = info->nchannels * slv_type_size(info->type);
     if (!info->nchannels)
-        return slv_fail(&ptx->env, SLV_ERROR_FORMAT, "%s: has no channels", name);
+        return slvi_fail(&ptx->env, SLV_ERROR_FORMAT, "%s: has no channels", name);
     if (info->nlevels < 1 || info->nlevels > PTX_MAX_LEVELS)
-        return slv_fail(&ptx->env, SLV_ERROR_FORMAT, "%s: claims %u levels, 1 to %d are possible",
-                        name, info->nlevels, PTX_MAX_LEVELS);
+        return slvi_fail(&ptx->env, SLV_ERROR_FORMAT, "%s: claims %u levels, 1 to %d are possible",
+                         name, info->nlevels, PTX_MAX_LEVELS);
     if (ptx_get_u32(header + 40) != info->nlevels * PTX_LEVEL_INFO_SIZE)
-        return slv_fail(
+        return slvi_fail(
             &ptx->env, SLV_ERROR_FORMAT, "%s: its level list has %u bytes, %u levels need %u", name,
             ptx_get_u32(header + 40), info->nlevels, info->nlevels * PTX_LEVEL_INFO_SIZE);
     return SLV_OK;
@@ -46,9 +46,9 @@ static slv_result parse_extended_header(slv_ptx *ptx, const uint8_t *extended) {
     uint32_t u = ptx_get_u16(extended), v = ptx_get_u16(extended + 4);
     uint32_t filter = ptx_get_u16(extended + 6);
     if (u > SLV_BORDER_PERIODIC || v > SLV_BORDER_PERIODIC || filter > SLV_EDGE_FILTER_TANVEC)
-        return slv_fail(&ptx->env, SLV_ERROR_FORMAT,
-                        "%s: unknown border mode or edge filter (u %u, v %u, filter %u)", ptx->name,
-                        u, v, filter);
+        return slvi_fail(&ptx->env, SLV_ERROR_FORMAT,
+                         "%s: unknown border mode or edge filter (u %u, v %u, filter %u)",
+                         ptx->name, u, v, filter);
     ptx->info.border_u = (slv_border_mode)u;
     ptx->info.border_v = (slv_border_mode)v;
     ptx->info.edge_filter = (slv_edge_filter)filter;
@@ -77,10 +77,10 @@ static slv_result read_tail(slv_ptx *ptx, struct libdeflate_decompressor *inflat
     bool any_meta = small_zipped || large_zipped;
 
     if (small_size) {
-        result =
-            ptx_read_zip(ptx, inflater, "metadata", position, small_zipped, small_size, &bytes);
+        result = slvi_ptx_read_zip(ptx, inflater, "metadata", position, small_zipped, small_size,
+                                   &bytes);
         if (!result)
-            result = ptx_meta_parse(ptx, "metadata", bytes, small_size);
+            result = slvi_ptx_meta_parse(ptx, "metadata", bytes, small_size);
         slvi_free(bytes);
     }
     if (result)
@@ -88,25 +88,27 @@ static slv_result read_tail(slv_ptx *ptx, struct libdeflate_decompressor *inflat
     uint64_t large_position = position;
     if (!advance(ptx, &large_position, small_zipped) ||
         !advance(ptx, &large_position, PTX_BARRIER_SIZE))
-        return slv_fail(&ptx->env, SLV_ERROR_FORMAT,
-                        "%s: truncated: the metadata at offset %llu is %u bytes, but the file ends "
-                        "at %llu",
-                        ptx->name, (unsigned long long)position, small_zipped,
-                        (unsigned long long)ptx->source.size);
+        return slvi_fail(
+            &ptx->env, SLV_ERROR_FORMAT,
+            "%s: truncated: the metadata at offset %llu is %u bytes, but the file ends "
+            "at %llu",
+            ptx->name, (unsigned long long)position, small_zipped,
+            (unsigned long long)ptx->source.size);
     position = large_position;
     uint64_t data_position = position, summed = position;
     if (!advance(ptx, &data_position, large_zipped))
-        return ptx_read_bytes(&ptx->env, ptx, "table of large metadata", position, large_zipped,
-                              NULL);
+        return slvi_ptx_read_bytes(&ptx->env, ptx, "table of large metadata", position,
+                                   large_zipped, NULL);
     summed = data_position;
     if (!advance(ptx, &summed, large_data))
-        return ptx_read_bytes(&ptx->env, ptx, "large metadata", data_position, large_data, NULL);
+        return slvi_ptx_read_bytes(&ptx->env, ptx, "large metadata", data_position, large_data,
+                                   NULL);
     if (large_size) {
         bytes = NULL;
-        result = ptx_read_zip(ptx, inflater, "table of large metadata", position, large_zipped,
-                              large_size, &bytes);
+        result = slvi_ptx_read_zip(ptx, inflater, "table of large metadata", position, large_zipped,
+                                   large_size, &bytes);
         if (!result)
-            result = ptx_meta_read_large(ptx, bytes, large_size, data_position, summed);
+            result = slvi_ptx_meta_read_large(ptx, bytes, large_size, data_position, summed);
         slvi_free(bytes);
     }
     if (result)
@@ -123,44 +125,44 @@ static slv_result read_tail(slv_ptx *ptx, struct libdeflate_decompressor *inflat
             return SLV_OK;
         ptx->edit_position = start;
         if (start > ptx->source.size || edit_size > ptx->source.size - start)
-            return ptx_read_bytes(&ptx->env, ptx, "edit section", start, edit_size, NULL);
+            return slvi_ptx_read_bytes(&ptx->env, ptx, "edit section", start, edit_size, NULL);
         edit_end = start + edit_size;
     }
-    return ptx_read_edits(ptx, inflater, start, edit_end, edit_position == 0);
+    return slvi_ptx_read_edits(ptx, inflater, start, edit_end, edit_position == 0);
 }
 
 static slv_result read_all(slv_ptx *ptx) {
     uint8_t header[PTX_HEADER_SIZE] = {0}, extended[PTX_EXTENDED_HEADER_SIZE] = {0};
     struct libdeflate_decompressor *inflater = NULL;
     uint64_t available = ptx->source.size < sizeof header ? ptx->source.size : sizeof header;
-    slv_result result = ptx_read_bytes(&ptx->env, ptx, "header", 0, available, header);
+    slv_result result = slvi_ptx_read_bytes(&ptx->env, ptx, "header", 0, available, header);
     if (result)
         return result;
     if (available < 4 || memcmp(header, "Ptex", 4) != 0)
-        return slv_fail(&ptx->env, SLV_ERROR_FORMAT,
-                        "%s: not a .ptx file: it does not begin with \"Ptex\"", ptx->name);
+        return slvi_fail(&ptx->env, SLV_ERROR_FORMAT,
+                         "%s: not a .ptx file: it does not begin with \"Ptex\"", ptx->name);
     if (available < sizeof header)
-        return ptx_read_bytes(&ptx->env, ptx, "header", 0, sizeof header, header);
+        return slvi_ptx_read_bytes(&ptx->env, ptx, "header", 0, sizeof header, header);
     if ((result = parse_header(ptx, header)))
         return result;
     uint32_t extended_size = ptx_get_u32(header + 28);
     uint64_t position = PTX_HEADER_SIZE + (uint64_t)extended_size;
-    if ((result = ptx_read_bytes(&ptx->env, ptx, "extended header", PTX_HEADER_SIZE,
-                                 extended_size < sizeof extended ? extended_size : sizeof extended,
-                                 extended)) ||
+    if ((result = slvi_ptx_read_bytes(
+             &ptx->env, ptx, "extended header", PTX_HEADER_SIZE,
+             extended_size < sizeof extended ? extended_size : sizeof extended, extended)) ||
         (result = parse_extended_header(ptx, extended)))
         return result;
     inflater = libdeflate_alloc_decompressor();
     if (!inflater)
-        return slv_fail(&ptx->env, SLV_ERROR_MEMORY, "%s: no memory to unpack it", ptx->name);
-    result = ptx_read_levels(ptx, header, position);
+        return slvi_fail(&ptx->env, SLV_ERROR_MEMORY, "%s: no memory to unpack it", ptx->name);
+    result = slvi_ptx_read_levels(ptx, header, position);
     /* the tables are within the file, so these sums cannot overflow */
     position += (uint64_t)ptx_get_u32(header + 32) + ptx_get_u32(header + 36) +
                 ptx_get_u32(header + 40) + ptx_get_u64(header + 48);
     if (!result)
         result = read_tail(ptx, inflater, header, extended, position);
     if (!result)
-        result = ptx_meta_finish(ptx);
+        result = slvi_ptx_meta_finish(ptx);
     libdeflate_free_decompressor(inflater);
     return result;
 }
@@ -169,7 +171,7 @@ static slv_result open_params(const slv_env *env, const char *name, const slv_pt
                               const slv_ptx_open_params *params, slv_ptx **out) {
     slv_ptx *ptx = NULL;
     *out = NULL;
-    slv_result result = slv_alloc(env, name, 1, sizeof *ptx, &ptx);
+    slv_result result = slvi_alloc(env, name, 1, sizeof *ptx, &ptx);
     if (result) {
         if (source->close)
             source->close(source->user);
@@ -180,11 +182,11 @@ static slv_result open_params(const slv_env *env, const char *name, const slv_pt
     ptx->lenient = params && params->lenient;
     ptx->info.level_faces = ptx->level_faces;
     ptx->info.level_bytes = ptx->level_bytes;
-    if (!(result = slv_parallel_env_begin(env, &ptx->log, &ptx->env)) &&
-        !(result = slv_alloc(env, name, 1, sizeof *ptx->tables, &ptx->tables))) {
+    if (!(result = slvi_parallel_env_begin(env, &ptx->log, &ptx->env)) &&
+        !(result = slvi_alloc(env, name, 1, sizeof *ptx->tables, &ptx->tables))) {
         pthread_mutex_init(&ptx->tables->lock, NULL);
         atomic_init(&ptx->tables->ready, 0);
-        result = slv_alloc(env, name, strlen(name) + 1, 1, &ptx->name);
+        result = slvi_alloc(env, name, strlen(name) + 1, 1, &ptx->name);
     }
     if (!result) {
         memcpy(ptx->name, name, strlen(name) + 1);
@@ -209,7 +211,7 @@ slv_result slv_ptx_open_with(const slv_env *env, const char *path,
     *out = NULL;
     if (params && params->source)
         return open_params(env, path, params->source, params, out);
-    slv_result result = ptx_source_open(env, path, &source);
+    slv_result result = slvi_ptx_source_open(env, path, &source);
     return result ? result : open_params(env, path, &source, params, out);
 }
 
@@ -233,11 +235,11 @@ void slv_ptx_close(slv_ptx *ptx) {
         pthread_mutex_destroy(&ptx->tables->lock);
         slvi_free(ptx->tables);
     }
-    ptx_meta_free(ptx);
+    slvi_ptx_meta_free(ptx);
     slvi_free(ptx->edits);
     slvi_free(ptx->edit_values);
     slvi_free(ptx->name);
-    slv_parallel_env_end(ptx->log);
+    slvi_parallel_env_end(ptx->log);
     slvi_free(ptx);
 }
 
@@ -252,15 +254,15 @@ const char *slv_ptx_name(const slv_ptx *ptx) {
 static slv_result check_face(const slv_ptx *ptx, uint32_t face) {
     if (face < ptx->info.nfaces)
         return SLV_OK;
-    return slv_fail(&ptx->env, SLV_ERROR_ARGUMENT, "%s: face %u: there are %u faces", ptx->name,
-                    face, ptx->info.nfaces);
+    return slvi_fail(&ptx->env, SLV_ERROR_ARGUMENT, "%s: face %u: there are %u faces", ptx->name,
+                     face, ptx->info.nfaces);
 }
 
 slv_result slv_ptx_get_face(const slv_ptx *ptx, uint32_t face, slv_ptx_face *out) {
     slv_result result = check_face(ptx, face);
     if (result || (result = ptx_need(ptx, PTX_FACES)))
         return result;
-    *out = ptx_face_at(ptx, face);
+    *out = slvi_ptx_face_at(ptx, face);
     return SLV_OK;
 }
 
@@ -269,11 +271,11 @@ slv_result slv_ptx_get_block(const slv_ptx *ptx, uint32_t face, uint32_t level,
     memset(out, 0, sizeof *out);
     slv_result result = check_face(ptx, face);
     if (!result && level >= ptx->info.nlevels)
-        result = slv_fail(&ptx->env, SLV_ERROR_ARGUMENT, "%s: level %u: there are %u levels",
-                          ptx->name, level, ptx->info.nlevels);
+        result = slvi_fail(&ptx->env, SLV_ERROR_ARGUMENT, "%s: level %u: there are %u levels",
+                           ptx->name, level, ptx->info.nlevels);
     if (result || (result = ptx_need(ptx, PTX_FACES | PTX_LEVEL(level) | (level ? PTX_RANKS : 0))))
         return result;
-    slv_ptx_face f = ptx_face_at(ptx, face);
+    slv_ptx_face f = slvi_ptx_face_at(ptx, face);
     bool edited = f.flags & SLV_FACE_EDITED;
     const ptx_level *table = &ptx->tables->levels[level];
     uint32_t index = level ? ptx->tables->ranks[face] : face, header;
@@ -281,12 +283,12 @@ slv_result slv_ptx_get_block(const slv_ptx *ptx, uint32_t face, uint32_t level,
         (int)level > ptx_min_log2(f.res))
         return SLV_OK;
     if (edited) {
-        const ptx_edit *edit = ptx_find_edit(ptx, face);
+        const ptx_edit *edit = slvi_ptx_find_edit(ptx, face);
         header = edit->header;
         out->position = edit->position;
     } else {
         header = table->headers[index];
-        out->position = ptx_block_position(table, index);
+        out->position = slvi_ptx_block_position(table, index);
     }
     out->stored = true;
     out->encoding = (slv_ptx_encoding)PTX_BLOCK_ENCODING(header);

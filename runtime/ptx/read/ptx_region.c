@@ -49,7 +49,7 @@ static slv_result make_quad(const struct plan *plan, uint32_t i, ptx_region regi
                             size_t pitch) {
     const slv_ptx *ptx = plan->ptx;
     if (i == plan->last)
-        return ptx_read_stored(ptx, plan->scratch, plan->block, region, out, pitch);
+        return slvi_ptx_read_stored(ptx, plan->scratch, plan->block, region, out, pitch);
     if (grown_bytes(plan, i, region.size) > plan->limit[i]) {
         ptx_region second = region;
         size_t distance = 1;
@@ -75,9 +75,9 @@ static slv_result make_quad(const struct plan *plan, uint32_t i, ptx_region regi
     if (result)
         return result;
     if (along_u)
-        ptx_halve_u(ptx->info.type, ptx->info.nchannels, from.size, work, to);
+        slvi_ptx_halve_u(ptx->info.type, ptx->info.nchannels, from.size, work, to);
     else
-        ptx_halve_v(ptx->info.type, ptx->info.nchannels, from.size, work, to);
+        slvi_ptx_halve_v(ptx->info.type, ptx->info.nchannels, from.size, work, to);
     for (size_t y = 0; to == work && y < (size_t)1 << region.size.v; y++)
         memcpy(out + y * pitch * ptx->pixel_size, work + y * row, row);
     return SLV_OK;
@@ -94,10 +94,11 @@ static slv_result make_triangle(const struct plan *plan, uint32_t i, int size, u
     slv_res square = {(int8_t)size, (int8_t)size};
     slv_result result = SLV_OK;
     if (i == plan->last) {
-        result = ptx_read_stored(ptx, plan->scratch, plan->block, (ptx_region){square, x, y}, out,
-                                 pitch);
+        result = slvi_ptx_read_stored(ptx, plan->scratch, plan->block, (ptx_region){square, x, y},
+                                      out, pitch);
         if (!result && mirrored)
-            result = ptx_read_stored(ptx, plan->scratch, plan->block,
+            result =
+                slvi_ptx_read_stored(ptx, plan->scratch, plan->block,
                                      (ptx_region){square, mirror_x, mirror_y}, mirrored, pitch);
         return result;
     }
@@ -125,9 +126,10 @@ static slv_result make_triangle(const struct plan *plan, uint32_t i, int size, u
     if ((result = make_triangle(plan, i + 1, from.u, 2 * x, 2 * y, even, own_mirror ? NULL : odd,
                                 (size_t)1 << from.u)))
         return result;
-    ptx_halve_triangle(ptx->info.type, ptx->info.nchannels, from.u, even, odd, out, pitch);
+    slvi_ptx_halve_triangle(ptx->info.type, ptx->info.nchannels, from.u, even, odd, out, pitch);
     if (mirrored)
-        ptx_halve_triangle(ptx->info.type, ptx->info.nchannels, from.u, odd, even, mirrored, pitch);
+        slvi_ptx_halve_triangle(ptx->info.type, ptx->info.nchannels, from.u, odd, even, mirrored,
+                                pitch);
     return SLV_OK;
 }
 
@@ -143,7 +145,7 @@ static slv_result read_reduced(const slv_ptx *ptx, ptx_scratch *scratch, const p
     slv_result result = SLV_OK;
     size_t pitch = (size_t)1 << region.size.u;
     if (PTX_BLOCK_ENCODING(block->header) == PTX_TILED) {
-        if ((result = ptx_need_tiles(ptx, scratch, block)))
+        if ((result = slvi_ptx_need_tiles(ptx, scratch, block)))
             return result;
         plan.unit = scratch->tile;
     }
@@ -166,15 +168,16 @@ static slv_result read_reduced(const slv_ptx *ptx, ptx_scratch *scratch, const p
         left -= left < bytes ? left : bytes;
         size = grow(&plan, i, size);
     }
-    if ((result = ptx_scratch_reserve(scratch, ptx, &scratch->work, total)))
+    if ((result = slvi_ptx_scratch_reserve(scratch, ptx, &scratch->work, total)))
         return result;
     return triangle ? make_triangle(&plan, 0, region.size.u, region.x, region.y, out, NULL, pitch)
                     : make_quad(&plan, 0, region, out, pitch);
 }
 
-slv_result ptx_read_reduced(const slv_ptx *ptx, ptx_scratch *scratch, const ptx_block *block,
-                            const slv_res *res, uint32_t steps, ptx_region region, uint8_t *out) {
+slv_result slvi_ptx_read_reduced(const slv_ptx *ptx, ptx_scratch *scratch, const ptx_block *block,
+                                 const slv_res *res, uint32_t steps, ptx_region region,
+                                 uint8_t *out) {
     if (steps == 1) /* many faces are small: nothing may be slow for them */
-        return ptx_read_stored(ptx, scratch, block, region, out, (size_t)1 << region.size.u);
+        return slvi_ptx_read_stored(ptx, scratch, block, region, out, (size_t)1 << region.size.u);
     return read_reduced(ptx, scratch, block, res, steps - 1, region, out);
 }

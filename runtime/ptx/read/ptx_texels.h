@@ -52,40 +52,42 @@ typedef struct ptx_scratch {
 
 /* ptx_inflate.c: unpacks a zlib stream if it is of literals alone; else returns false, and `out` is
  * of no use. */
-bool ptx_inflate_literals(const uint8_t *in, size_t size, uint8_t *out, size_t out_size);
+bool slvi_ptx_inflate_literals(const uint8_t *in, size_t size, uint8_t *out, size_t out_size);
 
 /* ptx_unpack.c */
-slv_result ptx_scratch_reserve(ptx_scratch *scratch, const slv_ptx *ptx, ptx_buffer *buffer,
-                               uint64_t size);
+slv_result slvi_ptx_scratch_reserve(ptx_scratch *scratch, const slv_ptx *ptx, ptx_buffer *buffer,
+                                    uint64_t size);
 /* Gives back what only large blocks without tiles need. */
-void ptx_scratch_trim(ptx_scratch *scratch);
-void ptx_scratch_free(ptx_scratch *scratch);
-slv_result ptx_corrupt(const slv_ptx *ptx, const ptx_scratch *scratch, uint32_t face,
-                       const char *why);
+void slvi_ptx_scratch_trim(ptx_scratch *scratch);
+void slvi_ptx_scratch_free(ptx_scratch *scratch);
+slv_result slvi_ptx_corrupt(const slv_ptx *ptx, const ptx_scratch *scratch, uint32_t face,
+                            const char *why);
 /* `size` bytes of a face's data, valid until the next call; up to `ahead` are read for the calls
  * that follow. */
-slv_result ptx_read_input(const slv_ptx *ptx, ptx_scratch *scratch, uint32_t face,
-                          uint64_t position, uint32_t size, uint64_t ahead, const uint8_t **out);
+slv_result slvi_ptx_read_input(const slv_ptx *ptx, ptx_scratch *scratch, uint32_t face,
+                               uint64_t position, uint32_t size, uint64_t ahead,
+                               const uint8_t **out);
 /* One zipped array of `res` texels into rows `pitch` texels apart. */
-slv_result ptx_unpack(const slv_ptx *ptx, ptx_scratch *scratch, uint32_t face,
-                      const uint8_t *zipped, uint32_t size, bool differences, slv_res res,
-                      void *out, size_t pitch);
+slv_result slvi_ptx_unpack(const slv_ptx *ptx, ptx_scratch *scratch, uint32_t face,
+                           const uint8_t *zipped, uint32_t size, bool differences, slv_res res,
+                           void *out, size_t pitch);
 
 /* ptx_tile.c */
 /* The table of a tiled block, into scratch->table and scratch->tile. */
-slv_result ptx_need_tiles(const slv_ptx *ptx, ptx_scratch *scratch, const ptx_block *block);
+slv_result slvi_ptx_need_tiles(const slv_ptx *ptx, ptx_scratch *scratch, const ptx_block *block);
 /* A region of what a block stores, into rows `pitch` texels apart. */
-slv_result ptx_read_stored(const slv_ptx *ptx, ptx_scratch *scratch, const ptx_block *block,
-                           ptx_region region, uint8_t *out, size_t pitch);
+slv_result slvi_ptx_read_stored(const slv_ptx *ptx, ptx_scratch *scratch, const ptx_block *block,
+                                ptx_region region, uint8_t *out, size_t pitch);
 
 /* ptx_region.c: a region of the reduction that `steps` - 1 halvings make of a block; res[0] is that
  * of the region, res[steps - 1] the block's. */
-slv_result ptx_read_reduced(const slv_ptx *ptx, ptx_scratch *scratch, const ptx_block *block,
-                            const slv_res *res, uint32_t steps, ptx_region region, uint8_t *out);
+slv_result slvi_ptx_read_reduced(const slv_ptx *ptx, ptx_scratch *scratch, const ptx_block *block,
+                                 const slv_res *res, uint32_t steps, ptx_region region,
+                                 uint8_t *out);
 
 /* ptx_face.c */
-slv_result ptx_read_face_with(const slv_ptx *ptx, ptx_scratch *scratch, uint32_t face, slv_res res,
-                              void *out);
+slv_result slvi_ptx_read_face_with(const slv_ptx *ptx, ptx_scratch *scratch, uint32_t face,
+                                   slv_res res, void *out);
 
 static inline uint64_t ptx_region_bytes(const slv_ptx *ptx, slv_res size) {
     return ptx_texel_count(size) * ptx->pixel_size;

@@ -19,7 +19,7 @@ static bool same_block(const ptx_block *a, const ptx_block *b) {
            a->res.v == b->res.v;
 }
 
-slv_result ptx_need_tiles(const slv_ptx *ptx, ptx_scratch *scratch, const ptx_block *block) {
+slv_result slvi_ptx_need_tiles(const slv_ptx *ptx, ptx_scratch *scratch, const ptx_block *block) {
     uint32_t size = PTX_BLOCK_SIZE(block->header), face = block->face, table_size = 0;
     uint64_t ahead = size < TABLE_AHEAD ? size : TABLE_AHEAD;
     slv_res res = block->res, tile = {-1, -1};
@@ -29,20 +29,22 @@ slv_result ptx_need_tiles(const slv_ptx *ptx, ptx_scratch *scratch, const ptx_bl
         return SLV_OK;
     scratch->table_block = (ptx_block){0};
     if (size >= 6) {
-        if ((result = ptx_read_input(ptx, scratch, face, block->position, 6, ahead, &bytes)))
+        if ((result = slvi_ptx_read_input(ptx, scratch, face, block->position, 6, ahead, &bytes)))
             return result;
         tile = (slv_res){(int8_t)bytes[0], (int8_t)bytes[1]};
         table_size = ptx_get_u32(bytes + 2);
     }
     if (tile.u < 0 || tile.v < 0 || tile.u > res.u || tile.v > res.v || table_size > size - 6)
-        return ptx_corrupt(ptx, scratch, face, "its tile table makes no sense");
+        return slvi_ptx_corrupt(ptx, scratch, face, "its tile table makes no sense");
     uint64_t ntiles = UINT64_C(1) << (res.u - tile.u + res.v - tile.v);
-    if (ntiles > UINT32_MAX || !ptx_zip_is_plausible(table_size, 4 * ntiles))
-        return ptx_corrupt(ptx, scratch, face, "its tile table does not fit into so few bytes");
-    if ((result = ptx_scratch_reserve(scratch, ptx, &scratch->table_headers, 4 * ntiles)) ||
-        (result = ptx_scratch_reserve(scratch, ptx, &scratch->table_positions,
-                                      8 * (ntiles / PTX_POSITION_STEP + 1))) ||
-        (result = ptx_read_input(ptx, scratch, face, block->position + 6, table_size, 0, &bytes)))
+    if (ntiles > UINT32_MAX || !slvi_ptx_zip_is_plausible(table_size, 4 * ntiles))
+        return slvi_ptx_corrupt(ptx, scratch, face,
+                                "its tile table does not fit into so few bytes");
+    if ((result = slvi_ptx_scratch_reserve(scratch, ptx, &scratch->table_headers, 4 * ntiles)) ||
+        (result = slvi_ptx_scratch_reserve(scratch, ptx, &scratch->table_positions,
+                                           8 * (ntiles / PTX_POSITION_STEP + 1))) ||
+        (result =
+             slvi_ptx_read_input(ptx, scratch, face, block->position + 6, table_size, 0, &bytes)))
         return result;
     ptx_level *table = &scratch->table;
     table->headers = (uint32_t *)(void *)scratch->table_headers.bytes;
@@ -50,14 +52,14 @@ slv_result ptx_need_tiles(const slv_ptx *ptx, ptx_scratch *scratch, const ptx_bl
     table->nfaces = (uint32_t)ntiles;
     if (libdeflate_zlib_decompress(scratch->inflater, bytes, table_size, table->headers,
                                    (size_t)(4 * ntiles), NULL) != LIBDEFLATE_SUCCESS)
-        return ptx_corrupt(ptx, scratch, face, "its tile table does not unpack");
+        return slvi_ptx_corrupt(ptx, scratch, face, "its tile table does not unpack");
     uint64_t at = 6 + (uint64_t)table_size;
     for (uint32_t i = 0; i < table->nfaces; i++) {
         uint32_t bytes_here = PTX_BLOCK_SIZE(table->headers[i]);
         uint32_t encoding = PTX_BLOCK_ENCODING(table->headers[i]);
         if (bytes_here > size - at || encoding == PTX_TILED ||
             (encoding == PTX_CONSTANT && bytes_here != ptx->pixel_size))
-            return ptx_corrupt(ptx, scratch, face, "one of its tiles makes no sense");
+            return slvi_ptx_corrupt(ptx, scratch, face, "one of its tiles makes no sense");
         if (i % PTX_POSITION_STEP == 0)
             table->positions[i / PTX_POSITION_STEP] = block->position + at;
         at += bytes_here;
@@ -92,13 +94,13 @@ static slv_result keep(const slv_ptx *ptx, ptx_scratch *scratch, const ptx_block
     }
     ptx_kept *kept = &scratch->kept[triangle ? scratch->newest ^ 1 : 0];
     kept->block = (ptx_block){0};
-    if (!ptx_zip_is_plausible(size, bytes))
-        return ptx_corrupt(ptx, scratch, face, "its texels do not fit into so few bytes");
-    if ((result = ptx_scratch_reserve(scratch, ptx, &kept->texels, bytes)) ||
-        (result = ptx_read_input(ptx, scratch, face, array->position, size, ahead, &zipped)) ||
-        (result = ptx_unpack(ptx, scratch, face, zipped, size,
-                             PTX_BLOCK_ENCODING(array->header) == PTX_DIFFZIPPED, array->res,
-                             kept->texels.bytes, (size_t)1 << array->res.u)))
+    if (!slvi_ptx_zip_is_plausible(size, bytes))
+        return slvi_ptx_corrupt(ptx, scratch, face, "its texels do not fit into so few bytes");
+    if ((result = slvi_ptx_scratch_reserve(scratch, ptx, &kept->texels, bytes)) ||
+        (result = slvi_ptx_read_input(ptx, scratch, face, array->position, size, ahead, &zipped)) ||
+        (result = slvi_ptx_unpack(ptx, scratch, face, zipped, size,
+                                  PTX_BLOCK_ENCODING(array->header) == PTX_DIFFZIPPED, array->res,
+                                  kept->texels.bytes, (size_t)1 << array->res.u)))
         return result;
     kept->block = *block;
     kept->tile = array->index;
@@ -123,21 +125,22 @@ static slv_result read_array(const slv_ptx *ptx, ptx_scratch *scratch, const ptx
                       pitch * pixel);
         return result;
     }
-    if ((result = ptx_read_input(ptx, scratch, block->face, array->position, size, ahead, &bytes)))
+    if ((result =
+             slvi_ptx_read_input(ptx, scratch, block->face, array->position, size, ahead, &bytes)))
         return result;
     if (encoding != PTX_CONSTANT)
-        return ptx_unpack(ptx, scratch, block->face, bytes, size, encoding == PTX_DIFFZIPPED,
-                          array->res, out, pitch);
+        return slvi_ptx_unpack(ptx, scratch, block->face, bytes, size, encoding == PTX_DIFFZIPPED,
+                               array->res, out, pitch);
     if (size != pixel)
-        return ptx_corrupt(ptx, scratch, block->face, "its one texel has a wrong size");
-    ptx_fill(out, bytes, pixel, UINT64_C(1) << region.size.u);
+        return slvi_ptx_corrupt(ptx, scratch, block->face, "its one texel has a wrong size");
+    slvi_ptx_fill(out, bytes, pixel, UINT64_C(1) << region.size.u);
     copy_rows(out, 0, row, rows - 1, out + pitch * pixel, pitch * pixel);
     return SLV_OK;
 }
 
 static slv_result read_tiles(const slv_ptx *ptx, ptx_scratch *scratch, const ptx_block *block,
                              ptx_region region, uint8_t *out, size_t pitch) {
-    slv_result result = ptx_need_tiles(ptx, scratch, block);
+    slv_result result = slvi_ptx_need_tiles(ptx, scratch, block);
     if (result)
         return result;
     slv_res tile = scratch->tile, overlap = region.size;
@@ -152,7 +155,7 @@ static slv_result read_tiles(const slv_ptx *ptx, ptx_scratch *scratch, const ptx
         for (uint32_t x = 0; x < 1u << region.size.u; x += 1u << overlap.u) {
             uint32_t at_x = region.x + x, at_y = region.y + y;
             uint32_t index = (at_y >> tile.v << columns) + (at_x >> tile.u);
-            struct array array = {ptx_block_position(&scratch->table, index),
+            struct array array = {slvi_ptx_block_position(&scratch->table, index),
                                   scratch->table.headers[index], index, tile};
             uint64_t left = end - array.position;
             uint64_t ahead = !whole ? 0 : left < BLOCK_AHEAD ? left : BLOCK_AHEAD;
@@ -164,14 +167,14 @@ static slv_result read_tiles(const slv_ptx *ptx, ptx_scratch *scratch, const ptx
     return SLV_OK;
 }
 
-slv_result ptx_read_stored(const slv_ptx *ptx, ptx_scratch *scratch, const ptx_block *block,
-                           ptx_region region, uint8_t *out, size_t pitch) {
+slv_result slvi_ptx_read_stored(const slv_ptx *ptx, ptx_scratch *scratch, const ptx_block *block,
+                                ptx_region region, uint8_t *out, size_t pitch) {
     size_t width = (size_t)1 << region.size.u, height = (size_t)1 << region.size.v;
     struct array array = {block->position, block->header, 0, block->res};
     slv_result result;
     if (PTX_BLOCK_SIZE(block->header) == 0)
-        return ptx_corrupt(ptx, scratch, block->face,
-                           "has no texels, and is not marked as constant");
+        return slvi_ptx_corrupt(ptx, scratch, block->face,
+                                "has no texels, and is not marked as constant");
     if (PTX_BLOCK_ENCODING(block->header) == PTX_TILED)
         result = read_tiles(ptx, scratch, block, region, out, pitch);
     else

@@ -8,13 +8,13 @@
 
 #define LARGE (UINT32_C(1) << 18)
 
-slv_result ptx_scratch_reserve(ptx_scratch *scratch, const slv_ptx *ptx, ptx_buffer *buffer,
-                               uint64_t size) {
+slv_result slvi_ptx_scratch_reserve(ptx_scratch *scratch, const slv_ptx *ptx, ptx_buffer *buffer,
+                                    uint64_t size) {
     if (size <= buffer->capacity)
         return SLV_OK;
     slvi_free(buffer->bytes);
     buffer->capacity = 0;
-    slv_result result = slv_alloc(scratch->env, ptx->name, size, 1, &buffer->bytes);
+    slv_result result = slvi_alloc(scratch->env, ptx->name, size, 1, &buffer->bytes);
     if (!result)
         buffer->capacity = (size_t)size;
     return result;
@@ -25,7 +25,7 @@ static void release(ptx_buffer *buffer) {
     *buffer = (ptx_buffer){0};
 }
 
-void ptx_scratch_trim(ptx_scratch *scratch) {
+void slvi_ptx_scratch_trim(ptx_scratch *scratch) {
     if (scratch->planes.capacity > LARGE)
         release(&scratch->planes);
     if (scratch->input.capacity > LARGE) {
@@ -39,7 +39,7 @@ void ptx_scratch_trim(ptx_scratch *scratch) {
         }
 }
 
-void ptx_scratch_free(ptx_scratch *scratch) {
+void slvi_ptx_scratch_free(ptx_scratch *scratch) {
     libdeflate_free_decompressor(scratch->inflater);
     release(&scratch->input);
     release(&scratch->planes);
@@ -50,8 +50,9 @@ void ptx_scratch_free(ptx_scratch *scratch) {
         release(&scratch->kept[i].texels);
 }
 
-slv_result ptx_read_input(const slv_ptx *ptx, ptx_scratch *scratch, uint32_t face,
-                          uint64_t position, uint32_t size, uint64_t ahead, const uint8_t **out) {
+slv_result slvi_ptx_read_input(const slv_ptx *ptx, ptx_scratch *scratch, uint32_t face,
+                               uint64_t position, uint32_t size, uint64_t ahead,
+                               const uint8_t **out) {
     uint64_t end = scratch->input_position + scratch->input_size;
     if (position < scratch->input_position || position + size > end) {
         uint64_t wanted = size, left = ptx->source.size - position;
@@ -60,13 +61,13 @@ slv_result ptx_read_input(const slv_ptx *ptx, ptx_scratch *scratch, uint32_t fac
         if (wanted < ahead)
             wanted = left < ahead ? left : ahead;
         scratch->input_size = 0;
-        slv_result result = ptx_scratch_reserve(scratch, ptx, &scratch->input, wanted);
+        slv_result result = slvi_ptx_scratch_reserve(scratch, ptx, &scratch->input, wanted);
         if (result)
             return result;
         char what[48];
         snprintf(what, sizeof what, "data of face %u", face);
-        if ((result =
-                 ptx_read_bytes(scratch->env, ptx, what, position, wanted, scratch->input.bytes)))
+        if ((result = slvi_ptx_read_bytes(scratch->env, ptx, what, position, wanted,
+                                          scratch->input.bytes)))
             return result;
         scratch->input_position = position;
         scratch->input_size = (size_t)wanted;
@@ -135,31 +136,31 @@ static void sum_u16(const uint16_t *in, size_t n, size_t w, size_t h, uint16_t *
         interleave_u16(in, 0xffff, n, w, h, out, pitch);
 }
 
-slv_result ptx_corrupt(const slv_ptx *ptx, const ptx_scratch *scratch, uint32_t face,
-                       const char *why) {
-    return slv_fail(scratch->env, SLV_ERROR_FORMAT, "%s: face %u: %s", ptx->name, face, why);
+slv_result slvi_ptx_corrupt(const slv_ptx *ptx, const ptx_scratch *scratch, uint32_t face,
+                            const char *why) {
+    return slvi_fail(scratch->env, SLV_ERROR_FORMAT, "%s: face %u: %s", ptx->name, face, why);
 }
 
-slv_result ptx_unpack(const slv_ptx *ptx, ptx_scratch *scratch, uint32_t face,
-                      const uint8_t *zipped, uint32_t size, bool differences, slv_res res,
-                      void *out, size_t pitch) {
+slv_result slvi_ptx_unpack(const slv_ptx *ptx, ptx_scratch *scratch, uint32_t face,
+                           const uint8_t *zipped, uint32_t size, bool differences, slv_res res,
+                           void *out, size_t pitch) {
     size_t w = (size_t)1 << res.u, h = (size_t)1 << res.v, n = ptx->info.nchannels;
     uint64_t bytes = ptx_texel_count(res) * ptx->pixel_size;
     uint8_t *planes = out;
     bool in_place = n == 1 && pitch == w;
-    if (!ptx_zip_is_plausible(size, bytes))
-        return ptx_corrupt(ptx, scratch, face, "its texels do not fit into so few bytes");
+    if (!slvi_ptx_zip_is_plausible(size, bytes))
+        return slvi_ptx_corrupt(ptx, scratch, face, "its texels do not fit into so few bytes");
     if (!in_place) {
-        slv_result result = ptx_scratch_reserve(scratch, ptx, &scratch->planes, bytes);
+        slv_result result = slvi_ptx_scratch_reserve(scratch, ptx, &scratch->planes, bytes);
         if (result)
             return result;
         planes = scratch->planes.bytes;
     }
-    if (!ptx_inflate_literals(zipped, size, planes, (size_t)bytes) &&
+    if (!slvi_ptx_inflate_literals(zipped, size, planes, (size_t)bytes) &&
         libdeflate_zlib_decompress(scratch->inflater, zipped, size, planes, (size_t)bytes, NULL) !=
             LIBDEFLATE_SUCCESS)
-        return ptx_corrupt(ptx, scratch, face,
-                           "its texels do not unpack to the size they should have");
+        return slvi_ptx_corrupt(ptx, scratch, face,
+                                "its texels do not unpack to the size they should have");
     switch (ptx->info.type) {
     case SLV_TYPE_U8:
         if (differences)

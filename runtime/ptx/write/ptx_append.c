@@ -22,11 +22,11 @@ static slv_result open_locked(const slv_env *env, const char *path, int *out) {
     slv_result result = SLV_OK;
     int descriptor = open(path, O_RDWR | O_CLOEXEC | O_NONBLOCK);
     if (descriptor < 0)
-        return slv_fail(env, SLV_ERROR_IO, "%s: cannot be edited: %s", path, strerror(errno));
+        return slvi_fail(env, SLV_ERROR_IO, "%s: cannot be edited: %s", path, strerror(errno));
     if (fstat(descriptor, &status) != 0 || !S_ISREG(status.st_mode))
-        result = slv_fail(env, SLV_ERROR_IO, "%s: not a regular file", path);
+        result = slvi_fail(env, SLV_ERROR_IO, "%s: not a regular file", path);
     else if (flock(descriptor, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK)
-        result = slv_fail(env, SLV_ERROR_IO, "%s: is being edited already", path);
+        result = slvi_fail(env, SLV_ERROR_IO, "%s: is being edited already", path);
     if (result) {
         close(descriptor);
         return result;
@@ -44,20 +44,20 @@ slv_result slv_ptx_writer_edit(const slv_env *env, const char *path,
     *out = NULL;
     slv_result result = open_locked(env, path, &descriptor);
     if (result || (result = slv_ptx_open(env, path, &ptx)) ||
-        (result = ptx_read_bytes(env, ptx, "header", 28, sizeof size, size)))
+        (result = slvi_ptx_read_bytes(env, ptx, "header", 28, sizeof size, size)))
         goto done;
     if (ptx_get_u32(size) < PTX_EXTENDED_HEADER_SIZE) {
-        result = slv_fail(env, SLV_ERROR_UNSUPPORTED,
-                          "%s: its header has no room for edits; it can be rewritten", path);
+        result = slvi_fail(env, SLV_ERROR_UNSUPPORTED,
+                           "%s: its header has no room for edits; it can be rewritten", path);
         goto done;
     }
-    slv_ptx_writer_params own = ptx_writer_params_of_header(ptx);
+    slv_ptx_writer_params own = slvi_ptx_writer_params_of_header(ptx);
     if (params) {
         own.compression = params->compression;
         own.sync = params->sync;
         own.memory = params->memory;
     }
-    if ((result = ptx_writer_begin(env, path, &own, &writer)))
+    if ((result = slvi_ptx_writer_begin(env, path, &own, &writer)))
         goto done;
     writer->edited = descriptor;
     writer->edit_position = ptx->edit_position;
@@ -80,8 +80,8 @@ struct append {
 
 static slv_result flush(struct append *append) {
     slv_ptx_writer *writer = append->writer;
-    slv_result result = ptx_write_at(&writer->env, writer->path, writer->edited, append->bytes.data,
-                                     append->bytes.size, append->position);
+    slv_result result = slvi_ptx_write_at(&writer->env, writer->path, writer->edited,
+                                          append->bytes.data, append->bytes.size, append->position);
     append->position += append->bytes.size;
     append->bytes.size = 0;
     return result;
@@ -97,16 +97,16 @@ static slv_result append_face(struct append *append, uint32_t face) {
     memcpy(head + 9, writer->records + (size_t)face * PTX_FACE_INFO_SIZE, PTX_FACE_INFO_SIZE);
     ptx_put_u32(head + 9 + PTX_FACE_INFO_SIZE, header);
     slv_result result =
-        ptx_bytes_append(&writer->env, writer->path, &append->bytes, head, sizeof head);
+        slvi_ptx_bytes_append(&writer->env, writer->path, &append->bytes, head, sizeof head);
     if (!result)
-        result =
-            ptx_bytes_append(&writer->env, writer->path, &append->bytes,
-                             writer->constants + face * writer->pixel_size, writer->pixel_size);
+        result = slvi_ptx_bytes_append(&writer->env, writer->path, &append->bytes,
+                                       writer->constants + face * writer->pixel_size,
+                                       writer->pixel_size);
     if (!result)
-        result = ptx_bytes_reserve(&writer->env, writer->path, &append->bytes, block);
+        result = slvi_ptx_bytes_reserve(&writer->env, writer->path, &append->bytes, block);
     if (!result)
-        result = ptx_spill_read(&writer->spill, &writer->env, writer->positions[face], block,
-                                append->bytes.data + append->bytes.size);
+        result = slvi_ptx_spill_read(&writer->spill, &writer->env, writer->positions[face], block,
+                                     append->bytes.data + append->bytes.size);
     if (!result)
         append->bytes.size += block;
     return !result && append->bytes.size >= FLUSH ? flush(append) : result;
@@ -121,13 +121,15 @@ static slv_result append_meta(struct append *append) {
     struct libdeflate_compressor *deflater = libdeflate_alloc_compressor(writer->compression);
     slv_result result = SLV_OK;
     if (!deflater)
-        result = slv_fail(&writer->env, SLV_ERROR_MEMORY, "%s: no memory to pack it", writer->path);
+        result =
+            slvi_fail(&writer->env, SLV_ERROR_MEMORY, "%s: no memory to pack it", writer->path);
     if (!result &&
-        !(result = ptx_meta_pack_edit(&writer->env, writer->path, writer->meta, writer->nmeta,
-                                      &plain)) &&
-        !(result = ptx_bytes_append(&writer->env, writer->path, &append->bytes, head, sizeof head)))
-        result = ptx_bytes_append_zip(&writer->env, writer->path, deflater, &append->bytes,
-                                      plain.data, plain.size, UINT32_MAX - 8, &zipped);
+        !(result = slvi_ptx_meta_pack_edit(&writer->env, writer->path, writer->meta, writer->nmeta,
+                                           &plain)) &&
+        !(result =
+              slvi_ptx_bytes_append(&writer->env, writer->path, &append->bytes, head, sizeof head)))
+        result = slvi_ptx_bytes_append_zip(&writer->env, writer->path, deflater, &append->bytes,
+                                           plain.data, plain.size, UINT32_MAX - 8, &zipped);
     if (!result) {
         uint8_t *record = append->bytes.data + start;
         ptx_put_u32(record + 1, zipped + 8);
@@ -143,8 +145,8 @@ static slv_result put_fields(const slv_ptx_writer *writer, uint64_t end) {
     uint8_t fields[16];
     ptx_put_u64(fields, end - writer->edit_position);
     ptx_put_u64(fields + 8, writer->edit_position);
-    return ptx_write_at(&writer->env, writer->path, writer->edited, fields, sizeof fields,
-                        EDIT_FIELDS);
+    return slvi_ptx_write_at(&writer->env, writer->path, writer->edited, fields, sizeof fields,
+                             EDIT_FIELDS);
 }
 
 static slv_result append_all(struct append *append) {
@@ -158,17 +160,17 @@ static slv_result append_all(struct append *append) {
     return result ? result : flush(append);
 }
 
-slv_result ptx_writer_append(slv_ptx_writer *writer) {
+slv_result slvi_ptx_writer_append(slv_ptx_writer *writer) {
     struct append append = {.writer = writer, .position = writer->edit_end};
     struct stat edited, named;
     uint8_t fields[16];
     if (fstat(writer->edited, &edited) != 0 || stat(writer->path, &named) != 0 ||
         edited.st_dev != named.st_dev || edited.st_ino != named.st_ino)
-        return slv_fail(&writer->env, SLV_ERROR_IO, "%s: was replaced while it was being edited",
-                        writer->path);
+        return slvi_fail(&writer->env, SLV_ERROR_IO, "%s: was replaced while it was being edited",
+                         writer->path);
     if (pread(writer->edited, fields, sizeof fields, EDIT_FIELDS) != (ssize_t)sizeof fields)
-        return slv_fail(&writer->env, SLV_ERROR_IO, "%s: its header could not be read",
-                        writer->path);
+        return slvi_fail(&writer->env, SLV_ERROR_IO, "%s: its header could not be read",
+                         writer->path);
     slv_result result = SLV_OK;
     /* old files have no end of their edits: all that follows would count, half written or not */
     if (!ptx_get_u64(fields + 8))
@@ -176,20 +178,20 @@ slv_result ptx_writer_append(slv_ptx_writer *writer) {
     if (!result)
         result = append_all(&append);
     if (!result && writer->params.sync && fdatasync(writer->edited) != 0)
-        result = slv_fail(&writer->env, SLV_ERROR_IO, "%s: write failed: %s", writer->path,
-                          strerror(errno));
+        result = slvi_fail(&writer->env, SLV_ERROR_IO, "%s: write failed: %s", writer->path,
+                           strerror(errno));
     if (!result && append.position > writer->edit_end)
         result = put_fields(writer, append.position);
     slvi_free(append.bytes.data);
     uint64_t end = result ? (uint64_t)edited.st_size : append.position;
     if (!result && writer->params.sync && fdatasync(writer->edited) != 0)
-        result = slv_fail(&writer->env, SLV_ERROR_IO, "%s: write failed: %s", writer->path,
-                          strerror(errno));
+        result = slvi_fail(&writer->env, SLV_ERROR_IO, "%s: write failed: %s", writer->path,
+                           strerror(errno));
     /* what a killed editor left, or this one when it failed; nobody sees it, so nothing is lost if
      * it stays */
     if (end >= writer->edit_end)
         (void)!ftruncate(writer->edited, (off_t)end);
     if (!result)
-        ptx_temporary_sweep(&writer->env, writer->path);
+        slvi_ptx_temporary_sweep(&writer->env, writer->path);
     return result;
 }

@@ -44,12 +44,12 @@ static slv_result order_faces(struct assembly *a) {
         slv_ptx_face own = writer->links[face];
         own.res = (slv_res){(int8_t)record[0], (int8_t)record[1]};
         own.flags |= record[3] & SLV_FACE_CONSTANT;
-        ptx_pack_record(&own, record);
+        slvi_ptx_pack_record(&own, record);
     }
-    if ((result = slv_alloc(env, writer->path, nfaces, sizeof *a->ranks, &a->ranks)) ||
-        (result = slv_alloc(env, writer->path, nfaces, sizeof *a->order, &a->order)))
+    if ((result = slvi_alloc(env, writer->path, nfaces, sizeof *a->ranks, &a->ranks)) ||
+        (result = slvi_alloc(env, writer->path, nfaces, sizeof *a->order, &a->order)))
         return result;
-    ptx_rank_faces(writer->records, nfaces, a->ranks);
+    slvi_ptx_rank_faces(writer->records, nfaces, a->ranks);
     a->nlevels = 1;
     a->level_faces[0] = nfaces;
     for (uint32_t face = 0; face < nfaces; face++) {
@@ -68,7 +68,7 @@ static slv_result zip_levels(struct assembly *a, struct libdeflate_compressor *d
     slv_ptx_writer *writer = a->writer;
     uint32_t *headers = NULL;
     slv_result result =
-        slv_alloc(&writer->env, writer->path, writer->params.nfaces, sizeof *headers, &headers);
+        slvi_alloc(&writer->env, writer->path, writer->params.nfaces, sizeof *headers, &headers);
     for (uint32_t level = 0; !result && level < a->nlevels; level++) {
         uint32_t count = a->level_faces[level];
         uint64_t size = 0;
@@ -76,7 +76,8 @@ static slv_result zip_levels(struct assembly *a, struct libdeflate_compressor *d
             headers[i] = header_at(a, level, i);
             size += PTX_BLOCK_SIZE(headers[i]);
         }
-        result = ptx_bytes_append_zip(&writer->env, writer->path, deflater, &a->tables, headers,
+        result =
+            slvi_ptx_bytes_append_zip(&writer->env, writer->path, deflater, &a->tables, headers,
                                       (uint64_t)count * 4, UINT32_MAX, &a->table_sizes[level]);
         a->level_sizes[level] = size + a->table_sizes[level];
     }
@@ -95,13 +96,13 @@ static slv_result make_front(struct assembly *a, struct libdeflate_compressor *d
     uint32_t faces_zipped = 0, constants_zipped = 0, list_size = a->nlevels * PTX_LEVEL_INFO_SIZE;
     uint64_t level_bytes = 0;
     slv_result result;
-    if ((result = ptx_bytes_append(env, writer->path, &a->front, header, sizeof header)) ||
-        (result = ptx_bytes_append_zip(env, writer->path, deflater, &a->front, writer->records,
-                                       (uint64_t)p->nfaces * PTX_FACE_INFO_SIZE, UINT32_MAX,
-                                       &faces_zipped)) ||
-        (result = ptx_bytes_append_zip(env, writer->path, deflater, &a->front, writer->constants,
-                                       (uint64_t)p->nfaces * writer->pixel_size, UINT32_MAX,
-                                       &constants_zipped)))
+    if ((result = slvi_ptx_bytes_append(env, writer->path, &a->front, header, sizeof header)) ||
+        (result = slvi_ptx_bytes_append_zip(env, writer->path, deflater, &a->front, writer->records,
+                                            (uint64_t)p->nfaces * PTX_FACE_INFO_SIZE, UINT32_MAX,
+                                            &faces_zipped)) ||
+        (result = slvi_ptx_bytes_append_zip(
+             env, writer->path, deflater, &a->front, writer->constants,
+             (uint64_t)p->nfaces * writer->pixel_size, UINT32_MAX, &constants_zipped)))
         return result;
     for (uint32_t level = 0; level < a->nlevels; level++) {
         ptx_put_u64(list + level * PTX_LEVEL_INFO_SIZE, a->level_sizes[level]);
@@ -109,7 +110,7 @@ static slv_result make_front(struct assembly *a, struct libdeflate_compressor *d
         ptx_put_u32(list + level * PTX_LEVEL_INFO_SIZE + 12, a->level_faces[level]);
         level_bytes += a->level_sizes[level];
     }
-    if ((result = ptx_bytes_append(env, writer->path, &a->front, list, list_size)))
+    if ((result = slvi_ptx_bytes_append(env, writer->path, &a->front, list, list_size)))
         return result;
     memcpy(header, "Ptex", 4);
     ptx_put_u32(header + 4, 1);
@@ -180,7 +181,7 @@ static slv_result gather(const ptx_spill *spill, const slv_env *env, struct move
         uint64_t start = moves[i].from, stop = start + moves[i].size;
         end = i + 1;
         if (start < spill->budget || moves[i].size >= WINDOW) {
-            result = ptx_spill_read(spill, env, start, moves[i].size, out + moves[i].to);
+            result = slvi_ptx_spill_read(spill, env, start, moves[i].size, out + moves[i].to);
             continue;
         }
         while (end < count && moves[end].from <= stop + GAP &&
@@ -188,7 +189,7 @@ static slv_result gather(const ptx_spill *spill, const slv_env *env, struct move
             stop = moves[end].from + moves[end].size;
             end++;
         }
-        result = ptx_spill_read(spill, env, start, stop - start, window);
+        result = slvi_ptx_spill_read(spill, env, start, stop - start, window);
         for (uint32_t k = i; k < end && !result; k++)
             memcpy(out + moves[k].to, window + (moves[k].from - start), moves[k].size);
     }
@@ -203,9 +204,9 @@ static slv_result write_batch(const struct assembly *a, const slv_env *env,
     uint32_t count = 0;
     uint64_t at = 0;
     slv_result result =
-        slv_alloc(env, writer->path, batch->end - batch->first, sizeof *moves, &moves);
+        slvi_alloc(env, writer->path, batch->end - batch->first, sizeof *moves, &moves);
     if (!result)
-        result = slv_alloc(env, writer->path, batch->size + WINDOW, 1, &bytes);
+        result = slvi_alloc(env, writer->path, batch->size + WINDOW, 1, &bytes);
     for (uint32_t i = batch->first; !result && i < batch->end; i++) {
         uint32_t face = batch->level ? a->order[i] : i;
         uint32_t size = PTX_BLOCK_SIZE(writer->headers[batch->level][face]);
@@ -220,8 +221,8 @@ static slv_result write_batch(const struct assembly *a, const slv_env *env,
     if (!result)
         result = gather(&writer->spill, env, moves, count, bytes + batch->size, bytes);
     if (!result)
-        result =
-            ptx_write_at(env, writer->path, a->descriptor, bytes, batch->size, batch->position);
+        result = slvi_ptx_write_at(env, writer->path, a->descriptor, bytes, batch->size,
+                                   batch->position);
     slvi_free(moves);
     slvi_free(bytes);
     return result;
@@ -230,7 +231,7 @@ static slv_result write_batch(const struct assembly *a, const slv_env *env,
 static slv_result write_batches(void *user, uint64_t first, uint64_t end) {
     struct assembly *a = user;
     ptx_range_log log;
-    slv_env env = ptx_range_env(&a->writer->env, &a->errors, first, &log);
+    slv_env env = slvi_ptx_range_env(&a->writer->env, &a->errors, first, &log);
     slv_result result = SLV_OK;
     for (uint64_t i = first; i < end && !result; i++)
         result = write_batch(a, &env, &a->batches[i]);
@@ -243,49 +244,51 @@ static slv_result write_all(struct assembly *a, const ptx_temporary *temporary) 
     uint64_t position = a->front.size, table = 0;
     a->descriptor = temporary->descriptor;
     slv_result result =
-        ptx_write_at(env, writer->path, a->descriptor, a->front.data, a->front.size, 0);
+        slvi_ptx_write_at(env, writer->path, a->descriptor, a->front.data, a->front.size, 0);
     for (uint32_t level = 0; !result && level < a->nlevels; level++) {
-        result = ptx_write_at(env, writer->path, a->descriptor, a->tables.data + table,
-                              a->table_sizes[level], position);
+        result = slvi_ptx_write_at(env, writer->path, a->descriptor, a->tables.data + table,
+                                   a->table_sizes[level], position);
         table += a->table_sizes[level];
         position += a->level_sizes[level];
     }
     if (!result)
-        result = ptx_write_at(env, writer->path, a->descriptor, a->meta.bytes.data,
-                              a->meta.bytes.size, position);
+        result = slvi_ptx_write_at(env, writer->path, a->descriptor, a->meta.bytes.data,
+                                   a->meta.bytes.size, position);
     if (!result)
-        result = ptx_parallel_for(env, &a->errors, a->nbatches, 1, write_batches, a);
+        result = slvi_ptx_parallel_for(env, &a->errors, a->nbatches, 1, write_batches, a);
     return result;
 }
 
-slv_result ptx_writer_assemble(slv_ptx_writer *writer) {
+slv_result slvi_ptx_writer_assemble(slv_ptx_writer *writer) {
     struct assembly a = {.writer = writer};
     const slv_ptx_writer_params *p = &writer->params;
     ptx_temporary temporary = {-1, NULL};
     struct libdeflate_compressor *deflater = libdeflate_alloc_compressor(writer->compression);
     slv_result result = SLV_OK;
     if (!deflater)
-        result = slv_fail(&writer->env, SLV_ERROR_MEMORY, "%s: no memory to pack it", writer->path);
+        result =
+            slvi_fail(&writer->env, SLV_ERROR_MEMORY, "%s: no memory to pack it", writer->path);
     if (result || (result = order_faces(&a)))
         goto done;
-    ptx_flag_neighbourhoods(writer->records, p->nfaces, writer->constants, writer->pixel_size,
-                            p->mesh_type,
-                            p->border_u == SLV_BORDER_CLAMP && p->border_v == SLV_BORDER_CLAMP);
+    slvi_ptx_flag_neighbourhoods(
+        writer->records, p->nfaces, writer->constants, writer->pixel_size, p->mesh_type,
+        p->border_u == SLV_BORDER_CLAMP && p->border_v == SLV_BORDER_CLAMP);
     if ((result = zip_levels(&a, deflater)) ||
-        (result = ptx_meta_pack(&writer->env, writer->path, deflater, writer->meta, writer->nmeta,
-                                &a.meta)) ||
+        (result = slvi_ptx_meta_pack(&writer->env, writer->path, deflater, writer->meta,
+                                     writer->nmeta, &a.meta)) ||
         (result = make_front(&a, deflater)))
         goto done;
     cut_batches(&a);
-    if ((result = slv_alloc(&writer->env, writer->path, a.nbatches, sizeof *a.batches, &a.batches)))
+    if ((result =
+             slvi_alloc(&writer->env, writer->path, a.nbatches, sizeof *a.batches, &a.batches)))
         goto done;
     cut_batches(&a);
-    if (!(result = ptx_temporary_create(&writer->env, writer->path, &temporary)) &&
+    if (!(result = slvi_ptx_temporary_create(&writer->env, writer->path, &temporary)) &&
         !(result = write_all(&a, &temporary)) &&
-        !(result = ptx_temporary_commit(&writer->env, writer->path, &temporary, p->sync)))
-        ptx_temporary_sweep(&writer->env, writer->path);
+        !(result = slvi_ptx_temporary_commit(&writer->env, writer->path, &temporary, p->sync)))
+        slvi_ptx_temporary_sweep(&writer->env, writer->path);
 done:
-    ptx_temporary_discard(&temporary);
+    slvi_ptx_temporary_discard(&temporary);
     libdeflate_free_compressor(deflater);
     slvi_free(a.ranks);
     slvi_free(a.order);

@@ -464,20 +464,21 @@ static float entropy(const uint8_t *in, size_t size) {
     return sum / (float)size;
 }
 
-slv_result ptx_deflater_create(const slv_env *env, const char *path, struct ptx_deflater **out) {
-    slv_result result = slv_alloc(env, path, 1, sizeof **out, out);
+slv_result slvi_ptx_deflater_create(const slv_env *env, const char *path,
+                                    struct ptx_deflater **out) {
+    slv_result result = slvi_alloc(env, path, 1, sizeof **out, out);
     if (!result)
         (*out)->base = 1;
     return result;
 }
 
-size_t ptx_deflate_bound(size_t size) {
+size_t slvi_ptx_deflate_bound(size_t size) {
     /* a code of equal lengths would need 9 bits; ours is never longer in sum */
     return size + size / 8 + (size / BLOCK + 1) * 400 + 64;
 }
 
-size_t ptx_deflate(struct ptx_deflater *deflater, const uint8_t *in, size_t size, size_t row,
-                   size_t step, uint8_t *out) {
+size_t slvi_ptx_deflate(struct ptx_deflater *deflater, const uint8_t *in, size_t size, size_t row,
+                        size_t step, uint8_t *out) {
     size_t nblocks = (size + BLOCK - 1) / BLOCK, part = (size + nblocks - 1) / nblocks;
     bool search = bytes_repeat(in, size);
     float bits_each = search ? entropy(in, size) : 0.0f;

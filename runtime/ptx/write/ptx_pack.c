@@ -8,17 +8,17 @@
 /* A block as large as this, and no smaller, is cut into tiles. */
 #define TILE_BYTES 65536
 
-slv_result ptx_bytes_reserve(const slv_env *env, const char *path, ptx_bytes *bytes,
-                             uint64_t extra) {
+slv_result slvi_ptx_bytes_reserve(const slv_env *env, const char *path, ptx_bytes *bytes,
+                                  uint64_t extra) {
     uint8_t *grown = NULL;
     if (extra <= bytes->capacity - bytes->size)
         return SLV_OK;
     if (extra > UINT64_MAX / 2 - bytes->size)
-        return slv_fail(env, SLV_ERROR_LIMIT, "%s: too large", path);
+        return slvi_fail(env, SLV_ERROR_LIMIT, "%s: too large", path);
     uint64_t capacity = bytes->size + extra;
     if (capacity < bytes->size + bytes->size / 2)
         capacity = bytes->size + bytes->size / 2;
-    slv_result result = slv_alloc(env, path, capacity, 1, &grown);
+    slv_result result = slvi_alloc(env, path, capacity, 1, &grown);
     if (result)
         return result;
     if (bytes->size)
@@ -29,9 +29,9 @@ slv_result ptx_bytes_reserve(const slv_env *env, const char *path, ptx_bytes *by
     return SLV_OK;
 }
 
-slv_result ptx_bytes_append(const slv_env *env, const char *path, ptx_bytes *bytes,
-                            const void *data, uint64_t size) {
-    slv_result result = ptx_bytes_reserve(env, path, bytes, size);
+slv_result slvi_ptx_bytes_append(const slv_env *env, const char *path, ptx_bytes *bytes,
+                                 const void *data, uint64_t size) {
+    slv_result result = slvi_ptx_bytes_reserve(env, path, bytes, size);
     if (!result && size) {
         memcpy(bytes->data + bytes->size, data, (size_t)size);
         bytes->size += size;
@@ -39,19 +39,20 @@ slv_result ptx_bytes_append(const slv_env *env, const char *path, ptx_bytes *byt
     return result;
 }
 
-slv_result ptx_bytes_append_zip(const slv_env *env, const char *path,
-                                struct libdeflate_compressor *deflater, ptx_bytes *bytes,
-                                const void *data, uint64_t size, uint64_t limit, uint32_t *zipped) {
+slv_result slvi_ptx_bytes_append_zip(const slv_env *env, const char *path,
+                                     struct libdeflate_compressor *deflater, ptx_bytes *bytes,
+                                     const void *data, uint64_t size, uint64_t limit,
+                                     uint32_t *zipped) {
     size_t bound = libdeflate_zlib_compress_bound(deflater, (size_t)size);
-    slv_result result = ptx_bytes_reserve(env, path, bytes, bound);
+    slv_result result = slvi_ptx_bytes_reserve(env, path, bytes, bound);
     if (result)
         return result;
     size_t length =
         libdeflate_zlib_compress(deflater, data, (size_t)size, bytes->data + bytes->size, bound);
     if (length == 0 || length > limit)
-        return slv_fail(env, SLV_ERROR_LIMIT,
-                        "%s: %llu bytes do not pack into the %llu that the format has for them",
-                        path, (unsigned long long)size, (unsigned long long)limit);
+        return slvi_fail(env, SLV_ERROR_LIMIT,
+                         "%s: %llu bytes do not pack into the %llu that the format has for them",
+                         path, (unsigned long long)size, (unsigned long long)limit);
     bytes->size += length;
     *zipped = (uint32_t)length;
     return SLV_OK;
@@ -118,7 +119,7 @@ static slv_result pack_array(ptx_packer *packer, ptx_bytes *out, const uint8_t *
     uint32_t length = 0, encoding = PTX_ZIPPED;
     const void *in = texels;
     packer->planes.size = 0;
-    slv_result result = ptx_bytes_reserve(packer->env, packer->path, &packer->planes, size);
+    slv_result result = slvi_ptx_bytes_reserve(packer->env, packer->path, &packer->planes, size);
     if (result)
         return result;
     void *planes = packer->planes.data;
@@ -140,22 +141,23 @@ static slv_result pack_array(ptx_packer *packer, ptx_bytes *out, const uint8_t *
     }
     if (packer->own && encoding == PTX_DIFFZIPPED) {
         size_t element = slv_type_size(packer->type);
-        if ((result = ptx_bytes_reserve(packer->env, packer->path, out, ptx_deflate_bound(size))))
+        if ((result = slvi_ptx_bytes_reserve(packer->env, packer->path, out,
+                                             slvi_ptx_deflate_bound(size))))
             return result;
-        length = (uint32_t)ptx_deflate(packer->own, planes, size, w * element, element,
-                                       out->data + out->size);
+        length = (uint32_t)slvi_ptx_deflate(packer->own, planes, size, w * element, element,
+                                            out->data + out->size);
         out->size += length;
     }
     if (!length)
-        result = ptx_bytes_append_zip(packer->env, packer->path, packer->deflater, out, planes,
-                                      size, PTX_MAX_BLOCK, &length);
+        result = slvi_ptx_bytes_append_zip(packer->env, packer->path, packer->deflater, out, planes,
+                                           size, PTX_MAX_BLOCK, &length);
     *header = length | encoding << 30;
     return result;
 }
 
 static bool tile_is_constant(const uint8_t *texels, size_t pixel_size, size_t pitch, slv_res res) {
     size_t row = pixel_size << res.u;
-    if (!ptx_all_equal(texels, pixel_size, UINT64_C(1) << res.u))
+    if (!slvi_ptx_all_equal(texels, pixel_size, UINT64_C(1) << res.u))
         return false;
     for (size_t y = 1; y < (size_t)1 << res.v; y++)
         if (memcmp(texels, texels + y * pitch * pixel_size, row) != 0)
@@ -169,33 +171,34 @@ static slv_result pack_tiles(ptx_packer *packer, uint32_t face, const uint8_t *t
     uint32_t columns = 1u << (res.u - tile.u), rows = 1u << (res.v - tile.v), table_size = 0;
     uint64_t ntiles = (uint64_t)columns * rows, start = packer->out.size;
     uint8_t *headers = NULL;
-    slv_result result = slv_alloc(packer->env, packer->path, ntiles, 4, &headers);
+    slv_result result = slvi_alloc(packer->env, packer->path, ntiles, 4, &headers);
     packer->tiles.size = 0;
     for (uint64_t i = 0; !result && i < ntiles; i++) {
         size_t y = (size_t)(i / columns) << tile.v, x = (size_t)(i % columns) << tile.u;
         const uint8_t *from = texels + (y * pitch + x) * packer->pixel_size;
         uint32_t tile_header = (uint32_t)packer->pixel_size | (uint32_t)PTX_CONSTANT << 30;
         if (tile_is_constant(from, packer->pixel_size, pitch, tile))
-            result = ptx_bytes_append(packer->env, packer->path, &packer->tiles, from,
-                                      packer->pixel_size);
+            result = slvi_ptx_bytes_append(packer->env, packer->path, &packer->tiles, from,
+                                           packer->pixel_size);
         else
             result = pack_array(packer, &packer->tiles, from, pitch, tile, &tile_header);
         ptx_put_u32(headers + 4 * i, tile_header);
     }
     uint8_t prefix[6] = {(uint8_t)tile.u, (uint8_t)tile.v};
     if (result ||
+        (result = slvi_ptx_bytes_append(packer->env, packer->path, &packer->out, prefix,
+                                        sizeof prefix)) ||
         (result =
-             ptx_bytes_append(packer->env, packer->path, &packer->out, prefix, sizeof prefix)) ||
-        (result = ptx_bytes_append_zip(packer->env, packer->path, packer->deflater, &packer->out,
+             slvi_ptx_bytes_append_zip(packer->env, packer->path, packer->deflater, &packer->out,
                                        headers, 4 * ntiles, PTX_MAX_BLOCK, &table_size)) ||
-        (result = ptx_bytes_append(packer->env, packer->path, &packer->out, packer->tiles.data,
-                                   packer->tiles.size)))
+        (result = slvi_ptx_bytes_append(packer->env, packer->path, &packer->out, packer->tiles.data,
+                                        packer->tiles.size)))
         goto done;
     ptx_put_u32(packer->out.data + start + 2, table_size);
     if (packer->out.size - start > PTX_MAX_BLOCK) {
-        result = slv_fail(packer->env, SLV_ERROR_LIMIT,
-                          "%s: face %u: %llu bytes packed, a block holds %u", packer->path, face,
-                          (unsigned long long)(packer->out.size - start), PTX_MAX_BLOCK);
+        result = slvi_fail(packer->env, SLV_ERROR_LIMIT,
+                           "%s: face %u: %llu bytes packed, a block holds %u", packer->path, face,
+                           (unsigned long long)(packer->out.size - start), PTX_MAX_BLOCK);
         goto done;
     }
     *header = (uint32_t)(packer->out.size - start) | (uint32_t)PTX_TILED << 30;
@@ -204,8 +207,8 @@ done:
     return result;
 }
 
-slv_result ptx_pack(ptx_packer *packer, uint32_t face, const void *texels, slv_res res,
-                    uint32_t *header) {
+slv_result slvi_ptx_pack(ptx_packer *packer, uint32_t face, const void *texels, slv_res res,
+                         uint32_t *header) {
     uint64_t blocks = ptx_texel_count(res) * packer->pixel_size / TILE_BYTES;
     int log2_tiles = 0;
     while (blocks >> (log2_tiles + 1))
@@ -220,7 +223,7 @@ slv_result ptx_pack(ptx_packer *packer, uint32_t face, const void *texels, slv_r
     return pack_tiles(packer, face, texels, res, (slv_res){(int8_t)u, (int8_t)v}, header);
 }
 
-void ptx_packer_free(ptx_packer *packer) {
+void slvi_ptx_packer_free(ptx_packer *packer) {
     if (!packer)
         return;
     libdeflate_free_compressor(packer->deflater);

@@ -11,7 +11,7 @@ struct save {
 static slv_result save_faces(void *user, uint64_t first, uint64_t end) {
     struct save *save = user;
     ptx_range_log log;
-    slv_env env = ptx_range_env(save->env, &save->errors, first, &log);
+    slv_env env = slvi_ptx_range_env(save->env, &save->errors, first, &log);
     const slv_texture_desc *desc = slv_texture_get_desc(save->texture);
     slv_result result = SLV_OK;
     for (uint64_t i = first; i < end && !result; i++) {
@@ -20,8 +20,8 @@ static slv_result save_faces(void *user, uint64_t first, uint64_t end) {
             .res = desc->res[face],
             .flags = slv_texture_is_constant(save->texture, face) ? SLV_FACE_CONSTANT : 0,
             .adjacency.face = {SLV_BOUNDARY, SLV_BOUNDARY, SLV_BOUNDARY, SLV_BOUNDARY}};
-        result = ptx_writer_put(save->writer, &env, face, &info,
-                                slv_texture_texels(save->texture, face));
+        result = slvi_ptx_writer_put(save->writer, &env, face, &info,
+                                     slv_texture_texels(save->texture, face));
     }
     return result;
 }
@@ -37,7 +37,7 @@ static slv_result save_rest(const struct save *save, const slv_adjacency *adjace
     if (adjacency)
         result = slv_ptx_writer_set_adjacency(save->writer, adjacency);
     if (!result && params->mesh)
-        result = ptx_writer_set_geometry(save->writer, params->mesh);
+        result = slvi_ptx_writer_set_geometry(save->writer, params->mesh);
     for (uint32_t i = 0; !result && i < params->nmeta; i++)
         if (!params->mesh || !is_geometry(params->meta[i].key))
             result = slv_ptx_writer_set_meta(save->writer, &params->meta[i]);
@@ -65,7 +65,8 @@ slv_result slv_ptx_save(const slv_env *env, const char *path, const slv_texture 
         return result;
     uint64_t grain = desc->nfaces / (slv_texture_bytes(texture) / (1 << 20) + 1) + 1;
     if (!(result = save_rest(&save, adjacency, params)) &&
-        !(result = ptx_parallel_for(env, &save.errors, desc->nfaces, grain, save_faces, &save)))
+        !(result =
+              slvi_ptx_parallel_for(env, &save.errors, desc->nfaces, grain, save_faces, &save)))
         result = slv_ptx_writer_finish(save.writer);
     slv_ptx_writer_destroy(save.writer);
     return result;
@@ -74,7 +75,7 @@ slv_result slv_ptx_save(const slv_env *env, const char *path, const slv_texture 
 static slv_result rewrite_face(void *user, const slv_env *env, uint32_t face,
                                const slv_ptx_face *info, void *texels) {
     slv_ptx_writer *writer = user;
-    return ptx_writer_put(writer, env, face, info, texels);
+    return slvi_ptx_writer_put(writer, env, face, info, texels);
 }
 
 slv_result slv_ptx_rewrite(const slv_env *env, const slv_ptx *ptx, const char *path,

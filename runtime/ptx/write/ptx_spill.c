@@ -8,13 +8,13 @@
 
 #define CHUNK (UINT64_C(1) << 20)
 
-slv_result ptx_spill_begin(ptx_spill *spill, const slv_env *env, const char *path,
-                           uint64_t budget) {
+slv_result slvi_ptx_spill_begin(ptx_spill *spill, const slv_env *env, const char *path,
+                                uint64_t budget) {
     spill->path = path;
     spill->descriptor = -1;
     pthread_mutex_init(&spill->lock, NULL);
     spill->budget = (budget + CHUNK - 1) / CHUNK * CHUNK;
-    return slv_alloc(env, path, spill->budget / CHUNK, sizeof *spill->chunks, &spill->chunks);
+    return slvi_alloc(env, path, spill->budget / CHUNK, sizeof *spill->chunks, &spill->chunks);
 }
 
 /* Sets apart `size` bytes, and sees that there is memory or a file for them. */
@@ -23,12 +23,12 @@ static slv_result reserve(ptx_spill *spill, const slv_env *env, uint64_t size, u
     for (uint64_t i = first / CHUNK; i * CHUNK < end && i * CHUNK < spill->budget; i++) {
         if (spill->chunks[i])
             continue;
-        slv_result result = slv_alloc_plain(env, spill->path, CHUNK, 1, &spill->chunks[i]);
+        slv_result result = slvi_alloc_plain(env, spill->path, CHUNK, 1, &spill->chunks[i]);
         if (result)
             return result;
     }
     if (end > spill->budget && spill->descriptor < 0) {
-        slv_result result = ptx_open_nameless(env, spill->path, &spill->descriptor);
+        slv_result result = slvi_ptx_open_nameless(env, spill->path, &spill->descriptor);
         if (result)
             return result;
     }
@@ -45,8 +45,8 @@ static uint64_t part_in_memory(const ptx_spill *spill, uint64_t position, uint64
     return size < left ? size : left;
 }
 
-slv_result ptx_spill_append(ptx_spill *spill, const slv_env *env, const void *data, uint64_t size,
-                            uint64_t *position) {
+slv_result slvi_ptx_spill_append(ptx_spill *spill, const slv_env *env, const void *data,
+                                 uint64_t size, uint64_t *position) {
     const uint8_t *from = data;
     pthread_mutex_lock(&spill->lock);
     slv_result result = reserve(spill, env, size, position);
@@ -57,8 +57,8 @@ slv_result ptx_spill_append(ptx_spill *spill, const slv_env *env, const void *da
     while (size) {
         uint64_t part = part_in_memory(spill, at, size);
         if (!part)
-            return ptx_write_at(env, spill->path, spill->descriptor, from, size,
-                                at - spill->budget);
+            return slvi_ptx_write_at(env, spill->path, spill->descriptor, from, size,
+                                     at - spill->budget);
         memcpy(spill->chunks[at / CHUNK] + at % CHUNK, from, (size_t)part);
         at += part;
         from += part;
@@ -67,8 +67,8 @@ slv_result ptx_spill_append(ptx_spill *spill, const slv_env *env, const void *da
     return SLV_OK;
 }
 
-slv_result ptx_spill_read(const ptx_spill *spill, const slv_env *env, uint64_t position,
-                          uint64_t size, void *out) {
+slv_result slvi_ptx_spill_read(const ptx_spill *spill, const slv_env *env, uint64_t position,
+                               uint64_t size, void *out) {
     uint8_t *to = out;
     while (size) {
         uint64_t part = part_in_memory(spill, position, size);
@@ -80,9 +80,9 @@ slv_result ptx_spill_read(const ptx_spill *spill, const slv_env *env, uint64_t p
             if (got < 0 && errno == EINTR)
                 continue;
             if (got <= 0)
-                return slv_fail(env, SLV_ERROR_IO,
-                                "%s: what was kept beside it could not be read back: %s",
-                                spill->path, got ? strerror(errno) : "it ends too early");
+                return slvi_fail(env, SLV_ERROR_IO,
+                                 "%s: what was kept beside it could not be read back: %s",
+                                 spill->path, got ? strerror(errno) : "it ends too early");
             part = (uint64_t)got;
         }
         position += part;
@@ -92,7 +92,7 @@ slv_result ptx_spill_read(const ptx_spill *spill, const slv_env *env, uint64_t p
     return SLV_OK;
 }
 
-void ptx_spill_end(ptx_spill *spill) {
+void slvi_ptx_spill_end(ptx_spill *spill) {
     if (!spill->path)
         return;
     for (uint64_t i = 0; spill->chunks && i < spill->budget / CHUNK; i++)

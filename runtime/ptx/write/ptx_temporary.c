@@ -24,8 +24,8 @@
 #define NAME_EXTRA (1 + DIGITS + sizeof SUFFIX)
 #define ATTEMPTS 64
 
-slv_result ptx_write_at(const slv_env *env, const char *path, int descriptor, const void *data,
-                        uint64_t size, uint64_t position) {
+slv_result slvi_ptx_write_at(const slv_env *env, const char *path, int descriptor, const void *data,
+                             uint64_t size, uint64_t position) {
     const uint8_t *from = data;
     while (size) {
         size_t part = size < (UINT64_C(1) << 30) ? (size_t)size : (size_t)1 << 30;
@@ -33,8 +33,8 @@ slv_result ptx_write_at(const slv_env *env, const char *path, int descriptor, co
         if (done < 0 && errno == EINTR)
             continue;
         if (done <= 0)
-            return slv_fail(env, SLV_ERROR_IO, "%s: write failed: %s", path,
-                            done ? strerror(errno) : "nothing was written");
+            return slvi_fail(env, SLV_ERROR_IO, "%s: write failed: %s", path,
+                             done ? strerror(errno) : "nothing was written");
         from += done;
         position += (uint64_t)done;
         size -= (uint64_t)done;
@@ -52,14 +52,14 @@ static void make_name(const char *path, unsigned attempt, char *out, size_t size
              (unsigned long long)(seed >> (64 - 4 * DIGITS)), SUFFIX);
 }
 
-slv_result ptx_temporary_create(const slv_env *env, const char *path, ptx_temporary *out) {
+slv_result slvi_ptx_temporary_create(const slv_env *env, const char *path, ptx_temporary *out) {
     struct stat status;
     bool exists = stat(path, &status) == 0;
     *out = (ptx_temporary){-1, NULL};
     /* rename() would replace a device or a pipe by a file of that name */
     if (exists && !S_ISREG(status.st_mode))
-        return slv_fail(env, SLV_ERROR_IO, "%s: not a regular file, cannot be written", path);
-    slv_result result = slv_alloc(env, path, strlen(path) + NAME_EXTRA, 1, &out->name);
+        return slvi_fail(env, SLV_ERROR_IO, "%s: not a regular file, cannot be written", path);
+    slv_result result = slvi_alloc(env, path, strlen(path) + NAME_EXTRA, 1, &out->name);
     if (result)
         return result;
     for (unsigned attempt = 0; attempt < ATTEMPTS; attempt++) {
@@ -81,18 +81,18 @@ slv_result ptx_temporary_create(const slv_env *env, const char *path, ptx_tempor
         }
         close(descriptor);
     }
-    result = slv_fail(env, SLV_ERROR_IO, "%s: cannot be written: %s", path, strerror(errno));
+    result = slvi_fail(env, SLV_ERROR_IO, "%s: cannot be written: %s", path, strerror(errno));
     slvi_free(out->name);
     out->name = NULL;
     return result;
 }
 
-slv_result ptx_temporary_commit(const slv_env *env, const char *path, ptx_temporary *temporary,
-                                bool sync) {
+slv_result slvi_ptx_temporary_commit(const slv_env *env, const char *path, ptx_temporary *temporary,
+                                     bool sync) {
     if ((sync && fsync(temporary->descriptor) != 0) || rename(temporary->name, path) != 0) {
         slv_result result =
-            slv_fail(env, SLV_ERROR_IO, "%s: write failed: %s", path, strerror(errno));
-        ptx_temporary_discard(temporary);
+            slvi_fail(env, SLV_ERROR_IO, "%s: write failed: %s", path, strerror(errno));
+        slvi_ptx_temporary_discard(temporary);
         return result;
     }
     close(temporary->descriptor);
@@ -101,7 +101,7 @@ slv_result ptx_temporary_commit(const slv_env *env, const char *path, ptx_tempor
     return SLV_OK;
 }
 
-void ptx_temporary_discard(ptx_temporary *temporary) {
+void slvi_ptx_temporary_discard(ptx_temporary *temporary) {
     if (!temporary->name)
         return;
     unlink(temporary->name);
@@ -115,7 +115,7 @@ static slv_result folder_of(const slv_env *env, const char *path, const char **b
     const char *slash = strrchr(path, '/');
     *base = slash ? slash + 1 : path;
     size_t length = slash ? (size_t)(slash - path) + (slash == path) : 1;
-    slv_result result = slv_alloc(env, path, length + 1, 1, out);
+    slv_result result = slvi_alloc(env, path, length + 1, 1, out);
     if (!result)
         memcpy(*out, slash ? path : ".", length);
     return result;
@@ -129,7 +129,7 @@ static bool is_ours(const char *name, const char *base) {
     return strspn(name + length + 1, "0123456789abcdef") >= DIGITS;
 }
 
-void ptx_temporary_sweep(const slv_env *env, const char *path) {
+void slvi_ptx_temporary_sweep(const slv_env *env, const char *path) {
     slv_env quiet = *env;
     quiet.log = NULL;
     const char *base;
@@ -151,7 +151,7 @@ void ptx_temporary_sweep(const slv_env *env, const char *path) {
     slvi_free(name);
 }
 
-slv_result ptx_open_nameless(const slv_env *env, const char *path, int *out) {
+slv_result slvi_ptx_open_nameless(const slv_env *env, const char *path, int *out) {
     const char *base;
     char *folder;
     ptx_temporary named;
@@ -165,7 +165,7 @@ slv_result ptx_open_nameless(const slv_env *env, const char *path, int *out) {
     slvi_free(folder);
     /* not every file system has such files */
     if (descriptor < 0) {
-        if ((result = ptx_temporary_create(env, path, &named)))
+        if ((result = slvi_ptx_temporary_create(env, path, &named)))
             return result;
         unlink(named.name);
         slvi_free(named.name);

@@ -18,23 +18,25 @@ typedef struct ptx_bytes {
 } ptx_bytes;
 
 /* Room for `extra` more bytes. */
-slv_result ptx_bytes_reserve(const slv_env *env, const char *path, ptx_bytes *bytes,
-                             uint64_t extra);
-slv_result ptx_bytes_append(const slv_env *env, const char *path, ptx_bytes *bytes,
-                            const void *data, uint64_t size);
+slv_result slvi_ptx_bytes_reserve(const slv_env *env, const char *path, ptx_bytes *bytes,
+                                  uint64_t extra);
+slv_result slvi_ptx_bytes_append(const slv_env *env, const char *path, ptx_bytes *bytes,
+                                 const void *data, uint64_t size);
 /* Appends `size` bytes as one zlib stream; *zipped is its length, at most `limit`. */
-slv_result ptx_bytes_append_zip(const slv_env *env, const char *path,
-                                struct libdeflate_compressor *deflater, ptx_bytes *bytes,
-                                const void *data, uint64_t size, uint64_t limit, uint32_t *zipped);
+slv_result slvi_ptx_bytes_append_zip(const slv_env *env, const char *path,
+                                     struct libdeflate_compressor *deflater, ptx_bytes *bytes,
+                                     const void *data, uint64_t size, uint64_t limit,
+                                     uint32_t *zipped);
 
 /* ptx_deflate.c: zlib streams of differences. A deflater is released with slvi_free. */
 struct ptx_deflater;
-slv_result ptx_deflater_create(const slv_env *env, const char *path, struct ptx_deflater **out);
-size_t ptx_deflate_bound(size_t size);
+slv_result slvi_ptx_deflater_create(const slv_env *env, const char *path,
+                                    struct ptx_deflater **out);
+size_t slvi_ptx_deflate_bound(size_t size);
 /* `row` bytes further things are much the same, and a texel takes `step`. Returns 0 if the bytes
- * are of a kind that a thorough search suits better; `out` has room for ptx_deflate_bound. */
-size_t ptx_deflate(struct ptx_deflater *deflater, const uint8_t *in, size_t size, size_t row,
-                   size_t step, uint8_t *out);
+ * are of a kind that a thorough search suits better; `out` has room for slvi_ptx_deflate_bound. */
+size_t slvi_ptx_deflate(struct ptx_deflater *deflater, const uint8_t *in, size_t size, size_t row,
+                        size_t step, uint8_t *out);
 
 /* What one thread needs to pack faces. */
 typedef struct ptx_packer {
@@ -51,9 +53,9 @@ typedef struct ptx_packer {
 } ptx_packer;
 
 /* Appends the block of an array of texels to packer->out; *header is its face data header. */
-slv_result ptx_pack(ptx_packer *packer, uint32_t face, const void *texels, slv_res res,
-                    uint32_t *header);
-void ptx_packer_free(ptx_packer *packer);
+slv_result slvi_ptx_pack(ptx_packer *packer, uint32_t face, const void *texels, slv_res res,
+                         uint32_t *header);
+void slvi_ptx_packer_free(ptx_packer *packer);
 
 /* ptx_spill.c: packed faces on their way: in memory, and past a budget in a file without a name. */
 typedef struct ptx_spill {
@@ -64,13 +66,14 @@ typedef struct ptx_spill {
     int descriptor;
 } ptx_spill;
 
-slv_result ptx_spill_begin(ptx_spill *spill, const slv_env *env, const char *path, uint64_t budget);
+slv_result slvi_ptx_spill_begin(ptx_spill *spill, const slv_env *env, const char *path,
+                                uint64_t budget);
 /* Keeps bytes; any thread. */
-slv_result ptx_spill_append(ptx_spill *spill, const slv_env *env, const void *data, uint64_t size,
-                            uint64_t *position);
-slv_result ptx_spill_read(const ptx_spill *spill, const slv_env *env, uint64_t position,
-                          uint64_t size, void *out);
-void ptx_spill_end(ptx_spill *spill);
+slv_result slvi_ptx_spill_append(ptx_spill *spill, const slv_env *env, const void *data,
+                                 uint64_t size, uint64_t *position);
+slv_result slvi_ptx_spill_read(const ptx_spill *spill, const slv_env *env, uint64_t position,
+                               uint64_t size, void *out);
+void slvi_ptx_spill_end(ptx_spill *spill);
 
 /* ptx_temporary.c: a file beside the target that takes its place. */
 typedef struct ptx_temporary {
@@ -78,21 +81,22 @@ typedef struct ptx_temporary {
     char *name;
 } ptx_temporary;
 
-slv_result ptx_write_at(const slv_env *env, const char *path, int descriptor, const void *data,
-                        uint64_t size, uint64_t position);
-slv_result ptx_temporary_create(const slv_env *env, const char *path, ptx_temporary *out);
+slv_result slvi_ptx_write_at(const slv_env *env, const char *path, int descriptor, const void *data,
+                             uint64_t size, uint64_t position);
+slv_result slvi_ptx_temporary_create(const slv_env *env, const char *path, ptx_temporary *out);
 /* Puts it in the place of `path`. */
-slv_result ptx_temporary_commit(const slv_env *env, const char *path, ptx_temporary *temporary,
-                                bool sync);
-void ptx_temporary_discard(ptx_temporary *temporary);
+slv_result slvi_ptx_temporary_commit(const slv_env *env, const char *path, ptx_temporary *temporary,
+                                     bool sync);
+void slvi_ptx_temporary_discard(ptx_temporary *temporary);
 /* Removes what killed writers of `path` left. */
-void ptx_temporary_sweep(const slv_env *env, const char *path);
+void slvi_ptx_temporary_sweep(const slv_env *env, const char *path);
 /* An unnamed file in the folder of `path`. */
-slv_result ptx_open_nameless(const slv_env *env, const char *path, int *descriptor);
+slv_result slvi_ptx_open_nameless(const slv_env *env, const char *path, int *descriptor);
 
 /* Sets the flag of constant faces among whose neighbours nothing but their value is found. */
-void ptx_flag_neighbourhoods(uint8_t *records, uint32_t nfaces, const uint8_t *constants,
-                             size_t pixel_size, slv_ptx_mesh_type mesh_type, bool borders_clamp);
+void slvi_ptx_flag_neighbourhoods(uint8_t *records, uint32_t nfaces, const uint8_t *constants,
+                                  size_t pixel_size, slv_ptx_mesh_type mesh_type,
+                                  bool borders_clamp);
 
 /* Everything between the levels and the edits, and the sizes that the headers record. */
 typedef struct ptx_meta_out {
@@ -108,14 +112,14 @@ typedef struct ptx_kept_meta {
 } ptx_kept_meta;
 
 /* Bytes of the values in the file, a string's NUL included. */
-uint64_t ptx_meta_size(const slv_ptx_meta *meta);
-slv_result ptx_meta_check(const slv_env *env, const char *path, const slv_ptx_meta *meta);
-slv_result ptx_meta_pack(const slv_env *env, const char *path,
-                         struct libdeflate_compressor *deflater, const ptx_kept_meta *meta,
-                         uint32_t nmeta, ptx_meta_out *out);
+uint64_t slvi_ptx_meta_size(const slv_ptx_meta *meta);
+slv_result slvi_ptx_meta_check(const slv_env *env, const char *path, const slv_ptx_meta *meta);
+slv_result slvi_ptx_meta_pack(const slv_env *env, const char *path,
+                              struct libdeflate_compressor *deflater, const ptx_kept_meta *meta,
+                              uint32_t nmeta, ptx_meta_out *out);
 /* All entries in the layout of small ones, not zipped. */
-slv_result ptx_meta_pack_edit(const slv_env *env, const char *path, const ptx_kept_meta *meta,
-                              uint32_t nmeta, ptx_bytes *out);
+slv_result slvi_ptx_meta_pack_edit(const slv_env *env, const char *path, const ptx_kept_meta *meta,
+                                   uint32_t nmeta, ptx_bytes *out);
 
 struct slv_ptx_writer {
     slv_env env; /* its log is serialised */
@@ -143,17 +147,17 @@ struct slv_ptx_writer {
 };
 
 /* ptx_assemble.c, ptx_append.c */
-slv_result ptx_writer_assemble(slv_ptx_writer *writer);
-slv_result ptx_writer_append(slv_ptx_writer *writer);
+slv_result slvi_ptx_writer_assemble(slv_ptx_writer *writer);
+slv_result slvi_ptx_writer_append(slv_ptx_writer *writer);
 /* ptx_writer.c: as slv_ptx_writer_params_like, but for no_reductions, which edits do not have. */
-slv_ptx_writer_params ptx_writer_params_of_header(const slv_ptx *ptx);
+slv_ptx_writer_params slvi_ptx_writer_params_of_header(const slv_ptx *ptx);
 /* For both kinds. `path` is resolved. */
-slv_result ptx_writer_begin(const slv_env *env, const char *path,
-                            const slv_ptx_writer_params *params, slv_ptx_writer **out);
+slv_result slvi_ptx_writer_begin(const slv_env *env, const char *path,
+                                 const slv_ptx_writer_params *params, slv_ptx_writer **out);
 /* slv_ptx_writer_write_face with an environment of the caller's. */
-slv_result ptx_writer_put(slv_ptx_writer *writer, const slv_env *env, uint32_t face,
-                          const slv_ptx_face *info, const void *texels);
+slv_result slvi_ptx_writer_put(slv_ptx_writer *writer, const slv_env *env, uint32_t face,
+                               const slv_ptx_face *info, const void *texels);
 /* ptx_writer_mesh.c: the mesh as metadata. */
-slv_result ptx_writer_set_geometry(slv_ptx_writer *writer, const slv_mesh *mesh);
+slv_result slvi_ptx_writer_set_geometry(slv_ptx_writer *writer, const slv_mesh *mesh);
 
 #endif

@@ -18,14 +18,14 @@ static bool could_reduce(const slv_ptx *ptx) {
     if (ptx_need(ptx, PTX_FACES))
         return false;
     for (uint32_t face = 0; face < ptx->info.nfaces; face++) {
-        slv_ptx_face f = ptx_face_at(ptx, face);
+        slv_ptx_face f = slvi_ptx_face_at(ptx, face);
         if (ptx_min_log2(f.res) > 2 && !(f.flags & SLV_FACE_CONSTANT))
             return true;
     }
     return false;
 }
 
-slv_ptx_writer_params ptx_writer_params_of_header(const slv_ptx *ptx) {
+slv_ptx_writer_params slvi_ptx_writer_params_of_header(const slv_ptx *ptx) {
     const slv_ptx_info *info = &ptx->info;
     return (slv_ptx_writer_params){.mesh_type = info->mesh_type,
                                    .type = info->type,
@@ -38,7 +38,7 @@ slv_ptx_writer_params ptx_writer_params_of_header(const slv_ptx *ptx) {
 }
 
 slv_ptx_writer_params slv_ptx_writer_params_like(const slv_ptx *ptx) {
-    slv_ptx_writer_params params = ptx_writer_params_of_header(ptx);
+    slv_ptx_writer_params params = slvi_ptx_writer_params_of_header(ptx);
     params.no_reductions = ptx->info.nlevels == 1 && could_reduce(ptx);
     return params;
 }
@@ -49,31 +49,31 @@ static slv_result check_params(const slv_env *env, const char *path,
         (unsigned)p->border_u > SLV_BORDER_PERIODIC ||
         (unsigned)p->border_v > SLV_BORDER_PERIODIC ||
         (unsigned)p->edge_filter > SLV_EDGE_FILTER_TANVEC)
-        return slv_fail(env, SLV_ERROR_ARGUMENT,
-                        "%s: unknown mesh type, data type, border mode or edge filter", path);
+        return slvi_fail(env, SLV_ERROR_ARGUMENT,
+                         "%s: unknown mesh type, data type, border mode or edge filter", path);
     if (p->nchannels < 1 || p->nchannels > UINT16_MAX)
-        return slv_fail(env, SLV_ERROR_ARGUMENT, "%s: %u channels, 1 to %d are possible", path,
-                        p->nchannels, UINT16_MAX);
+        return slvi_fail(env, SLV_ERROR_ARGUMENT, "%s: %u channels, 1 to %d are possible", path,
+                         p->nchannels, UINT16_MAX);
     if (p->alpha_channel < SLV_NO_ALPHA ||
         (p->alpha_channel >= 0 && (uint32_t)p->alpha_channel >= p->nchannels))
-        return slv_fail(env, SLV_ERROR_ARGUMENT, "%s: alpha is channel %d, there are %u channels",
-                        path, p->alpha_channel, p->nchannels);
+        return slvi_fail(env, SLV_ERROR_ARGUMENT, "%s: alpha is channel %d, there are %u channels",
+                         path, p->alpha_channel, p->nchannels);
     if (p->nfaces > INT32_MAX)
-        return slv_fail(env, SLV_ERROR_ARGUMENT, "%s: %u faces, the format has room for %d", path,
-                        p->nfaces, INT32_MAX);
+        return slvi_fail(env, SLV_ERROR_ARGUMENT, "%s: %u faces, the format has room for %d", path,
+                         p->nfaces, INT32_MAX);
     if (p->compression < 0 || p->compression > 12)
-        return slv_fail(env, SLV_ERROR_ARGUMENT, "%s: compression is 1 to 12, not %d", path,
-                        p->compression);
+        return slvi_fail(env, SLV_ERROR_ARGUMENT, "%s: compression is 1 to 12, not %d", path,
+                         p->compression);
     return SLV_OK;
 }
 
-slv_result ptx_writer_begin(const slv_env *env, const char *path,
-                            const slv_ptx_writer_params *params, slv_ptx_writer **out) {
+slv_result slvi_ptx_writer_begin(const slv_env *env, const char *path,
+                                 const slv_ptx_writer_params *params, slv_ptx_writer **out) {
     slv_ptx_writer *writer = NULL;
     uint32_t nfaces = params->nfaces;
     *out = NULL;
     slv_result result = check_params(env, path, params);
-    if (result || (result = slv_alloc(env, path, 1, sizeof *writer, &writer)))
+    if (result || (result = slvi_alloc(env, path, 1, sizeof *writer, &writer)))
         return result;
     writer->edited = -1;
     writer->params = *params;
@@ -81,31 +81,31 @@ slv_result ptx_writer_begin(const slv_env *env, const char *path,
     writer->pixel_size = params->nchannels * slv_type_size(params->type);
     atomic_init(&writer->failed, false);
     pthread_mutex_init(&writer->lock, NULL);
-    if ((result = slv_parallel_env_begin(env, &writer->log, &writer->env)))
+    if ((result = slvi_parallel_env_begin(env, &writer->log, &writer->env)))
         goto done;
     env = &writer->env;
     /* a link stays one: what it names is replaced */
     char *resolved = realpath(path, NULL);
     const char *name = resolved ? resolved : path;
-    result = slv_alloc(env, path, strlen(name) + 1, 1, &writer->path);
+    result = slvi_alloc(env, path, strlen(name) + 1, 1, &writer->path);
     if (!result)
         memcpy(writer->path, name, strlen(name) + 1);
     free(resolved);
-    if (result || (result = slv_alloc(env, path, nfaces, PTX_FACE_INFO_SIZE, &writer->records)) ||
-        (result = slv_alloc(env, path, nfaces, writer->pixel_size, &writer->constants)) ||
-        (result = slv_alloc(env, path, nfaces, 1, &writer->given)) ||
-        (result = slv_alloc(env, path, nfaces, sizeof *writer->positions, &writer->positions)) ||
-        (result = ptx_spill_begin(&writer->spill, env, writer->path,
-                                  params->memory ? params->memory : DEFAULT_MEMORY)))
+    if (result || (result = slvi_alloc(env, path, nfaces, PTX_FACE_INFO_SIZE, &writer->records)) ||
+        (result = slvi_alloc(env, path, nfaces, writer->pixel_size, &writer->constants)) ||
+        (result = slvi_alloc(env, path, nfaces, 1, &writer->given)) ||
+        (result = slvi_alloc(env, path, nfaces, sizeof *writer->positions, &writer->positions)) ||
+        (result = slvi_ptx_spill_begin(&writer->spill, env, writer->path,
+                                       params->memory ? params->memory : DEFAULT_MEMORY)))
         goto done;
     for (uint32_t level = 0; level < PTX_MAX_STORED_LEVELS; level++)
-        if ((result = slv_alloc(env, path, nfaces, sizeof(uint32_t), &writer->headers[level])))
+        if ((result = slvi_alloc(env, path, nfaces, sizeof(uint32_t), &writer->headers[level])))
             goto done;
     slv_ptx_face none = {
         .flags = SLV_FACE_CONSTANT,
         .adjacency.face = {SLV_BOUNDARY, SLV_BOUNDARY, SLV_BOUNDARY, SLV_BOUNDARY}};
     for (uint32_t face = 0; face < nfaces; face++)
-        ptx_pack_record(&none, writer->records + (size_t)face * PTX_FACE_INFO_SIZE);
+        slvi_ptx_pack_record(&none, writer->records + (size_t)face * PTX_FACE_INFO_SIZE);
     *out = writer;
     writer = NULL;
 done:
@@ -116,16 +116,16 @@ done:
 slv_result slv_ptx_writer_create(const slv_env *env, const char *path,
                                  const slv_ptx_writer_params *params, slv_ptx_writer **out) {
     ptx_temporary temporary;
-    slv_result result = ptx_writer_begin(env, path, params, out);
+    slv_result result = slvi_ptx_writer_begin(env, path, params, out);
     if (result)
         return result;
     /* better to hear now than after the work that the folder cannot be written */
-    if ((result = ptx_temporary_create(&(*out)->env, (*out)->path, &temporary))) {
+    if ((result = slvi_ptx_temporary_create(&(*out)->env, (*out)->path, &temporary))) {
         slv_ptx_writer_destroy(*out);
         *out = NULL;
         return result;
     }
-    ptx_temporary_discard(&temporary);
+    slvi_ptx_temporary_discard(&temporary);
     return SLV_OK;
 }
 
@@ -135,9 +135,9 @@ void slv_ptx_writer_destroy(slv_ptx_writer *writer) {
     while (writer->idle) {
         ptx_packer *packer = writer->idle;
         writer->idle = packer->next;
-        ptx_packer_free(packer);
+        slvi_ptx_packer_free(packer);
     }
-    ptx_spill_end(&writer->spill);
+    slvi_ptx_spill_end(&writer->spill);
     for (uint32_t level = 0; level < PTX_MAX_STORED_LEVELS; level++)
         slvi_free(writer->headers[level]);
     for (uint32_t i = 0; i < writer->nmeta; i++)
@@ -152,7 +152,7 @@ void slv_ptx_writer_destroy(slv_ptx_writer *writer) {
     slvi_free(writer->positions);
     slvi_free(writer->path);
     pthread_mutex_destroy(&writer->lock);
-    slv_parallel_env_end(writer->log);
+    slvi_parallel_env_end(writer->log);
     slvi_free(writer);
 }
 
@@ -167,7 +167,7 @@ static slv_result take_packer(slv_ptx_writer *writer, const slv_env *env, ptx_pa
         packer->env = env;
         return SLV_OK;
     }
-    slv_result result = slv_alloc(env, writer->path, 1, sizeof *packer, &packer);
+    slv_result result = slvi_alloc(env, writer->path, 1, sizeof *packer, &packer);
     if (result)
         return result;
     packer->env = env;
@@ -177,11 +177,11 @@ static slv_result take_packer(slv_ptx_writer *writer, const slv_env *env, ptx_pa
     packer->pixel_size = writer->pixel_size;
     packer->deflater = libdeflate_alloc_compressor(writer->compression);
     if (!packer->deflater)
-        result = slv_fail(env, SLV_ERROR_MEMORY, "%s: no memory to pack it", writer->path);
+        result = slvi_fail(env, SLV_ERROR_MEMORY, "%s: no memory to pack it", writer->path);
     else if (writer->params.compression == 0)
-        result = ptx_deflater_create(env, writer->path, &packer->own);
+        result = slvi_ptx_deflater_create(env, writer->path, &packer->own);
     if (result) {
-        ptx_packer_free(packer);
+        slvi_ptx_packer_free(packer);
         return result;
     }
     *out = packer;
@@ -207,14 +207,14 @@ static slv_result pack_face(slv_ptx_writer *writer, ptx_packer *packer, uint32_t
     unsigned turn = 0;
     slv_result result;
     packer->out.size = 0;
-    if ((result = ptx_pack(packer, face, texels, res, &writer->headers[0][face])))
+    if ((result = slvi_ptx_pack(packer, face, texels, res, &writer->headers[0][face])))
         return result;
     uint64_t count = ptx_texel_count(res);
     for (unsigned i = 0; i < 2; i++) {
         packer->work[i].size = 0;
         uint64_t room = i == 0 && premultiply ? count : reduce ? count / 4 : 0;
-        if ((result = ptx_bytes_reserve(packer->env, packer->path, &packer->work[i],
-                                        room * writer->pixel_size)))
+        if ((result = slvi_ptx_bytes_reserve(packer->env, packer->path, &packer->work[i],
+                                             room * writer->pixel_size)))
             return result;
     }
     if (premultiply) {
@@ -229,13 +229,13 @@ static slv_result pack_face(slv_ptx_writer *writer, ptx_packer *packer, uint32_t
         texels = reduced;
         turn ^= 1;
         res = (slv_res){(int8_t)(res.u - 1), (int8_t)(res.v - 1)};
-        if ((result = ptx_pack(packer, face, texels, res, &writer->headers[level][face])))
+        if ((result = slvi_ptx_pack(packer, face, texels, res, &writer->headers[level][face])))
             return result;
     }
     slv_ptx_average(p->type, p->nchannels, texels, ptx_texel_count(res), average);
     slv_ptx_unmultiply(p->type, p->nchannels, p->alpha_channel, average, 1);
-    return ptx_spill_append(&writer->spill, packer->env, packer->out.data, packer->out.size,
-                            &writer->positions[face]);
+    return slvi_ptx_spill_append(&writer->spill, packer->env, packer->out.data, packer->out.size,
+                                 &writer->positions[face]);
 }
 
 static slv_result check_info(const slv_ptx_writer *writer, const slv_env *env, uint32_t face,
@@ -243,27 +243,27 @@ static slv_result check_info(const slv_ptx_writer *writer, const slv_env *env, u
     const slv_ptx_writer_params *p = &writer->params;
     bool triangle = p->mesh_type == SLV_PTX_TRIANGLE;
     if (writer->finished)
-        return slv_fail(env, SLV_ERROR_ARGUMENT, "%s: face %u: the file is finished", writer->path,
-                        face);
+        return slvi_fail(env, SLV_ERROR_ARGUMENT, "%s: face %u: the file is finished", writer->path,
+                         face);
     if (face >= p->nfaces)
-        return slv_fail(env, SLV_ERROR_ARGUMENT, "%s: face %u: there are %u faces", writer->path,
-                        face, p->nfaces);
+        return slvi_fail(env, SLV_ERROR_ARGUMENT, "%s: face %u: there are %u faces", writer->path,
+                         face, p->nfaces);
     if (info->res.u < 0 || info->res.v < 0 || info->res.u > SLV_MAX_LOG2_RES ||
         info->res.v > SLV_MAX_LOG2_RES || (triangle && info->res.u != info->res.v))
-        return slv_fail(env, SLV_ERROR_ARGUMENT,
-                        "%s: face %u: a resolution of 2^%d x 2^%d; sides are 2^0 to 2^%d%s",
-                        writer->path, face, info->res.u, info->res.v, SLV_MAX_LOG2_RES,
-                        triangle ? ", those of a triangle equal" : "");
+        return slvi_fail(env, SLV_ERROR_ARGUMENT,
+                         "%s: face %u: a resolution of 2^%d x 2^%d; sides are 2^0 to 2^%d%s",
+                         writer->path, face, info->res.u, info->res.v, SLV_MAX_LOG2_RES,
+                         triangle ? ", those of a triangle equal" : "");
     for (unsigned edge = 0; edge < (triangle ? 3 : 4); edge++)
         if ((uint32_t)info->adjacency.face[edge] + 1 > p->nfaces)
-            return slv_fail(env, SLV_ERROR_ARGUMENT,
-                            "%s: face %u edge %u: the adjacent face is %d, but there are %u faces",
-                            writer->path, face, edge, info->adjacency.face[edge], p->nfaces);
+            return slvi_fail(env, SLV_ERROR_ARGUMENT,
+                             "%s: face %u edge %u: the adjacent face is %d, but there are %u faces",
+                             writer->path, face, edge, info->adjacency.face[edge], p->nfaces);
     return SLV_OK;
 }
 
-slv_result ptx_writer_put(slv_ptx_writer *writer, const slv_env *env, uint32_t face,
-                          const slv_ptx_face *info, const void *texels) {
+slv_result slvi_ptx_writer_put(slv_ptx_writer *writer, const slv_env *env, uint32_t face,
+                               const slv_ptx_face *info, const void *texels) {
     ptx_packer *packer = NULL;
     slv_result result = check_info(writer, env, face, info);
     if (result)
@@ -276,7 +276,7 @@ slv_result ptx_writer_put(slv_ptx_writer *writer, const slv_env *env, uint32_t f
         own.adjacency.edge[3] = 0;
     }
     if (!(own.flags & SLV_FACE_CONSTANT) &&
-        ptx_all_equal(texels, writer->pixel_size, ptx_texel_count(own.res)))
+        slvi_ptx_all_equal(texels, writer->pixel_size, ptx_texel_count(own.res)))
         own.flags |= SLV_FACE_CONSTANT;
     for (uint32_t level = 0; writer->given[face] && level < PTX_MAX_STORED_LEVELS; level++)
         writer->headers[level][face] = 0;
@@ -289,22 +289,22 @@ slv_result ptx_writer_put(slv_ptx_writer *writer, const slv_env *env, uint32_t f
         atomic_store(&writer->failed, true);
         return result;
     }
-    ptx_pack_record(&own, writer->records + (size_t)face * PTX_FACE_INFO_SIZE);
+    slvi_ptx_pack_record(&own, writer->records + (size_t)face * PTX_FACE_INFO_SIZE);
     writer->given[face] = 1;
     return SLV_OK;
 }
 
 slv_result slv_ptx_writer_write_face(slv_ptx_writer *writer, uint32_t face,
                                      const slv_ptx_face *info, const void *texels) {
-    return ptx_writer_put(writer, &writer->env, face, info, texels);
+    return slvi_ptx_writer_put(writer, &writer->env, face, info, texels);
 }
 
 slv_result slv_ptx_writer_finish(slv_ptx_writer *writer) {
     if (writer->finished)
-        return slv_fail(&writer->env, SLV_ERROR_ARGUMENT, "%s: is finished already", writer->path);
+        return slvi_fail(&writer->env, SLV_ERROR_ARGUMENT, "%s: is finished already", writer->path);
     writer->finished = true;
     if (atomic_load(&writer->failed))
-        return slv_fail(&writer->env, SLV_ERROR_ARGUMENT,
-                        "%s: is not written, since one of its faces could not be", writer->path);
-    return writer->edited < 0 ? ptx_writer_assemble(writer) : ptx_writer_append(writer);
+        return slvi_fail(&writer->env, SLV_ERROR_ARGUMENT,
+                         "%s: is not written, since one of its faces could not be", writer->path);
+    return writer->edited < 0 ? slvi_ptx_writer_assemble(writer) : slvi_ptx_writer_append(writer);
 }

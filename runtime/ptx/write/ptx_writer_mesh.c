@@ -9,8 +9,8 @@
 static slv_result check_open(const slv_ptx_writer *writer, const char *what) {
     if (!writer->finished)
         return SLV_OK;
-    return slv_fail(&writer->env, SLV_ERROR_ARGUMENT, "%s: %s comes after the file is finished",
-                    writer->path, what);
+    return slvi_fail(&writer->env, SLV_ERROR_ARGUMENT, "%s: %s comes after the file is finished",
+                     writer->path, what);
 }
 
 slv_result slv_ptx_writer_set_meta(slv_ptx_writer *writer, const slv_ptx_meta *meta) {
@@ -18,14 +18,14 @@ slv_result slv_ptx_writer_set_meta(slv_ptx_writer *writer, const slv_ptx_meta *m
     uint32_t at = 0;
     uint8_t *memory = NULL;
     slv_result result = check_open(writer, "metadata");
-    if (result || (result = ptx_meta_check(env, writer->path, meta)))
+    if (result || (result = slvi_ptx_meta_check(env, writer->path, meta)))
         return result;
     while (at < writer->nmeta && strcmp(writer->meta[at].entry.key, meta->key) != 0)
         at++;
     if (at == writer->meta_capacity) {
         uint64_t capacity = at ? 2 * (uint64_t)at : 16;
         ptx_kept_meta *grown = NULL;
-        if ((result = slv_alloc(env, writer->path, capacity, sizeof *grown, &grown)))
+        if ((result = slvi_alloc(env, writer->path, capacity, sizeof *grown, &grown)))
             return result;
         if (at)
             memcpy(grown, writer->meta, at * sizeof *grown);
@@ -33,10 +33,10 @@ slv_result slv_ptx_writer_set_meta(slv_ptx_writer *writer, const slv_ptx_meta *m
         writer->meta = grown;
         writer->meta_capacity = (uint32_t)capacity;
     }
-    uint64_t size = ptx_meta_size(meta) - (meta->type == SLV_META_STRING);
+    uint64_t size = slvi_ptx_meta_size(meta) - (meta->type == SLV_META_STRING);
     size_t key_size = strlen(meta->key) + 1;
     /* the values come first, where they are aligned */
-    if ((result = slv_alloc(env, writer->path, size + key_size, 1, &memory)))
+    if ((result = slvi_alloc(env, writer->path, size + key_size, 1, &memory)))
         return result;
     if (size)
         memcpy(memory, meta->values, (size_t)size);
@@ -57,14 +57,14 @@ slv_result slv_ptx_writer_set_adjacency(slv_ptx_writer *writer, const slv_adjace
     if (result)
         return result;
     if (writer->edited >= 0 || writer->params.mesh_type == SLV_PTX_TRIANGLE)
-        return slv_fail(&writer->env, SLV_ERROR_ARGUMENT,
-                        "%s: adjacency as a whole is for new files of quads", writer->path);
+        return slvi_fail(&writer->env, SLV_ERROR_ARGUMENT,
+                         "%s: adjacency as a whole is for new files of quads", writer->path);
     if (slv_adjacency_face_count(adjacency) != nfaces)
-        return slv_fail(&writer->env, SLV_ERROR_MISMATCH,
-                        "%s: the texture has %u faces, the adjacency %u", writer->path, nfaces,
-                        slv_adjacency_face_count(adjacency));
-    if (!writer->links && (result = slv_alloc(&writer->env, writer->path, nfaces,
-                                              sizeof *writer->links, &writer->links)))
+        return slvi_fail(&writer->env, SLV_ERROR_MISMATCH,
+                         "%s: the texture has %u faces, the adjacency %u", writer->path, nfaces,
+                         slv_adjacency_face_count(adjacency));
+    if (!writer->links && (result = slvi_alloc(&writer->env, writer->path, nfaces,
+                                               sizeof *writer->links, &writer->links)))
         return result;
     for (uint32_t face = 0; face < nfaces; face++) {
         writer->links[face].adjacency = slv_adjacency_faces(adjacency)[face];
@@ -94,10 +94,10 @@ static slv_result link_triangles(slv_ptx_writer *writer, const slv_mesh_view *vi
     uint32_t nfaces = writer->params.nfaces;
     struct side *sides = NULL;
     slv_result result =
-        slv_alloc(&writer->env, writer->path, 3 * (uint64_t)nfaces, sizeof *sides, &sides);
+        slvi_alloc(&writer->env, writer->path, 3 * (uint64_t)nfaces, sizeof *sides, &sides);
     if (!result && !writer->links)
         result =
-            slv_alloc(&writer->env, writer->path, nfaces, sizeof *writer->links, &writer->links);
+            slvi_alloc(&writer->env, writer->path, nfaces, sizeof *writer->links, &writer->links);
     if (result)
         goto done;
     for (uint32_t face = 0; face < nfaces; face++) {
@@ -141,30 +141,30 @@ static slv_result link_mesh(slv_ptx_writer *writer, const slv_mesh *mesh) {
     return result;
 }
 
-slv_result ptx_writer_set_geometry(slv_ptx_writer *writer, const slv_mesh *mesh) {
+slv_result slvi_ptx_writer_set_geometry(slv_ptx_writer *writer, const slv_mesh *mesh) {
     const slv_mesh_view *view = slv_mesh_get_view(mesh);
     if (view->ncreases || view->ncorners || view->nholes)
-        slv_logf(&writer->env, SLV_LOG_WARNING,
-                 "%s: the geometry inside does not keep the mesh's creases, corners and holes",
-                 writer->path);
+        slvi_logf(&writer->env, SLV_LOG_WARNING,
+                  "%s: the geometry inside does not keep the mesh's creases, corners and holes",
+                  writer->path);
     bool triangle = writer->params.mesh_type == SLV_PTX_TRIANGLE;
     uint64_t nindices = 0;
     slv_result result = SLV_OK;
     for (uint32_t poly = 0; poly < view->npolys; poly++) {
         nindices += (uint32_t)view->poly_sizes[poly];
         if (triangle && view->poly_sizes[poly] != 3)
-            return slv_fail(&writer->env, SLV_ERROR_MISMATCH,
-                            "%s: polygon %u of the mesh has %d vertices, not those of a triangle",
-                            writer->path, poly, view->poly_sizes[poly]);
+            return slvi_fail(&writer->env, SLV_ERROR_MISMATCH,
+                             "%s: polygon %u of the mesh has %d vertices, not those of a triangle",
+                             writer->path, poly, view->poly_sizes[poly]);
     }
     uint32_t nfaces = triangle ? view->npolys : slv_mesh_face_count(mesh);
     if (nfaces != writer->params.nfaces)
-        return slv_fail(&writer->env, SLV_ERROR_MISMATCH,
-                        "%s: the texture has %u faces, the mesh %u", writer->path,
-                        writer->params.nfaces, nfaces);
+        return slvi_fail(&writer->env, SLV_ERROR_MISMATCH,
+                         "%s: the texture has %u faces, the mesh %u", writer->path,
+                         writer->params.nfaces, nfaces);
     if (nindices > UINT32_MAX / 4 || view->nverts > UINT32_MAX / 12)
-        return slv_fail(&writer->env, SLV_ERROR_LIMIT,
-                        "%s: the mesh is too large to be written with it", writer->path);
+        return slvi_fail(&writer->env, SLV_ERROR_LIMIT,
+                         "%s: the mesh is too large to be written with it", writer->path);
     slv_ptx_meta entries[3] = {
         {"PtexFaceVertCounts", SLV_META_INT32, view->npolys, view->poly_sizes},
         {"PtexFaceVertIndices", SLV_META_INT32, (uint32_t)nindices, view->poly_verts},
@@ -177,7 +177,7 @@ slv_result ptx_writer_set_geometry(slv_ptx_writer *writer, const slv_mesh *mesh)
 
 slv_result slv_ptx_writer_set_mesh(slv_ptx_writer *writer, const slv_mesh *mesh) {
     slv_result result = check_open(writer, "the mesh");
-    if (!result && !(result = ptx_writer_set_geometry(writer, mesh)) && writer->edited < 0)
+    if (!result && !(result = slvi_ptx_writer_set_geometry(writer, mesh)) && writer->edited < 0)
         result = link_mesh(writer, mesh);
     return result;
 }

@@ -35,7 +35,7 @@ static slv_result write_source(const page *p, const slv_image *image) {
             image->height);
     write_base64(p->stream, bytes, size);
     fputs("\"", p->stream);
-    free(bytes);
+    slv_free(bytes);
     return SLV_OK;
 }
 
