@@ -4,8 +4,8 @@ function(selvage_embed symbol output base)
     add_custom_command(
         OUTPUT ${output}
         COMMAND ${CMAKE_COMMAND} -DSYMBOL=${symbol} -DOUTPUT=${output} -DBASE=${base} "-DFILES=${files}"
-                -P ${CMAKE_CURRENT_SOURCE_DIR}/shaders/embed_files.cmake
-        DEPENDS ${files} ${CMAKE_CURRENT_SOURCE_DIR}/shaders/embed_files.cmake
+                -P ${PROJECT_SOURCE_DIR}/shaders/embed_files.cmake
+        DEPENDS ${files} ${PROJECT_SOURCE_DIR}/shaders/embed_files.cmake
         VERBATIM)
 endfunction()
 
@@ -13,8 +13,3 @@ file(GLOB_RECURSE SHADER_FILES CONFIGURE_DEPENDS ${CMAKE_CURRENT_SOURCE_DIR}/sha
      ${CMAKE_CURRENT_SOURCE_DIR}/shaders/*.vert ${CMAKE_CURRENT_SOURCE_DIR}/shaders/*.frag)
 set(SELVAGE_SHADER_TABLE ${CMAKE_BINARY_DIR}/generated/shader_table.c)
 selvage_embed(slvi_shader_table ${SELVAGE_SHADER_TABLE} ${CMAKE_CURRENT_SOURCE_DIR}/shaders ${SHADER_FILES})
-
-file(GLOB REPORT_FILES CONFIGURE_DEPENDS ${CMAKE_CURRENT_SOURCE_DIR}/tools/compare/report/*.html
-     ${CMAKE_CURRENT_SOURCE_DIR}/tools/compare/report/*.css ${CMAKE_CURRENT_SOURCE_DIR}/tools/compare/report/*.js)
-set(SELVAGE_REPORT_TABLE ${CMAKE_BINARY_DIR}/generated/report_table.c)
-selvage_embed(report_table ${SELVAGE_REPORT_TABLE} ${CMAKE_CURRENT_SOURCE_DIR}/tools/compare/report ${REPORT_FILES})

@@ -1,5 +1,6 @@
 #include "command/output.h"
 #include "command/ptx_name.h"
+#include "verbs.h"
 
 #include <errno.h>
 #include <string.h>

@@ -1,4 +1,5 @@
 #include "command/scene.h"
+#include "verbs.h"
 
 #include <stdio.h>
 #include <string.h>

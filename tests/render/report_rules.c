@@ -2,8 +2,8 @@
  */
 #include "kit/test.h"
 
-#include "compare/report/report_findings.h"
-#include "compare/report/report_verdict.h"
+#include "compare/engine/report_findings.h"
+#include "compare/engine/report_verdict.h"
 
 #include <unistd.h>
 

@@ -81,16 +81,4 @@ double cli_now(void); /* seconds */
 void cli_catch_interrupts(void);
 bool cli_interrupted(void);
 
-/* The verbs: argv[0] is the verb. */
-int verb_render(int argc, char **argv);
-int verb_compare(int argc, char **argv);
-int verb_reference(int argc, char **argv);
-int verb_info(int argc, char **argv);
-int verb_check(int argc, char **argv);
-int verb_diff(int argc, char **argv);
-int verb_convert(int argc, char **argv);
-int verb_merge(int argc, char **argv);
-int verb_transfer(int argc, char **argv);
-int verb_sample(int argc, char **argv);
-
 #endif

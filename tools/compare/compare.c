@@ -1,5 +1,8 @@
 #include "compare/compare.h"
 #include "command/output.h"
+#include "compare/engine/experiment.h"
+#include "compare/report/report_files.h"
+#include "verbs.h"
 
 #include <errno.h>
 #include <stdio.h>
@@ -244,9 +247,9 @@ static slv_result run(struct session *s) {
     json_decref(given);
     if (result || (result = interruption(measure_seams(s))))
         return result;
-    result = compare_draw_pictures(&s->experiment);
+    result = experiment_draw_pictures(&s->experiment);
     if (!result && s->blocks)
-        result = compare_draw_compressed(&s->experiment, s->blocks);
+        result = experiment_draw_compressed(&s->experiment, s->blocks);
     return result == SLV_ERROR_CANCELLED ? interruption(SLV_OK) : result;
 }
 

@@ -1,6 +1,6 @@
 #include "compare/compare.h"
 
-#include "compare/report/report_findings.h"
+#include "compare/engine/report_findings.h"
 
 #include <math.h>
 #include <stdio.h>

@@ -1,4 +1,5 @@
 #include "convert/convert.h"
+#include "verbs.h"
 
 #include <errno.h>
 #include <string.h>

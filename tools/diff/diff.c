@@ -1,4 +1,5 @@
 #include "diff/diff.h"
+#include "verbs.h"
 
 #include <errno.h>
 #include <math.h>

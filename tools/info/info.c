@@ -1,4 +1,5 @@
 #include "info/info.h"
+#include "verbs.h"
 
 #include <errno.h>
 #include <stdarg.h>

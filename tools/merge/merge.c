@@ -1,5 +1,6 @@
 #include "merge/merge.h"
 #include "command/ptx_name.h"
+#include "verbs.h"
 
 #include <errno.h>
 #include <stdlib.h>

@@ -1,6 +1,7 @@
 #include "command/output.h"
 #include "command/scene.h"
 #include "reference/convergence.h"
+#include "verbs.h"
 
 #include <math.h>
 #include <stdio.h>

@@ -1,4 +1,5 @@
 #include "sample/sample.h"
+#include "verbs.h"
 
 #include <errno.h>
 #include <string.h>

@@ -1,5 +1,5 @@
+#include "compare/engine/report_verdict.h"
 #include "compare/report/report_experiment.h"
-#include "compare/report/report_verdict.h"
 
 #include <math.h>
 

@@ -1,10 +1,10 @@
 #include "compare/report/report_experiment.h"
 
 #include "command/output.h"
-#include "compare/report/report_findings.h"
+#include "compare/engine/report_findings.h"
+#include "compare/engine/report_verdict.h"
 #include "compare/report/report_paper.h"
 #include "compare/report/report_plot.h"
-#include "compare/report/report_verdict.h"
 
 #include <math.h>
 #include <stdlib.h>

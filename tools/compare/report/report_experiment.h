@@ -2,7 +2,7 @@
 #ifndef SELVAGE_TOOLS_REPORT_EXPERIMENT_H
 #define SELVAGE_TOOLS_REPORT_EXPERIMENT_H
 
-#include "compare/report/report.h"
+#include "compare/engine/report.h"
 
 void report_write_rates(FILE *stream, const report_data *report);    /* Toth's Table 1 */
 void report_write_curves(FILE *stream, const report_data *report);   /* his Figure 5 */

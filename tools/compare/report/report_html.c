@@ -1,5 +1,6 @@
 #include "command/output.h"
 #include "compare/report/report_experiment.h"
+#include "compare/report/report_files.h"
 #include "compare/report/report_page.h"
 
 #include <string.h>

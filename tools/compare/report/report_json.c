@@ -1,5 +1,6 @@
 #include "command/output.h"
-#include "compare/report/report_findings.h"
+#include "compare/engine/report_findings.h"
+#include "compare/report/report_files.h"
 
 #include <string.h>
 

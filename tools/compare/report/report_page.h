@@ -2,8 +2,8 @@
 #ifndef SELVAGE_TOOLS_REPORT_PAGE_H
 #define SELVAGE_TOOLS_REPORT_PAGE_H
 
-#include "compare/report/report_findings.h"
-#include "compare/report/report_verdict.h"
+#include "compare/engine/report_findings.h"
+#include "compare/engine/report_verdict.h"
 
 typedef struct page {
     const slv_env *env;

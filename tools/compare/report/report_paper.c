@@ -1,7 +1,8 @@
 #include "compare/report/report_paper.h"
 
 #include "command/output.h"
-#include "compare/report/report_findings.h"
+#include "compare/engine/report_findings.h"
+#include "compare/report/report_files.h"
 
 #include <math.h>
 #include <string.h>

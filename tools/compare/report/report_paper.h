@@ -2,7 +2,7 @@
 #ifndef SELVAGE_TOOLS_REPORT_PAPER_H
 #define SELVAGE_TOOLS_REPORT_PAPER_H
 
-#include "compare/report/report.h"
+#include "compare/engine/report.h"
 
 void report_write_latex(FILE *stream, const report_data *report);
 void report_write_markdown(FILE *stream, const report_data *report);

@@ -1,7 +1,7 @@
-#include "compare/report/report.h"
+/* The report's pictures as PNG files. */
+#include "compare/report/report_files.h"
 
 #include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
 
 static slv_result save(const slv_env *env, const char *folder, const char *name,
@@ -53,22 +53,4 @@ slv_result report_write_pictures(const slv_env *env, const char *folder,
         result = save(env, folder, name, &pair->heat);
     }
     return result;
-}
-
-void report_free(report_data *report) {
-    if (!report)
-        return;
-    for (uint32_t i = 0; i < SLV_STRATEGY_COUNT; i++) {
-        for (uint32_t v = 0; v < REPORT_MAX_VIEWS; v++)
-            slv_image_free(&report->strategies[i].views[v]);
-        for (uint32_t s = 0; s < REPORT_MAX_SPOTS; s++)
-            slv_image_free(&report->strategies[i].spots[s]);
-        slv_image_free(&report->strategies[i].heat);
-    }
-    for (uint32_t s = 0; s < REPORT_MAX_SPOTS; s++)
-        slv_image_free(&report->reference.spots[s]);
-    for (uint32_t v = 0; v < REPORT_MAX_VIEWS; v++)
-        slv_image_free(&report->reference.views[v]);
-    for (uint32_t i = 0; i < SLV_STRATEGY_COUNT * SLV_STRATEGY_COUNT; i++)
-        slv_image_free(&report->pairs[i].heat);
 }

@@ -2,7 +2,7 @@
 #ifndef SELVAGE_TOOLS_REPORT_PLOT_H
 #define SELVAGE_TOOLS_REPORT_PLOT_H
 
-#include "compare/report/report.h"
+#include "compare/engine/report.h"
 
 typedef struct report_curve {
     const char *name;

@@ -1,4 +1,4 @@
-#include "compare/experiment.h"
+#include "compare/engine/experiment.h"
 #include "command/output.h"
 
 #include <math.h>

@@ -1,5 +1,5 @@
 #include "command/output.h"
-#include "compare/compare.h"
+#include "compare/engine/experiment.h"
 
 #include <math.h>
 
@@ -190,7 +190,7 @@ static slv_result draw_spots(experiment *e) {
     return result;
 }
 
-slv_result compare_draw_pictures(experiment *e) {
+slv_result experiment_draw_pictures(experiment *e) {
     slv_result result;
     if ((result = draw_views(e)) || (result = compare_views(e)))
         return result;

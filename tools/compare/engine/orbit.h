@@ -2,7 +2,7 @@
 #ifndef SELVAGE_TOOLS_ORBIT_H
 #define SELVAGE_TOOLS_ORBIT_H
 
-#include "command/cli.h"
+#include <selvage/camera.h>
 
 /* At time t, 0 to 1: azimuth + turn t; elevation + tilt sin(6 pi t); the distance that frames the
  * box, divided by dolly to the power sin(2 pi t), but never inside the box. So t = 0 and 1/2 frame

@@ -1,4 +1,4 @@
-#include "compare/report/report_verdict.h"
+#include "compare/engine/report_verdict.h"
 
 #include <math.h>
 

@@ -1,10 +1,11 @@
-/* The outcome of a comparison, and the files that tell of it. */
+/* The outcome of a comparison: what was measured, and what follows from it. */
 #ifndef SELVAGE_TOOLS_REPORT_H
 #define SELVAGE_TOOLS_REPORT_H
 
-#include "compare/orbit.h"
+#include "compare/engine/orbit.h"
 
 #include <selvage/reference.h>
+#include <selvage/selvage.h>
 
 #include <stdio.h>
 
@@ -129,15 +130,6 @@ typedef struct report_data {
     uint32_t nresolutions; /* distinct face resolutions */
     double seconds;        /* the whole run */
 } report_data;
-
-/* Pictures as PNG into `folder`: view0_clamp.png, seam0_clamp.png, difference_clamp_borders.png,
- * ... */
-slv_result report_write_pictures(const slv_env *env, const char *folder, const report_data *report);
-slv_result report_write_json(const slv_env *env, const char *path, const report_data *report);
-/* What the report's tables and curves are made of, as CSV, and its table for papers. */
-slv_result report_write_tables(const slv_env *env, const char *folder, const report_data *report);
-/* One file with everything in it; needs no network and no neighbours. */
-slv_result report_write_html(const slv_env *env, const char *path, const report_data *report);
 
 /* Error number i of a curve: 1/1024 to 1 in steps of a quarter of an octave. */
 double report_error_step(uint32_t i);

@@ -1,4 +1,4 @@
-#include "compare/report/report_findings.h"
+#include "compare/engine/report_findings.h"
 
 #include <math.h>
 #include <stdarg.h>

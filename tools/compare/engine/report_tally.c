@@ -1,4 +1,5 @@
-#include "compare/report/report.h"
+/* Distances of pixels added up, and the names and the end of a report. */
+#include "compare/engine/report.h"
 
 #include <math.h>
 
@@ -78,4 +79,22 @@ double report_rms(const report_tally *tally) {
 double report_share(const report_errors *errors, uint32_t i) {
     report_tally all = report_errors_part(errors, REPORT_ALL);
     return all.npixels ? (double)errors->curve[i] / (double)all.npixels : 0;
+}
+
+void report_free(report_data *report) {
+    if (!report)
+        return;
+    for (uint32_t i = 0; i < SLV_STRATEGY_COUNT; i++) {
+        for (uint32_t v = 0; v < REPORT_MAX_VIEWS; v++)
+            slv_image_free(&report->strategies[i].views[v]);
+        for (uint32_t s = 0; s < REPORT_MAX_SPOTS; s++)
+            slv_image_free(&report->strategies[i].spots[s]);
+        slv_image_free(&report->strategies[i].heat);
+    }
+    for (uint32_t s = 0; s < REPORT_MAX_SPOTS; s++)
+        slv_image_free(&report->reference.spots[s]);
+    for (uint32_t v = 0; v < REPORT_MAX_VIEWS; v++)
+        slv_image_free(&report->reference.views[v]);
+    for (uint32_t i = 0; i < SLV_STRATEGY_COUNT * SLV_STRATEGY_COUNT; i++)
+        slv_image_free(&report->pairs[i].heat);
 }

@@ -1,4 +1,4 @@
-#include "compare/orbit.h"
+#include "compare/engine/orbit.h"
 
 #include <math.h>
 

@@ -2,7 +2,7 @@
 #ifndef SELVAGE_TOOLS_REPORT_FINDINGS_H
 #define SELVAGE_TOOLS_REPORT_FINDINGS_H
 
-#include "compare/report/report.h"
+#include "compare/engine/report.h"
 
 /* Of the strategies whose RMS error at seams (pixels at edges and vertices, against the first
  * reference, at the rate that is shown) is at most REPORT_NEAR_BEST times the smallest, the

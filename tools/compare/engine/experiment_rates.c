@@ -1,5 +1,5 @@
 #include "command/output.h"
-#include "compare/experiment.h"
+#include "compare/engine/experiment.h"
 
 #include <stdio.h>
 #include <stdlib.h>

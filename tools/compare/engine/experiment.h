@@ -4,7 +4,7 @@
 #define SELVAGE_TOOLS_EXPERIMENT_H
 
 #include "command/scene.h"
-#include "compare/report/report.h"
+#include "compare/engine/report.h"
 
 #include <jansson.h>
 
@@ -51,6 +51,12 @@ slv_frame experiment_frame_at(const experiment *e, double t, slv_strategy strate
  * `resume`, those that are there already are taken from there. `conditions` must be equal for that;
  * not taken over. */
 slv_result experiment_run(experiment *e, const char *path, const json_t *conditions, bool resume);
+
+/* Views, their differences, places to look at closely, and what the references show there. */
+slv_result experiment_draw_pictures(experiment *e);
+
+/* The same views from a texture in blocks, and what that costs; after the above. */
+slv_result experiment_draw_compressed(const experiment *e, slv_gl_texture *blocks);
 
 /* A picture to hold others against, as the eye of `frame` sees it. `estimate` is NaN if unknown. */
 slv_result experiment_reference(experiment *e, report_source source, const slv_frame *frame,

@@ -1,4 +1,4 @@
-#include "compare/compare.h"
+#include "compare/engine/experiment.h"
 
 #include <math.h>
 
@@ -54,7 +54,7 @@ static slv_result draw_strategy(const experiment *e, report_strategy *row) {
     return result;
 }
 
-slv_result compare_draw_compressed(const experiment *e, slv_gl_texture *blocks) {
+slv_result experiment_draw_compressed(const experiment *e, slv_gl_texture *blocks) {
     report_data *report = e->report;
     experiment compressed = *e;
     slv_result result = SLV_OK;

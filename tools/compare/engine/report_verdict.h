@@ -2,7 +2,7 @@
 #ifndef SELVAGE_TOOLS_REPORT_VERDICT_H
 #define SELVAGE_TOOLS_REPORT_VERDICT_H
 
-#include "compare/report/report.h"
+#include "compare/engine/report.h"
 
 #include <stdio.h>
 
