@@ -1,4 +1,5 @@
 #include "adjacency/adjacency_data.h"
+#include "adjacency/edge.h"
 
 #include "base/log.h"
 #include "base/memory.h"
@@ -20,12 +21,12 @@ static bool in_table(const slv_adjacency *a, int32_t face) {
 slv_half_edge slvi_adjacency_secondary(const slv_adjacency *a, slv_half_edge whole,
                                        slv_half_edge primary) {
     static const slv_half_edge none = {SLV_BOUNDARY, 0};
-    slv_half_edge inner = {primary.face, (uint8_t)((primary.edge + 3) & 3)};
+    slv_half_edge inner = {primary.face, (uint8_t)slvi_edge_before(primary.edge)};
     slv_half_edge other = across(a, inner);
     if (!in_table(a, other.face) || !a->subface[other.face] ||
         !same_half_edge(across(a, other), inner) || same_half_edge(inner, other))
         return none;
-    slv_half_edge secondary = {other.face, (uint8_t)((other.edge + 3) & 3)};
+    slv_half_edge secondary = {other.face, (uint8_t)slvi_edge_before(other.edge)};
     if (same_half_edge(secondary, primary) || !same_half_edge(across(a, secondary), whole))
         return none;
     return secondary;

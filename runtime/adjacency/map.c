@@ -1,31 +1,15 @@
-/* Coordinates across edges. Along edge e a point has t, counter-clockwise from the edge's first
- * corner, and depth d, inwards. Crossing turns (t, d) into (1 - t, -d), up to scale and offset. */
+/* Neighbours across edges, with the maps that lead there. */
 #include "adjacency/adjacency_data.h"
-
-/* t = tu u + tv v + t0, d = du u + dv v + d0, for each edge; the transpose leads back.
- */
-static const struct frame {
-    float tu, tv, t0, du, dv, d0;
-} frames[4] = {{1, 0, 0, 0, 1, 0}, {0, 1, 0, -1, 0, 1}, {-1, 0, 1, 0, -1, 1}, {0, -1, 1, 1, 0, 0}};
-
-/* The map that sends t to t_shift - scale t and d to -scale d. */
-static slv_affine crossing(unsigned edge, unsigned adjacent_edge, float scale, float t_shift) {
-    const struct frame *from = &frames[edge & 3], *to = &frames[adjacent_edge & 3];
-    float tu = -scale * from->tu, tv = -scale * from->tv, t0 = t_shift - scale * from->t0 - to->t0;
-    float du = -scale * from->du, dv = -scale * from->dv, d0 = -scale * from->d0 - to->d0;
-    slv_affine map = {to->tu * tu + to->du * du, to->tu * tv + to->du * dv,
-                      to->tu * t0 + to->du * d0, to->tv * tu + to->dv * du,
-                      to->tv * tv + to->dv * dv, to->tv * t0 + to->dv * d0};
-    return map;
-}
+#include "adjacency/edge.h"
 
 slv_affine slv_orientation(unsigned edge, unsigned adjacent_edge) {
-    return crossing(edge, adjacent_edge, 1, 1);
+    return slvi_edge_map(edge, adjacent_edge, 1, 1);
 }
 
 static slv_neighbour neighbour(unsigned edge, slv_half_edge to, float t0, float t1, float scale,
                                float t_shift) {
-    slv_neighbour n = {to.face, to.edge, t0, t1, scale, crossing(edge, to.edge, scale, t_shift)};
+    slv_neighbour n = {to.face, to.edge, t0,
+                       t1,      scale,   slvi_edge_map(edge, to.edge, scale, t_shift)};
     return n;
 }
 
@@ -58,7 +42,8 @@ bool slv_adjacency_is_t_corner(const slv_adjacency *a, int32_t face, unsigned co
     if (face < 0 || (uint32_t)face >= a->nfaces || !a->subface[face])
         return false;
     for (unsigned side = 0; side < 2; side++) {
-        slv_half_edge h = {face, (uint8_t)((corner + 3 * side) & 3)};
+        unsigned edge = side ? slvi_edge_before(corner) : corner & 3;
+        slv_half_edge h = {face, (uint8_t)edge};
         int32_t to = a->faces[face].face[h.edge];
         /* The first half of the quad's edge starts, the second half ends in its middle. */
         if (to != SLV_BOUNDARY && !a->subface[to] && slvi_adjacency_is_primary(a, h) == !side)
@@ -86,14 +71,12 @@ bool slv_adjacency_resolve(const slv_adjacency *a, bool v_first, int32_t *face, 
         if (step == MOST_CROSSINGS)
             return false;
         bool along_v = inside(x) || (v_first && !inside(y));
-        unsigned edge = along_v ? (y < 0 ? 0 : 2) : (x < 0 ? 3 : 1);
+        unsigned edge = slvi_edge_at(along_v, !((along_v ? y : x) < 0));
         slv_neighbour next[2];
         uint32_t count = slv_adjacency_neighbours(a, f, edge, next);
         if (!count)
             return false;
-        const struct frame *frame = &frames[edge];
-        float t = frame->tu * x + frame->tv * y + frame->t0;
-        if (t >= next[0].t1 && next[0].t1 < 1) {
+        if (slvi_edge_t(edge, x, y) >= next[0].t1 && next[0].t1 < 1) {
             if (count < 2)
                 return false;
             next[0] = next[1];
@@ -101,7 +84,7 @@ bool slv_adjacency_resolve(const slv_adjacency *a, bool v_first, int32_t *face, 
         slv_affine_apply(&next[0].map, x, y, &x, &y);
         f = next[0].face;
         /* Keep going in the same direction before turning. */
-        v_first = !(next[0].edge & 1);
+        v_first = !slvi_edge_along_v(next[0].edge);
     }
     *face = f;
     *u = x;

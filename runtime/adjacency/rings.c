@@ -2,6 +2,7 @@
  * links are mutual, so the corners fall into chains and cycles, whatever the tables say, and each
  * is visited once. */
 #include "adjacency/adjacency_data.h"
+#include "adjacency/edge.h"
 
 #include "base/memory.h"
 
@@ -12,7 +13,7 @@ static uint32_t corner_id(int32_t face, unsigned corner) {
 }
 
 static uint32_t counter_clockwise(const slv_adjacency *a, uint32_t corner) {
-    slv_half_edge leave = {(int32_t)(corner / 4), (uint8_t)((corner + 3) & 3)};
+    slv_half_edge leave = {(int32_t)(corner / 4), (uint8_t)slvi_edge_before(corner)};
     int32_t to = a->faces[leave.face].face[leave.edge];
     uint8_t to_edge = a->faces[leave.face].edge[leave.edge];
     if (to == SLV_BOUNDARY)

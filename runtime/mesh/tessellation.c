@@ -1,5 +1,6 @@
 #include <selvage/tessellation.h>
 
+#include "adjacency/edge.h"
 #include "base/log.h"
 #include "base/memory.h"
 #include "base/parallel.h"
@@ -100,11 +101,13 @@ static slv_vertex *vertex_at(const slv_tessellation *t, uint32_t face, float u, 
     return t->vertices + t->first[face] + y * (n + 1) + x;
 }
 
+static slv_vertex *corner_vertex(const slv_tessellation *t, uint32_t face, unsigned corner) {
+    return vertex_at(t, face, (float)slvi_corner_u(corner), (float)slvi_corner_v(corner));
+}
+
 /* Takes the positions along one edge from the face that owns them: the whole quad beside sub-faces,
  * else the lower id. Ends are left to weld_corner. */
 static void weld_edge(const struct job *job, uint32_t face, unsigned edge) {
-    static const float start[4][2] = {{0, 0}, {1, 0}, {1, 1}, {0, 1}};
-    static const float along[4][2] = {{1, 0}, {0, 1}, {-1, 0}, {0, -1}};
     const slv_tessellation *t = job->out;
     slv_neighbour other[2];
     uint32_t n = t->segments[face];
@@ -114,9 +117,8 @@ static void weld_edge(const struct job *job, uint32_t face, unsigned edge) {
     if (owns || !t->segments[other->face])
         return;
     for (uint32_t k = 1; k < n; k++) {
-        float f = (float)k / (float)n, u = start[edge][0] + f * along[edge][0],
-              v = start[edge][1] + f * along[edge][1];
-        float ou, ov;
+        float u, v, ou, ov;
+        slvi_edge_point(edge, (float)k / (float)n, &u, &v);
         slv_affine_apply(&other->map, u, v, &ou, &ov);
         memcpy(vertex_at(t, face, u, v)->position,
                vertex_at(t, (uint32_t)other->face, ou, ov)->position, 3 * sizeof(float));
@@ -124,19 +126,19 @@ static void weld_edge(const struct job *job, uint32_t face, unsigned edge) {
 }
 
 static void weld_corner(const struct job *job, uint32_t face, unsigned corner) {
-    static const float at[4][2] = {{0, 0}, {1, 0}, {1, 1}, {0, 1}};
     const slv_tessellation *t = job->out;
     const slv_vertex *from = NULL;
     if (slv_adjacency_is_t_corner(job->adjacency, (int32_t)face, corner)) {
         /* the middle of a whole quad's edge; that edge is one of the two which meet here */
         for (unsigned side = 0; side < 2; side++) {
             slv_neighbour other[2];
-            unsigned edge = (corner + 3 * side) % 4;
+            unsigned edge = side ? slvi_edge_before(corner) : corner;
             float u, v;
             if (slv_adjacency_neighbours(job->adjacency, (int32_t)face, edge, other) != 1 ||
                 other->scale >= 1 || !t->segments[other->face])
                 continue;
-            slv_affine_apply(&other->map, at[corner][0], at[corner][1], &u, &v);
+            slv_affine_apply(&other->map, (float)slvi_corner_u(corner),
+                             (float)slvi_corner_v(corner), &u, &v);
             from = vertex_at(t, (uint32_t)other->face, u, v);
         }
     } else {
@@ -145,9 +147,9 @@ static void weld_corner(const struct job *job, uint32_t face, unsigned corner) {
         for (uint32_t i = 0; i < ring.count; i++)
             if (ring.corners[i].face < lowest.face && t->segments[ring.corners[i].face])
                 lowest = ring.corners[i];
-        from = vertex_at(t, (uint32_t)lowest.face, at[lowest.corner][0], at[lowest.corner][1]);
+        from = corner_vertex(t, (uint32_t)lowest.face, lowest.corner);
     }
-    slv_vertex *to = vertex_at(t, face, at[corner][0], at[corner][1]);
+    slv_vertex *to = corner_vertex(t, face, corner);
     if (from && from != to)
         memcpy(to->position, from->position, sizeof to->position);
 }

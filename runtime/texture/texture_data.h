@@ -2,6 +2,7 @@
 #ifndef SLV_TEXTURE_STORE_H
 #define SLV_TEXTURE_STORE_H
 
+#include "adjacency/edge.h"
 #include "base/parallel.h"
 
 #include <selvage/texture.h>
@@ -27,6 +28,25 @@ bool slvi_texture_desc_same(const slv_texture_desc *a, const slv_texture_desc *b
 
 static inline size_t slv_res_texels(slv_res res) {
     return (size_t)1 << (res.u + res.v);
+}
+
+/* log2 of how many texels lie along an edge, and of how many rows of them there are. */
+static inline int slvi_res_along(slv_res res, unsigned edge) {
+    return slvi_edge_along(edge, res.u, res.v);
+}
+
+static inline int slvi_res_across(slv_res res, unsigned edge) {
+    return slvi_edge_across(edge, res.u, res.v);
+}
+
+/* slvi_edge_texel and slvi_corner_texel of a resolution. */
+static inline void slvi_res_edge_texel(slv_res res, unsigned edge, int32_t j, int32_t depth,
+                                       int32_t *x, int32_t *y) {
+    slvi_edge_texel(1 << res.u, 1 << res.v, edge, j, depth, x, y);
+}
+
+static inline void slvi_res_corner_texel(slv_res res, unsigned corner, int32_t *x, int32_t *y) {
+    slvi_corner_texel(1 << res.u, 1 << res.v, corner, x, y);
 }
 
 #endif

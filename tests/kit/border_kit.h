@@ -3,6 +3,7 @@
 #ifndef BORDER_KIT_H
 #define BORDER_KIT_H
 
+#include "kit/edge_kit.h"
 #include "kit/test.h"
 
 #include <selvage/border.h>
@@ -235,12 +236,6 @@ static inline float kit_lookup(const kit_level *level, double u, double v, uint3
                                fx * (double)kit_texel(level, x0 + 1, y0)[channel]) +
                    fy * ((1 - fx) * (double)kit_texel(level, x0, y0 + 1)[channel] +
                          fx * (double)kit_texel(level, x0 + 1, y0 + 1)[channel]));
-}
-
-/* The point at t of an edge, counter-clockwise. */
-static inline void kit_edge_point(unsigned edge, double t, double *u, double *v) {
-    *u = edge == 0 ? t : edge == 1 ? 1 : edge == 2 ? 1 - t : 0;
-    *v = edge == 0 ? 0 : edge == 1 ? t : edge == 2 ? 1 : 1 - t;
 }
 
 #endif

@@ -58,17 +58,6 @@ static void copy_run(const build *b, const unsigned char *from, ptrdiff_t from_s
     }
 }
 
-/* How far apart, in texels, index j and j+1 of an edge are. */
-static ptrdiff_t edge_step(slv_res res, uint32_t edge) {
-    ptrdiff_t width = (ptrdiff_t)1 << res.u;
-    return edge == 0 ? 1 : edge == 1 ? width : edge == 2 ? -1 : -width;
-}
-
-static ptrdiff_t out_step(const build *b, uint32_t edge) {
-    ptrdiff_t texel = (ptrdiff_t)b->nchannels;
-    return edge == 0 ? texel : edge == 1 ? b->pitch : edge == 2 ? -texel : -b->pitch;
-}
-
 /* Fills border row `depth` (1 is next to the edge) at indices j0..j1-1 with texels of a face, row
  * `from_depth` of edge `from_edge`, index from_j for j0 and on in direction `sign`. */
 static void copy_strip(const build *b, uint32_t edge, int32_t depth, uint32_t j0, uint32_t j1,
@@ -76,13 +65,14 @@ static void copy_strip(const build *b, uint32_t edge, int32_t depth, uint32_t j0
                        int32_t from_depth, uint32_t from_j, int sign) {
     slv_res res = slv_res_level(b->view.levels->res[from_face], from_level);
     int32_t x, y, from_x, from_y;
-    slv_border_edge_texel(b->res, edge, (int32_t)j0, -depth, &x, &y);
-    slv_border_edge_texel(res, from_edge, (int32_t)from_j, from_depth, &from_x, &from_y);
+    slvi_res_edge_texel(b->res, edge, (int32_t)j0, -depth, &x, &y);
+    slvi_res_edge_texel(res, from_edge, (int32_t)from_j, from_depth, &from_x, &from_y);
     const unsigned char *from = slv_levels_texels(b->view.levels, from_face, from_level);
     size_t value = (((size_t)from_y << res.u) + (size_t)from_x) * b->nchannels + b->view.first;
+    ptrdiff_t texel = (ptrdiff_t)b->nchannels;
     copy_run(b, from + value * b->value_size,
-             sign * edge_step(res, from_edge) * (ptrdiff_t)b->nchannels, texel_at(b, x, y),
-             out_step(b, edge), j1 - j0);
+             sign * slvi_edge_step(from_edge, texel, texel << res.u), texel_at(b, x, y),
+             slvi_edge_step(edge, texel, b->pitch), j1 - j0);
 }
 
 /* Bilinear inside a level, clamped to its outermost texel centres. */
@@ -122,7 +112,7 @@ static void sample_strip(const build *b, const slv_border_edge *edge, const slv_
     for (uint32_t j = j0; j < j1; j++) {
         int32_t x, y;
         float u, v, value[SLV_BORDER_CHANNELS];
-        slv_border_edge_texel(b->res, edge->edge, (int32_t)j, -depth, &x, &y);
+        slvi_res_edge_texel(b->res, edge->edge, (int32_t)j, -depth, &x, &y);
         slv_affine_apply(&link->to.map, centre_u(b, x), centre_v(b, y), &u, &v);
         sample(b, (uint32_t)link->to.face, link->level, u, v, value);
         store(b, x, y, value);
@@ -139,8 +129,8 @@ static void mirror_strip(const build *b, const slv_border_edge *edge, const slv_
         float value[SLV_BORDER_CHANNELS], own[SLV_BORDER_CHANNELS];
         float t = ((float)j + 0.5f) / (float)(1u << edge->exponent);
         slvi_border_function_at(&b->view, &function, link->slope * t + link->offset, value);
-        slv_border_edge_texel(b->res, edge->edge, (int32_t)j, -1, &x, &y);
-        slv_border_edge_texel(b->res, edge->edge, (int32_t)j, 0, &own_x, &own_y);
+        slvi_res_edge_texel(b->res, edge->edge, (int32_t)j, -1, &x, &y);
+        slvi_res_edge_texel(b->res, edge->edge, (int32_t)j, 0, &own_x, &own_y);
         slvi_border_fetch(&b->view, b->face, b->level, (uint32_t)own_x, (uint32_t)own_y, own);
         for (uint32_t c = 0; c < b->view.count; c++)
             value[c] = 2.0f * value[c] - own[c];
@@ -151,7 +141,7 @@ static void mirror_strip(const build *b, const slv_border_edge *edge, const slv_
 static void fill_link(const build *b, const slv_border_edge *edge, const slv_border_link *link,
                       int32_t depth_count, uint32_t j0, uint32_t j1) {
     uint32_t from_j = slvi_border_link_index(edge, link, j0);
-    int32_t last = (1 << slv_border_exponent(link->res, link->to.edge + 1u)) - 1;
+    int32_t last = (1 << slvi_res_across(link->res, link->to.edge)) - 1;
     for (int32_t depth = 1; depth <= depth_count; depth++) {
         if (link->aligned || (depth == 1 && link->relation == SLV_BORDER_EXACT))
             copy_strip(b, edge->edge, depth, j0, j1, (uint32_t)link->to.face, link->level,
@@ -174,7 +164,7 @@ static void fill_single(const build *b, const slv_border_edge *edge, int32_t dep
     for (int32_t depth = 1; depth <= depth_count; depth++) {
         int32_t x, y;
         float value[SLV_BORDER_CHANNELS], half[SLV_BORDER_CHANNELS];
-        slv_border_edge_texel(b->res, edge->edge, 0, -depth, &x, &y);
+        slvi_res_edge_texel(b->res, edge->edge, 0, -depth, &x, &y);
         if (depth == 1) {
             slvi_border_across(&b->view, edge, 0, value);
         } else {
@@ -193,7 +183,7 @@ static void fill_single(const build *b, const slv_border_edge *edge, int32_t dep
 }
 
 static void fill_side(const build *b, const slv_border_edge *edge) {
-    int32_t depth_count = edge->edge & 1 ? b->bu : b->bv;
+    int32_t depth_count = slvi_edge_across(edge->edge, b->bu, b->bv);
     uint32_t n = 1u << edge->exponent;
     if (edge->nlinks && edge->links[0].relation == SLV_BORDER_FINER) {
         fill_single(b, edge, depth_count);
@@ -226,7 +216,8 @@ static void path_begin(const build *b, const slv_border_edge *edge, bool at_end,
         out->link = edge->links[i];
         /* Counter-clockwise around the far side: past the end of this edge begins the edge before
          * the neighbour's. */
-        uint32_t onward = (out->link.to.edge + (at_end ? 3u : 1u)) % 4;
+        uint32_t onward =
+            at_end ? slvi_edge_before(out->link.to.edge) : slvi_edge_next(out->link.to.edge);
         out->onward =
             slvi_border_edge_at(&b->view, (uint32_t)out->link.to.face, out->link.level, onward);
     }
@@ -239,19 +230,12 @@ static int path_sample(const build *b, const corner_path *path, float u, float v
         return 0;
     const slv_border_edge *onward = &path->onward;
     slv_affine_apply(&path->link.to.map, u, v, &u, &v);
-    bool beyond = onward->edge == 0   ? v < 0.0f
-                  : onward->edge == 1 ? u > 1.0f
-                  : onward->edge == 2 ? v > 1.0f
-                                      : u < 0.0f;
     /* From the middle of a whole quad's edge, the quad goes straight on. */
-    if (!beyond) {
+    if (!(slvi_edge_depth(onward->edge, u, v) < 0.0f)) {
         sample(b, (uint32_t)path->link.to.face, path->link.level, u, v, out);
         return 2;
     }
-    float t = onward->edge == 0   ? u
-              : onward->edge == 1 ? v
-              : onward->edge == 2 ? 1.0f - u
-                                  : 1.0f - v;
+    float t = slvi_edge_t(onward->edge, u, v);
     const slv_border_link *link = NULL;
     for (uint32_t i = 0; i < onward->nlinks; i++) {
         const slv_neighbour *to = &onward->links[i].to;
@@ -284,12 +268,12 @@ static void fill_beyond(const build *b, const corner_path paths[2], const float 
 }
 
 static void fill_corner(const build *b, const slv_border_edge edges[4], uint32_t corner) {
-    const slv_border_edge *starts = &edges[corner], *ends = &edges[(corner + 3) % 4];
-    bool right = corner == 1 || corner == 2, top = corner >= 2;
-    int32_t own_x = right ? (1 << b->res.u) - 1 : 0, own_y = top ? (1 << b->res.v) - 1 : 0;
-    int32_t step_x = right ? 1 : -1, step_y = top ? 1 : -1;
+    const slv_border_edge *starts = &edges[corner], *ends = &edges[slvi_edge_before(corner)];
+    int32_t own_x, own_y;
+    int32_t step_x = slvi_corner_u(corner) ? 1 : -1, step_y = slvi_corner_v(corner) ? 1 : -1;
     float own[SLV_BORDER_CHANNELS], m[SLV_BORDER_CHANNELS], d[SLV_BORDER_CHANNELS],
         across[2][SLV_BORDER_CHANNELS];
+    slvi_res_corner_texel(b->res, corner, &own_x, &own_y);
     slvi_border_fetch(&b->view, b->face, b->level, (uint32_t)own_x, (uint32_t)own_y, own);
     if (b->bu > 1 || b->bv > 1) {
         corner_path paths[2];

@@ -55,18 +55,6 @@ typedef struct slv_border_edge {
 slv_border_edge slvi_border_edge_at(const slv_border_view *view, uint32_t face, uint32_t level,
                                     uint32_t edge);
 
-static inline int slv_border_exponent(slv_res res, uint32_t edge) {
-    return edge & 1 ? res.v : res.u;
-}
-
-/* The texel at index j along an edge, `depth` rows inside (negative: outside). */
-static inline void slv_border_edge_texel(slv_res res, uint32_t edge, int32_t j, int32_t depth,
-                                         int32_t *x, int32_t *y) {
-    int32_t last_x = (1 << res.u) - 1, last_y = (1 << res.v) - 1;
-    *x = edge == 0 ? j : edge == 1 ? last_x - depth : edge == 2 ? last_x - j : depth;
-    *y = edge == 0 ? depth : edge == 1 ? j : edge == 2 ? last_y - depth : last_y - j;
-}
-
 /* The neighbour's edge index that index j meets: floor of where its centre falls. */
 uint32_t slvi_border_link_index(const slv_border_edge *edge, const slv_border_link *link,
                                 uint32_t j);

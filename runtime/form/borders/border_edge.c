@@ -37,11 +37,10 @@ void slvi_border_fetch(const slv_border_view *view, uint32_t face, uint32_t leve
 
 /* Where on the neighbour's edge a point t of this face's edge lies. */
 static float map_along(const slv_border_edge *edge, const slv_neighbour *to, float t) {
-    float u = edge->edge == 0 ? t : edge->edge == 1 ? 1.0f : edge->edge == 2 ? 1.0f - t : 0.0f;
-    float v = edge->edge == 0 ? 0.0f : edge->edge == 1 ? t : edge->edge == 2 ? 1.0f : 1.0f - t;
-    float nu, nv;
-    slv_affine_apply(&to->map, u, v, &nu, &nv);
-    return to->edge == 0 ? nu : to->edge == 1 ? nv : to->edge == 2 ? 1.0f - nu : 1.0f - nv;
+    float u, v;
+    slvi_edge_point(edge->edge, t, &u, &v);
+    slv_affine_apply(&to->map, u, v, &u, &v);
+    return slvi_edge_t(to->edge, u, v);
 }
 
 static int clamp_int(int value, int low, int high) {
@@ -51,11 +50,10 @@ static int clamp_int(int value, int low, int high) {
 static void meet(const slv_border_view *view, const slv_border_edge *edge, slv_border_link *link) {
     const slv_neighbour *to = &link->to;
     slv_res res = view->levels->res[to->face];
-    int halvings = to->scale > 1.5f ? 1 : to->scale < 0.75f ? -1 : 0;
-    int along = slv_border_exponent(res, to->edge),
-        across = slv_border_exponent(res, to->edge + 1u);
+    int halvings = slvi_neighbour_halvings(to);
+    int along = slvi_res_along(res, to->edge), across = slvi_res_across(res, to->edge);
     int want_along = (int)edge->exponent - halvings;
-    int want_across = slv_border_exponent(edge->res, edge->edge + 1u) - halvings;
+    int want_across = slvi_res_across(edge->res, edge->edge) - halvings;
     link->offset = map_along(edge, to, 0.0f);
     link->slope = map_along(edge, to, 1.0f) - link->offset;
     link->level = 0;
@@ -73,15 +71,15 @@ static void meet(const slv_border_view *view, const slv_border_edge *edge, slv_b
         link->level = (uint32_t)clamp_int(across - want_across, along, last);
     }
     link->res = slv_res_level(res, link->level);
-    link->aligned = link->relation == SLV_BORDER_EXACT &&
-                    slv_border_exponent(link->res, to->edge + 1u) == want_across;
+    link->aligned =
+        link->relation == SLV_BORDER_EXACT && slvi_res_across(link->res, to->edge) == want_across;
 }
 
 slv_border_edge slvi_border_edge_at(const slv_border_view *view, uint32_t face, uint32_t level,
                                     uint32_t edge) {
     slv_border_edge out = {.face = face, .level = level, .edge = edge};
     out.res = slv_res_level(view->levels->res[face], level);
-    out.exponent = (uint32_t)slv_border_exponent(out.res, edge);
+    out.exponent = (uint32_t)slvi_res_along(out.res, edge);
     slv_neighbour neighbours[2];
     out.nlinks = slv_adjacency_neighbours(view->adjacency, (int32_t)face, edge, neighbours);
     for (uint32_t i = 0; i < out.nlinks; i++) {
@@ -97,7 +95,7 @@ static float centre(uint32_t exponent, uint32_t j) {
 
 uint32_t slvi_border_link_index(const slv_border_edge *edge, const slv_border_link *link,
                                 uint32_t j) {
-    int32_t n = INT32_C(1) << slv_border_exponent(link->res, link->to.edge);
+    int32_t n = INT32_C(1) << slvi_res_along(link->res, link->to.edge);
     float at = (link->slope * centre(edge->exponent, j) + link->offset) * (float)n;
     return (uint32_t)clamp_int((int)at, 0, n - 1);
 }
@@ -113,7 +111,7 @@ const slv_border_link *slvi_border_link_at(const slv_border_edge *edge, uint32_t
 static void fetch_row(const slv_border_view *view, uint32_t face, uint32_t level, slv_res res,
                       uint32_t edge, uint32_t j, float *out) {
     int32_t x, y;
-    slv_border_edge_texel(res, edge, (int32_t)j, 0, &x, &y);
+    slvi_res_edge_texel(res, edge, (int32_t)j, 0, &x, &y);
     slvi_border_fetch(view, face, level, (uint32_t)x, (uint32_t)y, out);
 }
 
@@ -131,7 +129,7 @@ static void knot(const slv_border_view *view, slv_border_function *function, uin
     float *value = function->value[slot];
     function->index[slot] = k;
     if (k < 0 || k == n) {
-        uint32_t corner = k < 0 ? edge->edge : (edge->edge + 1) % 4;
+        uint32_t corner = k < 0 ? edge->edge : slvi_edge_next(edge->edge);
         slvi_border_vertex_value(view, edge->face, 0, corner, value, NULL);
         return;
     }

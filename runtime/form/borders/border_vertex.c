@@ -36,8 +36,8 @@ static int32_t offset_step(const slv_border_view *view, int32_t from, uint32_t f
                            int32_t to, uint32_t to_edge) {
     int32_t halvings = (int32_t)slv_adjacency_is_subface(view->adjacency, to) -
                        (int32_t)slv_adjacency_is_subface(view->adjacency, from);
-    return 2 * (slv_border_exponent(res_of(view, to), to_edge) + halvings -
-                slv_border_exponent(res_of(view, from), from_edge));
+    return 2 * (slvi_res_along(res_of(view, to), to_edge) + halvings -
+                slvi_res_along(res_of(view, from), from_edge));
 }
 
 /* The offset of member i from that of the one before; i = count goes once around. */
@@ -47,7 +47,8 @@ static int32_t next_offset(const slv_border_view *view, const ring_levels *level
     const slv_corner *to = &levels->ring.corners[i == levels->ring.count ? 0 : i];
     if (!levels->by_edges)
         return density(view, to->face);
-    return offset + offset_step(view, from->face, (from->corner + 3u) % 4, to->face, to->corner);
+    return offset +
+           offset_step(view, from->face, slvi_edge_before(from->corner), to->face, to->corner);
 }
 
 static int32_t first_offset(const slv_border_view *view, const ring_levels *levels) {
@@ -58,12 +59,12 @@ static void find_quad(const slv_border_view *view, ring_levels *levels) {
     slv_neighbour across[2];
     const slv_corner *first = &levels->ring.corners[0];
     const slv_corner *last = &levels->ring.corners[levels->ring.count - 1];
-    uint32_t edges[2] = {first->corner, (last->corner + 3u) % 4};
+    uint32_t edges[2] = {first->corner, slvi_edge_before(last->corner)};
     const slv_corner *ends[2] = {first, last};
     bool meets[2] = {false, false};
     for (uint32_t i = 0; i < 2; i++) {
         if (!slv_adjacency_neighbours(view->adjacency, ends[i]->face, edges[i], across) ||
-            across[0].scale > 0.75f)
+            slvi_neighbour_halvings(&across[0]) >= 0)
             continue;
         if (levels->quad == SLV_BOUNDARY) {
             levels->quad = across[0].face;
@@ -81,7 +82,7 @@ static bool place_quad(const slv_border_view *view, ring_levels *levels, int32_t
     const slv_corner *last = &levels->ring.corners[levels->ring.count - 1];
     int32_t offsets[2] = {
         offset_step(view, first->face, first->corner, levels->quad, levels->quad_edge),
-        last_offset + offset_step(view, last->face, (last->corner + 3u) % 4, levels->quad,
+        last_offset + offset_step(view, last->face, slvi_edge_before(last->corner), levels->quad,
                                   levels->quad_edge)};
     levels->quad_offset = offsets[levels->quad_meets_first ? 0 : 1];
     return offsets[0] == offsets[1] || !levels->quad_meets_first || !levels->quad_meets_last;
@@ -136,9 +137,9 @@ static uint32_t meeting_level(const slv_border_view *view, const ring_levels *le
 static void fetch_corner(const slv_border_view *view, uint32_t face, uint32_t level,
                          uint32_t corner, float *out) {
     slv_res res = slv_res_level(res_of(view, (int32_t)face), level);
-    uint32_t x = corner == 1 || corner == 2 ? (1u << res.u) - 1 : 0;
-    uint32_t y = corner >= 2 ? (1u << res.v) - 1 : 0;
-    slvi_border_fetch(view, face, level, x, y, out);
+    int32_t x, y;
+    slvi_res_corner_texel(res, corner, &x, &y);
+    slvi_border_fetch(view, face, level, (uint32_t)x, (uint32_t)y, out);
 }
 
 /* The middle of a whole quad's edge: the mean of two sub-faces and the quad's texels on both sides
@@ -152,8 +153,8 @@ static void t_value(const slv_border_view *view, const ring_levels *levels, cons
     float texel[2][SLV_BORDER_CHANNELS], across[SLV_BORDER_CHANNELS];
     for (uint32_t side = 0; side < 2; side++) {
         int32_t x, y;
-        slv_border_edge_texel(edge.res, edge.edge, n > 1 ? (int32_t)(n / 2 - 1 + side) : 0, 0, &x,
-                              &y);
+        slvi_res_edge_texel(edge.res, edge.edge, n > 1 ? (int32_t)(n / 2 - 1 + side) : 0, 0, &x,
+                            &y);
         slvi_border_fetch(view, quad, level, (uint32_t)x, (uint32_t)y, texel[side]);
     }
     if (n == 1)
@@ -232,7 +233,7 @@ static bool find_opposite(const slv_border_view *view, const ring_levels *levels
     uint32_t before = at[(position + 3) % 4], after = at[(position + 1) % 4];
     slv_border_edge starts = slvi_border_edge_at(view, (uint32_t)own->face, level, own->corner);
     slv_border_edge ends =
-        slvi_border_edge_at(view, (uint32_t)own->face, level, (own->corner + 3u) % 4);
+        slvi_border_edge_at(view, (uint32_t)own->face, level, slvi_edge_before(own->corner));
     if (at[position] != level || !starts.nlinks || !ends.nlinks)
         return false;
     const slv_border_link *to_before = &starts.links[0], *to_after = &ends.links[ends.nlinks - 1];

@@ -44,21 +44,21 @@ static void fill_interior(const slv_levels *levels, uint32_t face, uint32_t leve
 
 static void fill_edges(const slv_levels *levels, const slv_adjacency *adjacency, bool rounded,
                        uint32_t face, uint32_t level, slv_res res, float *out) {
-    ptrdiff_t n = (ptrdiff_t)levels->desc.nchannels, width = (ptrdiff_t)1 << res.u,
-              height = (ptrdiff_t)1 << res.v, pitch = (width + 1) * n;
-    const ptrdiff_t corners[4] = {0, width * n, height * pitch + width * n, height * pitch};
-    const ptrdiff_t steps[4] = {n, pitch, -n, -pitch};
+    ptrdiff_t n = (ptrdiff_t)levels->desc.nchannels, pitch = (((ptrdiff_t)1 << res.u) + 1) * n;
     slv_border_view view = slvi_border_view_begin(levels, adjacency);
     slv_border_edge edges[4];
     for (uint32_t edge = 0; edge < 4; edge++)
         edges[edge] = slvi_border_edge_at(&view, face, level, edge);
     while (slvi_border_view_next(&view)) {
         for (uint32_t edge = 0; edge < 4; edge++) {
-            float value[SLV_BORDER_CHANNELS], *start = out + corners[edge] + view.first;
+            int32_t x, y;
+            slvi_corner_texel((1 << res.u) + 1, (1 << res.v) + 1, edge, &x, &y);
+            float value[SLV_BORDER_CHANNELS], *start = out + y * pitch + x * n + view.first;
+            ptrdiff_t step = slvi_edge_step(edge, n, pitch);
             slvi_edge_aligned_corner(&view, rounded, face, level, edge, value);
             for (uint32_t c = 0; c < view.count; c++)
                 start[c] = value[c] / view.one;
-            slvi_edge_aligned_side(&view, rounded, &edges[edge], start + steps[edge], steps[edge]);
+            slvi_edge_aligned_side(&view, rounded, &edges[edge], start + step, step);
         }
     }
 }

@@ -11,15 +11,15 @@ static bool straight_past(const slv_border_view *view, uint32_t face, uint32_t c
     slv_ring ring = slv_adjacency_ring(view->adjacency, (int32_t)face, corner, NULL);
     const slv_corner *first = &ring.corners[0], *last = &ring.corners[ring.count - 1];
     const int32_t faces[2] = {first->face, last->face};
-    const uint32_t edges[2] = {first->corner, (last->corner + 3u) % 4};
+    const uint32_t edges[2] = {first->corner, slvi_edge_before(last->corner)};
     for (uint32_t i = 0; i < 2; i++) {
         slv_neighbour to[2];
         if (!slv_adjacency_neighbours(view->adjacency, faces[i], edges[i], to) ||
-            to[0].scale > 0.75f)
+            slvi_neighbour_halvings(&to[0]) >= 0)
             continue;
         *quad = (uint32_t)to[0].face;
         *quad_edge = to[0].edge;
-        return slv_border_exponent(view->levels->res[to[0].face], to[0].edge) == 0;
+        return slvi_res_along(view->levels->res[to[0].face], to[0].edge) == 0;
     }
     return false;
 }
@@ -53,7 +53,7 @@ void slvi_edge_aligned_corner(const slv_border_view *view, bool rounded, uint32_
     }
     float ends[2][SLV_BORDER_CHANNELS];
     slvi_border_vertex_value(view, quad, 0, edge, ends[0], NULL);
-    slvi_border_vertex_value(view, quad, 0, (edge + 1) % 4, ends[1], NULL);
+    slvi_border_vertex_value(view, quad, 0, slvi_edge_next(edge), ends[1], NULL);
     for (uint32_t i = 0; rounded && i < 2; i++)
         round_to_type(view, ends[i]);
     for (uint32_t c = 0; c < view->count; c++)
@@ -72,14 +72,15 @@ static void pair(const slv_border_view *view, const slv_border_edge *edge,
 
 /* Whether sample k is the vertex between two sub-faces, or between one and a boundary. */
 static bool is_middle(const slv_border_edge *edge, uint32_t k) {
-    return edge->nlinks && edge->links[0].to.scale > 1.5f && 2 * k == 1u << edge->exponent;
+    return edge->nlinks && slvi_neighbour_halvings(&edge->links[0].to) > 0 &&
+           2 * k == 1u << edge->exponent;
 }
 
 static void middle(const slv_border_view *view, bool rounded, const slv_border_edge *edge,
                    float *out) {
     const slv_border_link *link = &edge->links[0];
     /* Edges that meet run in opposite directions. */
-    uint32_t corner = link->to.t0 > 0.25f ? (link->to.edge + 1u) % 4 : link->to.edge;
+    uint32_t corner = link->to.t0 > 0.25f ? slvi_edge_next(link->to.edge) : link->to.edge;
     /* All levels 0 agree, even around a vertex at which the levels that meet do not. */
     uint32_t level = edge->level ? link->level : 0;
     slvi_edge_aligned_corner(view, rounded, (uint32_t)link->to.face, level, corner, out);
@@ -91,7 +92,7 @@ static void decide(const slv_border_view *view, bool rounded, const slv_border_e
     uint32_t n = 1u << edge->exponent;
     if (k == 0 || k == n) {
         slvi_edge_aligned_corner(view, rounded, edge->face, edge->level,
-                                 (edge->edge + (k == n)) % 4, out);
+                                 k ? slvi_edge_next(edge->edge) : edge->edge, out);
         return;
     }
     if (is_middle(edge, k)) {

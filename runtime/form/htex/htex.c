@@ -109,12 +109,11 @@ static void fill_triangle(const struct fill *fill, const slv_htex_source *source
 
 /* The values at the vertices and the centre that this face stands for. */
 static void fill_tops(const struct fill *fill, const slv_htex_source *source, uint32_t face) {
-    static const float corners[4][2] = {{0, 0}, {1, 0}, {1, 1}, {0, 1}};
     const slv_htex_mesh *mesh = fill->mesh;
     bool part = slv_htex_is_part(mesh, face);
     for (uint32_t e = 0; e < (part ? 1u : 4u); e++)
         if (mesh->root[4 * face + e] == 4 * face + e)
-            slvi_htex_source_at(source, corners[e][0], corners[e][1],
+            slvi_htex_source_at(source, (float)slvi_corner_u(e), (float)slvi_corner_v(e),
                                 fill->tops + (size_t)(4 * face + e) * source->nchannels);
     if (mesh->polygon[face] == face)
         slvi_htex_source_at(source, part ? 1 : 0.5f, part ? 1 : 0.5f,

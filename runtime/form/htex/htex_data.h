@@ -33,7 +33,7 @@ static inline bool slv_htex_is_part(const slv_htex_mesh *mesh, uint32_t face) {
 /* The half-edge that follows around the polygon. */
 static inline uint32_t slv_htex_next(const slv_htex_mesh *mesh, uint32_t half) {
     uint32_t face = half / 4;
-    return slv_htex_is_part(mesh, face) ? 4 * mesh->after[face] : 4 * face + (half + 1) % 4;
+    return slv_htex_is_part(mesh, face) ? 4 * mesh->after[face] : 4 * face + slvi_edge_next(half);
 }
 static inline uint32_t slv_htex_centre(const slv_htex_mesh *mesh, uint32_t half) {
     return 4 * mesh->nfaces + mesh->polygon[half / 4];

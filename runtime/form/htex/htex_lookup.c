@@ -91,16 +91,13 @@ void slv_htex_lookup(const slv_htex *htex, uint32_t face, float u, float v, floa
         t = own == 2 ? 0.5f * (u - v) : 1 - 0.5f * (u + v);
     } else {
         float x = u - 0.5f, y = v - 0.5f;
-        own = fabsf(y) >= fabsf(x) ? (y > 0 ? 2 : 0) : (x > 0 ? 1 : 3);
-        for (uint32_t turn = 0; turn < own; turn++) {
-            float turned = -x;
-            x = y;
-            y = turned;
-        }
+        bool of_v = fabsf(y) >= fabsf(x);
+        own = slvi_edge_at(of_v, (of_v ? y : x) > 0);
+        slvi_edge_turn(own, &x, &y);
         s = -x - y;
         t = x - y;
     }
-    uint32_t after = (own + 1) % 4, before = (own + 3) % 4;
+    uint32_t after = slvi_edge_next(own), before = slvi_edge_before(own);
     /* log2 of the footprint's sides in units of a square */
     float footprint = log2f(fmaxf(width * (row->part ? 0.70710678f : 1.41421356f), 1e-12f));
     float to_after = across(s, t, finer_texel(htex, row, own, after, footprint));

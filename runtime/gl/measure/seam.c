@@ -1,5 +1,6 @@
 #include "gl/store/store.h"
 
+#include "adjacency/edge.h"
 #include "base/log.h"
 #include "base/memory.h"
 
@@ -16,13 +17,6 @@ struct seam {
     bool equal;
     float du, dv; /* footprint in the first face's (u,v) */
 };
-
-static void edge_point(unsigned edge, float t, float *u, float *v) {
-    static const float start[4][2] = {{0, 0}, {1, 0}, {1, 1}, {0, 1}};
-    static const float along[4][2] = {{1, 0}, {0, 1}, {-1, 0}, {0, -1}};
-    *u = start[edge][0] + t * along[edge][0];
-    *v = start[edge][1] + t * along[edge][1];
-}
 
 /* The neighbour's texel, measured in the first face's (u,v). */
 static void texel_seen_from(const slv_affine *map, slv_res res, float *du, float *dv) {
@@ -83,7 +77,7 @@ static void side_points(const struct seam *seam, float t, size_t at, int32_t *fa
                         float *dx, float *dy) {
     const slv_affine *map = &seam->neighbour.map;
     float u, v;
-    edge_point(seam->edge, t, &u, &v);
+    slvi_edge_point(seam->edge, t, &u, &v);
     faces[at] = seam->face;
     uv[2 * at] = u;
     uv[2 * at + 1] = v;

@@ -1,5 +1,6 @@
 #include "gl/store/store.h"
 
+#include "adjacency/edge.h"
 #include "base/log.h"
 #include "base/memory.h"
 #include "base/parallel.h"
@@ -188,18 +189,17 @@ static uint32_t slot_of(const slv_gl_batch_range *range, uint32_t pool) {
 /* Which half of a whole quad's edge a sub-face touches: where the sub-face's edge starts, seen
  * along the quad's. */
 static bool second_half(unsigned edge, const slv_neighbour *neighbour) {
-    static const float start[4][2] = {{0, 0}, {1, 0}, {1, 1}, {0, 1}};
     float u, v;
-    slv_affine_apply(&neighbour->map, start[edge][0], start[edge][1], &u, &v);
-    const float along[4] = {u, v, 1 - u, 1 - v};
-    return along[neighbour->edge] > 0.75f;
+    slvi_edge_point(edge, 0, &u, &v);
+    slv_affine_apply(&neighbour->map, u, v, &u, &v);
+    return slvi_edge_t(neighbour->edge, u, v) > 0.75f;
 }
 
 /* Whether a neighbour's texels are as large as the face's own, along both axes. */
 static bool same_texels(const slv_texture_desc *desc, uint32_t face,
                         const slv_neighbour *neighbour) {
     slv_res own = desc->res[face], other = desc->res[neighbour->face];
-    int finer = neighbour->scale > 1 ? 1 : neighbour->scale < 1 ? -1 : 0;
+    int finer = slvi_neighbour_halvings(neighbour);
     bool swapped = neighbour->map.uu == 0;
     return own.u == (swapped ? other.v : other.u) + finer &&
            own.v == (swapped ? other.u : other.v) + finer;

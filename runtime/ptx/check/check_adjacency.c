@@ -1,6 +1,7 @@
 /* Whether the edges of the face table lead back to each other. */
 #include "ptx/check/check.h"
 
+#include "adjacency/edge.h"
 #include "base/memory.h"
 #include "ptx/format/ptx_file.h"
 
@@ -29,14 +30,14 @@ static bool step_inside(const check_context *check, int32_t *face, unsigned *edg
 }
 
 /* Of the two sub-faces along a whole quad's edge, the record of the quad names the first; the
- * second is across that one's edge (touching edge + 3) % 4. */
+ * second is across that one's edge before. */
 static bool is_second_of(const check_context *check, int32_t sub, unsigned sub_edge, int32_t quad,
                          unsigned quad_edge) {
     int32_t face = check->faces[quad].adjacency.face[quad_edge];
-    unsigned edge = (check->faces[quad].adjacency.edge[quad_edge] + 3u) % 4;
+    unsigned edge = slvi_edge_before(check->faces[quad].adjacency.edge[quad_edge]);
     if (face < 0 || !is_sub(check, face) || !step_inside(check, &face, &edge))
         return false;
-    return face == sub && (edge + 3) % 4 == sub_edge;
+    return face == sub && slvi_edge_before(edge) == sub_edge;
 }
 
 static void describe(const check_context *check, int32_t face, unsigned edge, char *out,
@@ -96,7 +97,7 @@ static void check_edge(check_context *check, int32_t face, unsigned edge) {
 static void check_second(check_context *check, int32_t face, unsigned edge) {
     const slv_face_adjacency *a = &check->faces[face].adjacency;
     int32_t second = a->face[edge];
-    unsigned second_edge = (a->edge[edge] + 3u) % 4;
+    unsigned second_edge = slvi_edge_before(a->edge[edge]);
     slv_check_finding finding = {
         .kind = SLV_CHECK_SUBFACES, .face = face, .edge = (int32_t)edge, .level = -1};
     if (second < 0 || is_sub(check, face) || !is_sub(check, second))
@@ -106,10 +107,10 @@ static void check_second(check_context *check, int32_t face, unsigned edge) {
             check->findings, &finding,
             "face %d edge %u: meets sub-face %d, beside which the second one is missing "
             "(over its edge %u)",
-            face, edge, a->face[edge], (a->edge[edge] + 3u) % 4);
+            face, edge, a->face[edge], slvi_edge_before(a->edge[edge]));
         return;
     }
-    second_edge = (second_edge + 3) % 4;
+    second_edge = slvi_edge_before(second_edge);
     if (!leads_to(check, second, second_edge, face, edge))
         slvi_check_find(
             check->findings, &finding,

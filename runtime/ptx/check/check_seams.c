@@ -1,6 +1,8 @@
 /* Whether the texels on both sides of a shared edge agree. */
 #include "ptx/check/check.h"
 
+#include "adjacency/edge.h"
+
 #include <math.h>
 
 /* The texels of a stretch of a face's edge, counter-clockwise. */
@@ -17,8 +19,8 @@ static struct side edge_of(const check_context *check, int32_t face, unsigned ed
     uint64_t start = check->strip_starts[face];
     struct side side = {NULL, 1, t0, t1};
     if (!(f->flags & SLV_FACE_CONSTANT)) {
-        start += check->nedges == 3 ? edge * w : (edge + 1) / 2 * w + edge / 2 * h;
-        side.length = check->nedges == 3 || edge % 2 == 0 ? w : h;
+        start += check->nedges == 3 ? edge * w : slvi_edge_walked(edge, w, h);
+        side.length = check->nedges == 3 || !slvi_edge_along_v(edge) ? w : h;
     }
     side.texels = check->strips + start * check->pixel_size;
     return side;

@@ -1,6 +1,8 @@
 /* Whether every face can be read, and whether its reductions are its own. */
 #include "ptx/check/check.h"
 
+#include "adjacency/edge.h"
+
 #include "base/log.h"
 #include "base/memory.h"
 
@@ -221,24 +223,14 @@ static void keep_strips(check_context *check, uint32_t face, const uint8_t *texe
         return;
     }
     for (unsigned edge = 0; edge < check->nedges; edge++) {
-        size_t length = triangle || edge % 2 == 0 ? w : h;
+        size_t length = triangle || !slvi_edge_along_v(edge) ? w : h;
         for (size_t t = 0; t < length; t++, out += size) {
-            size_t back = length - 1 - t, x, y;
-            switch (edge) {
-            case 0:
-                x = t, y = 0;
-                break;
-            case 1:
-                x = triangle ? back : w - 1, y = t;
-                break;
-            case 2:
-                x = triangle ? 0 : back, y = triangle ? back : h - 1;
-                break;
-            default:
-                x = 0, y = back;
-                break;
-            }
-            memcpy(out, texels + (y * w + x) * size, size);
+            int32_t x, y;
+            if (triangle)
+                slvi_edge_triangle_texel((int32_t)w, edge, (int32_t)t, &x, &y);
+            else
+                slvi_edge_texel((int32_t)w, (int32_t)h, edge, (int32_t)t, 0, &x, &y);
+            memcpy(out, texels + ((size_t)y * w + (size_t)x) * size, size);
         }
     }
 }

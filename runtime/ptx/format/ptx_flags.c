@@ -2,6 +2,8 @@
  * around. */
 #include "ptx/write/ptx_write.h"
 
+#include "adjacency/edge.h"
+
 #define MAX_STEPS 10 /* the format's own bound on a walk around a vertex */
 
 struct surroundings {
@@ -65,9 +67,9 @@ static enum walk walk_counter_clockwise(const struct surroundings *s, uint32_t s
             /* the record names the sub-face at the edge's start; the one at its end touches the
              * vertex */
             slv_face_adjacency primary = face_at(s, face).adjacency;
-            unsigned across = (arrived + 3) % 4;
+            unsigned across = slvi_edge_before(arrived);
             face = primary.face[across];
-            arrived = (primary.edge[across] + 3u) % 4;
+            arrived = slvi_edge_before(primary.edge[across]);
             if (face < 0)
                 return WALK_BOUNDARY;
         }
