@@ -2,6 +2,8 @@
 #ifndef SLV_BAKE_REFERENCE_DATA_H
 #define SLV_BAKE_REFERENCE_DATA_H
 
+#include "texture/bilinear.h"
+
 #include <selvage/reference.h>
 
 #if SLV_EMBREE_VERSION >= 4
@@ -53,18 +55,10 @@ static inline float reference_clamp(float x, float most) {
 /* Bilinear in the bordered texels; true if one of them was a border texel. */
 static inline bool reference_bilinear(const reference_texels *texels, uint32_t face, float u,
                                       float v, float rgb[3]) {
-    uint32_t width = 1u << texels->res[face].u, height = 1u << texels->res[face].v;
-    float x = u * (float)width + 0.5f, y = v * (float)height + 0.5f;
-    uint32_t i = (uint32_t)x, j = (uint32_t)y, n = texels->nchannels;
-    float s = x - (float)i, t = y - (float)j;
-    const float *low = texels->values + texels->first[face] + ((size_t)j * (width + 2) + i) * n;
-    const float *high = low + (size_t)(width + 2) * n;
-    for (uint32_t c = 0; c < n; c++) {
-        float a = low[c] + s * (low[n + c] - low[c]);
-        float b = high[c] + s * (high[n + c] - high[c]);
-        rgb[c] = a + t * (b - a);
-    }
-    return i == 0 || j == 0 || i == width || j == height;
+    slv_res res = texels->res[face];
+    slvi_bilinear at = slvi_bilinear_bordered_floats(texels->values + texels->first[face], res,
+                                                     texels->nchannels, u, v, rgb);
+    return at.x == 0 || at.y == 0 || at.x == 1u << res.u || at.y == 1u << res.v;
 }
 
 /* A value beside an edge of a face that needs it, made to meet the neighbours' on the edge. */

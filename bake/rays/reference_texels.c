@@ -1,5 +1,6 @@
 #include "rays/reference_data.h"
 
+#include "adjacency/edge.h"
 #include "base/memory.h"
 #include "base/parallel.h"
 
@@ -46,9 +47,9 @@ static slv_result fill(void *user, uint64_t begin, uint64_t end) {
 
 /* Whether the texels of a face are shorter than a neighbour's along the edge where they meet. */
 static bool finer(const slv_res *res, uint32_t face, unsigned edge, const slv_neighbour *to) {
-    int own = edge & 1 ? res[face].v : res[face].u;
-    int other = to->edge & 1 ? res[to->face].v : res[to->face].u;
-    return own > other + (to->scale > 1.0f ? 1 : to->scale < 1.0f ? -1 : 0);
+    int own = slvi_edge_along(edge, res[face].u, res[face].v);
+    int other = slvi_edge_along(to->edge, res[to->face].u, res[to->face].v);
+    return own > other + slvi_neighbour_halvings(to);
 }
 
 /* Counts the links of all faces, and lists them once there is room. */
@@ -72,23 +73,26 @@ static void list_links(const slv_adjacency *adjacency, uint32_t nfaces, referenc
     t->first_link[nfaces] = count;
 }
 
-static const float corner_at[4][2] = {{0, 0}, {1, 0}, {1, 1}, {0, 1}};
-
 /* The whole quad whose edge goes straight past a corner of two sub-faces, and its value there. */
 static bool quad_value(const reference_texels *t, const slv_adjacency *adjacency, uint32_t face,
                        unsigned corner, float value[3]) {
     for (unsigned side = 0; side < 2; side++) {
         slv_neighbour to[2];
-        float u, v;
-        if (slv_adjacency_neighbours(adjacency, (int32_t)face, (corner + 3 * side) % 4, to) != 1 ||
-            to->scale >= 1.0f)
+        float u = (float)slvi_corner_u(corner), v = (float)slvi_corner_v(corner);
+        unsigned edge = side ? slvi_edge_before(corner) : corner;
+        if (slv_adjacency_neighbours(adjacency, (int32_t)face, edge, to) != 1 || to->scale >= 1.0f)
             continue;
-        slv_affine_apply(&to->map, corner_at[corner][0], corner_at[corner][1], &u, &v);
+        slv_affine_apply(&to->map, u, v, &u, &v);
         reference_bilinear(t, (uint32_t)to->face, reference_clamp(u, 1.0f),
                            reference_clamp(v, 1.0f), value);
         return true;
     }
     return false;
+}
+
+static void corner_value(const reference_texels *t, uint32_t face, unsigned corner,
+                         float value[3]) {
+    reference_bilinear(t, face, (float)slvi_corner_u(corner), (float)slvi_corner_v(corner), value);
 }
 
 /* One value for each vertex: borders give it nearly always, but where oblong resolutions contradict
@@ -104,8 +108,7 @@ static void mend_corners(const slv_adjacency *adjacency, uint32_t nfaces, refere
             if (position)
                 continue;
             for (uint32_t i = 0; i < ring.count; i++) {
-                const float *at = corner_at[ring.corners[i].corner];
-                reference_bilinear(t, (uint32_t)ring.corners[i].face, at[0], at[1], value);
+                corner_value(t, (uint32_t)ring.corners[i].face, ring.corners[i].corner, value);
                 for (uint32_t c = 0; c < t->nchannels; c++)
                     sum[c] += (double)value[c];
             }
@@ -115,7 +118,7 @@ static void mend_corners(const slv_adjacency *adjacency, uint32_t nfaces, refere
                 quad_value(t, adjacency, face, corner, meeting);
             for (uint32_t i = 0; i < ring.count; i++) {
                 uint32_t other = (uint32_t)ring.corners[i].face, k = ring.corners[i].corner;
-                reference_bilinear(t, other, corner_at[k][0], corner_at[k][1], value);
+                corner_value(t, other, k, value);
                 for (uint32_t c = 0; c < t->nchannels; c++) {
                     float lacks = meeting[c] - value[c];
                     t->corners[((size_t)other * 4 + k) * t->nchannels + c] = lacks;
@@ -132,8 +135,8 @@ static void with_corners(const reference_texels *t, uint32_t face, float u, floa
     float right = (float)(1u << t->res[face].u) - x, top = (float)(1u << t->res[face].v) - y;
     reference_bilinear(t, face, u, v, rgb);
     for (unsigned corner = 0; corner < 4; corner++) {
-        float across = 1.0f - 2.0f * (corner_at[corner][0] > 0 ? right : x);
-        float up = 1.0f - 2.0f * (corner_at[corner][1] > 0 ? top : y);
+        float across = 1.0f - 2.0f * (slvi_corner_u(corner) ? right : x);
+        float up = 1.0f - 2.0f * (slvi_corner_v(corner) ? top : y);
         const float *lacks = t->corners + ((size_t)face * 4 + corner) * t->nchannels;
         for (uint32_t c = 0; across > 0 && up > 0 && c < t->nchannels; c++)
             rgb[c] += across * up * lacks[c];
@@ -148,13 +151,12 @@ void slvi_reference_mend(const reference_texels *t, uint32_t face, float u, floa
     with_corners(t, face, u, v, rgb);
     for (uint32_t i = t->first_link[face]; i < t->first_link[face + 1]; i++) {
         const reference_link *link = &t->links[i];
-        bool vertical = link->edge & 1, last = link->edge == 1 || link->edge == 2;
-        float across = vertical ? u : v, along = vertical ? v : u, own[3], other[3];
-        float depth = (last ? 1.0f - across : across) * (vertical ? width : height);
-        float at = link->edge < 2 ? along : 1.0f - along, edge_u = u, edge_v = v;
+        float texels = slvi_edge_along_v(link->edge) ? width : height, own[3], other[3];
+        float depth = slvi_edge_depth(link->edge, u, v) * texels;
+        float at = slvi_edge_t(link->edge, u, v), edge_u = u, edge_v = v;
         if (depth >= 0.5f || at < link->t0 || at > link->t1 || (at == link->t1 && at < 1.0f))
             continue;
-        *(vertical ? &edge_u : &edge_v) = last ? 1.0f : 0.0f;
+        slvi_edge_project(link->edge, &edge_u, &edge_v);
         with_corners(t, face, edge_u, edge_v, own);
         slv_affine_apply(&link->map, edge_u, edge_v, &edge_u, &edge_v);
         with_corners(t, link->face, reference_clamp(edge_u, 1.0f), reference_clamp(edge_v, 1.0f),

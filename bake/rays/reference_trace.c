@@ -1,5 +1,6 @@
 #include "rays/reference_data.h"
 
+#include "adjacency/edge.h"
 #include "base/log.h"
 #include "base/parallel.h"
 
@@ -32,19 +33,18 @@ static void intersect(const slv_reference *reference, struct RTCRayHit *ray) {
 }
 
 static triangle find_triangle(const slv_reference *reference, const struct RTCHit *hit) {
-    /* the corners of a cell in the order of its quad, in cells */
-    static const float corners[4][2] = {{1, 0}, {1, 1}, {0, 1}, {0, 0}};
-    static const int halves[2][3] = {{0, 1, 3}, {2, 3, 1}};
+    static const unsigned halves[2][3] = {{0, 1, 3}, {2, 3, 1}};
     const slv_tessellation *mesh = &reference->mesh;
     const uint32_t *quad = reference->quads + 4 * (size_t)hit->primID;
-    const int *which = halves[hit->u + hit->v > 1];
+    const unsigned *which = halves[hit->u + hit->v > 1];
     triangle out = {.face = (uint32_t)mesh->vertices[quad[3]].face};
     uint32_t n = mesh->segments[out.face], local = quad[3] - mesh->first[out.face];
     uint32_t row = local / (n + 1), column = local - row * (n + 1);
     for (int k = 0; k < 3; k++) {
         memcpy(out.points[k], mesh->vertices[quad[which[k]]].position, sizeof out.points[k]);
-        out.uv[k][0] = ((float)column + corners[which[k]][0]) / (float)n;
-        out.uv[k][1] = ((float)row + corners[which[k]][1]) / (float)n;
+        /* a cell's quad begins at its corner 1 */
+        out.uv[k][0] = ((float)column + (float)slvi_corner_u(which[k] + 1)) / (float)n;
+        out.uv[k][1] = ((float)row + (float)slvi_corner_v(which[k] + 1)) / (float)n;
     }
     return out;
 }

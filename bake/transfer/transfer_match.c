@@ -1,6 +1,7 @@
 /* Faces of two meshes with the same corners, however they are numbered, turned or flipped. */
 #include "transfer/transfer_data.h"
 
+#include "adjacency/edge.h"
 #include "base/memory.h"
 
 #include <math.h>
@@ -161,7 +162,6 @@ slv_res slvi_transfer_turned(slv_res res, const slv_transfer_face *match) {
 
 slv_result slvi_transfer_copy(const slv_env *env, const slv_texture *from,
                               const slv_transfer_face *match, slv_texture *to, uint32_t face) {
-    static const int corner_u[4] = {0, 1, 1, 0}, corner_v[4] = {0, 0, 1, 1};
     const slv_texture_desc *desc = slv_texture_get_desc(from);
     uint32_t source = (uint32_t)match->source;
     const uint8_t *in = slv_texture_texels(from, source);
@@ -175,9 +175,9 @@ slv_result slvi_transfer_copy(const slv_env *env, const slv_texture *from,
              c3 = source_corner(match, 3);
     /* how the source's (u,v) goes along this face's u (towards corner 1) and v (towards corner 3)
      */
-    int uu = corner_u[c1] - corner_u[c0], uv = corner_u[c3] - corner_u[c0],
-        vu = corner_v[c1] - corner_v[c0], vv = corner_v[c3] - corner_v[c0];
-    int64_t u0 = corner_u[c0] * (sw - 1), v0 = corner_v[c0] * (sh - 1);
+    int uu = slvi_corner_u(c1) - slvi_corner_u(c0), uv = slvi_corner_u(c3) - slvi_corner_u(c0),
+        vu = slvi_corner_v(c1) - slvi_corner_v(c0), vv = slvi_corner_v(c3) - slvi_corner_v(c0);
+    int64_t u0 = slvi_corner_u(c0) * (sw - 1), v0 = slvi_corner_v(c0) * (sh - 1);
     uint8_t *texels = NULL;
     slv_result result = slvi_alloc(env, "texels", (uint64_t)(w * h), size, &texels);
     if (result)

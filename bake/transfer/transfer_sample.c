@@ -5,6 +5,7 @@
 #include <selvage/ptx.h>
 
 #include "base/memory.h"
+#include "texture/bilinear.h"
 
 #include <math.h>
 
@@ -75,7 +76,8 @@ static float clamp(float value, float low, float high) {
     return fminf(fmaxf(value, low), high);
 }
 
-/* The two texel centres beside a coordinate in texels, and how far it is from the first. */
+/* The two texel centres beside a coordinate in texels, perhaps outside of the face, and how far it
+ * is from the first. */
 static int32_t split(float at, float *fraction) {
     float first = floorf(at - 0.5f);
     *fraction = at - 0.5f - first;
@@ -85,14 +87,11 @@ static int32_t split(float at, float *fraction) {
 /* Linear, kept inside the face. */
 static void add_inside(const transfer_source *s, uint32_t face, float u, float v, float weight,
                        float *scratch, float *out) {
-    float w = ldexpf(1, s->desc->res[face].u), h = ldexpf(1, s->desc->res[face].v), fx, fy;
-    int32_t x = split(clamp(u * w, 0.5f, w - 0.5f), &fx),
-            y = split(clamp(v * h, 0.5f, h - 0.5f), &fy);
-    for (int k = 0; k < 4; k++) {
-        float share = (k & 1 ? fx : 1 - fx) * (k & 2 ? fy : 1 - fy);
+    slvi_bilinear at = slvi_bilinear_centred(s->desc->res[face], u, v);
+    for (uint32_t k = 0; k < 4; k++) {
+        float share = slvi_bilinear_share(at.wx, at.wy, (int)k);
         if (share > 0)
-            add_texel(s, face, (uint32_t)(x + (k & 1)), (uint32_t)(y + (k >> 1)), weight * share,
-                      scratch, out);
+            add_texel(s, face, at.x + (k & 1), at.y + (k >> 1), weight * share, scratch, out);
     }
 }
 
@@ -102,7 +101,7 @@ static void add_linear(const transfer_source *s, const slv_surface_point *at, fl
     float w = ldexpf(1, s->desc->res[face].u), h = ldexpf(1, s->desc->res[face].v), fx, fy;
     int32_t x0 = split(at->u * w, &fx), y0 = split(at->v * h, &fy);
     for (int k = 0; k < 4; k++) {
-        float share = (k & 1 ? fx : 1 - fx) * (k & 2 ? fy : 1 - fy);
+        float share = slvi_bilinear_share(fx, fy, k);
         float x = (float)(x0 + (k & 1)) + 0.5f, y = (float)(y0 + (k >> 1)) + 0.5f;
         float u = x / w, v = y / h;
         int32_t there = at->face;

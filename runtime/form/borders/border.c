@@ -1,6 +1,7 @@
 #include "form/borders/border_data.h"
 
 #include "base/log.h"
+#include "texture/bilinear.h"
 
 #include <string.h>
 
@@ -78,25 +79,16 @@ static void copy_strip(const build *b, uint32_t edge, int32_t depth, uint32_t j0
 /* Bilinear inside a level, clamped to its outermost texel centres. */
 static void sample(const build *b, uint32_t face, uint32_t level, float u, float v, float *out) {
     slv_res res = slv_res_level(b->view.levels->res[face], level);
-    int32_t last[2] = {(1 << res.u) - 1, (1 << res.v) - 1}, low[2];
-    float at[2] = {u * (float)(last[0] + 1) - 0.5f, v * (float)(last[1] + 1) - 0.5f}, weight[2];
-    for (int axis = 0; axis < 2; axis++) {
-        float most = (float)last[axis];
-        at[axis] = at[axis] > 0.0f ? at[axis] < most ? at[axis] : most : 0.0f;
-        low[axis] = (int32_t)at[axis];
-        weight[axis] = at[axis] - (float)low[axis];
+    slvi_bilinear at = slvi_bilinear_centred(res, u, v);
+    float texel[4][SLV_BORDER_CHANNELS];
+    const float *mixed[4] = {texel[0]};
+    for (uint32_t k = 0; k < 4; k++) {
+        if ((k & 1 && !(at.wx > 0.0f)) || (k & 2 && !(at.wy > 0.0f)))
+            continue;
+        slvi_border_fetch(&b->view, face, level, at.x + (k & 1), at.y + (k >> 1), texel[k]);
+        mixed[k] = texel[k];
     }
-    float row[2][2][SLV_BORDER_CHANNELS];
-    int nx = weight[0] > 0.0f ? 2 : 1, ny = weight[1] > 0.0f ? 2 : 1;
-    for (int y = 0; y < ny; y++) {
-        for (int x = 0; x < nx; x++)
-            slvi_border_fetch(&b->view, face, level, (uint32_t)(low[0] + x), (uint32_t)(low[1] + y),
-                              row[y][x]);
-        for (uint32_t c = 0; nx == 2 && c < b->view.count; c++)
-            row[y][0][c] += weight[0] * (row[y][1][c] - row[y][0][c]);
-    }
-    for (uint32_t c = 0; c < b->view.count; c++)
-        out[c] = ny == 2 ? row[0][0][c] + weight[1] * (row[1][0][c] - row[0][0][c]) : row[0][0][c];
+    slvi_bilinear_mix(&at, mixed[0], mixed[1], mixed[2], mixed[3], b->view.count, out);
 }
 
 static float centre_u(const build *b, int32_t x) {

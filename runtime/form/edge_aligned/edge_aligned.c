@@ -2,6 +2,7 @@
 
 #include "base/log.h"
 #include "base/memory.h"
+#include "texture/bilinear.h"
 
 #include <assert.h>
 #include <string.h>
@@ -206,42 +207,18 @@ const void *slv_edge_aligned_samples(const slv_edge_aligned *aligned, uint32_t f
     return aligned->samples + aligned->offset[aligned->first[face] + level];
 }
 
-/* Which sample is at or below a coordinate, and how far it is to the next; NaN counts as 0. */
-static size_t cell(float coordinate, int log2, float *weight, bool *last) {
-    float n = (float)(1u << log2), at = coordinate * n;
-    at = at > 0.0f ? at < n ? at : n : 0.0f;
-    size_t low = (size_t)at;
-    *weight = at - (float)low;
-    *last = low == (size_t)n;
-    return low;
-}
-
 void slv_edge_aligned_lookup(const slv_edge_aligned *aligned, uint32_t face, uint32_t level,
                              float u, float v, float *out) {
     const unsigned char *samples = slv_edge_aligned_samples(aligned, face, level);
     slv_res res = slv_res_level(aligned->res[face], level);
     slv_type type = aligned->desc.type;
     size_t value_size = slv_type_size(type), texel = aligned->texel_size;
-    size_t pitch = (((size_t)1 << res.u) + 1) * texel;
-    float wu, wv;
-    bool right_end, top;
-    size_t x = cell(u, res.u, &wu, &right_end), y = cell(v, res.v, &wv, &top);
-    size_t right = right_end ? 0 : texel, up = top ? 0 : pitch;
-    samples += y * pitch + x * texel;
-    for (uint32_t first = 0; first < aligned->desc.nchannels; first += SLV_BORDER_CHANNELS) {
-        float corner[4][SLV_BORDER_CHANNELS];
+    slvi_bilinear at = slvi_bilinear_edge_aligned(res, u, v);
+    for (uint32_t first = 0; first < aligned->desc.nchannels; first += SLVI_BILINEAR_CHANNELS) {
         uint32_t left = aligned->desc.nchannels - first;
-        uint32_t count = left < SLV_BORDER_CHANNELS ? left : SLV_BORDER_CHANNELS;
-        const unsigned char *at = samples + first * value_size;
-        slv_type_to_float(type, at, count, corner[0]);
-        slv_type_to_float(type, at + right, count, corner[1]);
-        slv_type_to_float(type, at + up, count, corner[2]);
-        slv_type_to_float(type, at + up + right, count, corner[3]);
-        for (uint32_t c = 0; c < count; c++) {
-            float low = corner[0][c] + wu * (corner[1][c] - corner[0][c]);
-            float high = corner[2][c] + wu * (corner[3][c] - corner[2][c]);
-            out[first + c] = low + wv * (high - low);
-        }
+        uint32_t count = left < SLVI_BILINEAR_CHANNELS ? left : SLVI_BILINEAR_CHANNELS;
+        slvi_bilinear_typed(type, samples + first * value_size, texel,
+                            (((size_t)1 << res.u) + 1) * texel, &at, count, out + first);
     }
 }
 

@@ -2,6 +2,7 @@
 
 #include "base/log.h"
 #include "base/memory.h"
+#include "texture/bilinear.h"
 
 #include <assert.h>
 #include <string.h>
@@ -24,18 +25,7 @@ struct fill {
 typedef enum triangle_part { ALL, START_SIDE, END_SIDE } triangle_part;
 
 void slvi_htex_source_at(const slv_htex_source *source, float u, float v, float *out) {
-    size_t n = source->nchannels, width = (size_t)1 << source->res.u,
-           height = (size_t)1 << source->res.v;
-    float x = u * (float)width + 0.5f, y = v * (float)height + 0.5f;
-    size_t left = (size_t)x, low = (size_t)y;
-    left = left < width ? left : width;
-    low = low < height ? low : height;
-    float wx = x - (float)left, wy = y - (float)low;
-    const float *a = source->texels + (low * (width + 2) + left) * n, *b = a + (width + 2) * n;
-    for (size_t c = 0; c < n; c++) {
-        float lower = a[c] + wx * (a[c + n] - a[c]), upper = b[c] + wx * (b[c + n] - b[c]);
-        out[c] = lower + wy * (upper - lower);
-    }
+    slvi_bilinear_bordered_floats(source->texels, source->res, source->nchannels, u, v, out);
 }
 
 /* The texel (i,j) of a square, as the face has it: the value at its centre, or the mean of several

@@ -1,5 +1,7 @@
 #include "form/htex/htex_data.h"
 
+#include "texture/bilinear.h"
+
 #include <math.h>
 #include <string.h>
 
@@ -10,25 +12,18 @@ static float clamp(float value, float low, float high) {
 /* Adds the bilinear value of a level at (s,t), clamped to the square. */
 static void add_level(const slv_htex *htex, uint32_t edge, uint32_t level, float s, float t,
                       float weight, float *out) {
-    uint32_t log2 = htex->log2[edge] - level, last = (1u << log2) - 1;
-    slv_type type = htex->desc.type;
-    size_t size = slv_type_size(type), texel = htex->texel_size, pitch = texel << log2;
-    float x = clamp(s * (float)(last + 1) - 0.5f, 0, (float)last);
-    float y = clamp(t * (float)(last + 1) - 0.5f, 0, (float)last);
-    size_t left = (size_t)x, low = (size_t)y;
-    float wx = x - (float)left, wy = y - (float)low;
-    const unsigned char *a =
-        (const unsigned char *)slv_htex_texels(htex, edge, level) + low * pitch + left * texel;
-    size_t right = left < last ? texel : 0, up = low < last ? pitch : 0;
-    for (size_t c = 0; c < htex->desc.nchannels; c++, a += size) {
-        float corner[4];
-        slv_type_to_float(type, a, 1, &corner[0]);
-        slv_type_to_float(type, a + right, 1, &corner[1]);
-        slv_type_to_float(type, a + up, 1, &corner[2]);
-        slv_type_to_float(type, a + up + right, 1, &corner[3]);
-        float lower = corner[0] + wx * (corner[1] - corner[0]);
-        float upper = corner[2] + wx * (corner[3] - corner[2]);
-        out[c] += weight * (lower + wy * (upper - lower));
+    int8_t log2 = (int8_t)(htex->log2[edge] - level);
+    slvi_bilinear at = slvi_bilinear_centred((slv_res){log2, log2}, s, t);
+    size_t size = slv_type_size(htex->desc.type), texel = htex->texel_size, pitch = texel << log2;
+    const unsigned char *texels = slv_htex_texels(htex, edge, level);
+    for (uint32_t first = 0; first < htex->desc.nchannels; first += SLVI_BILINEAR_CHANNELS) {
+        float value[SLVI_BILINEAR_CHANNELS];
+        uint32_t left = htex->desc.nchannels - first;
+        uint32_t count = left < SLVI_BILINEAR_CHANNELS ? left : SLVI_BILINEAR_CHANNELS;
+        slvi_bilinear_typed(htex->desc.type, texels + first * size, texel, pitch, &at, count,
+                            value);
+        for (uint32_t c = 0; c < count; c++)
+            out[first + c] += weight * value[c];
     }
 }
 

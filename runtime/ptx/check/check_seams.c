@@ -2,6 +2,7 @@
 #include "ptx/check/check.h"
 
 #include "adjacency/edge.h"
+#include "texture/bilinear.h"
 
 #include <math.h>
 
@@ -35,15 +36,14 @@ static uint64_t stretch_length(const struct side *side) {
 static float value_at(const check_context *check, const struct side *side, float s,
                       uint32_t channel) {
     float at = (side->t0 + (side->t1 - side->t0) * s) * (float)side->length - 0.5f;
-    float last = (float)(side->length - 1), a, b;
-    at = at < 0 ? 0 : at > last ? last : at;
-    uint64_t low = (uint64_t)at, high = low + 1 < side->length ? low + 1 : low;
+    float weight, a, b;
+    uint64_t low = slvi_linear_at(at, (uint32_t)side->length - 1, &weight);
+    uint64_t high = low + 1 < side->length ? low + 1 : low;
     size_t value = slv_type_size(check->info->type);
     slv_type_to_float(check->info->type, side->texels + low * check->pixel_size + channel * value,
                       1, &a);
     slv_type_to_float(check->info->type, side->texels + high * check->pixel_size + channel * value,
                       1, &b);
-    float weight = at - (float)low;
     return weight > 0 ? a + (b - a) * weight : a;
 }
 
