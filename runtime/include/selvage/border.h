@@ -19,7 +19,7 @@
 #ifndef SELVAGE_BORDER_H
 #define SELVAGE_BORDER_H
 
-#include <selvage/texture.h>
+#include <selvage/form.h>
 
 #ifdef __cplusplus
 extern "C" {
@@ -41,6 +41,9 @@ SLV_API slv_result slv_border_build(const slv_levels *levels, const slv_adjacenc
  * stays bounded. In integer textures M is moved, where possible, to where no d leaves 0..1. */
 SLV_API void slv_border_vertex(const slv_levels *levels, const slv_adjacency *adjacency,
                                uint32_t face, uint32_t level, unsigned corner, float *out);
+
+/* Every level of every face with a border from its neighbours, as a form (form.h). */
+SLV_API const slv_form *slv_form_borders(void);
 
 #ifdef __cplusplus
 }

@@ -75,6 +75,9 @@ SLV_API slv_result slv_edge_aligned_measure(const slv_env *env, const slv_edge_a
                                             const slv_adjacency *adjacency,
                                             slv_edge_aligned_error *out);
 
+/* All that as a form (form.h). */
+SLV_API const slv_form *slv_form_edge_aligned(void);
+
 #ifdef __cplusplus
 }
 #endif

@@ -95,6 +95,12 @@ SLV_API slv_result slv_htex_measure(const slv_env *env, const slv_htex *htex,
                                     const slv_levels *levels, const slv_adjacency *adjacency,
                                     slv_htex_error *out);
 
+/* All that as a form (form.h), whose items are the edges' squares. The values at corners are not
+ * among them. */
+SLV_API const slv_form *slv_form_htex(void);
+/* The object behind what that form has made; NULL for any other form's. */
+SLV_API const slv_htex *slv_form_get_htex(const slv_form *form, const void *made);
+
 #ifdef __cplusplus
 }
 #endif

@@ -8,6 +8,7 @@
 #include <selvage/camera.h>
 #include <selvage/edge_aligned.h>
 #include <selvage/filter.h>
+#include <selvage/form.h>
 #include <selvage/gl_context.h>
 #include <selvage/gl_renderer.h>
 #include <selvage/gl_texture.h>

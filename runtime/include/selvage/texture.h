@@ -24,6 +24,11 @@ typedef struct slv_res {
 
 #define SLV_MAX_LOG2_RES 16
 
+/* Texels x..x+width-1, y..y+height-1 of a face. */
+typedef struct slv_rect {
+    uint32_t x, y, width, height;
+} slv_rect;
+
 SLV_API size_t slv_type_size(slv_type type);
 SLV_API const char *slv_type_name(slv_type type); /* uint8, uint16, half, float */
 

@@ -1,0 +1,72 @@
+/* The form of levels with borders: every face's levels, each with texels of its neighbours around
+ * it. */
+#include "form/faces.h"
+
+#include "base/memory.h"
+
+#include <selvage/border.h>
+
+static slv_result create(const slv_env *env, const slv_levels *levels,
+                         const slv_adjacency *adjacency, uint32_t border, void **out) {
+    slv_form_faces *made = NULL;
+    slv_result result = slvi_alloc(env, "borders", 1, sizeof *made, &made);
+    if (!result && (result = slvi_form_faces_begin(env, levels, adjacency, border, made))) {
+        slvi_free(made);
+        made = NULL;
+    }
+    *out = made;
+    return result;
+}
+
+static slv_result read_level(const void *made, uint32_t item, uint32_t level, float *scratch,
+                             slv_form_texels *out) {
+    const slv_form_faces *faces = made;
+    slv_form_extent extent =
+        slv_form_level_extent(slv_form_borders(), faces->desc->res[item], level, faces->border);
+    *out = (slv_form_texels){scratch, SLV_TYPE_FLOAT};
+    return slv_border_build(faces->levels, faces->adjacency, item, level, extent.border_u,
+                            extent.border_v, scratch, NULL);
+}
+
+/* Only the innermost border can leave the range of a type, so one texel of border is enough to
+ * know. */
+static slv_result leaves_range(const void *made, uint32_t item, bool *out) {
+    const slv_form_faces *faces = made;
+    slv_res res = faces->desc->res[item];
+    uint64_t texels = ((UINT64_C(1) << res.u) + 2) * ((UINT64_C(1) << res.v) + 2);
+    float *scratch = NULL;
+    slv_result result = SLV_OK;
+    *out = false;
+    if (faces->desc->type == SLV_TYPE_FLOAT)
+        return SLV_OK;
+    result = slvi_alloc_plain(&faces->env, "border", texels * faces->desc->nchannels,
+                              sizeof *scratch, &scratch);
+    for (uint32_t level = 0; !result && !*out && level < slv_res_level_count(res); level++)
+        result = slv_border_build(faces->levels, faces->adjacency, item, level, 1, 1, scratch, out);
+    slvi_free(scratch);
+    return result;
+}
+
+static slv_result stale(const void *made, uint32_t face, const slv_rect *rect, slv_visit_item visit,
+                        void *user) {
+    return slvi_form_faces_stale(made, face, rect, false, visit, user);
+}
+
+const slv_form *slv_form_borders(void) {
+    static const slv_form form = {
+        .name = "borders",
+        .title = "every level of every face with a border from its neighbours",
+        .item = "a face",
+        .borders = true,
+        .computed = true,
+        .create = create,
+        .destroy = slvi_form_faces_destroy,
+        .count = slvi_form_faces_count,
+        .res = slvi_form_faces_res,
+        .items = slvi_form_faces_items,
+        .read = read_level,
+        .leaves_range = leaves_range,
+        .stale = stale,
+    };
+    return &form;
+}

@@ -1,0 +1,139 @@
+/* The half-edge form: a square for each edge of the mesh in place of a texture for each face. */
+#include "form/faces.h"
+
+#include "base/memory.h"
+
+#include <selvage/htex.h>
+
+struct squares {
+    slv_form_faces faces;
+    slv_htex *htex;
+};
+
+static void destroy(void *made) {
+    struct squares *form = made;
+    if (!form)
+        return;
+    slv_htex_destroy(form->htex);
+    slvi_free(form);
+}
+
+static slv_result create(const slv_env *env, const slv_levels *levels,
+                         const slv_adjacency *adjacency, uint32_t border, void **out) {
+    struct squares *made = NULL;
+    slv_result result = slvi_alloc(env, "half-edge form", 1, sizeof *made, &made);
+    if (!result)
+        result = slvi_form_faces_begin(env, levels, adjacency, border, &made->faces);
+    if (!result)
+        result = slv_htex_create(env, levels, adjacency, &made->htex);
+    if (result) {
+        destroy(made);
+        made = NULL;
+    }
+    *out = made;
+    return result;
+}
+
+static uint32_t count(const void *made) {
+    return slv_htex_edge_count(((const struct squares *)made)->htex);
+}
+
+static slv_res res_of(const void *made, uint32_t item) {
+    int8_t log2 = (int8_t)slv_htex_log2(((const struct squares *)made)->htex, item);
+    return (slv_res){log2, log2};
+}
+
+static uint32_t items_of(const void *made, uint32_t face, uint32_t out[SLV_FORM_ITEMS]) {
+    slv_htex_face row = slv_htex_get_face(((const struct squares *)made)->htex, face);
+    for (uint32_t k = 0; k < 4; k++)
+        out[k] = row.edge[k];
+    return 4;
+}
+
+static slv_result read_level(const void *made, uint32_t item, uint32_t level, float *scratch,
+                             slv_form_texels *out) {
+    const struct squares *form = made;
+    (void)scratch;
+    *out = (slv_form_texels){slv_htex_texels(form->htex, item, level), form->faces.desc->type};
+    return SLV_OK;
+}
+
+/* Whether a rectangle is so far inside that no other face's level 0 can tell: a neighbour reads the
+ * outermost texels of a level that has texels as large as its own. `around` are the faces that
+ * could. Oblong ones make levels meet that are further apart. */
+static bool is_inside(const slv_form_faces *faces, const slv_face_set *around, uint32_t face,
+                      const slv_rect *rect) {
+    slv_res res = faces->desc->res[face];
+    int least = res.u;
+    uint32_t width = 1u << res.u, height = 1u << res.v;
+    for (uint32_t i = 0; i < around->count; i++) {
+        slv_res other = faces->desc->res[around->faces[i]];
+        least = other.u < least ? other.u : least;
+        if (other.u != other.v)
+            return false;
+    }
+    uint32_t margin = 2u << (res.u - least);
+    return rect->x >= margin && rect->y >= margin && width - rect->x - rect->width >= margin &&
+           height - rect->y - rect->height >= margin;
+}
+
+/* Whether texels of a rectangle reach into the triangle of a whole quad's edge. */
+static bool in_triangle(slv_res res, const slv_rect *rect, uint32_t edge) {
+    double w = (double)(1u << res.u), h = (double)(1u << res.v);
+    /* bilinear interpolation spreads them by half a texel; the rest is for rounding */
+    double low[2] = {(rect->x - 0.75) / w, (rect->y - 0.75) / h};
+    double high[2] = {(rect->x + rect->width + 0.75) / w, (rect->y + rect->height + 0.75) / h};
+    uint32_t along = edge & 1;
+    double from = edge == 0 || edge == 3 ? low[!along] : 1 - high[!along];
+    double nearest = low[along] > 0.5 ? low[along] : high[along] < 0.5 ? high[along] : 0.5;
+    return from <= nearest && from <= 1 - nearest;
+}
+
+/* The squares that a face has a part of; `rect` (may be NULL) of which texels are another. */
+static slv_result add_squares(const struct squares *form, uint32_t face, const slv_rect *rect,
+                              slv_face_set *out) {
+    slv_htex_face row = slv_htex_get_face(form->htex, face);
+    slv_res res = form->faces.desc->res[face];
+    slv_result result = SLV_OK;
+    for (uint32_t k = 0; !result && k < 4; k++)
+        if (row.part ? k == 1 || k == 2 : !rect || in_triangle(res, rect, k))
+            result = slvi_face_set_add(&form->faces.env, out, row.edge[k]);
+    return result;
+}
+
+static slv_result stale(const void *made, uint32_t face, const slv_rect *rect, slv_visit_item visit,
+                        void *user) {
+    const struct squares *form = made;
+    slv_face_set around = {0}, squares = {0};
+    slv_result result = slvi_form_faces_around(&form->faces, face, rect, false, &around);
+    bool inside = !result && is_inside(&form->faces, &around, face, rect);
+    if (inside)
+        result = add_squares(form, face, rect, &squares);
+    for (uint32_t i = 0; !result && !inside && i < around.count; i++)
+        result = add_squares(form, around.faces[i], NULL, &squares);
+    for (uint32_t i = 0; !result && i < squares.count; i++)
+        result = visit(user, squares.faces[i]);
+    slvi_face_set_free(&around);
+    slvi_face_set_free(&squares);
+    return result;
+}
+
+const slv_form *slv_form_htex(void) {
+    static const slv_form form = {
+        .name = "htex",
+        .title = "a square for each edge, shared by the faces on both sides",
+        .item = "an edge's square",
+        .create = create,
+        .destroy = destroy,
+        .count = count,
+        .res = res_of,
+        .items = items_of,
+        .read = read_level,
+        .stale = stale,
+    };
+    return &form;
+}
+
+const slv_htex *slv_form_get_htex(const slv_form *form, const void *made) {
+    return form == slv_form_htex() ? ((const struct squares *)made)->htex : NULL;
+}

@@ -1,0 +1,76 @@
+/* Forms: what can be derived from a texture and its adjacency, without OpenGL. A form is a list of
+ * items, faces or squares of edges, each with a chain of levels, and says which of them a change of
+ * texels makes stale. The forms of the library are a table; an application may pass one of its own
+ * wherever a form is taken. */
+#ifndef SELVAGE_FORM_H
+#define SELVAGE_FORM_H
+
+#include <selvage/texture.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/* The most items that lookups in one face can need. */
+#define SLV_FORM_ITEMS 4
+
+/* A level of an item as `read` hands it out: width x height texels with all channels, v-major, of
+ * which the border takes the outermost border_u columns and border_v rows on either side. */
+typedef struct slv_form_extent {
+    uint32_t width, height, border_u, border_v;
+} slv_form_extent;
+
+typedef struct slv_form_texels {
+    const void *texels;
+    slv_type type; /* the texture's own, or SLV_TYPE_FLOAT */
+} slv_form_texels;
+
+typedef slv_result (*slv_visit_item)(void *user, uint32_t item);
+
+/* The functions of a form. What `create` makes is immutable, so that the others may be called by
+ * many threads at once; it refers to the levels and the adjacency, which must outlive it. */
+typedef struct slv_form {
+    const char *name;  /* one word */
+    const char *title; /* what is stored, for a reader */
+    const char *item;  /* what messages call an item: "a face" */
+    bool borders;      /* levels have the border that `create` is given, cut to the level's size */
+    bool samples;      /* samples that lie on the edges: one more along each axis than texels */
+    bool computed;     /* `read` needs the memory for a level's floats */
+
+    slv_result (*create)(const slv_env *env, const slv_levels *levels,
+                         const slv_adjacency *adjacency, uint32_t border, void **out);
+    void (*destroy)(void *made); /* NULL is fine */
+    uint32_t (*count)(const void *made);
+    slv_res (*res)(const void *made, uint32_t item);
+    /* The items that lookups in a face need; returns how many. */
+    uint32_t (*items)(const void *made, uint32_t face, uint32_t out[SLV_FORM_ITEMS]);
+    /* A level of an item, of the extent that slv_form_level_extent says. Owned by the form, or in
+     * `scratch`, which holds that many texels as floats where `computed` asks for it. */
+    slv_result (*read)(const void *made, uint32_t item, uint32_t level, float *scratch,
+                       slv_form_texels *out);
+    /* Whether any value of an item leaves the range of the texture's type; NULL if none can. */
+    slv_result (*leaves_range)(const void *made, uint32_t item, bool *out);
+    /* Calls `visit` once for each item of which any level may be another if texels of the rectangle
+     * of a face's level 0 are. Stops at what `visit` returns other than SLV_OK. */
+    slv_result (*stale)(const void *made, uint32_t face, const slv_rect *rect, slv_visit_item visit,
+                        void *user);
+} slv_form;
+
+/* The extent of a level of an item; `border` is what `create` was given. */
+SLV_API slv_form_extent slv_form_level_extent(const slv_form *form, slv_res res, uint32_t level,
+                                              uint32_t border);
+
+/* The forms of the library. slv_form_at is NULL past the last, slv_form_find if there is none of
+ * that name. */
+SLV_API uint32_t slv_form_count(void);
+SLV_API const slv_form *slv_form_at(uint32_t index);
+SLV_API const slv_form *slv_form_find(const char *name);
+
+/* The levels of faces as they are. */
+SLV_API const slv_form *slv_form_bare(void);
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif
