@@ -1,3 +1,4 @@
+/* Encodes and decodes the blocks of block.h by libsquish; its exceptions end here. */
 #include "gl/store/block.h"
 
 #include <cstring>

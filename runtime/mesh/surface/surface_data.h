@@ -1,0 +1,97 @@
+/* Inside an slv_surface: what topology, patches and evaluation share. C++ behind a C header:
+ * nothing thrown leaves the folder. */
+#ifndef SLV_MESH_SURFACE_DATA_H
+#define SLV_MESH_SURFACE_DATA_H
+
+#include <selvage/surface.h>
+
+#include <memory>
+#include <mutex>
+#include <new>
+#include <opensubdiv/bfr/refinerSurfaceFactory.h>
+#include <opensubdiv/bfr/surface.h>
+#include <opensubdiv/bfr/surfaceFactoryCache.h>
+#include <opensubdiv/far/topologyRefiner.h>
+#include <shared_mutex>
+#include <vector>
+
+extern "C" {
+#include "base/log.h"
+#include "mesh/mesh_data.h"
+}
+
+namespace slvi_surface {
+
+namespace Bfr = OpenSubdiv::Bfr;
+namespace Far = OpenSubdiv::Far;
+namespace Sdc = OpenSubdiv::Sdc;
+
+constexpr uint32_t kChunk = 256; /* polygons prepared and stored together */
+
+using BfrSurface = Bfr::Surface<float>;
+
+/* How the limit of a polygon is found. */
+enum class Kind : uint8_t { bilinear, regular, irregular };
+
+struct Patch {
+    Kind kind = Kind::bilinear;
+    uint32_t surface = 0; /* irregular: which of the chunk's */
+    size_t points = 0;    /* where in the chunk's points */
+};
+
+struct Chunk {
+    std::vector<float> points;
+    std::vector<BfrSurface> surfaces;
+};
+
+/* A polygon's centre, and how far it reaches along any axis. */
+struct Middle {
+    float centre[3] = {0, 0, 0}, extent = 0;
+};
+
+/* What OpenSubdiv is given. It prints about tags that name nothing, and crashes on some polygons
+ * that name a vertex twice and on some meshes that are not manifold, so it sees neither. */
+struct Topology {
+    std::vector<uint8_t> left_out; /* per polygon */
+    std::vector<uint8_t> refused;  /* per polygon: known to OpenSubdiv, but not to be asked for */
+    std::vector<int> osd_face;     /* per polygon, -1 if left out */
+    std::vector<int> sizes, verts, poly_of;
+    std::vector<int> crease_verts, corner_verts;
+    std::vector<float> crease_sharpness, corner_sharpness;
+    std::vector<float> positions;
+    std::unique_ptr<Far::TopologyRefiner> refiner;
+};
+
+/* surface_topology.cpp */
+/* What OpenSubdiv can be given of a mesh, cut where it is not manifold. */
+slv_result make_manifold(const slv_env *env, const slv_mesh *mesh, const slv_surface &s,
+                         Topology &out);
+
+/* Calls a function of slv_result; OpenSubdiv's throws, if any, and the standard library's become
+ * results. */
+template <typename Body> slv_result guarded(const slv_env *env, Body body) {
+    try {
+        return body();
+    } catch (const std::bad_alloc &) {
+        return slvi_fail(env, SLV_ERROR_MEMORY, "surface: out of memory");
+    } catch (...) {
+        return slvi_fail(env, SLV_ERROR_UNSUPPORTED, "surface: OpenSubdiv gave up");
+    }
+}
+
+} // namespace slvi_surface
+
+struct slv_surface {
+    slv_env env;
+    slv_scheme scheme;
+    slv_boundary boundary;
+    std::vector<slv_mesh_face> faces;
+    std::vector<int32_t> sizes, verts, poly_face;
+    std::vector<uint32_t> first;
+    std::vector<float> positions;
+    std::vector<slvi_surface::Middle> middles; /* of the polygons */
+    std::vector<slvi_surface::Patch> patches;  /* per polygon; none for the bilinear scheme */
+    std::vector<slvi_surface::Chunk> chunks;
+};
+
+#endif

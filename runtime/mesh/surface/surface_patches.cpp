@@ -1,0 +1,214 @@
+/* Surfaces made: every polygon is prepared once. Regular ones become sixteen B-spline points,
+ * others a surface of OpenSubdiv's Bfr with its points. */
+#include "mesh/surface/surface_data.h"
+
+#include <algorithm>
+#include <atomic>
+#include <cmath>
+#include <cstring>
+
+extern "C" {
+#include "base/parallel.h"
+}
+
+namespace slvi_surface {
+namespace {
+
+constexpr int kSmoothLevel = 3, kSharpLevel = 8;
+
+using Cache =
+    Bfr::SurfaceFactoryCacheThreaded<std::shared_mutex, std::shared_lock<std::shared_mutex>,
+                                     std::unique_lock<std::shared_mutex>>;
+using Factory = Bfr::RefinerSurfaceFactory<Cache>;
+
+/* OpenSubdiv leaves the points beyond a boundary out of a regular patch; as linear extrapolations
+ * they turn it into an ordinary one. Which rows are left out shows in the weights of the patch's
+ * middle. */
+void store_regular(const BfrSurface &surface, const std::vector<float> &positions, Chunk &chunk) {
+    static const float middle[2] = {0.5f, 0.5f};
+    float weights[16], p[4][4][3];
+    surface.EvaluateStencil(middle, weights);
+    surface.GatherControlPoints(positions.data(), 3, &p[0][0][0], 3);
+    auto missing = [&](int at, int step) {
+        return weights[at] == 0 && weights[at + step] == 0 && weights[at + 2 * step] == 0 &&
+               weights[at + 3 * step] == 0;
+    };
+    bool bottom = missing(0, 1), top = missing(12, 1), left = missing(0, 4), right = missing(3, 4);
+    for (int i = 0; i < 4; i++)
+        for (int c = 0; c < 3; c++) {
+            if (bottom)
+                p[0][i][c] = 2 * p[1][i][c] - p[2][i][c];
+            if (top)
+                p[3][i][c] = 2 * p[2][i][c] - p[1][i][c];
+        }
+    for (int i = 0; i < 4; i++)
+        for (int c = 0; c < 3; c++) {
+            if (left)
+                p[i][0][c] = 2 * p[i][1][c] - p[i][2][c];
+            if (right)
+                p[i][3][c] = 2 * p[i][2][c] - p[i][1][c];
+        }
+    chunk.points.insert(chunk.points.end(), &p[0][0][0], &p[0][0][0] + 48);
+}
+
+struct Build {
+    slv_surface *surface;
+    const Topology *topology;
+    const Factory *factory;
+    uint64_t max_bytes;
+    std::atomic<uint64_t> bytes{0};
+    std::atomic<uint32_t> refused{0};
+};
+
+void prepare_polygon(Build &build, uint32_t poly, Chunk &chunk) {
+    Patch &patch = build.surface->patches[poly];
+    int face = build.topology->osd_face[poly];
+    BfrSurface surface;
+    if (build.topology->refused[poly] || !build.factory->InitVertexSurface(face, &surface)) {
+        build.refused++;
+        return;
+    }
+    patch.points = chunk.points.size();
+    if (surface.IsRegular() && surface.GetNumControlPoints() == 16) {
+        patch.kind = Kind::regular;
+        store_regular(surface, build.topology->positions, chunk);
+        return;
+    }
+    patch.kind = Kind::irregular;
+    patch.surface = uint32_t(chunk.surfaces.size());
+    chunk.points.resize(patch.points + 3 * size_t(surface.GetNumPatchPoints()));
+    surface.PreparePatchPoints(build.topology->positions.data(), 3, &chunk.points[patch.points], 3);
+    chunk.surfaces.push_back(surface);
+}
+
+slv_result prepare_range(void *user, uint64_t first, uint64_t end) {
+    Build &build = *static_cast<Build *>(user);
+    try {
+        Chunk &chunk = build.surface->chunks[first / kChunk];
+        for (uint64_t p = first; p < end; p++)
+            prepare_polygon(build, uint32_t(p), chunk);
+        chunk.points.shrink_to_fit();
+        chunk.surfaces.shrink_to_fit();
+        uint64_t size =
+            chunk.points.size() * sizeof(float) + chunk.surfaces.size() * sizeof(BfrSurface);
+        return (build.bytes += size) > build.max_bytes ? SLV_ERROR_LIMIT : SLV_OK;
+    } catch (const std::bad_alloc &) {
+        return SLV_ERROR_MEMORY;
+    } catch (...) {
+        return SLV_ERROR_UNSUPPORTED;
+    }
+}
+
+slv_result build_patches(const slv_env *env, const slv_mesh *mesh, slv_surface *s) {
+    Topology topology;
+    slv_result result = make_manifold(env, mesh, *s, topology);
+    if (result)
+        return result;
+    size_t npolys = s->sizes.size();
+    s->patches.resize(npolys);
+    s->chunks.resize((npolys + kChunk - 1) / kChunk);
+    Build build;
+    build.surface = s;
+    build.topology = &topology;
+    build.max_bytes = s->env.max_bytes;
+    if (topology.refiner) {
+        Factory::Options options;
+        options.SetApproxLevelSmooth(kSmoothLevel).SetApproxLevelSharp(kSharpLevel);
+        Factory factory(*topology.refiner, options);
+        build.factory = &factory;
+        if ((result = slvi_parallel_for(env, npolys, kChunk, prepare_range, &build)))
+            return slvi_fail(env, result, "surface: could not be prepared: %s",
+                             slv_result_string(result));
+    } else {
+        build.refused = uint32_t(npolys);
+    }
+    if (build.refused)
+        slvi_logf(env, SLV_LOG_WARNING,
+                  "surface: OpenSubdiv has no limit for %u polygon(s), they stay flat",
+                  build.refused.load());
+    return SLV_OK;
+}
+
+/* Once for each polygon, and not for each of its sub-faces: polygons may have many sides. */
+void find_middles(slv_surface *s) {
+    s->middles.resize(s->sizes.size());
+    for (size_t p = 0; p < s->sizes.size(); p++) {
+        const int32_t *verts = &s->verts[s->first[p]];
+        double centre[3] = {0, 0, 0};
+        Middle &middle = s->middles[p];
+        for (int32_t k = 0; k < s->sizes[p]; k++)
+            for (size_t c = 0; c < 3; c++) {
+                float at = s->positions[3 * size_t(verts[k]) + c];
+                centre[c] += double(at);
+                middle.extent =
+                    std::max(middle.extent, std::fabs(at - s->positions[3 * size_t(verts[0]) + c]));
+            }
+        for (size_t c = 0; c < 3; c++)
+            middle.centre[c] = float(centre[c] / double(s->sizes[p]));
+    }
+}
+
+void copy_mesh(const slv_mesh *mesh, slv_surface *s) {
+    const slv_mesh_view *view = slv_mesh_get_view(mesh);
+    s->faces.assign(mesh->faces, mesh->faces + mesh->nfaces);
+    s->sizes.assign(view->poly_sizes, view->poly_sizes + view->npolys);
+    s->first.assign(mesh->poly_first, mesh->poly_first + view->npolys + 1);
+    s->verts.assign(view->poly_verts, view->poly_verts + s->first.back());
+    s->poly_face.assign(mesh->poly_face, mesh->poly_face + view->npolys);
+    s->positions.assign(view->positions, view->positions + 3 * size_t(view->nverts));
+    find_middles(s);
+}
+
+} // namespace
+} // namespace slvi_surface
+
+using namespace slvi_surface;
+
+slv_result slv_surface_create(const slv_env *env, const slv_mesh *mesh,
+                              const slv_surface_params *params, slv_surface **out) {
+    *out = nullptr;
+    slv_surface_params chosen = {};
+    if (params) {
+        /* C may put any number into an enumeration; in C++ even looking at it as one is undefined.
+         */
+        int scheme, boundary;
+        static_assert(sizeof scheme == sizeof params->scheme &&
+                          sizeof boundary == sizeof params->boundary,
+                      "enumerations are ints");
+        std::memcpy(&scheme, &params->scheme, sizeof scheme);
+        std::memcpy(&boundary, &params->boundary, sizeof boundary);
+        if (scheme < 0 || scheme > SLV_SCHEME_BILINEAR || boundary < 0 ||
+            boundary > SLV_BOUNDARY_EDGE_AND_CORNER)
+            return slvi_fail(env, SLV_ERROR_ARGUMENT,
+                             "surface: unknown scheme %d or boundary rule %d", scheme, boundary);
+        chosen = *params;
+    }
+    if (chosen.boundary == SLV_BOUNDARY_DEFAULT)
+        chosen.boundary = slv_mesh_get_view(mesh)->boundary;
+    if (chosen.boundary == SLV_BOUNDARY_NONE)
+        slvi_logf(env, SLV_LOG_WARNING,
+                  "surface: boundary rule 'none' leaves faces without a limit, edge-and-corner is "
+                  "used instead");
+    return guarded(env, [&]() -> slv_result {
+        std::unique_ptr<slv_surface> s(new slv_surface());
+        s->env = slvi_env_or_default(env);
+        s->scheme = chosen.scheme;
+        s->boundary = chosen.boundary;
+        copy_mesh(mesh, s.get());
+        if (chosen.scheme == SLV_SCHEME_CATMARK) {
+            slv_result result = build_patches(env, mesh, s.get());
+            if (result)
+                return result;
+        }
+        *out = s.release();
+        return SLV_OK;
+    });
+}
+
+void slv_surface_destroy(slv_surface *surface) {
+    delete surface;
+}
+
+uint32_t slv_surface_face_count(const slv_surface *surface) {
+    return uint32_t(surface->faces.size());
+}
