@@ -116,8 +116,7 @@ static int check_one(const struct check *c, const slv_env *env, const char *path
                                    .seams = c->seams_given,
                                    .seam_tolerance = c->seams,
                                    .no_texels = c->tables,
-                                   .progress = cli_progress_report,
-                                   .progress_user = &progress};
+                                   .progress = {cli_progress_report, &progress}};
     slv_result result = slv_ptx_check(env, path, &params, out);
     cli_progress_end(&progress);
     return result ? EXIT_FAILED : EXIT_OK;
@@ -146,7 +145,7 @@ static int write_copy(const struct check *c, const slv_env *env, const slv_ptx_r
         return EXIT_FAILED;
     if (!given && needs_geometry(report) && slv_ptx_load_mesh(&silent, ptx, &inside) == SLV_OK)
         given = inside;
-    if (slv_ptx_repair(env, ptx, given, c->repair) == SLV_OK)
+    if (slv_ptx_repair(env, ptx, given, c->repair, NULL) == SLV_OK)
         code = EXIT_OK;
     slv_mesh_destroy(inside);
     slv_ptx_close(ptx);

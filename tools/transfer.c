@@ -117,8 +117,7 @@ static int run_transfer(struct transfer *t) {
                                   .blank = t->blank,
                                   .no_copies = t->no_copies,
                                   .scheme = (slv_scheme)t->scheme,
-                                  .progress = cli_progress_report,
-                                  .progress_user = &progress};
+                                  .progress = {cli_progress_report, &progress}};
     int code = EXIT_FAILED;
     if (slv_mesh_load_obj(&env, t->to, &target) || slv_ptx_open(&env, t->paths[0], &ptx))
         goto done;

@@ -1,6 +1,7 @@
 #include "base/log.h"
 #include "base/memory.h"
 #include "base/parallel.h"
+#include "base/progress.h"
 #include "procedural/pattern.h"
 
 #include <string.h>
@@ -24,6 +25,7 @@ struct bake {
     slv_procedural pattern;
     uint32_t samples, first_face;
     slv_texture *texture;
+    slvi_steps steps;
 };
 
 static uint64_t face_texels(slv_res res) {
@@ -107,7 +109,7 @@ static uint64_t largest_face(const slv_texture_desc *desc, uint64_t first, uint6
 }
 
 static slv_result bake_range(void *user, uint64_t first, uint64_t end) {
-    const struct bake *bake = user;
+    struct bake *bake = user;
     struct batch *batch = NULL;
     char *texels = NULL;
     first += bake->first_face;
@@ -118,7 +120,8 @@ static slv_result bake_range(void *user, uint64_t first, uint64_t end) {
     result =
         slvi_alloc(&bake->env, "bake: texels", largest_face(bake->desc, first, end), 1, &texels);
     for (uint64_t face = first; !result && face < end; face++)
-        result = bake_face(bake, (uint32_t)face, batch, texels);
+        if (!(result = bake_face(bake, (uint32_t)face, batch, texels)))
+            result = slvi_steps_add(&bake->steps, &bake->env, "bake", 1);
 done:
     slvi_free(batch);
     slvi_free(texels);
@@ -168,8 +171,11 @@ slv_result slv_bake_procedural(const slv_env *env, const slv_surface *surface,
                         .texture = texture};
     slv_parallel_log *log = NULL;
     slv_result result = slvi_parallel_env_begin(env, &log, &bake.env);
-    if (!result)
-        result = slvi_parallel_for(env, p.face_count, FACES_PER_RANGE, bake_range, &bake);
+    if (result)
+        return result;
+    slvi_steps_begin(&bake.steps, p.progress, p.face_count);
+    result = slvi_parallel_for(env, p.face_count, FACES_PER_RANGE, bake_range, &bake);
+    slvi_steps_end(&bake.steps);
     slvi_parallel_env_end(log);
     return result;
 }

@@ -2,21 +2,22 @@
 
 #include "base/log.h"
 #include "base/parallel.h"
+#include "base/progress.h"
 
 #include <math.h>
-#include <pthread.h>
 #include <string.h>
 
 enum { TILE = 16, RAYS = 16 };
 
 typedef struct work {
+    const slv_env *env;
     const slv_reference *reference;
     const slv_reference_frame *frame;
     reference_sampler sampler;
     reference_eye eye;
     uint32_t tiles_across;
-    uint64_t ntiles, done;
-    pthread_mutex_t lock;
+    uint64_t ntiles;
+    slvi_steps steps;
     slv_image image, error;
 } work;
 
@@ -217,13 +218,7 @@ static slv_result render_tile(work *w, uint64_t tile) {
     flush(w, &p);
     for (uint32_t i = 0; i < width * height; i++)
         finish_pixel(w, left + i % width, top + i / width, sums[i]);
-    slv_result result = SLV_OK;
-    pthread_mutex_lock(&w->lock);
-    w->done++;
-    if (frame->progress && !frame->progress(frame->progress_user, w->done, w->ntiles))
-        result = SLV_ERROR_CANCELLED;
-    pthread_mutex_unlock(&w->lock);
-    return result;
+    return slvi_steps_add(&w->steps, w->env, "reference", 1);
 }
 
 static slv_result render_tiles(void *user, uint64_t first, uint64_t end) {
@@ -278,7 +273,7 @@ slv_result slv_reference_render(const slv_reference *reference, const slv_env *e
                                 const slv_reference_frame *given, slv_image *image,
                                 slv_image *error, slv_reference_stats *stats) {
     slv_reference_frame frame;
-    work w = {.reference = reference, .frame = &frame};
+    work w = {.env = env, .reference = reference, .frame = &frame};
     slv_result result = prepare(env, given, &frame);
     if (result)
         return result;
@@ -292,14 +287,11 @@ slv_result slv_reference_render(const slv_reference *reference, const slv_env *e
         goto done;
     w.tiles_across = (frame.width + TILE - 1) / TILE;
     w.ntiles = (uint64_t)w.tiles_across * ((frame.height + TILE - 1) / TILE);
-    pthread_mutex_init(&w.lock, NULL);
+    slvi_steps_begin(&w.steps, frame.progress, w.ntiles);
     result = slvi_parallel_for(env, w.ntiles, 1, render_tiles, &w);
-    pthread_mutex_destroy(&w.lock);
-    if (result) {
-        result = slvi_fail(env, result, "reference: stopped after %llu of %llu tiles",
-                           (unsigned long long)w.done, (unsigned long long)w.ntiles);
+    slvi_steps_end(&w.steps);
+    if (result)
         goto done;
-    }
     if (stats)
         *stats = judge(&w);
     *image = w.image;

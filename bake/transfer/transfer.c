@@ -3,12 +3,12 @@
 #include "base/log.h"
 #include "base/memory.h"
 #include "base/parallel.h"
+#include "base/progress.h"
 #include "transfer/closest.h"
 
 #include <selvage/ptx.h>
 
 #include <math.h>
-#include <pthread.h>
 
 enum { SEGMENTS = 8, MAX_NEW_LOG2 = 12, MAX_SAMPLES = 4 };
 #define MATCH_TOLERANCE 1e-5f  /* of the source's diagonal */
@@ -28,8 +28,7 @@ struct transfer {
     transfer_source look;
     slv_res *res; /* of the target's faces */
     int8_t most_log2;
-    pthread_mutex_t lock;
-    uint64_t done, total;
+    slvi_steps steps;
 };
 
 /* The nearest point that faces the same way, or, if that is too far, that faces any way. */
@@ -219,15 +218,6 @@ static slv_result resample(const struct transfer *t, uint32_t face) {
     return result;
 }
 
-static void show_progress(struct transfer *t, uint64_t faces) {
-    if (!t->params.progress)
-        return;
-    pthread_mutex_lock(&t->lock);
-    t->done += faces;
-    t->params.progress(t->params.progress_user, t->done, t->total);
-    pthread_mutex_unlock(&t->lock);
-}
-
 static slv_result fill_range(void *user, uint64_t first, uint64_t end) {
     struct transfer *t = user;
     slv_result result = SLV_OK;
@@ -240,8 +230,7 @@ static slv_result fill_range(void *user, uint64_t first, uint64_t end) {
         f->covered = 1;
         result = slvi_transfer_copy(&t->env, t->texture, f, t->out, (uint32_t)i);
     }
-    show_progress(t, end - first);
-    return result;
+    return result ? result : slvi_steps_add(&t->steps, &t->env, "transfer", end - first);
 }
 
 static float diagonal_of(uint32_t nfaces, const float *corners) {
@@ -298,8 +287,7 @@ slv_result slv_transfer(const slv_env *env, const slv_mesh *source, const slv_te
         return result;
     if (params)
         t.params = *params;
-    t.total = ntarget;
-    pthread_mutex_init(&t.lock, NULL);
+    slvi_steps_begin(&t.steps, t.params.progress, ntarget);
     if (t.desc->nfaces != slv_mesh_face_count(source)) {
         result = slvi_fail(env, SLV_ERROR_MISMATCH, "the texture has %u faces, its mesh %u",
                            t.desc->nfaces, slv_mesh_face_count(source));
@@ -327,7 +315,7 @@ done:
     slv_texture_destroy(t.out);
     slvi_closest_destroy(t.closest);
     slvi_transfer_source_end(&t.look);
-    pthread_mutex_destroy(&t.lock);
+    slvi_steps_end(&t.steps);
     slv_surface_destroy(t.source);
     slv_surface_destroy(t.target);
     slvi_free(t.source_corners);

@@ -2,6 +2,7 @@
 
 #include "base/log.h"
 #include "base/memory.h"
+#include "base/progress.h"
 #include "image/image_file.h"
 
 #include <string.h>
@@ -55,9 +56,9 @@ static slv_result check_image(const slv_env *env, const slv_image *image,
     return result;
 }
 
-void slvi_image_progress(const slv_image_params *params, const slv_image *image, uint32_t rows) {
-    if (params->progress)
-        params->progress(params->progress_user, rows, image->height);
+slv_result slvi_image_progress(const slv_env *env, const char *path, const slv_image_params *params,
+                               const slv_image *image, uint32_t rows) {
+    return slvi_progress(&params->progress, env, path, rows, image->height);
 }
 
 slv_result slv_image_save(const slv_env *env, const char *path, const slv_image *image,

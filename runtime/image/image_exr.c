@@ -384,8 +384,8 @@ slv_result slvi_image_exr_save(const slv_env *env, const char *path, const slv_i
                             halves ? (const uint8_t *)halves : (const uint8_t *)pixels, bits / 8,
                             &original);
         if (!code)
-            slvi_image_progress(params, image,
-                                y + (left < (uint32_t)lines ? left : (uint32_t)lines));
+            result = slvi_image_progress(env, path, params, image,
+                                         y + (left < (uint32_t)lines ? left : (uint32_t)lines));
     }
     exr_encoding_destroy(context, &encoder);
     exr_result_t finished = exr_finish(&context);

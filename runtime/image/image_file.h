@@ -16,7 +16,8 @@ slv_result slvi_image_exr_decode(const slv_env *env, const char *path, const voi
 /* `path` only names the image in messages. */
 slv_result slvi_image_png_encode(const slv_env *env, const char *path, const slv_image *image,
                                  const slv_image_params *params, void **bytes, size_t *size);
-void slvi_image_progress(const slv_image_params *params, const slv_image *image, uint32_t rows);
+slv_result slvi_image_progress(const slv_env *env, const char *path, const slv_image_params *params,
+                               const slv_image *image, uint32_t rows);
 slv_result slvi_image_exr_save(const slv_env *env, const char *path, const slv_image *image,
                                const slv_image_params *params);
 

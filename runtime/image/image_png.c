@@ -116,7 +116,9 @@ static bool write_png(png_structp png, png_infop info, const slv_image *image,
         encode_row(image, image->pixels + (size_t)y * image->width * image->nchannels,
                    params->encoding, bits, stream->rows);
         png_write_row(png, stream->rows);
-        slvi_image_progress(params, image, y + 1);
+        stream->result = slvi_image_progress(stream->env, stream->path, params, image, y + 1);
+        if (stream->result)
+            return false;
     }
     png_write_end(png, info);
     return true;

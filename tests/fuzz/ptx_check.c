@@ -42,7 +42,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size) {
     fuzz_write("in.ptx", data, size);
     report = check(&env, "in.ptx", control, mesh);
     if (ptx && unpacked <= FUZZ_MAX_WRITTEN) {
-        mended = !FUZZ_CALL(slv_ptx_repair(&env, ptx, mesh, fuzz_path("out.ptx")));
+        mended = !FUZZ_CALL(slv_ptx_repair(&env, ptx, mesh, fuzz_path("out.ptx"), NULL));
         FUZZ_REQUIRE(mended == fuzz_exists("out.ptx"), "half a copy");
     }
     if (mended) {

@@ -4,7 +4,7 @@
 BEGIN {
     # Public headers: each may include only those of lower rank.
     split("result half threads camera adjacency mesh surface tessellation texture form border edge_aligned htex ptx ptx_writer ptx_check ptx_diff ptx_resize image filter cache", names, " ")
-    split("0      1    1       2      2         3    4       4.5          4       4.8  5      5.5          5.5  6   6.5        6.5       6.5      6.5        6     6.7    6.6", ranks, " ")
+    split("0      1    1       2      2         3    4       4.5          4       4.8  5      5.5          5.5  6   6.4        6.5       6.5      6.5        6     6.7    6.6", ranks, " ")
     for (i in names) public[names[i]] = ranks[i] + 0
     gl = 7; everything = 9
     # How far a folder of the library may look: among the folders, and among the public headers.

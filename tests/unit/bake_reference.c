@@ -268,8 +268,7 @@ static void check_cancel(void) {
                                  .width = 100,
                                  .height = 60,
                                  .samples = 1,
-                                 .progress = count_down,
-                                 .progress_user = &counter};
+                                 .progress = {count_down, &counter}};
     slv_image image;
     REQUIRE(slv_reference_render(m.reference, &env, &frame, &image, NULL, NULL) == SLV_OK);
     CHECK(counter.calls == 7 * 4 && counter.total == 7 * 4 && counter.done == counter.total);
@@ -279,8 +278,8 @@ static void check_cancel(void) {
         test_last_log[0] = 0;
         CHECK(slv_reference_render(m.reference, &env, &frame, &image, NULL, NULL) ==
               SLV_ERROR_CANCELLED);
-        CHECK_MSG(counter.calls < 28 && counter.calls >= 3, "%d calls", counter.calls);
-        CHECK(strstr(test_last_log, "of 28 tiles"));
+        CHECK_MSG(counter.calls == 3, "%d calls", counter.calls);
+        CHECK(strstr(test_last_log, "cancelled"));
     }
     free_model(&m);
 }

@@ -55,11 +55,12 @@ struct rows {
     uint64_t done, calls;
 };
 
-static void count_rows(void *user, uint64_t done, uint64_t total) {
+static bool count_rows(void *user, uint64_t done, uint64_t total) {
     struct rows *rows = user;
     CHECK(done > rows->done && done <= total);
     rows->done = done;
     rows->calls++;
+    return true;
 }
 
 static void png_round_trip(uint32_t width, uint32_t height, uint32_t n, uint32_t bits,
@@ -67,12 +68,11 @@ static void png_round_trip(uint32_t width, uint32_t height, uint32_t n, uint32_t
     slv_env env = test_env();
     slv_image image = random_image(width, height, n, 1.1f), back;
     struct rows rows = {0};
-    slv_image_params params = {
-        .encoding = encoding, .bits = bits, .progress = count_rows, .progress_user = &rows};
+    slv_image_params params = {.encoding = encoding, .bits = bits, .progress = {count_rows, &rows}};
     const char *path = in_folder("x.PNG");
     REQUIRE(slv_image_save(&env, path, &image, &params) == SLV_OK);
     CHECK(rows.done == height && rows.calls == height);
-    params.progress = NULL;
+    params.progress.report = NULL;
     REQUIRE(slv_image_load(&env, path, &back) == SLV_OK);
     CHECK(back.width == width && back.height == height && back.nchannels == n);
     float step = bits == 16 ? 65535.0f : 255.0f;
@@ -97,7 +97,7 @@ static void exr_round_trip(uint32_t width, uint32_t height, uint32_t n, uint32_t
     slv_image image = random_image(width, height, n, 3.0f), back;
     struct rows rows = {0};
     slv_image_params params = {
-        .encoding = SLV_ENCODE_SRGB, .bits = bits, .progress = count_rows, .progress_user = &rows};
+        .encoding = SLV_ENCODE_SRGB, .bits = bits, .progress = {count_rows, &rows}};
     image.pixels[0] = -2.5f;
     const char *path = in_folder("x.exr");
     REQUIRE(slv_image_save(&env, path, &image, &params) == SLV_OK);

@@ -294,10 +294,11 @@ void cli_progress_update(cli_progress *progress, uint64_t done) {
     progress->tenths = tenths;
 }
 
-void cli_progress_report(void *user, uint64_t done, uint64_t total) {
+bool cli_progress_report(void *user, uint64_t done, uint64_t total) {
     cli_progress *progress = user;
     progress->total = total ? total : 1;
     cli_progress_update(progress, done);
+    return !cli_interrupted();
 }
 
 void cli_progress_step(cli_progress *progress) {

@@ -68,8 +68,9 @@ cli_progress cli_progress_begin(const char *what, uint64_t total, bool quiet);
  * to a terminal, and nothing in the first moment of the work. Leaves nothing on a terminal. */
 cli_progress cli_progress_fleeting(const char *what, bool forced, bool quiet);
 void cli_progress_update(cli_progress *progress, uint64_t done);
-/* The same as the callback that libraries take, `user` being the progress. */
-void cli_progress_report(void *user, uint64_t done, uint64_t total);
+/* The same as the callback that libraries take, `user` being the progress; false, to stop, after an
+ * interrupt that cli_interrupted tells of. */
+bool cli_progress_report(void *user, uint64_t done, uint64_t total);
 /* One more of the total is done; from any thread. */
 void cli_progress_step(cli_progress *progress);
 void cli_progress_end(cli_progress *progress);

@@ -28,8 +28,7 @@ uint64_t output_file_bytes(const char *path) {
 slv_result output_image(const slv_env *env, const char *path, const slv_image *image,
                         slv_image_params params, bool forced, bool quiet) {
     cli_progress progress = cli_progress_fleeting("writing", forced, quiet);
-    params.progress = cli_progress_report;
-    params.progress_user = &progress;
+    params.progress = (slv_progress){cli_progress_report, &progress};
     slv_result result = slv_image_save(env, path, image, &params);
     cli_progress_end(&progress);
     return result;

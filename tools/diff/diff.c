@@ -121,8 +121,8 @@ failed:
 static int run_diff(struct diff *d) {
     slv_env env = cli_env(d->threads);
     cli_progress progress = cli_progress_fleeting("diff", d->progress, d->quiet || d->json);
-    slv_ptx_diff_params params = {
-        .tolerance = d->tolerance, .progress = cli_progress_report, .progress_user = &progress};
+    slv_ptx_diff_params params = {.tolerance = d->tolerance,
+                                  .progress = {cli_progress_report, &progress}};
     int code = EXIT_FAILED;
     d->largest_face = -1;
     for (int i = 0; i < 2; i++)

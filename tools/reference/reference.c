@@ -25,13 +25,6 @@ struct outcome {
     convergence convergence;
 };
 
-static bool show_progress(void *user, uint64_t done, uint64_t total) {
-    cli_progress *progress = user;
-    progress->total = total;
-    cli_progress_update(progress, done);
-    return !cli_interrupted();
-}
-
 static bool is_exr(const char *path) {
     const char *extension = strrchr(path, '.');
     return extension && strcasecmp(extension, ".exr") == 0;
@@ -58,8 +51,7 @@ static slv_result render(const struct reference *r, const slv_env *env,
     cli_progress progress = cli_progress_begin(what, 1, r->quiet || r->json);
     slv_reference_frame watched = *frame;
     double start = cli_now();
-    watched.progress = show_progress;
-    watched.progress_user = &progress;
+    watched.progress = (slv_progress){cli_progress_report, &progress};
     slv_result result = slv_reference_render(reference, env, &watched, image, error, stats);
     *seconds = cli_now() - start;
     if (!result)

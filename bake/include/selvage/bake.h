@@ -41,9 +41,10 @@ SLV_API void slv_procedural_evaluate(const slv_procedural *pattern, int32_t face
 
 /* Zero means default. */
 typedef struct slv_bake_params {
-    uint32_t samples;    /* per texel and axis, 1..64; default 1, the texel's centre */
-    uint32_t first_face; /* where to begin; faces before it are left as they are */
-    uint32_t face_count; /* how many; default all from first_face on */
+    uint32_t samples;      /* per texel and axis, 1..64; default 1, the texel's centre */
+    uint32_t first_face;   /* where to begin; faces before it are left as they are */
+    uint32_t face_count;   /* how many; default all from first_face on */
+    slv_progress progress; /* faces */
 } slv_bake_params;
 
 /* Evaluates a pattern into every texel of every face, at the limit position of the texel's centre

@@ -63,9 +63,7 @@ typedef struct slv_reference_frame {
     uint32_t samples; /* per pixel, to SLV_REFERENCE_MAX_SAMPLES; default 64; powers of two converge
                          best */
     uint32_t seed;    /* another one makes errors that have nothing to do with this one's */
-    /* Called now and then, by one thread at a time; false stops with SLV_ERROR_CANCELLED. */
-    bool (*progress)(void *user, uint64_t done, uint64_t total);
-    void *progress_user;
+    slv_progress progress; /* tiles */
 } slv_reference_frame;
 
 #define SLV_REFERENCE_MAX_SAMPLES (UINT32_C(1) << 20)

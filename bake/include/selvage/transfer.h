@@ -32,8 +32,7 @@ typedef struct slv_transfer_params {
     bool blank;         /* texels further away stay zero instead of the nearest value */
     bool no_copies;     /* resample matching faces as well */
     slv_scheme scheme;
-    void (*progress)(void *user, uint64_t done, uint64_t total); /* one thread at a time */
-    void *progress_user;
+    slv_progress progress; /* faces */
 } slv_transfer_params;
 
 /* Makes a texture for `target`, in the type and channels of `texture`, which belongs to `source`.

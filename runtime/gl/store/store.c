@@ -311,6 +311,15 @@ static slv_result upload_pool(const slv_gl_source *source, const slv_env *env, s
     return result ? result : slvi_gl_check(source->gl, source->env, "texture upload");
 }
 
+/* The share of the store's steps that a pool stands for; `*layers` are those of pools before it. */
+static slv_result count_pool(const slv_gl_source *source, const slv_gl_pool *pool, uint32_t nitems,
+                             uint64_t *layers) {
+    uint64_t nfaces = slv_levels_get_desc(source->levels)->nfaces, before = *layers;
+    *layers += pool->nlayers;
+    return slvi_steps_add(source->steps, source->env, "GL texture",
+                          nfaces * *layers / nitems - nfaces * before / nitems);
+}
+
 static slv_result upload_tables(const slv_gl_source *source, slv_gl_store *store) {
     const slv_texture_desc *desc = slv_levels_get_desc(source->levels);
     const slv_env *env = source->env;
@@ -378,7 +387,7 @@ slv_result slvi_gl_store_build(const slv_gl_source *source, slv_gl_layout layout
     uint32_t first = source->params.first_channel, nchannels = source->params.nchannels;
     bool coverage = layout == SLV_GL_BARE;
     unsigned char *staging = NULL;
-    uint64_t capacity = 0;
+    uint64_t capacity = 0, layers = 0;
     struct items items = {0};
     slv_gl_store store = {.layout = layout};
     slv_gl_forms forms = {0};
@@ -404,7 +413,9 @@ slv_result slvi_gl_store_build(const slv_gl_source *source, slv_gl_layout layout
     if ((result = assign_pools(source, &items, &store)))
         goto done;
     for (uint32_t p = 0; !result && p < store.npools; p++)
-        result = upload_pool(source, &env, &store, &forms, &store.pools[p], &staging, &capacity);
+        if (!(result =
+                  upload_pool(source, &env, &store, &forms, &store.pools[p], &staging, &capacity)))
+            result = count_pool(source, &store.pools[p], items.count, &layers);
     if (!result)
         result = upload_tables(source, &store);
     if (!result)

@@ -6,6 +6,7 @@
 #include "gl/context/api.h"
 
 #include "base/memory.h"
+#include "base/progress.h"
 #include "gl/store/compress.h"
 
 #include <selvage/gl_texture.h>
@@ -90,6 +91,7 @@ typedef struct slv_gl_source {
     const slv_levels *levels;
     const slv_adjacency *adjacency;
     slv_gl_texture_params params; /* defaults filled in */
+    slvi_steps *steps;            /* as many as there are faces for each store */
 } slv_gl_source;
 
 /* Variants: the number of pools a shader can reach, 1 << (variant >> 1), and whether a link to two

@@ -135,6 +135,7 @@ slv_result slv_gl_texture_create(slv_gl *gl, const slv_env *env, const slv_textu
     slv_gl_texture *made = NULL;
     slv_texture *scaled = NULL;
     slv_levels *levels = NULL;
+    slvi_steps steps;
     slv_result result = SLV_OK;
     *out = NULL;
     if (slv_adjacency_face_count(adjacency) != desc->nfaces)
@@ -142,6 +143,7 @@ slv_result slv_gl_texture_create(slv_gl *gl, const slv_env *env, const slv_textu
                          desc->nfaces, slv_adjacency_face_count(adjacency));
     if ((result = slvi_alloc(env, "GL texture", 1, sizeof *made, &made)))
         return result;
+    slvi_steps_begin(&steps, params ? params->progress : (slv_progress){0}, 0);
     made->gl = gl;
     made->serial = ++gl->serial;
     made->nfaces = desc->nfaces;
@@ -158,13 +160,19 @@ slv_result slv_gl_texture_create(slv_gl *gl, const slv_env *env, const slv_textu
     slvi_gl_set_state(gl);
     memcpy(made->res, desc->res, desc->nfaces * sizeof *made->res);
     made->texel_bytes = texel_bytes(desc, made->params.nchannels);
-    slv_gl_source source = {
-        .env = env, .gl = gl, .levels = levels, .adjacency = adjacency, .params = made->params};
+    slv_gl_source source = {.env = env,
+                            .gl = gl,
+                            .levels = levels,
+                            .adjacency = adjacency,
+                            .params = made->params,
+                            .steps = &steps};
     bool reaching = wants(made, SLV_STRATEGY_TRAVERSE) || wants(made, SLV_STRATEGY_HYBRID) ||
                     wants(made, SLV_STRATEGY_TRAVERSE_FULL);
     bool layouts[SLV_GL_LAYOUT_COUNT] = {false};
     for (int s = 0; s < SLV_STRATEGY_COUNT; s++)
         layouts[layout_of((slv_strategy)s)] |= wants(made, (slv_strategy)s);
+    for (int k = 0; k < SLV_GL_LAYOUT_COUNT; k++)
+        steps.total += layouts[k] ? desc->nfaces : 0;
     for (int k = 0; k < SLV_GL_LAYOUT_COUNT; k++)
         if (layouts[k] && (result = slvi_gl_store_build(&source, (slv_gl_layout)k, &made->stores[k],
                                                         &made->own[k])))
@@ -176,6 +184,7 @@ slv_result slv_gl_texture_create(slv_gl *gl, const slv_env *env, const slv_textu
     make_samplers(made);
     result = slvi_gl_check(gl, env, "GL texture");
 done:
+    slvi_steps_end(&steps);
     slv_texture_destroy(scaled);
     slv_levels_destroy(levels);
     if (result) {

@@ -86,6 +86,7 @@ typedef struct slv_gl_texture_params {
     uint32_t pool_layers; /* most layers in one array; 0 means what the driver has */
     slv_gl_branching branching;
     slv_gl_compression compression; /* of textures other than 8-bit: SLV_ERROR_UNSUPPORTED */
+    slv_progress progress; /* faces, once for each form in which they are stored; on this thread */
 } slv_gl_texture_params;
 
 /* Programs are needed for each variant that occurs; see slv_gl_batch. */

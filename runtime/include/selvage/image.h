@@ -23,9 +23,8 @@ typedef enum slv_image_encoding {
 
 typedef struct slv_image_params {
     slv_image_encoding encoding;
-    uint32_t bits; /* PNG: 8 (default) or 16. EXR: 16 (half, default) or 32 (float) */
-    void (*progress)(void *user, uint64_t done, uint64_t total); /* rows; on the calling thread */
-    void *progress_user;
+    uint32_t bits;         /* PNG: 8 (default) or 16. EXR: 16 (half, default) or 32 (float) */
+    slv_progress progress; /* rows */
 } slv_image_params;
 
 SLV_API slv_result slv_image_create(const slv_env *env, uint32_t width, uint32_t height,

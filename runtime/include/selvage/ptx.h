@@ -201,6 +201,7 @@ typedef struct slv_ptx_write_params {
     const slv_mesh *mesh; /* if given, its geometry is written as metadata */
     uint32_t nmeta;
     const slv_ptx_meta *meta;
+    slv_progress progress; /* faces, once when they are packed and once when they are written */
 } slv_ptx_write_params;
 
 /* Writes a store as a quad file, on env->threads threads: constant faces detected, reductions and

@@ -3,7 +3,7 @@
 #ifndef SELVAGE_PTX_CHECK_H
 #define SELVAGE_PTX_CHECK_H
 
-#include <selvage/ptx.h>
+#include <selvage/ptx_writer.h>
 
 #ifdef __cplusplus
 extern "C" {
@@ -41,8 +41,7 @@ typedef struct slv_ptx_check_params {
     float seam_tolerance;  /* the difference that a seam may have, integers as 0..1 */
     bool no_texels;        /* look at the tables only */
     uint32_t max_findings; /* of each kind that are kept, the first by face and edge; 0: 1000 */
-    void (*progress)(void *user, uint64_t done, uint64_t total); /* one thread at a time */
-    void *progress_user;
+    slv_progress progress; /* faces */
 } slv_ptx_check_params;
 
 typedef struct slv_ptx_report {
@@ -65,9 +64,10 @@ SLV_API void slv_ptx_report_destroy(slv_ptx_report *report);
 /* Writes a copy with reductions, averages and flags made anew, edits applied and, if `mesh` is
  * given, its adjacency and geometry in place of the file's. SLV_ERROR_MISMATCH if the mesh has
  * another number of faces. `path` may be the file's own. A file opened leniently can be repaired
- * though an edge leads to no face: without a mesh such an edge becomes a boundary. */
+ * though an edge leads to no face: without a mesh such an edge becomes a boundary. `params` as in
+ * slv_ptx_rewrite. */
 SLV_API slv_result slv_ptx_repair(const slv_env *env, const slv_ptx *ptx, const slv_mesh *mesh,
-                                  const char *path);
+                                  const char *path, const slv_ptx_writer_params *params);
 
 #ifdef __cplusplus
 }

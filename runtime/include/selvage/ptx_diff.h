@@ -32,8 +32,7 @@ typedef struct slv_face_diff {
 /* Zero means default. */
 typedef struct slv_ptx_diff_params {
     float tolerance;
-    void (*progress)(void *user, uint64_t done, uint64_t total); /* one thread at a time */
-    void *progress_user;
+    slv_progress progress; /* faces */
 } slv_ptx_diff_params;
 
 /* Compares the channels that both have, on env->threads threads. `out` has room for as many faces

@@ -22,9 +22,11 @@ typedef struct slv_ptx_writer_params {
     bool sync; /* wait for the disk before the new file replaces the old one, for power cuts */
     uint64_t memory; /* bytes of packed texels kept before they go to a nameless file beside the
                         target; 0: 128 MiB */
+    slv_progress progress; /* of slv_ptx_writer_finish, or slv_ptx_rewrite: faces, once when they
+                              are packed and once when they are written */
 } slv_ptx_writer_params;
 
-/* The same kind of file as an open one: all of the above but compression, sync and memory. Reads
+/* The same kind of file as an open one: all of the above down to no_reductions. Reads
  * the face table of a file without reductions; damage there is logged. */
 SLV_API slv_ptx_writer_params slv_ptx_writer_params_like(const slv_ptx *ptx);
 
@@ -39,7 +41,8 @@ SLV_API slv_result slv_ptx_writer_create(const slv_env *env, const char *path,
 /* A writer that appends edits to the file at `path`: only what is given to it changes. Edited faces
  * have no stored reductions until the file is rewritten with slv_ptx_rewrite. Readers that have the
  * file open keep what they see. One edit at a time: SLV_ERROR_IO while another process edits the
- * file. `compression`, `sync` and `memory` of the params count, and params may be NULL. */
+ * file. `compression`, `sync`, `memory` and
+ * `progress` of the params count, and params may be NULL. */
 SLV_API slv_result slv_ptx_writer_edit(const slv_env *env, const char *path,
                                        const slv_ptx_writer_params *params, slv_ptx_writer **out);
 /* Abandons what has not been finished: the path stays as it was. */
@@ -66,8 +69,8 @@ SLV_API slv_result slv_ptx_writer_set_mesh(slv_ptx_writer *writer, const slv_mes
 SLV_API slv_result slv_ptx_writer_finish(slv_ptx_writer *writer);
 
 /* Writes all that an open file holds, edits applied, as a new file: reductions, averages and flags
- * are made anew. `path` may be the file's own. `params` is for compression, sync, memory and
- * no_reductions (which also counts if the file has none), or NULL. */
+ * are made anew. `path` may be the file's own. `params` is for compression, sync, memory,
+ * progress and no_reductions (which also counts if the file has none), or NULL. */
 SLV_API slv_result slv_ptx_rewrite(const slv_env *env, const slv_ptx *ptx, const char *path,
                                    const slv_ptx_writer_params *params);
 

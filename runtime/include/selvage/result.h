@@ -35,6 +35,17 @@ typedef enum slv_result {
 /* A short English phrase for a result; never NULL. */
 SLV_API const char *slv_result_string(slv_result result);
 
+/* How far a long call is: `done` of `total` steps, which grow and end at `total`, in no particular
+ * unit. Called now and then, by one thread at a time, of which any may be the caller's own. False
+ * ends the call soon, with SLV_ERROR_CANCELLED and nothing made or written. */
+typedef bool (*slv_progress_fn)(void *user, uint64_t done, uint64_t total);
+
+/* In parameters of long calls; without `report` nobody is asked. */
+typedef struct slv_progress {
+    slv_progress_fn report;
+    void *user;
+} slv_progress;
+
 typedef enum slv_log_level { SLV_LOG_INFO, SLV_LOG_WARNING, SLV_LOG_ERROR } slv_log_level;
 
 /* The environment of a call: where words go, who works, where memory comes from and how much of it.

@@ -5,6 +5,7 @@
 
 #include "base/log.h"
 #include "base/memory.h"
+#include "base/progress.h"
 
 #include <math.h>
 #include <string.h>
@@ -13,8 +14,7 @@ enum { GRAIN = 32 };
 
 struct work {
     check_context *check;
-    pthread_mutex_t lock;
-    uint64_t done;
+    slvi_steps steps;
 };
 
 /* What a range of faces needs. */
@@ -257,18 +257,15 @@ static slv_result check_face(struct reading *r, uint32_t face) {
 static slv_result check_range(void *user, uint64_t first, uint64_t end) {
     struct work *work = user;
     struct reading r = {.check = work->check};
-    const slv_ptx_check_params *params = &work->check->params;
     slv_env quiet = slvi_check_log_env(&work->check->env, &r.log, slv_ptx_name(work->check->ptx));
     slv_result result = slv_ptx_reader_create(&quiet, work->check->ptx, &r.reader);
     if (result)
         result = slvi_fail(&work->check->env, result, "%s", r.log.message);
     for (uint64_t face = first; face < end && !result; face++)
         result = check_face(&r, (uint32_t)face);
-    pthread_mutex_lock(&work->lock);
-    work->done += end - first;
-    if (params->progress)
-        params->progress(params->progress_user, work->done, work->check->info->nfaces);
-    pthread_mutex_unlock(&work->lock);
+    if (!result)
+        result = slvi_steps_add(&work->steps, &work->check->env, slv_ptx_name(work->check->ptx),
+                                end - first);
     slv_ptx_reader_destroy(r.reader);
     for (int i = 0; i < 3; i++)
         slvi_free(r.bytes[i]);
@@ -299,9 +296,9 @@ slv_result slvi_check_texels(check_context *check) {
     slv_result result = check->params.seams ? place_strips(check) : SLV_OK;
     if (result || (result = slvi_parallel_env_begin(&caller, &log, &check->env)))
         return result;
-    pthread_mutex_init(&work.lock, NULL);
+    slvi_steps_begin(&work.steps, check->params.progress, check->info->nfaces);
     result = slvi_parallel_for(&caller, check->info->nfaces, GRAIN, check_range, &work);
-    pthread_mutex_destroy(&work.lock);
+    slvi_steps_end(&work.steps);
     check->env = caller;
     slvi_parallel_env_end(log);
     return result;

@@ -3,6 +3,7 @@
 
 #include "base/log.h"
 #include "base/memory.h"
+#include "base/progress.h"
 
 #include <selvage/ptx_diff.h>
 
@@ -17,8 +18,7 @@ struct work {
     slv_ptx_diff_params params;
     slv_face_diff *out;
     ptx_errors errors;
-    pthread_mutex_t lock;
-    uint64_t done, total;
+    slvi_steps steps;
 };
 
 /* One side of what a range of faces needs. */
@@ -159,11 +159,8 @@ static slv_result compare_range(void *user, uint64_t first, uint64_t end) {
     slv_result result = open_sides(&env, work->files, sides);
     for (uint64_t face = first; face < end && !result; face++)
         result = compare_face(work, &env, sides, (uint32_t)face);
-    pthread_mutex_lock(&work->lock);
-    work->done += end - first;
-    if (work->params.progress)
-        work->params.progress(work->params.progress_user, work->done, work->total);
-    pthread_mutex_unlock(&work->lock);
+    if (!result)
+        result = slvi_steps_add(&work->steps, &env, "comparison", end - first);
     close_sides(sides);
     return result;
 }
@@ -187,11 +184,11 @@ slv_result slv_ptx_diff(const slv_env *env, const slv_ptx *a, const slv_ptx *b,
         return result;
     if (params)
         work.params = *params;
-    work.total = work.infos[0]->nfaces > work.infos[1]->nfaces ? work.infos[0]->nfaces
-                                                               : work.infos[1]->nfaces;
-    pthread_mutex_init(&work.lock, NULL);
-    result = slvi_ptx_parallel_for(env, &work.errors, work.total, GRAIN, compare_range, &work);
-    pthread_mutex_destroy(&work.lock);
+    uint32_t nfaces = work.infos[0]->nfaces > work.infos[1]->nfaces ? work.infos[0]->nfaces
+                                                                    : work.infos[1]->nfaces;
+    slvi_steps_begin(&work.steps, work.params.progress, nfaces);
+    result = slvi_ptx_parallel_for(env, &work.errors, nfaces, GRAIN, compare_range, &work);
+    slvi_steps_end(&work.steps);
     return result;
 }
 

@@ -56,6 +56,7 @@ slv_result slv_ptx_writer_edit(const slv_env *env, const char *path,
         own.compression = params->compression;
         own.sync = params->sync;
         own.memory = params->memory;
+        own.progress = params->progress;
     }
     if ((result = slvi_ptx_writer_begin(env, path, &own, &writer)))
         goto done;
@@ -153,8 +154,8 @@ static slv_result append_all(struct append *append) {
     slv_ptx_writer *writer = append->writer;
     slv_result result = SLV_OK;
     for (uint32_t face = 0; !result && face < writer->params.nfaces; face++)
-        if (writer->given[face])
-            result = append_face(append, face);
+        if (!writer->given[face] || !(result = append_face(append, face)))
+            result = slvi_steps_add(&writer->steps, &writer->env, writer->path, 1);
     if (!result && writer->nmeta)
         result = append_meta(append);
     return result ? result : flush(append);

@@ -233,8 +233,13 @@ static slv_result write_batches(void *user, uint64_t first, uint64_t end) {
     ptx_range_log log;
     slv_env env = slvi_ptx_range_env(&a->writer->env, &a->errors, first, &log);
     slv_result result = SLV_OK;
-    for (uint64_t i = first; i < end && !result; i++)
-        result = write_batch(a, &env, &a->batches[i]);
+    for (uint64_t i = first; i < end && !result; i++) {
+        const struct batch *batch = &a->batches[i];
+        result = write_batch(a, &env, batch);
+        if (!result && !batch->level)
+            result =
+                slvi_steps_add(&a->writer->steps, &env, a->writer->path, batch->end - batch->first);
+    }
     return result;
 }
 

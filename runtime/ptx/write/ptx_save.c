@@ -22,6 +22,8 @@ static slv_result save_faces(void *user, uint64_t first, uint64_t end) {
             .adjacency.face = {SLV_BOUNDARY, SLV_BOUNDARY, SLV_BOUNDARY, SLV_BOUNDARY}};
         result = slvi_ptx_writer_put(save->writer, &env, face, &info,
                                      slv_texture_texels(save->texture, face));
+        if (!result)
+            result = slvi_steps_add(&save->writer->steps, &env, save->writer->path, 1);
     }
     return result;
 }
@@ -59,10 +61,12 @@ slv_result slv_ptx_save(const slv_env *env, const char *path, const slv_texture 
                                  .border_v = params->border_v,
                                  .edge_filter = params->edge_filter,
                                  .no_reductions = params->no_reductions,
-                                 .compression = params->compression};
+                                 .compression = params->compression,
+                                 .progress = params->progress};
     slv_result result = slv_ptx_writer_create(env, path, &own, &save.writer);
     if (result)
         return result;
+    save.writer->steps.total *= 2;
     uint64_t grain = desc->nfaces / (slv_texture_bytes(texture) / (1 << 20) + 1) + 1;
     if (!(result = save_rest(&save, adjacency, params)) &&
         !(result =
@@ -72,14 +76,15 @@ slv_result slv_ptx_save(const slv_env *env, const char *path, const slv_texture 
     return result;
 }
 
-static slv_result rewrite_face(void *user, const slv_env *env, uint32_t face,
-                               const slv_ptx_face *info, void *texels) {
+static slv_result copy_face(void *user, const slv_env *env, uint32_t face, const slv_ptx_face *info,
+                            void *texels) {
     slv_ptx_writer *writer = user;
-    return slvi_ptx_writer_put(writer, env, face, info, texels);
+    slv_result result = slvi_ptx_writer_put(writer, env, face, info, texels);
+    return result ? result : slvi_steps_add(&writer->steps, env, writer->path, 1);
 }
 
-slv_result slv_ptx_rewrite(const slv_env *env, const slv_ptx *ptx, const char *path,
-                           const slv_ptx_writer_params *params) {
+slv_result slvi_ptx_copy(const slv_env *env, const slv_ptx *ptx, const slv_mesh *mesh,
+                         const char *path, const slv_ptx_writer_params *params) {
     slv_ptx_writer *writer = NULL;
     slv_result result = slv_ptx_load_tables(ptx);
     if (result)
@@ -90,15 +95,24 @@ slv_result slv_ptx_rewrite(const slv_env *env, const slv_ptx *ptx, const char *p
         own.compression = params->compression;
         own.sync = params->sync;
         own.memory = params->memory;
+        own.progress = params->progress;
     }
     if ((result = slv_ptx_writer_create(env, path, &own, &writer)))
         return result;
+    writer->steps.total *= 2;
     for (uint32_t i = 0; !result && i < ptx->info.nmeta; i++) {
         const slv_ptx_meta *meta = slv_ptx_get_meta(ptx, i);
         result = meta ? slv_ptx_writer_set_meta(writer, meta) : SLV_ERROR_FORMAT;
     }
-    if (!result && !(result = slv_ptx_visit_faces(env, ptx, rewrite_face, writer)))
+    if (!result && mesh)
+        result = slv_ptx_writer_set_mesh(writer, mesh);
+    if (!result && !(result = slv_ptx_visit_faces(env, ptx, copy_face, writer)))
         result = slv_ptx_writer_finish(writer);
     slv_ptx_writer_destroy(writer);
     return result;
+}
+
+slv_result slv_ptx_rewrite(const slv_env *env, const slv_ptx *ptx, const char *path,
+                           const slv_ptx_writer_params *params) {
+    return slvi_ptx_copy(env, ptx, NULL, path, params);
 }

@@ -7,6 +7,7 @@
 #include "ptx/format/ptx_file.h"
 
 #include "base/memory.h"
+#include "base/progress.h"
 
 /* Levels that can be stored: the smallest has 4 texels a side, of 2^SLV_MAX_LOG2_RES. */
 #define PTX_MAX_STORED_LEVELS SLV_MAX_LOG2_RES
@@ -135,6 +136,7 @@ struct slv_ptx_writer {
     uint8_t *given;      /* whether a face was */
     uint64_t *positions; /* of a face's blocks, level after level, in the spill */
     uint32_t *headers[PTX_MAX_STORED_LEVELS]; /* by face */
+    slvi_steps steps; /* a step is a face packed here, or one put into the finished file */
     ptx_spill spill;
     pthread_mutex_t lock;
     ptx_packer *idle;
@@ -157,6 +159,9 @@ slv_result slvi_ptx_writer_begin(const slv_env *env, const char *path,
 /* slv_ptx_writer_write_face with an environment of the caller's. */
 slv_result slvi_ptx_writer_put(slv_ptx_writer *writer, const slv_env *env, uint32_t face,
                                const slv_ptx_face *info, const void *texels);
+/* ptx_save.c: slv_ptx_rewrite, with a mesh (which may be NULL) in place of the file's own. */
+slv_result slvi_ptx_copy(const slv_env *env, const slv_ptx *ptx, const slv_mesh *mesh,
+                         const char *path, const slv_ptx_writer_params *params);
 /* ptx_writer_mesh.c: the mesh as metadata. */
 slv_result slvi_ptx_writer_set_geometry(slv_ptx_writer *writer, const slv_mesh *mesh);
 

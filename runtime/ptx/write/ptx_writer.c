@@ -81,6 +81,7 @@ slv_result slvi_ptx_writer_begin(const slv_env *env, const char *path,
     writer->pixel_size = params->nchannels * slv_type_size(params->type);
     atomic_init(&writer->failed, false);
     pthread_mutex_init(&writer->lock, NULL);
+    slvi_steps_begin(&writer->steps, params->progress, nfaces);
     if ((result = slvi_parallel_env_begin(env, &writer->log, &writer->env)))
         goto done;
     env = &writer->env;
@@ -152,6 +153,7 @@ void slv_ptx_writer_destroy(slv_ptx_writer *writer) {
     slvi_free(writer->positions);
     slvi_free(writer->path);
     pthread_mutex_destroy(&writer->lock);
+    slvi_steps_end(&writer->steps);
     slvi_parallel_env_end(writer->log);
     slvi_free(writer);
 }

@@ -132,7 +132,7 @@ slv_result experiment_reference(experiment *e, report_source source, const slv_f
                                       .filter = source == REPORT_MITCHELL ? SLV_PIXEL_MITCHELL
                                                                           : SLV_PIXEL_BOX,
                                       .samples = e->report->reference.samples,
-                                      .progress = go_on};
+                                      .progress.report = go_on};
     slv_env outer = *e->env, env = outer;
     env.log = log_unless_interrupted;
     env.log_user = &outer;
