@@ -61,7 +61,7 @@ static int write_all(const slv_env *env, const struct scene *scene, const char *
     }
     printf("%s\n", path);
     /* The textures are made for the mesh as the file has it. */
-    if (slv_mesh_load_obj(env, path, &mesh) || slv_mesh_adjacency(env, mesh, &adjacency) ||
+    if (slv_mesh_load(env, path, &mesh) || slv_mesh_adjacency(env, mesh, &adjacency) ||
         slv_surface_create(env, mesh, NULL, &surface))
         goto done;
     if (write_texture(env, scene, folder, "scene.ptx", mesh, adjacency, surface, 0) ||

@@ -158,7 +158,7 @@ static int run_check(struct check *c) {
     slv_ptx_report *report = NULL, *copy = NULL;
     json_t *root = NULL;
     int code = EXIT_FAILED;
-    if (c->mesh && slv_mesh_load_obj(&env, c->mesh, &mesh))
+    if (c->mesh && slv_mesh_load(&env, c->mesh, &mesh))
         goto done;
     if (check_one(c, &env, c->path, mesh, &report))
         goto done;

@@ -119,13 +119,13 @@ static int run_transfer(struct transfer *t) {
                                   .scheme = (slv_scheme)t->scheme,
                                   .progress = {cli_progress_report, &progress}};
     int code = EXIT_FAILED;
-    if (slv_mesh_load_obj(&env, t->to, &target) || slv_ptx_open(&env, t->paths[0], &ptx))
+    if (slv_mesh_load(&env, t->to, &target) || slv_ptx_open(&env, t->paths[0], &ptx))
         goto done;
     if (slv_ptx_get_info(ptx)->mesh_type != SLV_PTX_QUAD) {
         cli_error("%s: is of triangles; only quads can be transferred", t->paths[0]);
         goto done;
     }
-    if (t->from ? slv_mesh_load_obj(&env, t->from, &source) || slv_ptx_match_mesh(&env, ptx, source)
+    if (t->from ? slv_mesh_load(&env, t->from, &source) || slv_ptx_match_mesh(&env, ptx, source)
                 : slv_ptx_load_mesh(&env, ptx, &source))
         goto done;
     if (slv_ptx_load_texture(&env, ptx, &texture))

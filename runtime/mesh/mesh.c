@@ -66,7 +66,10 @@ static slv_result check_present(const slv_env *env, const slv_mesh_view *view) {
     for (uint32_t g = 0; g < view->ngroups; g++)
         if (!view->group_names[g] || view->group_first[g] < 0 ||
             (uint32_t)view->group_first[g] > view->npolys ||
-            (g && view->group_first[g] < view->group_first[g - 1]))
+            (g && view->group_first[g] < view->group_first[g - 1]) ||
+            (view->group_count &&
+             (view->group_count[g] < 0 ||
+              (uint32_t)view->group_count[g] > view->npolys - (uint32_t)view->group_first[g])))
             return slvi_fail(env, SLV_ERROR_ARGUMENT, "mesh: group %u is out of order", g);
     return SLV_OK;
 }
@@ -121,6 +124,21 @@ static slv_result copy_array(const slv_env *env, slv_mesh *mesh, const void *sou
     return SLV_OK;
 }
 
+/* The mesh always has the counts. */
+static slv_result copy_group_counts(const slv_env *env, slv_mesh *mesh, const slv_mesh_view *from) {
+    int32_t *count = NULL;
+    slv_result result = slvi_alloc(env, "mesh groups", from->ngroups, sizeof *count, &count);
+    if (result)
+        return result;
+    mesh->owned[mesh->nowned++] = count;
+    for (uint32_t g = 0; g < from->ngroups; g++) {
+        int32_t end = g + 1 < from->ngroups ? from->group_first[g + 1] : (int32_t)from->npolys;
+        count[g] = from->group_count ? from->group_count[g] : end - from->group_first[g];
+    }
+    mesh->view.group_count = count;
+    return SLV_OK;
+}
+
 static slv_result copy_groups(const slv_env *env, slv_mesh *mesh, const slv_mesh_view *from) {
     uint64_t bytes = 0;
     char *text = NULL;
@@ -143,6 +161,7 @@ static slv_result copy_groups(const slv_env *env, slv_mesh *mesh, const slv_mesh
         text += size;
     }
     mesh->view.group_names = names;
+    return copy_group_counts(env, mesh, from);
     return SLV_OK;
 }
 

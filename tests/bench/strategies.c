@@ -84,7 +84,7 @@ static slv_result load(const options *o, const char *folder, scene *s) {
     slv_result result;
     snprintf(obj, sizeof obj, "%s/scene.obj", folder);
     snprintf(texture, sizeof texture, "%s/scene.ptx", folder);
-    if ((result = slv_mesh_load_obj(&env, obj, &s->mesh)) ||
+    if ((result = slv_mesh_load(&env, obj, &s->mesh)) ||
         (result = slv_ptx_open(&env, texture, &ptx)) ||
         (result = slv_ptx_match_mesh(&env, ptx, s->mesh)) ||
         (result = slv_ptx_load_texture(&env, ptx, &s->texture)) ||

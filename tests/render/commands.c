@@ -42,7 +42,7 @@ static void make_inputs(void) {
     write_mesh(turned_obj, "turned.obj",
                "f 1 3 4 2\nf 5 6 8 7\nf 2 6 5 1\nf 3 7 8 4\nf 1 5 7 3\nf 2 4 8 6\n");
     kit_join(cube_ptx, inputs, "cube.ptx");
-    REQUIRE(slv_mesh_load_obj(&env, cube_obj, &mesh) == SLV_OK);
+    REQUIRE(slv_mesh_load(&env, cube_obj, &mesh) == SLV_OK);
     REQUIRE(slv_mesh_adjacency(&env, mesh, &adjacency) == SLV_OK);
     REQUIRE(slv_surface_create(&env, mesh, NULL, &surface) == SLV_OK);
     REQUIRE(slv_texture_create(&env, &desc, &texture) == SLV_OK);

@@ -91,7 +91,7 @@ static void check_scene(const char *obj, const char *texels, const char *name) {
     slv_gl_renderer *renderer = NULL;
     slv_mesh_stats stats;
     uint32_t count = 0;
-    REQUIRE(slv_mesh_load_obj(&env, obj, &mesh) == SLV_OK);
+    REQUIRE(slv_mesh_load(&env, obj, &mesh) == SLV_OK);
     REQUIRE(slv_ptx_open(&env, texels, &ptx) == SLV_OK);
     REQUIRE(slv_ptx_load_texture(&env, ptx, &texture) == SLV_OK);
     slv_ptx_close(ptx);

@@ -163,7 +163,7 @@ static void make_cube(const char *obj, const char *ptx, const char *view) {
         .pattern = SLV_PATTERN_POSITION, .frequency = 0.5f, .offset = {-1, -1, -1}};
     char text[1024];
     kit_write(obj, cube_obj, sizeof cube_obj - 1);
-    REQUIRE(slv_mesh_load_obj(&env, obj, &mesh) == SLV_OK);
+    REQUIRE(slv_mesh_load(&env, obj, &mesh) == SLV_OK);
     REQUIRE(slv_mesh_adjacency(&env, mesh, &adjacency) == SLV_OK);
     REQUIRE(slv_surface_create(&env, mesh, &bilinear, &surface) == SLV_OK);
     REQUIRE(slv_texture_create(&env, &desc, &texture) == SLV_OK);

@@ -132,7 +132,7 @@ int main(void) {
     slv_mesh *mesh = NULL;
     slv_adjacency *adjacency = NULL;
     slv_texture *plain = NULL, *tinted = NULL;
-    REQUIRE(!slv_mesh_load_obj(&env, join(path, folder, files[0]), &mesh));
+    REQUIRE(!slv_mesh_load(&env, join(path, folder, files[0]), &mesh));
     slvi_check_mesh(&env, mesh, &adjacency);
     CHECK(check_texture(&env, join(path, folder, files[1]), mesh, &plain) >= 5);
     CHECK(check_texture(&env, join(path, folder, files[2]), mesh, &tinted) >= 5);

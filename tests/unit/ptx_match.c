@@ -97,7 +97,7 @@ static void samples(void) {
         snprintf(obj, sizeof obj, "%s/%s/%s.obj", folder, names[i], names[i]);
         REQUIRE(slv_ptx_open(&env, path, &ptx) == SLV_OK);
         REQUIRE(slv_ptx_load_texture(&env, ptx, &texture) == SLV_OK);
-        REQUIRE(slv_mesh_load_obj(&env, obj, &mesh) == SLV_OK);
+        REQUIRE(slv_mesh_load(&env, obj, &mesh) == SLV_OK);
         CHECK_MSG(slv_ptx_match_mesh(&env, ptx, mesh) == SLV_OK, "%s", test_last_log);
         REQUIRE(slv_ptx_load_mesh(&env, ptx, &inside) == SLV_OK);
         CHECK_MSG(slv_ptx_match_mesh(&env, ptx, inside) == SLV_OK, "%s", test_last_log);

@@ -71,7 +71,7 @@ static void check_file(const char *path, const char *name) {
     slv_mesh *mesh = NULL;
     slv_adjacency *a = NULL, *again = NULL;
     test_last_log[0] = 0;
-    if (slv_mesh_load_obj(&env, path, &mesh)) {
+    if (slv_mesh_load(&env, path, &mesh)) {
         CHECK_MSG(test_last_log[0] != 0, "%s was refused without a word", name);
         fprintf(stderr, "refused: %s\n", test_last_log);
         return;

@@ -57,7 +57,7 @@ static void write_ptx(void) {
     slv_adjacency *adjacency = NULL;
     char path[256];
     snprintf(path, sizeof path, "%s/mesh.obj", folder);
-    REQUIRE(!slv_mesh_load_obj(&env, path, &mesh));
+    REQUIRE(!slv_mesh_load(&env, path, &mesh));
     REQUIRE(!slv_mesh_adjacency(&env, mesh, &adjacency));
     REQUIRE(!slv_texture_create(&env, &desc, &texture));
     uint8_t texels[32 * 3];

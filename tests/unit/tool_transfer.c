@@ -85,7 +85,7 @@ static float worst_error(const char *name, const char *obj) {
     slv_ptx *ptx = tool_open(name);
     slv_mesh *mesh = NULL;
     float worst = 0, texels[2 * 64 * 64];
-    REQUIRE(!slv_mesh_load_obj(&env, tool_path(obj), &mesh));
+    REQUIRE(!slv_mesh_load(&env, tool_path(obj), &mesh));
     const slv_mesh_view *view = slv_mesh_get_view(mesh);
     for (uint32_t face = 0; face < slv_ptx_get_info(ptx)->nfaces; face++) {
         slv_ptx_face info;

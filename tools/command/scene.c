@@ -3,26 +3,39 @@
 #include <math.h>
 #include <string.h>
 
-/* The box around all groups of a name; all polygons if the name is NULL. False if there is no such
- * group. */
-static bool find_bounds(const slv_mesh_view *mesh, const char *group, float low[3], float high[3]) {
-    const int32_t *verts = mesh->poly_verts;
-    bool inside = !group, found = false;
-    uint32_t next = 0;
-    for (int c = 0; c < 3; c++) {
-        low[c] = INFINITY;
-        high[c] = -INFINITY;
-    }
-    for (uint32_t p = 0; p < mesh->npolys; verts += mesh->poly_sizes[p++]) {
-        for (; group && next < mesh->ngroups && mesh->group_first[next] <= (int32_t)p; next++)
-            inside = strcmp(mesh->group_names[next], group) == 0;
-        for (int32_t k = 0; inside && k < mesh->poly_sizes[p]; k++) {
+/* The box around polygons first..end-1, whose vertices begin at `verts`. */
+static void add_bounds(const slv_mesh_view *mesh, const int32_t *verts, uint32_t first,
+                       uint32_t end, float low[3], float high[3]) {
+    for (uint32_t p = first; p < end; verts += mesh->poly_sizes[p++])
+        for (int32_t k = 0; k < mesh->poly_sizes[p]; k++)
             for (int c = 0; c < 3; c++) {
                 low[c] = fminf(low[c], mesh->positions[3 * (size_t)verts[k] + (size_t)c]);
                 high[c] = fmaxf(high[c], mesh->positions[3 * (size_t)verts[k] + (size_t)c]);
             }
-        }
-        found |= inside;
+}
+
+/* The box around all groups of a name; all polygons if the name is NULL. False if there is no such
+ * group. */
+static bool find_bounds(const slv_mesh_view *mesh, const char *group, float low[3], float high[3]) {
+    const int32_t *verts = mesh->poly_verts;
+    uint32_t at = 0;
+    bool found = false;
+    for (int c = 0; c < 3; c++) {
+        low[c] = INFINITY;
+        high[c] = -INFINITY;
+    }
+    if (!group) {
+        add_bounds(mesh, verts, 0, mesh->npolys, low, high);
+        return mesh->npolys > 0;
+    }
+    for (uint32_t g = 0; g < mesh->ngroups; g++) {
+        if (strcmp(mesh->group_names[g], group) != 0)
+            continue;
+        uint32_t first = (uint32_t)mesh->group_first[g];
+        while (at < first) /* runs are in the order of their beginnings */
+            verts += mesh->poly_sizes[at++];
+        add_bounds(mesh, verts, first, first + (uint32_t)mesh->group_count[g], low, high);
+        found |= mesh->group_count[g] > 0;
     }
     return found;
 }
@@ -33,7 +46,7 @@ slv_result scene_load(const slv_env *env, const scene_params *params, scene_data
     memset(out, 0, sizeof *out);
     if ((result = slv_ptx_open(env, params->ptx, &ptx)))
         goto done;
-    result = params->mesh ? slv_mesh_load_obj(env, params->mesh, &out->mesh)
+    result = params->mesh ? slv_mesh_load(env, params->mesh, &out->mesh)
                           : slv_ptx_load_mesh(env, ptx, &out->mesh);
     if (result || (params->adjacency == 0 && (result = slv_ptx_match_mesh(env, ptx, out->mesh))))
         goto done;

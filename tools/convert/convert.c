@@ -45,7 +45,7 @@ static int run_convert(const cli_command *command, const convert_options *option
     int code = EXIT_FAILED;
     bool to_ptx = ends_with(paths[1], ".ptx"),
          to_sheet = ends_with(paths[1], ".png") || ends_with(paths[1], ".exr");
-    if (options->mesh && slv_mesh_load_obj(&env, options->mesh, &mesh))
+    if (options->mesh && slv_mesh_load(&env, options->mesh, &mesh))
         goto done;
     if (is_folder(paths[0]) || ends_with(paths[0], ".json")) {
         if (!to_ptx)

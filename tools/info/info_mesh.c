@@ -24,15 +24,13 @@ static void print_valences(const slv_mesh_stats *stats) {
 
 static void print_groups(const slv_mesh_view *view) {
     for (uint32_t g = 0; g < view->ngroups; g++) {
-        int32_t next = g + 1 < view->ngroups ? view->group_first[g + 1] : (int32_t)view->npolys;
         if (g == GROUPS_SHOWN) {
             info_line("", "and %u more", view->ngroups - g);
             break;
         }
         printf("  %-14s", g ? "" : "Groups");
         output_terminal(stdout, view->group_names[g], strlen(view->group_names[g]), 60);
-        printf(", %d polygon%s\n", next - view->group_first[g],
-               next - view->group_first[g] == 1 ? "" : "s");
+        printf(", %d polygon%s\n", view->group_count[g], view->group_count[g] == 1 ? "" : "s");
     }
 }
 
@@ -92,9 +90,10 @@ static json_t *groups_json(const slv_mesh_view *view) {
     json_t *list = json_array();
     for (uint32_t g = 0; g < view->ngroups; g++) {
         const char *name = view->group_names[g];
-        list =
-            info_append(list, json_pack("{s:o, s:I}", "name", output_json_text(name, strlen(name)),
-                                        "first_polygon", (json_int_t)view->group_first[g]));
+        list = info_append(list, json_pack("{s:o, s:I, s:I}", "name",
+                                           output_json_text(name, strlen(name)), "first_polygon",
+                                           (json_int_t)view->group_first[g], "polygons",
+                                           (json_int_t)view->group_count[g]));
     }
     return list;
 }
@@ -137,7 +136,7 @@ int info_mesh(const slv_env *env, const char *path, const info_options *options)
     slv_adjacency *adjacency = NULL;
     slv_mesh_stats stats;
     int code = EXIT_FAILED;
-    if (slv_mesh_load_obj(env, path, &mesh) || slv_mesh_get_stats(env, mesh, &stats) ||
+    if (slv_mesh_load(env, path, &mesh) || slv_mesh_get_stats(env, mesh, &stats) ||
         (options->faces && slv_mesh_adjacency(env, mesh, &adjacency)))
         goto done;
     if (options->json) {

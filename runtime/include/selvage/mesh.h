@@ -1,4 +1,4 @@
-/* Polygon control meshes: from OBJ files, from arrays, and their faces in Ptex order. */
+/* Polygon control meshes: from OBJ and PLY files, from arrays, and their faces in Ptex order. */
 #ifndef SELVAGE_MESH_H
 #define SELVAGE_MESH_H
 
@@ -44,9 +44,12 @@ typedef struct slv_mesh_view {
     const int32_t *hole_polys;
     slv_boundary boundary; /* what the file asked for; default if it did not say */
 
-    uint32_t ngroups; /* runs of polygons in file order */
+    /* Runs of polygons under a name, by their first polygon. They may overlap, and a name may have
+     * several. */
+    uint32_t ngroups;
     const char *const *group_names;
-    const int32_t *group_first; /* first polygon of each group, ascending */
+    const int32_t *group_first; /* first polygon of each run, ascending */
+    const int32_t *group_count; /* how many; NULL if each ends where the next begins */
 } slv_mesh_view;
 
 /* A checked copy of such arrays. Immutable; any number of threads may read it. */
@@ -74,14 +77,24 @@ typedef struct slv_mesh_stats {
  * position that is not finite is SLV_ERROR_FORMAT, naming the polygon. */
 SLV_API slv_result slv_mesh_create(const slv_env *env, const slv_mesh_view *view, slv_mesh **out);
 
-/* Reads a Wavefront OBJ file: v, vt, vn, f (any of the four index forms, negative indices, n-gons),
- * g and o, and OpenSubdiv's tag lines (t crease, corner, interpolateboundary, hole; other tags are
- * reported once and skipped). Errors name the file and the line. */
-SLV_API slv_result slv_mesh_load_obj(const slv_env *env, const char *path, slv_mesh **out);
-/* The same from `size` bytes in memory; `name` is used in messages. */
+/* Reads a file that slv_mesh_parse_obj or slv_mesh_parse_ply understands, told apart by its first
+ * bytes, as it is or packed by gzip. */
+SLV_API slv_result slv_mesh_load(const slv_env *env, const char *path, slv_mesh **out);
+/* Reads `size` bytes of a Wavefront OBJ file; `name` stands in messages for the file. v, vt, vn, f (any of the four index forms, negative indices, n-gons),
+ * g (a run for each name of the line) and o, and OpenSubdiv's tag lines (t crease, corner,
+ * interpolateboundary, hole). Errors name the file and the line. What is left out is told in one
+ * warning for each kind: indices of texture coordinates and normals that are not there, faces of
+ * fewer than three vertices, unknown statements and tags, and backslashes at the end of comments and
+ * names, which join no lines. */
 SLV_API slv_result slv_mesh_parse_obj(const slv_env *env, const char *name, const char *text,
                                       size_t size, slv_mesh **out);
-/* Writes positions, polygons, creases, corners, holes and boundary rule. Atomic: beside, then
+/* The same from a PLY file (Turk 1994), text or binary of either byte order: the element vertex with
+ * x, y, z and texture coordinates (s t, u v, texture_u texture_v), and face with vertex_indices or
+ * vertex_index. Faces of fewer than three vertices are left out and told in one warning; other
+ * elements and properties are passed over; triangle strips are SLV_ERROR_UNSUPPORTED. */
+SLV_API slv_result slv_mesh_parse_ply(const slv_env *env, const char *name, const char *bytes,
+                                      size_t size, slv_mesh **out);
+/* Writes positions, polygons, groups, creases, corners, holes and boundary rule. Atomic: beside, then
  * rename. */
 SLV_API slv_result slv_mesh_save_obj(const slv_env *env, const slv_mesh *mesh, const char *path);
 SLV_API void slv_mesh_destroy(slv_mesh *mesh);

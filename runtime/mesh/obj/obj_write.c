@@ -1,7 +1,9 @@
+/* Writing a mesh as an OBJ file. */
 #include "mesh/mesh_data.h"
 
 #include "base/file.h"
 #include "base/log.h"
+#include "base/memory.h"
 
 #include <errno.h>
 #include <inttypes.h>
@@ -9,26 +11,58 @@
 #include <stdio.h>
 #include <string.h>
 
-/* A line end in a name would start a statement. */
-static void write_group(FILE *stream, const char *name) {
-    fputs("g ", stream);
+/* A line end in a name would start a statement, a blank another name. */
+static void write_name(FILE *stream, const char *name) {
+    fputc(' ', stream);
     for (; *name; name++)
-        fputc((unsigned char)*name < 0x20 || *name == '\\' ? '_' : *name, stream);
+        fputc((unsigned char)*name <= 0x20 || *name == '\\' || *name == '#' ? '_' : *name, stream);
+}
+
+/* The runs that cover the polygon being written. */
+typedef struct open_groups {
+    uint32_t *open;
+    uint32_t count, begun; /* open; of all runs, how many have begun */
+    uint32_t next_end;     /* the first polygon that one of the open ones does not cover */
+} open_groups;
+
+static uint32_t group_end(const slv_mesh_view *view, uint32_t group) {
+    return (uint32_t)view->group_first[group] + (uint32_t)view->group_count[group];
+}
+
+/* One g with the names of all runs that cover a polygon, where one begins or ends. */
+static void write_groups(FILE *stream, const slv_mesh_view *view, uint32_t poly, open_groups *o) {
+    uint32_t kept = 0;
+    if (poly < o->next_end &&
+        (o->begun == view->ngroups || (uint32_t)view->group_first[o->begun] > poly))
+        return;
+    while (o->begun < view->ngroups && (uint32_t)view->group_first[o->begun] <= poly)
+        o->open[o->count++] = o->begun++;
+    o->next_end = UINT32_MAX;
+    for (uint32_t i = 0; i < o->count; i++) {
+        uint32_t end = group_end(view, o->open[i]);
+        if (end <= poly)
+            continue;
+        o->open[kept++] = o->open[i];
+        o->next_end = end < o->next_end ? end : o->next_end;
+    }
+    o->count = kept;
+    fputc('g', stream);
+    for (uint32_t i = 0; i < kept; i++)
+        write_name(stream, view->group_names[o->open[i]]);
     fputc('\n', stream);
 }
 
 /* The decimal point is the locale's otherwise; nine digits give back the same float. */
-static void write_mesh(FILE *stream, const slv_mesh *mesh) {
+static void write_mesh(FILE *stream, const slv_mesh *mesh, uint32_t *open) {
     const slv_mesh_view *view = &mesh->view;
     static const int rules[] = {-1, 0, 2, 1};
-    uint32_t group = 0;
+    open_groups groups = {.open = open, .next_end = UINT32_MAX};
     for (uint32_t v = 0; v < view->nverts; v++) {
         const float *p = view->positions + 3 * (size_t)v;
         fprintf(stream, "v %.9g %.9g %.9g\n", (double)p[0], (double)p[1], (double)p[2]);
     }
     for (uint32_t p = 0; p < view->npolys; p++) {
-        for (; group < view->ngroups && (uint32_t)view->group_first[group] <= p; group++)
-            write_group(stream, view->group_names[group]);
+        write_groups(stream, view, p, &groups);
         fputc('f', stream);
         for (uint32_t s = mesh->poly_first[p]; s < mesh->poly_first[p + 1]; s++)
             fprintf(stream, " %" PRId64, (int64_t)view->poly_verts[s] + 1);
@@ -49,24 +83,28 @@ static void write_mesh(FILE *stream, const slv_mesh *mesh) {
 
 slv_result slv_mesh_save_obj(const slv_env *env, const slv_mesh *mesh, const char *path) {
     slv_file_writer writer;
+    uint32_t *open = NULL;
     slv_result result = slvi_file_writer_open(env, path, &writer);
     if (result)
         return result;
+    if ((result = slvi_alloc(env, path, mesh->view.ngroups, sizeof *open, &open)))
+        goto done;
     locale_t plain = newlocale(LC_ALL_MASK, "C", (locale_t)0);
     if (!plain) {
         result = slvi_fail(env, SLV_ERROR_MEMORY, "%s: no memory for the C locale", path);
         goto done;
     }
     locale_t before = uselocale(plain);
-    write_mesh(writer.stream, mesh);
+    write_mesh(writer.stream, mesh, open);
     uselocale(before);
     freelocale(plain);
     if (ferror(writer.stream)) {
         result = slvi_fail(env, SLV_ERROR_IO, "%s: write failed: %s", path, strerror(errno));
         goto done;
     }
-    return slvi_file_writer_commit(env, &writer);
+    result = slvi_file_writer_commit(env, &writer);
 done:
+    slvi_free(open);
     slvi_file_writer_abandon(&writer);
     return result;
 }

@@ -1,4 +1,5 @@
-/* A text of any bytes as an OBJ mesh: parsed, connected, subdivided, written and read again. */
+/* Bytes of any kind as an OBJ mesh, or as a PLY mesh if they begin so: parsed, connected,
+ * subdivided, written and read again. */
 #include "kit/fuzz_kit.h"
 
 #include <selvage/surface.h>
@@ -28,7 +29,7 @@ static void check_copy(const slv_env *env, const slv_mesh *mesh) {
     const slv_mesh_view *view = slv_mesh_get_view(mesh);
     slv_mesh *copy = NULL;
     FUZZ_REQUIRE(!FUZZ_CALL(slv_mesh_save_obj(env, mesh, fuzz_path("out.obj"))), "not written");
-    FUZZ_REQUIRE(!FUZZ_CALL(slv_mesh_load_obj(env, fuzz_path("out.obj"), &copy)), "not read: %s",
+    FUZZ_REQUIRE(!FUZZ_CALL(slv_mesh_load(env, fuzz_path("out.obj"), &copy)), "not read: %s",
                  fuzz_last);
     const slv_mesh_view *again = slv_mesh_get_view(copy);
     FUZZ_REQUIRE(again->nverts == view->nverts && again->npolys == view->npolys &&
@@ -47,7 +48,9 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size) {
     slv_mesh *mesh = NULL;
     slv_mesh_stats stats;
     slv_adjacency *adjacency = NULL;
-    if (FUZZ_CALL(slv_mesh_parse_obj(&env, "fuzz.obj", (const char *)data, size, &mesh)))
+    bool ply = size >= 3 && memcmp(data, "ply", 3) == 0;
+    if (FUZZ_CALL(ply ? slv_mesh_parse_ply(&env, "fuzz.ply", (const char *)data, size, &mesh)
+                      : slv_mesh_parse_obj(&env, "fuzz.obj", (const char *)data, size, &mesh)))
         return 0;
     const slv_mesh_view *view = slv_mesh_get_view(mesh);
     uint64_t sides = 0;

@@ -1,6 +1,6 @@
 /* Words and numbers of a text file, line by line, without regard to the locale. */
-#ifndef SLV_MESH_OBJ_SCAN_H
-#define SLV_MESH_OBJ_SCAN_H
+#ifndef SLV_MESH_TEXT_SCAN_H
+#define SLV_MESH_TEXT_SCAN_H
 
 #include <stdbool.h>
 #include <stddef.h>

@@ -1,4 +1,5 @@
-#include "mesh/obj/obj_scan.h"
+/* Reading words and numbers out of text. */
+#include "mesh/text_scan.h"
 
 #include <math.h>
 
