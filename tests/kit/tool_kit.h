@@ -1,9 +1,10 @@
-/* What the tests of the command's verbs share: a folder, and the command run in it as a user runs
- * it. */
+/* What the tests of the command's verbs share: a folder, and the command run in it. */
 #ifndef SLV_TOOL_KIT_H
 #define SLV_TOOL_KIT_H
 
 #include "kit/ptx_kit.h"
+
+#include "verbs.h"
 
 #include <selvage/ptx_writer.h>
 
@@ -31,23 +32,81 @@ static inline void tool_end(void) {
     CHECK(system(line) == 0);
 }
 
-/* Runs `selvage ARGUMENTS` in the folder and returns the exit code. */
+/* The words of a command line, quotes removed, into `line`'s own bytes. Returns how many, or -1 if
+ * it takes a shell to understand it. */
+static inline int tool_words(char *line, char *words[], int room) {
+    int count = 0;
+    for (char *from = line; *(from += strspn(from, " "));) {
+        char *to = from, quote = 0; /* which one is open */
+        if (count == room)
+            return -1;
+        words[count++] = from;
+        for (; *from && (quote || *from != ' '); from++) {
+            if (quote ? *from == quote : *from == '\'' || *from == '"')
+                quote = quote ? 0 : *from;
+            else if (quote != '\'' && strchr("<>|&;$\\`*?\n", *from))
+                return -1;
+            else
+                *to++ = *from;
+        }
+        from += *from == ' ';
+        *to = 0;
+    }
+    words[count] = NULL;
+    return count;
+}
+
+/* The command in a process that need not be started: a fork of this one. `words` has room for a
+ * first one. */
+static inline pid_t tool_fork(char *words[], int count, FILE **out) {
+    int ends[2];
+    REQUIRE(pipe(ends) == 0);
+    fflush(NULL);
+    pid_t child = fork();
+    REQUIRE(child >= 0);
+    if (child == 0) {
+        close(ends[0]);
+        dup2(ends[1], STDOUT_FILENO);
+        dup2(ends[1], STDERR_FILENO);
+        close(ends[1]);
+        words[0] = "selvage";
+        exit(chdir(tool_folder) == 0 ? command_main(count + 1, words) : 127);
+    }
+    close(ends[1]);
+    *out = fdopen(ends[0], "r");
+    REQUIRE(*out);
+    return child;
+}
+
+/* Runs `selvage ARGUMENTS` in the folder and returns the exit code. What takes a shell starts the
+ * installed command; the rest calls it. */
 static inline int tool(const char *format, ...) __attribute__((format(printf, 1, 2)));
 static inline int tool(const char *format, ...) {
+    enum { ROOM = 64 };
     const char *bin = getenv("SELVAGE_BIN");
-    char line[4096], arguments[2048];
+    char line[4096], arguments[2048], *words[ROOM + 2];
+    int status = -1;
+    FILE *out = NULL;
     va_list args;
     va_start(args, format);
     vsnprintf(arguments, sizeof arguments, format, args);
     va_end(args);
     snprintf(line, sizeof line, "cd '%s' && '%s/selvage' 2>&1 %s", tool_folder, bin ? bin : "bin",
              arguments);
-    FILE *pipe = popen(line, "r");
-    if (!pipe)
+    int count = tool_words(arguments, words + 1, ROOM);
+    pid_t child = count < 0 ? 0 : tool_fork(words, count, &out);
+    if (count < 0)
+        out = popen(line, "r");
+    if (!out)
         return -1;
-    size_t got = fread(tool_out, 1, sizeof tool_out - 1, pipe);
+    size_t got = fread(tool_out, 1, sizeof tool_out - 1, out);
     tool_out[got] = 0;
-    int status = pclose(pipe);
+    if (count < 0) {
+        status = pclose(out);
+    } else {
+        fclose(out);
+        REQUIRE(waitpid(child, &status, 0) == child);
+    }
     return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
 }
 

@@ -1,22 +1,22 @@
-/* The command on 2,000 spoilt .ptx files: info, check and convert end soon, with a result or with
- * words, and leave nothing half done. A file on which one does not is kept beside the test's
- * folder. SELVAGE_MUTATIONS is another number of files; sanitizers, under which a process takes ten
- * times as long to start, have fewer. */
+/* The command's verbs on 2,000 spoilt .ptx files: info, check and convert end soon, with a result
+ * or with words, and leave nothing half done. They are called, many in one process, which another
+ * one follows where a verb took it down; what happened is told with the number of the file, which
+ * is all that it is made from, and the file is kept beside the test's folder. SELVAGE_MUTATIONS is
+ * another number of files, or FIRST-LAST; sanitizers have fewer. */
 #include "kit/tool_kit.h"
 
 #include <selvage/ptx.h>
 
 #include <fcntl.h>
 #include <signal.h>
+#include <sys/mman.h>
 #include <sys/stat.h>
+#include <sys/time.h>
 
-#if TEST_SANITIZED
-enum { MUTATIONS = 120, LIMIT_SECONDS = 40 };
-#else
-enum { MUTATIONS = 2000, LIMIT_SECONDS = 5 };
-#endif
-
-enum { MAX_SAMPLES = 64, SLOTS = 4, HEADER = 104 };
+enum { MUTATIONS = TEST_SANITIZED ? 300 : 2000 };
+/* Of a processor's time, for one verb: far more than any takes on a slow machine. */
+enum { LIMIT_SECONDS = TEST_SANITIZED ? 120 : 30 };
+enum { MAX_SAMPLES = 64, HEADER = 104, BATCH = 100 };
 enum { INFO, CHECKS, CONVERT, VERBS };
 
 static const char *const verb_names[VERBS] = {"info", "check", "convert"};
@@ -27,18 +27,20 @@ struct sample {
     size_t size;
 };
 
-/* A spoilt file and the process that looks at it, in a folder of their own. */
-struct slot {
+/* What the process that calls verbs has got to: shared with the one that waits for it. */
+struct progress {
     uint32_t mutation, sample;
-    int verb;
-    pid_t pid;
-    char folder[300], in[320], out[320], words[2][320];
+    int verb; /* VERBS between two files */
+    int checks, failures;
+    uint32_t codes[VERBS][3]; /* how often each verb ended with 0, 1, 2 */
 };
 
 static struct sample samples[MAX_SAMPLES];
 static uint32_t nsamples;
-static char command[1024];
-static uint32_t codes[VERBS][3]; /* how often each verb ended with 0, 1, 2 */
+static struct progress *progress;
+static char place[300], in[320], out[320],
+    words[2][320]; /* a folder; files; the last two are printed to */
+static int own_stderr;
 
 static int by_name(const void *left, const void *right) {
     return strcmp(((const struct sample *)left)->name, ((const struct sample *)right)->name);
@@ -125,45 +127,34 @@ static uint8_t *spoil(uint32_t mutation, uint32_t *sample, size_t *size) {
     return bytes;
 }
 
-static void write_words(const char *path) {
-    int file = open(path, O_WRONLY | O_CREAT | O_TRUNC, 0600);
-    if (file < 0)
-        _exit(99);
-    dup2(file, path[strlen(path) - 1] == 't' ? STDOUT_FILENO : STDERR_FILENO);
-    close(file);
-}
-
-static void start(struct slot *slot) {
-    slot->pid = fork();
-    REQUIRE(slot->pid >= 0);
-    if (slot->pid)
-        return;
-    alarm(LIMIT_SECONDS); /* goes with the process that it becomes, and ends it */
-    write_words(slot->words[0]);
-    write_words(slot->words[1]);
-    if (slot->verb == INFO)
-        execl(command, command, "info", slot->mutation % 3 ? "--faces" : "--json", "--meta",
-              slot->in, (char *)NULL);
-    else if (slot->verb == CHECKS)
-        execl(command, command, "check", slot->mutation % 4 ? "--show=3" : "--seams=0.1", slot->in,
-              (char *)NULL);
-    else if (slot->mutation % 2)
-        execl(command, command, "convert", slot->in, slot->out, (char *)NULL);
-    else
-        execl(command, command, "convert", "--scale=1/2", "--type=half", slot->in, slot->out,
-              (char *)NULL);
-    _exit(98);
-}
-
-static void begin(struct slot *slot, uint32_t mutation) {
+static void write_input(uint32_t mutation) {
     size_t size;
-    uint8_t *bytes = spoil(mutation, &slot->sample, &size);
-    FILE *stream = fopen(slot->in, "wb");
+    uint8_t *bytes = spoil(mutation, &progress->sample, &size);
+    FILE *stream = fopen(in, "wb");
     REQUIRE(stream && fwrite(bytes, 1, size, stream) == size && fclose(stream) == 0);
     free(bytes);
-    slot->mutation = mutation;
-    slot->verb = 0;
-    start(slot);
+}
+
+static void print_to(int stream, const char *path) {
+    int file = open(path, O_WRONLY | O_CREAT | O_TRUNC, 0600);
+    REQUIRE(file >= 0 && dup2(file, stream) == stream && close(file) == 0);
+}
+
+static int call_verb(int verb, uint32_t mutation) {
+    char *lines[VERBS][7] = {{"selvage", "info", mutation % 3 ? "--faces" : "--json", "--meta", in},
+                             {"selvage", "check", mutation % 4 ? "--show=3" : "--seams=0.1", in},
+                             {"selvage", "convert", "--scale=1/2", "--type=half", in, out}};
+    char *whole[] = {"selvage", "convert", in, out, NULL};
+    char **line = verb == CONVERT && mutation % 2 ? whole : lines[verb];
+    int count = 0;
+    while (line[count])
+        count++;
+    print_to(STDOUT_FILENO, words[0]);
+    print_to(STDERR_FILENO, words[1]);
+    int code = command_main(count, line);
+    fflush(stdout);
+    dup2(own_stderr, STDERR_FILENO);
+    return code;
 }
 
 static bool has_words(const char *path) {
@@ -190,76 +181,124 @@ static bool is_good(const char *path) {
     return good;
 }
 
-static void judge(const struct slot *slot, int status) {
-    int code = WIFEXITED(status) ? WEXITSTATUS(status) : -1;
-    bool written = slot->verb == CONVERT && code == 0, printed = has_words(slot->words[0]),
-         explained = has_words(slot->words[1]) || (slot->verb == CHECKS && printed);
-    int before = test_failures;
-    char what[200];
-    snprintf(what, sizeof what, "%s of %s, mutation %u", verb_names[slot->verb],
-             samples[slot->sample].name, slot->mutation);
-    CHECK_MSG(!WIFSIGNALED(status), "%s: ended by signal %d%s", what, WTERMSIG(status),
-              WTERMSIG(status) == SIGALRM ? ": it took too long" : "");
-    CHECK_MSG(!WIFEXITED(status) || (code >= 0 && code <= 2), "%s: exit code %d", what, code);
+static const char *describe(void) {
+    static char what[200];
+    snprintf(what, sizeof what, "%s of %s, mutation %u", verb_names[progress->verb],
+             samples[progress->sample].name, progress->mutation);
+    return what;
+}
+
+static void keep(void) {
+    char kept[400];
+    snprintf(kept, sizeof kept, "%s-mutation-%u.ptx", tool_folder, progress->mutation);
+    if (link(in, kept) == 0)
+        fprintf(stderr, "kept as %s\n", kept);
+}
+
+static void judge(int code) {
+    int verb = progress->verb, before = test_failures;
+    bool written = verb == CONVERT && code == 0, printed = has_words(words[0]),
+         explained = has_words(words[1]) || (verb == CHECKS && printed);
+    const char *what = describe();
+    CHECK_MSG(code >= 0 && code <= 2, "%s: exit code %d", what, code);
     CHECK_MSG(code == 0 || explained, "%s: exit code %d without a word", what, code);
-    CHECK_MSG(code != 0 || printed || slot->verb == CONVERT, "%s: no answer", what);
-    CHECK_MSG(count_files(slot->folder) == 1 + (uint32_t)written, "%s: files were left", what);
-    CHECK_MSG(!written || is_good(slot->out), "%s: its result cannot be read: %s", what,
-              test_last_log);
+    CHECK_MSG(code != 0 || printed || verb == CONVERT, "%s: no answer", what);
+    CHECK_MSG(count_files(place) == 1 + (uint32_t)written, "%s: files were left", what);
+    CHECK_MSG(!written || is_good(out), "%s: its result cannot be read: %s", what, test_last_log);
     if (code >= 0 && code <= 2)
-        codes[slot->verb][code]++;
-    remove(slot->out);
-    if (test_failures > before && test_failures <= 20) {
-        char kept[400];
-        snprintf(kept, sizeof kept, "%s-mutation-%u.ptx", tool_folder, slot->mutation);
-        if (link(slot->in, kept) == 0)
-            fprintf(stderr, "kept as %s\n", kept);
+        progress->codes[verb][code]++;
+    remove(out);
+    if (test_failures > before && test_failures <= 20)
+        keep();
+}
+
+/* In a process of its own; where a verb ends it, `progress` says which. */
+static void run_batch(uint32_t first, uint32_t end) {
+    struct itimerval limit = {{0, 0}, {LIMIT_SECONDS, 0}};
+    int checks = test_checks, failures = test_failures;
+    for (uint32_t mutation = first; mutation < end; mutation++) {
+        progress->mutation = mutation;
+        write_input(mutation);
+        for (int verb = 0; verb < VERBS; verb++) {
+            progress->verb = verb;
+            REQUIRE(setitimer(ITIMER_PROF, &limit, NULL) == 0);
+            judge(call_verb(verb, mutation));
+            progress->checks = test_checks - checks;
+            progress->failures = test_failures - failures;
+        }
+        progress->verb = VERBS;
     }
 }
 
+static void print_words(const char *path) {
+    size_t size;
+    char *text = (char *)read_whole(path, &size);
+    if (text)
+        fprintf(stderr, "%.*s", (int)(size < 4000 ? size : 4000), text);
+    free(text);
+}
+
+/* Returns the first file that was not looked at. */
+static uint32_t start_batch(uint32_t first, uint32_t end) {
+    int status;
+    progress->mutation = first;
+    progress->verb = VERBS;
+    progress->checks = progress->failures = 0;
+    fflush(NULL);
+    pid_t child = fork();
+    REQUIRE(child >= 0);
+    if (child == 0) {
+        run_batch(first, end);
+        exit(0);
+    }
+    REQUIRE(waitpid(child, &status, 0) == child);
+    test_checks += progress->checks;
+    test_failures += progress->failures;
+    if (progress->verb == VERBS) { /* leaks are found when the process ends */
+        CHECK_MSG(WIFEXITED(status) && WEXITSTATUS(status) == 0,
+                  "mutations %u to %u: status %d at the end of the process", first, end - 1,
+                  status);
+        return progress->mutation + 1;
+    }
+    CHECK_MSG(!WIFSIGNALED(status), "%s: ended by signal %d%s", describe(), WTERMSIG(status),
+              WTERMSIG(status) == SIGPROF ? ": it took too long" : "");
+    CHECK_MSG(!WIFEXITED(status), "%s: ended the process with %d", describe(), WEXITSTATUS(status));
+    print_words(words[1]);
+    keep();
+    remove(out);
+    return progress->mutation + 1;
+}
+
 int main(void) {
-    static struct slot slots[SLOTS];
     const char *wanted = getenv("SELVAGE_MUTATIONS");
-    uint32_t count = wanted ? (uint32_t)strtoul(wanted, NULL, 10) : MUTATIONS, next = 0,
-             running = 0;
-    const char *bin = getenv("SELVAGE_BIN");
-    snprintf(command, sizeof command, "%s/selvage", bin ? bin : "bin");
-    REQUIRE(access(command, X_OK) == 0);
+    uint32_t next = 0, end = MUTATIONS;
+    if (wanted && strchr(wanted, '-')) {
+        next = (uint32_t)strtoul(wanted, NULL, 10);
+        end = (uint32_t)strtoul(strchr(wanted, '-') + 1, NULL, 10) + 1;
+    } else if (wanted) {
+        end = (uint32_t)strtoul(wanted, NULL, 10);
+    }
+    uint32_t count = end - next;
+    progress =
+        mmap(NULL, sizeof *progress, PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS, -1, 0);
+    REQUIRE(progress != MAP_FAILED);
     tool_begin();
     load_samples();
-    for (uint32_t i = 0; i < SLOTS; i++) {
-        struct slot *slot = &slots[i];
-        snprintf(slot->folder, sizeof slot->folder, "%s/%u", tool_folder, i);
-        snprintf(slot->in, sizeof slot->in, "%s/in.ptx", slot->folder);
-        snprintf(slot->out, sizeof slot->out, "%s/out.ptx", slot->folder);
-        snprintf(slot->words[0], sizeof slot->words[0], "%s.out", slot->folder);
-        snprintf(slot->words[1], sizeof slot->words[1], "%s.err", slot->folder);
-        REQUIRE(mkdir(slot->folder, 0700) == 0);
-        if (next < count) {
-            begin(slot, next++);
-            running++;
-        }
-    }
-    while (running) {
-        int status;
-        pid_t pid = wait(&status);
-        REQUIRE(pid > 0);
-        struct slot *slot = slots;
-        while (slot->pid != pid)
-            slot++;
-        judge(slot, status);
-        if (++slot->verb < VERBS)
-            start(slot);
-        else if (next < count)
-            begin(slot, next++);
-        else
-            running--;
-    }
+    snprintf(place, sizeof place, "%s/here", tool_folder);
+    snprintf(in, sizeof in, "%s/in.ptx", place);
+    snprintf(out, sizeof out, "%s/out.ptx", place);
+    snprintf(words[0], sizeof words[0], "%s.out", place);
+    snprintf(words[1], sizeof words[1], "%s.err", place);
+    REQUIRE(mkdir(place, 0700) == 0);
+    REQUIRE((own_stderr = dup(STDERR_FILENO)) >= 0);
+    while (next < end)
+        next = start_batch(next, end - next < BATCH ? end : next + BATCH);
     for (int verb = 0; verb < VERBS; verb++) {
-        fprintf(stderr, "%s: %u ended with 0, %u with 1, %u with 2\n", verb_names[verb],
-                codes[verb][0], codes[verb][1], codes[verb][2]);
+        const uint32_t *codes = progress->codes[verb];
+        fprintf(stderr, "%s: %u ended with 0, %u with 1, %u with 2\n", verb_names[verb], codes[0],
+                codes[1], codes[2]);
         /* or the files were spoilt too much, or too little, to say anything */
-        CHECK(count < 100 || (codes[verb][0] > count / 50 && codes[verb][1] > count / 10));
+        CHECK(count < 100 || (codes[0] > count / 50 && codes[1] > count / 10));
     }
     for (uint32_t i = 0; i < nsamples; i++)
         free(samples[i].bytes);
