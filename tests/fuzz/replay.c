@@ -8,7 +8,8 @@
 #include <sys/stat.h>
 #include <time.h>
 
-enum { LIMIT_SECONDS = 5 };
+/* Of a processor's time: a fuzzer says 5, and machines differ. */
+enum { LIMIT_SECONDS = 60 };
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
 
@@ -16,7 +17,7 @@ static int replayed, failures;
 
 static double now(void) {
     struct timespec time;
-    clock_gettime(CLOCK_MONOTONIC, &time);
+    clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &time);
     return (double)time.tv_sec + (double)time.tv_nsec * 1e-9;
 }
 

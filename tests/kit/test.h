@@ -17,6 +17,14 @@
 #define TEST_SANITIZED 0
 #endif
 
+/* Tests of random cases try as many as keep the whole suite short; SELVAGE_TEST_EFFORT=10 is ten
+ * times as many, for a night. */
+static inline uint32_t test_effort(uint32_t count) {
+    const char *effort = getenv("SELVAGE_TEST_EFFORT");
+    unsigned long times = effort ? strtoul(effort, NULL, 10) : 1;
+    return count * (uint32_t)(times ? times : 1);
+}
+
 static int test_checks, test_failures;
 static char test_last_log[1024]; /* the newest message of the library */
 

@@ -400,7 +400,6 @@ static void test_vectors(void) {
 }
 
 int main(void) {
-    alarm(600);
     test_seams();
     test_ellipse();
     test_steps();

@@ -8,7 +8,7 @@
 #include <sched.h>
 #include <sys/syscall.h>
 
-enum { MANY = 200, READS = 10 };
+enum { MANY = 60, READS = 10 };
 
 static slv_cache *cache;
 static slv_file_id id;
@@ -69,7 +69,6 @@ int main(void) {
     };
     const char *triangles = data_folder();
     pthread_t thread;
-    alarm(600);
     atomic_store(&reads_left, -1);
     for (int shape = 0; shape < 3; shape++) {
         uint64_t random = 61;

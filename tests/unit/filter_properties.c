@@ -3,7 +3,7 @@
 
 #include <selvage/ptx_writer.h>
 
-enum { SIDE = 5, LOG2 = 5, ROOM = 4, MANY = TEST_SANITIZED ? 200 : 600 };
+enum { SIDE = 5, LOG2 = 5, ROOM = 4, MANY = 200 };
 
 static const slv_filter_params all_params[] = {
     {.filter = SLV_FILTER_POINT},
@@ -30,7 +30,7 @@ static void sample_constant(const char *path, const char *what, float value, uin
     for (int p = 0; p < PARAMS; p++) {
         slv_sampler *sampler = kit_sampler(cache, &all_params[p]);
         float worst = 0;
-        for (int i = 0; i < MANY; i++) {
+        for (uint32_t i = 0; i < test_effort(MANY); i++) {
             slv_lookup l = kit_lookup_any(id, info.nfaces, random);
             float out[ROOM] = {-1};
             CHECK(slv_sample(sampler, &l, out) == SLV_OK);
@@ -234,7 +234,7 @@ static void test_ramp(void) {
             continue;
         slv_sampler *sampler = kit_sampler(cache, params);
         double worst = 0;
-        for (int i = 0; i < 4000; i++) {
+        for (uint32_t i = 0; i < test_effort(1000); i++) {
             /* the cubic filters reproduce planes where a texel is one sample apart; box and
              * gaussian only where they are symmetric about a texel's centre or edge */
             float x = 1.5f + 2 * kit_unit(&random), y = 1.5f + 2 * kit_unit(&random);
@@ -275,7 +275,7 @@ static void test_turns(uint32_t count, bool mixed) {
     for (int p = 0; p < PARAMS; p++) {
         slv_sampler *sampler = kit_sampler(cache, &all_params[p]);
         double worst = 0;
-        for (int i = 0; i < 2000; i++) {
+        for (uint32_t i = 0; i < test_effort(700); i++) {
             /* not where rounding decides between two texels, or two levels */
             float x = floorf(1024 * kit_unit(&random)) + 0.37f, w[4], out[2];
             float y = floorf(1024 * kit_unit(&random)) + 0.41f;
@@ -318,7 +318,7 @@ static void test_outside(int log2, uint32_t nchannels) {
             continue;
         slv_sampler *sampler = kit_sampler(cache, &all_params[p]);
         float worst = 0;
-        for (int i = 0; i < MANY; i++) {
+        for (uint32_t i = 0; i < test_effort(MANY); i++) {
             slv_lookup l = kit_lookup_any(id, SIDE * SIDE, &random), there = l;
             int x = (int)(test_random(&random) % 3) - 1, y = (int)(test_random(&random) % 3) - 1;
             int at_x = (int)(l.face % SIDE) + SIDE + x, at_y = (int)(l.face / SIDE) + SIDE + y;
@@ -427,7 +427,6 @@ static void test_ways(void) {
 }
 
 int main(void) {
-    alarm(600);
     test_constants();
     test_constant_triangles();
     test_ramp();

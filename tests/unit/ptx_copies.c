@@ -141,7 +141,7 @@ int main(void) {
     CHECK(each_sample(copy_sample) > 0);
     const char *samples = getenv("SELVAGE_SAMPLES");
     CHECK(each_file(samples, copy_sample) > 0 || !samples);
-    for (int round = 0; round < 24; round++) {
+    for (uint32_t round = 0; round < test_effort(8); round++) {
         char path[1024];
         snprintf(path, sizeof path, "%s", scratch_path("random.ptx"));
         write_random(&seed, path);
