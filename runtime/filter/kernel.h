@@ -25,7 +25,7 @@ typedef struct kernel {
     int turns;
 } kernel;
 
-static inline float axis_sum(const kernel_axis *a) {
+static inline float kernel_axis_sum(const kernel_axis *a) {
     float sum = 0;
     for (int i = 0; i < a->n; i++)
         sum += a->k[i];
@@ -33,7 +33,7 @@ static inline float axis_sum(const kernel_axis *a) {
 }
 
 static inline float kernel_weight(const kernel *k) {
-    return axis_sum(&k->a[0]) * axis_sum(&k->a[1]);
+    return kernel_axis_sum(&k->a[0]) * kernel_axis_sum(&k->a[1]);
 }
 
 static inline bool kernel_is_empty(const kernel *k) {
@@ -49,7 +49,7 @@ static inline __attribute__((always_inline)) bool kernel_is_inside(const kernel 
 }
 
 /* The part of `from` that begins at its texel `first`. */
-static inline void axis_take(const kernel_axis *from, int first, int n, kernel_axis *to) {
+static inline void kernel_axis_take(const kernel_axis *from, int first, int n, kernel_axis *to) {
     v8f low, high;
     to->res = from->res;
     to->start = from->start + first;
@@ -61,18 +61,18 @@ static inline void axis_take(const kernel_axis *from, int first, int n, kernel_a
 }
 
 /* Drops weights that are zero from both ends. */
-static inline void axis_strip(kernel_axis *a) {
+static inline void kernel_axis_strip(kernel_axis *a) {
     int first = 0;
     while (a->n > 1 && a->k[a->n - 1] == 0)
         a->n--;
     while (first < a->n - 1 && a->k[first] == 0)
         first++;
     if (first)
-        axis_take(a, first, a->n - first, a);
+        kernel_axis_take(a, first, a->n - first, a);
 }
 
 /* Twice the resolution: every weight becomes two halves. */
-static inline void axis_upsample(kernel_axis *a) {
+static inline void kernel_axis_upsample(kernel_axis *a) {
     a->n = a->n > KERNEL_MAX / 2 ? KERNEL_MAX / 2 : a->n;
     for (int i = a->n - 1; i >= 0; i--)
         a->k[2 * i] = a->k[2 * i + 1] = a->k[i] * 0.5f;
@@ -82,7 +82,7 @@ static inline void axis_upsample(kernel_axis *a) {
 }
 
 /* Half the resolution: weights of texels that become one are added. */
-static inline void axis_downsample(kernel_axis *a) {
+static inline void kernel_axis_downsample(kernel_axis *a) {
     int start = a->start >> 1, n = a->n ? ((a->start + a->n - 1) >> 1) - start + 1 : 0;
     int from = 0, odd = a->start & 1;
     for (int i = 0; i < n; i++) {
@@ -97,7 +97,7 @@ static inline void axis_downsample(kernel_axis *a) {
 }
 
 /* The same texels seen from the other end. */
-static inline void axis_reverse(kernel_axis *a) {
+static inline void kernel_axis_reverse(kernel_axis *a) {
     v8f low, high;
     float turned[2 * KERNEL_MAX] = {0};
     memcpy(&low, a->k, sizeof low);
@@ -120,9 +120,9 @@ static inline void kernel_turn(kernel *k, int turns) {
         k->a[1] = u;
     }
     if (turns == 2 || turns == 3)
-        axis_reverse(&k->a[0]);
+        kernel_axis_reverse(&k->a[0]);
     if (turns == 1 || turns == 2)
-        axis_reverse(&k->a[1]);
+        kernel_axis_reverse(&k->a[1]);
 }
 
 /* Whether it reaches beyond an edge of its face. */
@@ -146,7 +146,7 @@ static inline void kernel_merge(kernel *k, int edge, bool drop) {
             a->start = 0;
             return;
         }
-        axis_take(a, outside, a->n - outside, a);
+        kernel_axis_take(a, outside, a->n - outside, a);
         a->start = 0;
         if (!drop)
             a->k[0] += sum;
@@ -178,19 +178,19 @@ static inline void kernel_split(kernel *k, int edge, kernel *out) {
     int outside = low ? -a->start : a->start + a->n - size;
     if (outside >= a->n) {
         for (int i = 0; i < 2; i++)
-            axis_take(&k->a[i], 0, k->a[i].n, &out->a[i]);
+            kernel_axis_take(&k->a[i], 0, k->a[i].n, &out->a[i]);
         out->turns = k->turns;
         to->start += low ? size : -size;
         a->n = 0;
         return;
     }
     out->turns = 0;
-    axis_take(&k->a[!axis], 0, k->a[!axis].n, &out->a[!axis]);
-    axis_take(a, low ? 0 : a->n - outside, outside, to);
+    kernel_axis_take(&k->a[!axis], 0, k->a[!axis].n, &out->a[!axis]);
+    kernel_axis_take(a, low ? 0 : a->n - outside, outside, to);
     to->start = low ? size - outside : 0;
     a->n -= outside;
     if (low)
-        axis_take(a, outside, a->n, a);
+        kernel_axis_take(a, outside, a->n, a);
 }
 
 #endif

@@ -6,6 +6,7 @@
 #define SLV_FILTER_KERNEL_BUILD_H
 
 #include "filter/kernel.h"
+#include "filter/numbers.h"
 #include "filter/vector.h"
 
 #include <math.h>
@@ -13,42 +14,16 @@
 
 /* A piecewise cubic: for |x| < 1 near[0] + near[2] x^2 + near[3] x^3, for |x| < 2 far[0] + far[1] x
  * + ..., else 0. */
-typedef struct cubic_pieces {
+typedef struct kernel_cubic {
     float near[4], far[4];
-} cubic_pieces;
+} kernel_cubic;
 
 /* How the filters of one set of parameters weigh. */
 typedef struct kernel_shape {
     slv_filter filter;
     bool lerp;
-    cubic_pieces cubic;
+    kernel_cubic cubic;
 } kernel_shape;
-
-/* -floor(log2 w), for normal w */
-static inline int negative_log2(float w) {
-    int32_t bits;
-    memcpy(&bits, &w, sizeof bits);
-    return 127 - (bits >> 23 & 0xff);
-}
-
-/* 2^n, for -126 < n < 128 */
-static inline float power_of_two(int n) {
-    int32_t bits = (n + 127) << 23;
-    float f;
-    memcpy(&f, &bits, sizeof f);
-    return f;
-}
-
-/* floorf and ceilf of what fits an int, without a call. */
-static inline int floor_int(float x) {
-    int i = (int)x;
-    return i - ((float)i > x);
-}
-
-static inline int ceil_int(float x) {
-    int i = (int)x;
-    return i + ((float)i < x);
-}
 
 /* Eight kernels along an axis: texels `start`, ..., `start + n - 1` of 2^res. */
 typedef struct kernel_spans {
@@ -60,8 +35,8 @@ typedef struct kernel_spans {
 } kernel_spans;
 
 /* At positions x, w wide, no finer than 2^-face_res, all in units of the face. */
-static inline __attribute__((always_inline)) void span_bilinear(v8f x, v8f w, v8i face_res,
-                                                                kernel_spans *out) {
+static inline __attribute__((always_inline)) void kernel_span_bilinear(v8f x, v8f w, v8i face_res,
+                                                                       kernel_spans *out) {
     w = v8_min(v8_max(w, v8_power_of_two(-face_res)), v8_splat(1));
     out->res = 127 - ((v8i)w >> 23);
     x = x * v8_power_of_two(out->res) - 0.5f;
@@ -72,8 +47,8 @@ static inline __attribute__((always_inline)) void span_bilinear(v8f x, v8f w, v8
     out->coarse = v8_splat(0);
 }
 
-static inline __attribute__((always_inline)) void span_box(v8f x, v8f w, v8i face_res,
-                                                           kernel_spans *out) {
+static inline __attribute__((always_inline)) void kernel_span_box(v8f x, v8f w, v8i face_res,
+                                                                  kernel_spans *out) {
     w = v8_min(v8_max(w, v8_power_of_two(-face_res)), v8_splat(1));
     out->res = 127 - ((v8i)w >> 23);
     v8f size = v8_power_of_two(out->res), half = w * size * 0.5f;
@@ -89,8 +64,8 @@ static inline __attribute__((always_inline)) void span_box(v8f x, v8f w, v8i fac
 
 /* The filters that span four texels at each resolution: gaussian and cubics. They have a shape of
  * their own at each of the coarsest three resolutions. */
-static inline __attribute__((always_inline)) void span_wide(v8f x, v8f w, v8i face_res, bool lerp,
-                                                            kernel_spans *out) {
+static inline __attribute__((always_inline)) void kernel_span_wide(v8f x, v8f w, v8i face_res,
+                                                                   bool lerp, kernel_spans *out) {
     w = v8_min(v8_max(w, v8_power_of_two(-face_res)), v8_splat(1));
     out->res = 127 - ((v8i)w >> 23);
     v8f size = v8_power_of_two(out->res), p = w * size, middle = x - 0.5f;
@@ -114,23 +89,23 @@ static inline __attribute__((always_inline)) void span_wide(v8f x, v8f w, v8i fa
     out->b = 1 / v8_select(is_four, w + 0.75f, v8_select(is_two, 1.5f * w + 0.5f, p));
 }
 
-static inline __attribute__((always_inline)) void span_axes(const kernel_shape *shape, v8f x, v8f w,
-                                                            v8i face_res, kernel_spans *out) {
+static inline __attribute__((always_inline)) void
+kernel_span_axes(const kernel_shape *shape, v8f x, v8f w, v8i face_res, kernel_spans *out) {
     if (shape->filter == SLV_FILTER_BILINEAR)
-        span_bilinear(x, w, face_res, out);
+        kernel_span_bilinear(x, w, face_res, out);
     else if (shape->filter == SLV_FILTER_BOX)
-        span_box(x, w, face_res, out);
+        kernel_span_box(x, w, face_res, out);
     else
-        span_wide(x, w, face_res, shape->lerp, out);
+        kernel_span_wide(x, w, face_res, shape->lerp, out);
 }
 
-static inline __attribute__((always_inline)) v8f smooth_step(v8f x) {
+static inline __attribute__((always_inline)) v8f kernel_smooth_step(v8f x) {
     v8f a = v8_abs(x);
     return v8_select(a < 1.0f, (2 * a - 3) * a * a + 1, v8_splat(0));
 }
 
 /* The filter's curve, in units of its width. */
-static inline __attribute__((always_inline)) v8f filter_curve(const kernel_shape *shape, v8f x) {
+static inline __attribute__((always_inline)) v8f kernel_curve(const kernel_shape *shape, v8f x) {
     if (shape->filter == SLV_FILTER_GAUSSIAN)
         return v8_exp2(x * x * -2.885390082f);
     v8f a = v8_abs(x), a2 = a * a;
@@ -141,8 +116,8 @@ static inline __attribute__((always_inline)) v8f filter_curve(const kernel_shape
 }
 
 /* Weights from the one at `at` on, as far as there are so many. */
-static inline __attribute__((always_inline)) float store_weights(kernel_axis *out, int at,
-                                                                 v8f weights) {
+static inline __attribute__((always_inline)) float kernel_store_weights(kernel_axis *out, int at,
+                                                                        v8f weights) {
     v8i there = (v8i){0, 1, 2, 3, 4, 5, 6, 7} + at < out->n;
     weights = v8_select(there, weights, v8_splat(0));
     memcpy(out->k + at, &weights, sizeof weights);
@@ -150,20 +125,22 @@ static inline __attribute__((always_inline)) float store_weights(kernel_axis *ou
 }
 
 /* Between resolutions the weights of pairs of texels go over to those of the next coarser one. */
-static inline __attribute__((always_inline)) float
-weigh_wide(const kernel_shape *shape, float first, float step, float coarse, kernel_axis *out) {
+static inline __attribute__((always_inline)) float kernel_weigh_wide(const kernel_shape *shape,
+                                                                     float first, float step,
+                                                                     float coarse,
+                                                                     kernel_axis *out) {
     const v8f each = {0, 1, 2, 3, 4, 5, 6, 7};
     const v8f even = {0, 0, 2, 2, 4, 4, 6, 6}, odd = {0, 1, 0, 1, 0, 1, 0, 1};
     float fine = 1 - coarse;
     if (out->res > 2) {
         if (coarse == 0)
-            return store_weights(out, 0, filter_curve(shape, (each + first) * step));
+            return kernel_store_weights(out, 0, kernel_curve(shape, (each + first) * step));
         float sum = 0;
         for (int i = 0; i < out->n; i += 8) {
             v8f a = (even + (first + (float)i)) * step;
-            v8f near = filter_curve(shape, a + odd * step);
-            v8f far = filter_curve(shape, (a + (a + step)) * 0.5f);
-            sum += store_weights(out, i, fine * near + coarse * far);
+            v8f near = kernel_curve(shape, a + odd * step);
+            v8f far = kernel_curve(shape, (a + (a + step)) * 0.5f);
+            sum += kernel_store_weights(out, i, fine * near + coarse * far);
         }
         return sum;
     }
@@ -174,20 +151,21 @@ weigh_wide(const kernel_shape *shape, float first, float step, float coarse, ker
     }
     v8f a = even + first, both = a + (a + 1), near;
     if (out->res == 2) {
-        near = filter_curve(shape, a + odd);
+        near = kernel_curve(shape, a + odd);
         both *= 0.25f;
     } else {
-        near = smooth_step((a + odd) * step);
+        near = kernel_smooth_step((a + odd) * step);
         both *= 0.5f;
     }
     if (coarse == 0)
-        return store_weights(out, 0, near);
-    return store_weights(out, 0, fine * near + coarse * smooth_step(both * step));
+        return kernel_store_weights(out, 0, near);
+    return kernel_store_weights(out, 0, fine * near + coarse * kernel_smooth_step(both * step));
 }
 
 /* Makes the kernel of one span; returns the sum of its weights. */
-static inline __attribute__((always_inline)) float
-weigh_axis(const kernel_shape *shape, const kernel_spans *spans, int lane, kernel_axis *out) {
+static inline __attribute__((always_inline)) float kernel_weigh_axis(const kernel_shape *shape,
+                                                                     const kernel_spans *spans,
+                                                                     int lane, kernel_axis *out) {
     float a = spans->a[lane], b = spans->b[lane];
     out->res = spans->res[lane];
     out->start = spans->start[lane];
@@ -204,17 +182,18 @@ weigh_axis(const kernel_shape *shape, const kernel_spans *spans, int lane, kerne
         out->k[0] = n == 1 ? sum : a;
         return sum;
     }
-    return weigh_wide(shape, a, b, spans->coarse[lane], out);
+    return kernel_weigh_wide(shape, a, b, spans->coarse[lane], out);
 }
 
 /* Makes the kernel of a lookup; returns its whole weight. */
-static inline __attribute__((always_inline)) float build_kernel(const kernel_shape *shape, float u,
+static inline __attribute__((always_inline)) float kernel_build(const kernel_shape *shape, float u,
                                                                 float v, float uw, float vw,
                                                                 int res_u, int res_v, kernel *out) {
     kernel_spans spans;
-    span_axes(shape, (v8f){u, v}, (v8f){uw, vw}, (v8i){res_u, res_v}, &spans);
+    kernel_span_axes(shape, (v8f){u, v}, (v8f){uw, vw}, (v8i){res_u, res_v}, &spans);
     out->turns = 0;
-    return weigh_axis(shape, &spans, 0, &out->a[0]) * weigh_axis(shape, &spans, 1, &out->a[1]);
+    return kernel_weigh_axis(shape, &spans, 0, &out->a[0]) *
+           kernel_weigh_axis(shape, &spans, 1, &out->a[1]);
 }
 
 #endif

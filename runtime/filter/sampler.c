@@ -1,20 +1,11 @@
 /* Samplers: parameters checked once, and the way to the lookups of this processor. */
-#include "filter/sampler.h"
+#include "filter/variants.h"
 
 #include "base/log.h"
 #include "base/memory.h"
 
-static const char *const names[SLV_FILTER_COUNT] = {
-    [SLV_FILTER_POINT] = "point",
-    [SLV_FILTER_BILINEAR] = "bilinear",
-    [SLV_FILTER_BOX] = "box",
-    [SLV_FILTER_GAUSSIAN] = "gaussian",
-    [SLV_FILTER_BICUBIC] = "bicubic",
-    [SLV_FILTER_BSPLINE] = "bspline",
-    [SLV_FILTER_CATMULL_ROM] = "catmullrom",
-    [SLV_FILTER_MITCHELL] = "mitchell",
-    [SLV_FILTER_ANISOTROPIC] = "anisotropic",
-};
+#define NAME(FILTER, TEXT, CODE) [FILTER] = TEXT,
+static const char *const names[SLV_FILTER_COUNT] = {SLVI_FILTER_KINDS(NAME)};
 
 const char *slv_filter_name(slv_filter filter) {
     return (unsigned)filter < SLV_FILTER_COUNT ? names[filter] : "unknown";
@@ -30,21 +21,35 @@ bool slv_filter_from_name(const char *name, slv_filter *out) {
 }
 
 /* The cubic of Mitchell and Netravali 1988 with B = 1 - sharpness and C = sharpness / 2. */
-static cubic_pieces make_cubic(float sharpness) {
+static kernel_cubic make_cubic(float sharpness) {
     float b = 1 - sharpness;
-    return (cubic_pieces){
+    return (kernel_cubic){
         .near = {1 - b / 3, 0, 1.5f * b - 2.5f, 1.5f - b},
         .far = {2 - 2 * b / 3, 2 * b - 4, 2.5f - 1.5f * b, b / 3 - 0.5f},
     };
 }
 
-static const lookup_functions *best_functions(void) {
 #ifdef SLV_HAVE_AVX2
+static bool has_avx2(void) {
     /* no processor has these without F16C, which not all compilers can ask for */
-    if (__builtin_cpu_supports("avx2") && __builtin_cpu_supports("bmi2"))
-        return slvi_lookup_avx2;
+    return __builtin_cpu_supports("avx2") && __builtin_cpu_supports("bmi2");
+}
 #endif
-    return slvi_lookup_portable;
+
+static bool has_portable(void) {
+    return true;
+}
+
+static const lookup_functions *best_functions(void) {
+#define CANDIDATE(KIND) {has_##KIND, slvi_lookup_##KIND},
+    static const struct {
+        bool (*runs)(void);
+        const lookup_functions *functions;
+    } candidates[] = {SLVI_FILTER_PROCESSORS(CANDIDATE)};
+    size_t i = 0;
+    while (!candidates[i].runs())
+        i++;
+    return candidates[i].functions;
 }
 
 slv_result slv_sampler_create(slv_cache *cache, const slv_filter_params *params,

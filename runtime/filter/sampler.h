@@ -5,18 +5,13 @@
 #include "cache/cache_data.h"
 #include "filter/kernel_build.h"
 
-/* The lookups are compiled once for every kind of processor. */
+/* The lookups of one filter for one kind of processor: variants.h has them all. */
 typedef struct lookup_functions {
     slv_result (*one)(slv_sampler *sampler, const slv_lookup *lookup, float *out);
     /* `order` (may be NULL) says which lookup comes when. */
     slv_result (*many)(slv_sampler *sampler, const slv_lookup *lookups, const uint32_t *order,
                        size_t count, float *out, size_t stride, slv_result *results);
 } lookup_functions;
-
-extern const lookup_functions slvi_lookup_portable[SLV_FILTER_COUNT];
-#ifdef SLV_HAVE_AVX2
-extern const lookup_functions slvi_lookup_avx2[SLV_FILTER_COUNT];
-#endif
 
 struct slv_sampler {
     cache_thread thread; /* first: on a line of memory of its own */
@@ -44,17 +39,14 @@ typedef struct lookup_state {
 /* triangle.c: the elliptical filter of triangle meshes. u and v are finite. */
 void slvi_triangle_sum(lookup_state *state, const slv_lookup *lookup);
 
-/* anisotropic.c: the anisotropic filter of quad meshes, compiled for each kind of processor too. u
- * and v are finite, the footprint is a number. */
-#ifndef ANISOTROPIC_SUM
-#define ANISOTROPIC_SUM slvi_anisotropic_sum
-#endif
-void ANISOTROPIC_SUM(lookup_state *state, const slv_lookup *lookup);
+static inline cache_face *lookup_face_at(lookup_state *state, uint32_t face) {
+    return cache_find_face(state->tables, face);
+}
 
 /* One of the pieces that a resolution of a face comes in, or all of it, which is piece 0; NULL when
  * state says why. */
-static inline const uint8_t *find_tile(lookup_state *state, uint32_t face, int res_u, int res_v,
-                                       uint32_t tile) {
+static inline const uint8_t *lookup_find_tile(lookup_state *state, uint32_t face, int res_u,
+                                              int res_v, uint32_t tile) {
     cache_thread *thread = &state->sampler->thread;
     const uint8_t *texels =
         cache_find_hashed(thread->cache, state->tables, face, res_u, res_v, tile);
@@ -68,18 +60,18 @@ static inline const uint8_t *find_tile(lookup_state *state, uint32_t face, int r
 }
 
 /* Texels of a face at a resolution that it has, untiled. */
-static inline const uint8_t *find_whole(lookup_state *state, uint32_t face, cache_face *f,
-                                        int res_u, int res_v) {
+static inline const uint8_t *lookup_find_whole(lookup_state *state, uint32_t face, cache_face *f,
+                                               int res_u, int res_v) {
     const uint8_t *texels = res_u == f->res_u && res_v == f->res_v
                                 ? cache_find_full(state->sampler->thread.cache, f)
                                 : NULL;
     if (!texels)
-        return find_tile(state, face, res_u, res_v, 0);
+        return lookup_find_tile(state, face, res_u, res_v, 0);
     state->pieces++;
     return texels;
 }
 
-static inline bool is_over(const lookup_state *state) {
+static inline bool lookup_is_over(const lookup_state *state) {
     return state->gone || state->result != SLV_OK;
 }
 

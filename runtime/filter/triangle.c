@@ -1,6 +1,6 @@
 /* The filter of triangle meshes: an elliptical gaussian over barycentric coordinates, cut at edges
  * and laid onto the neighbours as the Ptex library does (Heckbert 1989 for the ellipse). */
-#include "filter/gather.h"
+#include "filter/gather_template.h"
 
 /* Pieces that go further come of files that make no sense. */
 #define MAX_TRIANGLES 8
@@ -28,12 +28,12 @@ static int make_ellipse(const lookup_state *state, const slv_lookup *l, int face
     float x = 0.75f * a, y = root3 * 0.5f * (b - a), z = 0.25f * a - 0.5f * b + c;
     float spread = sqrtf((x - z) * (x - z) + y * y);
     float eccentric = 0.5f * (spread * (226.0f / 224.0f) - (x + z));
-    float texel = 0.5f / power_of_two(face_res), more = fmaxf(eccentric, texel * texel);
+    float texel = 0.5f / num_power_of_two(face_res), more = fmaxf(eccentric, texel * texel);
     more = fmaxf(more, blur * blur * 0.25f);
     x += more;
     z += more;
     float minor = sqrtf(2 * (x * z - 0.25f * y * y) / (x + z + spread));
-    int res = negative_log2(fminf(2 * minor, 1));
+    int res = num_negative_log2(fminf(2 * minor, 1));
     const float scale = 3.5f * 3.5f;
     e->a = 4.0f / 3.0f * x;
     e->b = 2 / root3 * y + e->a;
@@ -86,7 +86,7 @@ typedef struct texel_set {
 } texel_set;
 
 static bool make_set(const ellipse *e, int res, bool odd, texel_set *out) {
-    float size = power_of_two(res), third = 1.0f / 3.0f;
+    float size = num_power_of_two(res), third = 1.0f / 3.0f;
     out->a = odd ? e->c : e->a;
     out->b = e->b;
     out->c = odd ? e->a : e->c;
@@ -113,7 +113,7 @@ static bool make_set(const ellipse *e, int res, bool odd, texel_set *out) {
 static void sum_rectangle(lookup_state *state, const texel_set *set, int res, int x0, int y0,
                           int width, int height, const uint8_t *texels, size_t pitch) {
     const cache_tables *t = state->tables;
-    float area = power_of_two(-2 * res);
+    float area = num_power_of_two(-2 * res);
     int size = 1 << res;
     int top = set->high[1] < y0 + height ? set->high[1] : y0 + height;
     for (int y = set->low[1] > y0 ? set->low[1] : y0; y < top; y++) {
@@ -129,8 +129,8 @@ static void sum_rectangle(lookup_state *state, const texel_set *set, int res, in
                 continue;
             float weight = expf(-6.125f * q) * area;
             size_t at = pitch ? (size_t)(y - y0) * pitch + (size_t)(x - x0) : 0;
-            add_texel(t->type, texels + at * t->pixel_size, state->first, state->count, weight,
-                      state->sum);
+            gather_add_texel(t->type, texels + at * t->pixel_size, state->first, state->count,
+                             weight, state->sum);
             state->weight += weight;
         }
     }
@@ -146,7 +146,7 @@ static void sum_set(lookup_state *state, uint32_t face, cache_face *f, const tex
         return;
     }
     if (2 * res <= t->whole_log2) {
-        const uint8_t *texels = find_whole(state, face, f, res, res);
+        const uint8_t *texels = lookup_find_whole(state, face, f, res, res);
         if (texels)
             sum_rectangle(state, set, res, 0, 0, size, size, texels, (size_t)size);
         return;
@@ -159,7 +159,7 @@ static void sum_set(lookup_state *state, uint32_t face, cache_face *f, const tex
     for (int y = low[1]; y <= high[1]; y++)
         for (int x = low[0]; x <= high[0]; x++) {
             uint32_t index = ((uint32_t)y << (res - tile)) + (uint32_t)x;
-            const uint8_t *texels = find_tile(state, face, res, res, index);
+            const uint8_t *texels = lookup_find_tile(state, face, res, res, index);
             if (!texels)
                 return;
             sum_rectangle(state, set, res, x << tile, y << tile, 1 << tile, 1 << tile, texels,
@@ -174,11 +174,11 @@ static void sum_face(lookup_state *state, uint32_t face, cache_face *f, ellipse 
     e.high[0] = fminf(e.high[0], 1 - (e.low[1] + e.low[2]));
     e.high[1] = fminf(e.high[1], 1 - (e.low[2] + e.low[0]));
     e.high[2] = fminf(e.high[2], 1 - (e.low[0] + e.low[1]));
-    float scale = 1 / (power_of_two(2 * res) * (e.a * e.c - 0.25f * e.b * e.b));
+    float scale = 1 / (num_power_of_two(2 * res) * (e.a * e.c - 0.25f * e.b * e.b));
     e.a *= scale;
     e.b *= scale;
     e.c *= scale;
-    for (int odd = 0; odd < 2 && !is_over(state); odd++) {
+    for (int odd = 0; odd < 2 && !lookup_is_over(state); odd++) {
         texel_set set;
         if (make_set(&e, res, odd, &set))
             sum_set(state, face, f, &set, res);
@@ -191,7 +191,7 @@ static void sum_across(lookup_state *state, uint32_t face, ellipse e, int res) {
     if (state->depth >= MAX_TRIANGLES)
         return;
     state->depth++;
-    for (int i = 0; i < 3 && !is_over(state); i++) {
+    for (int i = 0; i < 3 && !lookup_is_over(state); i++) {
         int edge = order[i], x = edge_coordinate[edge];
         if (e.low[x] >= 0 || f->adjacent[edge] < 0)
             continue;
@@ -201,7 +201,7 @@ static void sum_across(lookup_state *state, uint32_t face, ellipse e, int res) {
         cross(&part, edge, f->edges >> (2 * edge) & 3);
         sum_across(state, (uint32_t)f->adjacent[edge], part, res);
     }
-    if (!is_over(state))
+    if (!lookup_is_over(state))
         sum_face(state, face, f, e, res);
     state->depth--;
 }
@@ -211,8 +211,8 @@ void slvi_triangle_sum(lookup_state *state, const slv_lookup *l) {
     cache_face *f = cache_find_face(state->tables, l->face);
     if (f->flags & SLV_FACE_NEIGHBOURS_CONSTANT) {
         state->weight = 1;
-        add_texel(t->type, t->averages + (size_t)l->face * t->pixel_size, state->first,
-                  state->count, 1, state->sum);
+        gather_add_texel(t->type, t->averages + (size_t)l->face * t->pixel_size, state->first,
+                         state->count, 1, state->sum);
         return;
     }
     ellipse e;

@@ -5,10 +5,10 @@
 #ifndef SLV_FILTER_UNFOLD_H
 #define SLV_FILTER_UNFOLD_H
 
-#include "filter/kernel_build.h"
+#include "filter/numbers.h"
 #include "filter/sampler.h"
 
-#define MAX_AROUND 64 /* faces around a vertex beyond this many are not looked at */
+#define CELL_MAX_AROUND 64 /* faces around a vertex beyond this many are not looked at */
 
 /* A face in the plane: its lower left corner, how long it is, and by how many quarter turns,
  * counter- clockwise, it is turned. Sides of the plane are numbered as edges are; corner k is where
@@ -19,16 +19,11 @@ typedef struct cell {
     int size, turn;
 } cell;
 
-/* What the C library does about NaN is not worth a call. */
-static inline float smaller(float a, float b) {
-    return a < b ? a : b;
-}
-
-static inline float larger(float a, float b) {
-    return a > b ? a : b;
-}
-
-enum { AROUND_KNOWN = 1, AROUND_SMOOTH = 2 /* for corner 0, and three more */, AROUND_EVEN = 32 };
+enum {
+    CELL_AROUND_KNOWN = 1,
+    CELL_AROUND_SMOOTH = 2 /* for corner 0, and three more */,
+    CELL_AROUND_EVEN = 32
+};
 
 static inline cell cell_home(cache_tables *t, uint32_t face) {
     return (cell){face, 0, 0, is_subface(cache_find_face(t, face)) ? 1 : 2, 0};
@@ -115,7 +110,7 @@ static inline bool cell_find_smooth(cache_tables *t, const cell *home, int corne
 static inline bool cell_is_closed(cache_tables *t, const cell *home, int corner) {
     int x = cell_corner_x(home, corner), y = cell_corner_y(home, corner);
     cell c = *home;
-    for (int i = 0; i < MAX_AROUND && cell_turn(t, &c, x, y, true); i++)
+    for (int i = 0; i < CELL_MAX_AROUND && cell_turn(t, &c, x, y, true); i++)
         if (c.face == home->face)
             return true;
     return false;
@@ -125,8 +120,8 @@ static inline bool cell_is_closed(cache_tables *t, const cell *home, int corner)
  * apart. */
 static inline void cell_texel(cache_tables *t, const cell *c, float size[2]) {
     const cache_face *f = cache_find_face(t, c->face);
-    size[c->turn & 1] = smaller((float)c->size * power_of_two(-f->res_u), 1);
-    size[!(c->turn & 1)] = smaller((float)c->size * power_of_two(-f->res_v), 1);
+    size[c->turn & 1] = num_smaller((float)c->size * num_power_of_two(-f->res_u), 1);
+    size[!(c->turn & 1)] = num_smaller((float)c->size * num_power_of_two(-f->res_v), 1);
 }
 
 /* Raises sizes to those of a cell's texels, less the distance to it. */
@@ -134,18 +129,19 @@ static inline void cell_raise(cache_tables *t, const cell *c, const float *at, f
     float texel[2], distance = 0;
     cell_texel(t, c, texel);
     if (at) {
-        float x = larger(larger((float)c->x - at[0], at[0] - (float)(c->x + c->size)), 0);
-        float y = larger(larger((float)c->y - at[1], at[1] - (float)(c->y + c->size)), 0);
+        float x = num_larger(num_larger((float)c->x - at[0], at[0] - (float)(c->x + c->size)), 0);
+        float y = num_larger(num_larger((float)c->y - at[1], at[1] - (float)(c->y + c->size)), 0);
         distance = x == 0 ? y : y == 0 ? x : sqrtf(x * x + y * y);
     }
-    size[0] = larger(size[0], texel[0] - distance);
-    size[1] = larger(size[1], texel[1] - distance);
+    size[0] = num_larger(size[0], texel[0] - distance);
+    size[1] = num_larger(size[1], texel[1] - distance);
 }
 
 static inline unsigned cell_around(cache_tables *t, uint32_t face);
 
 static inline bool cell_is_smooth(cache_tables *t, const cell *c, int corner) {
-    return (cell_around(t, c->face) & (unsigned)AROUND_SMOOTH << ((corner - c->turn) & 3)) != 0;
+    return (cell_around(t, c->face) & (unsigned)CELL_AROUND_SMOOTH << ((corner - c->turn) & 3)) !=
+           0;
 }
 
 /* The length of texels at a place, continuous from face to face: that of the coarsest texels
@@ -156,18 +152,19 @@ static inline void cell_coarsest(cache_tables *t, const cell *home, const float 
     cell_texel(t, home, size);
     for (int corner = 0; corner < 4; corner++) {
         int x = cell_corner_x(home, corner), y = cell_corner_y(home, corner);
-        bool flat = (smooth & (unsigned)AROUND_SMOOTH << corner) != 0;
-        float longest = larger(size[0], size[1]), texel[2];
+        bool flat = (smooth & (unsigned)CELL_AROUND_SMOOTH << corner) != 0;
+        float longest = num_larger(size[0], size[1]), texel[2];
         if (!flat)
-            cell_texel(t, home, texel), longest = larger(texel[0], texel[1]);
+            cell_texel(t, home, texel), longest = num_larger(texel[0], texel[1]);
         for (int way = 0; way < 2; way++) {
             cell c = *home;
-            for (int i = 0; i < (flat ? 3 : MAX_AROUND) && cell_turn(t, &c, x, y, way == 0); i++) {
+            for (int i = 0; i < (flat ? 3 : CELL_MAX_AROUND) && cell_turn(t, &c, x, y, way == 0);
+                 i++) {
                 /* cells further around may lie over others in the plane */
                 if (flat || i == 0)
                     cell_raise(t, &c, at, size);
                 cell_texel(t, &c, texel);
-                longest = larger(longest, larger(texel[0], texel[1]));
+                longest = num_larger(longest, num_larger(texel[0], texel[1]));
                 if (c.face == home->face)
                     break;
             }
@@ -175,8 +172,8 @@ static inline void cell_coarsest(cache_tables *t, const cell *home, const float 
         if (!flat) {
             float dx = at ? at[0] - (float)x : 0, dy = at ? at[1] - (float)y : 0;
             longest -= sqrtf(dx * dx + dy * dy);
-            size[0] = larger(size[0], longest);
-            size[1] = larger(size[1], longest);
+            size[0] = num_larger(size[0], longest);
+            size[1] = num_larger(size[1], longest);
         }
     }
 }
@@ -189,14 +186,14 @@ static inline unsigned cell_around(cache_tables *t, uint32_t face) {
         return around;
     cell home = cell_home(t, face);
     float own[2], size[2];
-    around = AROUND_KNOWN;
+    around = CELL_AROUND_KNOWN;
     for (int corner = 0; corner < 4; corner++)
         if (cell_find_smooth(t, &home, corner))
-            around |= (unsigned)AROUND_SMOOTH << corner;
+            around |= (unsigned)CELL_AROUND_SMOOTH << corner;
     cell_texel(t, &home, own);
     cell_coarsest(t, &home, NULL, around, size);
     if (size[0] <= own[0] && size[1] <= own[1])
-        around |= AROUND_EVEN;
+        around |= CELL_AROUND_EVEN;
     /* found anew by whoever asks at the same time: it is the same */
     atomic_store_explicit(&f->around, (uint8_t)around, memory_order_relaxed);
     return around;

@@ -1,7 +1,7 @@
 /* Lookups compiled for AVX2 and for any processor give the same bytes. */
 #include "kit/filter_kit.h"
 
-#include "filter/sampler.h"
+#include "filter/variants.h"
 
 enum { MANY = 500 };
 

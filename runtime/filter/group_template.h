@@ -1,9 +1,11 @@
-/* Batches: some lookups at a time go through each step together, so that none waits for memory or
- * for the steps before, and what is the same for all is done once. Included by lookup.c. */
-#ifndef SLV_FILTER_GROUP_H
-#define SLV_FILTER_GROUP_H
+/* Template: batches. Some lookups at a time go through each step together, so that none waits for
+ * memory or for the steps before, and what is the same for all is done once. */
+#ifndef SLV_FILTER_GROUP_TEMPLATE_H
+#define SLV_FILTER_GROUP_TEMPLATE_H
 
-#define GROUP 8 /* as many as a vector has lanes */
+#include "filter/quick_template.h"
+
+#define GROUP_SIZE 8 /* as many as a vector has lanes */
 
 /* Lookups of a group, one to a lane. */
 typedef struct group_places {
@@ -20,28 +22,28 @@ typedef struct group_spans {
 
 /* A step's results for each lookup of a group that is spread over faces. */
 typedef struct group {
-    const slv_lookup *lookups[GROUP];
-    size_t at[GROUP]; /* which of the batch they are */
-    int n;            /* the rest are copies of the last */
-    cache_tables *tables[GROUP];
-    cache_face *faces[GROUP];
-    const uint8_t *texels[GROUP]; /* NULL: to be looked for */
-    size_t pitch[GROUP];
-    bool ready[GROUP]; /* false: not one of most lookups, see look_up_quick() */
-    float scale[GROUP], weight[GROUP];
-    kernel kernels[GROUP];
+    const slv_lookup *lookups[GROUP_SIZE];
+    size_t at[GROUP_SIZE]; /* which of the batch they are */
+    int n;                 /* the rest are copies of the last */
+    cache_tables *tables[GROUP_SIZE];
+    cache_face *faces[GROUP_SIZE];
+    const uint8_t *texels[GROUP_SIZE]; /* NULL: to be looked for */
+    size_t pitch[GROUP_SIZE];
+    bool ready[GROUP_SIZE]; /* false: not one of most lookups, see look_up_quick() */
+    float scale[GROUP_SIZE], weight[GROUP_SIZE];
+    kernel kernels[GROUP_SIZE];
 } group;
 
 /* Where a batch's values go. */
-typedef struct batch_out {
+typedef struct group_out {
     float *values;
     size_t stride, room;
     slv_result *results; /* or NULL */
     slv_result first;
     size_t first_at;
-} batch_out;
+} group_out;
 
-static inline void note_result(batch_out *out, size_t at, slv_result result) {
+static inline void group_note_result(group_out *out, size_t at, slv_result result) {
     if (out->results)
         out->results[at] = result;
     if (result && at < out->first_at) {
@@ -51,16 +53,16 @@ static inline void note_result(batch_out *out, size_t at, slv_result result) {
 }
 
 /* Turns rows into columns. */
-static inline __attribute__((always_inline)) void load_places(const slv_sampler *s, const group *g,
-                                                              group_places *out) {
-    v8f rows[GROUP], pairs[GROUP], fours[GROUP];
-    for (int i = 0; i < GROUP; i++)
+static inline __attribute__((always_inline)) void
+group_load_places(const slv_sampler *s, const group *g, group_places *out) {
+    v8f rows[GROUP_SIZE], pairs[GROUP_SIZE], fours[GROUP_SIZE];
+    for (int i = 0; i < GROUP_SIZE; i++)
         memcpy(&rows[i], g->lookups[i], sizeof rows[i]);
-    for (int i = 0; i < GROUP; i += 2) {
+    for (int i = 0; i < GROUP_SIZE; i += 2) {
         pairs[i] = v8_low_pairs(rows[i], rows[i + 1]);
         pairs[i + 1] = v8_high_pairs(rows[i], rows[i + 1]);
     }
-    for (int i = 0; i < GROUP; i += 4)
+    for (int i = 0; i < GROUP_SIZE; i += 4)
         for (int j = 0; j < 2; j++) {
             fours[i + 2 * j] = v8_low_fours(pairs[i + j], pairs[i + 2 + j]);
             fours[i + 2 * j + 1] = v8_high_fours(pairs[i + j], pairs[i + 2 + j]);
@@ -77,38 +79,37 @@ static inline __attribute__((always_inline)) void load_places(const slv_sampler 
 
 /* Whether positions are on the face and footprints finite, and the filter is one of those that are
  * looked up quickly. */
-static inline __attribute__((always_inline)) v8i are_sound(const group_places *at,
-                                                           slv_filter filter) {
+static inline __attribute__((always_inline)) v8i group_are_sound(const group_places *at,
+                                                                 slv_filter filter) {
     if (filter == SLV_FILTER_ANISOTROPIC)
         return (v8i){0};
-    v8i sound = (v8i)((v8u32)at->u < UNIT_BITS) & (v8i)((v8u32)at->v < UNIT_BITS);
+    v8i sound = (v8i)((v8u32)at->u < QUICK_UNIT_BITS) & (v8i)((v8u32)at->v < QUICK_UNIT_BITS);
     return filter == SLV_FILTER_POINT ? sound : sound & (at->uw < INFINITY) & (at->vw < INFINITY);
 }
 
-static inline __attribute__((always_inline)) void find_spans(const slv_sampler *s,
-                                                             const kernel_shape *shape,
-                                                             const group_places *at, v8i res_u,
-                                                             v8i res_v, group_spans *out) {
-    kernel_reach u, v;
-    span_axes(shape, at->u, at->uw, res_u, &out->u);
-    span_axes(shape, at->v, at->vw, res_v, &out->v);
-    find_reach(s, &out->u, &u);
-    find_reach(s, &out->v, &v);
+static inline __attribute__((always_inline)) void
+group_find_spans(const slv_sampler *s, const kernel_shape *shape, const group_places *at, v8i res_u,
+                 v8i res_v, group_spans *out) {
+    quick_reach u, v;
+    kernel_span_axes(shape, at->u, at->uw, res_u, &out->u);
+    kernel_span_axes(shape, at->v, at->vw, res_v, &out->v);
+    quick_find_reach(s, &out->u, &u);
+    quick_find_reach(s, &out->v, &v);
     out->inside = u.inside & v.inside;
     out->small = u.small & v.small;
 }
 
 /* A group on one face. Returns false, and nothing is done, if it is none. */
-static inline __attribute__((always_inline)) bool look_up_alike(slv_sampler *s, const group *g,
-                                                                const group_places *at,
-                                                                slv_filter filter, batch_out *out) {
-    v8i same = (at->file == at->file[0]) & (at->face == at->face[0]) & are_sound(at, filter);
+static inline __attribute__((always_inline)) bool
+group_look_up_alike(slv_sampler *s, const group *g, const group_places *at, slv_filter filter,
+                    group_out *out) {
+    v8i same = (at->file == at->file[0]) & (at->face == at->face[0]) & group_are_sound(at, filter);
     if (!v8_all(same))
         return false;
     const slv_cache *cache = s->thread.cache;
     uint32_t face = (uint32_t)at->face[0];
     cache_tables *t = cache_find_tables(cache, (slv_file_id)at->file[0]);
-    if (!t || face >= t->nfaces || !is_quick(s, &t->faces[face]))
+    if (!t || face >= t->nfaces || !quick_fits(s, &t->faces[face]))
         return false;
     cache_face *f = &t->faces[face];
     uint32_t channels = t->nchannels < s->nchannels ? t->nchannels : s->nchannels;
@@ -124,17 +125,17 @@ static inline __attribute__((always_inline)) bool look_up_alike(slv_sampler *s, 
         v8i index = (y << f->res_u) + x;
         for (int i = 0; i < g->n; i++) {
             float *to = out->values + g->at[i] * out->stride;
-            put_zeros(s, channels, to);
-            put_texel(t, texels + (size_t)index[i] * t->pixel_size, channels, to);
-            note_result(out, g->at[i], SLV_OK);
+            quick_put_zeros(s, channels, to);
+            quick_put_texel(t, texels + (size_t)index[i] * t->pixel_size, channels, to);
+            group_note_result(out, g->at[i], SLV_OK);
         }
         return true;
     }
     kernel_shape shape = s->shape;
     shape.filter = filter;
     group_spans spans;
-    find_spans(s, &shape, at, res_u, res_v, &spans);
-    last_found last = {0};
+    group_find_spans(s, &shape, at, res_u, res_v, &spans);
+    quick_last last = {0};
     uint64_t moves = s->thread.moves;
     kernel k;
     k.turns = 0;
@@ -143,28 +144,28 @@ static inline __attribute__((always_inline)) bool look_up_alike(slv_sampler *s, 
         float *to = out->values + g->at[i] * out->stride;
         /* what was found is worth nothing once the pin was let go */
         if (s->thread.moves != moves) {
-            note_result(out, g->at[i], look_up(s, g->lookups[i], out->room, to));
+            group_note_result(out, g->at[i], any_look_up(s, g->lookups[i], out->room, to));
             continue;
         }
         size_t pitch;
-        float weight = weigh_axis(&shape, &spans.u, i, &k.a[0]);
-        weight *= weigh_axis(&shape, &spans.v, i, &k.a[1]);
-        const uint8_t *texels =
-            find_texels(cache, t, face, f, spans.small[i], spans.inside[i], &k, &last, &pitch);
-        put_zeros(s, channels, to);
+        float weight = kernel_weigh_axis(&shape, &spans.u, i, &k.a[0]);
+        weight *= kernel_weigh_axis(&shape, &spans.v, i, &k.a[1]);
+        const uint8_t *texels = quick_find_texels(cache, t, face, f, spans.small[i],
+                                                  spans.inside[i], &k, &last, &pitch);
+        quick_put_zeros(s, channels, to);
         if (texels) {
             v4f sum = gather_few(t, texels, pitch, &k);
-            put(sum * (t->scale / weight) + 0, channels, to);
-        } else if (!look_across(s, t, face, f, &k, weight, channels, to, &result))
-            result = look_up(s, g->lookups[i], out->room, to);
-        note_result(out, g->at[i], result);
+            quick_put(sum * (t->scale / weight) + 0, channels, to);
+        } else if (!quick_across(s, t, face, f, &k, weight, channels, to, &result))
+            result = any_look_up(s, g->lookups[i], out->room, to);
+        group_note_result(out, g->at[i], result);
     }
     return true;
 }
 
 /* Asks for the memory that a prepared lookup will read. */
-static inline __attribute__((always_inline)) void fetch_ahead(const group *g, int i,
-                                                              slv_filter filter) {
+static inline __attribute__((always_inline)) void group_fetch_ahead(const group *g, int i,
+                                                                    slv_filter filter) {
     const uint8_t *at = g->texels[i];
     if (filter == SLV_FILTER_POINT) {
         __builtin_prefetch(at);
@@ -181,7 +182,7 @@ static inline __attribute__((always_inline)) void fetch_ahead(const group *g, in
 }
 
 /* Finds tables and faces. */
-static inline __attribute__((always_inline)) void find_faces(const slv_sampler *s, group *g) {
+static inline __attribute__((always_inline)) void group_find_faces(const slv_sampler *s, group *g) {
     const slv_cache *cache = s->thread.cache;
     for (int i = 0; i < g->n; i++) {
         const slv_lookup *l = g->lookups[i];
@@ -200,17 +201,17 @@ static inline __attribute__((always_inline)) void find_faces(const slv_sampler *
 
 /* Finds texels, and makes kernels, as look_up_quick() does for one. */
 static inline __attribute__((always_inline)) void
-prepare_group(slv_sampler *s, group *g, group_places *at, slv_filter filter, size_t room) {
+group_prepare(slv_sampler *s, group *g, group_places *at, slv_filter filter, size_t room) {
     const slv_cache *cache = s->thread.cache;
     size_t most = s->nchannels == UINT32_MAX ? room : UINT32_MAX;
-    v8i res_u = {0}, res_v = {0}, sound = are_sound(at, filter);
+    v8i res_u = {0}, res_v = {0}, sound = group_are_sound(at, filter);
     /* what is not a number, or huge, overflows integers in its lane */
     at->u = v8_select(sound, at->u, v8_splat(0));
     at->v = v8_select(sound, at->v, v8_splat(0));
-    find_faces(s, g);
+    group_find_faces(s, g);
     for (int i = 0; i < g->n; i++) {
         const cache_face *f = g->faces[i];
-        g->ready[i] = f && is_quick(s, f) && sound[i] && g->tables[i]->nchannels <= most;
+        g->ready[i] = f && quick_fits(s, f) && sound[i] && g->tables[i]->nchannels <= most;
         res_u[i] = g->ready[i] ? f->res_u : 0;
         res_v[i] = g->ready[i] ? f->res_v : 0;
         g->scale[i] = g->ready[i] ? g->tables[i]->scale : 0;
@@ -233,31 +234,33 @@ prepare_group(slv_sampler *s, group *g, group_places *at, slv_filter filter, siz
     kernel_shape shape = s->shape;
     shape.filter = filter;
     group_spans spans;
-    find_spans(s, &shape, at, res_u, res_v, &spans);
-    last_found last = {0};
+    group_find_spans(s, &shape, at, res_u, res_v, &spans);
+    quick_last last = {0};
     for (int i = 0; i < g->n; i++) {
         if (!g->ready[i])
             continue;
         kernel *k = &g->kernels[i];
         k->turns = 0;
-        g->weight[i] = weigh_axis(&shape, &spans.u, i, &k->a[0]);
-        g->weight[i] *= weigh_axis(&shape, &spans.v, i, &k->a[1]);
-        g->texels[i] = find_texels(cache, g->tables[i], g->lookups[i]->face, g->faces[i],
-                                   spans.small[i], spans.inside[i], k, &last, &g->pitch[i]);
+        g->weight[i] = kernel_weigh_axis(&shape, &spans.u, i, &k->a[0]);
+        g->weight[i] *= kernel_weigh_axis(&shape, &spans.v, i, &k->a[1]);
+        g->texels[i] = quick_find_texels(cache, g->tables[i], g->lookups[i]->face, g->faces[i],
+                                         spans.small[i], spans.inside[i], k, &last, &g->pitch[i]);
     }
 }
 
 /* A group on more than one face. */
-static inline __attribute__((always_inline)) void
-look_up_spread(slv_sampler *s, group *g, group_places *at, slv_filter filter, batch_out *out) {
+static inline __attribute__((always_inline)) void group_look_up_spread(slv_sampler *s, group *g,
+                                                                       group_places *at,
+                                                                       slv_filter filter,
+                                                                       group_out *out) {
     uintptr_t near = 0;
-    prepare_group(s, g, at, filter, out->room);
+    group_prepare(s, g, at, filter, out->room);
     for (int i = 0; i < g->n; i++) {
         /* neighbours are in the processor's cache, or soon will be */
         if (!g->ready[i] || !g->texels[i])
             continue;
         if ((uintptr_t)g->texels[i] - near + 2048 > 4096)
-            fetch_ahead(g, i, filter);
+            group_fetch_ahead(g, i, filter);
         near = (uintptr_t)g->texels[i];
     }
     uint64_t moves = s->thread.moves;
@@ -265,42 +268,42 @@ look_up_spread(slv_sampler *s, group *g, group_places *at, slv_filter filter, ba
         slv_result result = SLV_OK;
         float *to = out->values + g->at[i] * out->stride;
         if (!g->ready[i] || s->thread.moves != moves) {
-            note_result(out, g->at[i], look_up(s, g->lookups[i], out->room, to));
+            group_note_result(out, g->at[i], any_look_up(s, g->lookups[i], out->room, to));
             continue;
         }
         cache_tables *t = g->tables[i];
         uint32_t channels = t->nchannels < s->nchannels ? t->nchannels : s->nchannels;
-        put_zeros(s, channels, to);
+        quick_put_zeros(s, channels, to);
         if (filter == SLV_FILTER_POINT) {
-            put_texel(t, g->texels[i], channels, to);
+            quick_put_texel(t, g->texels[i], channels, to);
         } else if (g->texels[i]) {
             v4f sum = gather_few(t, g->texels[i], g->pitch[i], &g->kernels[i]);
-            put(sum * (g->scale[i] / g->weight[i]) + 0, channels, to);
-        } else if (!look_across(s, t, g->lookups[i]->face, g->faces[i], &g->kernels[i],
-                                g->weight[i], channels, to, &result))
-            result = look_up(s, g->lookups[i], out->room, to);
-        note_result(out, g->at[i], result);
+            quick_put(sum * (g->scale[i] / g->weight[i]) + 0, channels, to);
+        } else if (!quick_across(s, t, g->lookups[i]->face, g->faces[i], &g->kernels[i],
+                                 g->weight[i], channels, to, &result))
+            result = any_look_up(s, g->lookups[i], out->room, to);
+        group_note_result(out, g->at[i], result);
     }
 }
 
 static inline __attribute__((always_inline)) slv_result
-look_up_many(slv_sampler *s, const slv_lookup *lookups, const uint32_t *order, size_t count,
-             slv_filter filter, float *values, size_t stride, slv_result *results) {
-    batch_out out = {values,  stride, s->nchannels == UINT32_MAX ? stride : s->nchannels,
+group_look_up_many(slv_sampler *s, const slv_lookup *lookups, const uint32_t *order, size_t count,
+                   slv_filter filter, float *values, size_t stride, slv_result *results) {
+    group_out out = {values,  stride, s->nchannels == UINT32_MAX ? stride : s->nchannels,
                      results, SLV_OK, count};
     group g;
-    for (size_t begin = 0; begin < count; begin += GROUP) {
-        g.n = count - begin < GROUP ? (int)(count - begin) : GROUP;
-        for (int i = 0; i < GROUP; i++) {
+    for (size_t begin = 0; begin < count; begin += GROUP_SIZE) {
+        g.n = count - begin < GROUP_SIZE ? (int)(count - begin) : GROUP_SIZE;
+        for (int i = 0; i < GROUP_SIZE; i++) {
             size_t each = begin + (size_t)(i < g.n ? i : g.n - 1);
             g.at[i] = order ? order[each] : each;
             g.lookups[i] = &lookups[g.at[i]];
         }
         group_places at;
-        load_places(s, &g, &at);
+        group_load_places(s, &g, &at);
         cache_pin(&s->thread);
-        if (!look_up_alike(s, &g, &at, filter, &out))
-            look_up_spread(s, &g, &at, filter, &out);
+        if (!group_look_up_alike(s, &g, &at, filter, &out))
+            group_look_up_spread(s, &g, &at, filter, &out);
         cache_unpin(&s->thread);
     }
     cache_count(&s->thread.lookups, count);

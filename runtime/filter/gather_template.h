@@ -1,12 +1,12 @@
-/* Weighted sums of texels under a kernel. */
-#ifndef SLV_FILTER_GATHER_H
-#define SLV_FILTER_GATHER_H
+/* Template: weighted sums of texels under a kernel, for each type and number of channels. */
+#ifndef SLV_FILTER_GATHER_TEMPLATE_H
+#define SLV_FILTER_GATHER_TEMPLATE_H
 
 #include "filter/kernel.h"
 #include "filter/sampler.h"
 #include "filter/vector.h"
 
-#define MAX_VECTORS (KERNEL_MAX * 4 / 8)
+#define GATHER_MAX_VECTORS (KERNEL_MAX * 4 / 8)
 
 /* Only the lanes that were summed up are looked at, which compilers do not see. */
 #if defined(__GNUC__) && !defined(__clang__)
@@ -22,7 +22,7 @@
         const T *p, size_t pitch, const kernel *k, size_t nvectors, v8f *acc) {                    \
         int rows = k->a[1].n;                                                                      \
         float weight = k->a[1].k[0];                                                               \
-        v8f sums[MAX_VECTORS];                                                                     \
+        v8f sums[GATHER_MAX_VECTORS];                                                              \
         _Pragma("GCC unroll 9") for (size_t i = 0; i < nvectors; i++) sums[i] =                    \
             v8_load_##TYPE(p + 8 * i) * weight;                                                    \
         for (int j = 1; j < rows; j++) {                                                           \
@@ -36,8 +36,8 @@
     static inline __attribute__((always_inline))                                                   \
     v4f gather_few_##TYPE(const T *texels, size_t pitch, size_t n, const kernel *k) {              \
         union {                                                                                    \
-            v8f v[MAX_VECTORS + 1];                                                                \
-            float f[8 * MAX_VECTORS + 8];                                                          \
+            v8f v[GATHER_MAX_VECTORS + 1];                                                         \
+            float f[8 * GATHER_MAX_VECTORS + 8];                                                   \
         } acc;                                                                                     \
         const T *p = texels + (size_t)k->a[1].start * pitch + (size_t)k->a[0].start * n;           \
         size_t nvectors = ((size_t)k->a[0].n * n + 7) / 8;                                         \
@@ -136,7 +136,7 @@ gather_few(const cache_tables *t, const uint8_t *texels, size_t pitch, const ker
 }
 
 /* Eight values from a texel's first on; there is memory behind it. */
-static inline __attribute__((always_inline)) v8f load_texel(slv_type type, const uint8_t *texel) {
+static inline __attribute__((always_inline)) v8f gather_load(slv_type type, const uint8_t *texel) {
     const void *p = texel;
     switch (type) {
     case SLV_TYPE_U8:
@@ -151,21 +151,21 @@ static inline __attribute__((always_inline)) v8f load_texel(slv_type type, const
 }
 
 /* Adds `count` values of a texel, from `first` on, times a weight. */
-static inline void add_texel(slv_type type, const uint8_t *texel, size_t first, size_t count,
-                             float weight, float *sum) {
+static inline void gather_add_texel(slv_type type, const uint8_t *texel, size_t first, size_t count,
+                                    float weight, float *sum) {
     for (size_t c = 0; c < count; c += 8) {
         size_t left = count - c < 8 ? count - c : 8;
         uint8_t bytes[32] = {0};
         memcpy(bytes, texel + (first + c) * slv_type_size(type), left * slv_type_size(type));
-        v8f x = load_texel(type, bytes);
+        v8f x = gather_load(type, bytes);
         for (size_t lane = 0; lane < left; lane++)
             sum[c + lane] += x[lane] * weight;
     }
 }
 
 /* The sum of texels that lie in rows `pitch` texels apart. */
-static inline void gather(const cache_tables *t, const uint8_t *texels, size_t pitch,
-                          const kernel *k, size_t first, size_t count, float *sum) {
+static inline void gather_sum(const cache_tables *t, const uint8_t *texels, size_t pitch,
+                              const kernel *k, size_t first, size_t count, float *sum) {
     size_t n = t->nchannels;
     const void *p = texels;
     if (n <= 4) {

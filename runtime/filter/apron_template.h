@@ -1,12 +1,12 @@
-/* Coarse resolutions with what lies around the face: an apron. A kernel of a few texels on a face
- * of a few texels crosses its edges nearly always; with an apron it is summed up like any other.
- * What is in the apron was found by laying kernels of one texel across the edges, so that it means
- * the same. Whether a lookup uses one depends on the file and the lookup alone, never on what is
- * cached. */
-#ifndef SLV_FILTER_APRON_H
-#define SLV_FILTER_APRON_H
+/* Template: coarse resolutions with what lies around the face: an apron. A kernel of a few texels
+ * on a face of a few texels crosses its edges nearly always; with an apron it is summed up like any
+ * other. What is in the apron was found by laying kernels of one texel across the edges, so that it
+ * means the same. Whether a lookup uses one depends on the file and the lookup alone, never on what
+ * is cached. */
+#ifndef SLV_FILTER_APRON_TEMPLATE_H
+#define SLV_FILTER_APRON_TEMPLATE_H
 
-#include "filter/seams.h"
+#include "filter/seams_template.h"
 
 #include <selvage/half.h>
 
@@ -67,7 +67,7 @@ static inline bool apron_store(slv_type type, const float *values, uint32_t coun
 
 /* Makes the apron of a face at a resolution. Regions where kernels do not simply add up, as behind
  * extraordinary vertices or on sub-faces, are marked as missing. */
-static __attribute__((noinline)) const uint8_t *make_apron(lookup_state *state, uint32_t face,
+static __attribute__((noinline)) const uint8_t *apron_make(lookup_state *state, uint32_t face,
                                                            int res_u, int res_v) {
     cache_tables *t = state->tables;
     float texels[APRON_SIDE * APRON_SIDE * 4];
@@ -88,9 +88,9 @@ static __attribute__((noinline)) const uint8_t *make_apron(lookup_state *state, 
                                 .count = t->nchannels,
                                 .sum = sum,
                                 .weight = 1};
-            apply_across(&one, face, &k);
+            seam_across(&one, face, &k);
             state->pieces += one.pieces;
-            if (is_over(&one)) {
+            if (lookup_is_over(&one)) {
                 state->gone = one.gone;
                 state->result = one.result;
                 return NULL;
@@ -107,14 +107,14 @@ static __attribute__((noinline)) const uint8_t *make_apron(lookup_state *state, 
 }
 
 /* The apron of a face at a resolution; NULL when state says why. */
-static inline const uint8_t *find_apron(lookup_state *state, uint32_t face, const cache_face *f,
+static inline const uint8_t *apron_find(lookup_state *state, uint32_t face, const cache_face *f,
                                         int res_u, int res_v) {
     const slv_cache *cache = state->sampler->thread.cache;
     const uint8_t *texels = cache_find_apron(cache, f, res_u, res_v);
     if (!texels)
         texels = cache_find_hashed(cache, state->tables, face, res_u, res_v, CACHE_APRON);
     state->pieces++;
-    return texels ? texels : make_apron(state, face, res_u, res_v);
+    return texels ? texels : apron_make(state, face, res_u, res_v);
 }
 
 /* Whether an apron has all texels under a kernel; which is then moved to the apron's own. */
@@ -137,8 +137,8 @@ static inline size_t apron_pitch(int res_u) {
 
 /* Sums up texels of a face and around it. False, and nothing was summed, where the apron has holes:
  * the kernel must then be taken apart. */
-static inline bool apply_apron(lookup_state *state, uint32_t face, const cache_face *f, kernel *k) {
-    const uint8_t *texels = find_apron(state, face, f, k->a[0].res, k->a[1].res);
+static inline bool apron_apply(lookup_state *state, uint32_t face, const cache_face *f, kernel *k) {
+    const uint8_t *texels = apron_find(state, face, f, k->a[0].res, k->a[1].res);
     if (!texels || !apron_covers(texels, k))
         return false;
     v4f sum = gather_few(state->tables, texels, apron_pitch(k->a[0].res), k);

@@ -1,25 +1,21 @@
-/* Kernels that reach beyond their face: cut at the edges, turned, and laid onto the neighbours. The
- * steps are those of the Ptex library, so that values agree. */
-#ifndef SLV_FILTER_SEAMS_H
-#define SLV_FILTER_SEAMS_H
+/* Template: kernels that reach beyond their face: cut at the edges, turned, and laid onto the
+ * neighbours. The steps are those of the Ptex library, so that values agree. */
+#ifndef SLV_FILTER_SEAMS_TEMPLATE_H
+#define SLV_FILTER_SEAMS_TEMPLATE_H
 
-#include "filter/gather.h"
+#include "filter/gather_template.h"
 
-enum { EDGE_BOTTOM = 0, EDGE_RIGHT = 1, EDGE_TOP = 2, EDGE_LEFT = 3 };
+enum { SEAM_BOTTOM = 0, SEAM_RIGHT = 1, SEAM_TOP = 2, SEAM_LEFT = 3 };
 
 /* Sub-faces pass kernels on to sub-faces; more often than this only in files that make no sense. */
-#define MAX_DEPTH 24
+#define SEAM_MAX_DEPTH 24
 /* Faces around a vertex beyond this many count as none. */
-#define MAX_RING 10
+#define SEAM_MAX_RING 10
 
-static void apply_across(lookup_state *state, uint32_t face, kernel *k);
-
-static inline cache_face *face_at(lookup_state *state, uint32_t face) {
-    return cache_find_face(state->tables, face);
-}
+static void seam_across(lookup_state *state, uint32_t face, kernel *k);
 
 /* Adds a piece whose first two channels are a vector in the face's own frame. */
-static void add_turned(lookup_state *state, int turns, const float *piece) {
+static void seam_add_turned(lookup_state *state, int turns, const float *piece) {
     float x = piece[0], y = piece[1];
     state->sum[0] += turns == 1 ? -y : turns == 2 ? -x : y;
     state->sum[1] += turns == 1 ? x : turns == 2 ? -y : -x;
@@ -27,30 +23,30 @@ static void add_turned(lookup_state *state, int turns, const float *piece) {
         state->sum[c] += piece[c];
 }
 
-static void add_gathered(lookup_state *state, const uint8_t *texels, size_t pitch,
-                         const kernel *k) {
+static void seam_add_gathered(lookup_state *state, const uint8_t *texels, size_t pitch,
+                              const kernel *k) {
     const cache_tables *t = state->tables;
     if (!t->tanvec || k->turns == 0 || state->count < 2) {
-        gather(t, texels, pitch, k, state->first, state->count, state->sum);
+        gather_sum(t, texels, pitch, k, state->first, state->count, state->sum);
         return;
     }
     enum { SOME = 64 };
     for (uint32_t c = 0; c < state->count; c += SOME) {
         float piece[SOME] = {0};
         uint32_t n = state->count - c < SOME ? state->count - c : SOME;
-        gather(t, texels, pitch, k, state->first + c, n, piece);
+        gather_sum(t, texels, pitch, k, state->first + c, n, piece);
         lookup_state part = *state;
         part.sum += c;
         part.count = n;
         if (c == 0)
-            add_turned(&part, k->turns, piece);
+            seam_add_turned(&part, k->turns, piece);
         else
             for (uint32_t i = 0; i < n; i++)
                 part.sum[i] += piece[i];
     }
 }
 
-static void apply_tiles(lookup_state *state, uint32_t face, const kernel *k) {
+static void seam_tiles(lookup_state *state, uint32_t face, const kernel *k) {
     slv_res tile = slvi_cache_tile_res(state->tables, k->a[0].res, k->a[1].res);
     int log2[2] = {tile.u, tile.v}, first[2], last[2];
     for (int axis = 0; axis < 2; axis++) {
@@ -66,66 +62,66 @@ static void apply_tiles(lookup_state *state, uint32_t face, const kernel *k) {
                 int begin = at[axis] << log2[axis], end = (at[axis] + 1) << log2[axis];
                 int skip = begin > from->start ? begin - from->start : 0;
                 int stop = from->start + from->n < end ? from->n : end - from->start;
-                axis_take(from, skip, stop - skip, &part.a[axis]);
+                kernel_axis_take(from, skip, stop - skip, &part.a[axis]);
                 part.a[axis].start -= begin;
                 part.a[axis].res = log2[axis];
             }
             uint32_t index = ((uint32_t)y << (k->a[0].res - log2[0])) + (uint32_t)x;
-            const uint8_t *texels = find_tile(state, face, k->a[0].res, k->a[1].res, index);
+            const uint8_t *texels = lookup_find_tile(state, face, k->a[0].res, k->a[1].res, index);
             if (!texels)
                 return;
-            add_gathered(state, texels, (size_t)1 << log2[0], &part);
+            seam_add_gathered(state, texels, (size_t)1 << log2[0], &part);
         }
 }
 
 /* Weighs the texels of a face under a kernel that lies inside of it. */
-static inline void apply_inside(lookup_state *state, uint32_t face, cache_face *f, kernel *k) {
+static inline void seam_inside(lookup_state *state, uint32_t face, cache_face *f, kernel *k) {
     const cache_tables *t = state->tables;
     if (kernel_is_empty(k))
         return;
     while (k->a[0].res > f->res_u)
-        axis_downsample(&k->a[0]);
+        kernel_axis_downsample(&k->a[0]);
     while (k->a[1].res > f->res_v)
-        axis_downsample(&k->a[1]);
+        kernel_axis_downsample(&k->a[1]);
     int res_u = k->a[0].res, res_v = k->a[1].res;
     if ((f->flags & SLV_FACE_CONSTANT) || res_u + res_v == 0) {
-        add_texel(t->type, t->averages + (size_t)face * t->pixel_size, state->first, state->count,
-                  kernel_weight(k), state->sum);
+        gather_add_texel(t->type, t->averages + (size_t)face * t->pixel_size, state->first,
+                         state->count, kernel_weight(k), state->sum);
         return;
     }
     if (res_u + res_v > t->whole_log2) {
-        apply_tiles(state, face, k);
+        seam_tiles(state, face, k);
         return;
     }
-    const uint8_t *texels = find_whole(state, face, f, res_u, res_v);
+    const uint8_t *texels = lookup_find_whole(state, face, f, res_u, res_v);
     if (texels)
-        add_gathered(state, texels, (size_t)1 << res_u, k);
+        seam_add_gathered(state, texels, (size_t)1 << res_u, k);
 }
 
 /* From the frame of a whole face, moved across its edge, to that of one of two sub-faces there.
  * Says whether it is the primary one. */
-static bool to_subface(kernel *k, int edge) {
+static bool seam_to_subface(kernel *k, int edge) {
     for (int axis = 0; axis < 2; axis++) {
         if (k->a[axis].res == 0)
-            axis_upsample(&k->a[axis]);
+            kernel_axis_upsample(&k->a[axis]);
         k->a[axis].res--;
     }
     int size_u = 1 << k->a[0].res, size_v = 1 << k->a[1].res;
     int *u = &k->a[0].start, *v = &k->a[1].start;
     bool primary;
     switch (edge & 3) {
-    case EDGE_BOTTOM:
+    case SEAM_BOTTOM:
         primary = *u < size_u;
         *v -= size_v;
         if (!primary)
             *u -= size_u;
         break;
-    case EDGE_RIGHT:
+    case SEAM_RIGHT:
         primary = *v < size_v;
         if (!primary)
             *v -= size_v;
         break;
-    case EDGE_TOP:
+    case SEAM_TOP:
         primary = *u >= size_u;
         if (primary)
             *u -= size_u;
@@ -139,12 +135,12 @@ static bool to_subface(kernel *k, int edge) {
     return primary;
 }
 
-static void to_whole_face(kernel *k, int edge) {
+static void seam_to_whole_face(kernel *k, int edge) {
     int size_u = 1 << k->a[0].res, size_v = 1 << k->a[1].res;
     edge &= 3;
-    if (edge == EDGE_BOTTOM || edge == EDGE_LEFT)
+    if (edge == SEAM_BOTTOM || edge == SEAM_LEFT)
         k->a[1].start += size_v;
-    if (edge == EDGE_TOP || edge == EDGE_LEFT)
+    if (edge == SEAM_TOP || edge == SEAM_LEFT)
         k->a[0].start += size_u;
     k->a[0].res++;
     k->a[1].res++;
@@ -152,26 +148,26 @@ static void to_whole_face(kernel *k, int edge) {
 
 /* A sub-face may be smaller than the kernel expects, and a kernel of a position outside of its face
  * may reach beyond the neighbour: cut again. So are the kernels of files that make no sense. */
-static void arrive(lookup_state *state, uint32_t face, kernel *k) {
-    cache_face *f = face_at(state, face);
+static void seam_arrive(lookup_state *state, uint32_t face, kernel *k) {
+    cache_face *f = lookup_face_at(state, face);
     if (is_subface(f)) {
         state->subfaces = true;
-        apply_across(state, face, k);
+        seam_across(state, face, k);
     } else if (kernel_is_inside(k))
-        apply_inside(state, face, f, k);
+        seam_inside(state, face, f, k);
     else
-        apply_across(state, face, k);
+        seam_across(state, face, k);
 }
 
-static void apply_edge(lookup_state *state, uint32_t face, const cache_face *f, int edge,
-                       kernel *k) {
+static void seam_edge(lookup_state *state, uint32_t face, const cache_face *f, int edge,
+                      kernel *k) {
     if (kernel_is_empty(k))
         return;
     uint32_t to = (uint32_t)f->adjacent[edge];
     int to_edge = adjacent_edge(f, edge), turns = edge - to_edge + 2;
-    const cache_face *g = face_at(state, to);
+    const cache_face *g = lookup_face_at(state, to);
     if (is_subface(g) && !is_subface(f)) {
-        if (!to_subface(k, edge)) {
+        if (!seam_to_subface(k, edge)) {
             int side = (to_edge + 3) & 3;
             if (g->adjacent[side] < 0) {
                 state->weight -= kernel_weight(k);
@@ -183,34 +179,34 @@ static void apply_edge(lookup_state *state, uint32_t face, const cache_face *f, 
         }
     } else if (is_subface(f) && !is_subface(g)) {
         bool primary = g->adjacent[to_edge] == (int32_t)face;
-        to_whole_face(k, edge - primary);
+        seam_to_whole_face(k, edge - primary);
     }
     kernel_turn(k, turns);
-    arrive(state, to, k);
+    seam_arrive(state, to, k);
 }
 
-static void place_corner(lookup_state *state, const cache_face *f, int edge, uint32_t to,
-                         int to_edge, kernel *k) {
-    const cache_face *g = face_at(state, to);
+static void seam_place_corner(lookup_state *state, const cache_face *f, int edge, uint32_t to,
+                              int to_edge, kernel *k) {
+    const cache_face *g = lookup_face_at(state, to);
     if (is_subface(g) && !is_subface(f))
-        to_subface(k, edge + 3);
+        seam_to_subface(k, edge + 3);
     else if (is_subface(f) && !is_subface(g))
-        to_whole_face(k, edge + 3);
+        seam_to_whole_face(k, edge + 3);
     kernel_turn(k, edge - to_edge + 2);
-    arrive(state, to, k);
+    seam_arrive(state, to, k);
 }
 
 /* Around an extraordinary vertex every face behind gets the same kernel, which is the same along
  * both axes, so that it does not matter from where they are seen. */
-static void apply_ring(lookup_state *state, const cache_face *f, int edge, const uint32_t *faces,
-                       const int *edges, int n, kernel *k) {
+static void seam_ring(lookup_state *state, const cache_face *f, int edge, const uint32_t *faces,
+                      const int *edges, int n, kernel *k) {
     kernel_axis *u = &k->a[0], *v = &k->a[1];
     float before = kernel_weight(k);
     kernel_turn(k, edge + 2);
     while (u->res > v->res)
-        axis_downsample(u);
+        kernel_axis_downsample(u);
     while (v->res > u->res)
-        axis_downsample(v);
+        kernel_axis_downsample(v);
     u->n = v->n = u->n < v->n ? u->n : v->n;
     for (int i = 0; i < u->n; i++)
         u->k[i] = v->k[i] = u->k[i] + v->k[i];
@@ -221,40 +217,40 @@ static void apply_ring(lookup_state *state, const cache_face *f, int edge, const
             u->k[i] *= by;
         after = scale < -1 ? -after : before;
     }
-    for (int i = 0; i < n && !is_over(state); i++) {
+    for (int i = 0; i < n && !lookup_is_over(state); i++) {
         kernel copy = *k;
-        place_corner(state, f, 2, faces[i], edges[i], &copy);
+        seam_place_corner(state, f, 2, faces[i], edges[i], &copy);
     }
     state->weight += (float)n * after - before;
 }
 
 /* Lays a kernel onto the faces behind the vertex where `edge` begins to be left. */
-static void apply_corner(lookup_state *state, uint32_t face, const cache_face *f, int edge,
-                         kernel *k) {
+static void seam_corner(lookup_state *state, uint32_t face, const cache_face *f, int edge,
+                        kernel *k) {
     if (kernel_is_empty(k))
         return;
-    uint32_t faces[MAX_RING] = {0};
-    int edges[MAX_RING] = {0}, behind = 0;
+    uint32_t faces[SEAM_MAX_RING] = {0};
+    int edges[SEAM_MAX_RING] = {0}, behind = 0;
     const cache_face *at = f;
     int leave = edge;
     uint32_t from = face;
-    for (int i = 0; i < MAX_RING; i++) {
+    for (int i = 0; i < SEAM_MAX_RING; i++) {
         int32_t to = at->adjacent[leave];
         int arrived = adjacent_edge(at, leave), next = (arrived + 1) & 3;
         if (to < 0 || ((uint32_t)to == face && next == edge)) {
             behind = i - 2;
             break;
         }
-        const cache_face *g = face_at(state, (uint32_t)to);
+        const cache_face *g = lookup_face_at(state, (uint32_t)to);
         faces[i] = (uint32_t)to;
         edges[i] = next;
         if (is_subface(at) && !is_subface(g) && g->adjacent[(next + 3) & 3] == (int32_t)from) {
             /* the vertex lies within an edge of a whole face */
             state->subfaces = true;
             bool primary = i == 1;
-            to_whole_face(k, edge + 2 * primary);
+            seam_to_whole_face(k, edge + 2 * primary);
             kernel_turn(k, edge - next + 3 - primary);
-            apply_across(state, (uint32_t)to, k);
+            seam_across(state, (uint32_t)to, k);
             return;
         }
         at = g;
@@ -262,17 +258,17 @@ static void apply_corner(lookup_state *state, uint32_t face, const cache_face *f
         from = (uint32_t)to;
     }
     if (behind == 1)
-        place_corner(state, f, edge, faces[1], edges[1], k);
+        seam_place_corner(state, f, edge, faces[1], edges[1], k);
     else if (behind > 1)
-        apply_ring(state, f, edge, faces + 1, edges + 1, behind, k);
+        seam_ring(state, f, edge, faces + 1, edges + 1, behind, k);
     else
         state->weight -= kernel_weight(k);
 }
 
 /* The part of a kernel that crosses `side` of a face, with its corners: `above` is the edge to
  * leave over for the corner at the top, `below` for that at the bottom. */
-static void apply_side(lookup_state *state, uint32_t face, const cache_face *f, int side, int above,
-                       int below, bool top, bool bottom, kernel *k) {
+static void seam_side(lookup_state *state, uint32_t face, const cache_face *f, int side, int above,
+                      int below, bool top, bool bottom, kernel *k) {
     const cache_tables *t = state->tables;
     bool drop = t->border_v == SLV_BORDER_BLACK;
     kernel part, corner;
@@ -281,31 +277,31 @@ static void apply_side(lookup_state *state, uint32_t face, const cache_face *f, 
         return;
     }
     kernel_split(k, side, &part);
-    if (top && f->adjacent[EDGE_TOP] < 0)
-        kernel_merge(&part, EDGE_TOP, drop);
+    if (top && f->adjacent[SEAM_TOP] < 0)
+        kernel_merge(&part, SEAM_TOP, drop);
     else if (top) {
-        kernel_split(&part, EDGE_TOP, &corner);
-        apply_corner(state, face, f, above, &corner);
+        kernel_split(&part, SEAM_TOP, &corner);
+        seam_corner(state, face, f, above, &corner);
     }
-    if (is_over(state))
+    if (lookup_is_over(state))
         return;
-    if (bottom && f->adjacent[EDGE_BOTTOM] < 0)
-        kernel_merge(&part, EDGE_BOTTOM, drop);
+    if (bottom && f->adjacent[SEAM_BOTTOM] < 0)
+        kernel_merge(&part, SEAM_BOTTOM, drop);
     else if (bottom) {
-        kernel_split(&part, EDGE_BOTTOM, &corner);
-        apply_corner(state, face, f, below, &corner);
+        kernel_split(&part, SEAM_BOTTOM, &corner);
+        seam_corner(state, face, f, below, &corner);
     }
-    if (!is_over(state))
-        apply_edge(state, face, f, side, &part);
+    if (!lookup_is_over(state))
+        seam_edge(state, face, f, side, &part);
 }
 
 /* Cuts a kernel at the edges of a face and lays the pieces onto the faces they belong to. */
-static void apply_across(lookup_state *state, uint32_t face, kernel *k) {
+static void seam_across(lookup_state *state, uint32_t face, kernel *k) {
     const cache_tables *t = state->tables;
-    cache_face *f = face_at(state, face);
-    bool right = kernel_crosses(k, EDGE_RIGHT), left = kernel_crosses(k, EDGE_LEFT);
-    bool top = kernel_crosses(k, EDGE_TOP), bottom = kernel_crosses(k, EDGE_BOTTOM);
-    if (state->depth >= MAX_DEPTH || is_over(state))
+    cache_face *f = lookup_face_at(state, face);
+    bool right = kernel_crosses(k, SEAM_RIGHT), left = kernel_crosses(k, SEAM_LEFT);
+    bool top = kernel_crosses(k, SEAM_TOP), bottom = kernel_crosses(k, SEAM_BOTTOM);
+    if (state->depth >= SEAM_MAX_DEPTH || lookup_is_over(state))
         return;
     state->depth++;
     if (state->sampler->no_edge_blend) {
@@ -315,11 +311,11 @@ static void apply_across(lookup_state *state, uint32_t face, kernel *k) {
                 kernel_merge(k, e, (e & 1 ? t->border_u : t->border_v) == SLV_BORDER_BLACK);
     } else {
         if (right)
-            apply_side(state, face, f, EDGE_RIGHT, EDGE_TOP, EDGE_RIGHT, top, bottom, k);
-        if (left && !is_over(state))
-            apply_side(state, face, f, EDGE_LEFT, EDGE_LEFT, EDGE_BOTTOM, top, bottom, k);
-        for (int i = 0; i < 2 && !is_over(state); i++) {
-            int side = i ? EDGE_BOTTOM : EDGE_TOP;
+            seam_side(state, face, f, SEAM_RIGHT, SEAM_TOP, SEAM_RIGHT, top, bottom, k);
+        if (left && !lookup_is_over(state))
+            seam_side(state, face, f, SEAM_LEFT, SEAM_LEFT, SEAM_BOTTOM, top, bottom, k);
+        for (int i = 0; i < 2 && !lookup_is_over(state); i++) {
+            int side = i ? SEAM_BOTTOM : SEAM_TOP;
             if (!(i ? bottom : top))
                 continue;
             if (f->adjacent[side] < 0)
@@ -327,17 +323,18 @@ static void apply_across(lookup_state *state, uint32_t face, kernel *k) {
             else {
                 kernel part;
                 kernel_split(k, side, &part);
-                apply_edge(state, face, f, side, &part);
+                seam_edge(state, face, f, side, &part);
             }
         }
     }
-    if (!is_over(state))
-        apply_inside(state, face, f, k);
+    if (!lookup_is_over(state))
+        seam_inside(state, face, f, k);
     state->depth--;
 }
 
 /* Sums up texels in rows `pitch` apart. */
-static inline void add_few(lookup_state *state, const uint8_t *texels, int res_u, const kernel *k) {
+static inline void seam_add_few(lookup_state *state, const uint8_t *texels, int res_u,
+                                const kernel *k) {
     v4f sum = gather_few(state->tables, texels, (size_t)1 << res_u, k);
     for (uint32_t c = 0; c < state->count; c++)
         state->sum[c] += sum[state->first + c];
@@ -345,20 +342,20 @@ static inline void add_few(lookup_state *state, const uint8_t *texels, int res_u
 
 /* Most kernels that cross at all: over one edge, between faces that are plain and fine enough, and
  * are not cut into tiles. False, and nothing is done, for any other. */
-static inline bool apply_one_edge(lookup_state *state, uint32_t face, cache_face *f, kernel *k) {
+static inline bool seam_one_edge(lookup_state *state, uint32_t face, cache_face *f, kernel *k) {
     kernel_axis *u = &k->a[0], *v = &k->a[1];
     int after_u = u->start + u->n - (1 << u->res), after_v = v->start + v->n - (1 << v->res);
     bool bottom = v->start<0, right = after_u> 0, top = after_v > 0, left = u->start < 0;
     if (bottom + right + top + left != 1)
         return false;
-    int edge = right ? EDGE_RIGHT : top ? EDGE_TOP : left ? EDGE_LEFT : EDGE_BOTTOM;
+    int edge = right ? SEAM_RIGHT : top ? SEAM_TOP : left ? SEAM_LEFT : SEAM_BOTTOM;
     int outside = right ? after_u : top ? after_v : left ? -u->start : -v->start;
     kernel_axis *cut = edge & 1 ? u : v;
     if (f->adjacent[edge] < 0 || outside >= cut->n || outside > 1 << cut->res)
         return false;
     uint32_t to = (uint32_t)f->adjacent[edge];
     int turns = (edge - adjacent_edge(f, edge) + 2) & 3;
-    cache_face *g = face_at(state, to);
+    cache_face *g = lookup_face_at(state, to);
     int res_u = turns & 1 ? v->res : u->res, res_v = turns & 1 ? u->res : v->res;
     if (!g->plain || res_u > g->res_u || res_v > g->res_v || res_u + res_v == 0 ||
         res_u + res_v > state->tables->whole_log2)
@@ -368,26 +365,26 @@ static inline bool apply_one_edge(lookup_state *state, uint32_t face, cache_face
     kernel part;
     kernel_axis *there = &part.a[(cut == v) ^ (turns & 1)];
     kernel_axis *along = &part.a[(cut == u) ^ (turns & 1)];
-    axis_take(cut, low ? 0 : cut->n - outside, outside, there);
-    axis_take(cut == u ? v : u, 0, cut == u ? v->n : u->n, along);
+    kernel_axis_take(cut, low ? 0 : cut->n - outside, outside, there);
+    kernel_axis_take(cut == u ? v : u, 0, cut == u ? v->n : u->n, along);
     there->start = low ? (1 << cut->res) - outside : 0;
     part.turns = turns;
     if (turns == 2 || turns == 3)
-        axis_reverse(&part.a[0]);
+        kernel_axis_reverse(&part.a[0]);
     if (turns == 1 || turns == 2)
-        axis_reverse(&part.a[1]);
-    const uint8_t *texels = find_whole(state, to, g, res_u, res_v);
+        kernel_axis_reverse(&part.a[1]);
+    const uint8_t *texels = lookup_find_whole(state, to, g, res_u, res_v);
     if (!texels)
         return true;
-    add_few(state, texels, res_u, &part);
+    seam_add_few(state, texels, res_u, &part);
     cut->n -= outside;
     if (low) {
-        axis_take(cut, outside, cut->n, cut);
+        kernel_axis_take(cut, outside, cut->n, cut);
         cut->start = 0;
     }
-    texels = find_whole(state, face, f, u->res, v->res);
+    texels = lookup_find_whole(state, face, f, u->res, v->res);
     if (texels)
-        add_few(state, texels, u->res, k);
+        seam_add_few(state, texels, u->res, k);
     return true;
 }
 
