@@ -14,7 +14,17 @@ prefix=$scratch/prefix
 libraries=$(dirname "$(find "$prefix" -name 'libselvage.so' | head -n 1)")
 test -f "$libraries/pkgconfig/selvage.pc"
 test -f "$libraries/cmake/Selvage/SelvageConfig.cmake"
-test -f "$prefix/share/selvage/selvage_sample.glsl"
+
+# The shaders' text serves by itself, for each strategy that it names.
+lookups=$prefix/share/selvage/selvage_sample.glsl
+for strategy in $(sed -n 's|^//   \(SLV_STRATEGY_[A-Z_]*\)$|\1|p' "$lookups"); do
+    printf '#version 450 core\n#define %s\n' "$strategy" | cat - "$lookups" "$here/consumer/lookup.frag" \
+        >"$scratch/$strategy.frag"
+done
+glslangValidator "$scratch"/SLV_STRATEGY_*.frag >"$scratch/shaders.log" || {
+    cat "$scratch/shaders.log"
+    exit 1
+}
 
 export PKG_CONFIG_PATH="$libraries/pkgconfig"
 for package in selvage selvage-gl selvage-bake; do

@@ -1,11 +1,12 @@
 /* Every text that the library can hand to a shader is valid GLSL: for the reference compiler, which
  * must be installed, and for the driver of a real context, linked with the vertex shaders that it
- * is used with. */
+ * is used with. The one file that is installed has the same texts in it. */
 #include "kit/command_kit.h"
 
 #include <selvage/gl_texture.h>
 
 #include <GL/glcorearb.h>
+#include <ctype.h>
 
 #define FUNCTIONS(X)                                                                               \
     X(PFNGLCREATESHADERPROC, CreateShader)                                                         \
@@ -37,7 +38,7 @@ static kit_scratch scratch;
 static kit_run run;
 static char *seen[MAX_FILES];
 static int nseen, nfiles;
-static char *vertex[STAGES], *fragment[STAGES];
+static char *vertex[STAGES], *fragment[STAGES], *installed;
 static GLuint vertex_shaders[STAGES];
 
 static char *read_shader(const char *name) {
@@ -131,6 +132,39 @@ static void check_all_ways(const char *lookups, const char *name) {
     free(vectors);
 }
 
+/* What defines the strategy in the installed file. */
+static char *strategy_symbol(slv_strategy strategy, char *out, size_t size) {
+    snprintf(out, size, "SLV_STRATEGY_%s", slv_strategy_name(strategy));
+    for (char *c = out; *c; c++)
+        *c = *c == '-' ? '_' : (char)toupper((unsigned char)*c);
+    return out;
+}
+
+/* A shader of the installed file, with `defines` before it. */
+static void write_installed(const char *kind, slv_strategy strategy, const char *name,
+                            const char *defines, size_t length) {
+    char file[128], symbol[64];
+    size_t size = length + strlen(installed) + 128;
+    char *text = malloc(size);
+    REQUIRE(text);
+    snprintf(text, size, "#define %s\n%.*s%s", strategy_symbol(strategy, symbol, sizeof symbol),
+             (int)length, defines, installed);
+    snprintf(file, sizeof file, "%s_%s.frag", kind, name);
+    write_shader(file, text, fragment[0]);
+    free(text);
+}
+
+/* The text of the library, and what the installed file makes of the same definitions. */
+static void write_both(const char *lookups, slv_strategy strategy, const char *name) {
+    char file[128];
+    size_t defines = 0;
+    while (strncmp(lookups + defines, "#define ", 8) == 0)
+        defines += strcspn(lookups + defines, "\n") + 1;
+    write_installed("installed", strategy, name, lookups, defines);
+    snprintf(file, sizeof file, "assembled_%s.frag", name);
+    write_shader(file, lookups, fragment[0]);
+}
+
 static void check_texture(uint32_t nchannels, uint32_t anisotropy) {
     slv_env env = test_env();
     slv_texture *texture = NULL;
@@ -151,6 +185,9 @@ static void check_texture(uint32_t nchannels, uint32_t anisotropy) {
             const char *lookups = slv_gl_texture_glsl(uploaded, (slv_strategy)s, v);
             CHECK_MSG(strstr(lookups, "slv_sample_grad") != NULL, "%s: no text", name);
             check_all_ways(lookups, name);
+            /* one pool and four, with and without two sub-faces */
+            if (v == 0 || v == 5)
+                write_both(lookups, (slv_strategy)s, name);
         }
         CHECK(slv_gl_texture_glsl(uploaded, (slv_strategy)s, SLV_GL_MAX_VARIANTS)[0] == 0);
     }
@@ -178,6 +215,44 @@ static int reference_compiler(const char *pattern) {
     return run.code;
 }
 
+/* What the preprocessor makes of all files that match, without spaces. */
+static char *preprocessed(const char *pattern) {
+    char command[256], path[KIT_PATH];
+    snprintf(command, sizeof command, "-E %s >preprocessed", pattern);
+    CHECK_MSG(reference_compiler(command) == 0, "glslangValidator -E fails on %s", pattern);
+    char *text = kit_read(kit_join(path, scratch.folder, "preprocessed"), NULL), *to = text;
+    for (const char *from = text; *from; from++)
+        if (!isspace((unsigned char)*from))
+            *to++ = *from;
+    *to = 0;
+    return text;
+}
+
+/* Whether the installed file is the text of each strategy, and valid by itself. */
+static void check_installed(slv_strategy strategy) {
+    static const char *const kinds[] = {"installed", "plain"};
+    char pattern[128];
+    const char *name = slv_strategy_name(strategy);
+    snprintf(pattern, sizeof pattern, "assembled_%s_variant*.frag", name);
+    char *assembled = preprocessed(pattern);
+    snprintf(pattern, sizeof pattern, "installed_%s_variant*.frag", name);
+    char *from_file = preprocessed(pattern);
+    CHECK_MSG(strstr(assembled, "slv_sample_grad") && strcmp(assembled, from_file) == 0,
+              "the installed file has another text for %s", name);
+    free(assembled);
+    free(from_file);
+    /* definitions can be left out: then they are those of the simplest program */
+    snprintf(pattern, sizeof pattern, "%s_", name);
+    write_installed("plain", strategy, pattern, "", 0);
+    for (int k = 0; k < 2; k++) {
+        snprintf(pattern, sizeof pattern, "%s_%s_*.frag", kinds[k], name);
+        int code = reference_compiler(pattern);
+        CHECK_MSG(code == 0, "glslangValidator ended with %d on %s", code, pattern);
+        if (code)
+            print_complaints(run.out);
+    }
+}
+
 int main(void) {
     slv_env env = test_env();
     kit_scratch_make(&scratch);
@@ -188,6 +263,7 @@ int main(void) {
     REQUIRE(api.name != NULL);
     FUNCTIONS(LOAD)
 #undef LOAD
+    installed = kit_read(kit_variable("SELVAGE_SAMPLE_GLSL"), NULL);
     for (int stage = 0; stage < STAGES; stage++) {
         char name[64];
         snprintf(name, sizeof name, "%s.vert", stage_names[stage]);
@@ -208,11 +284,10 @@ int main(void) {
     CHECK(kit_count_files(scratch.folder) == nfiles);
 
     for (int stage = 0; stage < STAGES; stage++) {
-        static const char *const patterns[] = {"clamp",  "borders",       "traverse",     "discard",
-                                               "hybrid", "traverse-full", "edge-aligned", "htex"};
         for (int s = 0; s < SLV_STRATEGY_COUNT; s++) {
             char pattern[64];
-            snprintf(pattern, sizeof pattern, "%s_%s_*.frag", stage_names[stage], patterns[s]);
+            snprintf(pattern, sizeof pattern, "%s_%s_*.frag", stage_names[stage],
+                     slv_strategy_name((slv_strategy)s));
             int code = reference_compiler(pattern);
             CHECK_MSG(code == 0, "glslangValidator (Debian: glslang-tools) ended with %d on %s",
                       code, pattern);
@@ -222,10 +297,14 @@ int main(void) {
             fputs(run.err, stderr);
         }
     }
+    for (int s = 0; s < SLV_STRATEGY_COUNT; s++)
+        check_installed((slv_strategy)s);
     CHECK(reference_compiler("*.vert") == 0);
     /* the test of the test: an error is an error for both */
     write_shader("broken.frag", seen[0], "void main() { slv_sample(0.5); }\n");
     CHECK(reference_compiler("broken.frag") != 0 && strstr(run.out, "ERROR"));
+    write_shader("undecided.frag", installed, fragment[0]);
+    CHECK(reference_compiler("undecided.frag") != 0 && strstr(run.out, "define the strategy"));
 
     for (int stage = 0; stage < STAGES; stage++) {
         api.DeleteShader(vertex_shaders[stage]);
@@ -234,6 +313,7 @@ int main(void) {
     }
     while (nseen)
         free(seen[--nseen]);
+    free(installed);
     slv_gl_destroy(gl);
     kit_remove(scratch.root);
     return test_end();

@@ -34,6 +34,57 @@ slv_result slvi_gl_shader_text(const slv_env *env, const char *name, const char 
     return slvi_fail(env, SLV_ERROR_ARGUMENT, "there is no shader %s", name);
 }
 
+/* A text that grows. */
+struct joined {
+    char *text;
+    size_t length;
+};
+
+static slv_result append(const slv_env *env, struct joined *to, const char *text, size_t length) {
+    slv_result result = slvi_grow(env, "shader text", to->length + length + 1, 1, &to->text);
+    if (result)
+        return result;
+    memcpy(to->text + to->length, text, length);
+    to->length += length;
+    to->text[to->length] = 0;
+    return SLV_OK;
+}
+
+static slv_result append_part(const slv_env *env, struct joined *to, const char *name) {
+    const char *text;
+    char *owned;
+    slv_result result = slvi_gl_shader_text(env, name, &text, &owned);
+    if (!result)
+        result = append(env, to, text, strlen(text));
+    slvi_free(owned);
+    return result;
+}
+
+slv_result slvi_gl_shader_with_parts(const slv_env *env, const char *name, char **out) {
+    struct joined joined = {0};
+    const char *text = NULL;
+    char *owned = NULL, part[64];
+    slv_result result = slvi_gl_shader_text(env, name, &text, &owned);
+    while (!result && *text) {
+        const char *line = strstr(text, "\n#include ");
+        size_t length = line ? (size_t)(line + 1 - text) : strlen(text);
+        result = append(env, &joined, text, length);
+        text += length;
+        if (result || !line)
+            continue;
+        if (sscanf(text, "#include \"%63[^\"\n]\"", part) == 1)
+            result = append_part(env, &joined, part);
+        else
+            result = slvi_fail(env, SLV_ERROR_ARGUMENT, "shader %s: #include without a name", name);
+        text += strcspn(text, "\n");
+    }
+    slvi_free(owned);
+    if (result)
+        slvi_free(joined.text);
+    *out = result ? NULL : joined.text;
+    return result;
+}
+
 static void first_line(char *text) {
     text[strcspn(text, "\n")] = 0;
 }

@@ -11,7 +11,7 @@
 
 #define MAX_REACH 9 /* a face and two neighbours across each edge */
 
-/* As the shader reads it; see slv_links in selvage_sample.glsl. */
+/* As the shader reads it; see slv_links in shaders/lookup/links.glsl. */
 struct link_row {
     int32_t face[4];
     uint16_t links[4];
@@ -323,7 +323,7 @@ static void list_faces(slv_gl_batches *batches, const uint32_t *order, uint32_t 
     }
 }
 
-/* As the shader reads it; see slv_squares in selvage_sample.glsl. */
+/* As the shader reads it; see slv_squares in shaders/strategy/htex.glsl. */
 struct square_row {
     uint32_t squares[4], corners[4], centre, unused[3];
 };

@@ -179,8 +179,7 @@ struct slv_gl_texture {
     uint64_t reach_bytes;
     GLuint samplers[4]; /* clamped, zero border, packed, squares */
     char *glsl[SLV_STRATEGY_COUNT][SLV_GL_MAX_VARIANTS];
-    char *sample_owned;
-    const char *sample_text;
+    char *lookups[SLV_STRATEGY_COUNT]; /* the text of a strategy without a variant's definitions */
     GLuint lookup_programs[SLV_STRATEGY_COUNT][SLV_GL_MAX_VARIANTS];
 };
 

@@ -2,6 +2,7 @@
 
 #include "base/log.h"
 #include "base/memory.h"
+#include "gl/strategy/parts.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -128,6 +129,13 @@ static bool reaches(slv_strategy strategy) {
            strategy == SLV_STRATEGY_TRAVERSE_FULL;
 }
 
+static slv_result read_lookups(const slv_env *env, char *lookups[SLV_STRATEGY_COUNT]) {
+    slv_result result = SLV_OK;
+    for (int s = 0; !result && s < SLV_STRATEGY_COUNT; s++)
+        result = slvi_gl_strategy_text(env, (slv_strategy)s, &lookups[s]);
+    return result;
+}
+
 slv_result slv_gl_texture_create(slv_gl *gl, const slv_env *env, const slv_texture *texture,
                                  const slv_adjacency *adjacency,
                                  const slv_gl_texture_params *params, slv_gl_texture **out) {
@@ -148,8 +156,7 @@ slv_result slv_gl_texture_create(slv_gl *gl, const slv_env *env, const slv_textu
     made->serial = ++gl->serial;
     made->nfaces = desc->nfaces;
     if ((result = fill_params(gl, env, desc, params, &made->params)) ||
-        (result = slvi_gl_shader_text(env, "lookup/selvage_sample.glsl", &made->sample_text,
-                                      &made->sample_owned)) ||
+        (result = read_lookups(env, made->lookups)) ||
         (result = slvi_alloc(env, "face table", desc->nfaces, sizeof *made->res, &made->res)) ||
         (result = slvi_gl_scale_down(env, texture, &scaled)) ||
         (result = slv_levels_create(env, scaled ? scaled : texture, &levels)))
@@ -208,12 +215,12 @@ void slv_gl_texture_destroy(slv_gl_texture *texture) {
     api->DeleteBuffers(1, &texture->corners);
     api->DeleteSamplers(SAMPLERS, texture->samplers);
     for (int s = 0; s < SLV_STRATEGY_COUNT; s++) {
+        slvi_free(texture->lookups[s]);
         for (int v = 0; v < SLV_GL_MAX_VARIANTS; v++) {
             slvi_free(texture->glsl[s][v]);
             api->DeleteProgram(texture->lookup_programs[s][v]);
         }
     }
-    slvi_free(texture->sample_owned);
     slvi_free(texture->res);
     slvi_free(texture);
 }
@@ -279,22 +286,22 @@ const char *slv_gl_texture_glsl(slv_gl_texture *texture, slv_strategy strategy, 
         return "";
     char **text = &texture->glsl[strategy][variant];
     if (!*text) {
-        size_t size = strlen(texture->sample_text) + 512;
+        size_t size = strlen(texture->lookups[strategy]) + 512;
         if (slvi_alloc_plain(NULL, "text of a strategy", size, 1, text))
             return "";
         /* alpha is a texel's own only where there are four channels */
         float scale = texture->scaled ? SLV_GL_SCALE : 1;
         snprintf(*text, size,
-                 "#define SLV_STRATEGY %d\n#define SLV_POOLS %u\n#define SLV_SUBFACES %u\n"
+                 "#define SLV_POOLS %u\n#define SLV_SUBFACES %u\n"
                  "#define SLV_SPLIT_COVERAGE %d\n#define SLV_ANISOTROPY %u\n#define SLV_BORDER %u\n"
                  "#define SLV_TAPS %d\n#define SLV_VECTORS %d\n#define SLV_FIRST_UNIT %d\n#define "
                  "SLV_FIRST_STORAGE %d\n#define SLV_SCALED %d\n#define SLV_SCALE vec4(vec3(%.1f), "
                  "%.1f)\n%s\n",
-                 (int)strategy, slv_gl_variant_pools(variant), variant & 1,
-                 split_coverage(texture, strategy), texture->params.anisotropy,
-                 texture->params.border, taps_in_shader(texture), in_vectors(texture),
-                 SLV_GL_FIRST_UNIT, SLV_GL_FIRST_STORAGE, texture->scaled, (double)scale,
-                 (double)(texture->params.nchannels == 4 ? scale : 1), texture->sample_text);
+                 slv_gl_variant_pools(variant), variant & 1, split_coverage(texture, strategy),
+                 texture->params.anisotropy, texture->params.border, taps_in_shader(texture),
+                 in_vectors(texture), SLV_GL_FIRST_UNIT, SLV_GL_FIRST_STORAGE, texture->scaled,
+                 (double)scale, (double)(texture->params.nchannels == 4 ? scale : 1),
+                 texture->lookups[strategy]);
     }
     return *text;
 }

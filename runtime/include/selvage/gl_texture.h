@@ -13,7 +13,7 @@
  *     }
  *
  * with the face id as a flat input and (u,v) in 0..1 as a smooth one, and calls slv_sample(face,
- * uv) or slv_sample_grad(face, uv, dx, dy); see shaders/lookup/selvage_sample.glsl. */
+ * uv) or slv_sample_grad(face, uv, dx, dy); see shaders/lookup/interface.glsl. */
 #ifndef SELVAGE_GL_TEXTURE_H
 #define SELVAGE_GL_TEXTURE_H
 
@@ -132,10 +132,10 @@ SLV_API slv_gl_batch slv_gl_texture_batch(const slv_gl_texture *texture, slv_str
                                           uint32_t index);
 
 /* The GLSL that a fragment shader includes, after `#version 450 core` and before its own code: the
- * definitions of a variant and shaders/lookup/selvage_sample.glsl. It depends on the strategy, the
- * variant, and the texture's channels and anisotropy; only `traverse`, `traverse-full`, `hybrid`
- * and `htex` have variants other than 0. Owned by the texture; "" if an argument is out of range or
- * memory is short. */
+ * definitions of a variant, and the parts of shaders/ that the strategy names. It depends on the
+ * strategy, the variant, and the texture's channels and anisotropy; only `traverse`,
+ * `traverse-full`, `hybrid` and `htex` have variants other than 0. Owned by the texture; "" if an
+ * argument is out of range or memory is short. */
 SLV_API const char *slv_gl_texture_glsl(slv_gl_texture *texture, slv_strategy strategy,
                                         uint32_t variant);
 

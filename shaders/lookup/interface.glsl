@@ -1,0 +1,54 @@
+// What every strategy offers, and what it finds bound: array textures and the table of faces.
+//
+//   vec4 slv_sample(int face, vec2 uv)                           footprint from the screen-space derivatives of uv
+//   vec4 slv_sample_grad(int face, vec2 uv, vec2 dx, vec2 dy)    footprint given: the change of uv over one pixel
+//   float slv_level(int face, vec2 dx, vec2 dy)                  the level of detail that such a lookup uses
+//
+// `face` is the face that is being drawn (a flat input), uv in 0..1 its own coordinates. slv_sample needs uniform control flow,
+// as every function of implicit derivatives does. The result is RGBA in the texture's own space; with three channels or fewer
+// alpha is 1. Nothing here divides by zero, whatever the helper pixels hold.
+//
+// Each strategy is a file in strategy/ that begins with the features it chooses, names the parts that it is made of, and defines
+// slv_sample_grad. Parts depend on two kinds of definitions. The library defines for each program, as numbers:
+//   SLV_POOLS           array textures bound; the batch's own is number 0, but for squares of edges
+//   SLV_SUBFACES        1 if a face of the batch has two sub-faces across one edge
+//   SLV_SPLIT_COVERAGE  1 if coverage has textures of its own (four-channel data)
+//   SLV_ANISOTROPY      the most taps of a footprint
+//   SLV_BORDER          texels of a border
+//   SLV_FIRST_UNIT, SLV_FIRST_STORAGE    the first texture unit and the first storage buffer
+//   SLV_TAPS            1 if anisotropic taps are made here and not by the sampler: software drivers take the long axis of a
+//                       footprint from the coordinates of neighbouring fragments, whatever derivatives they are given
+//   SLV_VECTORS         1 if fragments run in vectors that only a loop's end can leave early (llvmpipe). Both sides of an `if` run
+//                       there for all, every case of a `switch`, and the body of a loop once more than needed if its condition
+//                       stands at the top
+//   SLV_SCALED          1 if texels are stored divided by SLV_SCALE, because sums of such large floats would overflow
+// A strategy may define features:
+//   SLV_KEEPS_ROW       both sides of an edge look up the same texels: a footprint keeps its row of taps however small it is
+
+layout(binding = SLV_FIRST_UNIT) uniform sampler2DArray slv_pool[SLV_POOLS];
+
+// Per face: pool | layer << 16, and log2 width | log2 height << 8.
+layout(std430, binding = SLV_FIRST_STORAGE) readonly buffer slv_store_block {
+    uvec2 slv_store[];
+};
+
+vec2 slv_face_size(int face) {
+    uint res = slv_store[face].y;
+    return vec2(float(1u << (res & 255u)), float(1u << (res >> 8)));
+}
+
+// The value of a lookup from that of its texels as they are stored.
+vec4 slv_value(vec4 stored) {
+#if SLV_SCALED
+    vec4 most = 3.4e38 / SLV_SCALE; // rounding must not go beyond the range
+    return clamp(stored, -most, most) * SLV_SCALE;
+#else
+    return stored;
+#endif
+}
+
+vec4 slv_sample_grad(int face, vec2 uv, vec2 dx, vec2 dy); // the strategy's own
+
+vec4 slv_sample(int face, vec2 uv) {
+    return slv_sample_grad(face, uv, dFdx(uv), dFdy(uv));
+}
