@@ -2,7 +2,8 @@
  * N x N texels in RGB, and keep_a.exr of 4 x 4 in RGBA. */
 #include "kit/fuzz_kit.h"
 
-#include "convert/convert.h"
+#include <selvage/exchange.h>
+#include <selvage/image.h>
 
 static void write_images(const slv_env *env) {
     static bool written;
@@ -27,23 +28,19 @@ static void write_images(const slv_env *env) {
 }
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size) {
-    const cli_command command = {.name = "convert"};
-    convert_totals totals = {.progress.quiet = true};
-    convert_plan plan = {0};
-    convert_options options = {.scale = size & 1 ? "1/2" : NULL};
+    const slv_exchange_params params = {.scale_log2 = size & 1 ? -1 : 0};
     slv_env env = fuzz_env();
+    slv_exchange *source = NULL;
     slv_ptx *ptx = NULL;
     char index[300], out[300];
     write_images(&env);
     snprintf(index, sizeof index, "%s", fuzz_path("index.json"));
     snprintf(out, sizeof out, "%s", fuzz_path("out.ptx"));
     fuzz_write("index.json", data, size);
-    int code = convert_from_index(&command, &env, &options, NULL, index, out, &totals, &plan);
-    convert_plan_free(&plan);
-    FUZZ_REQUIRE(fuzz_errors == (code != EXIT_OK), "%d lines, code %d: %s", fuzz_errors, code,
-                 fuzz_last);
-    fuzz_errors = 0;
-    if (code == EXIT_OK) {
+    bool written = !FUZZ_CALL(slv_exchange_open(&env, index, &source)) &&
+                   !FUZZ_CALL(slv_exchange_to_ptx(&env, source, &params, out, NULL));
+    slv_exchange_close(source);
+    if (written) {
         slv_texture *texture = NULL;
         FUZZ_REQUIRE(!FUZZ_CALL(slv_ptx_open(&env, out, &ptx)) &&
                          !FUZZ_CALL(slv_ptx_load_tables(ptx)) &&
@@ -52,6 +49,6 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size) {
         slv_texture_destroy(texture);
         slv_ptx_close(ptx);
     }
-    fuzz_clear(1 + (code == EXIT_OK));
+    fuzz_clear(1 + written);
     return 0;
 }

@@ -1,7 +1,7 @@
 /* A .ptx of any bytes, written anew: as it is, resized and in another type, or as a sheet. */
 #include "kit/fuzz_kit.h"
 
-#include "convert/convert.h"
+#include <selvage/exchange.h>
 
 /* What a conversion makes can be read. */
 static void read_back(const slv_env *env) {
@@ -15,43 +15,42 @@ static void read_back(const slv_env *env) {
     slv_ptx_close(ptx);
 }
 
-static convert_options choose(uint32_t control, const slv_ptx_writer_params *source) {
-    static const char *const scales[] = {NULL, "1/2", "2", "1/16"};
-    convert_options options = {.scale = scales[control & 3],
-                               .type_given = control & 4,
-                               .type = (int)(control >> 3 & 3),
-                               .channels = control & 32 ? "0,=0.5" : NULL,
-                               .premultiply = control & 64 && source->alpha_channel >= 0,
-                               .no_meta = control & 128,
-                               .no_reductions = control & 256};
+static slv_exchange_params choose(uint32_t control, const slv_ptx_writer_params *source) {
+    static const int scales[] = {0, -1, 1, -4};
+    static const slv_exchange_channel channels[2] = {{.source = 0}, {.source = -1, .value = 0.5f}};
+    slv_exchange_params params = {.scale_log2 = scales[control & 3],
+                                  .changes = control & 4 ? SLV_EXCHANGE_TYPE : 0,
+                                  .type = (slv_type)(control >> 3 & 3),
+                                  .channels = control & 32 ? channels : NULL,
+                                  .nchannels = 2,
+                                  .premultiply = control & 64 && source->alpha_channel >= 0,
+                                  .no_meta = control & 128,
+                                  .no_reductions = true};
+    if (control & 256)
+        params.changes |= SLV_EXCHANGE_REDUCTIONS;
     if (control & 512) {
-        options.max_given = true;
-        options.max[0] = options.max[1] = 4;
+        params.changes |= SLV_EXCHANGE_MAX_RES;
+        params.max_res = (slv_res){2, 2};
     }
-    return options;
+    return params;
 }
 
 static int convert(const slv_env *env, const slv_ptx *ptx, uint32_t control) {
-    const cli_command command = {.name = "convert"};
-    slv_ptx_writer_params source = slv_ptx_writer_params_like(ptx);
-    convert_options options = choose(control, &source);
-    convert_totals totals = {.progress.quiet = true};
-    convert_plan plan = {0};
-    int files = 0;
-    FUZZ_REQUIRE(convert_plan_make(&command, &options, "fuzz", &source, &totals, &plan) == EXIT_OK,
-                 "no plan");
+    slv_exchange *source = NULL;
+    slv_exchange_stats stats;
+    FUZZ_REQUIRE(!FUZZ_CALL(slv_exchange_open_ptx(env, ptx, &source)), "not opened");
+    slv_exchange_params params = choose(control, slv_exchange_get_params(source));
     bool sheet = (control >> 10 & 3) == 3;
-    int code = sheet ? convert_to_sheet(env, &options, &plan, ptx, fuzz_path("out.exr"))
-                     : convert_to_ptx(env, &options, &plan, ptx, NULL, fuzz_path("out.ptx"));
-    FUZZ_REQUIRE(fuzz_errors <= (code != EXIT_OK), "%d lines, code %d: %s", fuzz_errors, code,
-                 fuzz_last);
-    fuzz_errors = 0;
-    if (code == EXIT_OK && !sheet)
-        read_back(env);
-    if (code == EXIT_OK)
-        files = sheet ? 1 + (int)((plan.target.nchannels + 3) / 4) : 1;
-    convert_plan_free(&plan);
-    return files;
+    bool written =
+        !FUZZ_CALL(sheet ? slv_exchange_to_sheet(env, source, &params, fuzz_path("out.exr"), &stats)
+                         : slv_exchange_to_ptx(env, source, &params, fuzz_path("out.ptx"), &stats));
+    slv_exchange_close(source);
+    if (!written)
+        return 0;
+    if (sheet)
+        return 1 + (int)((stats.wrote.nchannels + 3) / 4);
+    read_back(env);
+    return 1;
 }
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size) {

@@ -1,19 +1,15 @@
 /* Two .ptx files of any bytes, joined into one. */
 #include "kit/fuzz_kit.h"
 
-#include "merge/merge.h"
+#include <selvage/exchange.h>
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size) {
-    const cli_command command = {.name = "merge"};
     slv_env env = fuzz_env();
     struct fuzz_bytes bytes[2];
     static const char *const names[2] = {"a.ptx", "b.ptx"};
     char paths[3][300];
-    static struct merge m;
+    const char *in[2];
     uint64_t unpacked = 0;
-    memset(&m, 0, sizeof m);
-    m.quiet = true;
-    m.npaths = 2;
     fuzz_pair(data, size, bytes);
     for (int i = 0; i < 2; i++) {
         slv_ptx *ptx = fuzz_open(&env, &bytes[i], false);
@@ -21,24 +17,19 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size) {
         slv_ptx_close(ptx);
         fuzz_write(names[i], bytes[i].data, bytes[i].size);
         snprintf(paths[i], sizeof paths[i], "%s", fuzz_path(names[i]));
-        m.paths[i] = paths[i];
+        in[i] = paths[i];
     }
     snprintf(paths[2], sizeof paths[2], "%s", fuzz_path("out.ptx"));
-    m.out = paths[2];
-    bool merged = false;
-    if (unpacked <= FUZZ_MAX_WRITTEN) {
-        merged = merge_files(&command, &env, &m) == EXIT_OK;
-        FUZZ_REQUIRE(merged ? !fuzz_errors : fuzz_errors == 1, "%d lines: %s", fuzz_errors,
-                     fuzz_last);
-        fuzz_errors = 0;
-    }
+    bool merged = false, geometry = false;
+    if (unpacked <= FUZZ_MAX_WRITTEN)
+        merged = !FUZZ_CALL(slv_merge(&env, in, 2, NULL, paths[2], NULL, &geometry, NULL));
     if (merged) {
         slv_ptx *ptx = NULL;
         slv_mesh *mesh = NULL;
-        FUZZ_REQUIRE(!FUZZ_CALL(slv_ptx_open(&env, m.out, &ptx)) &&
+        FUZZ_REQUIRE(!FUZZ_CALL(slv_ptx_open(&env, paths[2], &ptx)) &&
                          !FUZZ_CALL(slv_ptx_load_tables(ptx)),
                      "not readable: %s", fuzz_last);
-        if (m.geometry)
+        if (geometry)
             FUZZ_REQUIRE(!FUZZ_CALL(slv_ptx_load_mesh(&env, ptx, &mesh)),
                          "the joined geometry is not one: %s", fuzz_last);
         slv_mesh_destroy(mesh);

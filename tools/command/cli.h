@@ -18,6 +18,9 @@ typedef enum cli_kind {
     CLI_COLOR   /* float[4]: r,g,b or r,g,b,a */
 } cli_kind;
 
+/* Words of data types, in the order of slv_type. */
+#define CLI_TYPES "uint8|uint16|half|float"
+
 typedef struct cli_option {
     const char *names; /* "--out|-o"; the first is shown */
     cli_kind kind;

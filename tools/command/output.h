@@ -18,19 +18,6 @@ typedef struct output_file {
 slv_result output_open(const slv_env *env, const char *path, output_file *out);
 /* Puts it in the path's place if `result` is success and all was written, else removes it. */
 slv_result output_close(output_file *file, slv_result result);
-/* Files that appear together: they are written into a new folder `beside` their place. Ending with
- * EXIT_OK makes that one the folder, or moves its files over where the folder exists already, the
- * one named `last` (it may be NULL) after all others; any other code removes it. Each returns an
- * exit code. */
-typedef struct output_folder {
-    char into[1100], beside[1200];
-    bool whole;
-    int lock;
-} output_folder;
-int output_folder_begin(const char *folder, output_folder *out);
-/* The same for files that go where `path` is, in a folder with others. */
-int output_files_begin(const char *path, output_folder *out);
-int output_folder_end(output_folder *folder, const char *last, int code);
 uint64_t output_file_bytes(const char *path); /* 0 if there is none */
 /* Saves a large image, and says how far that is: packing it takes longer than making it. The flags
  * are those of cli_progress_fleeting. */

@@ -1,8 +1,11 @@
+/* The verb compare: its options, and the order of what it does. */
 #include "compare/compare.h"
 #include "command/output.h"
 #include "compare/engine/experiment.h"
 #include "compare/report/report_files.h"
 #include "verbs.h"
+
+#include <selvage/folder.h>
 
 #include <errno.h>
 #include <stdio.h>
@@ -262,14 +265,16 @@ static void end_session(struct session *s) {
     scene_free(&s->scene);
 }
 
-static int write_report(const slv_env *env, const char *folder, const report_data *report) {
+static slv_result write_report(const slv_env *env, const char *folder, const report_data *report) {
     char json[1300], html[1300];
+    slv_result result;
     snprintf(json, sizeof json, "%s/report.json", folder);
     snprintf(html, sizeof html, "%s/report.html", folder);
-    if (report_write_pictures(env, folder, report) || report_write_tables(env, folder, report) ||
-        report_write_json(env, json, report) || report_write_html(env, html, report))
-        return EXIT_FAILED;
-    return EXIT_OK;
+    if ((result = report_write_pictures(env, folder, report)) ||
+        (result = report_write_tables(env, folder, report)) ||
+        (result = report_write_json(env, json, report)))
+        return result;
+    return report_write_html(env, html, report);
 }
 
 static void choose(const struct compare *o, report_data *report) {
@@ -290,20 +295,20 @@ static void choose(const struct compare *o, report_data *report) {
 
 static int compare(const struct compare *o, report_data *report) {
     struct session session = {.options = o, .env = cli_env(o->threads), .report = report};
-    output_folder folder;
+    slv_folder *folder;
     double start = cli_now();
     /* whether it can be written is known before minutes are spent */
-    if (output_folder_begin(o->out, &folder))
+    if (slv_folder_begin(&session.env, o->out, &folder))
         return EXIT_FAILED;
-    output_folder_end(&folder, NULL, EXIT_FAILED);
+    slv_folder_end(folder, NULL, SLV_ERROR_CANCELLED);
     cli_catch_interrupts();
     choose(o, report);
     slv_result result = run(&session);
     report->seconds = cli_now() - start;
-    int code = result ? EXIT_FAILED : output_folder_begin(o->out, &folder);
-    if (!code)
-        code = output_folder_end(&folder, "report.html",
-                                 write_report(&session.env, folder.beside, report));
+    if (!result && !(result = slv_folder_begin(&session.env, o->out, &folder)))
+        result = slv_folder_end(folder, "report.html",
+                                write_report(&session.env, slv_folder_path(folder), report));
+    int code = result ? EXIT_FAILED : EXIT_OK;
     end_session(&session);
     if (!code && !o->quiet)
         compare_print(report, o->out);

@@ -1,4 +1,6 @@
-#include "convert/convert.h"
+/* The verb convert: its options, and what it prints of what was done. */
+#include "command/output.h"
+#include "convert/convert_options.h"
 #include "verbs.h"
 
 #include <errno.h>
@@ -16,67 +18,80 @@ static bool is_folder(const char *path) {
     return stat(path, &status) == 0 && S_ISDIR(status.st_mode);
 }
 
-static json_t *convert_json(const convert_plan *plan, const char *const paths[2],
-                            const char *made) {
-    const slv_ptx_writer_params *target = &plan->target;
-    const convert_totals *totals = plan->totals;
+typedef struct conversion {
+    const convert_options *options;
+    const char *const *paths; /* from, to */
+    slv_exchange_stats stats;
+    cli_progress progress, writing;
+    uint64_t written; /* rows of the sheet that is being written */
+} conversion;
+
+static json_t *convert_json(const conversion *c, const char *made) {
+    const slv_exchange_stats *stats = &c->stats;
+    const slv_ptx_writer_params *wrote = &stats->wrote;
+    const char *const *paths = c->paths;
     bool folder = is_folder(paths[1]);
     return json_pack(
         "{s:i, s:o, s:o, s:s, s:I, s:I, s:s, s:I, s:o, s:I, s:I, s:o, s:I}", "schema", 1, "source",
         output_json_text(paths[0], strlen(paths[0])), "path",
         output_json_text(paths[1], strlen(paths[1])), "made", made, "faces",
-        (json_int_t)totals->faces, "resized_faces", (json_int_t)totals->resized, "data_type",
-        slv_type_name(target->type), "channels", (json_int_t)target->nchannels, "alpha_channel",
-        target->alpha_channel < 0 ? json_null() : json_integer(target->alpha_channel), "texels",
-        (json_int_t)totals->texels, "texel_bytes",
-        (json_int_t)(totals->texels * target->nchannels * slv_type_size(target->type)),
-        "file_bytes", folder ? json_null() : json_integer((json_int_t)output_file_bytes(paths[1])),
-        "clipped_values", (json_int_t)totals->clipped);
+        (json_int_t)stats->faces, "resized_faces", (json_int_t)stats->resized, "data_type",
+        slv_type_name(wrote->type), "channels", (json_int_t)wrote->nchannels, "alpha_channel",
+        wrote->alpha_channel < 0 ? json_null() : json_integer(wrote->alpha_channel), "texels",
+        (json_int_t)stats->texels, "texel_bytes",
+        (json_int_t)(stats->texels * wrote->nchannels * slv_type_size(wrote->type)), "file_bytes",
+        folder ? json_null() : json_integer((json_int_t)output_file_bytes(paths[1])),
+        "clipped_values", (json_int_t)stats->clipped);
 }
 
-static int run_convert(const cli_command *command, const convert_options *options,
-                       const char *const paths[2]) {
-    slv_env env = cli_env(options->threads);
-    slv_ptx *ptx = NULL;
-    slv_mesh *mesh = NULL;
-    convert_plan plan = {0};
-    convert_totals totals = {.progress = cli_progress_fleeting("convert", options->progress,
-                                                               options->quiet || options->json)};
-    int code = EXIT_FAILED;
-    bool to_ptx = ends_with(paths[1], ".ptx"),
-         to_sheet = ends_with(paths[1], ".png") || ends_with(paths[1], ".exr");
-    if (options->mesh && slv_mesh_load(&env, options->mesh, &mesh))
-        goto done;
-    if (is_folder(paths[0]) || ends_with(paths[0], ".json")) {
-        if (!to_ptx)
-            code = cli_usage(command, "from images only a .ptx can be made, not '%s'", paths[1]);
-        else
-            code = convert_from_index(command, &env, options, mesh, paths[0], paths[1], &totals,
-                                      &plan);
-        goto report;
+/* Saving large images takes longer than making them: each shows by itself how far it is. */
+static bool report_writing(void *user, uint64_t done, uint64_t total) {
+    conversion *c = user;
+    const convert_options *o = c->options;
+    if (!c->written || done < c->written) {
+        cli_progress_end(c->written ? &c->writing : &c->progress);
+        c->writing = cli_progress_fleeting("writing", o->progress, o->quiet || o->json);
     }
-    if (slv_ptx_open(&env, paths[0], &ptx) || slv_ptx_load_tables(ptx))
+    c->written = done;
+    return cli_progress_report(&c->writing, done, total);
+}
+
+static int run_convert(const cli_command *command, conversion *c) {
+    const convert_options *o = c->options;
+    const char *from = c->paths[0], *to = c->paths[1];
+    slv_env env = cli_env(o->threads);
+    slv_exchange *source = NULL;
+    slv_mesh *mesh = NULL;
+    convert_request request = {.source = NULL};
+    int code = EXIT_FAILED;
+    slv_result result;
+    bool to_ptx = ends_with(to, ".ptx"), to_sheet = ends_with(to, ".png") || ends_with(to, ".exr");
+    c->progress = cli_progress_fleeting("convert", o->progress, o->quiet || o->json);
+    if (o->mesh && slv_mesh_load(&env, o->mesh, &mesh))
         goto done;
-    slv_ptx_writer_params source = slv_ptx_writer_params_like(ptx);
-    if ((code = convert_plan_make(command, options, paths[0], &source, &totals, &plan)))
+    if (!to_ptx && (is_folder(from) || ends_with(from, ".json"))) {
+        code = cli_usage(command, "from images only a .ptx can be made, not '%s'", to);
         goto done;
-    totals.progress.total = source.nfaces;
-    code = to_ptx     ? convert_to_ptx(&env, options, &plan, ptx, mesh, paths[1])
-           : to_sheet ? convert_to_sheet(&env, options, &plan, ptx, paths[1])
-                      : convert_to_folder(&env, options, &plan, ptx, paths[1]);
-report:
-    cli_progress_end(&totals.progress);
-    if (code == EXIT_OK)
-        convert_warn_clipped(&totals, plan.target.type);
-    if (code == EXIT_OK && options->json)
-        code = output_print_json(paths[1], convert_json(&plan, paths,
-                                                        to_ptx     ? "ptx"
-                                                        : to_sheet ? "sheet"
-                                                                   : "folder"));
+    }
+    if (slv_exchange_open(&env, from, &source) ||
+        (code = convert_request_make(command, o, slv_exchange_get_params(source), &request)))
+        goto done;
+    request.params.mesh = mesh;
+    request.params.progress = (slv_progress){cli_progress_report, &c->progress};
+    request.params.sheet_progress = (slv_progress){report_writing, c};
+    result = to_ptx     ? slv_exchange_to_ptx(&env, source, &request.params, to, &c->stats)
+             : to_sheet ? slv_exchange_to_sheet(&env, source, &request.params, to, &c->stats)
+                        : slv_exchange_to_folder(&env, source, &request.params, to, &c->stats);
+    code = result ? EXIT_FAILED : EXIT_OK;
 done:
-    convert_plan_free(&plan);
+    cli_progress_end(c->written ? &c->writing : &c->progress);
+    if (!code && o->json)
+        code = output_print_json(to, convert_json(c, to_ptx     ? "ptx"
+                                                     : to_sheet ? "sheet"
+                                                                : "folder"));
+    convert_request_free(&request);
     slv_mesh_destroy(mesh);
-    slv_ptx_close(ptx);
+    slv_exchange_close(source);
     return code;
 }
 
@@ -87,7 +102,7 @@ int verb_convert(int argc, char **argv) {
     const char *paths[2] = {NULL, NULL};
     uint32_t narguments = 0;
     const cli_option options[] = {
-        {"--type|-t", CLI_CHOICE, &o.type, "data type (the source's)", CONVERT_TYPES, 0, 0,
+        {"--type|-t", CLI_CHOICE, &o.type, "data type (the source's)", CLI_TYPES, 0, 0,
          &o.type_given},
         {"--channels|-c", CLI_TEXT, &o.channels,
          "channels of the result, each one of the source's or a value: 2,1,0,=1", "LIST", 0, 0,
@@ -102,13 +117,13 @@ int verb_convert(int argc, char **argv) {
         {"--min", CLI_SIZE, o.min, "no face smaller than this", NULL, 1, 1u << SLV_MAX_LOG2_RES,
          &o.min_given},
         {"--res", CLI_TEXT, &o.res, "sizes of single faces: 12=64x64,13=8", "LIST", 0, 0, NULL},
-        {"--border", CLI_CHOICE, &o.border, "border mode in u and v", CONVERT_BORDERS, 0, 0,
+        {"--border", CLI_CHOICE, &o.border, "border mode in u and v", "clamp|black|periodic", 0, 0,
          &o.border_given},
-        {"--border-u", CLI_CHOICE, &o.border_u, "border mode in u", CONVERT_BORDERS, 0, 0,
+        {"--border-u", CLI_CHOICE, &o.border_u, "border mode in u", "clamp|black|periodic", 0, 0,
          &o.border_u_given},
-        {"--border-v", CLI_CHOICE, &o.border_v, "border mode in v", CONVERT_BORDERS, 0, 0,
+        {"--border-v", CLI_CHOICE, &o.border_v, "border mode in v", "clamp|black|periodic", 0, 0,
          &o.border_v_given},
-        {"--edge-filter", CLI_CHOICE, &o.edge_filter, "edge filter mode", CONVERT_FILTERS, 0, 0,
+        {"--edge-filter", CLI_CHOICE, &o.edge_filter, "edge filter mode", "none|tanvec", 0, 0,
          &o.edge_filter_given},
         {"--reductions", CLI_FLAG, &o.reductions, "store reductions", NULL, 0, 0, NULL},
         {"--no-reductions", CLI_FLAG, &o.no_reductions, "store none", NULL, 0, 0, NULL},
@@ -159,7 +174,8 @@ int verb_convert(int argc, char **argv) {
     for (uint32_t i = 0; i < sizeof others / sizeof *others; i++)
         if (ends_with(paths[1], others[i]))
             return cli_usage(&command, "'%s': expected a folder, .ptx, .png or .exr", paths[1]);
-    code = run_convert(&command, &o, paths);
+    conversion c = {.options = &o, .paths = paths};
+    code = run_convert(&command, &c);
     if (fflush(stdout) != 0 || ferror(stdout))
         return code ? code : cli_error("cannot write the answer: %s", strerror(errno));
     return code;

@@ -1,4 +1,7 @@
+/* A picture of every face that differs. */
 #include "diff/diff.h"
+
+#include <selvage/folder.h>
 
 #include <math.h>
 #include <stdlib.h>
@@ -53,12 +56,12 @@ done:
 }
 
 int diff_save_images(const slv_env *env, const struct diff *d) {
-    output_folder folder;
-    int code = output_folder_begin(d->images, &folder);
-    if (code)
-        return code;
-    for (uint32_t face = 0; face < d->nfaces && code == EXIT_OK; face++)
-        if ((d->faces[face].what & SLV_DIFF_TEXELS) && save_face(env, d, face, folder.beside))
-            code = EXIT_FAILED;
-    return output_folder_end(&folder, NULL, code);
+    slv_folder *folder;
+    slv_result result = slv_folder_begin(env, d->images, &folder);
+    if (result)
+        return EXIT_FAILED;
+    for (uint32_t face = 0; face < d->nfaces && !result; face++)
+        if (d->faces[face].what & SLV_DIFF_TEXELS)
+            result = save_face(env, d, face, slv_folder_path(folder));
+    return slv_folder_end(folder, NULL, result) ? EXIT_FAILED : EXIT_OK;
 }

@@ -1,7 +1,10 @@
+/* The verb reference: a picture by rays, and how its error falls with their number. */
 #include "command/output.h"
 #include "command/scene.h"
 #include "reference/convergence.h"
 #include "verbs.h"
+
+#include <selvage/folder.h>
 
 #include <math.h>
 #include <stdio.h>
@@ -84,15 +87,14 @@ static slv_result converge(const struct reference *r, const slv_env *env,
     return result;
 }
 
-static int make(const struct reference *r, const char *path, const char *folder,
-                struct outcome *o) {
-    slv_env env = cli_env(r->scene.threads);
+static slv_result make(const struct reference *r, const slv_env *env, const char *path,
+                       const char *folder, struct outcome *o) {
     const slv_image_params file = {.bits = r->bits ? r->bits : 32}, wide = {.bits = 32};
     scene_shot shot;
     slv_reference *reference = NULL;
     slv_image image = {0}, error = {0};
-    int code = EXIT_FAILED;
-    if (scene_load_shot(&env, r->arguments[0], &r->scene, &shot))
+    slv_result result = scene_load_shot(env, r->arguments[0], &r->scene, &shot);
+    if (result)
         goto done;
     const slv_reference_params params = {.segments = shot.segments,
                                          .first_channel = r->scene.channel,
@@ -110,21 +112,21 @@ static int make(const struct reference *r, const char *path, const char *folder,
     o->width = shot.width;
     o->height = shot.height;
     o->segments = shot.segments;
-    if (slv_reference_create(&env, shot.scene.mesh, shot.scene.surface, shot.scene.texture,
-                             shot.scene.adjacency, &params, &reference) ||
-        render(r, &env, reference, &frame, &image, &error, &o->stats, &o->seconds) ||
-        (folder && (converge(r, &env, reference, &frame, &image, o) ||
-                    convergence_write(&env, folder, &o->convergence))) ||
-        slv_image_save(&env, path, &image, &file) ||
-        (r->error && slv_image_save(&env, r->error, &error, &wide)))
+    if ((result = slv_reference_create(env, shot.scene.mesh, shot.scene.surface, shot.scene.texture,
+                                       shot.scene.adjacency, &params, &reference)) ||
+        (result = render(r, env, reference, &frame, &image, &error, &o->stats, &o->seconds)) ||
+        (folder && ((result = converge(r, env, reference, &frame, &image, o)) ||
+                    (result = convergence_write(env, folder, &o->convergence)))) ||
+        (result = slv_image_save(env, path, &image, &file)))
         goto done;
-    code = EXIT_OK;
+    if (r->error)
+        result = slv_image_save(env, r->error, &error, &wide);
 done:
     slv_image_free(&image);
     slv_image_free(&error);
     slv_reference_destroy(reference);
     scene_free(&shot.scene);
-    return code;
+    return result;
 }
 
 static double speed(const struct outcome *o) {
@@ -182,15 +184,14 @@ static void print_outcome(const struct reference *r, const char *path, const str
 
 static int run(const struct reference *r, const char *path) {
     struct outcome outcome = {.seconds = 0};
-    output_folder folder;
-    if (r->convergence && output_folder_begin(r->convergence, &folder))
+    slv_env env = cli_env(r->scene.threads);
+    slv_folder *folder = NULL;
+    if (r->convergence && slv_folder_begin(&env, r->convergence, &folder))
         return EXIT_FAILED;
     cli_catch_interrupts();
-    int code = make(r, path, r->convergence ? folder.beside : NULL, &outcome);
-    if (r->convergence)
-        code = output_folder_end(&folder, NULL, code);
-    if (code)
-        return code;
+    slv_result result = make(r, &env, path, folder ? slv_folder_path(folder) : NULL, &outcome);
+    if (slv_folder_end(folder, NULL, result))
+        return EXIT_FAILED;
     if (r->json)
         return output_print_json(path, outcome_json(r, path, &outcome));
     if (!r->quiet)

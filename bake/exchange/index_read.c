@@ -1,12 +1,28 @@
-#include "convert/convert_index.h"
+/* Reading the index of images. */
+#include "exchange/index.h"
 
+#include <errno.h>
 #include <math.h>
-#include <stdlib.h>
+#include <stdio.h>
 #include <string.h>
+#include <strings.h>
+#include <sys/stat.h>
+
+/* Which of "a|b|c" a word is; -1: none. */
+static int find_word(const char *words, const char *word) {
+    size_t length = strlen(word);
+    for (int index = 0; *words; index++) {
+        size_t here = strcspn(words, "|");
+        if (here == length && strncmp(words, word, length) == 0)
+            return index;
+        words += here + (words[here] == '|');
+    }
+    return -1;
+}
 
 static bool read_word(const json_t *root, const char *key, const char *words, int *out) {
     const char *word = json_string_value(json_object_get(root, key));
-    *out = word ? convert_word(words, word) : -1;
+    *out = word ? find_word(words, word) : -1;
     return *out >= 0;
 }
 
@@ -16,8 +32,8 @@ static bool read_integer(const json_t *item, json_int_t low, json_int_t high, js
     return json_is_integer(item) && *out >= low && *out <= high;
 }
 
-slv_result index_read_params(const slv_env *env, const char *path, const json_t *root,
-                             slv_ptx_writer_params *out) {
+static slv_result read_params(const slv_env *env, const char *path, const json_t *root,
+                              slv_ptx_writer_params *out) {
     const char *wrong = NULL;
     int kind, mesh = 0, type = 0, border_u = 0, border_v = 0, filter = 0;
     json_int_t schema = 0, channels = 0, alpha = SLV_NO_ALPHA;
@@ -25,17 +41,17 @@ slv_result index_read_params(const slv_env *env, const char *path, const json_t 
                  *faces = json_object_get(root, "faces"), *meta = json_object_get(root, "meta");
     if (!read_integer(json_object_get(root, "schema"), 1, 1, &schema))
         wrong = "schema";
-    else if (!read_word(root, "kind", INDEX_KIND, &kind))
+    else if (!read_word(root, "kind", SLVI_INDEX_KIND, &kind))
         wrong = "kind";
-    else if (!read_word(root, "mesh_type", "triangle|quad", &mesh))
+    else if (!read_word(root, "mesh_type", SLVI_INDEX_MESHES, &mesh))
         wrong = "mesh_type";
-    else if (!read_word(root, "data_type", CONVERT_TYPES, &type))
+    else if (!read_word(root, "data_type", SLVI_INDEX_TYPES, &type))
         wrong = "data_type";
-    else if (!read_word(root, "border_u", CONVERT_BORDERS, &border_u))
+    else if (!read_word(root, "border_u", SLVI_INDEX_BORDERS, &border_u))
         wrong = "border_u";
-    else if (!read_word(root, "border_v", CONVERT_BORDERS, &border_v))
+    else if (!read_word(root, "border_v", SLVI_INDEX_BORDERS, &border_v))
         wrong = "border_v";
-    else if (!read_word(root, "edge_filter", CONVERT_FILTERS, &filter))
+    else if (!read_word(root, "edge_filter", SLVI_INDEX_FILTERS, &filter))
         wrong = "edge_filter";
     else if (!read_integer(json_object_get(root, "channels"), 1, 65535, &channels))
         wrong = "channels";
@@ -47,8 +63,8 @@ slv_result index_read_params(const slv_env *env, const char *path, const json_t 
     else if (meta && !json_is_array(meta))
         wrong = "meta";
     if (wrong)
-        return output_fail(env, SLV_ERROR_FORMAT, "%s: %s is missing, or is nothing that it can be",
-                           path, wrong);
+        return slvi_fail(env, SLV_ERROR_FORMAT, "%s: %s is missing, or is nothing that it can be",
+                         path, wrong);
     *out = (slv_ptx_writer_params){.mesh_type = (slv_ptx_mesh_type)mesh,
                                    .type = (slv_type)type,
                                    .nchannels = (uint32_t)channels,
@@ -62,6 +78,35 @@ slv_result index_read_params(const slv_env *env, const char *path, const json_t 
     return SLV_OK;
 }
 
+static bool is_folder(const char *path) {
+    struct stat status;
+    return stat(path, &status) == 0 && S_ISDIR(status.st_mode);
+}
+
+bool slvi_index_is_named(const char *path) {
+    size_t length = strlen(path);
+    return is_folder(path) || (length > 5 && strcasecmp(path + length - 5, ".json") == 0);
+}
+
+slv_result slvi_index_open(const slv_env *env, const char *path, slv_exchange *source) {
+    char *index = source->index_path, *folder = source->index_folder;
+    json_error_t error;
+    if (snprintf(index, SLVI_INDEX_NAME, "%s%s", path, is_folder(path) ? "/index.json" : "") >=
+        SLVI_INDEX_NAME)
+        return slvi_fail(env, SLV_ERROR_IO, "%s: the name is too long", path);
+    memcpy(folder, index, SLVI_INDEX_NAME);
+    char *slash = strrchr(folder, '/');
+    slash ? (slash[1] = 0) : (folder[0] = 0);
+    errno = 0;
+    source->index = json_load_file(index, JSON_REJECT_DUPLICATES, &error);
+    int reason = errno;
+    if (!source->index && error.line < 0 && reason)
+        return slvi_fail(env, SLV_ERROR_IO, "%s: %s", index, strerror(reason));
+    if (!source->index)
+        return slvi_fail(env, SLV_ERROR_FORMAT, "%s:%d: %s", index, error.line, error.text);
+    return read_params(env, index, source->index, &source->params);
+}
+
 static bool read_log2(const json_t *item, int8_t *out) {
     json_int_t size;
     if (!read_integer(item, 1, 1 << SLV_MAX_LOG2_RES, &size) || (size & (size - 1)))
@@ -71,17 +116,18 @@ static bool read_log2(const json_t *item, int8_t *out) {
     return true;
 }
 
-slv_result index_read_face(const slv_env *env, const char *path, const json_t *item, uint32_t face,
-                           const slv_ptx_writer_params *params, slv_ptx_face *out) {
+slv_result slvi_index_read_face(const slv_env *env, const char *path, const json_t *item,
+                                uint32_t face, const slv_ptx_writer_params *params,
+                                slv_ptx_face *out) {
     unsigned nedges = params->mesh_type == SLV_PTX_TRIANGLE ? 3 : 4;
     const json_t *faces = json_object_get(item, "adjacent_faces"),
                  *edges = json_object_get(item, "adjacent_edges");
     *out = (slv_ptx_face){.adjacency = {{-1, -1, -1, -1}, {0, 0, 0, 0}}};
     if (!read_log2(json_object_get(item, "width"), &out->res.u) ||
         !read_log2(json_object_get(item, "height"), &out->res.v))
-        return output_fail(env, SLV_ERROR_FORMAT,
-                           "%s: face %u: its width and height are not powers of two up to %u", path,
-                           face, 1u << SLV_MAX_LOG2_RES);
+        return slvi_fail(env, SLV_ERROR_FORMAT,
+                         "%s: face %u: its width and height are not powers of two up to %u", path,
+                         face, 1u << SLV_MAX_LOG2_RES);
     if (json_is_true(json_object_get(item, "constant")))
         out->flags |= SLV_FACE_CONSTANT;
     if (json_is_true(json_object_get(item, "subface")))
@@ -93,9 +139,9 @@ slv_result index_read_face(const slv_env *env, const char *path, const json_t *i
             continue;
         if (!read_integer(there, 0, (json_int_t)params->nfaces - 1, &adjacent) ||
             !read_integer(json_array_get(edges, e), 0, nedges - 1, &edge))
-            return output_fail(env, SLV_ERROR_FORMAT,
-                               "%s: face %u edge %u: its neighbour is no face and edge of the list",
-                               path, face, e);
+            return slvi_fail(env, SLV_ERROR_FORMAT,
+                             "%s: face %u edge %u: its neighbour is no face and edge of the list",
+                             path, face, e);
         out->adjacency.face[e] = (int32_t)adjacent;
         out->adjacency.edge[e] = (uint8_t)edge;
     }
@@ -105,7 +151,7 @@ slv_result index_read_face(const slv_env *env, const char *path, const json_t *i
 static bool read_real(const json_t *item, double *out) {
     static const double values[] = {(double)NAN, (double)INFINITY, -(double)INFINITY};
     const char *word = json_string_value(item);
-    int which = word ? convert_word("nan|inf|-inf", word) : -1;
+    int which = word ? find_word("nan|inf|-inf", word) : -1;
     *out = which >= 0 ? values[which] : json_number_value(item);
     return which >= 0 || json_is_number(item);
 }
@@ -155,10 +201,10 @@ static slv_result read_entry(const slv_env *env, const char *path, const json_t 
     const json_t *list = json_object_get(item, "values"), *text = json_object_get(item, "value");
     slv_ptx_meta meta = {.key = key};
     int type;
-    if (!key || !read_word(item, "type", CONVERT_METAS, &type) ||
+    if (!key || !read_word(item, "type", SLVI_INDEX_METAS, &type) ||
         (!json_is_array(list) && !(type == SLV_META_STRING && json_is_string(text))))
-        return output_fail(env, SLV_ERROR_FORMAT,
-                           "%s: a metadata entry lacks its key, type or values", path);
+        return slvi_fail(env, SLV_ERROR_FORMAT,
+                         "%s: a metadata entry lacks its key, type or values", path);
     meta.type = (slv_meta_type)type;
     if (json_is_string(text)) {
         meta.count = (uint32_t)json_string_length(text);
@@ -166,23 +212,23 @@ static slv_result read_entry(const slv_env *env, const char *path, const json_t 
         return slv_ptx_writer_set_meta(writer, &meta);
     }
     meta.count = (uint32_t)json_array_size(list);
-    void *values = calloc((size_t)meta.count + 1, sizeof(double));
-    if (!values)
-        return output_fail(env, SLV_ERROR_MEMORY, "%s: no memory for metadata %s", path, key);
-    slv_result result = SLV_OK;
+    void *values;
+    slv_result result = slvi_alloc(env, path, meta.count, sizeof(double), &values);
+    if (result)
+        return result;
     for (uint32_t i = 0; i < meta.count && !result; i++)
         if (!read_value(json_array_get(list, i), meta.type, i, values))
-            result = output_fail(env, SLV_ERROR_FORMAT, "%s: metadata %.100s: value %u is no %s",
-                                 path, key, i, convert_meta_name(meta.type));
+            result = slvi_fail(env, SLV_ERROR_FORMAT, "%s: metadata %.100s: value %u is no %s",
+                               path, key, i, json_string_value(json_object_get(item, "type")));
     meta.values = values;
     if (!result)
         result = slv_ptx_writer_set_meta(writer, &meta);
-    free(values);
+    slvi_free(values);
     return result;
 }
 
-slv_result index_read_meta(const slv_env *env, const char *path, const json_t *root,
-                           slv_ptx_writer *writer) {
+slv_result slvi_index_read_meta(const slv_env *env, const char *path, const json_t *root,
+                                slv_ptx_writer *writer) {
     const json_t *list = json_object_get(root, "meta");
     slv_result result = SLV_OK;
     for (size_t i = 0; i < json_array_size(list) && !result; i++)

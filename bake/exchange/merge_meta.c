@@ -1,6 +1,7 @@
-#include "merge/merge.h"
+/* The metadata of several .ptx files as that of one. */
+#include "exchange/merge.h"
 
-#include <stdlib.h>
+#include <stdio.h>
 #include <string.h>
 
 /* Positions come first: their number bounds that of the vertices, which indices count. */
@@ -27,17 +28,18 @@ static bool equal(const slv_ptx_meta *a, const slv_ptx_meta *b) {
 }
 
 /* One of the three arrays of geometry, of all files; vertices are counted on from file to file. */
-static slv_result join_geometry(const slv_env *env, struct merge *m, int which) {
+static slv_result join_geometry(const slv_env *env, slvi_merge *m, int which) {
     uint64_t count = 0;
     uint32_t done = 0, first_vertex = 0;
     for (uint32_t i = 0; i < m->npaths; i++)
         count += slv_ptx_find_meta(m->files[i], geometry_keys[which])->count;
     if (count > INT32_MAX)
-        return output_fail(env, SLV_ERROR_LIMIT, "%s: %s would have %llu values", m->out,
-                           geometry_keys[which], (unsigned long long)count);
-    int32_t *values = malloc((size_t)count * sizeof *values + 1);
-    if (!values)
-        return output_fail(env, SLV_ERROR_MEMORY, "%s: no memory for its geometry", m->out);
+        return slvi_fail(env, SLV_ERROR_LIMIT, "%s: %s would have %llu values", m->out,
+                         geometry_keys[which], (unsigned long long)count);
+    int32_t *values;
+    slv_result result = slvi_alloc_plain(env, m->out, count, sizeof *values, &values);
+    if (result)
+        return result;
     for (uint32_t i = 0; i < m->npaths; i++) {
         const slv_ptx_meta *meta = slv_ptx_find_meta(m->files[i], geometry_keys[which]);
         memcpy(values + done, meta->values, meta->count * sizeof *values);
@@ -50,13 +52,13 @@ static slv_result join_geometry(const slv_env *env, struct merge *m, int which) 
                            .type = which == POSITIONS ? SLV_META_FLOAT : SLV_META_INT32,
                            .count = (uint32_t)count,
                            .values = values};
-    slv_result result = slv_ptx_writer_set_meta(m->writer, &joined);
-    free(values);
+    result = slv_ptx_writer_set_meta(m->writer, &joined);
+    slvi_free(values);
     return result;
 }
 
 /* Another value under a name that is taken is kept as KEY.2 for the second file, and so on. */
-static slv_result join_entry(const slv_env *env, struct merge *m, uint32_t file,
+static slv_result join_entry(const slv_env *env, slvi_merge *m, uint32_t file,
                              const slv_ptx_meta *meta) {
     char key[MAX_KEY + 16];
     slv_ptx_meta renamed = *meta;
@@ -70,17 +72,18 @@ static slv_result join_entry(const slv_env *env, struct merge *m, uint32_t file,
     snprintf(key, sizeof key, "%s.%u", meta->key, file + 1);
     for (uint32_t i = 0; i < m->npaths; i++)
         if (slv_ptx_find_meta(m->files[i], key))
-            return output_fail(env, SLV_ERROR_MISMATCH,
-                               "%s: metadata %.200s differs, and the name %.210s is taken",
-                               m->paths[file], meta->key, key);
+            return slvi_fail(env, SLV_ERROR_MISMATCH,
+                             "%s: metadata %.200s differs, and the name %.210s is taken",
+                             m->paths[file], meta->key, key);
     renamed.key = key;
     return slv_ptx_writer_set_meta(m->writer, &renamed);
 }
 
-slv_result merge_meta(const slv_env *env, struct merge *m) {
-    slv_env silent = {.threads = env->threads};
+slv_result slvi_merge_meta(const slv_env *env, slvi_merge *m) {
+    slv_env silent = *env;
     uint32_t with_geometry = 0;
     slv_result result = SLV_OK;
+    silent.log = NULL;
     for (uint32_t i = 0; i < m->npaths; i++) {
         slv_mesh *mesh = NULL;
         with_geometry += slv_ptx_load_mesh(&silent, m->files[i], &mesh) == SLV_OK;
@@ -88,8 +91,9 @@ slv_result merge_meta(const slv_env *env, struct merge *m) {
     }
     m->geometry = with_geometry == m->npaths;
     if (with_geometry && !m->geometry)
-        cli_warning("%u of %u files have no usable geometry inside: none is kept",
-                    m->npaths - with_geometry, m->npaths);
+        slvi_logf(env, SLV_LOG_WARNING,
+                  "%u of %u files have no usable geometry inside: none is kept",
+                  m->npaths - with_geometry, m->npaths);
     for (int which = 0; m->geometry && which < GEOMETRY_KEYS && !result; which++)
         result = join_geometry(env, m, which);
     for (uint32_t i = 0; i < m->npaths && !result; i++)

@@ -1,0 +1,176 @@
+/* Writing the index of exported images. */
+#include "exchange/index.h"
+
+#include "base/file.h"
+
+#include <errno.h>
+#include <math.h>
+#include <string.h>
+#include <sys/stat.h>
+
+json_t *slvi_index_word(const char *words, int index) {
+    for (; index > 0 && words[strcspn(words, "|")]; index--)
+        words += strcspn(words, "|") + 1;
+    return json_stringn(words, strcspn(words, "|"));
+}
+
+json_t *slvi_index_text(const char *text) {
+    size_t left = strlen(text), used = 0;
+    char *clean;
+    if (slvi_alloc(NULL, "a name", left + 1, 3, &clean))
+        return NULL;
+    while (left) {
+        size_t length = 0;
+        json_t *character = NULL;
+        while (!character && length < 4 && length < left)
+            character = json_stringn(text, ++length);
+        json_decref(character);
+        memcpy(clean + used, character ? text : "\xEF\xBF\xBD", character ? length : 3);
+        used += character ? length : 3;
+        text += character ? length : 1;
+        left -= character ? length : 1;
+    }
+    json_t *string = json_stringn(clean, used);
+    slvi_free(clean);
+    return string;
+}
+
+void slvi_index_image_name(char *out, size_t size, const char *stem, uint32_t group, bool exr) {
+    if (group)
+        snprintf(out, size, "%s.%u.%s", stem, group, exr ? "exr" : "png");
+    else
+        snprintf(out, size, "%s.%s", stem, exr ? "exr" : "png");
+}
+
+slv_image_params slvi_index_image_params(slv_type type, bool exr) {
+    slv_image_params params = {.encoding = SLV_ENCODE_RAW, .bits = type == SLV_TYPE_U8 ? 8 : 16};
+    if (exr)
+        params.bits = type == SLV_TYPE_HALF || type == SLV_TYPE_U8 ? 16 : 32;
+    return params;
+}
+
+void slvi_index_to_image(const float *values, slv_res res, uint32_t nchannels, uint32_t group,
+                         slv_image *image, uint32_t x, uint32_t y) {
+    size_t w = (size_t)1 << res.u, h = (size_t)1 << res.v, n = image->nchannels;
+    for (size_t row = 0; row < h; row++) {
+        float *to = image->pixels + ((y + h - 1 - row) * image->width + x) * n;
+        const float *from = values + row * w * nchannels + group * SLVI_INDEX_GROUP;
+        for (size_t i = 0; i < w; i++, from += nchannels, to += n)
+            memcpy(to, from, n * sizeof *to);
+    }
+}
+
+/* JSON has no infinities and no NaN. */
+static json_t *real_json(double value) {
+    if (isfinite(value))
+        return json_real(value);
+    return json_string(isnan(value) ? "nan" : value > 0 ? "inf" : "-inf");
+}
+
+static json_t *value_json(const slv_ptx_meta *meta, uint32_t i) {
+    switch (meta->type) {
+    case SLV_META_STRING:
+        return json_integer(((const uint8_t *)meta->values)[i]);
+    case SLV_META_INT8:
+        return json_integer(((const int8_t *)meta->values)[i]);
+    case SLV_META_INT16:
+        return json_integer(((const int16_t *)meta->values)[i]);
+    case SLV_META_INT32:
+        return json_integer(((const int32_t *)meta->values)[i]);
+    case SLV_META_FLOAT:
+        return real_json((double)((const float *)meta->values)[i]);
+    case SLV_META_DOUBLE:
+        break;
+    }
+    return real_json(((const double *)meta->values)[i]);
+}
+
+/* Text as text; a string that JSON cannot hold as its bytes. */
+static json_t *meta_json(const slv_ptx_meta *meta) {
+    json_t *key = slvi_index_text(meta->key);
+    if (meta->type == SLV_META_STRING) {
+        json_t *text = json_stringn(meta->values, meta->count);
+        if (text)
+            return json_pack("{s:o, s:s, s:o}", "key", key, "type", "string", "value", text);
+    }
+    json_t *values = json_array();
+    for (uint32_t i = 0; i < meta->count; i++)
+        if (json_array_append_new(values, value_json(meta, i))) {
+            json_decref(values);
+            json_decref(key);
+            return NULL;
+        }
+    return json_pack("{s:o, s:o, s:o}", "key", key, "type",
+                     slvi_index_word(SLVI_INDEX_METAS, (int)meta->type), "values", values);
+}
+
+json_t *slvi_index_create(const slv_ptx *ptx, const slvi_exchange_plan *plan, bool meta) {
+    const slv_ptx_writer_params *target = &plan->target;
+    json_t *list = json_array();
+    for (uint32_t i = 0; meta && i < slv_ptx_get_info(ptx)->nmeta; i++) {
+        const slv_ptx_meta *entry = slv_ptx_get_meta(ptx, i);
+        if (!entry || json_array_append_new(list, meta_json(entry))) {
+            json_decref(list);
+            return NULL;
+        }
+    }
+    return json_pack("{s:i, s:s, s:o, s:s, s:I, s:o, s:o, s:o, s:o, s:b, s:o, s:[]}", "schema", 1,
+                     "kind", SLVI_INDEX_KIND, "mesh_type",
+                     slvi_index_word(SLVI_INDEX_MESHES, (int)target->mesh_type), "data_type",
+                     slv_type_name(target->type), "channels", (json_int_t)target->nchannels,
+                     "alpha_channel",
+                     target->alpha_channel < 0 ? json_null() : json_integer(target->alpha_channel),
+                     "border_u", slvi_index_word(SLVI_INDEX_BORDERS, (int)target->border_u),
+                     "border_v", slvi_index_word(SLVI_INDEX_BORDERS, (int)target->border_v),
+                     "edge_filter", slvi_index_word(SLVI_INDEX_FILTERS, (int)target->edge_filter),
+                     "reductions", (int)!target->no_reductions, "meta", list, "faces");
+}
+
+json_t *slvi_index_face(const slv_ptx_face *face, unsigned nedges) {
+    json_t *faces = json_array(), *edges = json_array();
+    int failed = 0;
+    for (unsigned e = 0; e < nedges; e++) {
+        int32_t there = face->adjacency.face[e];
+        failed |= json_array_append_new(faces, there < 0 ? json_null() : json_integer(there));
+        failed |= json_array_append_new(edges, there < 0 ? json_null()
+                                                         : json_integer(face->adjacency.edge[e]));
+    }
+    if (failed) {
+        json_decref(faces);
+        json_decref(edges);
+        return NULL;
+    }
+    return json_pack(
+        "{s:I, s:I, s:b, s:b, s:o, s:o}", "width", (json_int_t)1 << face->res.u, "height",
+        (json_int_t)1 << face->res.v, "constant", (face->flags & SLV_FACE_CONSTANT) != 0, "subface",
+        (face->flags & SLV_FACE_SUBFACE) != 0, "adjacent_faces", faces, "adjacent_edges", edges);
+}
+
+slv_result slvi_index_write(const slv_env *env, const char *path, json_t *root) {
+    slv_file_writer file;
+    if (!root)
+        return slvi_fail(env, SLV_ERROR_MEMORY, "%s: no memory to describe the faces", path);
+    slv_result result = slvi_file_writer_open(env, path, &file);
+    if (!result && json_dumpf(root, file.stream, JSON_INDENT(1) | JSON_REAL_PRECISION(17)) != 0)
+        result = ferror(file.stream)
+                     ? slvi_fail(env, SLV_ERROR_IO, "%s: cannot be written: %s", path,
+                                 errno ? strerror(errno) : "the disk may be full")
+                     : slvi_fail(env, SLV_ERROR_MEMORY, "%s: no memory to write it", path);
+    json_decref(root);
+    if (!result)
+        return slvi_file_writer_commit(env, &file);
+    slvi_file_writer_abandon(&file);
+    return result;
+}
+
+bool slvi_index_may_be(const char *path) {
+    json_error_t error;
+    struct stat status;
+    if (lstat(path, &status) != 0 && errno == ENOENT)
+        return true;
+    json_t *root = json_load_file(path, 0, &error);
+    const char *kind = json_string_value(json_object_get(root, "kind"));
+    bool good = kind && strcmp(kind, SLVI_INDEX_KIND) == 0;
+    json_decref(root);
+    return good;
+}

@@ -1,0 +1,188 @@
+/* Reads what the options of convert say about channels and sizes, which depends on the source. */
+#include "convert/convert_options.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* The log2 of a power of two up to the format's limit, or -1. */
+static int log2_of(unsigned long long size) {
+    for (int log2 = 0; log2 <= SLV_MAX_LOG2_RES; log2++)
+        if (size == 1ull << log2)
+            return log2;
+    return -1;
+}
+
+static int parse_channels(const cli_command *command, const char *text, convert_request *request) {
+    uint32_t count = 1, have = request->source->nchannels;
+    for (const char *at = text; *at; at++)
+        count += *at == ',';
+    if (count > 65535)
+        return cli_usage(command, "--channels: more than 65535");
+    request->channels = calloc(count, sizeof *request->channels);
+    if (!request->channels)
+        return cli_error("no memory for %u channels", count);
+    for (uint32_t i = 0; i < count; i++) {
+        bool value = *text == '=';
+        char *end;
+        slv_exchange_channel *channel = &request->channels[i];
+        if (value) {
+            channel->source = -1;
+            channel->value = strtof(text + 1, &end);
+        } else {
+            unsigned long index = strtoul(text, &end, 10);
+            if (*text < '0' || *text > '9' || index >= have)
+                return cli_usage(command, "--channels: '%s': the file has channels 0 to %u", text,
+                                 have - 1);
+            channel->source = (int32_t)index;
+        }
+        if (end == text + value || (*end && *end != ',') || !isfinite(channel->value))
+            return cli_usage(command, "--channels: cannot read '%s'", text);
+        text = end + (*end == ',');
+    }
+    request->params.channels = request->channels;
+    request->params.nchannels = count;
+    return EXIT_OK;
+}
+
+static int parse_alpha(const cli_command *command, const char *text, convert_request *request) {
+    char *end;
+    uint32_t have = request->channels ? request->params.nchannels : request->source->nchannels;
+    request->params.changes |= SLV_EXCHANGE_ALPHA;
+    request->params.alpha_channel = SLV_NO_ALPHA;
+    if (strcmp(text, "none") == 0)
+        return EXIT_OK;
+    unsigned long index = strtoul(text, &end, 10);
+    if (*text < '0' || *text > '9' || *end || index >= have)
+        return cli_usage(command, "--alpha: '%s' is neither none nor a channel from 0 to %u", text,
+                         have - 1);
+    request->params.alpha_channel = (int32_t)index;
+    return EXIT_OK;
+}
+
+static int parse_scale(const cli_command *command, const char *text, convert_request *request) {
+    char *end;
+    bool smaller = strncmp(text, "1/", 2) == 0;
+    const char *number = text + (smaller ? 2 : 0);
+    int log2 = log2_of(strtoull(number, &end, 10));
+    if (*number < '0' || *number > '9' || *end || log2 < 0)
+        return cli_usage(command, "--scale: '%s' is not a power of two such as 2, 1/2 or 1/8",
+                         text);
+    request->params.scale_log2 = smaller ? -log2 : log2;
+    return EXIT_OK;
+}
+
+static int parse_bound(const cli_command *command, const char *name, const uint32_t size[2],
+                       slv_res *out) {
+    int8_t sides[2];
+    for (int i = 0; i < 2; i++) {
+        int log2 = log2_of(size[i]);
+        if (log2 < 0)
+            return cli_usage(command, "%s: %u is not a power of two up to %u", name, size[i],
+                             1u << SLV_MAX_LOG2_RES);
+        sides[i] = (int8_t)log2;
+    }
+    *out = (slv_res){sides[0], sides[1]};
+    return EXIT_OK;
+}
+
+static int compare_faces(const void *left, const void *right) {
+    const slv_exchange_face_res *a = left, *b = right;
+    return (a->face > b->face) - (a->face < b->face);
+}
+
+/* FACE=WxH,FACE=W,... */
+static int parse_res(const cli_command *command, const char *text, convert_request *request) {
+    uint32_t count = 1;
+    for (const char *at = text; *at; at++)
+        count += *at == ',';
+    slv_exchange_face_res *list = request->face_res = calloc(count, sizeof *list);
+    if (!list)
+        return cli_error("no memory for %u sizes", count);
+    for (uint32_t i = 0; i < count; i++) {
+        char *end;
+        unsigned long face = strtoul(text, &end, 10);
+        if (*text < '0' || *text > '9' || *end != '=' || face >= request->source->nfaces)
+            return cli_usage(command, "--res: '%s': expected FACE=WxH with faces 0 to %u", text,
+                             request->source->nfaces - 1);
+        int u = log2_of(strtoull(end + 1, &end, 10)), v = u;
+        if (*end == 'x')
+            v = log2_of(strtoull(end + 1, &end, 10));
+        if (u < 0 || v < 0 || (*end && *end != ','))
+            return cli_usage(command, "--res: '%s': sizes are powers of two up to %u", text,
+                             1u << SLV_MAX_LOG2_RES);
+        if (request->source->mesh_type == SLV_PTX_TRIANGLE && u != v)
+            return cli_usage(command, "--res: face %lu is a triangle, which is square", face);
+        list[i] = (slv_exchange_face_res){(uint32_t)face, {(int8_t)u, (int8_t)v}};
+        text = end + (*end == ',');
+    }
+    qsort(list, count, sizeof *list, compare_faces);
+    for (uint32_t i = 1; i < count; i++)
+        if (list[i].face == list[i - 1].face)
+            return cli_usage(command, "--res: face %u is there twice", list[i].face);
+    request->params.face_res = list;
+    request->params.nface_res = count;
+    return EXIT_OK;
+}
+
+static int choose_sizes(const cli_command *command, const convert_options *options,
+                        convert_request *request) {
+    slv_res max = {SLV_MAX_LOG2_RES, SLV_MAX_LOG2_RES}, min = {0, 0};
+    int code = EXIT_OK;
+    if (options->scale)
+        code = parse_scale(command, options->scale, request);
+    if (!code && options->max_given)
+        code = parse_bound(command, "--max", options->max, &max);
+    if (!code && options->min_given)
+        code = parse_bound(command, "--min", options->min, &min);
+    if (!code && (min.u > max.u || min.v > max.v))
+        code = cli_usage(command, "--min is larger than --max");
+    if (!code && request->source->mesh_type == SLV_PTX_TRIANGLE &&
+        (min.u != min.v || max.u != max.v))
+        code = cli_usage(command, "--min and --max of triangles are square");
+    request->params.changes |= SLV_EXCHANGE_MAX_RES;
+    request->params.max_res = max;
+    request->params.min_res = min;
+    return !code && options->res ? parse_res(command, options->res, request) : code;
+}
+
+/* What an option changes, if it was given. */
+static unsigned change(bool given, unsigned what) {
+    return given ? what : 0;
+}
+
+int convert_request_make(const cli_command *command, const convert_options *o,
+                         const slv_ptx_writer_params *source, convert_request *out) {
+    *out = (convert_request){.source = source};
+    slv_exchange_params *params = &out->params;
+    int code = o->channels ? parse_channels(command, o->channels, out) : EXIT_OK;
+    if (!code && o->alpha)
+        code = parse_alpha(command, o->alpha, out);
+    if (code || (code = choose_sizes(command, o, out)))
+        return code;
+    if ((o->premultiply || o->unmultiply) && source->alpha_channel < 0)
+        return cli_error("--%smultiply: the file has no alpha channel",
+                         o->premultiply ? "pre" : "un");
+    params->changes |= change(o->type_given, SLV_EXCHANGE_TYPE) |
+                       change(o->border_given || o->border_u_given, SLV_EXCHANGE_BORDER_U) |
+                       change(o->border_given || o->border_v_given, SLV_EXCHANGE_BORDER_V) |
+                       change(o->edge_filter_given, SLV_EXCHANGE_EDGE_FILTER) |
+                       change(o->reductions || o->no_reductions, SLV_EXCHANGE_REDUCTIONS);
+    params->type = (slv_type)o->type;
+    params->border_u = (slv_border_mode)(o->border_u_given ? o->border_u : o->border);
+    params->border_v = (slv_border_mode)(o->border_v_given ? o->border_v : o->border);
+    params->edge_filter = (slv_edge_filter)o->edge_filter;
+    params->no_reductions = o->no_reductions;
+    params->premultiply = o->premultiply;
+    params->unmultiply = o->unmultiply;
+    params->no_meta = o->no_meta;
+    params->compression = (int)o->compression;
+    if (o->format_given)
+        params->images = o->format == 1 ? SLV_EXCHANGE_EXR : SLV_EXCHANGE_PNG;
+    return EXIT_OK;
+}
+
+void convert_request_free(convert_request *request) {
+    free(request->channels);
+    free(request->face_res);
+}
