@@ -1,4 +1,6 @@
+/* Loads the scene that a verb draws. */
 #include "command/scene.h"
+#include "command/output.h"
 
 #include <math.h>
 #include <string.h>
@@ -65,9 +67,9 @@ slv_result scene_load(const slv_env *env, const scene_params *params, scene_data
         goto done;
     if (!find_bounds(slv_mesh_get_view(out->mesh), params->focus, out->bounds_min,
                      out->bounds_max)) {
-        cli_error("%s: there is no group '%s' to focus on",
-                  params->mesh ? params->mesh : params->ptx, params->focus ? params->focus : "");
-        result = SLV_ERROR_ARGUMENT;
+        result = output_fail(env, SLV_ERROR_ARGUMENT, "%s: there is no group '%s' to focus on",
+                             params->mesh ? params->mesh : params->ptx,
+                             params->focus ? params->focus : "");
     }
 done:
     slv_ptx_close(ptx);

@@ -1,6 +1,6 @@
+/* Reads view files. */
+#include "command/output.h"
 #include "command/scene.h"
-
-#include <jansson.h>
 
 #include <errno.h>
 #include <float.h>
@@ -14,14 +14,12 @@ static slv_result bad_view(const slv_env *env, const char *path, const char *for
     __attribute__((format(printf, 3, 4)));
 
 static slv_result bad_view(const slv_env *env, const char *path, const char *format, ...) {
-    char text[256], line[512];
+    char text[256];
     va_list args;
     va_start(args, format);
     vsnprintf(text, sizeof text, format, args);
     va_end(args);
-    snprintf(line, sizeof line, "%s: %s", path, text);
-    env->log(env->log_user, SLV_LOG_ERROR, line);
-    return SLV_ERROR_FORMAT;
+    return output_fail(env, SLV_ERROR_FORMAT, "%s: %s", path, text);
 }
 
 static bool read_floats(const json_t *array, size_t count, float *out) {

@@ -33,6 +33,9 @@ struct session {
     slv_gl_renderer *renderer;
     report_data *report;
     experiment experiment;
+    char title[64];
+    cli_progress shown;
+    bool shows, measuring; /* frames of the orbit */
 };
 
 /* The next of some comma-separated words; NULL after the last. */
@@ -80,32 +83,36 @@ static bool parse_references(const char *list, report_data *report) {
     return true;
 }
 
-/* One error line for an interruption, wherever it is noticed. */
-static slv_result interruption(slv_result result) {
-    if (result || !cli_interrupted())
-        return result;
-    cli_error("interrupted; --resume goes on from there");
-    return SLV_ERROR_CANCELLED;
+static bool report_stage(void *user, uint64_t done, uint64_t total) {
+    struct session *s = user;
+    bool goes_on = s->measuring && total < s->report->frames;
+    if (!s->shows) {
+        if (goes_on)
+            snprintf(s->title, sizeof s->title, "measuring the other %u frames", (uint32_t)total);
+        s->shown = cli_progress_begin(s->title, total, s->options->quiet);
+        s->shows = true;
+    } else if (done) {
+        cli_progress_update(&s->shown, done);
+    }
+    if (done == total)
+        cli_progress_end(&s->shown);
+    return !cli_interrupted();
 }
 
-static slv_result measure_seams(struct session *s) {
-    report_data *report = s->report;
-    slv_result result = SLV_OK;
-    cli_progress progress = cli_progress_begin(
-        "measuring seams", report->nstrategies * REPORT_LEVELS, s->options->quiet);
-    for (uint32_t k = 0; !result && k < report->nstrategies; k++) {
-        report_strategy *row = &report->strategies[k];
-        row->stats = slv_gl_texture_get_stats(s->texture, row->strategy);
-        for (uint32_t level = 0; !result && !cli_interrupted() && level < REPORT_LEVELS; level++) {
-            slv_gl_seam_params params = {.level = level};
-            result = slv_gl_texture_seam_jump(s->texture, &s->env, row->strategy,
-                                              s->scene.adjacency, &params, &row->seams[level]);
-            cli_progress_update(&progress, k * REPORT_LEVELS + level + 1);
-        }
-    }
-    if (!result && !cli_interrupted())
-        cli_progress_end(&progress);
-    return result;
+/* What is going on from here, as the terminal shows it. */
+static void begin_stage(struct session *s, const char *title) {
+    snprintf(s->title, sizeof s->title, "%s", title);
+    s->shows = false;
+    s->experiment.progress = (slv_progress){report_stage, s};
+}
+
+/* One error line for an interruption, wherever it is noticed. */
+static void tell_of_interruption(const struct session *s) {
+    if (s->measuring)
+        cli_error("interrupted after %u of %u frames; --resume goes on from there",
+                  s->experiment.finished, s->report->frames);
+    else
+        cli_error("interrupted; --resume goes on from there");
 }
 
 static uint32_t count_resolutions(const slv_texture *texture) {
@@ -225,21 +232,20 @@ static slv_result prepare(struct session *s) {
                                  .texture = s->texture,
                                  .renderer = s->renderer,
                                  .shading = (slv_shading)o->shading,
-                                 .report = report,
-                                 .quiet = o->quiet};
+                                 .report = report};
     return SLV_OK;
 }
 
-static slv_result run(struct session *s) {
+static slv_result measure_frames(struct session *s) {
     char path[1100], older[1100];
-    slv_result result = prepare(s);
-    if (result)
-        return result;
+    slv_result result;
     json_t *given = conditions(s);
     snprintf(path, sizeof path, "%s/frames.jsonl", s->options->out);
     snprintf(older, sizeof older, "%s/frames.old.jsonl", s->options->out);
     if (!s->options->resume)
         rename(path, older); /* there may be hours in it, and --resume forgotten */
+    begin_stage(s, "measuring frames");
+    s->measuring = true;
     if (!given)
         result = output_fail(&s->env, SLV_ERROR_MEMORY, "%s: no memory for it", path);
     else if (mkdir(s->options->out, 0777) != 0 && errno != EEXIST)
@@ -248,12 +254,27 @@ static slv_result run(struct session *s) {
     else
         result = experiment_run(&s->experiment, path, given, s->options->resume);
     json_decref(given);
-    if (result || (result = interruption(measure_seams(s))))
-        return result;
-    result = experiment_draw_pictures(&s->experiment);
-    if (!result && s->blocks)
+    return result;
+}
+
+static slv_result run(struct session *s) {
+    slv_result result = prepare(s);
+    if (result || (result = measure_frames(s)))
+        goto done;
+    s->measuring = false;
+    begin_stage(s, "measuring seams");
+    if ((result = experiment_measure_seams(&s->experiment)))
+        goto done;
+    begin_stage(s, "drawing views");
+    if ((result = experiment_draw_pictures(&s->experiment)))
+        goto done;
+    begin_stage(s, "drawing from blocks");
+    if (s->blocks)
         result = experiment_draw_compressed(&s->experiment, s->blocks);
-    return result == SLV_ERROR_CANCELLED ? interruption(SLV_OK) : result;
+done:
+    if (result == SLV_ERROR_CANCELLED)
+        tell_of_interruption(s);
+    return result;
 }
 
 static void end_session(struct session *s) {

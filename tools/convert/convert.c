@@ -48,7 +48,7 @@ static json_t *convert_json(const conversion *c, const char *made) {
 static bool report_writing(void *user, uint64_t done, uint64_t total) {
     conversion *c = user;
     const convert_options *o = c->options;
-    if (!c->written || done < c->written) {
+    if (done <= c->written || !c->written) {
         cli_progress_end(c->written ? &c->writing : &c->progress);
         c->writing = cli_progress_fleeting("writing", o->progress, o->quiet || o->json);
     }

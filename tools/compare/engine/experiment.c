@@ -1,3 +1,4 @@
+/* The frames of the orbit: drawn, measured, and added up. */
 #include "compare/engine/experiment.h"
 #include "command/output.h"
 
@@ -104,6 +105,22 @@ static void free_moment(moment *m) {
     memset(m, 0, sizeof *m);
 }
 
+slv_result experiment_ask(const experiment *e) {
+    bool go_on = !e->progress.report || e->progress.report(e->progress.user, e->done, e->total);
+    return go_on ? SLV_OK : SLV_ERROR_CANCELLED;
+}
+
+slv_result experiment_begin(experiment *e, uint64_t total) {
+    e->done = 0;
+    e->total = total;
+    return experiment_ask(e);
+}
+
+slv_result experiment_step(experiment *e) {
+    e->done++;
+    return experiment_ask(e);
+}
+
 /* The strategy that begins changes from frame to frame, so that whatever else the machine does
  * falls on all alike. */
 static slv_result draw_all(const experiment *e, moment *m, uint32_t rate, uint32_t turn,
@@ -116,8 +133,8 @@ static slv_result draw_all(const experiment *e, moment *m, uint32_t rate, uint32
         m->frame.strategy = report->strategies[which].strategy;
         result = experiment_draw(e, &m->frame, &report->rates[rate], &m->images[which],
                                  ms ? &ms[which] : NULL);
-        if (!result && cli_interrupted())
-            result = SLV_ERROR_CANCELLED;
+        if (!result)
+            result = experiment_ask(e);
     }
     return result;
 }
@@ -234,27 +251,20 @@ static slv_result warm_up(const experiment *e) {
 static slv_result run_frames(experiment *e, totals *t, experiment_state *state,
                              experiment_frame *frame, uint32_t wanted) {
     const report_data *report = e->report;
-    slv_result result = SLV_OK;
-    uint32_t before = t->ndone;
-    char what[64] = "measuring frames";
-    if (before == report->frames)
+    if (t->ndone == report->frames)
         return SLV_OK;
-    if (before)
-        snprintf(what, sizeof what, "measuring the other %u frames", report->frames - before);
-    cli_progress progress = cli_progress_begin(what, report->frames - before, e->quiet);
-    result = warm_up(e);
+    slv_result result = experiment_begin(e, report->frames - t->ndone);
+    if (!result)
+        result = warm_up(e);
     for (uint32_t i = 0; i < report->frames && !result; i++) {
         if (t->done[i])
             continue;
-        if (cli_interrupted())
-            result = SLV_ERROR_CANCELLED;
-        else if (!(result = measure_frame(e, i, is_referenced(report, i, wanted), frame)) &&
-                 !(result = experiment_state_append(e->env, state, report, frame)))
-            result = add_frame(t, frame);
-        cli_progress_update(&progress, t->ndone - before);
+        if (!(result = experiment_ask(e)) &&
+            !(result = measure_frame(e, i, is_referenced(report, i, wanted), frame)) &&
+            !(result = experiment_state_append(e->env, state, report, frame)) &&
+            !(result = add_frame(t, frame)))
+            result = experiment_step(e);
     }
-    if (!result)
-        cli_progress_end(&progress);
     return result;
 }
 
@@ -279,9 +289,7 @@ slv_result experiment_run(experiment *e, const char *path, const json_t *conditi
         goto done;
     finish(&t);
 done:
-    if (result == SLV_ERROR_CANCELLED && cli_interrupted())
-        cli_error("interrupted after %u of %u frames; --resume goes on from there", t.ndone,
-                  report->frames);
+    e->finished = t.ndone;
     experiment_state_close(&state);
     free(frame);
     free(t.ms);

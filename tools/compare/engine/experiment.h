@@ -20,8 +20,17 @@ typedef struct experiment {
     slv_reference *reference; /* made when first needed */
     slv_shading shading;
     report_data *report;
-    bool quiet;
+    slv_progress progress; /* asked between any two pictures; see experiment_begin */
+    uint64_t done, total;
+    uint32_t finished; /* frames of the orbit that are measured, of this run and those before it */
 } experiment;
+
+/* Work of `total` steps begins: progress hears of none, then of each. What ends because progress
+ * said so returns SLV_ERROR_CANCELLED and does not log it: who said so knows. */
+slv_result experiment_begin(experiment *e, uint64_t total);
+slv_result experiment_step(experiment *e);
+/* Between steps: the same number again. */
+slv_result experiment_ask(const experiment *e);
 
 /* What one frame of the orbit has to say. Does not depend on any other frame. */
 typedef struct experiment_frame {
@@ -52,11 +61,15 @@ slv_frame experiment_frame_at(const experiment *e, double t, slv_strategy strate
  * not taken over. */
 slv_result experiment_run(experiment *e, const char *path, const json_t *conditions, bool resume);
 
+/* How far lookups differ on both sides of edges, and what a texture takes; a step a strategy and
+ * level. */
+slv_result experiment_measure_seams(experiment *e);
+
 /* Views, their differences, places to look at closely, and what the references show there. */
 slv_result experiment_draw_pictures(experiment *e);
 
 /* The same views from a texture in blocks, and what that costs; after the above. */
-slv_result experiment_draw_compressed(const experiment *e, slv_gl_texture *blocks);
+slv_result experiment_draw_compressed(experiment *e, slv_gl_texture *blocks);
 
 /* A picture to hold others against, as the eye of `frame` sees it. `estimate` is NaN if unknown. */
 slv_result experiment_reference(experiment *e, report_source source, const slv_frame *frame,

@@ -1,3 +1,4 @@
+/* The same views from a texture in blocks. */
 #include "compare/engine/experiment.h"
 
 #include <math.h>
@@ -54,19 +55,14 @@ static slv_result draw_strategy(const experiment *e, report_strategy *row) {
     return result;
 }
 
-slv_result experiment_draw_compressed(const experiment *e, slv_gl_texture *blocks) {
+slv_result experiment_draw_compressed(experiment *e, slv_gl_texture *blocks) {
     report_data *report = e->report;
-    experiment compressed = *e;
-    slv_result result = SLV_OK;
-    cli_progress progress =
-        cli_progress_begin("drawing from blocks", report->nstrategies, e->quiet);
-    compressed.texture = blocks;
-    for (uint32_t k = 0; k < report->nstrategies && !result; k++) {
-        result = cli_interrupted() ? SLV_ERROR_CANCELLED
-                                   : draw_strategy(&compressed, &report->strategies[k]);
-        cli_progress_update(&progress, k + 1);
-    }
-    if (!result)
-        cli_progress_end(&progress);
+    slv_gl_texture *plain = e->texture;
+    slv_result result = experiment_begin(e, report->nstrategies);
+    e->texture = blocks;
+    for (uint32_t k = 0; k < report->nstrategies && !result; k++)
+        if (!(result = draw_strategy(e, &report->strategies[k])))
+            result = experiment_step(e);
+    e->texture = plain;
     return result;
 }

@@ -1,4 +1,4 @@
-#include "command/output.h"
+/* What the report shows of a few moments: views, how they differ, places to look at closely. */
 #include "compare/engine/experiment.h"
 
 #include <math.h>
@@ -11,25 +11,20 @@ static double view_time(const report_data *report, uint32_t view) {
 
 static slv_result draw_views(experiment *e) {
     report_data *report = e->report;
-    slv_result result = SLV_OK;
-    cli_progress progress =
-        cli_progress_begin("drawing views", report->nviews * report->nstrategies, e->quiet);
+    slv_result result = experiment_begin(e, report->nviews * report->nstrategies);
     for (uint32_t v = 0; v < report->nviews && !result; v++) {
         slv_frame frame = experiment_frame_at(e, view_time(report, v), SLV_STRATEGY_CLAMP);
         double estimate;
         for (uint32_t k = 0; k < report->nstrategies && !result; k++) {
             frame.strategy = report->strategies[k].strategy;
-            result = cli_interrupted() ? SLV_ERROR_CANCELLED
-                                       : experiment_draw(e, &frame, &report->rates[report->shown],
-                                                         &report->strategies[k].views[v], NULL);
-            cli_progress_update(&progress, v * report->nstrategies + k + 1);
+            if (!(result = experiment_draw(e, &frame, &report->rates[report->shown],
+                                           &report->strategies[k].views[v], NULL)))
+                result = experiment_step(e);
         }
         if (!result && report->reference.first < REPORT_SOURCES)
             result = experiment_reference(e, report->reference.first, &frame,
                                           &report->reference.views[v], &estimate);
     }
-    if (!result)
-        cli_progress_end(&progress);
     return result;
 }
 

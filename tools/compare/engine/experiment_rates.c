@@ -1,3 +1,4 @@
+/* Samples per pixel: those of the driver, and those made of several pictures. */
 #include "command/output.h"
 #include "compare/engine/experiment.h"
 

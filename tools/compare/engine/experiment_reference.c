@@ -1,3 +1,4 @@
+/* Pictures to hold others against, and which pixels lie at seams. */
 #include "command/output.h"
 #include "compare/engine/experiment.h"
 
@@ -85,25 +86,33 @@ static slv_result supersample(experiment *e, const slv_frame *frame, slv_image *
             if (!result)
                 result = filter_down(e->env, &large, weights, image, left, top, width, height);
             slv_image_free(&large);
-            if (!result && cli_interrupted())
-                result = SLV_ERROR_CANCELLED;
+            if (!result)
+                result = experiment_ask(e);
         }
     }
     return result;
 }
 
-/* An interrupt is told of once, by whoever runs the experiment. */
-static void log_unless_interrupted(void *user, slv_log_level level, const char *message) {
-    const slv_env *env = user;
-    if (!cli_interrupted())
+/* A ray-cast picture under way. */
+typedef struct cast {
+    const experiment *e;
+    bool cancelled;
+} cast;
+
+/* A cancellation is told of by whoever wanted it. */
+static void log_unless_cancelled(void *user, slv_log_level level, const char *message) {
+    const cast *c = user;
+    const slv_env *env = c->e->env;
+    if (!c->cancelled && env->log)
         env->log(env->log_user, level, message);
 }
 
 static bool go_on(void *user, uint64_t done, uint64_t total) {
-    (void)user;
+    cast *c = user;
     (void)done;
     (void)total;
-    return !cli_interrupted();
+    c->cancelled |= experiment_ask(c->e) != SLV_OK;
+    return !c->cancelled;
 }
 
 static slv_result need_reference(experiment *e) {
@@ -123,20 +132,21 @@ slv_result experiment_reference(experiment *e, report_source source, const slv_f
         return supersample(e, frame, image);
     if ((result = need_reference(e)))
         return result;
-    const slv_reference_frame cast = {.camera = frame->camera,
-                                      .width = frame->width,
-                                      .height = frame->height,
-                                      .shading = frame->shading,
-                                      .ka = frame->ka,
-                                      .kd = frame->kd,
-                                      .filter = source == REPORT_MITCHELL ? SLV_PIXEL_MITCHELL
-                                                                          : SLV_PIXEL_BOX,
-                                      .samples = e->report->reference.samples,
-                                      .progress.report = go_on};
-    slv_env outer = *e->env, env = outer;
-    env.log = log_unless_interrupted;
-    env.log_user = &outer;
-    result = slv_reference_render(e->reference, &env, &cast, image, NULL, &stats);
+    cast watched = {.e = e};
+    const slv_reference_frame picture = {.camera = frame->camera,
+                                         .width = frame->width,
+                                         .height = frame->height,
+                                         .shading = frame->shading,
+                                         .ka = frame->ka,
+                                         .kd = frame->kd,
+                                         .filter = source == REPORT_MITCHELL ? SLV_PIXEL_MITCHELL
+                                                                             : SLV_PIXEL_BOX,
+                                         .samples = e->report->reference.samples,
+                                         .progress = {go_on, &watched}};
+    slv_env env = *e->env;
+    env.log = log_unless_cancelled;
+    env.log_user = &watched;
+    result = slv_reference_render(e->reference, &env, &picture, image, NULL, &stats);
     *estimate = stats.error;
     return result;
 }

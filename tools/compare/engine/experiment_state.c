@@ -1,3 +1,4 @@
+/* The file of finished frames, which a run that was stopped goes on from. */
 #include "command/output.h"
 #include "compare/engine/experiment.h"
 

@@ -1,3 +1,4 @@
+/* Where the camera is at a moment of the orbit. */
 #include "compare/engine/orbit.h"
 
 #include <math.h>

@@ -1,3 +1,4 @@
+/* The rules for what to advise, and for what Toth found. */
 #include "compare/engine/report_findings.h"
 
 #include <math.h>

@@ -1,3 +1,4 @@
+/* The rules for what the seam jumps and the memory say. */
 #include "compare/engine/report_verdict.h"
 
 #include <math.h>
