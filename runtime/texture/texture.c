@@ -1,5 +1,8 @@
+/* The store: faces' texels in memory, and what was changed of them. */
 #include "base/log.h"
 #include "base/memory.h"
+#include "texture/changes.h"
+#include "texture/reduce.h"
 #include "texture/texture_data.h"
 
 #include <assert.h>
@@ -18,6 +21,7 @@ struct slv_texture {
     _Atomic uint64_t allocated;
     unsigned char *constants; /* one texel a face */
     unsigned char **texels;   /* NULL where the face is constant */
+    slv_changes *changes;
 };
 
 bool slvi_texture_desc_same(const slv_texture_desc *a, const slv_texture_desc *b) {
@@ -76,8 +80,12 @@ slv_result slv_texture_create(const slv_env *env, const slv_texture_desc *desc, 
     uint64_t n = desc->nfaces;
     if ((result = slvi_alloc(env, "texture resolutions", n, sizeof *texture->res, &texture->res)) ||
         (result = slvi_alloc(env, "texture faces", n, sizeof *texture->texels, &texture->texels)) ||
-        (result = slvi_alloc(env, "constant texels", n, texture->texel_size, &texture->constants)))
+        (result =
+             slvi_alloc(env, "constant texels", n, texture->texel_size, &texture->constants)) ||
+        (result =
+             slvi_alloc(env, "texture changes", 1, sizeof *texture->changes, &texture->changes)))
         goto done;
+    slvi_changes_begin(texture->changes);
     if (n)
         memcpy(texture->res, desc->res, n * sizeof *texture->res);
     texture->desc.res = texture->res;
@@ -96,6 +104,9 @@ void slv_texture_destroy(slv_texture *texture) {
     slvi_free(texture->texels);
     slvi_free(texture->constants);
     slvi_free(texture->res);
+    if (texture->changes)
+        slvi_changes_end(texture->changes);
+    slvi_free(texture->changes);
     slvi_parallel_env_end(texture->log);
     slvi_free(texture);
 }
@@ -128,41 +139,94 @@ static void make_constant(slv_texture *texture, uint32_t face, const void *texel
     }
 }
 
+/* Room for all texels of a face that was constant; what is in it is undefined. */
+static slv_result make_room(slv_texture *texture, uint32_t face) {
+    uint64_t size = (uint64_t)texture->texel_size * slv_res_texels(texture->res[face]);
+    uint64_t before = atomic_fetch_add(&texture->allocated, size);
+    slv_result result;
+    if (before > texture->env.max_bytes || size > texture->env.max_bytes - before)
+        result = slvi_fail(&texture->env, SLV_ERROR_LIMIT,
+                           "texture: face %u: %llu bytes more are over the limit of %llu",
+                           (unsigned)face, (unsigned long long)size,
+                           (unsigned long long)texture->env.max_bytes);
+    else
+        result =
+            slvi_alloc_plain(&texture->env, "texels of a face", size, 1, &texture->texels[face]);
+    if (result)
+        atomic_fetch_sub(&texture->allocated, size);
+    return result;
+}
+
+static slv_rect whole_rect(slv_res res) {
+    return (slv_rect){0, 0, 1u << res.u, 1u << res.v};
+}
+
 slv_result slv_texture_set_face(slv_texture *texture, uint32_t face, const void *texels) {
     slv_result result = check_face(texture, face, texels);
     if (result)
         return result;
-    uint64_t size = (uint64_t)texture->texel_size * slv_res_texels(texture->res[face]);
-    const unsigned char *bytes = texels;
-    /* Every texel equals the one after it. */
-    if (memcmp(bytes, bytes + texture->texel_size, size - texture->texel_size) == 0) {
+    uint64_t count = slv_res_texels(texture->res[face]);
+    bool was_constant = !texture->texels[face];
+    bool constant = slvi_texels_equal(texels, texture->texel_size, count);
+    if (constant)
         make_constant(texture, face, texels);
-        return SLV_OK;
-    }
-    if (!texture->texels[face]) {
-        uint64_t before = atomic_fetch_add(&texture->allocated, size);
-        if (before > texture->env.max_bytes || size > texture->env.max_bytes - before)
-            result = slvi_fail(&texture->env, SLV_ERROR_LIMIT,
-                               "texture: face %u: %llu bytes more are over the limit of %llu",
-                               (unsigned)face, (unsigned long long)size,
-                               (unsigned long long)texture->env.max_bytes);
-        else
-            result = slvi_alloc_plain(&texture->env, "texels of a face", size, 1,
-                                      &texture->texels[face]);
-        if (result) {
-            atomic_fetch_sub(&texture->allocated, size);
+    else if (was_constant && (result = make_room(texture, face)))
+        return result;
+    else
+        memmove(texture->texels[face], texels, count * texture->texel_size);
+    slvi_changes_add(texture->changes, face, whole_rect(texture->res[face]),
+                     constant || was_constant);
+    return SLV_OK;
+}
+
+/* Whether a rectangle that was set made all texels of its face the same. */
+static bool became_constant(const slv_texture *texture, uint32_t face, slv_rect rect,
+                            const void *texels) {
+    size_t size = texture->texel_size;
+    /* most rectangles, and most faces that have one of a single colour, are told by these */
+    return slvi_texels_equal(texels, size, (uint64_t)rect.width * rect.height) &&
+           memcmp(texture->texels[face], texels, size) == 0 &&
+           slvi_texels_equal(texture->texels[face], size, slv_res_texels(texture->res[face]));
+}
+
+slv_result slv_texture_set_rect(slv_texture *texture, uint32_t face, slv_rect rect,
+                                const void *texels) {
+    slv_result result = check_face(texture, face, texels);
+    if (result)
+        return result;
+    slv_res res = texture->res[face];
+    size_t size = texture->texel_size;
+    uint32_t width = 1u << res.u, height = 1u << res.v;
+    if (!rect.width || !rect.height || rect.x >= width || rect.y >= height ||
+        rect.width > width - rect.x || rect.height > height - rect.y)
+        return slvi_fail(&texture->env, SLV_ERROR_ARGUMENT,
+                         "texture: face %u: %u x %u texels at (%u, %u) do not lie within %u x %u",
+                         (unsigned)face, (unsigned)rect.width, (unsigned)rect.height,
+                         (unsigned)rect.x, (unsigned)rect.y, (unsigned)width, (unsigned)height);
+    bool was_constant = !texture->texels[face];
+    if (was_constant) {
+        if ((result = make_room(texture, face)))
             return result;
-        }
+        slvi_fill_texels(texture->texels[face], texture->constants + face * size, size,
+                         slv_res_texels(res));
     }
-    memmove(texture->texels[face], texels, size);
+    for (uint32_t y = 0; y < rect.height; y++)
+        memcpy(texture->texels[face] + (((size_t)(rect.y + y) << res.u) + rect.x) * size,
+               (const unsigned char *)texels + (size_t)y * rect.width * size, rect.width * size);
+    bool constant = became_constant(texture, face, rect, texels);
+    if (constant)
+        make_constant(texture, face, texels);
+    slvi_changes_add(texture->changes, face, rect, constant || was_constant);
     return SLV_OK;
 }
 
 slv_result slv_texture_set_constant(slv_texture *texture, uint32_t face, const void *texel) {
     slv_result result = check_face(texture, face, texel);
-    if (!result)
-        make_constant(texture, face, texel);
-    return result;
+    if (result)
+        return result;
+    make_constant(texture, face, texel);
+    slvi_changes_add(texture->changes, face, whole_rect(texture->res[face]), true);
+    return SLV_OK;
 }
 
 bool slv_texture_is_constant(const slv_texture *texture, uint32_t face) {
@@ -183,4 +247,8 @@ void slv_texture_fetch(const slv_texture *texture, uint32_t face, uint32_t x, ui
     if (texture->texels[face])
         texels += (((size_t)y << texture->res[face].u) + x) * texture->texel_size;
     slv_type_to_float(texture->desc.type, texels, texture->desc.nchannels, out);
+}
+
+slv_changes *slvi_texture_changes(const slv_texture *texture) {
+    return texture->changes;
 }

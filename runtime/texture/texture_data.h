@@ -5,6 +5,8 @@
 #include "adjacency/edge.h"
 #include "base/parallel.h"
 
+#include "texture/changes.h"
+
 #include <selvage/texture.h>
 
 /* Face f has the levels first[f]..first[f+1]-1; offset[] says where each begins in `texels`. */
@@ -25,6 +27,9 @@ slv_result slvi_texture_check_desc(const slv_env *env, const slv_texture_desc *d
 
 /* Whether two textures have the same faces, type and channels. */
 bool slvi_texture_desc_same(const slv_texture_desc *a, const slv_texture_desc *b);
+
+/* What was changed of a texture. */
+slv_changes *slvi_texture_changes(const slv_texture *texture);
 
 static inline size_t slv_res_texels(slv_res res) {
     return (size_t)1 << (res.u + res.v);

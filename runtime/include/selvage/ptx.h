@@ -4,7 +4,7 @@
 #define SELVAGE_PTX_H
 
 #include <selvage/mesh.h>
-#include <selvage/texture.h>
+#include <selvage/source.h>
 
 #ifdef __cplusplus
 extern "C" {
@@ -12,15 +12,6 @@ extern "C" {
 
 /* The enumerations have the values that the file has. */
 typedef enum slv_ptx_mesh_type { SLV_PTX_TRIANGLE = 0, SLV_PTX_QUAD = 1 } slv_ptx_mesh_type;
-typedef enum slv_border_mode {
-    SLV_BORDER_CLAMP = 0,
-    SLV_BORDER_BLACK = 1,
-    SLV_BORDER_PERIODIC = 2
-} slv_border_mode;
-typedef enum slv_edge_filter {
-    SLV_EDGE_FILTER_NONE = 0,
-    SLV_EDGE_FILTER_TANVEC = 1
-} slv_edge_filter;
 typedef enum slv_meta_type {
     SLV_META_STRING = 0,
     SLV_META_INT8 = 1,
@@ -48,11 +39,7 @@ typedef struct slv_ptx_info {
     uint64_t file_bytes;
 } slv_ptx_info;
 
-typedef struct slv_ptx_face {
-    slv_res res;
-    uint8_t flags; /* SLV_FACE_... */
-    slv_face_adjacency adjacency;
-} slv_ptx_face;
+typedef slv_source_face slv_ptx_face;
 
 /* A metadata entry. `values` is `count` elements of the type, native byte order and aligned; a
  * string's count leaves out its terminating NUL, which is there. */
@@ -161,6 +148,10 @@ SLV_API slv_result slv_ptx_reader_read(slv_ptx_reader *reader, uint32_t face, sl
  * up to 256 KiB, so each call for a part of a larger one unpacks it again. */
 SLV_API slv_result slv_ptx_reader_read_tile(slv_ptx_reader *reader, uint32_t face, slv_res res,
                                             slv_res size, uint32_t x, uint32_t y, void *out);
+
+/* The file as a source, which must outlive it: any resolution, as slv_ptx_read_face gives it, of a
+ * content that never changes. */
+SLV_API slv_result slv_ptx_as_source(const slv_env *env, const slv_ptx *ptx, slv_source *out);
 
 /* Calls `visit` with every face at full resolution, on env->threads threads. A face with
  * SLV_FACE_CONSTANT in its flags comes as one texel. `texels` is the visitor's to change, until it

@@ -73,6 +73,10 @@ SLV_API uint64_t slv_texture_bytes(const slv_texture *texture);
 SLV_API slv_result slv_texture_set_face(slv_texture *texture, uint32_t face, const void *texels);
 SLV_API slv_result slv_texture_set_constant(slv_texture *texture, uint32_t face, const void *texel);
 
+/* Sets the texels of a rectangle from a tightly packed array; else the same. */
+SLV_API slv_result slv_texture_set_rect(slv_texture *texture, uint32_t face, slv_rect rect,
+                                        const void *texels);
+
 SLV_API bool slv_texture_is_constant(const slv_texture *texture, uint32_t face);
 /* A constant face: one texel. Any other: all of them. Owned by the texture. */
 SLV_API const void *slv_texture_texels(const slv_texture *texture, uint32_t face);

@@ -1,9 +1,8 @@
 /* Where the texels of a face come from, and the functions that read them. */
-#include "ptx/format/ptx_reduce.h"
-
 #include "base/log.h"
 #include "base/memory.h"
 #include "ptx/read/ptx_texels.h"
+#include "texture/reduce.h"
 
 /* Where the texels of a face at full resolution are. */
 static void find_texels(const slv_ptx *ptx, uint32_t face, const slv_ptx_face *f, uint32_t *header,
@@ -104,7 +103,7 @@ static slv_result read_region(const slv_ptx *ptx, ptx_scratch *scratch, uint32_t
     if ((f.flags & SLV_FACE_CONSTANT) || (res.u == 0 && res.v == 0)) {
         if ((result = ptx_need(ptx, PTX_CONSTANTS)))
             return result;
-        slvi_ptx_fill(out, ptx->tables->constants + face * ptx->pixel_size, ptx->pixel_size,
+        slvi_fill_texels(out, ptx->tables->constants + face * ptx->pixel_size, ptx->pixel_size,
                       ptx_texel_count(region.size));
         return SLV_OK;
     }

@@ -1,8 +1,8 @@
 /* Reductions that the file leaves to its reader, made block by block: a block of a reduction comes
  * from one of the next finer, that from one finer still, and where blocks would grow too large from
  * several, one after the other. So memory does not depend on the size of the face. */
-#include "ptx/format/ptx_reduce.h"
 #include "ptx/read/ptx_texels.h"
+#include "texture/reduce.h"
 
 /* What the blocks of all resolutions take together. No block takes more than a share of what is
  * left, so that they become smaller where many are open at once. */
@@ -74,10 +74,8 @@ static slv_result make_quad(const struct plan *plan, uint32_t i, ptx_region regi
     slv_result result = make_quad(plan, i + 1, from, work, (size_t)1 << from.size.u);
     if (result)
         return result;
-    if (along_u)
-        slvi_ptx_halve_u(ptx->info.type, ptx->info.nchannels, from.size, work, to);
-    else
-        slvi_ptx_halve_v(ptx->info.type, ptx->info.nchannels, from.size, work, to);
+    slvi_halve(ptx->info.type, ptx->info.nchannels, along_u ? SLV_HALVE_U : SLV_HALVE_V,
+               (size_t)1 << from.size.u, (size_t)1 << from.size.v, work, to);
     for (size_t y = 0; to == work && y < (size_t)1 << region.size.v; y++)
         memcpy(out + y * pitch * ptx->pixel_size, work + y * row, row);
     return SLV_OK;
@@ -126,10 +124,11 @@ static slv_result make_triangle(const struct plan *plan, uint32_t i, int size, u
     if ((result = make_triangle(plan, i + 1, from.u, 2 * x, 2 * y, even, own_mirror ? NULL : odd,
                                 (size_t)1 << from.u)))
         return result;
-    slvi_ptx_halve_triangle(ptx->info.type, ptx->info.nchannels, from.u, even, odd, out, pitch);
+    size_t width = (size_t)1 << from.u;
+    slvi_halve_triangle(ptx->info.type, ptx->info.nchannels, width, width, even, odd, out, pitch);
     if (mirrored)
-        slvi_ptx_halve_triangle(ptx->info.type, ptx->info.nchannels, from.u, odd, even, mirrored,
-                                pitch);
+        slvi_halve_triangle(ptx->info.type, ptx->info.nchannels, width, width, odd, even, mirrored,
+                            pitch);
     return SLV_OK;
 }
 

@@ -1,6 +1,6 @@
 /* What a block of the file stores: a tile or the whole as one array, or a table of tiles. */
-#include "ptx/format/ptx_reduce.h"
 #include "ptx/read/ptx_texels.h"
+#include "texture/reduce.h"
 
 /* How much of a block to read at once when all of it is wanted, and when it begins with a table. */
 #define BLOCK_AHEAD (UINT64_C(1) << 18)
@@ -133,7 +133,7 @@ static slv_result read_array(const slv_ptx *ptx, ptx_scratch *scratch, const ptx
                                array->res, out, pitch);
     if (size != pixel)
         return slvi_ptx_corrupt(ptx, scratch, block->face, "its one texel has a wrong size");
-    slvi_ptx_fill(out, bytes, pixel, UINT64_C(1) << region.size.u);
+    slvi_fill_texels(out, bytes, pixel, UINT64_C(1) << region.size.u);
     copy_rows(out, 0, row, rows - 1, out + pitch * pixel, pitch * pixel);
     return SLV_OK;
 }

@@ -3,6 +3,7 @@
 
 #include "base/log.h"
 #include "base/memory.h"
+#include "texture/neighbourhood.h"
 
 #include <stdlib.h>
 
@@ -264,6 +265,31 @@ static slv_result write_all(struct assembly *a, const ptx_temporary *temporary) 
     return result;
 }
 
+static slv_source_face written_face(const void *user, uint32_t face) {
+    const slv_ptx_writer *writer = user;
+    slv_source_face out;
+    slvi_ptx_unpack_record(writer->records + (size_t)face * PTX_FACE_INFO_SIZE,
+                           writer->params.mesh_type == SLV_PTX_TRIANGLE, &out);
+    return out;
+}
+
+static bool same_value(const void *user, uint32_t face, uint32_t other) {
+    const slv_ptx_writer *writer = user;
+    size_t size = writer->pixel_size;
+    return (writer->records[(size_t)other * PTX_FACE_INFO_SIZE + 3] & SLV_FACE_CONSTANT) &&
+           memcmp(writer->constants + face * size, writer->constants + other * size, size) == 0;
+}
+
+/* Sets the flag of constant faces among whose neighbours nothing but their value is found. */
+static void flag_neighbourhoods(slv_ptx_writer *writer) {
+    const slv_ptx_writer_params *p = &writer->params;
+    slv_neighbourhood around = {writer, written_face, same_value, p->mesh_type == SLV_PTX_TRIANGLE,
+                                p->border_u == SLV_BORDER_CLAMP && p->border_v == SLV_BORDER_CLAMP};
+    for (uint32_t face = 0; face < p->nfaces; face++)
+        if (slvi_neighbourhood_is_constant(&around, face))
+            writer->records[(size_t)face * PTX_FACE_INFO_SIZE + 3] |= SLV_FACE_NEIGHBOURS_CONSTANT;
+}
+
 slv_result slvi_ptx_writer_assemble(slv_ptx_writer *writer) {
     struct assembly a = {.writer = writer};
     const slv_ptx_writer_params *p = &writer->params;
@@ -275,9 +301,7 @@ slv_result slvi_ptx_writer_assemble(slv_ptx_writer *writer) {
             slvi_fail(&writer->env, SLV_ERROR_MEMORY, "%s: no memory to pack it", writer->path);
     if (result || (result = order_faces(&a)))
         goto done;
-    slvi_ptx_flag_neighbourhoods(
-        writer->records, p->nfaces, writer->constants, writer->pixel_size, p->mesh_type,
-        p->border_u == SLV_BORDER_CLAMP && p->border_v == SLV_BORDER_CLAMP);
+    flag_neighbourhoods(writer);
     if ((result = zip_levels(&a, deflater)) ||
         (result = slvi_ptx_meta_pack(&writer->env, writer->path, deflater, writer->meta,
                                      writer->nmeta, &a.meta)) ||

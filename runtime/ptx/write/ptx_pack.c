@@ -1,9 +1,8 @@
 /* Texels to the blocks of a .ptx file. */
-#include "ptx/format/ptx_reduce.h"
-
 #include "base/log.h"
 #include "base/memory.h"
 #include "ptx/write/ptx_write.h"
+#include "texture/reduce.h"
 
 /* A block as large as this, and no smaller, is cut into tiles. */
 #define TILE_BYTES 65536
@@ -157,7 +156,7 @@ static slv_result pack_array(ptx_packer *packer, ptx_bytes *out, const uint8_t *
 
 static bool tile_is_constant(const uint8_t *texels, size_t pixel_size, size_t pitch, slv_res res) {
     size_t row = pixel_size << res.u;
-    if (!slvi_ptx_all_equal(texels, pixel_size, UINT64_C(1) << res.u))
+    if (!slvi_texels_equal(texels, pixel_size, UINT64_C(1) << res.u))
         return false;
     for (size_t y = 1; y < (size_t)1 << res.v; y++)
         if (memcmp(texels, texels + y * pitch * pixel_size, row) != 0)

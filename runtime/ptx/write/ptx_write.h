@@ -94,11 +94,6 @@ void slvi_ptx_temporary_sweep(const slv_env *env, const char *path);
 /* An unnamed file in the folder of `path`. */
 slv_result slvi_ptx_open_nameless(const slv_env *env, const char *path, int *descriptor);
 
-/* Sets the flag of constant faces among whose neighbours nothing but their value is found. */
-void slvi_ptx_flag_neighbourhoods(uint8_t *records, uint32_t nfaces, const uint8_t *constants,
-                                  size_t pixel_size, slv_ptx_mesh_type mesh_type,
-                                  bool borders_clamp);
-
 /* Everything between the levels and the edits, and the sizes that the headers record. */
 typedef struct ptx_meta_out {
     ptx_bytes bytes;

@@ -1,9 +1,8 @@
 /* Taking in faces, metadata and adjacency. */
-#include "ptx/format/ptx_reduce.h"
-
 #include "base/log.h"
 #include "base/memory.h"
 #include "ptx/write/ptx_write.h"
+#include "texture/reduce.h"
 
 #include <stdlib.h>
 #include <unistd.h>
@@ -278,7 +277,7 @@ slv_result slvi_ptx_writer_put(slv_ptx_writer *writer, const slv_env *env, uint3
         own.adjacency.edge[3] = 0;
     }
     if (!(own.flags & SLV_FACE_CONSTANT) &&
-        slvi_ptx_all_equal(texels, writer->pixel_size, ptx_texel_count(own.res)))
+        slvi_texels_equal(texels, writer->pixel_size, ptx_texel_count(own.res)))
         own.flags |= SLV_FACE_CONSTANT;
     for (uint32_t level = 0; writer->given[face] && level < PTX_MAX_STORED_LEVELS; level++)
         writer->headers[level][face] = 0;

@@ -1,4 +1,5 @@
-#include "ptx/format/ptx_reduce.h"
+/* The arithmetic of reductions, for every type of texel. */
+#include "texture/reduce.h"
 
 #include <selvage/half.h>
 
@@ -47,12 +48,12 @@ static uint16_t u16_from_float(float x) {
                     out[c] =                                                                       \
                         MEAN4(in[c], in[n + c], in[w * n + c], in[w * n + n + c], T, GET, PUT);    \
     }                                                                                              \
-    static void halve_triangle_##NAME(size_t n, size_t w, const T *in, const T *mirrored, T *out,  \
-                                      size_t pitch) {                                              \
-        for (size_t y = 0; y < w / 2; y++, out += (pitch - w / 2) * n)                             \
+    static void halve_triangle_##NAME(size_t n, size_t w, size_t h, const T *in,                   \
+                                      const T *mirrored, T *out, size_t pitch) {                   \
+        for (size_t y = 0; y < h / 2; y++, out += (pitch - w / 2) * n)                             \
             for (size_t x = 0; x < w / 2; x++, out += n) {                                         \
                 const T *even = in + (2 * y * w + 2 * x) * n;                                      \
-                const T *odd = mirrored + ((w - 1 - 2 * x) * w + (w - 1 - 2 * y)) * n;             \
+                const T *odd = mirrored + ((w - 1 - 2 * x) * h + (h - 1 - 2 * y)) * n;             \
                 for (size_t c = 0; c < n; c++)                                                     \
                     out[c] = MEAN4(even[c], even[n + c], even[w * n + c], odd[c], T, GET, PUT);    \
             }                                                                                      \
@@ -98,59 +99,39 @@ DEFINE_TYPE(float, float, float_from_float, float_from_float, REAL_MEAN2, REAL_M
         break;                                                                                     \
     }
 
-void slvi_ptx_halve_u(slv_type type, uint32_t nchannels, slv_res res, const void *texels,
-                      void *out) {
-    size_t w = (size_t)1 << res.u, h = (size_t)1 << res.v;
-    SELECT(type, halve_u, nchannels, w, h, texels, out)
+void slvi_halve(slv_type type, uint32_t nchannels, slv_halving along, size_t width, size_t height,
+                const void *texels, void *out) {
+    switch (along) {
+    case SLV_HALVE_U:
+        SELECT(type, halve_u, nchannels, width, height, texels, out)
+        break;
+    case SLV_HALVE_V:
+        SELECT(type, halve_v, nchannels, width, height, texels, out)
+        break;
+    case SLV_HALVE_BOTH:
+        SELECT(type, halve_both, nchannels, width, height, texels, out)
+        break;
+    }
 }
 
-void slvi_ptx_halve_v(slv_type type, uint32_t nchannels, slv_res res, const void *texels,
-                      void *out) {
-    size_t w = (size_t)1 << res.u, h = (size_t)1 << res.v;
-    SELECT(type, halve_v, nchannels, w, h, texels, out)
+void slvi_halve_triangle(slv_type type, uint32_t nchannels, size_t width, size_t height,
+                         const void *texels, const void *mirrored, void *out, size_t pitch) {
+    SELECT(type, halve_triangle, nchannels, width, height, texels, mirrored, out, pitch)
 }
 
-void slvi_ptx_halve_both(slv_type type, uint32_t nchannels, slv_res res, const void *texels,
-                         void *out) {
-    size_t w = (size_t)1 << res.u, h = (size_t)1 << res.v;
-    SELECT(type, halve_both, nchannels, w, h, texels, out)
-}
-
-void slvi_ptx_halve_triangle(slv_type type, uint32_t nchannels, int log2, const void *texels,
-                             const void *mirrored, void *out, size_t pitch) {
-    size_t w = (size_t)1 << log2;
-    SELECT(type, halve_triangle, nchannels, w, texels, mirrored, out, pitch)
-}
-
-void slv_ptx_reduce(slv_ptx_mesh_type mesh_type, slv_type type, uint32_t nchannels, slv_res res,
-                    const void *texels, void *out) {
-    if (mesh_type == SLV_PTX_TRIANGLE)
-        slvi_ptx_halve_triangle(type, nchannels, res.u, texels, texels, out,
-                                (size_t)1 << res.u >> 1);
-    else
-        slvi_ptx_halve_both(type, nchannels, res, texels, out);
-}
-
-void slv_ptx_average(slv_type type, uint32_t nchannels, const void *texels, uint64_t count,
-                     void *out) {
+void slvi_average(slv_type type, uint32_t nchannels, const void *texels, uint64_t count,
+                  void *out) {
     SELECT(type, average, nchannels, texels, count, out)
 }
 
-void slv_ptx_premultiply(slv_type type, uint32_t nchannels, int32_t alpha, void *texels,
-                         uint64_t count) {
+void slvi_multiply_alpha(slv_type type, uint32_t nchannels, int32_t alpha, bool divide,
+                         void *texels, uint64_t count) {
     if (alpha < 0 || (uint32_t)alpha >= nchannels)
         return;
-    SELECT(type, scale, nchannels, (size_t)alpha, false, texels, count)
+    SELECT(type, scale, nchannels, (size_t)alpha, divide, texels, count)
 }
 
-void slv_ptx_unmultiply(slv_type type, uint32_t nchannels, int32_t alpha, void *texels,
-                        uint64_t count) {
-    if (alpha < 0 || (uint32_t)alpha >= nchannels)
-        return;
-    SELECT(type, scale, nchannels, (size_t)alpha, true, texels, count)
-}
-
-void slvi_ptx_fill(void *out, const void *texel, size_t size, uint64_t count) {
+void slvi_fill_texels(void *out, const void *texel, size_t size, uint64_t count) {
     uint8_t *to = out;
     size_t total = size * (size_t)count, done = size;
     memcpy(to, texel, size);
@@ -161,7 +142,7 @@ void slvi_ptx_fill(void *out, const void *texel, size_t size, uint64_t count) {
     }
 }
 
-bool slvi_ptx_all_equal(const void *texels, size_t size, uint64_t count) {
+bool slvi_texels_equal(const void *texels, size_t size, uint64_t count) {
     const uint8_t *bytes = texels;
     /* the array equals itself shifted by one texel */
     return count < 2 || memcmp(bytes, bytes + size, size * (size_t)(count - 1)) == 0;
