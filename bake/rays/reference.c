@@ -1,3 +1,4 @@
+/* The scene of a reference: the tessellation as quads for Embree, and the texture. */
 #include "rays/reference_data.h"
 
 #include "base/log.h"

@@ -1,3 +1,4 @@
+/* The camera turned round, from pixels to rays. */
 #include "rays/reference_data.h"
 
 #include <math.h>

@@ -1,3 +1,4 @@
+/* The reference picture: many samples of every pixel, and how sure their mean is. */
 #include "rays/reference_data.h"
 
 #include "base/log.h"

@@ -1,3 +1,4 @@
+/* Where samples fall within a pixel: scrambled sequences of low discrepancy, and filters. */
 #include "rays/reference_data.h"
 
 #include "base/memory.h"

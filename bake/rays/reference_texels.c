@@ -1,4 +1,5 @@
-#include "rays/reference_data.h"
+/* The texture of a reference: borders, and what they leave to be mended. */
+#include "rays/reference_texels.h"
 
 #include "adjacency/edge.h"
 #include "base/memory.h"

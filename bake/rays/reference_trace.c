@@ -1,3 +1,4 @@
+/* What the ray through the middle of each pixel hits. */
 #include "rays/reference_data.h"
 
 #include "adjacency/edge.h"

@@ -1,3 +1,4 @@
+/* The closest point of a surface: a tree of boxes over its triangles. */
 #include "transfer/closest.h"
 
 #include "base/log.h"

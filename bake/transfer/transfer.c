@@ -1,3 +1,4 @@
+/* Textures carried over to a changed model, face by face and texel by texel. */
 #include "transfer/transfer_data.h"
 
 #include "base/log.h"

@@ -1,54 +1,25 @@
+/* Built from the records of faces: links that are not returned are cut, rings are found. */
 #include "adjacency/adjacency_data.h"
-#include "adjacency/edge.h"
 
 #include "base/log.h"
 #include "base/memory.h"
 
 #include <string.h>
 
-static slv_half_edge across(const slv_adjacency *a, slv_half_edge h) {
-    return (slv_half_edge){a->faces[h.face].face[h.edge], a->faces[h.face].edge[h.edge]};
-}
-
-static bool same_half_edge(slv_half_edge a, slv_half_edge b) {
-    return a.face == b.face && a.edge == b.edge;
-}
-
-static bool in_table(const slv_adjacency *a, int32_t face) {
-    return face >= 0 && (uint32_t)face < a->nfaces;
-}
-
-slv_half_edge slvi_adjacency_secondary(const slv_adjacency *a, slv_half_edge whole,
-                                       slv_half_edge primary) {
-    static const slv_half_edge none = {SLV_BOUNDARY, 0};
-    slv_half_edge inner = {primary.face, (uint8_t)slvi_edge_before(primary.edge)};
-    slv_half_edge other = across(a, inner);
-    if (!in_table(a, other.face) || !a->subface[other.face] ||
-        !same_half_edge(across(a, other), inner) || same_half_edge(inner, other))
-        return none;
-    slv_half_edge secondary = {other.face, (uint8_t)slvi_edge_before(other.edge)};
-    if (same_half_edge(secondary, primary) || !same_half_edge(across(a, secondary), whole))
-        return none;
-    return secondary;
-}
-
-bool slvi_adjacency_is_primary(const slv_adjacency *a, slv_half_edge sub) {
-    return same_half_edge(across(a, across(a, sub)), sub);
-}
-
 static bool link_is_mutual(const slv_adjacency *a, slv_half_edge from) {
-    slv_half_edge to = across(a, from);
-    if (!in_table(a, to.face) || same_half_edge(from, to))
+    slv_half_edge to = slvi_adjacency_across(a, from);
+    if (!slvi_adjacency_has(a, to.face) || slvi_half_edge_same(from, to))
         return false;
-    slv_half_edge back = across(a, to);
-    if (same_half_edge(back, from))
+    slv_half_edge back = slvi_adjacency_across(a, to);
+    if (slvi_half_edge_same(back, from))
         return true;
     /* A sub-face may also be the one that its whole neighbour does not name. */
     if (!a->subface[from.face] || a->subface[to.face])
         return false;
-    if (!in_table(a, back.face) || !a->subface[back.face] || !same_half_edge(across(a, back), to))
+    if (!slvi_adjacency_has(a, back.face) || !a->subface[back.face] ||
+        !slvi_half_edge_same(slvi_adjacency_across(a, back), to))
         return false;
-    return same_half_edge(slvi_adjacency_secondary(a, to, back), from);
+    return slvi_half_edge_same(slvi_adjacency_secondary(a, to, back), from);
 }
 
 /* Every link is judged on the records as they came, so the order of the faces does not matter; and
@@ -141,7 +112,7 @@ const slv_face_adjacency *slv_adjacency_faces(const slv_adjacency *a) {
 }
 
 bool slv_adjacency_is_subface(const slv_adjacency *a, int32_t face) {
-    return in_table(a, face) && a->subface[face];
+    return slvi_adjacency_has(a, face) && a->subface[face];
 }
 
 uint32_t slv_adjacency_cut_count(const slv_adjacency *a) {

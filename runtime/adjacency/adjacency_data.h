@@ -25,6 +25,20 @@ typedef struct slv_half_edge {
     uint8_t edge;
 } slv_half_edge;
 
+/* The half-edge that a face says is across. */
+static inline slv_half_edge slvi_adjacency_across(const slv_adjacency *a, slv_half_edge h) {
+    return (slv_half_edge){a->faces[h.face].face[h.edge], a->faces[h.face].edge[h.edge]};
+}
+
+static inline bool slvi_half_edge_same(slv_half_edge a, slv_half_edge b) {
+    return a.face == b.face && a.edge == b.edge;
+}
+
+static inline bool slvi_adjacency_has(const slv_adjacency *a, int32_t face) {
+    return face >= 0 && (uint32_t)face < a->nfaces;
+}
+
+/* halves.c */
 /* The second sub-face along an edge of a whole quad whose record names `primary`; none if the
  * tables do not agree. */
 slv_half_edge slvi_adjacency_secondary(const slv_adjacency *adjacency, slv_half_edge whole,
@@ -33,6 +47,7 @@ slv_half_edge slvi_adjacency_secondary(const slv_adjacency *adjacency, slv_half_
 /* Whether a sub-face's edge that meets a whole quad is the first half of that quad's edge. */
 bool slvi_adjacency_is_primary(const slv_adjacency *adjacency, slv_half_edge sub);
 
+/* rings.c */
 slv_result slvi_adjacency_build_rings(const slv_env *env, slv_adjacency *adjacency);
 
 #endif

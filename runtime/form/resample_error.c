@@ -1,3 +1,4 @@
+/* Sums of faces' errors, on threads, in the order of faces. */
 #include "form/resample_error.h"
 
 #include "base/log.h"

@@ -1,45 +1,12 @@
+/* Images as files: which format a name or the first bytes mean. */
 #include "base/file.h"
 
 #include "base/log.h"
 #include "base/memory.h"
-#include "base/progress.h"
 #include "image/image_file.h"
 
 #include <string.h>
 #include <strings.h>
-
-static slv_result check_size(const slv_env *env, uint32_t width, uint32_t height,
-                             uint32_t nchannels) {
-    if (width < 1 || height < 1 || width > IMAGE_MAX_SIDE || height > IMAGE_MAX_SIDE ||
-        nchannels < 1 || nchannels > 4)
-        return slvi_fail(env, SLV_ERROR_ARGUMENT,
-                         "an image of %u x %u pixels with %u channels; 1 to %d pixels and 1 to 4 "
-                         "channels are possible",
-                         width, height, nchannels, IMAGE_MAX_SIDE);
-    return SLV_OK;
-}
-
-slv_result slv_image_create(const slv_env *env, uint32_t width, uint32_t height, uint32_t nchannels,
-                            slv_image *out) {
-    memset(out, 0, sizeof *out);
-    slv_result result = check_size(env, width, height, nchannels);
-    if (!result)
-        result = slvi_alloc(env, "image", (uint64_t)width * height, nchannels * sizeof(float),
-                            &out->pixels);
-    if (!result) {
-        out->width = width;
-        out->height = height;
-        out->nchannels = nchannels;
-    }
-    return result;
-}
-
-void slv_image_free(slv_image *image) {
-    if (!image)
-        return;
-    slvi_free(image->pixels);
-    memset(image, 0, sizeof *image);
-}
 
 static bool has_extension(const char *path, const char *extension) {
     size_t length = strlen(path), wanted = strlen(extension);
@@ -48,17 +15,12 @@ static bool has_extension(const char *path, const char *extension) {
 
 static slv_result check_image(const slv_env *env, const slv_image *image,
                               const slv_image_params *params) {
-    slv_result result = check_size(env, image->width, image->height, image->nchannels);
+    slv_result result = slvi_image_check_size(env, image->width, image->height, image->nchannels);
     if (!result && !image->pixels)
         result = slvi_fail(env, SLV_ERROR_ARGUMENT, "an image without pixels");
     if (!result && (unsigned)params->encoding > SLV_ENCODE_RAW)
         result = slvi_fail(env, SLV_ERROR_ARGUMENT, "unknown image encoding %d", params->encoding);
     return result;
-}
-
-slv_result slvi_image_progress(const slv_env *env, const char *path, const slv_image_params *params,
-                               const slv_image *image, uint32_t rows) {
-    return slvi_progress(&params->progress, env, path, rows, image->height);
 }
 
 slv_result slv_image_save(const slv_env *env, const char *path, const slv_image *image,

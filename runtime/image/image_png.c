@@ -1,3 +1,4 @@
+/* PNG images, written and read through libpng. */
 #include "image/image_file.h"
 
 #include "base/log.h"

@@ -1,3 +1,4 @@
+/* Cameras around a model, and the names of shadings. */
 #include <selvage/camera.h>
 
 #include <float.h>

@@ -1,3 +1,4 @@
+/* Polygon meshes: checked, copied, and cut into faces. */
 #include "mesh/mesh_data.h"
 
 #include "adjacency/adjacency_data.h"

@@ -1,3 +1,4 @@
+/* A mesh pulled apart into fans around its vertices, so that it is manifold. */
 #include "mesh/mesh_data.h"
 
 #include "base/log.h"

@@ -1,3 +1,4 @@
+/* Grids of vertices on the limit surface, welded where faces meet. */
 #include <selvage/tessellation.h>
 
 #include "adjacency/edge.h"

@@ -1,3 +1,4 @@
+/* Values of the four types as floats, and back. */
 #include <selvage/half.h>
 #include <selvage/texture.h>
 

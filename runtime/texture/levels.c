@@ -1,3 +1,4 @@
+/* Every level of every face, each a mean of the one above. */
 #include "base/log.h"
 #include "base/memory.h"
 #include "texture/texture_data.h"

@@ -1,3 +1,4 @@
+/* Levels with a border: the interior, sides and corners filled in. */
 #include "form/borders/border_data.h"
 
 #include "base/log.h"

@@ -55,6 +55,15 @@ typedef struct slv_border_edge {
 slv_border_edge slvi_border_edge_at(const slv_border_view *view, uint32_t face, uint32_t level,
                                     uint32_t edge);
 
+/* Where the centre of the texel at index j is along an edge. */
+static inline float slvi_border_centre(uint32_t exponent, uint32_t j) {
+    return ((float)j + 0.5f) / (float)(UINT32_C(1) << exponent);
+}
+
+/* The texel at index j of the outermost row along an edge, raw. */
+void slvi_border_fetch_row(const slv_border_view *view, uint32_t face, uint32_t level, slv_res res,
+                           uint32_t edge, uint32_t j, float *out);
+
 /* The neighbour's edge index that index j meets: floor of where its centre falls. */
 uint32_t slvi_border_link_index(const slv_border_edge *edge, const slv_border_link *link,
                                 uint32_t j);
@@ -77,6 +86,9 @@ void slvi_border_function_at(const slv_border_view *view, slv_border_function *f
 /* The neighbour's own texel where index j meets it, or the face's own if link is NULL, raw. */
 void slvi_border_edge_from(const slv_border_view *view, const slv_border_edge *edge,
                            const slv_border_link *link, uint32_t j, float *out);
+/* What is across the single texel of an edge that meets two sub-faces, raw: half of each, its own
+ * texel where one is missing. */
+void slvi_border_across_two(const slv_border_view *view, const slv_border_edge *edge, float *out);
 /* The innermost border texel across an edge at index j, raw. */
 void slvi_border_across(const slv_border_view *view, const slv_border_edge *edge, uint32_t j,
                         float *out);

@@ -1,3 +1,4 @@
+/* Texels, and how a face meets its neighbours along an edge. */
 #include "form/borders/border_data.h"
 
 slv_border_view slvi_border_view_begin(const slv_levels *levels, const slv_adjacency *adjacency) {
@@ -89,127 +90,50 @@ slv_border_edge slvi_border_edge_at(const slv_border_view *view, uint32_t face, 
     return out;
 }
 
-static float centre(uint32_t exponent, uint32_t j) {
-    return ((float)j + 0.5f) / (float)(UINT32_C(1) << exponent);
-}
-
 uint32_t slvi_border_link_index(const slv_border_edge *edge, const slv_border_link *link,
                                 uint32_t j) {
     int32_t n = INT32_C(1) << slvi_res_along(link->res, link->to.edge);
-    float at = (link->slope * centre(edge->exponent, j) + link->offset) * (float)n;
+    float at = (link->slope * slvi_border_centre(edge->exponent, j) + link->offset) * (float)n;
     return (uint32_t)clamp_int((int)at, 0, n - 1);
 }
 
 const slv_border_link *slvi_border_link_at(const slv_border_edge *edge, uint32_t j) {
-    float t = centre(edge->exponent, j);
+    float t = slvi_border_centre(edge->exponent, j);
     for (uint32_t i = 0; i < edge->nlinks; i++)
         if (t > edge->links[i].to.t0 && t < edge->links[i].to.t1)
             return &edge->links[i];
     return NULL;
 }
 
-static void fetch_row(const slv_border_view *view, uint32_t face, uint32_t level, slv_res res,
-                      uint32_t edge, uint32_t j, float *out) {
+void slvi_border_fetch_row(const slv_border_view *view, uint32_t face, uint32_t level, slv_res res,
+                           uint32_t edge, uint32_t j, float *out) {
     int32_t x, y;
     slvi_res_edge_texel(res, edge, (int32_t)j, 0, &x, &y);
     slvi_border_fetch(view, face, level, (uint32_t)x, (uint32_t)y, out);
 }
 
-void slvi_border_function_begin(const slv_border_view *view, const slv_border_link *link,
-                                slv_border_function *out) {
-    out->edge = slvi_border_edge_at(view, (uint32_t)link->to.face, 0, link->to.edge);
-    out->index[0] = out->index[1] = -2;
-}
-
-/* Knot k: -1 and n are the ends of the edge, where E is the value of the vertex. */
-static void knot(const slv_border_view *view, slv_border_function *function, uint32_t slot,
-                 int32_t k) {
-    const slv_border_edge *edge = &function->edge;
-    int32_t n = INT32_C(1) << edge->exponent;
-    float *value = function->value[slot];
-    function->index[slot] = k;
-    if (k < 0 || k == n) {
-        uint32_t corner = k < 0 ? edge->edge : slvi_edge_next(edge->edge);
-        slvi_border_vertex_value(view, edge->face, 0, corner, value, NULL);
-        return;
-    }
-    float own[SLV_BORDER_CHANNELS], across[SLV_BORDER_CHANNELS];
-    fetch_row(view, edge->face, 0, edge->res, edge->edge, (uint32_t)k, own);
-    slvi_border_across(view, edge, (uint32_t)k, across);
-    for (uint32_t c = 0; c < view->count; c++)
-        value[c] = 0.5f * (own[c] + across[c]);
-}
-
-/* The slot that holds knot k, computed unless it is there; `keep` is the slot not to overwrite. */
-static uint32_t find_knot(const slv_border_view *view, slv_border_function *function, int32_t k,
-                          uint32_t keep) {
-    for (uint32_t slot = 0; slot < 2; slot++)
-        if (function->index[slot] == k)
-            return slot;
-    knot(view, function, !keep, k);
-    return !keep;
-}
-
-void slvi_border_function_at(const slv_border_view *view, slv_border_function *function, float t,
-                             float *out) {
-    int32_t n = INT32_C(1) << function->edge.exponent;
-    float at = t * (float)n - 0.5f;
-    int32_t k = at < 0.0f ? -1 : (int32_t)at;
-    if (k > n - 1)
-        k = n - 1;
-    /* The outermost stretches are half a texel long. */
-    float low = k < 0 ? -0.5f : (float)k, high = k == n - 1 ? (float)n - 0.5f : (float)k + 1.0f;
-    float weight = (at - low) / (high - low);
-    uint32_t kept = function->index[0] == k + 1 ? 0 : 1;
-    uint32_t a = find_knot(view, function, k, kept), b = find_knot(view, function, k + 1, a);
-    for (uint32_t c = 0; c < view->count; c++) {
-        float from = function->value[a][c], to = function->value[b][c];
-        out[c] = from + weight * (to - from);
-    }
-}
-
 void slvi_border_edge_from(const slv_border_view *view, const slv_border_edge *edge,
                            const slv_border_link *link, uint32_t j, float *out) {
     if (link)
-        fetch_row(view, (uint32_t)link->to.face, link->level, link->res, link->to.edge,
-                  slvi_border_link_index(edge, link, j), out);
+        slvi_border_fetch_row(view, (uint32_t)link->to.face, link->level, link->res, link->to.edge,
+                              slvi_border_link_index(edge, link, j), out);
     else
-        fetch_row(view, edge->face, edge->level, edge->res, edge->edge, j, out);
+        slvi_border_fetch_row(view, edge->face, edge->level, edge->res, edge->edge, j, out);
 }
 
 /* A face of one texel along the edge, opposite two sub-faces: half of each, its own texel where one
  * is missing. */
-static void across_two(const slv_border_view *view, const slv_border_edge *edge, float *out) {
+void slvi_border_across_two(const slv_border_view *view, const slv_border_edge *edge, float *out) {
     float half[2][SLV_BORDER_CHANNELS];
     for (uint32_t i = 0; i < 2; i++) {
         if (i < edge->nlinks) {
             const slv_border_link *link = &edge->links[i];
-            fetch_row(view, (uint32_t)link->to.face, link->level, link->res, link->to.edge, 0,
-                      half[i]);
+            slvi_border_fetch_row(view, (uint32_t)link->to.face, link->level, link->res,
+                                  link->to.edge, 0, half[i]);
         } else {
-            fetch_row(view, edge->face, edge->level, edge->res, edge->edge, 0, half[i]);
+            slvi_border_fetch_row(view, edge->face, edge->level, edge->res, edge->edge, 0, half[i]);
         }
     }
     for (uint32_t c = 0; c < view->count; c++)
         out[c] = 0.5f * (half[0][c] + half[1][c]);
-}
-
-void slvi_border_across(const slv_border_view *view, const slv_border_edge *edge, uint32_t j,
-                        float *out) {
-    if (edge->nlinks && edge->links[0].relation == SLV_BORDER_FINER) {
-        across_two(view, edge, out);
-        return;
-    }
-    const slv_border_link *link = slvi_border_link_at(edge, j);
-    slvi_border_edge_from(view, edge, link, j, out);
-    if (!link || link->relation == SLV_BORDER_EXACT)
-        return;
-    float own[SLV_BORDER_CHANNELS];
-    slv_border_function function;
-    slvi_border_function_begin(view, link, &function);
-    slvi_border_function_at(view, &function, link->slope * centre(edge->exponent, j) + link->offset,
-                            out);
-    fetch_row(view, edge->face, edge->level, edge->res, edge->edge, j, own);
-    for (uint32_t c = 0; c < view->count; c++)
-        out[c] = 2.0f * out[c] - own[c];
 }

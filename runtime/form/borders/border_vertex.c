@@ -1,3 +1,4 @@
+/* The value of a vertex that all faces around it agree on. */
 #include "form/borders/border_data.h"
 
 #include <assert.h>
@@ -158,7 +159,7 @@ static void t_value(const slv_border_view *view, const ring_levels *levels, cons
         slvi_border_fetch(view, quad, level, (uint32_t)x, (uint32_t)y, texel[side]);
     }
     if (n == 1)
-        slvi_border_across(view, &edge, 0, across);
+        slvi_border_across_two(view, &edge, across);
     for (uint32_t c = 0; c < view->count; c++) {
         /* Where a sub-face is missing, the quad's own texel stands for it, as at any boundary. */
         double missing = (levels->quad_meets_first ? 0.0 : (double)texel[0][c]) +

@@ -1,3 +1,4 @@
+/* Textures as samples on the edges of faces: made, looked up, and turned back. */
 #include "form/edge_aligned/edge_aligned_data.h"
 
 #include "base/log.h"

@@ -1,3 +1,4 @@
+/* Samples on edges and vertices, the same from every face that has them. */
 #include "form/edge_aligned/edge_aligned_data.h"
 
 #include <string.h>

@@ -1,3 +1,4 @@
+/* What samples on edges lose against the texels that they were made of. */
 #include "form/edge_aligned/edge_aligned_data.h"
 
 #include "base/memory.h"

@@ -1,3 +1,4 @@
+/* Squares of edges: laid out, filled from both faces, and reduced. */
 #include "form/htex/htex_data.h"
 
 #include "base/log.h"

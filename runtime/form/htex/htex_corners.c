@@ -1,3 +1,4 @@
+/* The values that squares share where they meet in a corner. */
 #include "form/htex/htex_data.h"
 
 #include "base/log.h"

@@ -1,3 +1,4 @@
+/* What squares of edges lose against the texels that they were made of. */
 #include "form/htex/htex_data.h"
 
 #include "base/memory.h"

@@ -1,3 +1,4 @@
+/* Lookups in squares of edges on the CPU, as the shader does them. */
 #include "form/htex/htex_data.h"
 
 #include "texture/bilinear.h"

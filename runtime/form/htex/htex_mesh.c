@@ -1,3 +1,4 @@
+/* Half-edges of the control mesh, put together from faces and sub-faces. */
 #include "form/htex/htex_data.h"
 
 #include "base/log.h"

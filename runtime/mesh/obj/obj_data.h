@@ -60,6 +60,7 @@ static inline uint64_t slvi_obj_count(const obj *o, int kind) {
     return o->values[kind].count / slvi_obj_kind_floats[kind];
 }
 
+/* obj_words.c */
 /* Logs an error of this line. */
 slv_result slvi_obj_fail(const obj *o, uint32_t line, const char *format, ...) SLV_PRINTF(3, 4);
 slv_result slvi_obj_append(obj *o, obj_list *l, const void *items, uint64_t count, size_t size);
