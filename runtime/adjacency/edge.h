@@ -9,6 +9,8 @@
 
 #include <selvage/adjacency.h>
 
+#include <stddef.h>
+
 /* Where a corner is: 0 or 1. */
 static inline int slvi_corner_u(unsigned corner) {
     return (int)((corner ^ corner >> 1) & 1);
