@@ -1,4 +1,4 @@
-/* Making a cache, and the list of its files. */
+/* Making a cache, and counting what happens in it. */
 #include "cache/cache_data.h"
 
 #include "base/log.h"
@@ -38,9 +38,9 @@ static slv_result make_arena(slv_cache *cache) {
     cache->slab_units = (uint32_t)(slab / CACHE_UNIT);
     cache->nslabs = (uint32_t)(cache->max_bytes / slab);
     cache->open_slab = cache->nslabs;
-    cache->bucket_mask = buckets - 1;
-    cache->fixed_bytes = sizeof *cache + buckets * CACHE_WAYS * sizeof *cache->buckets +
-                         CACHE_FILES * sizeof *cache->files +
+    cache->view.bucket_mask = buckets - 1;
+    cache->fixed_bytes = sizeof *cache + buckets * CACHE_WAYS * sizeof *cache->view.buckets +
+                         CACHE_FILES * sizeof *cache->view.places +
                          CACHE_REQUESTS * sizeof *cache->requests +
                          cache->nslabs * (sizeof *cache->slabs + sizeof *cache->queue);
     slv_env unlimited = cache->env;
@@ -50,13 +50,13 @@ static slv_result make_arena(slv_cache *cache) {
              slvi_alloc(&unlimited, "cache", cache->nslabs, sizeof *cache->slabs, &cache->slabs)) ||
         (result =
              slvi_alloc(&unlimited, "cache", cache->nslabs, sizeof *cache->queue, &cache->queue)) ||
-        (result =
-             slvi_alloc(&unlimited, "cache", CACHE_FILES, sizeof *cache->files, &cache->files)) ||
+        (result = slvi_alloc(&unlimited, "cache", CACHE_FILES, sizeof *cache->view.places,
+                             &cache->view.places)) ||
         (result = slvi_alloc(&unlimited, "cache", CACHE_REQUESTS, sizeof *cache->requests,
                              &cache->requests)))
         return result;
     if ((result = slvi_alloc_aligned(&unlimited, "cache", 64, buckets * CACHE_WAYS,
-                                     sizeof *cache->buckets, &cache->buckets)))
+                                     sizeof *cache->view.buckets, &cache->view.buckets)))
         return result;
     cache->mapped_bytes = cache->nslabs * slab + HUGE_PAGE;
     cache->mapped = mmap(NULL, cache->mapped_bytes, PROT_READ | PROT_WRITE,
@@ -66,10 +66,10 @@ static slv_result make_arena(slv_cache *cache) {
         return slvi_fail(&cache->env, SLV_ERROR_MEMORY, "cache: %llu bytes cannot be reserved",
                          (unsigned long long)(cache->nslabs * slab));
     }
-    cache->arena = (uint8_t *)cache->mapped + HUGE_PAGE - (uintptr_t)cache->mapped % HUGE_PAGE;
+    cache->view.arena = (uint8_t *)cache->mapped + HUGE_PAGE - (uintptr_t)cache->mapped % HUGE_PAGE;
 #ifdef MADV_HUGEPAGE
     /* lookups at random would miss the translation of small pages */
-    madvise(cache->arena, cache->nslabs * slab, MADV_HUGEPAGE);
+    madvise(cache->view.arena, cache->nslabs * slab, MADV_HUGEPAGE);
 #endif
     return SLV_OK;
 }
@@ -85,8 +85,8 @@ slv_result slv_cache_create(const slv_env *env, const slv_cache_params *params, 
     cache->max_bytes = bytes < MIN_BYTES ? MIN_BYTES : bytes > MAX_BYTES ? MAX_BYTES : bytes;
     cache->max_handles = p.max_files ? p.max_files : 100;
     cache->premultiply = p.premultiply;
-    cache->fences = needs_fences();
-    atomic_init(&cache->epoch, 1);
+    cache->view.fences = needs_fences();
+    atomic_init(&cache->view.epoch, 1);
     pthread_mutex_init(&cache->lock, NULL);
     pthread_mutex_init(&cache->handle_lock, NULL);
     pthread_cond_init(&cache->changed, NULL);
@@ -105,22 +105,17 @@ void slv_cache_destroy(slv_cache *cache) {
         return;
     slvi_cache_stop_worker(cache);
     for (uint32_t i = 0; i < cache->file_end; i++) {
-        cache_file *file = atomic_load(&cache->files[i]);
-        if (file) {
-            pthread_mutex_lock(&cache->lock);
-            slvi_cache_drop_tables(cache, file);
-            pthread_mutex_unlock(&cache->lock);
-            slvi_free(file->path);
-            slvi_free(file);
-        }
+        cache_file *file = cache_file_at(cache, i);
+        if (file)
+            slvi_cache_file_free(cache, file);
     }
     if (cache->mapped)
         munmap(cache->mapped, cache->mapped_bytes);
     slvi_free(cache->slabs);
     slvi_free(cache->queue);
-    slvi_free(cache->files);
+    slvi_free(cache->view.places);
     slvi_free(cache->requests);
-    slvi_free(cache->buckets);
+    slvi_free(cache->view.buckets);
     slvi_parallel_env_end(cache->log);
     pthread_cond_destroy(&cache->requested);
     pthread_cond_destroy(&cache->changed);
@@ -129,141 +124,12 @@ void slv_cache_destroy(slv_cache *cache) {
     slvi_free(cache);
 }
 
-/* Under the lock: a place for a file, closed ones first; or NULL. */
-static cache_file *take_place(slv_cache *cache, const char *path, uint32_t *place,
-                              slv_result *result) {
-    cache_file *file = NULL;
-    *result = SLV_OK;
-    if (cache->nfiles < cache->file_end)
-        for (uint32_t i = 0; i < cache->file_end && !file; i++) {
-            cache_file *other = atomic_load_explicit(&cache->files[i], memory_order_relaxed);
-            if (!atomic_load_explicit(&other->id, memory_order_relaxed) && !other->loading) {
-                file = other;
-                *place = i;
-            }
-        }
-    if (file)
-        return file;
-    if (cache->file_end >= CACHE_FILES - 1) {
-        *result = slvi_fail(&cache->env, SLV_ERROR_LIMIT, "%s: %d files are open already", path,
-                            CACHE_FILES - 1);
-        return NULL;
-    }
-    if ((*result = slvi_alloc(&cache->env, path, 1, sizeof *file, &file)))
-        return NULL;
-    *place = cache->file_end++;
-    atomic_store_explicit(&cache->files[*place], file, memory_order_release);
-    return file;
-}
-
-slv_result slv_cache_open(slv_cache *cache, const char *path, slv_file_id *out) {
-    slv_ptx *ptx = NULL;
-    char *copy = NULL;
-    uint32_t place = 0;
-    *out = 0;
-    slv_result result = slv_ptx_open(&cache->env, path, &ptx);
-    if (result)
-        return result;
-    slv_ptx_info info = *slv_ptx_get_info(ptx);
-    slv_ptx_close(ptx);
-    info.level_faces = NULL;
-    info.level_bytes = NULL;
-    if ((result = slvi_alloc(&cache->env, path, strlen(path) + 1, 1, &copy)))
-        return result;
-    memcpy(copy, path, strlen(path) + 1);
-    pthread_mutex_lock(&cache->lock);
-    cache_file *file = take_place(cache, path, &place, &result);
-    if (file) {
-        slvi_free(file->path);
-        file->path = copy;
-        copy = NULL;
-        file->info = info;
-        file->loaded_before = false;
-        file->identified = false;
-        file->generation = (file->generation & 0xffff) + 1;
-        if (file->generation > 0xffff)
-            file->generation = 1;
-        *out = file->generation << 16 | place;
-        atomic_store_explicit(&file->id, *out, memory_order_release);
-        cache->nfiles++;
-    }
-    pthread_mutex_unlock(&cache->lock);
-    slvi_free(copy);
-    return result;
-}
-
-/* Under the lock: a file that is open and that nobody is loading, or NULL. */
-static cache_file *find_file(slv_cache *cache, slv_file_id id) {
-    for (;;) {
-        cache_file *file =
-            atomic_load_explicit(&cache->files[id % CACHE_FILES], memory_order_relaxed);
-        if (!id || !file || atomic_load_explicit(&file->id, memory_order_relaxed) != id)
-            return NULL;
-        if (!file->loading)
-            return file;
-        pthread_cond_wait(&cache->changed, &cache->lock);
-    }
-}
-
-slv_result slv_cache_close(slv_cache *cache, slv_file_id id) {
-    pthread_mutex_lock(&cache->lock);
-    cache_file *file = find_file(cache, id);
-    if (file) {
-        atomic_store_explicit(&file->id, 0, memory_order_relaxed);
-        /* the place is not given out before its tables are gone */
-        file->loading = true;
-        slvi_cache_drop_tables(cache, file);
-        file->loading = false;
-        cache->nfiles--;
-        pthread_cond_broadcast(&cache->changed);
-    }
-    pthread_mutex_unlock(&cache->lock);
-    return file ? SLV_OK : SLV_ERROR_ARGUMENT;
-}
-
-slv_result slv_cache_invalidate(slv_cache *cache, slv_file_id id) {
-    slv_result result = SLV_OK;
-    pthread_mutex_lock(&cache->lock);
-    for (uint32_t i = id ? id % CACHE_FILES : 0; i < (id ? id % CACHE_FILES + 1 : cache->file_end);
-         i++) {
-        cache_file *any = atomic_load_explicit(&cache->files[i], memory_order_relaxed);
-        slv_file_id which = id    ? id
-                            : any ? atomic_load_explicit(&any->id, memory_order_relaxed)
-                                  : 0;
-        cache_file *file = find_file(cache, which);
-        if (file) {
-            file->identified = false;
-            slvi_cache_drop_tables(cache, file);
-        } else if (id)
-            result = SLV_ERROR_ARGUMENT;
-    }
-    pthread_mutex_unlock(&cache->lock);
-    return result;
-}
-
-slv_result slv_cache_get_info(slv_cache *cache, slv_file_id id, slv_ptx_info *out) {
-    pthread_mutex_lock(&cache->lock);
-    cache_file *file = atomic_load_explicit(&cache->files[id % CACHE_FILES], memory_order_relaxed);
-    bool found = id && file && atomic_load_explicit(&file->id, memory_order_relaxed) == id;
-    *out = found ? file->info : (slv_ptx_info){0};
-    pthread_mutex_unlock(&cache->lock);
-    return found ? SLV_OK : SLV_ERROR_ARGUMENT;
-}
-
-/* A quick lookup is one piece, and not counted as such. */
-static uint64_t count_pieces(const cache_thread *thread) {
-    uint64_t lookups = atomic_load_explicit(&thread->lookups, memory_order_relaxed);
-    uint64_t slow = atomic_load_explicit(&thread->slow, memory_order_relaxed);
-    uint64_t pieces = atomic_load_explicit(&thread->pieces, memory_order_relaxed);
-    return pieces + (lookups > slow ? lookups - slow : 0);
-}
-
 void slv_cache_get_stats(slv_cache *cache, slv_cache_stats *out) {
     pthread_mutex_lock(&cache->lock);
     *out = cache->stats;
     for (cache_thread *t = cache->threads; t; t = t->next) {
         out->lookups += atomic_load_explicit(&t->lookups, memory_order_relaxed);
-        out->hits += count_pieces(t);
+        out->hits += slvi_cache_count_pieces(t);
         out->misses += atomic_load_explicit(&t->misses, memory_order_relaxed);
     }
     out->hits = out->hits > out->misses ? out->hits - out->misses : 0;
@@ -276,27 +142,4 @@ void slv_cache_get_stats(slv_cache *cache, slv_cache_stats *out) {
     out->handles = cache->nhandles;
     out->reopened = cache->reopened;
     pthread_mutex_unlock(&cache->handle_lock);
-}
-
-void slvi_cache_thread_begin(slv_cache *cache, cache_thread *thread) {
-    memset(thread, 0, sizeof *thread);
-    thread->cache = cache;
-    pthread_mutex_lock(&cache->lock);
-    thread->next = cache->threads;
-    cache->threads = thread;
-    pthread_mutex_unlock(&cache->lock);
-}
-
-void slvi_cache_thread_end(cache_thread *thread) {
-    slv_cache *cache = thread->cache;
-    pthread_mutex_lock(&cache->lock);
-    cache_thread **at = &cache->threads;
-    while (*at != thread)
-        at = &(*at)->next;
-    *at = thread->next;
-    cache->stats.lookups += atomic_load_explicit(&thread->lookups, memory_order_relaxed);
-    cache->stats.hits += count_pieces(thread);
-    cache->stats.misses += atomic_load_explicit(&thread->misses, memory_order_relaxed);
-    pthread_mutex_unlock(&cache->lock);
-    slv_ptx_reader_destroy(thread->reader);
 }

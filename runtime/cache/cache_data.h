@@ -1,85 +1,19 @@
-/* The cache from the inside. What lookups touch when all is there is inline here; the rest, which
- * locks, is in cache_*.c.
+/* The cache from the inside. What lookups see is in cache_lookup.h; the rest, which locks, is in
+ * cache_*.c.
  *
  * Memory is one reserved range of addresses, cut into slabs. Blocks of texels are appended to the
  * open slab; a full slab is thrown away as a whole when room is needed and little of it was used
- * lately. A block is found through its face (an untiled face at full resolution) or through a hash
- * table (all else). Both hold offsets into the range, in units of 16 bytes, and are changed under
- * the lock only.
- *
- * Lookups run between cache_pin and cache_unpin, which write an epoch to the sampler's own memory.
- * A slab whose blocks were unlinked in some epoch is used anew, and tables are freed, when every
- * pinned sampler has a later one (epoch-based reclamation, Fraser 2004). */
-#ifndef SLV_FILTER_CACHE_DATA_H
-#define SLV_FILTER_CACHE_DATA_H
+ * lately. */
+#ifndef SLV_CACHE_DATA_H
+#define SLV_CACHE_DATA_H
 
-#include <selvage/cache.h>
+#include "cache/cache_lookup.h"
 
 #include "base/log.h"
 #include "base/parallel.h"
+#include "texture/changes.h"
 
 #include <pthread.h>
-#include <stdatomic.h>
-#include <string.h>
-
-#define CACHE_UNIT 16          /* bytes */
-#define CACHE_HEADER 32        /* bytes in front of a block's texels */
-#define CACHE_PADDING 32       /* bytes behind them, which vectors may read */
-#define CACHE_FILES 65536      /* a file id has its place in the low 16 bits */
-#define CACHE_APRON UINT32_MAX /* instead of a tile: coarse texels with those around */
-#define CACHE_WAYS 8           /* offsets in a bucket of the hash table: a line of memory */
-
-/* Texels of a face at one resolution, or a tile of them, follow this. */
-typedef struct cache_block {
-    uint32_t serial; /* of the tables that it belongs to; 0: never came to be */
-    uint32_t face, tile;
-    int8_t res_u, res_v;
-    _Atomic(uint8_t) used; /* since the slab was last looked over */
-    bool direct;           /* found through its face, not through the hash table */
-    uint32_t units;        /* its length, this included */
-    uint32_t place;        /* of the file */
-    uint32_t note;         /* of whoever made it */
-    uint32_t unused;
-} cache_block;
-
-_Static_assert(sizeof(cache_block) == CACHE_HEADER, "texels are aligned");
-
-enum { CACHE_UNKNOWN = 0, CACHE_KNOWN = 1, CACHE_BUSY = 2 };
-
-/* A face: half a line of memory, which is all that a lookup needs besides texels. */
-typedef struct cache_face {
-    int32_t adjacent[4];
-    uint8_t edges; /* adjacent edge e in bits 2e and 2e+1 */
-    uint8_t flags; /* SLV_FACE_... */
-    int8_t res_u, res_v;
-    _Atomic(uint32_t) texels; /* where they are at full resolution, or 0 */
-    _Atomic(uint32_t) apron;  /* where the apron is that was made last, or 0 */
-    _Atomic(uint8_t) state, used;
-    bool plain;              /* most lookups can be done quickly: no sub-face, and not constant */
-    _Atomic(uint8_t) around; /* what the faces around it are like, once somebody asked */
-} cache_face;
-
-_Static_assert(sizeof(cache_face) == 32, "two faces to a line");
-
-/* What is known of a file, texels excepted. Immutable while linked, but for the faces. */
-typedef struct cache_tables {
-    slv_ptx *ptx;
-    struct cache_handle *handle;
-    cache_face *faces; /* filled in one by one */
-    const uint8_t *averages;
-    slv_file_id id;
-    uint32_t nfaces, nchannels, pixel_size, serial, place;
-    slv_type type;
-    slv_border_mode border_u, border_v;
-    bool tanvec, triangle;
-    bool simple;      /* quads of up to four channels, none of them vectors */
-    int whole_log2;   /* more texels than 2^this come in tiles */
-    float one, scale; /* what stands for 1, and its inverse */
-    uint64_t bytes;
-    _Atomic(uint32_t) users; /* threads that read from ptx */
-    _Atomic(uint8_t) used;
-    bool dropped; /* under the lock */
-} cache_tables;
 
 /* What tells a file from another that took its place, and from itself rewritten. */
 typedef struct cache_identity {
@@ -101,14 +35,46 @@ typedef struct cache_handle {
     struct cache_handle *next;
 } cache_handle;
 
+/* Where the texels of tables come from, and what becomes of the tables. */
+typedef struct cache_origin {
+    slv_source source;
+    slv_ptx *ptx;                /* that it reads, or NULL */
+    struct cache_handle *handle; /* of that */
+    slv_source_desc desc;
+    uint32_t place, cap; /* cap: log2 of the most texels along an axis */
+    uint64_t bytes;
+    _Atomic(uint32_t) users; /* threads that read from it */
+    bool dropped;            /* under the lock */
+} cache_origin;
+
+/* A block that could not be read. */
+typedef struct cache_failure {
+    uint32_t face, tile;
+    int8_t res_u, res_v;
+    bool taken;
+    slv_result result; /* SLV_OK: forgotten since */
+} cache_failure;
+
+/* All of a file: a hash table. */
+typedef struct cache_failures {
+    cache_failure *slots;
+    uint32_t taken, capacity; /* a power of two */
+} cache_failures;
+
+/* A file or a source. */
 typedef struct cache_file {
-    _Atomic(cache_tables *) tables; /* NULL until needed, and again after being thrown away */
-    _Atomic(slv_file_id) id;        /* 0: closed */
-    uint32_t generation;
-    char *path;
+    cache_place place;       /* first: it is what lookups see */
+    _Atomic(slv_file_id) id; /* 0: closed */
+    uint32_t generation, cap;
+    char *path;        /* of a file; NULL for a source */
+    slv_source source; /* zero for a file */
+    uint64_t version;  /* of the source, up to which it is known what was changed */
     slv_ptx_info info;
     cache_identity identity; /* since it was first loaded, or invalidated */
     bool loading, loaded_before, identified;
+    slv_result failure; /* of its tables, or of all of it: not tried again, nor told again */
+    cache_failures failures;
+    slv_changes *changes; /* of what was read, for those who read the cache as a source; or NULL */
 } cache_file;
 
 enum { SLAB_EMPTY, SLAB_FILLED, SLAB_RETIRED };
@@ -126,19 +92,9 @@ typedef struct cache_load {
     const cache_tables *tables;
     uint32_t face, tile;
     int8_t res_u, res_v;
+    bool stale; /* what is read was changed meanwhile */
     struct cache_load *next;
 } cache_load;
-
-/* A thread that may be pinned. */
-typedef struct cache_thread {
-    _Atomic(uint64_t) epoch; /* 0: not pinned */
-    struct slv_cache *cache;
-    uint64_t moves; /* how often it was unpinned on its way */
-    _Atomic(uint64_t) lookups, slow, pieces, misses;
-    slv_ptx_reader *reader;
-    uint32_t reader_serial;
-    struct cache_thread *next;
-} cache_thread;
 
 #define CACHE_REQUESTS 4096
 
@@ -148,13 +104,7 @@ typedef struct cache_request {
 } cache_request;
 
 struct slv_cache {
-    /* read by every lookup, written seldom */
-    uint8_t *arena;
-    _Atomic(uint64_t) epoch;
-    bool fences; /* the operating system cannot make other threads' writes visible: fences must */
-    uint64_t bucket_mask;
-    _Atomic(uint64_t) *buckets; /* offset in the low half, hash in the high half */
-    _Atomic(cache_file *) *files;
+    cache_view view;
 
     void *mapped; /* holds the arena */
     size_t mapped_bytes;
@@ -191,10 +141,6 @@ struct slv_cache {
     uint64_t requests_made, requests_done;
 };
 
-/* cache.c */
-void slvi_cache_thread_begin(slv_cache *cache, cache_thread *thread);
-void slvi_cache_thread_end(cache_thread *thread);
-
 /* cache_slab.c; all under the lock, the caller not pinned */
 /* Room for a block of `units`; its slab has one more pending, until it is settled. May let go of
  * the lock. */
@@ -210,28 +156,38 @@ uint64_t slvi_cache_begin_epoch(slv_cache *cache);
 /* Waits until no thread can see what was unlinked before that epoch. */
 void slvi_cache_wait_for_readers(slv_cache *cache, uint64_t epoch);
 
-/* cache_tables.c; those that take an id lock by themselves, the others are called under the lock.
- */
-/* Makes the tables of a file. */
-slv_result slvi_cache_load_tables(slv_cache *cache, slv_file_id id);
+/* cache_tables.c */
+/* Throws the tables of a file away; under the lock. */
 void slvi_cache_drop_tables(slv_cache *cache, cache_file *file);
-void slvi_cache_learn_face(cache_tables *tables, uint32_t face);
-/* How texels of this resolution are cut. */
-slv_res slvi_cache_tile_res(const cache_tables *tables, int res_u, int res_v);
+/* What a source says of a face's constancy. */
+void slvi_cache_set_flags(const cache_tables *tables, cache_face *f, uint8_t flags);
 
-/* cache_load.c */
-/* What cache_find_block did not find: unpins, reads and pins again. NULL with SLV_OK in *result if
- * the tables were dropped meanwhile: they must not be looked at again. */
-const uint8_t *slvi_cache_load_block(cache_thread *thread, cache_tables *tables, uint32_t face,
-                                     int res_u, int res_v, uint32_t tile, slv_result *result);
-/* Puts in texels that the caller made of others: lets go of its pin as slvi_cache_load_block does.
- * NULL if the tables were dropped. */
-const uint8_t *slvi_cache_publish(cache_thread *thread, cache_tables *tables, uint32_t face,
-                                  int res_u, int res_v, uint32_t tile, const void *texels,
-                                  size_t bytes, uint32_t note);
+/* cache_index.c: which blocks can be found; all under the lock. */
+void slvi_cache_link(slv_cache *cache, cache_tables *tables, cache_block *block);
 /* Whether a block can be found, and was looked at since this was last asked. */
 bool slvi_cache_take_use(slv_cache *cache, cache_block *block);
+/* Lets a block not be found any more. */
 void slvi_cache_unlink(slv_cache *cache, cache_block *block);
+/* The same for what there is of a face at a resolution: a tile. */
+void slvi_cache_unlink_tile(slv_cache *cache, cache_tables *tables, uint32_t face, slv_res res,
+                            uint32_t tile);
+
+/* cache_failure.c; all under the lock. What is remembered, or SLV_OK. */
+slv_result slvi_cache_failure_find(const cache_failures *failures, uint32_t face, slv_res res,
+                                   uint32_t tile);
+void slvi_cache_failure_add(const slv_env *env, cache_failures *failures, uint32_t face,
+                            slv_res res, uint32_t tile, slv_result failure);
+void slvi_cache_failure_forget(cache_failures *failures, uint32_t face);
+void slvi_cache_failure_forget_all(cache_failures *failures);
+
+/* cache_file.c: under the lock, a file that is open and that nobody is loading, or NULL. */
+cache_file *slvi_cache_find_file(slv_cache *cache, slv_file_id id);
+slv_result slvi_cache_no_such_file(const slv_cache *cache, slv_file_id id);
+/* When the cache is destroyed. */
+void slvi_cache_file_free(slv_cache *cache, cache_file *file);
+
+/* cache_thread.c */
+uint64_t slvi_cache_count_pieces(const cache_thread *thread);
 
 /* cache_handle.c */
 /* A handle, and a source that opens the file when it is read from and closes it when others need
@@ -242,123 +198,21 @@ slv_result slvi_cache_handle_create(slv_cache *cache, const char *path,
 void slvi_cache_handle_release(cache_handle *handle);
 /* An environment whose log says of reads that failed why they did. */
 slv_env slvi_cache_handle_env(cache_handle *handle);
+/* Whether the file is there and is what it was when the identity was taken. */
+bool slvi_cache_handle_is_current(const char *path, const cache_identity *identity);
 /* What a result means that came of reading through a handle. */
 slv_result slvi_cache_handle_result(const cache_handle *handle, slv_result result);
 
 /* cache_prefetch.c */
 void slvi_cache_stop_worker(slv_cache *cache);
 
-static inline void cache_pin(cache_thread *thread) {
-    slv_cache *cache = thread->cache;
-    /* acquire: who shows this epoch must not see what was unlinked before it */
-    uint64_t epoch = atomic_load_explicit(&cache->epoch, memory_order_acquire);
-    if (cache->fences)
-        atomic_exchange_explicit(&thread->epoch, epoch, memory_order_seq_cst);
-    else
-        atomic_store_explicit(&thread->epoch, epoch, memory_order_relaxed);
-    atomic_signal_fence(memory_order_seq_cst);
+static inline cache_file *cache_file_at(const slv_cache *cache, uint32_t place) {
+    /* a place is the first member of a file */
+    return (cache_file *)atomic_load_explicit(&cache->view.places[place], memory_order_acquire);
 }
 
-static inline void cache_unpin(cache_thread *thread) {
-    atomic_store_explicit(&thread->epoch, 0, memory_order_release);
-}
-
-/* A counter that one thread writes and others may read. */
-static inline void cache_count(_Atomic(uint64_t) *counter, uint64_t more) {
-    atomic_store_explicit(counter, atomic_load_explicit(counter, memory_order_relaxed) + more,
-                          memory_order_relaxed);
-}
-
-/* The tables of a file, or NULL: not there yet, or no such file. */
-static inline cache_tables *cache_find_tables(const slv_cache *cache, slv_file_id id) {
-    cache_file *file = atomic_load_explicit(&cache->files[id % CACHE_FILES], memory_order_acquire);
-    if (!file)
-        return NULL;
-    /* by the tables' own id: the place may have gone to another file a moment ago */
-    cache_tables *tables = atomic_load_explicit(&file->tables, memory_order_acquire);
-    if (!tables || tables->id != id)
-        return NULL;
-    if (!atomic_load_explicit(&tables->used, memory_order_relaxed))
-        atomic_store_explicit(&tables->used, 1, memory_order_relaxed);
-    return tables;
-}
-
-/* A face, which must be in range. */
-static inline cache_face *cache_find_face(cache_tables *tables, uint32_t face) {
-    cache_face *f = &tables->faces[face];
-    if (atomic_load_explicit(&f->state, memory_order_acquire) != CACHE_KNOWN)
-        slvi_cache_learn_face(tables, face);
-    return f;
-}
-
-static inline bool is_subface(const cache_face *f) {
-    return (f->flags & SLV_FACE_SUBFACE) != 0;
-}
-
-static inline int adjacent_edge(const cache_face *f, int edge) {
-    return f->edges >> (2 * edge) & 3;
-}
-
-static inline uint64_t cache_hash(uint32_t serial, uint32_t face, int res_u, int res_v,
-                                  uint32_t tile) {
-    uint64_t key = ((uint64_t)serial << 32 | face) * UINT64_C(0x9e3779b97f4a7c15);
-    key ^= ((uint64_t)tile << 12 | (uint64_t)(res_u << 6) | (uint64_t)res_v) *
-           UINT64_C(0xc2b2ae3d27d4eb4f);
-    key = (key ^ key >> 29) * UINT64_C(0xbf58476d1ce4e5b9);
-    return key ^ key >> 32;
-}
-
-static inline bool cache_block_is(const cache_block *block, uint32_t serial, uint32_t face,
-                                  int res_u, int res_v, uint32_t tile) {
-    return block->face == face && block->tile == tile && block->serial == serial &&
-           block->res_u == res_u && block->res_v == res_v;
-}
-
-/* The texels of a block in the hash table, or NULL. */
-static inline const uint8_t *cache_find_hashed(const slv_cache *cache, const cache_tables *tables,
-                                               uint32_t face, int res_u, int res_v, uint32_t tile) {
-    uint64_t hash = cache_hash(tables->serial, face, res_u, res_v, tile);
-    _Atomic(uint64_t) *bucket = cache->buckets + (hash & cache->bucket_mask) * CACHE_WAYS;
-    for (int i = 0; i < CACHE_WAYS; i++) {
-        uint64_t entry = atomic_load_explicit(&bucket[i], memory_order_acquire);
-        if (entry >> 32 != hash >> 32 || !(uint32_t)entry)
-            continue;
-        uint8_t *texels = cache->arena + (entry & 0xffffffffu) * CACHE_UNIT;
-        cache_block *block = (cache_block *)(void *)(texels - CACHE_HEADER);
-        if (!cache_block_is(block, tables->serial, face, res_u, res_v, tile))
-            continue;
-        if (!atomic_load_explicit(&block->used, memory_order_relaxed))
-            atomic_store_explicit(&block->used, 1, memory_order_relaxed);
-        return texels;
-    }
-    return NULL;
-}
-
-/* The apron of a face at a resolution if it is the one that was made last, or NULL. */
-static inline const uint8_t *cache_find_apron(const slv_cache *cache, const cache_face *f,
-                                              int res_u, int res_v) {
-    uint32_t at = atomic_load_explicit(&f->apron, memory_order_acquire);
-    uint8_t *texels = cache->arena + (uint64_t)at * CACHE_UNIT;
-    cache_block *block = (cache_block *)(void *)(texels - CACHE_HEADER);
-    if (!at || block->res_u != res_u || block->res_v != res_v)
-        return NULL;
-    if (!atomic_load_explicit(&block->used, memory_order_relaxed))
-        atomic_store_explicit(&block->used, 1, memory_order_relaxed);
-    return texels;
-}
-
-static inline uint32_t cache_block_note(const uint8_t *texels) {
-    return ((const cache_block *)(const void *)(texels - CACHE_HEADER))->note;
-}
-
-/* The texels of a face at full resolution, if they come in one piece and are there; or NULL. */
-static inline const uint8_t *cache_find_full(const slv_cache *cache, cache_face *f) {
-    uint32_t at = atomic_load_explicit(&f->texels, memory_order_acquire);
-    if (!at)
-        return NULL;
-    if (!atomic_load_explicit(&f->used, memory_order_relaxed))
-        atomic_store_explicit(&f->used, 1, memory_order_relaxed);
-    return cache->arena + (uint64_t)at * CACHE_UNIT;
+static inline cache_tables *cache_tables_of(const cache_file *file) {
+    return atomic_load_explicit(&file->place.tables, memory_order_relaxed);
 }
 
 #endif

@@ -185,6 +185,15 @@ slv_env slvi_cache_handle_env(cache_handle *handle) {
     return env;
 }
 
+bool slvi_cache_handle_is_current(const char *path, const cache_identity *identity) {
+    cache_identity now;
+    int descriptor = open(path, O_RDONLY | O_CLOEXEC | O_NONBLOCK);
+    bool same = descriptor >= 0 && identify(descriptor, &now) && is_same(&now, identity);
+    if (descriptor >= 0)
+        close(descriptor);
+    return same;
+}
+
 slv_result slvi_cache_handle_result(const cache_handle *handle, slv_result result) {
     return result && atomic_load(&handle->changed) ? SLV_ERROR_MISMATCH : result;
 }

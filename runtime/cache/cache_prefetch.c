@@ -17,7 +17,7 @@ static void fetch(cache_thread *thread, cache_request request) {
     while (tile < ntiles && !is_stopping(cache) && !slvi_cache_load_tables(cache, request.file)) {
         slv_result result = SLV_OK;
         cache_pin(thread);
-        cache_tables *tables = cache_find_tables(cache, request.file);
+        cache_tables *tables = cache_find_tables(thread->view, request.file);
         if (tables && request.face >= tables->nfaces)
             ntiles = 0;
         else if (tables) {
@@ -26,10 +26,10 @@ static void fetch(cache_thread *thread, cache_request request) {
             slv_res part = slvi_cache_tile_res(tables, res.u, res.v);
             bool direct = res.u + res.v <= tables->whole_log2;
             ntiles = UINT64_C(1) << (res.u - part.u + res.v - part.v);
-            if ((f->flags & SLV_FACE_CONSTANT) || res.u + res.v == 0)
+            if ((cache_flags(f) & SLV_FACE_CONSTANT) || res.u + res.v == 0)
                 ntiles = 0;
-            else if ((direct ? cache_find_full(cache, f)
-                             : cache_find_hashed(cache, tables, request.face, res.u, res.v,
+            else if ((direct ? cache_find_full(thread->view, f)
+                             : cache_find_hashed(thread->view, tables, request.face, res.u, res.v,
                                                  (uint32_t)tile)) ||
                      slvi_cache_load_block(thread, tables, request.face, res.u, res.v,
                                            (uint32_t)tile, &result))
@@ -68,8 +68,12 @@ static void *work(void *user) {
 slv_result slv_cache_prefetch(slv_cache *cache, slv_file_id file, uint32_t face) {
     slv_result result = SLV_OK;
     slv_ptx_info info;
-    if (slv_cache_get_info(cache, file, &info) || face >= info.nfaces)
-        return SLV_ERROR_ARGUMENT;
+    if ((result = slv_cache_get_info(cache, file, &info)))
+        return result;
+    if (face >= info.nfaces)
+        return slvi_fail(&cache->env, SLV_ERROR_ARGUMENT,
+                         "cache: file %u: face %u: there are %u faces", (unsigned)file,
+                         (unsigned)face, (unsigned)info.nfaces);
     pthread_mutex_lock(&cache->lock);
     if (!cache->worker_runs) {
         if (pthread_create(&cache->worker, NULL, work, cache) == 0)

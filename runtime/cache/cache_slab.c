@@ -26,9 +26,9 @@ void slvi_cache_note_peak(slv_cache *cache) {
 }
 
 uint64_t slvi_cache_begin_epoch(slv_cache *cache) {
-    uint64_t epoch = atomic_fetch_add_explicit(&cache->epoch, 1, memory_order_seq_cst) + 1;
+    uint64_t epoch = atomic_fetch_add_explicit(&cache->view.epoch, 1, memory_order_seq_cst) + 1;
 #ifdef __linux__
-    if (!cache->fences)
+    if (!cache->view.fences)
         syscall(SYS_membarrier, MEMBARRIER_CMD_PRIVATE_EXPEDITED, 0, 0);
 #endif
     return epoch;
@@ -55,7 +55,7 @@ static uint32_t pop(slv_cache *cache) {
 }
 
 static cache_block *block_at(const slv_cache *cache, uint32_t slab, uint32_t units) {
-    return (cache_block *)(void *)(cache->arena + slab * slab_bytes(cache) +
+    return (cache_block *)(void *)(cache->view.arena + slab * slab_bytes(cache) +
                                    (size_t)units * CACHE_UNIT);
 }
 
@@ -162,7 +162,7 @@ cache_block *slvi_cache_allocate(slv_cache *cache, uint32_t units) {
 }
 
 void slvi_cache_settle(slv_cache *cache, const cache_block *block) {
-    size_t offset = (size_t)((const uint8_t *)block - cache->arena);
+    size_t offset = (size_t)((const uint8_t *)block - cache->view.arena);
     cache->slabs[offset / slab_bytes(cache)].pending--;
     pthread_cond_broadcast(&cache->changed);
 }
@@ -180,7 +180,7 @@ void slvi_cache_trim_slabs(slv_cache *cache) {
             slvi_cache_wait_for_readers(cache, cache->slabs[index].epoch);
         }
         cache_slab *slab = &cache->slabs[index];
-        madvise(cache->arena + index * slab_bytes(cache), slab_bytes(cache), MADV_DONTNEED);
+        madvise(cache->view.arena + index * slab_bytes(cache), slab_bytes(cache), MADV_DONTNEED);
         slab->state = SLAB_EMPTY;
         slab->backed = false;
         cache->nbacked--;

@@ -14,11 +14,16 @@ static size_t faces_bytes(uint32_t nfaces) {
 static void free_tables(cache_tables *tables) {
     if (!tables)
         return;
+    cache_origin *origin = tables->origin;
     if (tables->faces)
         munmap(tables->faces, faces_bytes(tables->nfaces));
-    slv_ptx_close(tables->ptx);
-    if (tables->handle)
-        slvi_cache_handle_release(tables->handle);
+    if (origin && origin->ptx) {
+        slv_source_close(&origin->source);
+        slv_ptx_close(origin->ptx);
+    }
+    if (origin && origin->handle)
+        slvi_cache_handle_release(origin->handle);
+    slvi_free(origin);
     slvi_free(tables);
 }
 
@@ -28,16 +33,16 @@ static void give_room(slv_cache *cache, uint64_t bytes) {
 }
 
 void slvi_cache_drop_tables(slv_cache *cache, cache_file *file) {
-    cache_tables *tables = atomic_load_explicit(&file->tables, memory_order_relaxed);
+    cache_tables *tables = cache_tables_of(file);
     if (!tables)
         return;
-    atomic_store_explicit(&file->tables, NULL, memory_order_seq_cst);
-    tables->dropped = true;
+    atomic_store_explicit(&file->place.tables, NULL, memory_order_seq_cst);
+    tables->origin->dropped = true;
     slvi_cache_wait_for_readers(cache, slvi_cache_begin_epoch(cache));
-    while (atomic_load_explicit(&tables->users, memory_order_acquire))
+    while (atomic_load_explicit(&tables->origin->users, memory_order_acquire))
         pthread_cond_wait(&cache->changed, &cache->lock);
-    cache->table_held -= tables->bytes;
-    give_room(cache, tables->bytes);
+    cache->table_held -= tables->origin->bytes;
+    give_room(cache, tables->origin->bytes);
     free_tables(tables);
 }
 
@@ -46,12 +51,10 @@ void slvi_cache_drop_tables(slv_cache *cache, cache_file *file) {
 static bool drop_some(slv_cache *cache) {
     for (uint32_t left = 2 * cache->file_end; left; left--) {
         cache->file_hand = (cache->file_hand + 1) % cache->file_end;
-        cache_file *file =
-            atomic_load_explicit(&cache->files[cache->file_hand], memory_order_relaxed);
-        cache_tables *tables =
-            file ? atomic_load_explicit(&file->tables, memory_order_relaxed) : NULL;
+        cache_file *file = cache_file_at(cache, cache->file_hand);
+        cache_tables *tables = file ? cache_tables_of(file) : NULL;
         if (!tables || atomic_exchange_explicit(&tables->used, 0, memory_order_relaxed) ||
-            atomic_load_explicit(&tables->users, memory_order_relaxed))
+            atomic_load_explicit(&tables->origin->users, memory_order_relaxed))
             continue;
         slvi_cache_drop_tables(cache, file);
         return true;
@@ -74,74 +77,105 @@ static void take_room(slv_cache *cache, uint64_t bytes) {
     slvi_cache_note_peak(cache);
 }
 
-/* The caller lets go of t also when this fails. */
-static slv_result fill_tables(slv_cache *cache, const char *path, const cache_identity *identity,
-                              cache_tables *t) {
-    slv_ptx_source source;
-    slv_ptx_open_params params = {.premultiply = cache->premultiply, .source = &source};
-    slv_result result = slvi_cache_handle_create(cache, path, identity, &source, &t->handle);
-    if (result)
-        return result;
-    slv_env env = slvi_cache_handle_env(t->handle);
-    if ((result = slv_ptx_open_with(&env, path, &params, &t->ptx)))
-        return result;
-    const slv_ptx_info *info = slv_ptx_get_info(t->ptx);
-    t->nfaces = info->nfaces;
-    t->nchannels = info->nchannels;
-    t->type = info->type;
-    t->pixel_size = (uint32_t)(info->nchannels * slv_type_size(info->type));
-    t->border_u = info->border_u;
-    t->border_v = info->border_v;
-    t->tanvec = info->edge_filter == SLV_EDGE_FILTER_TANVEC && info->nchannels >= 2;
-    t->triangle = info->mesh_type == SLV_PTX_TRIANGLE;
-    t->one = info->type == SLV_TYPE_U8 ? 255 : info->type == SLV_TYPE_U16 ? 65535 : 1;
+static void fill_from_desc(cache_tables *t, const slv_source_desc *desc) {
+    t->nfaces = desc->nfaces;
+    t->nchannels = desc->nchannels;
+    t->type = desc->type;
+    t->pixel_size = (uint32_t)(desc->nchannels * slv_type_size(desc->type));
+    t->border_u = desc->border_u;
+    t->border_v = desc->border_v;
+    t->tanvec = desc->edge_filter == SLV_EDGE_FILTER_TANVEC && desc->nchannels >= 2;
+    t->triangle = desc->triangles;
+    t->one = desc->type == SLV_TYPE_U8 ? 255 : desc->type == SLV_TYPE_U16 ? 65535 : 1;
     t->simple = !t->triangle && !t->tanvec && t->nchannels <= 4;
     t->scale = 1 / t->one;
+    atomic_init(&t->apron, CACHE_APRON);
     /* tiles begin at 128 KiB */
     while ((uint64_t)t->pixel_size << (t->whole_log2 + 1) < 131072)
         t->whole_log2++;
-    uint64_t bytes = slv_ptx_full_table_bytes(t->ptx) + faces_bytes(t->nfaces) + sizeof *t;
+}
+
+/* Opens a file, or looks at a source: how many bytes its tables will take. */
+static slv_result begin_origin(slv_cache *cache, const cache_file *file, cache_origin *origin,
+                               uint32_t *nfaces) {
+    slv_result result;
+    *nfaces = 0;
+    if (!file->path) {
+        origin->source = file->source;
+        result = origin->source.fns->describe(origin->source.user, &origin->desc);
+        *nfaces = origin->desc.nfaces;
+    } else {
+        slv_ptx_source bytes;
+        slv_ptx_open_params params = {.premultiply = cache->premultiply, .source = &bytes};
+        const cache_identity *identity = file->identified ? &file->identity : NULL;
+        result = slvi_cache_handle_create(cache, file->path, identity, &bytes, &origin->handle);
+        if (result)
+            return result;
+        slv_env env = slvi_cache_handle_env(origin->handle);
+        if (!(result = slv_ptx_open_with(&env, file->path, &params, &origin->ptx)))
+            *nfaces = slv_ptx_get_info(origin->ptx)->nfaces;
+    }
+    return result;
+}
+
+/* The caller lets go of t also when this fails. */
+static slv_result fill_tables(slv_cache *cache, const cache_file *file, cache_tables *t) {
+    cache_origin *origin = t->origin;
+    const char *name = file->path ? file->path : "source";
+    uint32_t nfaces;
+    slv_result result = begin_origin(cache, file, origin, &nfaces);
+    if (result)
+        return result;
+    if (!file->path)
+        name = origin->desc.name;
+    uint64_t bytes = (origin->ptx ? slv_ptx_full_table_bytes(origin->ptx) : 0) +
+                     faces_bytes(nfaces) + sizeof *t + sizeof *origin;
     if (bytes > cache->max_bytes / 2)
         return slvi_fail(&cache->env, SLV_ERROR_LIMIT,
-                         "%s: its tables take %llu bytes, more than half of the cache's %llu", path,
+                         "%s: its tables take %llu bytes, more than half of the cache's %llu", name,
                          (unsigned long long)bytes, (unsigned long long)cache->max_bytes);
     pthread_mutex_lock(&cache->lock);
     take_room(cache, bytes);
     pthread_mutex_unlock(&cache->lock);
-    t->bytes = bytes;
-    t->averages = slv_ptx_get_averages(t->ptx);
-    if (!t->averages)
-        return SLV_ERROR_FORMAT;
-    slv_ptx_face face;
-    if (t->nfaces && (result = slv_ptx_get_face(t->ptx, 0, &face)))
-        return result;
+    origin->bytes = bytes;
+    if (origin->ptx) {
+        slv_env env = slvi_cache_handle_env(origin->handle);
+        t->averages = slv_ptx_get_averages(origin->ptx);
+        if (!t->averages)
+            return SLV_ERROR_FORMAT;
+        if ((result = slv_ptx_as_source(&env, origin->ptx, &origin->source)) ||
+            (result = origin->source.fns->describe(origin->source.user, &origin->desc)))
+            return result;
+    }
+    fill_from_desc(t, &origin->desc);
     /* the operating system gives memory to those pages alone that are written to */
     t->faces = mmap(NULL, faces_bytes(t->nfaces), PROT_READ | PROT_WRITE,
                     MAP_PRIVATE | MAP_ANONYMOUS | MAP_NORESERVE, -1, 0);
     if (t->faces == MAP_FAILED) {
         t->faces = NULL;
-        return slvi_fail(&cache->env, SLV_ERROR_MEMORY, "%s: no memory for %u faces", path,
+        return slvi_fail(&cache->env, SLV_ERROR_MEMORY, "%s: no memory for %u faces", name,
                          t->nfaces);
     }
     return SLV_OK;
 }
 
-static slv_result make_tables(slv_cache *cache, const char *path, const cache_identity *identity,
-                              cache_tables **out) {
+static slv_result make_tables(slv_cache *cache, const cache_file *file, cache_tables **out) {
     cache_tables *t = NULL;
     *out = NULL;
-    slv_result result = slvi_alloc(&cache->env, path, 1, sizeof *t, &t);
-    if (result)
-        return result;
-    result = fill_tables(cache, path, identity, t);
-    if (result) {
-        uint64_t bytes = t->bytes;
-        result = t->handle ? slvi_cache_handle_result(t->handle, result) : result;
-        free_tables(t);
+    slv_result result = slvi_alloc(&cache->env, "tables of a file", 1, sizeof *t, &t);
+    if (!result)
+        result = slvi_alloc(&cache->env, "tables of a file", 1, sizeof *t->origin, &t->origin);
+    if (!result && (result = fill_tables(cache, file, t))) {
+        uint64_t bytes = t->origin->bytes;
+        if (t->origin->handle)
+            result = slvi_cache_handle_result(t->origin->handle, result);
         pthread_mutex_lock(&cache->lock);
         cache->table_held -= bytes;
         give_room(cache, bytes);
         pthread_mutex_unlock(&cache->lock);
+    }
+    if (result) {
+        free_tables(t);
         return result;
     }
     *out = t;
@@ -153,27 +187,32 @@ static slv_result load_file(slv_cache *cache, cache_file *file, slv_file_id id) 
     cache_tables *tables = NULL;
     file->loading = true;
     pthread_mutex_unlock(&cache->lock);
-    slv_result result =
-        make_tables(cache, file->path, file->identified ? &file->identity : NULL, &tables);
+    slv_result result = make_tables(cache, file, &tables);
     pthread_mutex_lock(&cache->lock);
     file->loading = false;
     pthread_cond_broadcast(&cache->changed);
-    if (result)
+    if (result) {
+        /* what there was no memory for is tried again */
+        file->failure = result == SLV_ERROR_MEMORY ? SLV_OK : result;
         return result;
+    }
     tables->id = id;
-    tables->place = id % CACHE_FILES;
+    tables->origin->place = id % CACHE_FILES;
+    tables->origin->cap = file->cap;
     tables->serial = ++cache->next_serial;
     if (tables->serial == 0)
         tables->serial = ++cache->next_serial;
     cache->stats.reloaded += file->loaded_before;
     file->loaded_before = true;
-    file->identity = tables->handle->identity;
-    file->identified = true;
-    file->info = *slv_ptx_get_info(tables->ptx);
-    file->info.level_faces = NULL;
-    file->info.level_bytes = NULL;
+    if (tables->origin->ptx) {
+        file->identity = tables->origin->handle->identity;
+        file->identified = true;
+        file->info = *slv_ptx_get_info(tables->origin->ptx);
+        file->info.level_faces = NULL;
+        file->info.level_bytes = NULL;
+    }
     atomic_store_explicit(&tables->used, 1, memory_order_relaxed);
-    atomic_store_explicit(&file->tables, tables, memory_order_release);
+    atomic_store_explicit(&file->place.tables, tables, memory_order_release);
     return SLV_OK;
 }
 
@@ -181,13 +220,12 @@ slv_result slvi_cache_load_tables(slv_cache *cache, slv_file_id id) {
     slv_result result = SLV_OK;
     pthread_mutex_lock(&cache->lock);
     for (;;) {
-        cache_file *file =
-            atomic_load_explicit(&cache->files[id % CACHE_FILES], memory_order_relaxed);
+        cache_file *file = cache_file_at(cache, id % CACHE_FILES);
         if (!id || !file || atomic_load_explicit(&file->id, memory_order_relaxed) != id) {
             result = SLV_ERROR_ARGUMENT;
             break;
         }
-        if (atomic_load_explicit(&file->tables, memory_order_relaxed))
+        if (cache_tables_of(file) || (result = file->failure))
             break;
         if (!file->loading) {
             result = load_file(cache, file, id);
@@ -207,9 +245,10 @@ void slvi_cache_learn_face(cache_tables *tables, uint32_t index) {
             ;
         return;
     }
-    slv_ptx_face face;
-    if (slv_ptx_get_face(tables->ptx, index, &face))
-        memset(&face, 0, sizeof face); /* cannot be: the face table is there */
+    const cache_origin *origin = tables->origin;
+    slv_source_face face;
+    if (origin->source.fns->face(origin->source.user, index, &face))
+        memset(&face, 0, sizeof face); /* no source may: the face is there */
     for (int e = 0; e < 4; e++) {
         bool there = face.adjacency.face[e] >= 0 &&
                      (uint32_t)face.adjacency.face[e] < tables->nfaces &&
@@ -217,13 +256,18 @@ void slvi_cache_learn_face(cache_tables *tables, uint32_t index) {
         f->adjacent[e] = there ? face.adjacency.face[e] : SLV_BOUNDARY;
         f->edges |= (uint8_t)((face.adjacency.edge[e] & 3) << 2 * e);
     }
-    f->flags = face.flags;
-    f->plain =
-        tables->simple &&
-        !(face.flags & (SLV_FACE_CONSTANT | SLV_FACE_SUBFACE | SLV_FACE_NEIGHBOURS_CONSTANT));
-    f->res_u = face.res.u;
-    f->res_v = face.res.v;
+    f->res_u = (int8_t)((uint32_t)face.res.u < origin->cap ? face.res.u : (int)origin->cap);
+    f->res_v = (int8_t)((uint32_t)face.res.v < origin->cap ? face.res.v : (int)origin->cap);
+    slvi_cache_set_flags(tables, f, face.flags);
     atomic_store_explicit(&f->state, CACHE_KNOWN, memory_order_release);
+}
+
+void slvi_cache_set_flags(const cache_tables *tables, cache_face *f, uint8_t flags) {
+    atomic_store_explicit(&f->flags, flags, memory_order_relaxed);
+    atomic_store_explicit(&f->plain,
+                          tables->simple && !(flags & (SLV_FACE_CONSTANT | SLV_FACE_SUBFACE |
+                                                       SLV_FACE_NEIGHBOURS_CONSTANT)),
+                          memory_order_relaxed);
 }
 
 /* As .ptx files are tiled, so that a block is a tile of most files. */

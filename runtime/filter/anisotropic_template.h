@@ -179,7 +179,7 @@ static __attribute__((noinline)) void aniso_sum_cell(ellipse_job *j, const cell 
     ellipse_to_local(c, e->x, e->y, &u, &v);
     ellipse_sample_res(e, c, f, &res_u, &res_v);
     int shift_u = log2_u + (c->size == 2) - res_u, shift_v = log2_v + (c->size == 2) - res_v;
-    bool constant = (f->flags & SLV_FACE_CONSTANT) || res_u + res_v == 0;
+    bool constant = (cache_flags(f) & SLV_FACE_CONSTANT) || res_u + res_v == 0;
     bool direct = j->few && res_u + res_v <= t->whole_log2;
     float reach = e->reach[!turned], total = 0;
     low = num_ceil(num_larger((v - reach) * unit_v - 0.5f, 0));
@@ -232,8 +232,7 @@ static __attribute__((noinline)) void aniso_sum_cell(ellipse_job *j, const cell 
     if (kind != ANISO_LINES)
         state->weight += total;
     if (kind == ANISO_THERE && constant && !j->weigh && total > 0)
-        gather_add_texel(t->type, t->averages + (size_t)c->face * t->pixel_size, state->first,
-                         state->count, total, state->sum);
+        gather_add_average(state, c->face, f, total);
 }
 
 typedef struct aniso_patch {

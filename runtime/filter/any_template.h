@@ -43,7 +43,7 @@ static inline void any_kernel(lookup_state *state, uint32_t face, cache_face *f,
                               float weight) {
     bool inside = kernel_is_inside(k);
     state->weight = weight;
-    if (f->plain && !state->sampler->no_edge_blend && apron_fits(k) &&
+    if (cache_is_plain(f) && !state->sampler->no_edge_blend && apron_fits(k) &&
         (apron_apply(state, face, f, k) || lookup_is_over(state)))
         return;
     if (inside) {
@@ -52,7 +52,7 @@ static inline void any_kernel(lookup_state *state, uint32_t face, cache_face *f,
     }
     kernel_axis_strip(&k->a[0]);
     kernel_axis_strip(&k->a[1]);
-    if (f->plain && !state->sampler->no_edge_blend && seam_one_edge(state, face, f, k))
+    if (cache_is_plain(f) && !state->sampler->no_edge_blend && seam_one_edge(state, face, f, k))
         return;
     seam_across(state, face, k);
 }
@@ -62,10 +62,9 @@ static void any_quad(lookup_state *state, const slv_lookup *l) {
     const cache_tables *t = state->tables;
     cache_face *f = lookup_face_at(state, l->face);
     float u = l->u, v = l->v;
-    if (f->flags & SLV_FACE_NEIGHBOURS_CONSTANT) {
+    if (cache_flags(f) & SLV_FACE_NEIGHBOURS_CONSTANT) {
         state->weight = 1;
-        gather_add_texel(t->type, t->averages + (size_t)l->face * t->pixel_size, state->first,
-                         state->count, 1, state->sum);
+        gather_add_average(state, l->face, f, 1);
         return;
     }
     if (!any_border(t->border_u, &u) || !any_border(t->border_v, &v)) {
@@ -90,7 +89,7 @@ static inline bool any_is_sound(const slv_sampler *s, const slv_lookup *l) {
 /* The thread is pinned. `room`: how many values to set, or 0 for as many as the file gives. */
 static inline slv_result any_look_up(slv_sampler *s, const slv_lookup *l, size_t room, float *out) {
     for (;;) {
-        cache_tables *t = cache_find_tables(s->thread.cache, l->file);
+        cache_tables *t = cache_find_tables(s->thread.view, l->file);
         if (!t) {
             cache_unpin(&s->thread);
             s->thread.moves++;

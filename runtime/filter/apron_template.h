@@ -74,6 +74,7 @@ static __attribute__((noinline)) const uint8_t *apron_make(lookup_state *state, 
     int width_u = apron_width(res_u), width_v = apron_width(res_v);
     int side_u = (1 << res_u) + 2 * width_u, side_v = (1 << res_v) + 2 * width_v;
     unsigned there = APRON_WHOLE;
+    uint32_t now = cache_apron_now(t);
     memset(texels, 0, sizeof texels);
     for (int y = 0; y < side_v; y++)
         for (int x = 0; x < side_u; x++) {
@@ -100,7 +101,7 @@ static __attribute__((noinline)) const uint8_t *apron_make(lookup_state *state, 
                 there &= ~region;
         }
     const uint8_t *made =
-        slvi_cache_publish(&state->sampler->thread, t, face, res_u, res_v, CACHE_APRON, texels,
+        slvi_cache_publish(&state->sampler->thread, t, face, res_u, res_v, now, texels,
                            (size_t)side_u * (size_t)side_v * t->pixel_size, there);
     state->gone = !made;
     return made;
@@ -109,10 +110,11 @@ static __attribute__((noinline)) const uint8_t *apron_make(lookup_state *state, 
 /* The apron of a face at a resolution; NULL when state says why. */
 static inline const uint8_t *apron_find(lookup_state *state, uint32_t face, const cache_face *f,
                                         int res_u, int res_v) {
-    const slv_cache *cache = state->sampler->thread.cache;
-    const uint8_t *texels = cache_find_apron(cache, f, res_u, res_v);
+    const cache_view *cache = state->sampler->thread.view;
+    const uint8_t *texels = cache_find_apron(cache, state->tables, f, res_u, res_v);
     if (!texels)
-        texels = cache_find_hashed(cache, state->tables, face, res_u, res_v, CACHE_APRON);
+        texels = cache_find_hashed(cache, state->tables, face, res_u, res_v,
+                                   cache_apron_now(state->tables));
     state->pieces++;
     return texels ? texels : apron_make(state, face, res_u, res_v);
 }

@@ -265,15 +265,13 @@ static void ellipse_sample_res(const ellipse *e, const cell *c, const cache_face
 
 static void ellipse_add_sample(ellipse_job *j, const cell *c, float x, float y, float weight) {
     lookup_state *state = j->state;
-    const cache_tables *t = state->tables;
     cache_face *f = cache_find_face(state->tables, c->face);
     int res_u, res_v;
     float u, v;
     state->weight += weight;
     ellipse_sample_res(&j->e, c, f, &res_u, &res_v);
-    if ((f->flags & SLV_FACE_CONSTANT) || res_u + res_v == 0) {
-        gather_add_texel(t->type, t->averages + (size_t)c->face * t->pixel_size, state->first,
-                         state->count, weight, state->sum);
+    if ((cache_flags(f) & SLV_FACE_CONSTANT) || res_u + res_v == 0) {
+        gather_add_average(state, c->face, f, weight);
         return;
     }
     ellipse_to_local(c, x, y, &u, &v);

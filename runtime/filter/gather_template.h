@@ -163,6 +163,15 @@ static inline void gather_add_texel(slv_type type, const uint8_t *texel, size_t 
     }
 }
 
+/* Adds the mean of a face times a weight. */
+static inline void gather_add_average(lookup_state *state, uint32_t face, cache_face *f,
+                                      float weight) {
+    const uint8_t *texel = lookup_find_average(state, face, f);
+    if (texel)
+        gather_add_texel(state->tables->type, texel, state->first, state->count, weight,
+                         state->sum);
+}
+
 /* The sum of texels that lie in rows `pitch` texels apart. */
 static inline void gather_sum(const cache_tables *t, const uint8_t *texels, size_t pitch,
                               const kernel *k, size_t first, size_t count, float *sum) {

@@ -106,7 +106,7 @@ group_look_up_alike(slv_sampler *s, const group *g, const group_places *at, slv_
     v8i same = (at->file == at->file[0]) & (at->face == at->face[0]) & group_are_sound(at, filter);
     if (!v8_all(same))
         return false;
-    const slv_cache *cache = s->thread.cache;
+    const cache_view *cache = s->thread.view;
     uint32_t face = (uint32_t)at->face[0];
     cache_tables *t = cache_find_tables(cache, (slv_file_id)at->file[0]);
     if (!t || face >= t->nfaces || !quick_fits(s, &t->faces[face]))
@@ -183,7 +183,7 @@ static inline __attribute__((always_inline)) void group_fetch_ahead(const group 
 
 /* Finds tables and faces. */
 static inline __attribute__((always_inline)) void group_find_faces(const slv_sampler *s, group *g) {
-    const slv_cache *cache = s->thread.cache;
+    const cache_view *cache = s->thread.view;
     for (int i = 0; i < g->n; i++) {
         const slv_lookup *l = g->lookups[i];
         if (i && l->face == g->lookups[i - 1]->face && l->file == g->lookups[i - 1]->file) {
@@ -202,7 +202,7 @@ static inline __attribute__((always_inline)) void group_find_faces(const slv_sam
 /* Finds texels, and makes kernels, as look_up_quick() does for one. */
 static inline __attribute__((always_inline)) void
 group_prepare(slv_sampler *s, group *g, group_places *at, slv_filter filter, size_t room) {
-    const slv_cache *cache = s->thread.cache;
+    const cache_view *cache = s->thread.view;
     size_t most = s->nchannels == UINT32_MAX ? room : UINT32_MAX;
     v8i res_u = {0}, res_v = {0}, sound = group_are_sound(at, filter);
     /* what is not a number, or huge, overflows integers in its lane */

@@ -9,9 +9,8 @@ static void point_any(lookup_state *state, const slv_lookup *l) {
     const cache_tables *t = state->tables;
     cache_face *f = lookup_face_at(state, l->face);
     state->weight = 1;
-    if ((f->flags & SLV_FACE_CONSTANT) || f->res_u + f->res_v == 0) {
-        gather_add_texel(t->type, t->averages + (size_t)l->face * t->pixel_size, state->first,
-                         state->count, 1, state->sum);
+    if ((cache_flags(f) & SLV_FACE_CONSTANT) || f->res_u + f->res_v == 0) {
+        gather_add_average(state, l->face, f, 1);
         return;
     }
     float size_u = num_power_of_two(f->res_u), size_v = num_power_of_two(f->res_v);

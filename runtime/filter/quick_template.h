@@ -61,7 +61,7 @@ typedef struct quick_last {
 
 /* The texels under a kernel, or NULL if they are to be looked for. */
 static inline __attribute__((always_inline)) const uint8_t *
-quick_find_texels(const slv_cache *cache, const cache_tables *t, uint32_t face, cache_face *f,
+quick_find_texels(const cache_view *cache, const cache_tables *t, uint32_t face, cache_face *f,
                   bool small, bool inside, kernel *k, quick_last *last, size_t *pitch) {
     int res_u = k->a[0].res, res_v = k->a[1].res;
     *pitch = (size_t)1 << res_u;
@@ -69,7 +69,7 @@ quick_find_texels(const slv_cache *cache, const cache_tables *t, uint32_t face, 
         *last = (quick_last){f, res_u, res_v, NULL, NULL};
     if (small) {
         if (!last->apron)
-            last->apron = cache_find_apron(cache, f, res_u, res_v);
+            last->apron = cache_find_apron(cache, t, f, res_u, res_v);
         if (!last->apron || !apron_covers(last->apron, k))
             return NULL;
         *pitch = apron_pitch(res_u);
@@ -87,8 +87,8 @@ quick_find_texels(const slv_cache *cache, const cache_tables *t, uint32_t face, 
 /* Whether most lookups can be done at this face. */
 static inline __attribute__((always_inline)) bool quick_fits(const slv_sampler *s,
                                                              const cache_face *f) {
-    return atomic_load_explicit(&f->state, memory_order_acquire) == CACHE_KNOWN && f->plain &&
-           !s->first_channel;
+    return atomic_load_explicit(&f->state, memory_order_acquire) == CACHE_KNOWN &&
+           cache_is_plain(f) && !s->first_channel;
 }
 
 static inline __attribute__((always_inline)) void quick_put_zeros(const slv_sampler *s,
@@ -119,7 +119,7 @@ static inline __attribute__((always_inline)) bool quick_look_up(slv_sampler *s, 
                                                                 slv_result *result) {
     if (filter == SLV_FILTER_ANISOTROPIC)
         return false;
-    const slv_cache *cache = s->thread.cache;
+    const cache_view *cache = s->thread.view;
     cache_tables *t = cache_find_tables(cache, l->file);
     if (!t || l->face >= t->nfaces)
         return false;

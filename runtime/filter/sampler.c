@@ -55,7 +55,7 @@ static const lookup_functions *best_functions(void) {
 slv_result slv_sampler_create(slv_cache *cache, const slv_filter_params *params,
                               slv_sampler **out) {
     slv_filter_params p = *params;
-    slv_env *env = &cache->env;
+    const slv_env *env = slvi_cache_env(cache);
     *out = NULL;
     if ((unsigned)p.filter >= SLV_FILTER_COUNT)
         return slvi_fail(env, SLV_ERROR_ARGUMENT, "filter %d: there is no such filter",
@@ -96,7 +96,7 @@ void slv_sampler_destroy(slv_sampler *sampler) {
 
 uint32_t slv_sampler_channels(slv_sampler *sampler, slv_file_id file) {
     slv_ptx_info info;
-    if (slv_cache_get_info(sampler->thread.cache, file, &info) ||
+    if (!slvi_cache_info(sampler->thread.cache, file, &info) ||
         info.nchannels <= sampler->first_channel)
         return 0;
     uint32_t there = info.nchannels - sampler->first_channel;

@@ -2,7 +2,7 @@
 #ifndef SLV_FILTER_SAMPLER_H
 #define SLV_FILTER_SAMPLER_H
 
-#include "cache/cache_data.h"
+#include "cache/cache_lookup.h"
 #include "filter/kernel_build.h"
 
 /* The lookups of one filter for one kind of processor: variants.h has them all. */
@@ -49,7 +49,7 @@ static inline const uint8_t *lookup_find_tile(lookup_state *state, uint32_t face
                                               int res_v, uint32_t tile) {
     cache_thread *thread = &state->sampler->thread;
     const uint8_t *texels =
-        cache_find_hashed(thread->cache, state->tables, face, res_u, res_v, tile);
+        cache_find_hashed(thread->view, state->tables, face, res_u, res_v, tile);
     state->pieces++;
     if (!texels) {
         texels =
@@ -63,12 +63,20 @@ static inline const uint8_t *lookup_find_tile(lookup_state *state, uint32_t face
 static inline const uint8_t *lookup_find_whole(lookup_state *state, uint32_t face, cache_face *f,
                                                int res_u, int res_v) {
     const uint8_t *texels = res_u == f->res_u && res_v == f->res_v
-                                ? cache_find_full(state->sampler->thread.cache, f)
+                                ? cache_find_full(state->sampler->thread.view, f)
                                 : NULL;
     if (!texels)
         return lookup_find_tile(state, face, res_u, res_v, 0);
     state->pieces++;
     return texels;
+}
+
+/* The mean of a face, which is its value if it is constant; NULL when state says why. */
+static inline const uint8_t *lookup_find_average(lookup_state *state, uint32_t face,
+                                                 cache_face *f) {
+    const cache_tables *t = state->tables;
+    return t->averages ? t->averages + (size_t)face * t->pixel_size
+                       : lookup_find_whole(state, face, f, 0, 0);
 }
 
 static inline bool lookup_is_over(const lookup_state *state) {

@@ -84,9 +84,8 @@ static inline void seam_inside(lookup_state *state, uint32_t face, cache_face *f
     while (k->a[1].res > f->res_v)
         kernel_axis_downsample(&k->a[1]);
     int res_u = k->a[0].res, res_v = k->a[1].res;
-    if ((f->flags & SLV_FACE_CONSTANT) || res_u + res_v == 0) {
-        gather_add_texel(t->type, t->averages + (size_t)face * t->pixel_size, state->first,
-                         state->count, kernel_weight(k), state->sum);
+    if ((cache_flags(f) & SLV_FACE_CONSTANT) || res_u + res_v == 0) {
+        gather_add_average(state, face, f, kernel_weight(k));
         return;
     }
     if (res_u + res_v > t->whole_log2) {
@@ -357,7 +356,7 @@ static inline bool seam_one_edge(lookup_state *state, uint32_t face, cache_face 
     int turns = (edge - adjacent_edge(f, edge) + 2) & 3;
     cache_face *g = lookup_face_at(state, to);
     int res_u = turns & 1 ? v->res : u->res, res_v = turns & 1 ? u->res : v->res;
-    if (!g->plain || res_u > g->res_u || res_v > g->res_v || res_u + res_v == 0 ||
+    if (!cache_is_plain(g) || res_u > g->res_u || res_v > g->res_v || res_u + res_v == 0 ||
         res_u + res_v > state->tables->whole_log2)
         return false;
     /* as seen from the neighbour */

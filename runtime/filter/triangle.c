@@ -140,9 +140,10 @@ static void sum_set(lookup_state *state, uint32_t face, cache_face *f, const tex
                     int res) {
     const cache_tables *t = state->tables;
     int size = 1 << res;
-    if ((f->flags & SLV_FACE_CONSTANT) || res == 0) {
-        sum_rectangle(state, set, res, 0, 0, size, size, t->averages + (size_t)face * t->pixel_size,
-                      0);
+    if ((cache_flags(f) & SLV_FACE_CONSTANT) || res == 0) {
+        const uint8_t *average = lookup_find_average(state, face, f);
+        if (average)
+            sum_rectangle(state, set, res, 0, 0, size, size, average, 0);
         return;
     }
     if (2 * res <= t->whole_log2) {
@@ -207,12 +208,10 @@ static void sum_across(lookup_state *state, uint32_t face, ellipse e, int res) {
 }
 
 void slvi_triangle_sum(lookup_state *state, const slv_lookup *l) {
-    const cache_tables *t = state->tables;
     cache_face *f = cache_find_face(state->tables, l->face);
-    if (f->flags & SLV_FACE_NEIGHBOURS_CONSTANT) {
+    if (cache_flags(f) & SLV_FACE_NEIGHBOURS_CONSTANT) {
         state->weight = 1;
-        gather_add_texel(t->type, t->averages + (size_t)l->face * t->pixel_size, state->first,
-                         state->count, 1, state->sum);
+        gather_add_average(state, l->face, f, 1);
         return;
     }
     ellipse e;

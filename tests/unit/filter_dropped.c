@@ -20,7 +20,7 @@ static _Atomic(uint64_t) times;
 SLV_API ssize_t pread(int descriptor, void *buffer, size_t size, off_t offset) {
     if (atomic_load(&reads_left) >= 0 && atomic_fetch_sub(&reads_left, 1) == 0) {
         atomic_store(&wanted, true);
-        while (cache_find_tables(cache, id))
+        while (cache_find_tables(&cache->view, id))
             sched_yield();
     }
     return syscall(SYS_pread64, descriptor, buffer, size, offset);

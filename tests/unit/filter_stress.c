@@ -193,7 +193,7 @@ static void stress(double seconds, uint64_t seed, bool fences) {
     pthread_t threads[THREADS];
     uint64_t lookups_done = 0, closed = 0;
     if (fences)
-        s.cache->fences = true;
+        s.cache->view.fences = true;
     for (uint32_t i = 0; i < SLOTS; i++)
         atomic_store(&s.slots[i], (uint64_t)kit_open(s.cache, paths[i % FILES]) << 8 | i % FILES);
     for (uint64_t i = 0; i < THREADS; i++) {

@@ -61,6 +61,10 @@ bool sample_is_there(const sample_texture *texture, const sample_query *query);
 void sample_reason(const sample_texture *texture, const sample_query *query, slv_result result,
                    char *reason, size_t size);
 
+/* Does a failed lookup again, so that the log's message says why. */
+slv_result sample_again(const sample_texture *texture, slv_sampler *sampler,
+                        const slv_lookup *lookup, float *out);
+
 /* All lookups of the reader, to the stream. `failed` counts those that failed. Returns
  * EXIT_FAILED only for what ends the work. */
 int sample_run(const sample_options *options, sample_texture *texture, sample_reader *reader,

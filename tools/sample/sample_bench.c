@@ -153,6 +153,8 @@ static void drop_failures(bench *b, runner *r, const sample_reader *reader, uint
             log->mode = SAMPLE_LOG_KEEP;
             slv_result result = slv_sample(r->samplers[k], &b->queries[i].lookup, r->values);
             log->mode = SAMPLE_LOG_PRINT;
+            if (result && result != SLV_ERROR_ARGUMENT && !log->message[0])
+                result = sample_again(b->texture, r->samplers[k], &b->queries[i].lookup, r->values);
             if (!result) {
                 b->queries[kept++] = b->queries[i];
                 b->sets[k].count++;

@@ -79,6 +79,22 @@ void sample_reason(const sample_texture *texture, const sample_query *query, slv
                  texture->log->message[0] ? texture->log->message : slv_result_string(result));
 }
 
+slv_result sample_again(const sample_texture *texture, slv_sampler *sampler,
+                        const slv_lookup *lookup, float *out) {
+    slv_cache *cache = texture->cache;
+    texture->log->mode = SAMPLE_LOG_KEEP;
+    texture->log->message[0] = 0;
+    /* what failed is told once: the cache must forget it, or all if it is of a neighbour's */
+    slv_cache_invalidate_face(cache, texture->file, lookup->face, NULL);
+    slv_result result = slv_sample(sampler, lookup, out);
+    if (result && !texture->log->message[0]) {
+        slv_cache_invalidate(cache, texture->file);
+        result = slv_sample(sampler, lookup, out);
+    }
+    texture->log->mode = SAMPLE_LOG_PRINT;
+    return result;
+}
+
 /* By parameters, then by face, so that texels are at hand; the text's own order breaks ties. */
 static int compare_queries(const void *a, const void *b) {
     const sample_query *x = *(sample_query *const *)a, *y = *(sample_query *const *)b;
@@ -241,9 +257,8 @@ static bool print_block(job *j, const block *b, const sample_reader *reader, FIL
             slv_sampler *sampler = find_sampler(&j->workers[0], &query->params);
             if (!sampler)
                 return false;
-            j->texture->log->mode = SAMPLE_LOG_KEEP;
-            j->results[i] = slv_sample(sampler, &query->lookup, j->values + i * j->stride);
-            j->texture->log->mode = SAMPLE_LOG_PRINT;
+            j->results[i] =
+                sample_again(j->texture, sampler, &query->lookup, j->values + i * j->stride);
         }
         if (!j->results[i]) {
             print_answer(j, i, stream);

@@ -85,8 +85,8 @@ SLV_API uint32_t slv_sampler_channels(slv_sampler *sampler, slv_file_id file);
  * SLV_ERROR_ARGUMENT for a file or face that does not exist, u or v not finite, or a footprint that
  * is not a number (an infinite one counts as one of the size of the face); other errors if the file
  * cannot be read. `out` is then zeros, as many as the parameters ask for, or as the file has if
- * that is all: none where the file is not known. Wrong arguments are not logged; a face that
- * cannot be read is, each time. */
+ * that is all: none where the file is not known. Wrong arguments are not logged; what
+ * cannot be read is, once. */
 SLV_API slv_result slv_sample(slv_sampler *sampler, const slv_lookup *lookup, float *out);
 
 /* `count` lookups in one go, quicker than one by one: the same numbers. `out` is count rows of
