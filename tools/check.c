@@ -1,8 +1,8 @@
+/* The verb check: what is wrong with a .ptx, and a mended copy. */
 #include "command/output.h"
 #include "command/ptx_name.h"
 #include "verbs.h"
 
-#include <errno.h>
 #include <string.h>
 
 struct check {
@@ -205,13 +205,10 @@ int verb_check(int argc, char **argv) {
          "OUT.ptx", 0, 0, NULL},
         {"--strict", CLI_FLAG, &c.strict, "warnings count as errors", NULL, 0, 0, NULL},
         {"--show", CLI_UINT, &c.shown, "findings of each kind to print (20)", NULL, 0, 1000, NULL},
-        {"--json", CLI_FLAG, &c.json, "print JSON, for scripts", NULL, 0, 0, NULL},
-        {"--progress", CLI_FLAG, &c.progress, "say on stderr how far it is, terminal or not", NULL,
-         0, 0, NULL},
-        {"--threads", CLI_UINT, &c.threads, "worker threads (one per processor)", NULL, 1, 256,
-         NULL},
-        {"--quiet|-q", CLI_FLAG, &c.quiet, "print nothing: the exit code says it", NULL, 0, 0,
-         NULL},
+        CLI_JSON(&c.json),
+        CLI_PROGRESS(&c.progress),
+        CLI_THREADS(&c.threads),
+        CLI_QUIET(&c.quiet, "print nothing: the exit code says it"),
     };
     const cli_command command = {
         .name = "check",
@@ -237,7 +234,5 @@ int verb_check(int argc, char **argv) {
     if (c.repair && !ptx_name_is_safe(c.repair))
         return ptx_name_usage(&command, c.repair);
     code = run_check(&c);
-    if (fflush(stdout) != 0 || ferror(stdout))
-        return code ? code : cli_error("cannot write the answer: %s", strerror(errno));
-    return code;
+    return cli_answered(code);
 }

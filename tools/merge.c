@@ -5,7 +5,6 @@
 
 #include <selvage/exchange.h>
 
-#include <errno.h>
 #include <string.h>
 
 enum { MAX_FILES = 1024 };
@@ -80,13 +79,11 @@ int verb_merge(int argc, char **argv) {
         {"--type|-t", CLI_CHOICE, &m.type, "data type (one that holds those of all)", CLI_TYPES, 0,
          0, &m.type_given},
         {"--no-reductions", CLI_FLAG, &m.no_reductions, "store no reductions", NULL, 0, 0, NULL},
-        {"--compression", CLI_UINT, &m.compression, "1 (fast) to 12 (small)", NULL, 1, 12, NULL},
+        CLI_COMPRESSION(&m.compression),
         {"--json", CLI_FLAG, &m.json, "print where the faces went as JSON", NULL, 0, 0, NULL},
-        {"--progress", CLI_FLAG, &m.progress, "say on stderr how far it is, terminal or not", NULL,
-         0, 0, NULL},
-        {"--threads", CLI_UINT, &m.threads, "worker threads (one per processor)", NULL, 1, 256,
-         NULL},
-        {"--quiet|-q", CLI_FLAG, &m.quiet, "print nothing on success", NULL, 0, 0, NULL},
+        CLI_PROGRESS(&m.progress),
+        CLI_THREADS(&m.threads),
+        CLI_QUIET(&m.quiet, "print nothing on success"),
     };
     const cli_command command = {.name = "merge",
                                  .summary = "join several .ptx files into one",
@@ -108,7 +105,5 @@ int verb_merge(int argc, char **argv) {
     if (!ptx_name_is_safe(m.out))
         return ptx_name_usage(&command, m.out);
     code = run_merge(&m);
-    if (fflush(stdout) != 0 || ferror(stdout))
-        return code ? code : cli_error("cannot write the answer: %s", strerror(errno));
-    return code;
+    return cli_answered(code);
 }

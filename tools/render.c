@@ -1,3 +1,4 @@
+/* The verb render: one picture. */
 #include "command/scene.h"
 #include "verbs.h"
 
@@ -105,7 +106,7 @@ int verb_render(int argc, char **argv) {
          32, NULL},
         {"--context", CLI_CHOICE, &r.context, "where OpenGL comes from (auto)", SCENE_CONTEXTS, 0,
          0, NULL},
-        {"--quiet|-q", CLI_FLAG, &r.quiet, "print nothing on success", NULL, 0, 0, NULL},
+        CLI_QUIET(&r.quiet, "print nothing on success"),
     };
     const cli_command command = {
         .name = "render",

@@ -1,10 +1,10 @@
+/* The verb transfer: texels of one model on a changed one. */
 #include "command/output.h"
 #include "command/ptx_name.h"
 #include "verbs.h"
 
 #include <selvage/transfer.h>
 
-#include <errno.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -177,13 +177,11 @@ int verb_transfer(int argc, char **argv) {
         {"--scheme", CLI_CHOICE, &t.scheme, "subdivision scheme (catmark)", "catmark|bilinear", 0,
          0, NULL},
         {"--faces|-f", CLI_FLAG, &t.faces, "say of every face what was done", NULL, 0, 0, NULL},
-        {"--compression", CLI_UINT, &t.compression, "1 (fast) to 12 (small)", NULL, 1, 12, NULL},
-        {"--json", CLI_FLAG, &t.json, "print JSON, for scripts", NULL, 0, 0, NULL},
-        {"--progress", CLI_FLAG, &t.progress, "say on stderr how far it is, terminal or not", NULL,
-         0, 0, NULL},
-        {"--threads", CLI_UINT, &t.threads, "worker threads (one per processor)", NULL, 1, 256,
-         NULL},
-        {"--quiet|-q", CLI_FLAG, &t.quiet, "print nothing on success", NULL, 0, 0, NULL},
+        CLI_COMPRESSION(&t.compression),
+        CLI_JSON(&t.json),
+        CLI_PROGRESS(&t.progress),
+        CLI_THREADS(&t.threads),
+        CLI_QUIET(&t.quiet, "print nothing on success"),
     };
     const cli_command command = {
         .name = "transfer",
@@ -208,7 +206,5 @@ int verb_transfer(int argc, char **argv) {
     if (t.distance_given && !(t.distance > 0))
         return cli_usage(&command, "--distance: expected more than 0");
     code = run_transfer(&t);
-    if (fflush(stdout) != 0 || ferror(stdout))
-        return code ? code : cli_error("cannot write the answer: %s", strerror(errno));
-    return code;
+    return cli_answered(code);
 }

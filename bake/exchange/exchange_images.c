@@ -72,46 +72,55 @@ static slv_result export_face(void *user, const slv_env *env, uint32_t face,
     return result;
 }
 
-/* The index, with every face's entry; `places` is NULL for a folder. */
-static json_t *describe(const struct export *e, const char *stem, const uint32_t (*places)[2]) {
+/* Where a face's texels are, into its entry. */
+static int describe_place(const struct export *e, uint32_t face, json_t *item) {
+    uint32_t ngroups = slvi_index_groups(e->plan->target.nchannels);
+    json_t *names;
+    int failed = 0;
+    if (e->places)
+        return json_object_set_new(item, "x", json_integer(e->places[face][0])) |
+               json_object_set_new(item, "y", json_integer(e->places[face][1]));
+    names = json_array();
+    for (uint32_t group = 0; group < ngroups; group++) {
+        char one[32], name[64];
+        snprintf(one, sizeof one, "face_%06u", face);
+        slvi_index_image_name(name, sizeof name, one, group, e->exr);
+        failed |= json_array_append_new(names, json_string(name));
+    }
+    return failed | json_object_set_new(item, "images", names);
+}
+
+/* The index, with every face's entry; `stem` names the images of a sheet. */
+static slv_result describe(const slv_env *env, const struct export *e, const char *stem,
+                           json_t **out) {
     const slvi_exchange_plan *plan = e->plan;
-    const slv_ptx *ptx = e->ptx;
-    bool exr = e->exr;
-    json_t *root = slvi_index_create(ptx, plan, e->meta);
-    json_t *faces = json_object_get(root, "faces"), *images = json_array();
-    uint32_t ngroups = slvi_index_groups(plan->target.nchannels);
-    int failed = !root;
-    for (uint32_t group = 0; places && group < ngroups; group++) {
+    unsigned nedges = plan->target.mesh_type == SLV_PTX_QUAD ? 4 : 3;
+    json_t *root, *images = json_array();
+    slv_result result = slvi_index_create(env, e->ptx, plan, e->meta, &root);
+    int failed = 0;
+    for (uint32_t group = 0; e->places && group < slvi_index_groups(plan->target.nchannels);
+         group++) {
         char name[512];
-        slvi_index_image_name(name, sizeof name, stem, group, exr);
-        failed |= json_array_append_new(images, slvi_index_text(name));
+        slvi_index_image_name(name, sizeof name, stem, group, e->exr);
+        failed |= json_array_append_new(images, slvi_index_text(env, name));
     }
     failed |= json_object_set_new(root, "images", images);
-    for (uint32_t face = 0; face < plan->target.nfaces && !failed; face++) {
+    for (uint32_t face = 0; face < plan->target.nfaces && !failed && !result; face++) {
         slv_ptx_face info;
-        failed = slv_ptx_get_face(ptx, face, &info) != SLV_OK;
+        if ((result = slv_ptx_get_face(e->ptx, face, &info)))
+            break;
         info.res = slvi_exchange_plan_res(plan, face, info.res);
-        json_t *item =
-            failed ? NULL : slvi_index_face(&info, plan->target.mesh_type == SLV_PTX_QUAD ? 4 : 3);
-        if (places) {
-            failed |= json_object_set_new(item, "x", json_integer(places[face][0]));
-            failed |= json_object_set_new(item, "y", json_integer(places[face][1]));
-        } else {
-            json_t *names = json_array();
-            for (uint32_t group = 0; group < ngroups; group++) {
-                char one[32], name[64];
-                snprintf(one, sizeof one, "face_%06u", face);
-                slvi_index_image_name(name, sizeof name, one, group, exr);
-                failed |= json_array_append_new(names, json_string(name));
-            }
-            failed |= json_object_set_new(item, "images", names);
-        }
-        failed |= json_array_append_new(faces, item);
+        json_t *item = slvi_index_face(&info, nedges);
+        failed = describe_place(e, face, item);
+        failed |= json_array_append_new(json_object_get(root, "faces"), item);
     }
-    if (!failed)
-        return root;
-    json_decref(root);
-    return NULL;
+    if (!result && failed)
+        result = slvi_index_no_memory(env, plan);
+    if (result)
+        json_decref(root);
+    else
+        *out = root;
+    return result;
 }
 
 static void warn_of_loss(const slv_env *env, const struct export *e) {
@@ -130,6 +139,7 @@ static slv_result to_folder(const slv_env *env, const slv_exchange_params *param
     bool real = type == SLV_TYPE_HALF || type == SLV_TYPE_FLOAT;
     char index[1300];
     slv_folder *made;
+    json_t *root;
     e->exr = params->images == SLV_EXCHANGE_BY_TYPE ? real : params->images == SLV_EXCHANGE_EXR;
     slv_result result = slv_folder_begin(env, path, &made);
     if (result)
@@ -137,8 +147,8 @@ static slv_result to_folder(const slv_env *env, const slv_exchange_params *param
     warn_of_loss(env, e);
     e->folder = slv_folder_path(made);
     snprintf(index, sizeof index, "%s/index.json", e->folder);
-    if (!(result = visit(env, e)))
-        result = slvi_index_write(env, index, describe(e, NULL, NULL));
+    if (!(result = visit(env, e)) && !(result = describe(env, e, NULL, &root)))
+        result = slvi_index_write(env, index, root);
     return slv_folder_end(made, "index.json", result);
 }
 
@@ -208,6 +218,7 @@ static slv_result save_sheets(const slv_env *env, const struct export *e, slv_pr
     const char *slash = strrchr(stem, '/'), *base = slash ? slash + 1 : stem;
     char name[1100], path[2400];
     slv_result result = SLV_OK;
+    json_t *root;
     params.progress = progress;
     for (uint32_t group = 0; group < slvi_index_groups(target->nchannels) && !result; group++) {
         slvi_index_image_name(name, sizeof name, base, group, e->exr);
@@ -215,7 +226,9 @@ static slv_result save_sheets(const slv_env *env, const struct export *e, slv_pr
         result = slv_image_save(env, path, &e->sheets[group], &params);
     }
     snprintf(path, sizeof path, "%s/%s.json", made, base);
-    return result ? result : slvi_index_write(env, path, describe(e, base, e->places));
+    if (result || (result = describe(env, e, base, &root)))
+        return result;
+    return slvi_index_write(env, path, root);
 }
 
 static slv_result to_sheet(const slv_env *env, const slv_exchange_params *params, struct export *e,

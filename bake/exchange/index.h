@@ -36,11 +36,13 @@ void slvi_index_to_image(const float *values, slv_res res, uint32_t nchannels, u
                          slv_image *image, uint32_t x, uint32_t y);
 
 /* Text that need not be UTF-8; what is not becomes U+FFFD. */
-json_t *slvi_index_text(const char *text);
-/* Everything but the list of faces. NULL if there is no memory, or metadata cannot be read. */
-json_t *slvi_index_create(const slv_ptx *ptx, const slvi_exchange_plan *plan, bool meta);
+json_t *slvi_index_text(const slv_env *env, const char *text);
+/* Everything but the list of faces. */
+slv_result slvi_index_create(const slv_env *env, const slv_ptx *ptx, const slvi_exchange_plan *plan,
+                             bool meta, json_t **out);
+slv_result slvi_index_no_memory(const slv_env *env, const slvi_exchange_plan *plan);
 json_t *slvi_index_face(const slv_ptx_face *face, unsigned nedges);
-/* Writes atomically and releases; NULL means that there was no memory for it. */
+/* Writes atomically and releases. */
 slv_result slvi_index_write(const slv_env *env, const char *path, json_t *root);
 /* Whether there is no file of that name, or an index, which may be written anew. */
 bool slvi_index_may_be(const char *path);

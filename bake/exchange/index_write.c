@@ -14,10 +14,12 @@ json_t *slvi_index_word(const char *words, int index) {
     return json_stringn(words, strcspn(words, "|"));
 }
 
-json_t *slvi_index_text(const char *text) {
+json_t *slvi_index_text(const slv_env *env, const char *text) {
+    slv_env silent = *env;
     size_t left = strlen(text), used = 0;
     char *clean;
-    if (slvi_alloc(NULL, "a name", left + 1, 3, &clean))
+    silent.log = NULL;
+    if (slvi_alloc(&silent, "a name", left + 1, 3, &clean))
         return NULL;
     while (left) {
         size_t length = 0;
@@ -86,8 +88,8 @@ static json_t *value_json(const slv_ptx_meta *meta, uint32_t i) {
 }
 
 /* Text as text; a string that JSON cannot hold as its bytes. */
-static json_t *meta_json(const slv_ptx_meta *meta) {
-    json_t *key = slvi_index_text(meta->key);
+static json_t *meta_json(const slv_env *env, const slv_ptx_meta *meta) {
+    json_t *key = slvi_index_text(env, meta->key);
     if (meta->type == SLV_META_STRING) {
         json_t *text = json_stringn(meta->values, meta->count);
         if (text)
@@ -104,17 +106,23 @@ static json_t *meta_json(const slv_ptx_meta *meta) {
                      slvi_index_word(SLVI_INDEX_METAS, (int)meta->type), "values", values);
 }
 
-json_t *slvi_index_create(const slv_ptx *ptx, const slvi_exchange_plan *plan, bool meta) {
+slv_result slvi_index_no_memory(const slv_env *env, const slvi_exchange_plan *plan) {
+    return slvi_fail(env, SLV_ERROR_MEMORY, "%s: no memory to describe the faces", plan->path);
+}
+
+slv_result slvi_index_create(const slv_env *env, const slv_ptx *ptx, const slvi_exchange_plan *plan,
+                             bool meta, json_t **out) {
     const slv_ptx_writer_params *target = &plan->target;
     json_t *list = json_array();
+    *out = NULL;
     for (uint32_t i = 0; meta && i < slv_ptx_get_info(ptx)->nmeta; i++) {
         const slv_ptx_meta *entry = slv_ptx_get_meta(ptx, i);
-        if (!entry || json_array_append_new(list, meta_json(entry))) {
+        if (!entry || json_array_append_new(list, meta_json(env, entry))) {
             json_decref(list);
-            return NULL;
+            return entry ? slvi_index_no_memory(env, plan) : SLV_ERROR_FORMAT;
         }
     }
-    return json_pack("{s:i, s:s, s:o, s:s, s:I, s:o, s:o, s:o, s:o, s:b, s:o, s:[]}", "schema", 1,
+    *out = json_pack("{s:i, s:s, s:o, s:s, s:I, s:o, s:o, s:o, s:o, s:b, s:o, s:[]}", "schema", 1,
                      "kind", SLVI_INDEX_KIND, "mesh_type",
                      slvi_index_word(SLVI_INDEX_MESHES, (int)target->mesh_type), "data_type",
                      slv_type_name(target->type), "channels", (json_int_t)target->nchannels,
@@ -124,6 +132,7 @@ json_t *slvi_index_create(const slv_ptx *ptx, const slvi_exchange_plan *plan, bo
                      "border_v", slvi_index_word(SLVI_INDEX_BORDERS, (int)target->border_v),
                      "edge_filter", slvi_index_word(SLVI_INDEX_FILTERS, (int)target->edge_filter),
                      "reductions", (int)!target->no_reductions, "meta", list, "faces");
+    return *out ? SLV_OK : slvi_index_no_memory(env, plan);
 }
 
 json_t *slvi_index_face(const slv_ptx_face *face, unsigned nedges) {
@@ -148,8 +157,6 @@ json_t *slvi_index_face(const slv_ptx_face *face, unsigned nedges) {
 
 slv_result slvi_index_write(const slv_env *env, const char *path, json_t *root) {
     slv_file_writer file;
-    if (!root)
-        return slvi_fail(env, SLV_ERROR_MEMORY, "%s: no memory to describe the faces", path);
     slv_result result = slvi_file_writer_open(env, path, &file);
     if (!result && json_dumpf(root, file.stream, JSON_INDENT(1) | JSON_REAL_PRECISION(17)) != 0)
         result = ferror(file.stream)

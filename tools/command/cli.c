@@ -1,3 +1,4 @@
+/* Options, messages, interrupts and progress, as all verbs have them. */
 #include "command/cli.h"
 
 #include <errno.h>
@@ -7,6 +8,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <strings.h>
 #include <time.h>
 #include <unistd.h>
 
@@ -35,6 +37,17 @@ int cli_error(const char *format, ...) {
     fputc('\n', stderr);
     va_end(args);
     return EXIT_FAILED;
+}
+
+int cli_answered(int code) {
+    if (fflush(stdout) == 0 && !ferror(stdout))
+        return code;
+    return code ? code : cli_error("cannot write the answer: %s", strerror(errno));
+}
+
+bool cli_ends_with(const char *path, const char *extension) {
+    size_t length = strlen(path), wanted = strlen(extension);
+    return length > wanted && strcasecmp(path + length - wanted, extension) == 0;
 }
 
 void cli_warning(const char *format, ...) {

@@ -31,6 +31,26 @@ typedef struct cli_option {
     bool *given; /* may be NULL */
 } cli_option;
 
+/* Rows that more than one verb has. */
+#define CLI_MESH(value)                                                                            \
+    {                                                                                              \
+        "--mesh|-m", CLI_TEXT, value, "control mesh; default: the geometry inside the .ptx",       \
+            "FILE.obj", 0, 0, NULL                                                                 \
+    }
+#define CLI_THREADS(value)                                                                         \
+    { "--threads", CLI_UINT, value, "worker threads (one per processor)", NULL, 1, 256, NULL }
+#define CLI_PROGRESS(value)                                                                        \
+    {                                                                                              \
+        "--progress", CLI_FLAG, value, "say on stderr how far it is, terminal or not", NULL, 0, 0, \
+            NULL                                                                                   \
+    }
+#define CLI_JSON(value)                                                                            \
+    { "--json", CLI_FLAG, value, "print JSON, for scripts", NULL, 0, 0, NULL }
+#define CLI_QUIET(value, help)                                                                     \
+    { "--quiet|-q", CLI_FLAG, value, help, NULL, 0, 0, NULL }
+#define CLI_COMPRESSION(value)                                                                     \
+    { "--compression", CLI_UINT, value, "1 (fast) to 12 (small)", NULL, 1, 12, NULL }
+
 typedef struct cli_command {
     const char *name, *summary, *arguments, *examples;
     const cli_option *options;
@@ -48,6 +68,11 @@ int cli_usage(const cli_command *command, const char *format, ...)
     __attribute__((format(printf, 2, 3)));
 /* One line about a failure; returns EXIT_FAILED. */
 int cli_error(const char *format, ...) __attribute__((format(printf, 1, 2)));
+
+/* What a verb that printed its answer returns: `code`, unless the answer could not be written. */
+int cli_answered(int code);
+/* Whether a name ends in an extension, ".ptx" in any case, and has something before it. */
+bool cli_ends_with(const char *path, const char *extension);
 
 /* One line that begins with "warning". */
 void cli_warning(const char *format, ...) __attribute__((format(printf, 1, 2)));

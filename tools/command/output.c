@@ -1,3 +1,4 @@
+/* Files written whole, and text made safe for HTML, JSON and terminals. */
 #include "command/output.h"
 
 #include <errno.h>

@@ -1,11 +1,8 @@
+/* Names that textures may be written over. */
 #include "command/ptx_name.h"
 
-#include <string.h>
-#include <strings.h>
-
 bool ptx_name_is_safe(const char *path) {
-    size_t length = strlen(path);
-    return length > 4 && strcasecmp(path + length - 4, ".ptx") == 0;
+    return cli_ends_with(path, ".ptx");
 }
 
 int ptx_name_usage(const cli_command *command, const char *path) {

@@ -1,3 +1,4 @@
+/* The options of the verbs that make one picture, and the view that they ask for. */
 #include "command/scene.h"
 
 #include <string.h>
@@ -8,8 +9,7 @@ scene_options scene_options_default(void) {
 
 void scene_options_rows(scene_options *o, cli_option *out) {
     const cli_option rows[SCENE_OPTION_ROWS] = {
-        {"--mesh|-m", CLI_TEXT, &o->mesh, "control mesh; default: the geometry inside the .ptx",
-         "FILE.obj", 0, 0, NULL},
+        CLI_MESH(&o->mesh),
         {"--view|-v", CLI_TEXT, &o->view, "camera, size and shading from a view file", "FILE.json",
          0, 0, NULL},
         {"--azimuth", CLI_FLOAT, &o->azimuth,
@@ -39,8 +39,7 @@ void scene_options_rows(scene_options *o, cli_option *out) {
         {"--adjacency", CLI_CHOICE, &o->adjacency,
          "neighbours: refuse if file and mesh differ (agree), or take the one's", SCENE_ADJACENCIES,
          0, 0, NULL},
-        {"--threads", CLI_UINT, &o->threads, "worker threads (one per processor)", NULL, 1, 256,
-         NULL},
+        CLI_THREADS(&o->threads),
     };
     memcpy(out, rows, sizeof rows);
 }

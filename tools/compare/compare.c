@@ -380,8 +380,7 @@ int verb_compare(int argc, char **argv) {
                         .dolly = 2.5f,
                         .fov = 35};
     const cli_option options[] = {
-        {"--mesh|-m", CLI_TEXT, &o.mesh, "control mesh; default: the geometry inside the .ptx",
-         "FILE.obj", 0, 0, NULL},
+        CLI_MESH(&o.mesh),
         {"--out|-o|--output", CLI_TEXT, &o.out,
          "folder for report.html, report.json, tables and pictures (selvage-report)", "DIR", 0, 0,
          NULL},
@@ -435,9 +434,8 @@ int verb_compare(int argc, char **argv) {
         {"--quick", CLI_FLAG, &o.quick, "fewer frames, smaller pictures", NULL, 0, 0, NULL},
         {"--context", CLI_CHOICE, &o.context, "where OpenGL comes from (auto)", SCENE_CONTEXTS, 0,
          0, NULL},
-        {"--threads", CLI_UINT, &o.threads, "worker threads (one per processor)", NULL, 1, 256,
-         NULL},
-        {"--quiet|-q", CLI_FLAG, &o.quiet, "no progress, no table", NULL, 0, 0, NULL},
+        CLI_THREADS(&o.threads),
+        CLI_QUIET(&o.quiet, "no progress, no table"),
     };
     const cli_command command = {
         .name = "compare",

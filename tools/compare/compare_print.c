@@ -1,3 +1,4 @@
+/* The outcome of a comparison as tables on a terminal. */
 #include "compare/compare.h"
 
 #include "compare/engine/report_findings.h"

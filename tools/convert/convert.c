@@ -3,15 +3,8 @@
 #include "convert/convert_options.h"
 #include "verbs.h"
 
-#include <errno.h>
 #include <string.h>
-#include <strings.h>
 #include <sys/stat.h>
-
-static bool ends_with(const char *path, const char *extension) {
-    size_t length = strlen(path), wanted = strlen(extension);
-    return length > wanted && strcasecmp(path + length - wanted, extension) == 0;
-}
 
 static bool is_folder(const char *path) {
     struct stat status;
@@ -65,11 +58,12 @@ static int run_convert(const cli_command *command, conversion *c) {
     convert_request request = {.source = NULL};
     int code = EXIT_FAILED;
     slv_result result;
-    bool to_ptx = ends_with(to, ".ptx"), to_sheet = ends_with(to, ".png") || ends_with(to, ".exr");
+    bool to_ptx = cli_ends_with(to, ".ptx"),
+         to_sheet = cli_ends_with(to, ".png") || cli_ends_with(to, ".exr");
     c->progress = cli_progress_fleeting("convert", o->progress, o->quiet || o->json);
     if (o->mesh && slv_mesh_load(&env, o->mesh, &mesh))
         goto done;
-    if (!to_ptx && (is_folder(from) || ends_with(from, ".json"))) {
+    if (!to_ptx && (is_folder(from) || cli_ends_with(from, ".json"))) {
         code = cli_usage(command, "from images only a .ptx can be made, not '%s'", to);
         goto done;
     }
@@ -127,18 +121,16 @@ int verb_convert(int argc, char **argv) {
          &o.edge_filter_given},
         {"--reductions", CLI_FLAG, &o.reductions, "store reductions", NULL, 0, 0, NULL},
         {"--no-reductions", CLI_FLAG, &o.no_reductions, "store none", NULL, 0, 0, NULL},
-        {"--compression", CLI_UINT, &o.compression, "1 (fast) to 12 (small)", NULL, 1, 12, NULL},
+        CLI_COMPRESSION(&o.compression),
         {"--no-meta", CLI_FLAG, &o.no_meta, "leave metadata out", NULL, 0, 0, NULL},
         {"--mesh|-m", CLI_TEXT, &o.mesh,
          "control mesh whose geometry and adjacency go into OUT.ptx", "FILE.obj", 0, 0, NULL},
         {"--format", CLI_CHOICE, &o.format, "of a folder's images (png, or exr for half and float)",
          "png|exr", 0, 0, &o.format_given},
         {"--json", CLI_FLAG, &o.json, "print what was done as JSON", NULL, 0, 0, NULL},
-        {"--progress", CLI_FLAG, &o.progress, "say on stderr how far it is, terminal or not", NULL,
-         0, 0, NULL},
-        {"--threads", CLI_UINT, &o.threads, "worker threads (one per processor)", NULL, 1, 256,
-         NULL},
-        {"--quiet|-q", CLI_FLAG, &o.quiet, "no progress on a terminal either", NULL, 0, 0, NULL},
+        CLI_PROGRESS(&o.progress),
+        CLI_THREADS(&o.threads),
+        CLI_QUIET(&o.quiet, "no progress on a terminal either"),
     };
     const cli_command command = {
         .name = "convert",
@@ -163,20 +155,18 @@ int verb_convert(int argc, char **argv) {
         return cli_usage(&command, "--premultiply and --unmultiply contradict each other");
     if (o.reductions && o.no_reductions)
         return cli_usage(&command, "--reductions and --no-reductions contradict each other");
-    if (o.mesh && !ends_with(paths[1], ".ptx"))
+    if (o.mesh && !cli_ends_with(paths[1], ".ptx"))
         return cli_usage(&command, "--mesh: only a .ptx holds geometry");
-    bool to_ptx = ends_with(paths[1], ".ptx"),
-         to_sheet = ends_with(paths[1], ".png") || ends_with(paths[1], ".exr");
+    bool to_ptx = cli_ends_with(paths[1], ".ptx"),
+         to_sheet = cli_ends_with(paths[1], ".png") || cli_ends_with(paths[1], ".exr");
     if (o.format_given && (to_ptx || to_sheet))
         return cli_usage(&command, "--format: only for a folder of images, not '%s'", paths[1]);
     if (o.compression && !to_ptx)
         return cli_usage(&command, "--compression: only for a .ptx, not '%s'", paths[1]);
     for (uint32_t i = 0; i < sizeof others / sizeof *others; i++)
-        if (ends_with(paths[1], others[i]))
+        if (cli_ends_with(paths[1], others[i]))
             return cli_usage(&command, "'%s': expected a folder, .ptx, .png or .exr", paths[1]);
     conversion c = {.options = &o, .paths = paths};
     code = run_convert(&command, &c);
-    if (fflush(stdout) != 0 || ferror(stdout))
-        return code ? code : cli_error("cannot write the answer: %s", strerror(errno));
-    return code;
+    return cli_answered(code);
 }

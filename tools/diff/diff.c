@@ -1,7 +1,7 @@
+/* The verb diff: which faces of two files differ. */
 #include "diff/diff.h"
 #include "verbs.h"
 
-#include <errno.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -175,13 +175,10 @@ int verb_diff(int argc, char **argv) {
          "png (16 bit, the largest difference white) or exr (the differences themselves) (png)",
          "png|exr", 0, 0, NULL},
         {"--show", CLI_UINT, &d.show, "faces to print (20)", NULL, 0, UINT32_MAX, NULL},
-        {"--json", CLI_FLAG, &d.json, "print JSON, for scripts", NULL, 0, 0, NULL},
-        {"--progress", CLI_FLAG, &d.progress, "say on stderr how far it is, terminal or not", NULL,
-         0, 0, NULL},
-        {"--threads", CLI_UINT, &d.threads, "worker threads (one per processor)", NULL, 1, 256,
-         NULL},
-        {"--quiet|-q", CLI_FLAG, &d.quiet, "print nothing: the exit code says it", NULL, 0, 0,
-         NULL},
+        CLI_JSON(&d.json),
+        CLI_PROGRESS(&d.progress),
+        CLI_THREADS(&d.threads),
+        CLI_QUIET(&d.quiet, "print nothing: the exit code says it"),
     };
     const cli_command command = {
         .name = "diff",
@@ -203,7 +200,5 @@ int verb_diff(int argc, char **argv) {
     if (d.tolerance < 0)
         return cli_usage(&command, "--tolerance: expected 0 or more");
     code = run_diff(&d);
-    if (fflush(stdout) != 0 || ferror(stdout))
-        return code ? code : cli_error("cannot write the answer: %s", strerror(errno));
-    return code;
+    return cli_answered(code);
 }

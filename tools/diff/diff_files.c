@@ -1,3 +1,4 @@
+/* What differs between two files besides their faces. */
 #include "diff/diff.h"
 
 #include <stdarg.h>

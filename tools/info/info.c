@@ -1,3 +1,4 @@
+/* The verb info: what kind of file it is, and its options. */
 #include "info/info.h"
 #include "verbs.h"
 
@@ -64,11 +65,6 @@ json_t *info_adjacency_json(const slv_face_adjacency *adjacency, unsigned nedges
     return NULL;
 }
 
-static bool ends_with(const char *path, const char *extension) {
-    size_t length = strlen(path), wanted = strlen(extension);
-    return length > wanted && strcasecmp(path + length - wanted, extension) == 0;
-}
-
 typedef enum file_kind { KIND_UNREADABLE, KIND_UNKNOWN, KIND_PTX, KIND_MESH } file_kind;
 
 /* By content first: a .ptx with another name is still one. */
@@ -87,7 +83,9 @@ static file_kind find_kind(const char *path) {
         return KIND_UNREADABLE;
     if (got == 4 && memcmp(magic, "Ptex", 4) == 0)
         return KIND_PTX;
-    return ends_with(path, ".ptx") ? KIND_PTX : ends_with(path, ".obj") ? KIND_MESH : KIND_UNKNOWN;
+    return cli_ends_with(path, ".ptx")   ? KIND_PTX
+           : cli_ends_with(path, ".obj") ? KIND_MESH
+                                         : KIND_UNKNOWN;
 }
 
 int verb_info(int argc, char **argv) {
@@ -95,7 +93,7 @@ int verb_info(int argc, char **argv) {
     uint32_t narguments = 0;
     info_options o = {0};
     const cli_option options[] = {
-        {"--json", CLI_FLAG, &o.json, "print JSON, for scripts", NULL, 0, 0, NULL},
+        CLI_JSON(&o.json),
         {"--faces|-f", CLI_FLAG, &o.faces, "also list every face: size, flags, neighbours", NULL, 0,
          0, NULL},
         {"--meta", CLI_FLAG, &o.meta, "also show the metadata's values (.ptx)", NULL, 0, 0, NULL},
@@ -127,7 +125,7 @@ int verb_info(int argc, char **argv) {
     int code = cli_parse(&command, argc, argv);
     if (code >= 0)
         return code;
-    if (o.sheet && !ends_with(o.sheet, ".png") && !ends_with(o.sheet, ".exr"))
+    if (o.sheet && !cli_ends_with(o.sheet, ".png") && !cli_ends_with(o.sheet, ".exr"))
         return cli_usage(&command, "--sheet: expected a name that ends in .png or .exr");
     if (!o.sheet && (o.sheet_faces || o.cell || o.encoding_given))
         return cli_usage(&command, "--sheet is missing: where does the picture go?");
@@ -147,7 +145,5 @@ int verb_info(int argc, char **argv) {
         code = info_mesh(&env, path, &o);
         break;
     }
-    if (fflush(stdout) != 0 || ferror(stdout))
-        return code ? code : cli_error("cannot write the answer: %s", strerror(errno));
-    return code;
+    return cli_answered(code);
 }

@@ -1,3 +1,4 @@
+/* What each stored level of a .ptx holds. */
 #include "info/info.h"
 
 #include <stdlib.h>

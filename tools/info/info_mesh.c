@@ -1,3 +1,4 @@
+/* What info says of a mesh. */
 #include "info/info.h"
 
 #include <string.h>

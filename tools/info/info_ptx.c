@@ -1,3 +1,4 @@
+/* What info says of a .ptx. */
 #include "info/info.h"
 
 #include <stdlib.h>

@@ -1,3 +1,4 @@
+/* A picture of all faces of a .ptx, each in a cell. */
 #include "info/info.h"
 
 #include <stdlib.h>

@@ -1,3 +1,4 @@
+/* How the error of a reference falls with its samples: a table and a plot. */
 #include "reference/convergence.h"
 #include "command/output.h"
 

@@ -216,8 +216,8 @@ int verb_reference(int argc, char **argv) {
          "1, 4, 16, ... samples against the most: a table and a plot", "FOLDER", 0, 0, NULL},
         {"--seed", CLI_UINT, &r.seed, "other samples (0)", NULL, 0, UINT32_MAX, NULL},
         {"--bits", CLI_UINT, &r.bits, "16 half or 32 float (32)", NULL, 16, 32, NULL},
-        {"--json", CLI_FLAG, &r.json, "print JSON, for scripts", NULL, 0, 0, NULL},
-        {"--quiet|-q", CLI_FLAG, &r.quiet, "print nothing on success", NULL, 0, 0, NULL},
+        CLI_JSON(&r.json),
+        CLI_QUIET(&r.quiet, "print nothing on success"),
     };
     const cli_command command = {
         .name = "reference",

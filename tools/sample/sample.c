@@ -1,3 +1,4 @@
+/* The verb sample: its options. */
 #include "sample/sample.h"
 #include "verbs.h"
 
@@ -71,9 +72,8 @@ int verb_sample(int argc, char **argv) {
          65536, NULL},
         {"--threads", CLI_UINT, &o.threads, "threads at work (one per processor)", NULL, 1, 256,
          NULL},
-        {"--progress", CLI_FLAG, &o.progress, "say on stderr how far it is, terminal or not", NULL,
-         0, 0, NULL},
-        {"--quiet|-q", CLI_FLAG, &o.quiet, "no progress on a terminal either", NULL, 0, 0, NULL},
+        CLI_PROGRESS(&o.progress),
+        CLI_QUIET(&o.quiet, "no progress on a terminal either"),
     };
     const cli_command command = {
         .name = "sample",

@@ -1,3 +1,4 @@
+/* The section of the page about textures in blocks. */
 #include "compare/engine/report_verdict.h"
 #include "compare/report/report_experiment.h"
 

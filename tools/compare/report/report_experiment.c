@@ -1,3 +1,4 @@
+/* The sections of the page about the orbit: times, errors, findings. */
 #include "compare/report/report_experiment.h"
 
 #include "command/output.h"

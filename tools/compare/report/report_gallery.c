@@ -1,3 +1,4 @@
+/* The pictures of the page. */
 #include "compare/report/report_page.h"
 
 #include <math.h>

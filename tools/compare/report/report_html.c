@@ -1,3 +1,4 @@
+/* The page: report.html, with its pictures inside. */
 #include "command/output.h"
 #include "compare/report/report_experiment.h"
 #include "compare/report/report_files.h"

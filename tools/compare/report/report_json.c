@@ -1,3 +1,4 @@
+/* The outcome as report.json. */
 #include "command/output.h"
 #include "compare/engine/report_findings.h"
 #include "compare/report/report_files.h"

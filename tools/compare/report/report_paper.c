@@ -1,3 +1,4 @@
+/* Tables for papers, and those of the report as CSV. */
 #include "compare/report/report_paper.h"
 
 #include "command/output.h"

@@ -1,3 +1,4 @@
+/* Curves as SVG. */
 #include "compare/report/report_plot.h"
 
 #include <math.h>
