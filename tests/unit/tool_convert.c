@@ -24,10 +24,10 @@ static void there_and_back(const char *path) {
     RUNS(0, "convert '%s' copy.ptx", path);
     CHECK_MSG(count_findings(tool_path("copy.ptx"), first, sizeof first) == 0, "%s: %s", path,
               first);
-    copy_is_same(path);
-    slv_ptx *ptx = tool_open(path);
+    slv_ptx *ptx = tool_open("copy.ptx");
     uint32_t nfaces = slv_ptx_get_info(ptx)->nfaces;
     slv_ptx_close(ptx);
+    copy_is_same(path);
     if (nfaces <= test_effort(2000)) { /* an image each */
         RUNS(0, "convert '%s' faces", path);
         RUNS(0, "convert faces copy.ptx");
