@@ -7,7 +7,7 @@ here=$(cd "$(dirname "$0")" && pwd)
 check() {
     (cd "$1" && find . \( -name '*.c' -o -name '*.h' -o -name '*.cpp' \) \
         \( -path './runtime/*' -o -path './bake/*' -o -path './tools/*' -o -path './assets/*' \) |
-        sed 's|^\./||' | sort | xargs awk -f "$here/include_order.awk")
+        sed 's|^\./||' | sort | xargs awk -f "$here/include_order.awk" "$here/order.txt")
 }
 
 failures=0
@@ -36,6 +36,8 @@ expect accepted runtime/base/a.c '#include "base/log.h"'
 expect accepted runtime/base/a.c '#include <selvage/half.h>'
 expect refused runtime/base/a.c '#include "mesh/mesh_data.h"'
 expect refused runtime/base/a.c '#include <selvage/mesh.h>'
+expect refused runtime/base/a.c '#include <selvage/unheard_of.h>'
+expect refused runtime/image/a.c '#include <selvage/form.h>'
 expect accepted runtime/mesh/a.cpp '#include <opensubdiv/far/error.h>'
 expect accepted runtime/mesh/a.c '#include <selvage/surface.h>'
 expect accepted runtime/mesh/a.c '#include <selvage/tessellation.h>'
