@@ -7,8 +7,9 @@ JOBS ?= 2
 
 BIN = build/bin
 DEMO = build/demo
+SOURCES = runtime bake tools tests assets docs/examples
 
-.PHONY: all build configure dependencies dependencies-tests demo test install format clean help
+.PHONY: all build configure dependencies dependencies-tests demo check test install format format-check clean help
 .DEFAULT_GOAL := build
 
 all: build ## the same as build
@@ -30,17 +31,23 @@ demo: build ## makes the demo scene, compares the strategies on it, and says whe
 	@$(BIN)/selvage compare $(DEMO)/scene_faces.ptx --mesh $(DEMO)/scene.obj --focus creature --quick --out $(DEMO)/report
 	@echo "The report: $(CURDIR)/$(DEMO)/report/report.html"
 
-test: dependencies-tests build ## builds and runs the tests; JOBS=n at a time (2)
+check: dependencies-tests build ## builds and runs the quick tests; JOBS=n at a time (2)
+	@ctest --preset quick -j $(JOBS)
+
+test: dependencies-tests build ## builds and runs all tests; JOBS=n at a time (2)
 	@ctest --preset release -j $(JOBS)
 
 install: build ## installs under PREFIX (/usr/local), DESTDIR in front
 	@DESTDIR="$(DESTDIR)" cmake --install build --prefix "$(PREFIX)"
 
 format: ## formats the C and C++ sources with clang-format 14
-	@find runtime bake tools tests assets -name '*.[ch]' -o -name '*.cpp' | xargs clang-format-14 -i
+	@find $(SOURCES) -name '*.[ch]' -o -name '*.cpp' | xargs clang-format-14 -i
+
+format-check: ## says which sources are not formatted
+	@find $(SOURCES) -name '*.[ch]' -o -name '*.cpp' | xargs clang-format-14 --dry-run -Werror
 
 clean: ## removes everything that was built
 	@rm -rf build
 
 help: ## prints this
-	@awk -F ':.*## ' '/^[a-z]+:.*## / { printf "  make %-10s %s\n", $$1, $$2 }' Makefile
+	@awk -F ':.*## ' '/^[a-z-]+:.*## / { printf "  make %-12s %s\n", $$1, $$2 }' Makefile

@@ -80,22 +80,23 @@ SLV_API slv_result slv_mesh_create(const slv_env *env, const slv_mesh_view *view
 /* Reads a file that slv_mesh_parse_obj or slv_mesh_parse_ply understands, told apart by its first
  * bytes, as it is or packed by gzip. */
 SLV_API slv_result slv_mesh_load(const slv_env *env, const char *path, slv_mesh **out);
-/* Reads `size` bytes of a Wavefront OBJ file; `name` stands in messages for the file. v, vt, vn, f (any of the four index forms, negative indices, n-gons),
- * g (a run for each name of the line) and o, and OpenSubdiv's tag lines (t crease, corner,
- * interpolateboundary, hole). Errors name the file and the line. What is left out is told in one
- * warning for each kind: indices of texture coordinates and normals that are not there, faces of
- * fewer than three vertices, unknown statements and tags, and backslashes at the end of comments and
- * names, which join no lines. */
+/* Reads `size` bytes of a Wavefront OBJ file; `name` stands in messages for the file. v, vt, vn, f
+ * (any of the four index forms, negative indices, n-gons), g (a run for each name of the line) and
+ * o, and OpenSubdiv's tag lines (t crease, corner, interpolateboundary, hole). Errors name the file
+ * and the line. What is left out is told in one warning for each kind: indices of texture
+ * coordinates and normals that are not there, faces of fewer than three vertices, unknown
+ * statements and tags, and backslashes at the end of comments and names, which join no lines. */
 SLV_API slv_result slv_mesh_parse_obj(const slv_env *env, const char *name, const char *text,
                                       size_t size, slv_mesh **out);
-/* The same from a PLY file (Turk 1994), text or binary of either byte order: the element vertex with
- * x, y, z and texture coordinates (s t, u v, texture_u texture_v), and face with vertex_indices or
- * vertex_index. Faces of fewer than three vertices are left out and told in one warning; other
- * elements and properties are passed over; triangle strips are SLV_ERROR_UNSUPPORTED. */
+/* The same from a PLY file (Turk 1994), text or binary of either byte order: the element vertex
+ * with x, y, z and texture coordinates (s t, u v, texture_u texture_v), and face with
+ * vertex_indices or vertex_index. Faces of fewer than three vertices are left out and told in one
+ * warning; other elements and properties are passed over; triangle strips are
+ * SLV_ERROR_UNSUPPORTED. */
 SLV_API slv_result slv_mesh_parse_ply(const slv_env *env, const char *name, const char *bytes,
                                       size_t size, slv_mesh **out);
-/* Writes positions, polygons, groups, creases, corners, holes and boundary rule. Atomic: beside, then
- * rename. */
+/* Writes positions, polygons, groups, creases, corners, holes and boundary rule. Atomic: beside,
+ * then rename. */
 SLV_API slv_result slv_mesh_save_obj(const slv_env *env, const slv_mesh *mesh, const char *path);
 SLV_API void slv_mesh_destroy(slv_mesh *mesh);
 

@@ -104,7 +104,7 @@ static slv_result read_region(const slv_ptx *ptx, ptx_scratch *scratch, uint32_t
         if ((result = ptx_need(ptx, PTX_CONSTANTS)))
             return result;
         slvi_fill_texels(out, ptx->tables->constants + face * ptx->pixel_size, ptx->pixel_size,
-                      ptx_texel_count(region.size));
+                         ptx_texel_count(region.size));
         return SLV_OK;
     }
     if (!scratch->inflater) {
