@@ -1,3 +1,4 @@
+/* Points and quads of the cage, and the patches of quads that parts of the scene are made of. */
 #include "cage.h"
 
 #include <math.h>

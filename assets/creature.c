@@ -1,3 +1,4 @@
+/* The creature of the demo scene, grown rib by rib from nose to tail. */
 #include "creature.h"
 
 #include <math.h>

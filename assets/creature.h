@@ -1,3 +1,4 @@
+/* The creature of the demo scene: its cage, and which part each face belongs to. */
 #ifndef ASSETS_CREATURE_H
 #define ASSETS_CREATURE_H
 

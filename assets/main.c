@@ -1,3 +1,4 @@
+/* selvage-assets FOLDER: writes the demo scene, a mesh and two textures. */
 #include "scene.h"
 
 #include <selvage/ptx.h>

@@ -1,3 +1,5 @@
+/* The demo scene put together: the creature on its ground, how finely each face is textured, with
+ * what. */
 #include "scene.h"
 
 #include <math.h>

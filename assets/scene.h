@@ -1,3 +1,4 @@
+/* The demo scene as a whole: built, written as an OBJ file, textured. */
 #ifndef ASSETS_SCENE_H
 #define ASSETS_SCENE_H
 

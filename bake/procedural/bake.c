@@ -1,3 +1,4 @@
+/* Patterns evaluated at the texels of a surface, on several threads. */
 #include "base/log.h"
 #include "base/memory.h"
 #include "base/parallel.h"

@@ -1,3 +1,4 @@
+/* The patterns themselves: stripes, noise, cubes and colours as functions of face and position. */
 #include "procedural/pattern.h"
 
 #include <math.h>

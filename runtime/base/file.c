@@ -1,3 +1,4 @@
+/* Files read whole, and files written beside their place and moved there when they are complete. */
 #include "base/file.h"
 
 #include "base/log.h"

@@ -1,3 +1,4 @@
+/* Half floats to floats and back, rounded to nearest even. */
 #include <selvage/half.h>
 
 #include <math.h>

@@ -1,3 +1,4 @@
+/* Ranges of work over several threads, and a log that they may share. */
 #include "base/parallel.h"
 
 #include "base/log.h"

@@ -61,7 +61,7 @@ static slv_result add_file(slv_cache *cache, const char *name, const cache_file 
 slv_result slv_cache_open_with(slv_cache *cache, const char *path,
                                const slv_cache_open_params *params, slv_file_id *out) {
     slv_ptx *ptx = NULL;
-    cache_file what = {0};
+    cache_file what = {.path = NULL};
     *out = 0;
     slv_result result = slv_ptx_open(&cache->env, path, &ptx);
     if (result)

@@ -1,3 +1,4 @@
+// One lookup a fragment, for measuring: face, place and footprint come with the vertex.
 layout(location = 0) flat in int lookup_face;
 layout(location = 1) flat in vec2 lookup_uv;
 layout(location = 2) flat in vec4 lookup_footprint;

@@ -1,4 +1,5 @@
-/* bench_cache [--files N] [--limit MIB] [--ratio R] [--seconds S] [--folder PATH] [--json]
+/* How fast lookups are in more texels than the cache may hold.
+ * bench_cache [--files N] [--limit MIB] [--ratio R] [--seconds S] [--folder PATH] [--json]
  * [--smoke]
  *
  * Lookups out of core: N (200) files that hold R (64) times as many texels as the cache may (256
@@ -279,6 +280,7 @@ static void print(const struct options *o, const char *name, const struct result
     fflush(stdout);
 }
 
+/* Its lines are the list of options and one report after the other. */
 int main(int argc, char **argv) {
     struct options o = {200, UINT64_C(256) << 20, 64, 10, "/tmp", false, false};
     for (int i = 1; i < argc; i++) {

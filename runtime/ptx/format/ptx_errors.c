@@ -1,3 +1,4 @@
+/* Work on ranges of faces in parallel of which only the first error is logged. */
 #include "ptx/format/ptx_file.h"
 
 #include "base/log.h"

@@ -1,3 +1,4 @@
+/* Bytes of a .ptx out of a file or a source, as they are or unzipped. */
 #include "ptx/format/ptx_file.h"
 
 #include "base/log.h"

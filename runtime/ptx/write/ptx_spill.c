@@ -1,3 +1,4 @@
+/* What a writer has packed and keeps until the end: in memory at first, then in a file. */
 #include "ptx/write/ptx_write.h"
 
 #include "base/log.h"

@@ -1,3 +1,4 @@
+/* A program that uses two of the installed libraries. */
 #include <selvage/bake.h>
 #include <selvage/ptx.h>
 
