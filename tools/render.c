@@ -32,13 +32,15 @@ static const char *output_path(const struct render *r, char *buffer, size_t size
 
 static int draw(const struct render *r, const char *path) {
     slv_env env = cli_env(r->scene.threads);
+    const slv_strategy *strategy = slv_strategy_at((uint32_t)r->strategy);
     scene_shot shot;
     slv_gl *gl = NULL;
     slv_gl_texture *texture = NULL;
     slv_gl_renderer *renderer = NULL;
     slv_image image = {0};
     int code = EXIT_FAILED;
-    slv_gl_texture_params upload = {.strategies = 1u << r->strategy,
+    slv_gl_texture_params upload = {.strategies = &strategy,
+                                    .nstrategies = 1,
                                     .anisotropy = r->aniso,
                                     .first_channel = r->scene.channel,
                                     .nchannels = r->scene.nchannels,
@@ -52,7 +54,7 @@ static int draw(const struct render *r, const char *path) {
                        .width = shot.width,
                        .height = shot.height,
                        .msaa = r->msaa,
-                       .strategy = (slv_strategy)r->strategy,
+                       .strategy = strategy,
                        .shading = shot.shading,
                        .ka = shot.ka,
                        .kd = shot.kd,
@@ -69,8 +71,8 @@ static int draw(const struct render *r, const char *path) {
     if (!r->quiet) {
         slv_gl_texture_stats stats = slv_gl_texture_get_stats(texture, frame.strategy);
         printf("%s: %u x %u, %s, %ux MSAA, %ux anisotropy, %u segments, %.1f MB on the GPU, %s\n",
-               path, frame.width, frame.height, slv_strategy_name(frame.strategy),
-               frame.msaa ? frame.msaa : 1, r->aniso, shot.segments, (double)stats.gpu_bytes / 1e6,
+               path, frame.width, frame.height, frame.strategy->name, frame.msaa ? frame.msaa : 1,
+               r->aniso, shot.segments, (double)stats.gpu_bytes / 1e6,
                slv_gl_get_info(gl)->renderer);
         if (r->compress)
             printf("compressed: texels are off by %.4f RMS, %.3f at most\n", stats.block_rms,
@@ -88,13 +90,13 @@ done:
 
 int verb_render(int argc, char **argv) {
     enum { OWN = 9 };
-    struct render r = {
-        .scene = scene_options_default(), .strategy = SLV_STRATEGY_TRAVERSE, .msaa = 4, .aniso = 1};
+    struct render r = {.scene = scene_options_default(), .msaa = 4, .aniso = 1};
+    char strategies[SCENE_STRATEGIES_SIZE];
     cli_option options[OWN + SCENE_OPTION_ROWS] = {
         {"--out|-o|--output", CLI_TEXT, &r.out,
          "picture, .png or .exr; default: the texture's name with .png", "FILE", 0, 0, NULL},
         {"--strategy|-s", CLI_CHOICE, &r.strategy, "how a lookup crosses a seam (traverse)",
-         SCENE_STRATEGIES, 0, 0, NULL},
+         scene_strategies(strategies, sizeof strategies), 0, 0, NULL},
         {"--msaa", CLI_UINT, &r.msaa,
          "samples per pixel: 1, 2, 4, 8, as far as the driver goes (4)", NULL, 1, 64, NULL},
         {"--aniso", CLI_UINT, &r.aniso, "anisotropy, 1 (trilinear) to 16 (1)", NULL, 1, 16, NULL},
@@ -124,6 +126,8 @@ int verb_render(int argc, char **argv) {
         .positional = r.arguments,
         .npositional = &r.narguments};
     char buffer[512];
+    while (slv_strategy_at((uint32_t)r.strategy) != slv_strategy_find("traverse"))
+        r.strategy++;
     scene_options_rows(&r.scene, options + OWN);
     int code = cli_parse(&command, argc, argv);
     if (code >= 0)

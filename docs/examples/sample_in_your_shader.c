@@ -166,7 +166,7 @@ static void set_up_drawing(const float box[2][3], float to_clip[16]) {
 }
 
 /* 5. Draws batch by batch: a batch is a set of faces whose textures can be bound together. */
-static int draw(slv_gl_texture *texture, slv_strategy strategy, const slv_surface *surface,
+static int draw(slv_gl_texture *texture, const slv_strategy *strategy, const slv_surface *surface,
                 const float to_clip[16]) {
     GLuint programs[SLV_GL_MAX_VARIANTS] = {0};
     int failed = 0;
@@ -177,9 +177,10 @@ static int draw(slv_gl_texture *texture, slv_strategy strategy, const slv_surfac
         size_t count = 0;
         for (uint32_t k = 0; vertices && k < batch.nfaces; k++)
             count += add_face(surface, batch.faces[k], vertices + count);
-        if (!programs[batch.variant]) /* a program for each variant that occurs, made once */
-            programs[batch.variant] =
-                program(slv_gl_texture_glsl(texture, strategy, batch.variant));
+        const char *lookups = NULL;
+        if (!programs[batch.variant] && /* a program for each variant that occurs, made once */
+            !slv_gl_texture_glsl(texture, strategy, batch.variant, &lookups))
+            programs[batch.variant] = program(lookups);
         failed = !vertices || !programs[batch.variant];
         if (!failed) {
             gl.UseProgram(programs[batch.variant]);
@@ -218,7 +219,7 @@ static void print(void *user, slv_log_level level, const char *message) {
 
 int main(int argc, char **argv) {
     slv_env env = {.log = print};
-    slv_strategy strategy = SLV_STRATEGY_TRAVERSE;
+    const slv_strategy *strategy = slv_strategy_find(argc > 3 ? argv[3] : "traverse");
     slv_ptx *ptx = NULL;
     slv_mesh *mesh = NULL;
     slv_adjacency *adjacency = NULL;
@@ -230,12 +231,13 @@ int main(int argc, char **argv) {
     slv_gl_texture_params params = {.anisotropy = 4};
     float to_clip[16];
     int failed = 1;
-    if (argc < 3 || (argc > 3 && !slv_strategy_from_name(argv[3], &strategy))) {
+    if (argc < 3 || !strategy) {
         fputs("usage: sample_in_your_shader FILE.ptx OUT.png [clamp|borders|traverse|discard]\n",
               stderr);
         return 2;
     }
-    params.strategies = 1u << strategy; /* upload only what will be drawn */
+    params.strategies = &strategy; /* upload only what will be drawn */
+    params.nstrategies = 1;
     if (slv_ptx_open(&env, argv[1], &ptx) || slv_ptx_load_mesh(&env, ptx, &mesh) ||
         slv_ptx_load_adjacency(&env, ptx, &adjacency) ||
         slv_ptx_load_texture(&env, ptx, &texture) || slv_mesh_get_stats(&env, mesh, &stats) ||

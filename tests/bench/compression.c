@@ -22,8 +22,8 @@ static const slv_env env = {.log = bench_log};
 
 static slv_result report(const scene *s, slv_gl_texture *const textures[2], const char *name,
                          bool json) {
-    for (int k = 0; k < SLV_STRATEGY_COUNT; k++) {
-        slv_strategy strategy = (slv_strategy)k;
+    for (uint32_t k = 0; k < slv_strategy_count(); k++) {
+        const slv_strategy *strategy = slv_strategy_at(k);
         slv_gl_texture_stats stats[2];
         slv_gl_seam seams[2];
         double memory[2];
@@ -39,14 +39,14 @@ static slv_result report(const scene *s, slv_gl_texture *const textures[2], cons
             printf("{\"texture\": \"%s\", \"strategy\": \"%s\", \"memory\": [%.4f, %.4f], "
                    "\"rms\": %.5f, \"max\": %.5f, \"clipped\": %u, \"jump_max\": [%.5f, %.5f], "
                    "\"jump_mean\": [%.6f, %.6f]}\n",
-                   name, slv_strategy_name(strategy), memory[0], memory[1], stats[1].block_rms,
+                   name, strategy->name, memory[0], memory[1], stats[1].block_rms,
                    stats[1].block_max, stats[1].clipped, (double)seams[0].max, (double)seams[1].max,
                    (double)seams[0].mean, (double)seams[1].mean);
         else
             printf("%-24s %-13s %6.2f %5.2f   %.4f %.3f   %.4f %.4f   %.5f %.5f\n", name,
-                   slv_strategy_name(strategy), memory[0], memory[1], stats[1].block_rms,
-                   stats[1].block_max, (double)seams[0].max, (double)seams[1].max,
-                   (double)seams[0].mean, (double)seams[1].mean);
+                   strategy->name, memory[0], memory[1], stats[1].block_rms, stats[1].block_max,
+                   (double)seams[0].max, (double)seams[1].max, (double)seams[0].mean,
+                   (double)seams[1].mean);
     }
     return SLV_OK;
 }

@@ -9,7 +9,7 @@
 #include <string.h>
 #include <sys/wait.h>
 
-enum { MAX_FRAMES = 999, MAX_PATH = 1024 };
+enum { MAX_FRAMES = 999, MAX_PATH = 1024, MAX_STRATEGIES = 32 };
 
 typedef struct options {
     const char *folder;
@@ -31,9 +31,9 @@ typedef struct scene {
 
 typedef struct row {
     uint32_t msaa, anisotropy;
-    double median[SLV_STRATEGY_COUNT], low[SLV_STRATEGY_COUNT], high[SLV_STRATEGY_COUNT]; /* ms */
-    double ratio[SLV_STRATEGY_COUNT]; /* to clamp, the median of those of each frame */
-    double to_full;                   /* traverse to traverse-full, likewise */
+    double median[MAX_STRATEGIES], low[MAX_STRATEGIES], high[MAX_STRATEGIES]; /* ms */
+    double ratio[MAX_STRATEGIES]; /* to clamp, the median of those of each frame */
+    double to_full;               /* traverse to traverse-full, likewise */
 } row;
 
 static const char *const file_names[] = {"scene.obj", "scene.ptx", "scene_faces.ptx"};
@@ -110,6 +110,13 @@ static void unload(scene *s) {
     slv_mesh_destroy(s->mesh);
 }
 
+static uint32_t place_of(const char *name) {
+    uint32_t k = 0;
+    while (strcmp(slv_strategy_at(k)->name, name) != 0)
+        k++;
+    return k;
+}
+
 static double median_ratio(const double *times, const double *to, uint32_t count) {
     double ratios[MAX_FRAMES];
     for (uint32_t i = 0; i < count; i++)
@@ -119,24 +126,25 @@ static double median_ratio(const double *times, const double *to, uint32_t count
 
 /* One round of frames is not counted: it compiles shaders. */
 static slv_result measure(const scene *s, const options *o, slv_gl_texture *texture, row *out) {
-    static double times[SLV_STRATEGY_COUNT][MAX_FRAMES];
+    static double times[MAX_STRATEGIES][MAX_FRAMES];
     slv_result result = SLV_OK;
     for (uint32_t i = 0; !result && i <= o->frames; i++) {
-        for (uint32_t k = 0; !result && k < SLV_STRATEGY_COUNT; k++) {
+        for (uint32_t k = 0; !result && k < slv_strategy_count(); k++) {
             double seconds = 0;
             slv_frame frame = frame_at(s, o, (float)i / (float)o->frames, out->msaa);
-            frame.strategy = (slv_strategy)((k + i) % SLV_STRATEGY_COUNT);
+            uint32_t which = (k + i) % slv_strategy_count();
+            frame.strategy = slv_strategy_at(which);
             result = slv_gl_renderer_draw(s->renderer, &env, texture, &frame, NULL, &seconds);
             if (i)
-                times[frame.strategy][i - 1] = seconds * 1e3;
+                times[which][i - 1] = seconds * 1e3;
         }
     }
-    for (int k = 0; !result && k < SLV_STRATEGY_COUNT; k++)
-        out->ratio[k] = median_ratio(times[k], times[SLV_STRATEGY_CLAMP], o->frames);
+    for (uint32_t k = 0; !result && k < slv_strategy_count(); k++)
+        out->ratio[k] = median_ratio(times[k], times[place_of("clamp")], o->frames);
     if (!result)
-        out->to_full = median_ratio(times[SLV_STRATEGY_TRAVERSE], times[SLV_STRATEGY_TRAVERSE_FULL],
-                                    o->frames);
-    for (int k = 0; !result && k < SLV_STRATEGY_COUNT; k++) {
+        out->to_full =
+            median_ratio(times[place_of("traverse")], times[place_of("traverse-full")], o->frames);
+    for (uint32_t k = 0; !result && k < slv_strategy_count(); k++) {
         qsort(times[k], o->frames, sizeof times[k][0], bench_compare);
         out->median[k] = times[k][o->frames / 2];
         out->low[k] = times[k][o->frames / 10];
@@ -155,8 +163,8 @@ static void print_table(const scene *s, const options *o, const row *rows, uint3
     for (uint32_t i = 0; i < nrows; i++) {
         printf("%ux MSAA, %ux anisotropy\n  %-14s %10s %10s\n", rows[i].msaa, rows[i].anisotropy,
                "", "ms", "to clamp");
-        for (int k = 0; k < SLV_STRATEGY_COUNT; k++)
-            printf("  %-14s %10.2f %10.2f\n", slv_strategy_name((slv_strategy)k), rows[i].median[k],
+        for (uint32_t k = 0; k < slv_strategy_count(); k++)
+            printf("  %-14s %10.2f %10.2f\n", slv_strategy_at(k)->name, rows[i].median[k],
                    rows[i].ratio[k]);
         printf("  traverse to traverse-full: %.2f\n\n", rows[i].to_full);
     }
@@ -176,11 +184,11 @@ static void print_json(const scene *s, const options *o, const row *rows, uint32
     for (uint32_t i = 0; i < nrows; i++) {
         printf("%s\n    {\"msaa\": %u, \"anisotropy\": %u, \"strategies\": {", i ? "," : "",
                rows[i].msaa, rows[i].anisotropy);
-        for (int k = 0; k < SLV_STRATEGY_COUNT; k++)
+        for (uint32_t k = 0; k < slv_strategy_count(); k++)
             printf("%s\n      \"%s\": {\"median_ms\": %.4f, \"p10_ms\": %.4f, \"p90_ms\": %.4f, "
                    "\"ratio\": %.4f}",
-                   k ? "," : "", slv_strategy_name((slv_strategy)k), rows[i].median[k],
-                   rows[i].low[k], rows[i].high[k], rows[i].ratio[k]);
+                   k ? "," : "", slv_strategy_at(k)->name, rows[i].median[k], rows[i].low[k],
+                   rows[i].high[k], rows[i].ratio[k]);
         printf("\n    }, \"traverse_to_full\": %.4f}", rows[i].to_full);
     }
     printf("\n  ]\n}\n");

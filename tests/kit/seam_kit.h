@@ -13,8 +13,8 @@ static inline slv_gl_texture *seam_upload(slv_gl *gl, const kit *k, slv_gl_textu
     return texture;
 }
 
-static inline slv_gl_seam seam_jump(slv_gl_texture *texture, const kit *k, slv_strategy strategy,
-                                    slv_gl_seam_params params) {
+static inline slv_gl_seam seam_jump(slv_gl_texture *texture, const kit *k,
+                                    const slv_strategy *strategy, slv_gl_seam_params params) {
     slv_env env = test_env();
     slv_gl_seam seam;
     REQUIRE(slv_gl_texture_seam_jump(texture, &env, strategy, k->adjacency, &params, &seam) ==

@@ -1,6 +1,7 @@
 /* Compressed layers: lookups keep within what the encoder says it loses, and seams stay closed
  * where both sides decode the same texels. */
 #include "kit/seam_kit.h"
+#include "kit/strategy_kit.h"
 
 static slv_gl *gl;
 
@@ -8,7 +9,7 @@ static slv_gl_texture *upload(const kit *k, slv_gl_compression compression) {
     return seam_upload(gl, k, (slv_gl_texture_params){.compression = compression});
 }
 
-static slv_gl_seam jump(slv_gl_texture *texture, const kit *k, slv_strategy strategy,
+static slv_gl_seam jump(slv_gl_texture *texture, const kit *k, const slv_strategy *strategy,
                         uint32_t level) {
     return seam_jump(texture, k, strategy, (slv_gl_seam_params){.level = level});
 }
@@ -16,7 +17,7 @@ static slv_gl_seam jump(slv_gl_texture *texture, const kit *k, slv_strategy stra
 /* Every texel's centre, magnified, against the texture. */
 static void check_values(const kit *k, slv_gl_texture *texture) {
     slv_env env = test_env();
-    double most = slv_gl_texture_get_stats(texture, SLV_STRATEGY_CLAMP).block_max;
+    double most = slv_gl_texture_get_stats(texture, kit_strategy("clamp")).block_max;
     for (uint32_t face = 0; face < k->nfaces; face++) {
         uint32_t width = 1u << k->res[face].u, count = (uint32_t)kit_texels(k->res[face]);
         int32_t *faces = malloc(count * sizeof *faces);
@@ -29,8 +30,8 @@ static void check_values(const kit *k, slv_gl_texture *texture) {
             uv[2 * i + 1] = ((float)(i / width) + 0.5f) / (float)(1u << k->res[face].v);
             dx[2 * i] = dy[2 * i + 1] = 1e-4f;
         }
-        REQUIRE(slv_gl_texture_lookup(texture, &env, SLV_STRATEGY_CLAMP, count, faces, uv, dx, dy,
-                                      values) == SLV_OK);
+        REQUIRE(slv_gl_texture_lookup(texture, &env, kit_strategy("clamp"), count, faces, uv, dx,
+                                      dy, values) == SLV_OK);
         for (uint32_t i = 0; i < count; i++) {
             float texel[4];
             slv_texture_fetch(k->texture, face, i % width, i / width, texel);
@@ -67,8 +68,8 @@ static void check_equal(kit *k, const char *name, bool regular, uint64_t *random
         slv_gl_texture *plain = upload(k, SLV_GL_COMPRESSION_NONE);
         slv_gl_texture *texture = upload(k, SLV_GL_COMPRESSION_BLOCKS);
         check_values(k, texture);
-        for (int s = 0; s < SLV_STRATEGY_COUNT; s++) {
-            slv_strategy strategy = (slv_strategy)s;
+        for (uint32_t s = 0; s < slv_strategy_count(); s++) {
+            const slv_strategy *strategy = slv_strategy_at(s);
             slv_gl_texture_stats before = slv_gl_texture_get_stats(plain, strategy);
             slv_gl_texture_stats after = slv_gl_texture_get_stats(texture, strategy);
             CHECK(before.block_rms == 0 && before.block_max == 0);
@@ -81,10 +82,10 @@ static void check_equal(kit *k, const char *name, bool regular, uint64_t *random
             CHECK(after.widened == 0);
         }
         for (uint32_t level = 0; level <= 2; level++) {
-            slv_gl_seam clamp = jump(texture, k, SLV_STRATEGY_CLAMP, level);
-            slv_gl_seam borders = jump(texture, k, SLV_STRATEGY_BORDERS, level);
-            slv_gl_seam traverse = jump(texture, k, SLV_STRATEGY_TRAVERSE, level);
-            slv_gl_seam aligned = jump(texture, k, SLV_STRATEGY_EDGE_ALIGNED, level);
+            slv_gl_seam clamp = jump(texture, k, kit_strategy("clamp"), level);
+            slv_gl_seam borders = jump(texture, k, kit_strategy("borders"), level);
+            slv_gl_seam traverse = jump(texture, k, kit_strategy("traverse"), level);
+            slv_gl_seam aligned = jump(texture, k, kit_strategy("edge-aligned"), level);
             CHECK(level || clamp.max > 0.2f);
             CHECK_MSG(traverse.max <= 1.0f / 255, "%s level %u: traverse jumps by %g", name, level,
                       (double)traverse.max);
@@ -98,7 +99,7 @@ static void check_equal(kit *k, const char *name, bool regular, uint64_t *random
             CHECK_MSG(aligned.max < 0.2f && aligned.mean < clamp.mean / 3,
                       "%s %u channels level %u: edge-aligned jumps by %g, mean %g", name, nchannels,
                       level, (double)aligned.max, (double)aligned.mean);
-            slv_gl_seam htex = jump(texture, k, SLV_STRATEGY_HTEX, level);
+            slv_gl_seam htex = jump(texture, k, kit_strategy("htex"), level);
             CHECK_MSG(htex.max <= 1.0f / 255, "%s level %u: htex jumps by %g", name, level,
                       (double)htex.max);
         }
@@ -112,17 +113,17 @@ static void check_mixed(kit *k, const char *name, uint64_t *random) {
     kit_mixed(k, 5, random);
     paint(k, 3, random);
     slv_gl_texture *texture = upload(k, SLV_GL_COMPRESSION_BLOCKS);
-    slv_gl_seam clamp = jump(texture, k, SLV_STRATEGY_CLAMP, 0);
-    slv_gl_seam borders = jump(texture, k, SLV_STRATEGY_BORDERS, 0);
-    slv_gl_seam traverse = jump(texture, k, SLV_STRATEGY_TRAVERSE, 0);
-    slv_gl_seam aligned = jump(texture, k, SLV_STRATEGY_EDGE_ALIGNED, 0);
+    slv_gl_seam clamp = jump(texture, k, kit_strategy("clamp"), 0);
+    slv_gl_seam borders = jump(texture, k, kit_strategy("borders"), 0);
+    slv_gl_seam traverse = jump(texture, k, kit_strategy("traverse"), 0);
+    slv_gl_seam aligned = jump(texture, k, kit_strategy("edge-aligned"), 0);
     CHECK_MSG(borders.mean < clamp.mean / 3, "%s: borders %g clamp %g", name, (double)borders.mean,
               (double)clamp.mean);
     CHECK_MSG(traverse.mean < clamp.mean / 8, "%s: traverse %g clamp %g", name,
               (double)traverse.mean, (double)clamp.mean);
     CHECK_MSG(aligned.mean < clamp.mean / 3, "%s: edge-aligned %g clamp %g", name,
               (double)aligned.mean, (double)clamp.mean);
-    slv_gl_seam htex = jump(texture, k, SLV_STRATEGY_HTEX, 0);
+    slv_gl_seam htex = jump(texture, k, kit_strategy("htex"), 0);
     CHECK_MSG(htex.max <= 1.0f / 255, "%s: htex jumps by %g", name, (double)htex.max);
     slv_gl_texture_destroy(texture);
 }
@@ -137,7 +138,7 @@ static void check_threads(const kit *k) {
         env.threads = i ? 5 : 1;
         REQUIRE(slv_gl_texture_create(gl, &env, k->texture, k->adjacency, &params, &texture) ==
                 SLV_OK);
-        stats[i] = slv_gl_texture_get_stats(texture, SLV_STRATEGY_BORDERS);
+        stats[i] = slv_gl_texture_get_stats(texture, kit_strategy("borders"));
         slv_gl_texture_destroy(texture);
     }
     CHECK(stats[0].block_rms == stats[1].block_rms && stats[0].block_max == stats[1].block_max);

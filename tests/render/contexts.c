@@ -1,12 +1,13 @@
 /* EGL and OSMesa draw the same picture, and a host's own context serves as well. */
 #include "kit/border_kit.h"
+#include "kit/strategy_kit.h"
 
 #include <selvage/bake.h>
 #include <selvage/gl_renderer.h>
 
 #include <dlfcn.h>
 
-static slv_image draw(slv_gl *gl, const kit *k, slv_strategy strategy, uint32_t msaa) {
+static slv_image draw(slv_gl *gl, const kit *k, const slv_strategy *strategy, uint32_t msaa) {
     slv_env env = test_env();
     slv_surface *surface = NULL;
     slv_gl_texture *texture = NULL;
@@ -84,7 +85,7 @@ static void check_two_contexts(const kit *k) {
     result = slv_gl_create(&env, SLV_GL_EGL, &second);
     REQUIRE(result == SLV_OK);
     slv_gl_destroy(first);
-    slv_image image = draw(second, k, SLV_STRATEGY_TRAVERSE, 1);
+    slv_image image = draw(second, k, kit_strategy("traverse"), 1);
     largest_difference(&image, &image, &mean);
     CHECK(mean > 0.05f);
     slv_image_free(&image);
@@ -129,9 +130,9 @@ static void check_many_programs(uint64_t *random) {
      * more */
     for (uint32_t made = 0; made < 63; made++) {
         slv_gl_texture *texture = NULL;
-        slv_strategy strategy = made < 62 ? SLV_STRATEGY_BORDERS : SLV_STRATEGY_TRAVERSE;
-        slv_gl_texture_params params = {
-            .strategies = 1u << strategy, .border = 1 + made, .pool_layers = 4};
+        const slv_strategy *strategy =
+            made < 62 ? kit_strategy("borders") : kit_strategy("traverse");
+        slv_gl_texture_params params = {KIT_ONLY(strategy), .border = 1 + made, .pool_layers = 4};
         slv_frame frame = {.width = 16, .height = 16, .strategy = strategy};
         const float low[3] = {0, 0, 0}, high[3] = {100, 100, 100};
         uint32_t variants = 0;
@@ -159,7 +160,7 @@ int main(void) {
     uint64_t random = 3;
     kit k;
     make_cube(&k, &random);
-    for (int strategy = 0; strategy < SLV_STRATEGY_COUNT; strategy++) {
+    for (uint32_t s = 0; s < slv_strategy_count(); s++) {
         for (uint32_t msaa = 1; msaa <= 4; msaa *= 4) {
             slv_image images[3];
             float mean;
@@ -178,7 +179,7 @@ int main(void) {
                 CHECK(slv_gl_has_samples(gl, 1) && slv_gl_has_samples(gl, 4));
                 CHECK(!slv_gl_has_samples(gl, 0) && !slv_gl_has_samples(gl, 3) &&
                       !slv_gl_has_samples(gl, 2 * slv_gl_get_info(gl)->max_msaa));
-                images[i] = draw(host ? host : gl, &k, (slv_strategy)strategy, msaa);
+                images[i] = draw(host ? host : gl, &k, slv_strategy_at(s), msaa);
                 slv_gl_destroy(host);
                 slv_gl_destroy(gl);
             }

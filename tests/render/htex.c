@@ -2,6 +2,7 @@
  * every level, however the squares are spread over array textures; and those with anisotropy are
  * means along their rows, the same on both sides of an edge. */
 #include "kit/border_kit.h"
+#include "kit/strategy_kit.h"
 
 #include <selvage/gl_texture.h>
 #include <selvage/htex.h>
@@ -36,16 +37,15 @@ static void check_values(const kit *k, const char *name, uint32_t pool_layers, u
     random_points(k, random);
     for (int branching = SLV_GL_BRANCHING_REAL; branching <= SLV_GL_BRANCHING_VECTORS;
          branching++) {
-        slv_gl_texture_params params = {.strategies = 1u << SLV_STRATEGY_HTEX,
+        slv_gl_texture_params params = {KIT_ONLY(kit_strategy("htex")),
                                         .branching = (slv_gl_branching)branching,
-                                        .pool_layers = pool_layers,
-                                        .batch_pools = 1};
+                                        .pool_layers = pool_layers, .batch_pools = 1};
         slv_gl_texture *texture = NULL;
         int wrong = 0;
         REQUIRE(slv_gl_texture_create(gl, &env, k->texture, k->adjacency, &params, &texture) ==
                 SLV_OK);
-        REQUIRE(slv_gl_texture_lookup(texture, &env, SLV_STRATEGY_HTEX, POINTS, faces, uv, dx, dy,
-                                      values) == SLV_OK);
+        REQUIRE(slv_gl_texture_lookup(texture, &env, kit_strategy("htex"), POINTS, faces, uv, dx,
+                                      dy, values) == SLV_OK);
         for (int i = 0; i < POINTS && wrong < 4; i++) {
             float expected[4] = {0, 0, 0, 1};
             slv_htex_lookup(htex, (uint32_t)faces[i], uv[2 * i], uv[2 * i + 1], widths[i],
@@ -72,7 +72,7 @@ static void check_values(const kit *k, const char *name, uint32_t pool_layers, u
 /* Rows of taps of any length and direction: the same on both sides of an edge. */
 static void check_rows(const kit *k, const char *name, uint64_t *random) {
     slv_env env = test_env();
-    slv_gl_texture_params params = {.strategies = 1u << SLV_STRATEGY_HTEX, .anisotropy = 16};
+    slv_gl_texture_params params = {KIT_ONLY(kit_strategy("htex")), .anisotropy = 16};
     slv_gl_texture *texture = NULL;
     float most = 0;
     REQUIRE(slv_gl_texture_create(gl, &env, k->texture, k->adjacency, &params, &texture) == SLV_OK);
@@ -104,7 +104,7 @@ static void check_rows(const kit *k, const char *name, uint64_t *random) {
         }
         i += 2;
     }
-    REQUIRE(slv_gl_texture_lookup(texture, &env, SLV_STRATEGY_HTEX, POINTS, faces, uv, dx, dy,
+    REQUIRE(slv_gl_texture_lookup(texture, &env, kit_strategy("htex"), POINTS, faces, uv, dx, dy,
                                   values) == SLV_OK);
     for (int i = 0; i < POINTS; i += 2)
         for (int c = 0; c < 4; c++)
@@ -117,8 +117,7 @@ static void check_rows(const kit *k, const char *name, uint64_t *random) {
  * stay in the two triangles there. */
 static void check_diagonals(const kit *k, const char *name, uint32_t anisotropy, uint64_t *random) {
     slv_env env = test_env();
-    slv_gl_texture_params params = {.strategies = 1u << SLV_STRATEGY_HTEX,
-                                    .anisotropy = anisotropy};
+    slv_gl_texture_params params = {KIT_ONLY(kit_strategy("htex")), .anisotropy = anisotropy};
     slv_gl_texture *texture = NULL;
     float most = 0;
     int worst = 0;
@@ -141,7 +140,7 @@ static void check_diagonals(const kit *k, const char *name, uint32_t anisotropy,
             dy[2 * j + 1] = shortest * cosf(angle);
         }
     }
-    REQUIRE(slv_gl_texture_lookup(texture, &env, SLV_STRATEGY_HTEX, POINTS, faces, uv, dx, dy,
+    REQUIRE(slv_gl_texture_lookup(texture, &env, kit_strategy("htex"), POINTS, faces, uv, dx, dy,
                                   values) == SLV_OK);
     for (int i = 0; i < POINTS; i += 2)
         for (int c = 0; c < 4; c++) {
@@ -160,7 +159,7 @@ static void check_diagonals(const kit *k, const char *name, uint32_t anisotropy,
 static void check_means(uint64_t *random) {
     enum { STEPS = 64 };
     slv_env env = test_env();
-    slv_gl_texture_params params = {.strategies = 1u << SLV_STRATEGY_HTEX, .anisotropy = 16};
+    slv_gl_texture_params params = {KIT_ONLY(kit_strategy("htex")), .anisotropy = 16};
     slv_gl_texture *texture = NULL;
     slv_htex *htex = NULL;
     const float length = 0.15f;
@@ -182,7 +181,7 @@ static void check_means(uint64_t *random) {
         dy[2 * i] = -dx[2 * i + 1] / 16;
         dy[2 * i + 1] = dx[2 * i] / 16;
     }
-    REQUIRE(slv_gl_texture_lookup(texture, &env, SLV_STRATEGY_HTEX, POINTS, faces, uv, dx, dy,
+    REQUIRE(slv_gl_texture_lookup(texture, &env, kit_strategy("htex"), POINTS, faces, uv, dx, dy,
                                   values) == SLV_OK);
     for (int i = 0; i < POINTS; i++) {
         float mean = 0;
@@ -205,7 +204,7 @@ static void check_means(uint64_t *random) {
 /* Faces that meet get squares in the same array textures, and so share batches. */
 static void check_batches(uint64_t *random) {
     slv_env env = test_env();
-    slv_gl_texture_params params = {.strategies = 1u << SLV_STRATEGY_HTEX, .pool_layers = 16};
+    slv_gl_texture_params params = {KIT_ONLY(kit_strategy("htex")), .pool_layers = 16};
     slv_gl_texture *texture = NULL;
     uint32_t drawn = 0;
     kit k;
@@ -214,12 +213,12 @@ static void check_batches(uint64_t *random) {
         k.res[f] = (slv_res){2, (int8_t)(2 + f % 2)};
     kit_noise(&k, SLV_TYPE_U8, 3, random);
     REQUIRE(slv_gl_texture_create(gl, &env, k.texture, k.adjacency, &params, &texture) == SLV_OK);
-    slv_gl_texture_stats stats = slv_gl_texture_get_stats(texture, SLV_STRATEGY_HTEX);
+    slv_gl_texture_stats stats = slv_gl_texture_get_stats(texture, kit_strategy("htex"));
     CHECK(stats.pools == 30); /* 480 edges, all of 8 x 8 texels */
     CHECK_MSG(stats.batches < 4 * stats.pools, "%u batches for %u pools", stats.batches,
               stats.pools);
     for (uint32_t b = 0; b < stats.batches; b++) {
-        slv_gl_batch batch = slv_gl_texture_batch(texture, SLV_STRATEGY_HTEX, b);
+        slv_gl_batch batch = slv_gl_texture_batch(texture, kit_strategy("htex"), b);
         CHECK(batch.variant <= 4 && batch.nfaces > 0);
         drawn += batch.nfaces;
     }

@@ -2,6 +2,7 @@
  * the published samples where they are at hand, no pixel whose footprint stays inside its face is
  * further than 2/255 apart. */
 #include "kit/command_kit.h"
+#include "kit/strategy_kit.h"
 
 #include <selvage/bake.h>
 #include <selvage/gl_renderer.h>
@@ -10,11 +11,9 @@
 
 enum { WIDTH = 320, HEIGHT = 180, PIXELS = WIDTH * HEIGHT, SEGMENTS = 8 };
 
-/* All but edge-aligned and htex, whose texels are others. */
-static const slv_strategy strategies[] = {SLV_STRATEGY_CLAMP,   SLV_STRATEGY_BORDERS,
-                                          SLV_STRATEGY_DISCARD, SLV_STRATEGY_TRAVERSE,
-                                          SLV_STRATEGY_HYBRID,  SLV_STRATEGY_TRAVERSE_FULL};
-enum { STRATEGIES = sizeof strategies / sizeof *strategies };
+/* All whose texels are the texture's own. */
+static const slv_strategy *strategies[KIT_STRATEGIES];
+static uint32_t nstrategies;
 
 static slv_gl *gl;
 static slv_reference_hit hits[PIXELS];
@@ -48,13 +47,13 @@ static bool inside(const slv_res *res, uint32_t pixel, uint32_t anisotropy) {
 static void check_view(slv_gl_renderer *renderer, slv_gl_texture *texture, const slv_res *res,
                        slv_frame frame, uint32_t anisotropy, const char *name, uint32_t *count) {
     slv_env env = test_env();
-    slv_image images[STRATEGIES];
-    for (int s = 0; s < STRATEGIES; s++) {
+    slv_image images[KIT_STRATEGIES];
+    for (uint32_t s = 0; s < nstrategies; s++) {
         frame.strategy = strategies[s];
         REQUIRE(slv_gl_renderer_draw(renderer, &env, texture, &frame, &images[s], NULL) == SLV_OK);
     }
-    for (int s = 1; s < STRATEGIES; s++) {
-        for (int t = 0; t < s; t++) {
+    for (uint32_t s = 1; s < nstrategies; s++) {
+        for (uint32_t t = 0; t < s; t++) {
             float apart = 0;
             uint32_t where = 0;
             for (uint32_t pixel = 0; pixel < PIXELS; pixel++) {
@@ -69,12 +68,11 @@ static void check_view(slv_gl_renderer *renderer, slv_gl_texture *texture, const
                 }
             }
             CHECK_MSG(apart <= 2.0f / 255, "%s aniso %u: %s and %s are %g/255 apart at pixel %u %u",
-                      name, anisotropy, slv_strategy_name(strategies[s]),
-                      slv_strategy_name(strategies[t]), (double)apart * 255, where % WIDTH,
-                      where / WIDTH);
+                      name, anisotropy, strategies[s]->name, strategies[t]->name,
+                      (double)apart * 255, where % WIDTH, where / WIDTH);
         }
     }
-    for (int s = 0; s < STRATEGIES; s++)
+    for (uint32_t s = 0; s < nstrategies; s++)
         slv_image_free(&images[s]);
 }
 
@@ -155,6 +153,9 @@ int main(void) {
     slv_env env = test_env();
     char program[KIT_PATH], obj[KIT_PATH], ptx[KIT_PATH];
     REQUIRE(slv_gl_create(&env, SLV_GL_AUTO, &gl) == SLV_OK);
+    for (uint32_t s = 0; s < slv_strategy_count(); s++)
+        if (!slv_strategy_at(s)->resampled)
+            strategies[nstrategies++] = slv_strategy_at(s);
     kit_scratch_make(&scratch);
     kit_join(program, kit_variable("SELVAGE_BIN"), "selvage-assets");
     kit_run_program(&scratch, NULL, (const char *const[]){program, scratch.folder, NULL}, &run);

@@ -2,14 +2,14 @@
  * their edge, however near to a vertex, and no line may show inside a face where the influence of a
  * neighbour ends. Textures are noise, so that only exact agreement hides anything. */
 #include "kit/border_kit.h"
+#include "kit/strategy_kit.h"
 
 #include <selvage/gl_texture.h>
 
 static slv_gl *gl;
 
 /* The second and third have the first one's lookups under magnification. */
-static const slv_strategy strategies[] = {SLV_STRATEGY_TRAVERSE, SLV_STRATEGY_TRAVERSE_FULL,
-                                          SLV_STRATEGY_HYBRID};
+static const char *const strategies[] = {"traverse", "traverse-full", "hybrid"};
 
 static slv_gl_texture *upload(const kit *k, uint32_t anisotropy, slv_gl_branching branching) {
     slv_env env = test_env();
@@ -25,13 +25,12 @@ static void slvi_check_seams(const kit *k, slv_gl_texture *texture, int nstrateg
     slv_gl_seam_params params = {.samples = 257};
     slv_gl_seam seam;
     for (int s = 0; s < nstrategies; s++) {
-        REQUIRE(slv_gl_texture_seam_jump(texture, &env, strategies[s], k->adjacency, &params,
-                                         &seam) == SLV_OK);
+        REQUIRE(slv_gl_texture_seam_jump(texture, &env, kit_strategy(strategies[s]), k->adjacency,
+                                         &params, &seam) == SLV_OK);
         CHECK_MSG(seam.max <= 0.1f / 255, "%s: %s jumps by %g/255 at face %d edge %d t %g", name,
-                  slv_strategy_name(strategies[s]), (double)seam.max * 255, seam.face, seam.edge,
-                  (double)seam.t);
+                  strategies[s], (double)seam.max * 255, seam.face, seam.edge, (double)seam.t);
     }
-    REQUIRE(slv_gl_texture_seam_jump(texture, &env, SLV_STRATEGY_CLAMP, k->adjacency, &params,
+    REQUIRE(slv_gl_texture_seam_jump(texture, &env, kit_strategy("clamp"), k->adjacency, &params,
                                      &seam) == SLV_OK);
     CHECK_MSG(seam.max > 0.2f, "%s: clamp jumps by only %g", name, (double)seam.max);
 }
@@ -52,7 +51,7 @@ static void check_line(const kit *k, slv_gl_texture *texture, uint32_t face, flo
     }
     float steepest = 0;
     int where = 0;
-    REQUIRE(slv_gl_texture_lookup(texture, &env, SLV_STRATEGY_TRAVERSE, STEPS, faces, uv, dx, dy,
+    REQUIRE(slv_gl_texture_lookup(texture, &env, kit_strategy("traverse"), STEPS, faces, uv, dx, dy,
                                   values) == SLV_OK);
     for (int i = 1; i < STEPS; i++) {
         for (uint32_t c = 0; c < k->nchannels; c++) {

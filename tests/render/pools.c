@@ -2,6 +2,7 @@
  * 1x1 up: the numbers that a lookup returns must not depend on how faces are spread over arrays and
  * batches. */
 #include "kit/border_kit.h"
+#include "kit/strategy_kit.h"
 
 #include <selvage/gl_texture.h>
 
@@ -27,7 +28,7 @@ static void random_points(const kit *k, uint64_t *random) {
     }
 }
 
-static void look_up(const kit *k, const slv_gl_texture_params *params, slv_strategy strategy,
+static void look_up(const kit *k, const slv_gl_texture_params *params, const slv_strategy *strategy,
                     float *out, uint32_t *batches) {
     slv_env env = test_env();
     slv_gl_texture *texture = NULL;
@@ -47,25 +48,27 @@ static void check_spread(kit *k, slv_type type, uint32_t nchannels, uint64_t *ra
     static float whole[4 * NPOINTS], spread[4 * NPOINTS];
     kit_noise(k, type, nchannels, random);
     random_points(k, random);
-    for (int strategy = 0; strategy < SLV_STRATEGY_COUNT; strategy++) {
+    for (uint32_t s = 0; s < slv_strategy_count(); s++) {
+        const slv_strategy *strategy = slv_strategy_at(s);
         uint32_t few, many;
-        slv_gl_texture_params plain = {.strategies = 1u << strategy};
-        slv_gl_texture_params cut = {.strategies = 1u << strategy, .pool_layers = 2};
-        look_up(k, &plain, (slv_strategy)strategy, whole, &few);
-        look_up(k, &cut, (slv_strategy)strategy, spread, &many);
+        slv_gl_texture_params plain = {KIT_ONLY(strategy)};
+        slv_gl_texture_params cut = {KIT_ONLY(strategy), .pool_layers = 2};
+        look_up(k, &plain, strategy, whole, &few);
+        look_up(k, &cut, strategy, spread, &many);
         CHECK(many > few && many > 32);
         float largest = 0;
         for (int i = 0; i < 4 * NPOINTS; i++) {
             CHECK(isfinite(whole[i]));
             largest = fmaxf(largest, fabsf(whole[i] - spread[i]));
         }
-        CHECK_MSG(largest <= 1e-6f, "%s %s: %g", slv_strategy_name((slv_strategy)strategy),
-                  slv_type_name(type), (double)largest);
+        CHECK_MSG(largest <= 1e-6f, "%s %s: %g", strategy->name, slv_type_name(type),
+                  (double)largest);
     }
 }
 
-/* A colour comes out of two faces of these sizes as it went in. */
-static void check_constant(slv_res left, slv_res right, uint32_t strategies, uint64_t *random) {
+/* A colour comes out of two faces of these sizes as it went in; with `few`, of the strategies that
+ * keep the texture's own texels and no coverage. */
+static void check_constant(slv_res left, slv_res right, bool few, uint64_t *random) {
     kit k;
     kit_grid(&k, 2, 1, false, 0, random, NULL);
     k.res[0] = left;
@@ -76,21 +79,22 @@ static void check_constant(slv_res left, slv_res right, uint32_t strategies, uin
         slv_result result = slv_texture_set_constant(k.texture, f, color);
         REQUIRE(result == SLV_OK);
     }
-    for (int strategy = 0; strategy < SLV_STRATEGY_COUNT; strategy++) {
+    for (uint32_t s = 0; s < slv_strategy_count(); s++) {
+        const slv_strategy *strategy = slv_strategy_at(s);
         static float values[4 * NPOINTS];
         uint32_t batches;
-        slv_gl_texture_params params = {.strategies = 1u << strategy, .anisotropy = 2};
-        if (!(strategies & params.strategies))
+        slv_gl_texture_params params = {KIT_ONLY(strategy), .anisotropy = 2};
+        if (few && (strategy->coverage || strategy->resampled))
             continue;
         random_points(&k, random);
-        look_up(&k, &params, (slv_strategy)strategy, values, &batches);
+        look_up(&k, &params, strategy, values, &batches);
         float largest = 0;
         for (int i = 0; i < 4 * NPOINTS; i++)
             largest =
                 fmaxf(largest, fabsf(values[i] - (i % 4 == 3 ? 1 : (float)color[i % 4] / 255)));
         CHECK_MSG(largest < 1.5f / 255, "%s %dx%d beside %dx%d: a constant comes out wrong by %g",
-                  slv_strategy_name((slv_strategy)strategy), 1 << left.u, 1 << left.v, 1 << right.u,
-                  1 << right.v, (double)largest);
+                  strategy->name, 1 << left.u, 1 << left.v, 1 << right.u, 1 << right.v,
+                  (double)largest);
     }
     kit_free(&k);
 }
@@ -102,10 +106,9 @@ static void check_extremes(void) {
     uint64_t random = 5;
     slv_env env = test_env();
     for (size_t a = 0; a < sizeof extremes / sizeof *extremes; a++)
-        check_constant(extremes[a], extremes[(a + 1) % (sizeof extremes / sizeof *extremes)],
-                       UINT32_MAX, &random);
-    check_constant((slv_res){12, 12}, (slv_res){0, 0},
-                   1u << SLV_STRATEGY_CLAMP | 1u << SLV_STRATEGY_BORDERS, &random);
+        check_constant(extremes[a], extremes[(a + 1) % (sizeof extremes / sizeof *extremes)], false,
+                       &random);
+    check_constant((slv_res){12, 12}, (slv_res){0, 0}, true, &random);
     kit k;
     kit_grid(&k, 1, 1, false, 0, NULL, NULL);
     k.res[0] = (slv_res){15, 0};
@@ -152,13 +155,13 @@ static void check_missing_neighbours(uint64_t *random) {
         for (uint32_t most = 1; most <= 8; most *= 2) {
             static float values[4 * NPOINTS];
             uint32_t batches;
-            slv_gl_texture_params params = {
-                .strategies = 1u << SLV_STRATEGY_TRAVERSE, .pool_layers = 1, .batch_pools = most};
+            slv_gl_texture_params params = {KIT_ONLY(kit_strategy("traverse")), .pool_layers = 1,
+                                            .batch_pools = most};
             random_points(&k, random);
             for (int i = 0; i < NPOINTS;
                  i++) /* magnified, on the middle of an edge: two or three faces take part */
                 dx[2 * i] = dy[2 * i + 1] = 1e-4f;
-            look_up(&k, &params, SLV_STRATEGY_TRAVERSE, values, &batches);
+            look_up(&k, &params, kit_strategy("traverse"), values, &batches);
             for (int i = 0; i < NPOINTS; i++) {
                 float least = exp2f((float)k.nfaces), greatest = 0;
                 for (uint32_t f = 0; f < k.nfaces; f++) {
@@ -194,18 +197,18 @@ static void check_refusals(void) {
     kit_grid(&k, 3, 3, false, 0, &random, NULL);
     kit_equal(&k, 2);
     kit_noise(&k, SLV_TYPE_U8, 3, &random);
-    slv_gl_texture_params params = {.strategies = 1u << SLV_STRATEGY_CLAMP};
+    slv_gl_texture_params params = {KIT_ONLY(kit_strategy("clamp"))};
     slv_gl_texture *texture = NULL;
     slv_result result = slv_gl_texture_create(gl, &env, k.texture, k.adjacency, &params, &texture);
     REQUIRE(result == SLV_OK);
     float zero[2] = {0, 0}, value[4];
     int32_t outside = 9;
-    CHECK(slv_gl_texture_lookup(texture, &env, SLV_STRATEGY_CLAMP, 1, &outside, zero, zero, zero,
+    CHECK(slv_gl_texture_lookup(texture, &env, kit_strategy("clamp"), 1, &outside, zero, zero, zero,
                                 value) == SLV_ERROR_ARGUMENT);
     CHECK(strstr(test_last_log, "face 9"));
     outside = 0;
-    CHECK(slv_gl_texture_lookup(texture, &env, SLV_STRATEGY_BORDERS, 1, &outside, zero, zero, zero,
-                                value) == SLV_ERROR_ARGUMENT);
+    CHECK(slv_gl_texture_lookup(texture, &env, kit_strategy("borders"), 1, &outside, zero, zero,
+                                zero, value) == SLV_ERROR_ARGUMENT);
     CHECK(strstr(test_last_log, "borders"));
     slv_gl_texture_destroy(texture);
     params = (slv_gl_texture_params){.first_channel = 3};

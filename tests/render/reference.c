@@ -1,6 +1,7 @@
 /* The ray-cast reference against the renderer with so many pixels that its own filtering no longer
  * matters. */
 #include "kit/reference_kit.h"
+#include "kit/strategy_kit.h"
 
 #include <selvage/selvage.h>
 
@@ -44,14 +45,14 @@ static void average(const slv_image *large, uint32_t scale, slv_pixel_filter fil
 static slv_image supersampled(slv_gl *gl, const model *m, const slv_reference_frame *given,
                               uint32_t scale) {
     slv_env env = test_env();
-    slv_gl_texture_params params = {.strategies = 1u << SLV_STRATEGY_TRAVERSE};
+    slv_gl_texture_params params = {KIT_ONLY(kit_strategy("traverse"))};
     slv_gl_texture *texture = NULL;
     slv_gl_renderer *renderer = NULL;
     slv_image large, out;
     slv_frame frame = {.camera = given->camera,
                        .width = given->width * scale,
                        .height = given->height * scale,
-                       .strategy = SLV_STRATEGY_TRAVERSE,
+                       .strategy = kit_strategy("traverse"),
                        .shading = given->shading,
                        .ka = given->ka,
                        .kd = given->kd,

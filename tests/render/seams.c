@@ -2,6 +2,9 @@
  * and channel counts, textures of pure noise, where nothing but exact agreement of the two faces
  * hides an edge. */
 #include "kit/seam_kit.h"
+#include "kit/strategy_kit.h"
+
+#include <selvage/edge_aligned.h>
 
 static slv_gl *gl;
 
@@ -9,7 +12,7 @@ static slv_gl_texture *upload(const kit *k, uint32_t anisotropy) {
     return seam_upload(gl, k, (slv_gl_texture_params){.anisotropy = anisotropy});
 }
 
-static slv_gl_seam jump(slv_gl_texture *texture, const kit *k, slv_strategy strategy,
+static slv_gl_seam jump(slv_gl_texture *texture, const kit *k, const slv_strategy *strategy,
                         uint32_t level) {
     return seam_jump(texture, k, strategy, (slv_gl_seam_params){.samples = 33, .level = level});
 }
@@ -26,18 +29,18 @@ static uint32_t coarsest(const kit *k) {
 static void check_equal(const kit *k, const char *name, uint32_t anisotropy) {
     slv_gl_texture *texture = upload(k, anisotropy);
     for (uint32_t level = 0; level <= coarsest(k); level++) {
-        slv_gl_seam clamp = jump(texture, k, SLV_STRATEGY_CLAMP, level);
-        slv_gl_seam borders = jump(texture, k, SLV_STRATEGY_BORDERS, level);
-        slv_gl_seam traverse = jump(texture, k, SLV_STRATEGY_TRAVERSE, level);
-        slv_gl_seam full = jump(texture, k, SLV_STRATEGY_TRAVERSE_FULL, level);
-        slv_gl_seam aligned = jump(texture, k, SLV_STRATEGY_EDGE_ALIGNED, level);
+        slv_gl_seam clamp = jump(texture, k, kit_strategy("clamp"), level);
+        slv_gl_seam borders = jump(texture, k, kit_strategy("borders"), level);
+        slv_gl_seam traverse = jump(texture, k, kit_strategy("traverse"), level);
+        slv_gl_seam full = jump(texture, k, kit_strategy("traverse-full"), level);
+        slv_gl_seam aligned = jump(texture, k, kit_strategy("edge-aligned"), level);
         CHECK_MSG(
             aligned.max <= 1.0f / 255,
             "%s %s %u channels level %u aniso %u: edge-aligned jumps by %g at face %d edge %d "
             "t %g",
             name, slv_type_name(k->type), k->nchannels, level, anisotropy, (double)aligned.max,
             aligned.face, aligned.edge, (double)aligned.t);
-        slv_gl_seam htex = jump(texture, k, SLV_STRATEGY_HTEX, level);
+        slv_gl_seam htex = jump(texture, k, kit_strategy("htex"), level);
         CHECK_MSG(htex.max <= 1.0f / 255,
                   "%s %s %u channels level %u aniso %u: htex jumps by %g at face %d edge %d t %g",
                   name, slv_type_name(k->type), k->nchannels, level, anisotropy, (double)htex.max,
@@ -46,8 +49,8 @@ static void check_equal(const kit *k, const char *name, uint32_t anisotropy) {
         CHECK_MSG(full.max <= 1.0f / 255, "%s level %u: traverse-full jumps by %g", name, level,
                   (double)full.max);
         if (level == 0) {
-            slv_gl_seam hybrid = jump(texture, k, SLV_STRATEGY_HYBRID, 0);
-            slv_gl_seam discard = jump(texture, k, SLV_STRATEGY_DISCARD, 0);
+            slv_gl_seam hybrid = jump(texture, k, kit_strategy("hybrid"), 0);
+            slv_gl_seam discard = jump(texture, k, kit_strategy("discard"), 0);
             CHECK_MSG(hybrid.max <= 1.0f / 255,
                       "%s %s %u channels aniso %u: hybrid jumps by %g at face %d edge %d t %g",
                       name, slv_type_name(k->type), k->nchannels, anisotropy, (double)hybrid.max,
@@ -87,10 +90,10 @@ static void check_mixed(kit *k, const char *name, uint64_t *random) {
     kit_mixed(k, 5, random);
     kit_noise(k, SLV_TYPE_U8, 3, random);
     slv_gl_texture *texture = upload(k, 1);
-    slv_gl_seam clamp = jump(texture, k, SLV_STRATEGY_CLAMP, 0);
-    slv_gl_seam borders = jump(texture, k, SLV_STRATEGY_BORDERS, 0);
-    slv_gl_seam traverse = jump(texture, k, SLV_STRATEGY_TRAVERSE, 0);
-    slv_gl_seam hybrid = jump(texture, k, SLV_STRATEGY_HYBRID, 0);
+    slv_gl_seam clamp = jump(texture, k, kit_strategy("clamp"), 0);
+    slv_gl_seam borders = jump(texture, k, kit_strategy("borders"), 0);
+    slv_gl_seam traverse = jump(texture, k, kit_strategy("traverse"), 0);
+    slv_gl_seam hybrid = jump(texture, k, kit_strategy("hybrid"), 0);
     CHECK_MSG(borders.mean < clamp.mean / 8, "%s mixed: borders %g clamp %g", name,
               (double)borders.mean, (double)clamp.mean);
     CHECK_MSG(traverse.mean < clamp.mean / 8, "%s mixed: traverse %g clamp %g", name,
@@ -99,12 +102,12 @@ static void check_mixed(kit *k, const char *name, uint64_t *random) {
     /* These two alone agree everywhere, beside sub-faces of any sizes too; and htex, whose faces
      * look up the same texels, from any distance. */
     for (uint32_t level = 0; level < 6; level++) {
-        slv_gl_seam htex = jump(texture, k, SLV_STRATEGY_HTEX, level);
+        slv_gl_seam htex = jump(texture, k, kit_strategy("htex"), level);
         CHECK_MSG(htex.max <= 1.0f / 255,
                   "%s mixed level %u: htex jumps by %g at face %d edge %d t %g", name, level,
                   (double)htex.max, htex.face, htex.edge, (double)htex.t);
     }
-    slv_gl_seam aligned = jump(texture, k, SLV_STRATEGY_EDGE_ALIGNED, 0);
+    slv_gl_seam aligned = jump(texture, k, kit_strategy("edge-aligned"), 0);
     CHECK_MSG(aligned.max <= 1.0f / 255,
               "%s mixed: edge-aligned jumps by %g at face %d edge %d t %g", name,
               (double)aligned.max, aligned.face, aligned.edge, (double)aligned.t);
@@ -150,7 +153,8 @@ static void check_no_inner_line(uint64_t *random) {
                 tiny[2 * i] = 1e-4f;
                 zero[2 * i + 1] = 1e-4f;
             }
-            slv_strategy strategy = f % 4 < 2 ? SLV_STRATEGY_TRAVERSE : SLV_STRATEGY_HYBRID;
+            const slv_strategy *strategy =
+                f % 4 < 2 ? kit_strategy("traverse") : kit_strategy("hybrid");
             slv_result result = slv_gl_texture_lookup(texture, &env, strategy, STEPS, faces, uv,
                                                       tiny, zero, values);
             REQUIRE(result == SLV_OK);
@@ -192,8 +196,8 @@ static void check_samples(uint64_t *random) {
             dx[2 * i] = ldexpf(1, (int)level[i] - res.u);
             dy[2 * i + 1] = ldexpf(1, (int)level[i] - res.v);
         }
-        REQUIRE(slv_gl_texture_lookup(texture, &env, SLV_STRATEGY_EDGE_ALIGNED, POINTS, faces, uv,
-                                      dx, dy, values) == SLV_OK);
+        REQUIRE(slv_gl_texture_lookup(texture, &env, kit_strategy("edge-aligned"), POINTS, faces,
+                                      uv, dx, dy, values) == SLV_OK);
         for (int i = 0; i < POINTS; i++) {
             float expected[4];
             slv_edge_aligned_lookup(aligned, (uint32_t)faces[i], level[i], uv[2 * i], uv[2 * i + 1],
@@ -217,8 +221,8 @@ static void check_transition(uint64_t *random) {
     static int32_t faces[STEPS];
     static float uv[2 * STEPS], dx[2 * STEPS], dy[2 * STEPS];
     static float values[3][4 * STEPS];
-    static const slv_strategy strategies[3] = {SLV_STRATEGY_TRAVERSE, SLV_STRATEGY_DISCARD,
-                                               SLV_STRATEGY_HYBRID};
+    const slv_strategy *const strategies[3] = {kit_strategy("traverse"), kit_strategy("discard"),
+                                               kit_strategy("hybrid")};
     slv_env env = test_env();
     kit k;
     kit_disc(&k, 5, random);

@@ -3,7 +3,17 @@
 #include "command/output.h"
 
 #include <math.h>
+#include <stdio.h>
 #include <string.h>
+
+const char *scene_strategies(char *text, size_t size) {
+    size_t length = 0;
+    text[0] = 0;
+    for (uint32_t s = 0; s < slv_strategy_count() && length < size; s++)
+        length += (size_t)snprintf(text + length, size - length, "%s%s", s ? "|" : "",
+                                   slv_strategy_at(s)->name);
+    return text;
+}
 
 /* The box around polygons first..end-1, whose vertices begin at `verts`. */
 static void add_bounds(const slv_mesh_view *mesh, const int32_t *verts, uint32_t first,

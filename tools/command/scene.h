@@ -71,8 +71,10 @@ typedef struct scene_shot {
 slv_result scene_load_shot(const slv_env *env, const char *ptx, const scene_options *options,
                            scene_shot *out);
 
-/* Words for options, in the order of the enumerations. */
-#define SCENE_STRATEGIES "clamp|borders|traverse|discard|hybrid|traverse-full|edge-aligned|htex"
+/* Words for options: the names of all strategies; returns `text`. */
+#define SCENE_STRATEGIES_SIZE 512
+const char *scene_strategies(char *text, size_t size);
+/* Others, in the order of the enumerations. */
 #define SCENE_SCHEMES "catmark|bilinear"
 #define SCENE_BOUNDARIES "default|none|edge-only|edge-and-corner"
 #define SCENE_SHADINGS "headlight|headlight-abs|unlit|faces|levels"

@@ -48,16 +48,17 @@ static const char *next_word(const char *list, char *word, size_t size) {
 }
 
 /* Names into the report's list; false leaves the first that is unknown in `word`. If `list` is NULL
- * all that there are, but for the plain form of traverse, which is slow and shows nothing else. */
+ * all that there are, but for those that are only of use in comparisons. */
 static bool parse_strategies(const char *list, report_data *report, char *word, size_t size) {
-    for (int s = 0; !list && s < SLV_STRATEGY_COUNT; s++)
-        if (s != SLV_STRATEGY_TRAVERSE_FULL)
-            report->strategies[report->nstrategies++].strategy = (slv_strategy)s;
+    for (uint32_t s = 0; !list && s < slv_strategy_count(); s++)
+        if (!slv_strategy_at(s)->comparison && report->nstrategies < REPORT_MAX_STRATEGIES)
+            report->strategies[report->nstrategies++].strategy = slv_strategy_at(s);
     while (list && (list = next_word(list, word, size))) {
-        slv_strategy strategy;
-        if (!slv_strategy_from_name(word, &strategy))
+        const slv_strategy *strategy = slv_strategy_find(word);
+        if (!strategy)
             return false;
-        if (report_find(report, strategy) == report->nstrategies)
+        if (report_find(report, word) == report->nstrategies &&
+            report->nstrategies < REPORT_MAX_STRATEGIES)
             report->strategies[report->nstrategies++].strategy = strategy;
     }
     return report->nstrategies > 0;
@@ -149,8 +150,7 @@ static json_t *conditions(const struct session *s) {
     const report_data *r = s->report;
     json_t *strategies = json_array(), *rates = json_array(), *references = json_array();
     for (uint32_t k = 0; k < r->nstrategies; k++)
-        json_array_append_new(strategies,
-                              json_string(slv_strategy_name(r->strategies[k].strategy)));
+        json_array_append_new(strategies, json_string(r->strategies[k].strategy->name));
     for (uint32_t i = 0; i < r->nrates; i++)
         json_array_append_new(rates, json_pack("[I, I]", (json_int_t)r->rates[i].msaa,
                                                (json_int_t)r->rates[i].frames));
@@ -191,12 +191,13 @@ static slv_result prepare(struct session *s) {
                            .focus = o->focus,
                            .scheme = (slv_scheme)o->scheme,
                            .boundary = (slv_boundary)o->boundary};
-    slv_gl_texture_params upload = {.anisotropy = o->aniso};
+    const slv_strategy *strategies[REPORT_MAX_STRATEGIES + 1];
+    slv_gl_texture_params upload = {.strategies = strategies, .anisotropy = o->aniso};
     slv_result result;
     for (uint32_t k = 0; k < report->nstrategies; k++)
-        upload.strategies |= 1u << report->strategies[k].strategy;
+        strategies[upload.nstrategies++] = report->strategies[k].strategy;
     if (report->reference.used[REPORT_SUPERSAMPLED])
-        upload.strategies |= 1u << SLV_STRATEGY_TRAVERSE;
+        strategies[upload.nstrategies++] = slv_strategy_find("traverse");
     if ((result = scene_load(&s->env, &params, &s->scene)) ||
         (result = slv_gl_create(&s->env, (slv_gl_backend)o->context, &s->gl)) ||
         (result = experiment_find_rates(&s->env, s->gl, o->accumulate, report)))
@@ -359,14 +360,25 @@ static const char *problem(const struct compare *o, report_data *report) {
 }
 
 static int unknown_strategy(const cli_command *command, const char *word) {
-    char names[256] = "";
-    for (int s = 0; s < SLV_STRATEGY_COUNT; s++) {
-        size_t length = strlen(names);
-        snprintf(names + length, sizeof names - length, "%s%s", s ? "|" : "",
-                 slv_strategy_name((slv_strategy)s));
-    }
+    char names[SCENE_STRATEGIES_SIZE];
     return cli_usage(command, "--strategies: unknown strategy '%s', expected some of %s", word,
-                     names);
+                     scene_strategies(names, sizeof names));
+}
+
+/* What is left out if nothing is said. */
+static const char *default_strategies(char *text, size_t size) {
+    size_t length = (size_t)snprintf(text, size, "comma-separated (all");
+    const char *before = " but ";
+    for (uint32_t s = 0; s < slv_strategy_count(); s++) {
+        if (!slv_strategy_at(s)->comparison || length >= size)
+            continue;
+        length += (size_t)snprintf(text + length, size - length, "%s%s", before,
+                                   slv_strategy_at(s)->name);
+        before = ", ";
+    }
+    if (length < size)
+        snprintf(text + length, size - length, ")");
+    return text;
 }
 
 int verb_compare(int argc, char **argv) {
@@ -379,12 +391,13 @@ int verb_compare(int argc, char **argv) {
                         .tilt = 15,
                         .dolly = 2.5f,
                         .fov = 35};
+    char left_out[SCENE_STRATEGIES_SIZE];
     const cli_option options[] = {
         CLI_MESH(&o.mesh),
         {"--out|-o|--output", CLI_TEXT, &o.out,
          "folder for report.html, report.json, tables and pictures (selvage-report)", "DIR", 0, 0,
          NULL},
-        {"--strategies|-s", CLI_TEXT, &o.strategies, "comma-separated (all but traverse-full)",
+        {"--strategies|-s", CLI_TEXT, &o.strategies, default_strategies(left_out, sizeof left_out),
          "LIST", 0, 0, NULL},
         {"--frames", CLI_UINT, &o.frames, "frames of the orbit (60, quick 4)", NULL, 1, 100000,
          &o.frames_given},

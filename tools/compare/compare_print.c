@@ -28,7 +28,7 @@ static void print_rates(const report_data *report) {
         printf(" %9ux", report->rates[r].samples);
     putchar('\n');
     for (uint32_t k = 0; k < report->nstrategies; k++) {
-        printf("%-14s", slv_strategy_name(report->strategies[k].strategy));
+        printf("%-14s", report->strategies[k].strategy->name);
         for (uint32_t r = 0; r < report->nrates; r++)
             printf(" %10.2f", report->strategies[k].rates[r].median_ms);
         putchar('\n');
@@ -52,7 +52,7 @@ static void print_errors(const report_data *report) {
         const report_errors *errors =
             &report->strategies[k].rates[report->shown].errors[ref->first];
         report_tally all = report_errors_part(errors, REPORT_ALL);
-        printf("%-14s", slv_strategy_name(report->strategies[k].strategy));
+        printf("%-14s", report->strategies[k].strategy->name);
         for (int label = REPORT_INTERIOR; label < REPORT_LABELS; label++)
             print_number(10, 6, report_rms(&errors->labels[label]));
         print_number(10, 6, report_rms(&all));
@@ -72,8 +72,7 @@ static void print_compressed(const report_data *report) {
     for (uint32_t k = 0; k < report->nstrategies; k++) {
         const report_strategy *row = &report->strategies[k];
         const report_blocks *blocks = &row->blocks;
-        printf("%-14s %10.1f", slv_strategy_name(row->strategy),
-               (double)blocks->stats.gpu_bytes / 1e6);
+        printf("%-14s %10.1f", row->strategy->name, (double)blocks->stats.gpu_bytes / 1e6);
         print_number(10, 2, blocks->psnr);
         if (reference)
             print_number(10, 2, blocks->reference_psnr);
@@ -92,8 +91,8 @@ void compare_print(const report_data *report, const char *folder) {
            "mean jump");
     for (uint32_t k = 0; k < report->nstrategies; k++) {
         const report_strategy *row = &report->strategies[k];
-        printf("%-14s %10.2f %8.2f %10.1f", slv_strategy_name(row->strategy), row->median_ms,
-               row->ratio, (double)row->stats.gpu_bytes / 1e6);
+        printf("%-14s %10.2f %8.2f %10.1f", row->strategy->name, row->median_ms, row->ratio,
+               (double)row->stats.gpu_bytes / 1e6);
         print_jumps(&row->seams[0]);
     }
     printf("(%s; %u frame%s of %u x %u, %ux MSAA, %ux anisotropy; jumps of magnified lookups, full "
@@ -104,6 +103,6 @@ void compare_print(const report_data *report, const char *folder) {
     print_compressed(report);
     report_advice advice = report_advise(report);
     if (advice.measured)
-        printf("for this orbit: %s\n", slv_strategy_name(report->strategies[advice.take].strategy));
+        printf("for this orbit: %s\n", report->strategies[advice.take].strategy->name);
     printf("report: %s/report.html\n", folder);
 }

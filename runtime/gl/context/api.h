@@ -151,8 +151,10 @@ slv_result slvi_gl_program(const slv_gl *gl, const slv_env *env, const char *nam
 slv_result slvi_gl_shader_text(const slv_env *env, const char *name, const char **text,
                                char **owned);
 
-/* The same with the text of a file in place of each line `#include "NAME"`, the name being that of
- * a file in shaders/ too. Parts have no such lines of their own. Released with slvi_free. */
-slv_result slvi_gl_shader_with_parts(const slv_env *env, const char *name, char **out);
+/* The same, or `glsl` if it is not NULL, with the text of a file in place of each line `#include
+ * "NAME"`, the name being that of a file in shaders/ too. Parts have no such lines of their own.
+ * Released with slvi_free. */
+slv_result slvi_gl_shader_with_parts(const slv_env *env, const char *name, const char *glsl,
+                                     char **out);
 
 #endif

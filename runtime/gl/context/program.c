@@ -60,17 +60,27 @@ static slv_result append_part(const slv_env *env, struct joined *to, const char 
     return result;
 }
 
-slv_result slvi_gl_shader_with_parts(const slv_env *env, const char *name, char **out) {
+/* Where the next line that names a part begins, or the end. */
+static const char *next_include(const char *text) {
+    static const char word[] = "#include ";
+    while (*text && strncmp(text, word, sizeof word - 1) != 0) {
+        text += strcspn(text, "\n");
+        text += *text == '\n';
+    }
+    return text;
+}
+
+slv_result slvi_gl_shader_with_parts(const slv_env *env, const char *name, const char *glsl,
+                                     char **out) {
     struct joined joined = {0};
-    const char *text = NULL;
+    const char *text = glsl;
     char *owned = NULL, part[64];
-    slv_result result = slvi_gl_shader_text(env, name, &text, &owned);
+    slv_result result = glsl ? SLV_OK : slvi_gl_shader_text(env, name, &text, &owned);
     while (!result && *text) {
-        const char *line = strstr(text, "\n#include ");
-        size_t length = line ? (size_t)(line + 1 - text) : strlen(text);
-        result = append(env, &joined, text, length);
-        text += length;
-        if (result || !line)
+        const char *line = next_include(text);
+        result = append(env, &joined, text, (size_t)(line - text));
+        text = line;
+        if (result || !*line)
             continue;
         if (sscanf(text, "#include \"%63[^\"\n]\"", part) == 1)
             result = append_part(env, &joined, part);

@@ -1,4 +1,5 @@
-#include "gl/store/store.h"
+#include "gl/store/tables.h"
+#include "gl/store/texture.h"
 
 #include "base/log.h"
 #include "base/memory.h"
@@ -17,10 +18,10 @@ struct target {
     GLuint framebuffers[2], colors[2], depth; /* drawn to, and resolved to */
 };
 
-/* Triangles in the order of one texture's batches. */
+/* Triangles in the order of one texture's batches. Each strategy keeps those that it drew last. */
 struct batch_indices {
     uint64_t texture; /* serial; 0 is none */
-    slv_strategy strategy;
+    const slv_strategy *strategy;
     GLuint buffer, array;
     uint32_t nbatches;
     uint32_t *first; /* nbatches + 1 */
@@ -36,7 +37,8 @@ struct slv_gl_renderer {
     slv_tessellation mesh;
     GLuint vertices, query;
     struct target target;
-    struct batch_indices indices[SLV_STRATEGY_COUNT];
+    struct batch_indices *indices;
+    uint32_t nindices;
     struct program programs[MAX_PROGRAMS];
     uint32_t nprograms;
 };
@@ -112,13 +114,29 @@ static void free_indices(const slv_gl_api *api, struct batch_indices *indices) {
     api->DeleteBuffers(1, &indices->buffer);
     api->DeleteVertexArrays(1, &indices->array);
     slvi_free(indices->first);
-    memset(indices, 0, sizeof *indices);
+    *indices = (struct batch_indices){.strategy = indices->strategy};
+}
+
+static slv_result indices_of(slv_gl_renderer *renderer, const slv_env *env,
+                             const slv_strategy *strategy, struct batch_indices **out) {
+    uint32_t i = 0;
+    while (i < renderer->nindices && renderer->indices[i].strategy != strategy)
+        i++;
+    if (i == renderer->nindices) {
+        slv_result result =
+            slvi_grow(env, "triangles", i + 1, sizeof *renderer->indices, &renderer->indices);
+        if (result)
+            return result;
+        renderer->indices[i] = (struct batch_indices){.strategy = strategy};
+        renderer->nindices++;
+    }
+    *out = &renderer->indices[i];
+    return SLV_OK;
 }
 
 static slv_result make_indices(slv_gl_renderer *renderer, const slv_env *env,
-                               const slv_gl_texture *texture, slv_strategy strategy,
-                               struct batch_indices *out) {
-    const slv_gl_batches *batches = slvi_gl_texture_batches(texture, strategy);
+                               const slv_gl_texture *texture, struct batch_indices *out) {
+    const slv_gl_batches *batches = slvi_gl_texture_batches(texture, out->strategy);
     const slv_gl_api *api = &renderer->gl->api;
     uint32_t *list = NULL;
     uint64_t count = 0;
@@ -146,7 +164,6 @@ static slv_result make_indices(slv_gl_renderer *renderer, const slv_env *env,
         goto done;
     out->array = make_array(api, renderer->vertices, out->buffer);
     out->nbatches = batches->count;
-    out->strategy = strategy;
     out->texture = texture->serial;
 done:
     slvi_free(list);
@@ -215,8 +232,9 @@ void slv_gl_renderer_destroy(slv_gl_renderer *renderer) {
         return;
     const slv_gl_api *api = &renderer->gl->api;
     free_target(api, &renderer->target);
-    for (int s = 0; s < SLV_STRATEGY_COUNT; s++)
-        free_indices(api, &renderer->indices[s]);
+    for (uint32_t i = 0; i < renderer->nindices; i++)
+        free_indices(api, &renderer->indices[i]);
+    slvi_free(renderer->indices);
     free_programs(renderer);
     api->DeleteBuffers(1, &renderer->vertices);
     api->DeleteQueries(1, &renderer->query);
@@ -264,10 +282,10 @@ static void set_frame(const slv_gl_renderer *renderer, const slv_frame *frame, G
 }
 
 static void draw_batches(const slv_gl_renderer *renderer, slv_gl_texture *texture,
-                         const slv_frame *frame, const GLuint programs[SLV_GL_MAX_VARIANTS]) {
+                         const struct batch_indices *indices,
+                         const GLuint programs[SLV_GL_MAX_VARIANTS]) {
     const slv_gl_api *api = &renderer->gl->api;
-    const slv_gl_batches *batches = slvi_gl_texture_batches(texture, frame->strategy);
-    const struct batch_indices *indices = &renderer->indices[frame->strategy];
+    const slv_gl_batches *batches = slvi_gl_texture_batches(texture, indices->strategy);
     GLuint current = 0;
     api->BindVertexArray(indices->array);
     for (uint32_t b = 0; b < batches->count; b++) {
@@ -278,7 +296,7 @@ static void draw_batches(const slv_gl_renderer *renderer, slv_gl_texture *textur
         if (program != current)
             api->UseProgram(program);
         current = program;
-        slv_gl_texture_bind(texture, frame->strategy, b);
+        slv_gl_texture_bind(texture, indices->strategy, b);
         api->DrawElements(GL_TRIANGLES, (GLsizei)count, GL_UNSIGNED_INT,
                           (const void *)(uintptr_t)(indices->first[b] * sizeof(uint32_t)));
     }
@@ -331,11 +349,12 @@ slv_result slv_gl_renderer_draw(slv_gl_renderer *renderer, const slv_env *env,
     const slv_gl_api *api = &gl->api;
     slv_frame frame = with_defaults(given);
     GLuint programs[SLV_GL_MAX_VARIANTS] = {0};
-    slv_result result;
     const slv_gl_batches *batches = slvi_gl_texture_batches(texture, frame.strategy);
-    if (!batches->count)
-        return slvi_fail(env, SLV_ERROR_ARGUMENT, "the texture was not made for the strategy %s",
-                         slv_strategy_name(frame.strategy));
+    struct batch_indices *indices = NULL;
+    slv_gl_slot *slot = NULL;
+    slv_result result = slvi_gl_texture_need(texture, env, frame.strategy, &slot);
+    if (result)
+        return result;
     if (slv_gl_texture_face_count(texture) != renderer->mesh.nfaces)
         return slvi_fail(env, SLV_ERROR_MISMATCH, "the texture has %u faces, the mesh %u",
                          slv_gl_texture_face_count(texture), renderer->mesh.nfaces);
@@ -344,8 +363,8 @@ slv_result slv_gl_renderer_draw(slv_gl_renderer *renderer, const slv_env *env,
                          "%u samples per pixel: the driver has at most %u", frame.msaa,
                          gl->info.max_msaa);
     if ((result = make_target(gl, env, &frame, &renderer->target)) ||
-        (result = make_indices(renderer, env, texture, frame.strategy,
-                               &renderer->indices[frame.strategy])))
+        (result = indices_of(renderer, env, slot->strategy, &indices)) ||
+        (result = make_indices(renderer, env, texture, indices)))
         return result;
     /* A viewer that keeps making textures starts afresh now and then: before a frame has collected
      * its programs, not amid. */
@@ -355,8 +374,9 @@ slv_result slv_gl_renderer_draw(slv_gl_renderer *renderer, const slv_env *env,
         uint32_t variant = batches->ranges[b].variant;
         if (programs[variant])
             continue;
-        const char *lookups = slv_gl_texture_glsl(texture, frame.strategy, variant);
-        if ((result = surface_program(renderer, env, lookups, &programs[variant])))
+        const char *lookups = NULL;
+        if ((result = slv_gl_texture_glsl(texture, slot->strategy, variant, &lookups)) ||
+            (result = surface_program(renderer, env, lookups, &programs[variant])))
             return result;
         set_frame(renderer, &frame, programs[variant]);
     }
@@ -374,7 +394,7 @@ slv_result slv_gl_renderer_draw(slv_gl_renderer *renderer, const slv_env *env,
     api->Enable(GL_DEPTH_TEST);
     api->ClearNamedFramebufferfv(target->framebuffers[0], GL_COLOR, 0, frame.background);
     api->ClearNamedFramebufferfv(target->framebuffers[0], GL_DEPTH, 0, &far_away);
-    draw_batches(renderer, texture, &frame, programs);
+    draw_batches(renderer, texture, indices, programs);
     if (frame.msaa > 1)
         api->BlitNamedFramebuffer(target->framebuffers[0], target->framebuffers[1], 0, 0,
                                   (GLint)frame.width, (GLint)frame.height, 0, 0, (GLint)frame.width,

@@ -1,4 +1,4 @@
-#include "gl/store/store.h"
+#include "gl/store/texture.h"
 
 #include "base/log.h"
 #include "base/memory.h"
@@ -18,13 +18,13 @@ struct target {
     GLuint framebuffer, color, vertices, indices, array;
 };
 
-static slv_result lookup_program(slv_gl_texture *texture, const slv_env *env, slv_strategy strategy,
+static slv_result lookup_program(slv_gl_texture *texture, const slv_env *env, slv_gl_slot *slot,
                                  uint32_t variant, GLuint *out) {
-    GLuint *program = &texture->lookup_programs[strategy][variant];
+    GLuint *program = &slot->lookup_programs[variant];
+    const char *lookups = NULL;
     slv_result result = SLV_OK;
-    if (!*program)
-        result = slvi_gl_program(texture->gl, env, "lookup",
-                                 slv_gl_texture_glsl(texture, strategy, variant), program);
+    if (!*program && !(result = slv_gl_texture_glsl(texture, slot->strategy, variant, &lookups)))
+        result = slvi_gl_program(texture->gl, env, "lookup", lookups, program);
     *out = *program;
     return result;
 }
@@ -82,10 +82,10 @@ static void sort_by_batch(const slv_gl_batches *batches, const uint32_t *batch_o
     first[0] = 0;
 }
 
-static slv_result lookup_chunk(slv_gl_texture *texture, const slv_env *env, slv_strategy strategy,
+static slv_result lookup_chunk(slv_gl_texture *texture, const slv_env *env, slv_gl_slot *slot,
                                const uint32_t *batch_of, const struct point *points, uint32_t count,
                                uint32_t *first, uint32_t *order, float *out) {
-    const slv_gl_batches *batches = slvi_gl_texture_batches(texture, strategy);
+    const slv_gl_batches *batches = slvi_gl_texture_batches(texture, slot->strategy);
     const slv_gl_api *api = &texture->gl->api;
     uint32_t height = (count + TARGET_WIDTH - 1) / TARGET_WIDTH;
     uint32_t whole = count / TARGET_WIDTH, rest = count % TARGET_WIDTH;
@@ -106,11 +106,11 @@ static slv_result lookup_chunk(slv_gl_texture *texture, const slv_env *env, slv_
         uint32_t here = first[b + 1] - first[b];
         if (!here)
             continue;
-        if ((result = lookup_program(texture, env, strategy, batches->ranges[b].variant, &program)))
+        if ((result = lookup_program(texture, env, slot, batches->ranges[b].variant, &program)))
             break;
         api->ProgramUniform2f(program, 0, TARGET_WIDTH, (float)height);
         api->UseProgram(program);
-        slv_gl_texture_bind(texture, strategy, b);
+        slv_gl_texture_bind(texture, slot->strategy, b);
         api->DrawElements(GL_POINTS, (GLsizei)here, GL_UNSIGNED_INT,
                           (const void *)(uintptr_t)(first[b] * sizeof *order));
     }
@@ -125,18 +125,17 @@ static slv_result lookup_chunk(slv_gl_texture *texture, const slv_env *env, slv_
     return result ? result : slvi_gl_check(texture->gl, env, "lookups");
 }
 
-slv_result slv_gl_texture_lookup(slv_gl_texture *texture, const slv_env *env, slv_strategy strategy,
-                                 uint32_t count, const int32_t *faces, const float *uv,
-                                 const float *dx, const float *dy, float *out) {
+slv_result slv_gl_texture_lookup(slv_gl_texture *texture, const slv_env *env,
+                                 const slv_strategy *strategy, uint32_t count, const int32_t *faces,
+                                 const float *uv, const float *dx, const float *dy, float *out) {
     const slv_gl_batches *batches = slvi_gl_texture_batches(texture, strategy);
     uint32_t *batch_of = NULL, *first = NULL, *order = NULL;
     struct point *points = NULL;
     uint32_t chunk = count < CHUNK ? count : CHUNK;
     slv_result result = SLV_OK;
-    if (!batches->count)
-        return slvi_fail(env, SLV_ERROR_ARGUMENT, "the texture was not made for the strategy %s",
-                         slv_strategy_name(strategy));
-    if ((result = slvi_alloc(env, "lookups", texture->nfaces, sizeof *batch_of, &batch_of)) ||
+    slv_gl_slot *slot = NULL;
+    if ((result = slvi_gl_texture_need(texture, env, strategy, &slot)) ||
+        (result = slvi_alloc(env, "lookups", texture->nfaces, sizeof *batch_of, &batch_of)) ||
         (result = slvi_alloc(env, "lookups", batches->count + 1, sizeof *first, &first)) ||
         (result = slvi_alloc(env, "lookups", chunk, sizeof *order, &order)) ||
         (result = slvi_alloc(env, "lookups", chunk, sizeof *points, &points)))
@@ -158,7 +157,7 @@ slv_result slv_gl_texture_lookup(slv_gl_texture *texture, const slv_env *env, sl
                                        {dx[2 * at], dx[2 * at + 1]},
                                        {dy[2 * at], dy[2 * at + 1]}};
         }
-        result = lookup_chunk(texture, env, strategy, batch_of, points, here, first, order,
+        result = lookup_chunk(texture, env, slot, batch_of, points, here, first, order,
                               out + 4 * (size_t)start);
     }
 done:

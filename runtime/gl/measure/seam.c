@@ -1,4 +1,4 @@
-#include "gl/store/store.h"
+#include "gl/store/texture.h"
 
 #include "adjacency/edge.h"
 #include "base/log.h"
@@ -128,7 +128,7 @@ static void measure(const struct seam *seams, uint32_t nseams, uint32_t samples,
 }
 
 slv_result slv_gl_texture_seam_jump(slv_gl_texture *texture, const slv_env *env,
-                                    slv_strategy strategy, const slv_adjacency *adjacency,
+                                    const slv_strategy *strategy, const slv_adjacency *adjacency,
                                     const slv_gl_seam_params *params, slv_gl_seam *out) {
     uint32_t samples = params && params->samples > 1 ? params->samples : 17;
     uint32_t level = params ? params->level : 0, nseams = 0;

@@ -1,3 +1,4 @@
+/* Texels become blocks. */
 #include "gl/store/compress.h"
 
 #include "base/log.h"

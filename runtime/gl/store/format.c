@@ -1,4 +1,5 @@
-#include "gl/store/store.h"
+/* Formats of texels, and the conversion of texels to them. */
+#include "gl/store/format.h"
 
 #include "base/log.h"
 
@@ -49,15 +50,14 @@ static void one_of(slv_type type, void *out) {
 }
 
 void slvi_gl_convert(const slv_gl_format *format, const void *texels, uint32_t nchannels,
-                     size_t count, bool constant, void *out) {
-    size_t size = slv_type_size(format->type), stride = constant ? 0 : size * nchannels;
+                     size_t count, void *out) {
+    size_t size = slv_type_size(format->type), stride = size * nchannels;
     size_t copied = size * format->nsource, last = size * (format->ncomponents - 1);
     const unsigned char *from = (const unsigned char *)texels + size * format->first;
     unsigned char *to = out;
     unsigned char one[4];
     one_of(format->type, one);
-    if (!constant && !format->coverage && nchannels == format->ncomponents &&
-        format->nsource == nchannels) {
+    if (!format->coverage && nchannels == format->ncomponents && format->nsource == nchannels) {
         memcpy(out, texels, count * format->texel_bytes);
         return;
     }
@@ -109,41 +109,4 @@ slv_result slvi_gl_format_compress(const slv_gl *gl, const slv_env *env, slv_gl_
             format->ncomponents == 2 ? GL_COMPRESSED_RG_RGTC2 : GL_COMPRESSED_RED_RGTC1;
     }
     return SLV_OK;
-}
-
-static uint32_t whole_blocks(uint32_t texels, bool blocks) {
-    return blocks ? (texels + 3) / 4 * 4 : texels;
-}
-
-void slvi_gl_pack_levels(slv_res res, slv_gl_layout layout, uint32_t border, bool blocks,
-                         slv_gl_pool *pool) {
-    uint32_t x = 0, y = 0, shelf = 0, more = layout == SLV_GL_EDGE_ALIGNED ? 1 : 0;
-    pool->width = 0;
-    pool->nlevels = slv_res_level_count(res);
-    border = whole_blocks(border, blocks);
-    for (uint32_t level = 0; level < pool->nlevels; level++) {
-        slv_res r = slv_res_level(res, level);
-        slv_gl_rect *rect = &pool->rects[level];
-        rect->width = 1u << r.u;
-        rect->height = 1u << r.v;
-        rect->bu = more ? 0 : border < rect->width ? border : rect->width;
-        rect->bv = more ? 0 : border < rect->height ? border : rect->height;
-        /* A level's own texels begin with a block, whatever the border. */
-        uint32_t left = whole_blocks(rect->bu, blocks), low = whole_blocks(rect->bv, blocks);
-        uint32_t w = left + whole_blocks(rect->width + rect->bu + more, blocks);
-        uint32_t h = low + whole_blocks(rect->height + rect->bv + more, blocks);
-        if (level == 0)
-            pool->width = w;
-        if (x + w > pool->width) { /* rows of levels below the first; each level is no taller than
-                                      the one before */
-            x = 0;
-            y += shelf;
-            shelf = 0;
-        }
-        rect->x = x + left - rect->bu;
-        rect->y = y + low - rect->bv;
-        x += w;
-        shelf = h > shelf ? h : shelf;
-    }
-    pool->height = y + shelf;
 }

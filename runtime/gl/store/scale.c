@@ -1,4 +1,5 @@
-#include "gl/store/store.h"
+/* Copies of textures with large floats. */
+#include "gl/store/scale.h"
 
 #include "base/memory.h"
 #include "base/parallel.h"

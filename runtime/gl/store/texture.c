@@ -1,68 +1,61 @@
-#include "gl/store/store.h"
+/* Textures on the GPU: which stores, batches and samplers a list of strategies needs, and what a
+ * draw binds of them. */
+#include "gl/store/texture.h"
 
 #include "base/log.h"
 #include "base/memory.h"
-#include "gl/strategy/parts.h"
+#include "base/parallel.h"
+#include "gl/store/scale.h"
 
 #include <math.h>
-#include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
 
-static const char *const strategy_names[SLV_STRATEGY_COUNT] = {
-    "clamp", "borders", "traverse", "discard", "hybrid", "traverse-full", "edge-aligned", "htex"};
-
-const char *slv_strategy_name(slv_strategy strategy) {
-    return strategy < SLV_STRATEGY_COUNT ? strategy_names[strategy] : "unknown";
+slv_gl_slot *slvi_gl_texture_slot(const slv_gl_texture *texture, const slv_strategy *strategy) {
+    for (uint32_t i = 0; i < texture->nslots; i++)
+        if (!strategy || texture->slots[i].strategy == strategy)
+            return &texture->slots[i];
+    return NULL;
 }
 
-bool slv_strategy_from_name(const char *name, slv_strategy *out) {
-    for (int s = 0; s < SLV_STRATEGY_COUNT; s++) {
-        if (strcmp(name, strategy_names[s]) == 0) {
-            *out = (slv_strategy)s;
-            return true;
-        }
-    }
-    return false;
+slv_result slvi_gl_texture_need(const slv_gl_texture *texture, const slv_env *env,
+                                const slv_strategy *strategy, slv_gl_slot **out) {
+    *out = slvi_gl_texture_slot(texture, strategy);
+    return *out ? SLV_OK
+                : slvi_fail(env, SLV_ERROR_ARGUMENT, "the texture was not made for the strategy %s",
+                            strategy->name);
 }
 
-/* Software samplers take an anisotropic footprint from neighbouring fragments' coordinates and
- * ignore explicit derivatives; of an isotropic one they only estimate the length. */
-static bool taps_in_shader(const slv_gl_texture *texture) {
-    return texture->gl->info.software;
+static const slv_gl_reach *reach_of(const slv_gl_texture *texture, const slv_gl_slot *slot) {
+    return &texture->reaches[slot->reach].reach;
 }
 
-static bool in_vectors(const slv_gl_texture *texture) {
-    slv_gl_branching branching = texture->params.branching;
-    return texture->gl->ballot &&
-           (branching == SLV_GL_BRANCHING_AUTO ? texture->gl->info.software
-                                               : branching == SLV_GL_BRANCHING_VECTORS);
+const slv_gl_batches *slvi_gl_texture_batches(const slv_gl_texture *texture,
+                                              const slv_strategy *strategy) {
+    static const slv_gl_batches none;
+    const slv_gl_slot *slot = slvi_gl_texture_slot(texture, strategy);
+    return slot ? &reach_of(texture, slot)->batches : &none;
 }
 
-enum { SAMPLER_CLAMPED, SAMPLER_ZERO_BORDER, SAMPLER_PACKED, SAMPLER_SQUARES, SAMPLERS };
-
-static void make_samplers(slv_gl_texture *texture) {
+static GLuint make_sampler(const slv_gl_texture *texture, const slv_strategy *strategy) {
     static const float zero[4] = {0, 0, 0, 0};
+    static const GLint wraps[] = {[SLV_GL_WRAP_CLAMP] = GL_CLAMP_TO_EDGE,
+                                  [SLV_GL_WRAP_ZERO] = GL_CLAMP_TO_BORDER,
+                                  [SLV_GL_WRAP_MIRROR] = GL_MIRRORED_REPEAT};
     const slv_gl_api *api = &texture->gl->api;
-    api->CreateSamplers(SAMPLERS, texture->samplers);
-    for (int i = 0; i < SAMPLERS; i++) {
-        GLuint sampler = texture->samplers[i];
-        /* a packed layer is never left, and a square by half a texel at most, which repeats the
-         * one at its side; but with these modes software drivers filter 8-bit texels in float and
-         * not in 8 bits */
-        GLint wrap = i == SAMPLER_CLAMPED   ? GL_CLAMP_TO_EDGE
-                     : i == SAMPLER_SQUARES ? GL_MIRRORED_REPEAT
-                                            : GL_CLAMP_TO_BORDER;
-        api->SamplerParameteri(sampler, GL_TEXTURE_WRAP_S, wrap);
-        api->SamplerParameteri(sampler, GL_TEXTURE_WRAP_T, wrap);
-        api->SamplerParameteri(sampler, GL_TEXTURE_MAG_FILTER, GL_LINEAR);
-        api->SamplerParameteri(sampler, GL_TEXTURE_MIN_FILTER,
-                               i == SAMPLER_PACKED ? GL_LINEAR : GL_LINEAR_MIPMAP_LINEAR);
-        api->SamplerParameterfv(sampler, GL_TEXTURE_BORDER_COLOR, zero);
-        if (texture->params.anisotropy > 1 && !taps_in_shader(texture) && i != SAMPLER_SQUARES)
-            api->SamplerParameterf(sampler, GL_TEXTURE_MAX_ANISOTROPY,
-                                   (float)texture->params.anisotropy);
-    }
+    GLint wrap = wraps[strategy->wrap];
+    GLuint sampler = 0;
+    api->CreateSamplers(1, &sampler);
+    api->SamplerParameteri(sampler, GL_TEXTURE_WRAP_S, wrap);
+    api->SamplerParameteri(sampler, GL_TEXTURE_WRAP_T, wrap);
+    api->SamplerParameteri(sampler, GL_TEXTURE_MAG_FILTER, GL_LINEAR);
+    api->SamplerParameteri(sampler, GL_TEXTURE_MIN_FILTER,
+                           strategy->packing == SLV_GL_PAGES ? GL_LINEAR : GL_LINEAR_MIPMAP_LINEAR);
+    api->SamplerParameterfv(sampler, GL_TEXTURE_BORDER_COLOR, zero);
+    if (texture->params.anisotropy > 1 && !slvi_gl_taps_in_shader(texture->gl) &&
+        !strategy->own_taps)
+        api->SamplerParameterf(sampler, GL_TEXTURE_MAX_ANISOTROPY,
+                               (float)texture->params.anisotropy);
+    return sampler;
 }
 
 static slv_result fill_params(slv_gl *gl, const slv_env *env, const slv_texture_desc *desc,
@@ -70,8 +63,6 @@ static slv_result fill_params(slv_gl *gl, const slv_env *env, const slv_texture_
     slv_gl_texture_params params = {0};
     if (given)
         params = *given;
-    if (!params.strategies)
-        params.strategies = (1u << SLV_STRATEGY_COUNT) - 1;
     if (!params.nchannels && params.first_channel < desc->nchannels) {
         params.nchannels = desc->nchannels - params.first_channel;
         params.nchannels = params.nchannels < 4 ? params.nchannels : 4;
@@ -91,7 +82,6 @@ static slv_result fill_params(slv_gl *gl, const slv_env *env, const slv_texture_
     if (!params.border)
         params.border = params.anisotropy;
     params.border = params.border < 256 ? params.border : 256;
-    params.strategies &= (1u << SLV_STRATEGY_COUNT) - 1;
     uint32_t units = gl->info.texture_units / (params.nchannels == 4 ? 2 : 1), fitting = 16;
     if (params.batch_pools && params.batch_pools < units)
         units = params.batch_pools;
@@ -105,6 +95,122 @@ static slv_result fill_params(slv_gl *gl, const slv_env *env, const slv_texture_
     return SLV_OK;
 }
 
+static slv_result check_strategy(const slv_env *env, const slv_strategy *strategy) {
+    if (!strategy || !strategy->name || !strategy->form || !strategy->form() ||
+        (!strategy->file && !strategy->glsl))
+        return slvi_fail(env, SLV_ERROR_ARGUMENT, "a strategy without a name, form or GLSL");
+    const slv_form *form = strategy->form();
+    if ((unsigned)strategy->wrap > SLV_GL_WRAP_MIRROR ||
+        (unsigned)strategy->packing > SLV_GL_PAGES ||
+        (unsigned)strategy->reach >= SLV_GL_REACH_COUNT)
+        return slvi_fail(env, SLV_ERROR_ARGUMENT, "strategy %s: a wrap, packing or reach unknown",
+                         strategy->name);
+    if ((form->borders || form->samples) && strategy->packing != SLV_GL_PAGES)
+        return slvi_fail(env, SLV_ERROR_ARGUMENT, "strategy %s: the form %s needs pages",
+                         strategy->name, form->name);
+    return SLV_OK;
+}
+
+/* One slot for each strategy of the list, or of the table. */
+static slv_result list_slots(slv_gl_texture *texture, const slv_gl_texture_params *given) {
+    bool all = !given || !given->nstrategies;
+    uint32_t count = all ? slv_strategy_count() : given->nstrategies;
+    const slv_env *env = &texture->env;
+    slv_result result =
+        slvi_alloc(env, "strategies", count, sizeof *texture->slots, &texture->slots);
+    if (!result)
+        result = slvi_alloc(env, "strategies", count, sizeof *texture->stores, &texture->stores);
+    if (!result)
+        result = slvi_alloc(env, "strategies", count, sizeof *texture->reaches, &texture->reaches);
+    for (uint32_t i = 0; !result && i < count; i++) {
+        const slv_strategy *strategy = all ? slv_strategy_at(i) : given->strategies[i];
+        if ((result = check_strategy(env, strategy)))
+            break;
+        if (texture->nslots && slvi_gl_texture_slot(texture, strategy))
+            continue;
+        slv_gl_slot *slot = &texture->slots[texture->nslots++];
+        slot->strategy = strategy;
+        slot->split_coverage = texture->params.nchannels == 4 && strategy->coverage;
+        result = slvi_gl_slot_read(env, slot);
+    }
+    return result;
+}
+
+static bool same_store(const slv_strategy *a, const slv_strategy *b) {
+    return a->form() == b->form() && a->packing == b->packing;
+}
+
+/* Whether arrays have coverage: if any strategy that could share them needs it, listed or not, so
+ * that a strategy's pictures and memory do not depend on which others are there. */
+static bool needs_coverage(const slv_gl_texture *texture, const slv_strategy *strategy) {
+    bool needs = false;
+    for (uint32_t i = 0; i < slv_strategy_count(); i++)
+        needs |= slv_strategy_at(i)->coverage && same_store(slv_strategy_at(i), strategy);
+    for (uint32_t i = 0; i < texture->nslots; i++)
+        needs |= texture->slots[i].strategy->coverage &&
+                 same_store(texture->slots[i].strategy, strategy);
+    return needs;
+}
+
+/* The reach of a slot, shared with those before it or built. */
+static slv_result find_reach(const slv_gl_source *source, slv_gl_texture *texture, const void *made,
+                             slv_gl_slot *slot) {
+    slv_gl_reach_kind kind = slot->strategy->reach;
+    for (slot->reach = 0; slot->reach < texture->nreaches; slot->reach++) {
+        const slv_gl_reach_row *row = &texture->reaches[slot->reach];
+        if (row->store == slot->store && row->kind == kind)
+            return SLV_OK;
+    }
+    slv_gl_reach_row *row = &texture->reaches[texture->nreaches];
+    slv_result result =
+        slvi_gl_reach_build(source, kind, &texture->stores[slot->store].pools, made, &row->reach);
+    if (result)
+        return result;
+    row->store = slot->store;
+    row->kind = kind;
+    texture->nreaches++;
+    return SLV_OK;
+}
+
+/* The store of one strategy, and of all others that share it, with their reaches. */
+static slv_result build_store(const slv_gl_source *source, slv_gl_texture *texture,
+                              const slv_strategy *strategy) {
+    const slv_form *form = strategy->form();
+    uint32_t store = texture->nstores;
+    void *made = NULL;
+    slv_result result = form->create(&source->shared, source->levels, source->adjacency,
+                                     slvi_gl_border(&source->params), &made);
+    if (!result)
+        result = slvi_gl_store_build(source, form, made, strategy->packing,
+                                     needs_coverage(texture, strategy), &texture->stores[store]);
+    if (!result)
+        texture->nstores++;
+    for (uint32_t i = 0; !result && i < texture->nslots; i++) {
+        slv_gl_slot *slot = &texture->slots[i];
+        if (!same_store(slot->strategy, strategy))
+            continue;
+        slot->store = store;
+        slot->sampler = make_sampler(texture, slot->strategy);
+        result = find_reach(source, texture, made, slot);
+    }
+    form->destroy(made);
+    return result;
+}
+
+static slv_result build_all(const slv_gl_source *source, slv_gl_texture *texture) {
+    slv_result result = SLV_OK;
+    for (uint32_t i = 0; i < texture->nslots; i++) {
+        uint32_t k = 0;
+        while (!same_store(texture->slots[k].strategy, texture->slots[i].strategy))
+            k++;
+        source->steps->total += k == i ? texture->nfaces : 0;
+    }
+    for (uint32_t i = 0; !result && i < texture->nslots; i++)
+        if (!texture->slots[i].sampler)
+            result = build_store(source, texture, texture->slots[i].strategy);
+    return result ? result : slvi_gl_check(texture->gl, source->env, "GL texture");
+}
+
 static uint64_t texel_bytes(const slv_texture_desc *desc, uint32_t nchannels) {
     uint64_t texels = 0;
     for (uint32_t f = 0; f < desc->nfaces; f++)
@@ -112,38 +218,16 @@ static uint64_t texel_bytes(const slv_texture_desc *desc, uint32_t nchannels) {
     return texels * nchannels * slv_type_size(desc->type);
 }
 
-static slv_gl_layout layout_of(slv_strategy strategy) {
-    return strategy == SLV_STRATEGY_BORDERS        ? SLV_GL_BORDERED
-           : strategy == SLV_STRATEGY_EDGE_ALIGNED ? SLV_GL_EDGE_ALIGNED
-           : strategy == SLV_STRATEGY_HTEX         ? SLV_GL_HALF_EDGE
-                                                   : SLV_GL_BARE;
-}
-
-static bool wants(const slv_gl_texture *texture, slv_strategy strategy) {
-    return texture->params.strategies >> strategy & 1;
-}
-
-/* Those that look into neighbours share one set of tables. */
-static bool reaches(slv_strategy strategy) {
-    return strategy == SLV_STRATEGY_TRAVERSE || strategy == SLV_STRATEGY_HYBRID ||
-           strategy == SLV_STRATEGY_TRAVERSE_FULL;
-}
-
-static slv_result read_lookups(const slv_env *env, char *lookups[SLV_STRATEGY_COUNT]) {
-    slv_result result = SLV_OK;
-    for (int s = 0; !result && s < SLV_STRATEGY_COUNT; s++)
-        result = slvi_gl_strategy_text(env, (slv_strategy)s, &lookups[s]);
-    return result;
-}
-
 slv_result slv_gl_texture_create(slv_gl *gl, const slv_env *env, const slv_texture *texture,
                                  const slv_adjacency *adjacency,
                                  const slv_gl_texture_params *params, slv_gl_texture **out) {
     const slv_texture_desc *desc = slv_texture_get_desc(texture);
+    slvi_steps steps;
+    slv_gl_source source = {.env = env, .gl = gl, .adjacency = adjacency, .steps = &steps};
     slv_gl_texture *made = NULL;
     slv_texture *scaled = NULL;
     slv_levels *levels = NULL;
-    slvi_steps steps;
+    slv_parallel_log *log = NULL;
     slv_result result = SLV_OK;
     *out = NULL;
     if (slv_adjacency_face_count(adjacency) != desc->nfaces)
@@ -153,13 +237,16 @@ slv_result slv_gl_texture_create(slv_gl *gl, const slv_env *env, const slv_textu
         return result;
     slvi_steps_begin(&steps, params ? params->progress : (slv_progress){0}, 0);
     made->gl = gl;
+    if (env)
+        made->env = *env;
     made->serial = ++gl->serial;
     made->nfaces = desc->nfaces;
     if ((result = fill_params(gl, env, desc, params, &made->params)) ||
-        (result = read_lookups(env, made->lookups)) ||
+        (result = list_slots(made, params)) ||
         (result = slvi_alloc(env, "face table", desc->nfaces, sizeof *made->res, &made->res)) ||
         (result = slvi_gl_scale_down(env, texture, &scaled)) ||
-        (result = slv_levels_create(env, scaled ? scaled : texture, &levels)))
+        (result = slv_levels_create(env, scaled ? scaled : texture, &levels)) ||
+        (result = slvi_parallel_env_begin(env, &log, &source.shared)))
         goto done;
     made->scaled = scaled != NULL;
     slv_texture_destroy(scaled);
@@ -167,31 +254,12 @@ slv_result slv_gl_texture_create(slv_gl *gl, const slv_env *env, const slv_textu
     slvi_gl_set_state(gl);
     memcpy(made->res, desc->res, desc->nfaces * sizeof *made->res);
     made->texel_bytes = texel_bytes(desc, made->params.nchannels);
-    slv_gl_source source = {.env = env,
-                            .gl = gl,
-                            .levels = levels,
-                            .adjacency = adjacency,
-                            .params = made->params,
-                            .steps = &steps};
-    bool reaching = wants(made, SLV_STRATEGY_TRAVERSE) || wants(made, SLV_STRATEGY_HYBRID) ||
-                    wants(made, SLV_STRATEGY_TRAVERSE_FULL);
-    bool layouts[SLV_GL_LAYOUT_COUNT] = {false};
-    for (int s = 0; s < SLV_STRATEGY_COUNT; s++)
-        layouts[layout_of((slv_strategy)s)] |= wants(made, (slv_strategy)s);
-    for (int k = 0; k < SLV_GL_LAYOUT_COUNT; k++)
-        steps.total += layouts[k] ? desc->nfaces : 0;
-    for (int k = 0; k < SLV_GL_LAYOUT_COUNT; k++)
-        if (layouts[k] && (result = slvi_gl_store_build(&source, (slv_gl_layout)k, &made->stores[k],
-                                                        &made->own[k])))
-            goto done;
-    if (reaching && (result = slvi_gl_batches_with_neighbours(&source, &made->stores[SLV_GL_BARE],
-                                                              &made->reach, &made->links,
-                                                              &made->corners, &made->reach_bytes)))
-        goto done;
-    make_samplers(made);
-    result = slvi_gl_check(gl, env, "GL texture");
+    source.levels = levels;
+    source.params = made->params;
+    result = build_all(&source, made);
 done:
     slvi_steps_end(&steps);
+    slvi_parallel_env_end(log);
     slv_texture_destroy(scaled);
     slv_levels_destroy(levels);
     if (result) {
@@ -206,58 +274,44 @@ void slv_gl_texture_destroy(slv_gl_texture *texture) {
     if (!texture)
         return;
     const slv_gl_api *api = &texture->gl->api;
-    for (int k = 0; k < SLV_GL_LAYOUT_COUNT; k++) {
+    for (uint32_t k = 0; k < texture->nstores; k++)
         slvi_gl_store_free(texture->gl, &texture->stores[k]);
-        slvi_gl_batches_free(&texture->own[k]);
-    }
-    slvi_gl_batches_free(&texture->reach);
-    api->DeleteBuffers(1, &texture->links);
-    api->DeleteBuffers(1, &texture->corners);
-    api->DeleteSamplers(SAMPLERS, texture->samplers);
-    for (int s = 0; s < SLV_STRATEGY_COUNT; s++) {
-        slvi_free(texture->lookups[s]);
+    for (uint32_t k = 0; k < texture->nreaches; k++)
+        slvi_gl_reach_free(texture->gl, &texture->reaches[k].reach);
+    for (uint32_t s = 0; s < texture->nslots; s++) {
+        slv_gl_slot *slot = &texture->slots[s];
+        api->DeleteSamplers(1, &slot->sampler);
+        slvi_free(slot->lookups);
         for (int v = 0; v < SLV_GL_MAX_VARIANTS; v++) {
-            slvi_free(texture->glsl[s][v]);
-            api->DeleteProgram(texture->lookup_programs[s][v]);
+            slvi_free(slot->glsl[v]);
+            api->DeleteProgram(slot->lookup_programs[v]);
         }
     }
+    slvi_free(texture->stores);
+    slvi_free(texture->reaches);
+    slvi_free(texture->slots);
     slvi_free(texture->res);
     slvi_free(texture);
 }
 
-static bool split_coverage(const slv_gl_texture *texture, slv_strategy strategy) {
-    return texture->params.nchannels == 4 && strategy != SLV_STRATEGY_CLAMP &&
-           layout_of(strategy) == SLV_GL_BARE;
-}
-
-static const slv_gl_store *store_of(const slv_gl_texture *texture, slv_strategy strategy) {
-    return &texture->stores[layout_of(strategy)];
-}
-
-const slv_gl_batches *slvi_gl_texture_batches(const slv_gl_texture *texture,
-                                              slv_strategy strategy) {
-    static const slv_gl_batches none;
-    if ((unsigned)strategy >= SLV_STRATEGY_COUNT || !wants(texture, strategy))
-        return &none;
-    return reaches(strategy) ? &texture->reach : &texture->own[layout_of(strategy)];
-}
-
 slv_gl_texture_stats slv_gl_texture_get_stats(const slv_gl_texture *texture,
-                                              slv_strategy strategy) {
-    const slv_gl_store *store = store_of(texture, strategy);
-    slv_gl_texture_stats stats = {.texel_bytes = texture->texel_bytes,
-                                  .gpu_bytes = store->bytes,
-                                  .pools = store->npools,
-                                  .batches = slvi_gl_texture_batches(texture, strategy)->count,
-                                  .widened = store->nwide,
-                                  .clipped = store->nclipped,
-                                  .block_max = store->error.most};
+                                              const slv_strategy *strategy) {
+    slv_gl_texture_stats stats = {.texel_bytes = texture->texel_bytes};
+    const slv_gl_slot *slot = slvi_gl_texture_slot(texture, strategy);
+    if (!slot)
+        return stats;
+    const slv_gl_store *store = &texture->stores[slot->store];
+    const slv_gl_reach *reach = reach_of(texture, slot);
+    stats.gpu_bytes = store->bytes + reach->bytes;
+    stats.pools = store->pools.npools;
+    stats.batches = reach->batches.count;
+    stats.widened = store->nwide;
+    stats.clipped = store->nclipped;
+    stats.block_max = store->error.most;
     if (store->error.count)
         stats.block_rms = sqrt(store->error.squares / (double)store->error.count);
-    if (split_coverage(texture, strategy))
+    if (slot->split_coverage)
         stats.gpu_bytes += store->coverage_bytes;
-    if (reaches(strategy))
-        stats.gpu_bytes += texture->reach_bytes;
     return stats;
 }
 
@@ -265,11 +319,19 @@ uint32_t slv_gl_texture_face_count(const slv_gl_texture *texture) {
     return texture->nfaces;
 }
 
-uint32_t slv_gl_texture_batch_count(const slv_gl_texture *texture, slv_strategy strategy) {
+uint32_t slv_gl_texture_strategy_count(const slv_gl_texture *texture) {
+    return texture->nslots;
+}
+
+const slv_strategy *slv_gl_texture_strategy(const slv_gl_texture *texture, uint32_t index) {
+    return index < texture->nslots ? texture->slots[index].strategy : NULL;
+}
+
+uint32_t slv_gl_texture_batch_count(const slv_gl_texture *texture, const slv_strategy *strategy) {
     return slvi_gl_texture_batches(texture, strategy)->count;
 }
 
-slv_gl_batch slv_gl_texture_batch(const slv_gl_texture *texture, slv_strategy strategy,
+slv_gl_batch slv_gl_texture_batch(const slv_gl_texture *texture, const slv_strategy *strategy,
                                   uint32_t index) {
     const slv_gl_batches *batches = slvi_gl_texture_batches(texture, strategy);
     slv_gl_batch batch = {0};
@@ -281,70 +343,36 @@ slv_gl_batch slv_gl_texture_batch(const slv_gl_texture *texture, slv_strategy st
     return batch;
 }
 
-const char *slv_gl_texture_glsl(slv_gl_texture *texture, slv_strategy strategy, uint32_t variant) {
-    if ((unsigned)strategy >= SLV_STRATEGY_COUNT || variant >= SLV_GL_MAX_VARIANTS)
-        return "";
-    char **text = &texture->glsl[strategy][variant];
-    if (!*text) {
-        size_t size = strlen(texture->lookups[strategy]) + 512;
-        if (slvi_alloc_plain(NULL, "text of a strategy", size, 1, text))
-            return "";
-        /* alpha is a texel's own only where there are four channels */
-        float scale = texture->scaled ? SLV_GL_SCALE : 1;
-        snprintf(*text, size,
-                 "#define SLV_POOLS %u\n#define SLV_SUBFACES %u\n"
-                 "#define SLV_SPLIT_COVERAGE %d\n#define SLV_ANISOTROPY %u\n#define SLV_BORDER %u\n"
-                 "#define SLV_TAPS %d\n#define SLV_VECTORS %d\n#define SLV_FIRST_UNIT %d\n#define "
-                 "SLV_FIRST_STORAGE %d\n#define SLV_SCALED %d\n#define SLV_SCALE vec4(vec3(%.1f), "
-                 "%.1f)\n%s\n",
-                 slv_gl_variant_pools(variant), variant & 1, split_coverage(texture, strategy),
-                 texture->params.anisotropy, texture->params.border, taps_in_shader(texture),
-                 in_vectors(texture), SLV_GL_FIRST_UNIT, SLV_GL_FIRST_STORAGE, texture->scaled,
-                 (double)scale, (double)(texture->params.nchannels == 4 ? scale : 1),
-                 texture->lookups[strategy]);
-    }
-    return *text;
-}
-
-void slv_gl_texture_bind(slv_gl_texture *texture, slv_strategy strategy, uint32_t index) {
-    const slv_gl_batches *batches = slvi_gl_texture_batches(texture, strategy);
-    const slv_gl_store *store = store_of(texture, strategy);
+void slv_gl_texture_bind(slv_gl_texture *texture, const slv_strategy *strategy, uint32_t index) {
+    const slv_gl_slot *slot = slvi_gl_texture_slot(texture, strategy);
     const slv_gl_api *api = &texture->gl->api;
-    if (index >= batches->count)
+    if (!slot || index >= reach_of(texture, slot)->batches.count)
         return;
-    const slv_gl_batch_range *range = &batches->ranges[index];
-    uint32_t reach = slv_gl_variant_pools(range->variant);
-    GLuint sampler = texture->samplers[slv_gl_is_packed(store->layout)  ? SAMPLER_PACKED
-                                       : strategy == SLV_STRATEGY_HTEX  ? SAMPLER_SQUARES
-                                       : strategy == SLV_STRATEGY_CLAMP ? SAMPLER_CLAMPED
-                                                                        : SAMPLER_ZERO_BORDER];
-    bool split = split_coverage(texture, strategy);
-    for (uint32_t slot = 0; slot < reach; slot++) {
-        const slv_gl_pool *pool = &store->pools[range->pools[slot < range->npools ? slot : 0]];
-        api->BindTextureUnit(SLV_GL_FIRST_UNIT + slot, pool->texture);
-        api->BindSampler(SLV_GL_FIRST_UNIT + slot, sampler);
-        if (split) {
-            api->BindTextureUnit(SLV_GL_FIRST_UNIT + reach + slot, pool->coverage);
-            api->BindSampler(SLV_GL_FIRST_UNIT + reach + slot, sampler);
+    const slv_gl_store *store = &texture->stores[slot->store];
+    const slv_gl_reach *reach = reach_of(texture, slot);
+    const slv_gl_batch_range *range = &reach->batches.ranges[index];
+    uint32_t npools = slv_gl_variant_pools(range->variant);
+    for (uint32_t k = 0; k < npools; k++) {
+        const slv_gl_pool *pool = &store->pools.pools[range->pools[k < range->npools ? k : 0]];
+        api->BindTextureUnit(SLV_GL_FIRST_UNIT + k, pool->texture);
+        api->BindSampler(SLV_GL_FIRST_UNIT + k, slot->sampler);
+        if (slot->split_coverage) {
+            api->BindTextureUnit(SLV_GL_FIRST_UNIT + npools + k, pool->coverage);
+            api->BindSampler(SLV_GL_FIRST_UNIT + npools + k, slot->sampler);
         }
     }
-    api->BindBufferBase(GL_SHADER_STORAGE_BUFFER, SLV_GL_FIRST_STORAGE, store->table);
-    if (reaches(strategy)) {
-        api->BindBufferBase(GL_SHADER_STORAGE_BUFFER, SLV_GL_FIRST_STORAGE + 1, texture->links);
-        api->BindBufferBase(GL_SHADER_STORAGE_BUFFER, SLV_GL_FIRST_STORAGE + 3, texture->corners);
-    }
-    if (strategy == SLV_STRATEGY_HTEX) {
-        api->BindBufferBase(GL_SHADER_STORAGE_BUFFER, SLV_GL_FIRST_STORAGE + 1, store->squares);
-        api->BindBufferBase(GL_SHADER_STORAGE_BUFFER, SLV_GL_FIRST_STORAGE + 3, store->corners);
-    }
-    if (slv_gl_is_packed(store->layout))
-        api->BindBufferBase(GL_SHADER_STORAGE_BUFFER, SLV_GL_FIRST_STORAGE + 2, store->rects);
+    const GLuint tables[4] = {store->table, reach->ways, store->rects, reach->values};
+    for (uint32_t k = 0; k < 4; k++)
+        if (tables[k])
+            api->BindBufferBase(GL_SHADER_STORAGE_BUFFER, SLV_GL_FIRST_STORAGE + k, tables[k]);
 }
 
 void slv_gl_texture_unbind(slv_gl_texture *texture) {
     uint32_t units = texture->params.batch_pools * (texture->params.nchannels == 4 ? 2 : 1);
-    uint32_t squares = slv_gl_square_pools(&texture->params);
-    units = units > squares ? units : squares;
+    for (uint32_t k = 0; k < texture->nreaches; k++) {
+        uint32_t bound = slvi_gl_reach_pools(texture->reaches[k].kind, &texture->params);
+        units = units > bound ? units : bound;
+    }
     for (uint32_t unit = 0; unit < units; unit++)
         texture->gl->api.BindSampler(SLV_GL_FIRST_UNIT + unit, 0);
 }

@@ -1,5 +1,8 @@
-#include "gl/store/store.h"
+/* Texels are converted on threads into staging memory, compressed if need be, and handed to the
+ * driver from there. */
+#include "gl/store/upload.h"
 
+#include "base/log.h"
 #include "base/memory.h"
 #include "base/parallel.h"
 
@@ -9,11 +12,10 @@
 
 struct fill_job {
     const slv_gl_source *source;
-    slv_env env; /* logs one at a time */
+    const slv_gl_pools *pools;
     const slv_gl_pool *pool;
     const slv_gl_format *format;
-    slv_gl_layout layout;
-    const slv_gl_forms *forms;
+    const void *made;
     uint32_t first_layer, level;
     uint64_t layer_size, block_size; /* of a layer before and after compression */
     uint32_t width, height;
@@ -22,70 +24,64 @@ struct fill_job {
     slv_gl_block_error *errors; /* per layer */
 };
 
-static slv_result fill_bare(const struct fill_job *job, uint32_t layer) {
-    uint32_t face = job->pool->faces[job->first_layer + layer];
-    const slv_texture_desc *desc = slv_levels_get_desc(job->source->levels);
-    slv_res res = slv_res_level(job->pool->res, job->level);
-    const void *texels = job->forms->htex
-                             ? slv_htex_texels(job->forms->htex, face, job->level)
-                             : slv_levels_texels(job->source->levels, face, job->level);
-    slvi_gl_convert(job->format, texels, desc->nchannels, (size_t)1 << (res.u + res.v), false,
-                    job->staging + layer * job->layer_size);
-    return SLV_OK;
-}
-
-static slv_result fill_bordered(const struct fill_job *job, uint32_t layer, float *scratch) {
-    uint32_t face = job->pool->faces[job->first_layer + layer];
-    const slv_texture_desc *desc = slv_levels_get_desc(job->source->levels);
-    unsigned char *out = job->staging + layer * job->layer_size;
-    for (uint32_t level = 0; level < job->pool->nlevels; level++) {
-        const slv_gl_rect *rect = &job->pool->rects[level];
-        uint32_t width = rect->width + 2 * rect->bu, height = rect->height + 2 * rect->bv;
-        slv_result result = slv_border_build(job->source->levels, job->source->adjacency, face,
-                                             level, rect->bu, rect->bv, scratch, NULL);
-        if (result)
-            return result;
-        for (uint32_t y = 0; y < height; y++)
-            slvi_gl_convert_float(job->format, scratch + (size_t)y * width * desc->nchannels,
-                                  desc->nchannels, width,
-                                  out + ((size_t)(rect->y + y) * job->pool->width + rect->x) *
-                                            job->format->texel_bytes);
+static slv_result fill_level(const struct fill_job *job, uint32_t item, uint32_t level,
+                             float *scratch, unsigned char *out) {
+    const slv_form *form = job->pools->form;
+    const slv_gl_format *format = job->format;
+    uint32_t nchannels = slv_levels_get_desc(job->source->levels)->nchannels;
+    slv_form_extent extent =
+        slv_form_level_extent(form, job->pool->res, level, slvi_gl_border(&job->source->params));
+    slv_form_texels from;
+    slv_result result = form->read(job->made, item, level, scratch, &from);
+    if (result)
+        return result;
+    if (from.type != format->type && from.type != SLV_TYPE_FLOAT)
+        return slvi_fail(&job->source->shared, SLV_ERROR_ARGUMENT,
+                         "form %s: %s of another type than the texture's is not float", form->name,
+                         form->item);
+    size_t row = (size_t)extent.width * nchannels * slv_type_size(from.type);
+    bool whole = extent.width == job->width;
+    uint32_t runs = whole ? 1 : extent.height;
+    size_t count = whole ? (size_t)extent.width * extent.height : extent.width;
+    for (uint32_t y = 0; y < runs; y++) {
+        const void *texels = (const unsigned char *)from.texels + y * row;
+        unsigned char *to = out + (size_t)y * job->width * format->texel_bytes;
+        if (from.type == format->type)
+            slvi_gl_convert(format, texels, nchannels, count, to);
+        else
+            slvi_gl_convert_float(format, texels, nchannels, count, to);
     }
     return SLV_OK;
 }
 
-static slv_result fill_aligned(const struct fill_job *job, uint32_t layer) {
-    uint32_t face = job->pool->faces[job->first_layer + layer];
-    const slv_texture_desc *desc = slv_levels_get_desc(job->source->levels);
+static slv_result fill_layer(const struct fill_job *job, uint32_t layer, float *scratch) {
+    uint32_t item = job->pool->items[job->first_layer + layer];
     unsigned char *out = job->staging + layer * job->layer_size;
-    for (uint32_t level = 0; level < job->pool->nlevels; level++) {
+    slv_result result = SLV_OK;
+    if (job->pools->packing != SLV_GL_PAGES)
+        return fill_level(job, item, job->level, scratch, out);
+    for (uint32_t level = 0; !result && level < job->pool->nlevels; level++) {
         const slv_gl_rect *rect = &job->pool->rects[level];
-        const unsigned char *from = slv_edge_aligned_samples(job->forms->aligned, face, level);
-        size_t row = rect->width + 1, bytes = row * desc->nchannels * slv_type_size(desc->type);
-        for (uint32_t y = 0; y <= rect->height; y++, from += bytes)
-            slvi_gl_convert(job->format, from, desc->nchannels, row, false,
-                            out + ((size_t)(rect->y + y) * job->pool->width + rect->x) *
-                                      job->format->texel_bytes);
+        size_t at = (size_t)rect->y * job->width + rect->x;
+        result = fill_level(job, item, level, scratch, out + at * job->format->texel_bytes);
     }
-    return SLV_OK;
+    return result;
 }
 
 static slv_result fill(void *user, uint64_t first, uint64_t end) {
     const struct fill_job *job = user;
+    const slv_env *env = &job->source->shared;
     slv_result result = SLV_OK;
     float *scratch = NULL;
-    if (job->layout == SLV_GL_BORDERED) {
-        uint32_t nchannels = slv_levels_get_desc(job->source->levels)->nchannels;
-        result = slvi_alloc(&job->env, "border",
-                            (uint64_t)job->pool->width * job->pool->height * nchannels,
-                            sizeof *scratch, &scratch);
-    }
+    if (job->pools->form->computed)
+        result = slvi_alloc_plain(env, "level",
+                                  (uint64_t)job->width * job->height *
+                                      slv_levels_get_desc(job->source->levels)->nchannels,
+                                  sizeof *scratch, &scratch);
     for (uint64_t layer = first; !result && layer < end; layer++) {
-        result = job->layout == SLV_GL_BORDERED ? fill_bordered(job, (uint32_t)layer, scratch)
-                 : job->forms->aligned          ? fill_aligned(job, (uint32_t)layer)
-                                                : fill_bare(job, (uint32_t)layer);
+        result = fill_layer(job, (uint32_t)layer, scratch);
         if (!result && job->format->block)
-            result = slvi_gl_compress(&job->env, job->format->block, job->format->ncomponents,
+            result = slvi_gl_compress(env, job->format->block, job->format->ncomponents,
                                       job->format->nsource, job->width, job->height,
                                       job->staging + layer * job->layer_size, job->used,
                                       job->blocks + layer * job->block_size, &job->errors[layer]);
@@ -94,31 +90,30 @@ static slv_result fill(void *user, uint64_t first, uint64_t end) {
     return result;
 }
 
-/* Which texels of a packed layer belong to a level. */
-static void mark_used(const slv_gl_pool *pool, slv_gl_layout layout, unsigned char *used) {
-    uint32_t more = layout == SLV_GL_EDGE_ALIGNED ? 1 : 0;
-    for (uint32_t level = 0; level < pool->nlevels; level++) {
-        const slv_gl_rect *rect = &pool->rects[level];
-        uint32_t width = rect->width + 2 * rect->bu + more;
-        uint32_t height = rect->height + 2 * rect->bv + more;
-        for (uint32_t y = 0; y < height; y++)
-            memset(used + (size_t)(rect->y + y) * pool->width + rect->x, 1, width);
+/* Which texels of a page belong to a level. */
+static void mark_used(const struct fill_job *job) {
+    for (uint32_t level = 0; level < job->pool->nlevels; level++) {
+        slv_form_extent extent = slv_form_level_extent(job->pools->form, job->pool->res, level,
+                                                       slvi_gl_border(&job->source->params));
+        const slv_gl_rect *rect = &job->pool->rects[level];
+        for (uint32_t y = 0; y < extent.height; y++)
+            memset(job->used + (size_t)(rect->y + y) * job->width + rect->x, 1, extent.width);
     }
 }
 
 /* What compressing the layers of one upload takes. */
-static slv_result begin_blocks(const slv_gl_source *source, uint32_t count, struct fill_job *job) {
+static slv_result begin_blocks(uint32_t count, struct fill_job *job) {
+    const slv_env *env = job->source->env;
     uint64_t texels = (uint64_t)job->width * job->height;
+    bool pages = job->pools->packing == SLV_GL_PAGES;
     slv_result result;
     job->block_size = slv_gl_compressed_bytes(job->format->block, job->width, job->height);
-    if ((result = slvi_alloc(source->env, "blocks", job->block_size * count, 1, &job->blocks)) ||
-        (result = slvi_alloc(source->env, "errors of blocks", count, sizeof *job->errors,
-                             &job->errors)) ||
-        (slv_gl_is_packed(job->layout) &&
-         (result = slvi_alloc(source->env, "layer", texels, 1, &job->used))))
+    if ((result = slvi_alloc(env, "blocks", job->block_size * count, 1, &job->blocks)) ||
+        (result = slvi_alloc(env, "errors of blocks", count, sizeof *job->errors, &job->errors)) ||
+        (pages && (result = slvi_alloc(env, "layer", texels, 1, &job->used))))
         return result;
     if (job->used)
-        mark_used(job->pool, job->layout, job->used);
+        mark_used(job);
     return SLV_OK;
 }
 
@@ -142,52 +137,50 @@ static void send(const slv_gl_api *api, const struct fill_job *job, uint32_t cou
                                format->data, job->staging);
 }
 
-slv_result slvi_gl_upload_level(const slv_gl_source *source, const slv_env *env,
-                                slv_gl_store *store, const slv_gl_forms *forms,
-                                const slv_gl_pool *pool, uint32_t level, unsigned char **staging,
-                                uint64_t *capacity) {
-    const slv_gl_format *format = pool->wide ? &store->wide_format : &store->format;
+slv_result slvi_gl_upload_level(const slv_gl_source *source, const slv_gl_pools *pools,
+                                const slv_gl_pool *pool, const void *made, uint32_t level,
+                                slv_gl_staging *staging, slv_gl_block_error *error) {
+    const slv_gl_format *format = slv_gl_pool_format(pools, pool);
     slv_res res = slv_res_level(pool->res, level);
-    bool packed = slv_gl_is_packed(store->layout);
-    uint32_t width = packed ? pool->width : 1u << res.u;
-    uint32_t height = packed ? pool->height : 1u << res.v;
-    uint64_t layer_size = (uint64_t)width * height * format->texel_bytes;
-    uint64_t at_once = STAGING_BYTES / layer_size ? STAGING_BYTES / layer_size : 1;
+    bool pages = pools->packing == SLV_GL_PAGES;
+    struct fill_job job = {.source = source,
+                           .pools = pools,
+                           .pool = pool,
+                           .format = format,
+                           .made = made,
+                           .level = level,
+                           .width = pages ? pool->width : 1u << res.u,
+                           .height = pages ? pool->height : 1u << res.v};
+    job.layer_size = (uint64_t)job.width * job.height * format->texel_bytes;
+    uint64_t at_once = STAGING_BYTES / job.layer_size ? STAGING_BYTES / job.layer_size : 1;
     slv_result result = SLV_OK;
     at_once = at_once < pool->nlayers ? at_once : pool->nlayers;
-    if (layer_size * at_once > *capacity) {
-        slvi_free(*staging);
-        *capacity = layer_size * at_once;
-        if ((result = slvi_alloc(source->env, "upload", *capacity, 1, staging)))
+    if (job.layer_size * at_once > staging->capacity) {
+        slvi_free(staging->memory);
+        staging->memory = NULL;
+        staging->capacity = job.layer_size * at_once;
+        if ((result = slvi_alloc(source->env, "upload", staging->capacity, 1, &staging->memory)))
             return result;
     }
+    job.staging = staging->memory;
     for (uint32_t first = 0; !result && first < pool->nlayers; first += (uint32_t)at_once) {
         uint32_t count =
             pool->nlayers - first < at_once ? pool->nlayers - first : (uint32_t)at_once;
-        struct fill_job job = {.source = source,
-                               .env = *env,
-                               .pool = pool,
-                               .format = format,
-                               .layout = store->layout,
-                               .forms = forms,
-                               .first_layer = first,
-                               .level = level,
-                               .layer_size = layer_size,
-                               .width = width,
-                               .height = height,
-                               .staging = *staging};
-        if (packed)
-            memset(*staging, 0, layer_size * count);
+        job.first_layer = first;
+        if (pages)
+            memset(job.staging, 0, job.layer_size * count);
         if (format->block)
-            result = begin_blocks(source, count, &job);
+            result = begin_blocks(count, &job);
         if (!result)
             result =
                 slvi_parallel_for(source->env, count, count > 512 ? 64 : count / 8 + 1, fill, &job);
         if (!result)
             send(&source->gl->api, &job, count);
         for (uint32_t i = 0; !result && format->block && i < count; i++)
-            slvi_gl_block_error_add(&store->error, &job.errors[i]);
+            slvi_gl_block_error_add(error, &job.errors[i]);
         end_blocks(&job);
+        job.blocks = job.used = NULL;
+        job.errors = NULL;
     }
     return result;
 }

@@ -15,7 +15,7 @@ typedef struct slv_frame {
     slv_camera camera;
     uint32_t width, height; /* default 512 */
     uint32_t msaa; /* 1, 2, 4, 8; default 1. More than the driver has is SLV_ERROR_UNSUPPORTED */
-    slv_strategy strategy;
+    const slv_strategy *strategy; /* NULL means the texture's first */
     slv_shading shading;
     float ka, kd;        /* both zero means 0.2 and 0.8 */
     float background[4]; /* linear RGBA, colour multiplied by alpha */

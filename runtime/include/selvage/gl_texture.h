@@ -1,4 +1,5 @@
-/* Per-face textures on the GPU, and the strategies by which a lookup crosses a seam.
+/* Per-face textures on the GPU, for the strategies by which a lookup crosses a seam
+ * (gl_strategy.h).
  *
  * Each face is a layer of an array texture of its size class (a pool); a class with more faces than
  * one array holds has several. Draws go in batches: a batch is a set of faces whose pools, and for
@@ -17,35 +18,12 @@
 #ifndef SELVAGE_GL_TEXTURE_H
 #define SELVAGE_GL_TEXTURE_H
 
-#include <selvage/edge_aligned.h>
 #include <selvage/gl_context.h>
+#include <selvage/gl_strategy.h>
 
 #ifdef __cplusplus
 extern "C" {
 #endif
-
-typedef enum slv_strategy {
-    SLV_STRATEGY_CLAMP = 0, /* own face, clamped: shows every seam; the baseline */
-    SLV_STRATEGY_BORDERS,   /* every level stored with a border from the neighbours (Purnomo 2004;
-                               McDonald and Burley 2011) */
-    SLV_STRATEGY_TRAVERSE,  /* own face and the neighbours that the footprint reaches, colour over
-                               coverage (McDonald 2013) */
-    SLV_STRATEGY_DISCARD, /* own face with a zero border, colour over coverage; multisampling blends
-                             (Toth 2013) */
-    SLV_STRATEGY_HYBRID,  /* traverse where texels are larger than pixels, discard where smaller */
-    SLV_STRATEGY_TRAVERSE_FULL, /* the same values as traverse from the plain form of it, which a
-                                   report compares it with */
-    SLV_STRATEGY_EDGE_ALIGNED, /* samples on the edges of faces in place of borders (edge_aligned.h;
-                                  Purnomo 2004): the same values from both sides at any resolution,
-                                  of a texture that is slightly blurred */
-    SLV_STRATEGY_HTEX, /* square textures of edges, each shared by the faces on both sides (htex.h;
-                          Barbier and Dupuy 2022): the same values from both sides at any resolution
-                          and any footprint, of a texture that is resampled */
-    SLV_STRATEGY_COUNT
-} slv_strategy;
-
-SLV_API const char *slv_strategy_name(slv_strategy strategy);
-SLV_API bool slv_strategy_from_name(const char *name, slv_strategy *out);
 
 /* How shaders leave out the work that a fragment does not need. A GPU branches. Software drivers
  * run both sides of a branch for all fragments of a vector, and only a loop ends when none of them
@@ -73,13 +51,15 @@ typedef enum slv_gl_compression {
 
 /* Zero means default. */
 typedef struct slv_gl_texture_params {
-    uint32_t strategies;    /* bit 1 << strategy for each that will be drawn; 0 means all, of which
-                             * htex and borders take most of the memory */
-    uint32_t first_channel; /* of the texture, shown as red */
-    uint32_t nchannels;     /* 1 (shown as grey) to 4; 0 means as many as there are, up to 4 */
-    uint32_t anisotropy;    /* 1 to 16, cut to what the driver has; 0 means 1: trilinear */
-    uint32_t border;        /* texels of border per level, cut to the level's size; 0 means what the
-                               anisotropy needs */
+    const slv_strategy *const *strategies; /* those that will be drawn, which must outlive the
+                                              texture */
+    uint32_t nstrategies;                  /* 0 means all of the library, of which htex and borders
+                                              take most of the memory */
+    uint32_t first_channel;                /* of the texture, shown as red */
+    uint32_t nchannels;   /* 1 (shown as grey) to 4; 0 means as many as there are, up to 4 */
+    uint32_t anisotropy;  /* 1 to 16, cut to what the driver has; 0 means 1: trilinear */
+    uint32_t border;      /* texels of border per level, cut to the level's size; 0 means what the
+                             anisotropy needs */
     uint32_t batch_pools; /* most array textures that a batch binds, rounded down to a power of two;
                              0 means 16, or what the driver has units for; below 9 a face can have
                              neighbours that do not fit. htex binds up to 4 at least */
@@ -103,6 +83,7 @@ typedef struct slv_gl_batch {
     uint32_t variant; /* which shader text it needs, below SLV_GL_MAX_VARIANTS */
 } slv_gl_batch;
 
+/* Wherever a strategy is taken, NULL means the first that the texture was made for. */
 typedef struct slv_gl_texture slv_gl_texture;
 
 /* Uploads. Types keep their range: 8 and 16 bit as normalised integers, half and float as such; a
@@ -124,24 +105,30 @@ typedef struct slv_gl_texture_stats {
                                     borders included, as the encoder sees it */
 } slv_gl_texture_stats;
 SLV_API slv_gl_texture_stats slv_gl_texture_get_stats(const slv_gl_texture *texture,
-                                                      slv_strategy strategy);
+                                                      const slv_strategy *strategy);
+
+/* The strategies that the texture was made for; NULL past the last. */
+SLV_API uint32_t slv_gl_texture_strategy_count(const slv_gl_texture *texture);
+SLV_API const slv_strategy *slv_gl_texture_strategy(const slv_gl_texture *texture, uint32_t index);
 
 SLV_API uint32_t slv_gl_texture_face_count(const slv_gl_texture *texture);
-SLV_API uint32_t slv_gl_texture_batch_count(const slv_gl_texture *texture, slv_strategy strategy);
-SLV_API slv_gl_batch slv_gl_texture_batch(const slv_gl_texture *texture, slv_strategy strategy,
-                                          uint32_t index);
+SLV_API uint32_t slv_gl_texture_batch_count(const slv_gl_texture *texture,
+                                            const slv_strategy *strategy);
+SLV_API slv_gl_batch slv_gl_texture_batch(const slv_gl_texture *texture,
+                                          const slv_strategy *strategy, uint32_t index);
 
 /* The GLSL that a fragment shader includes, after `#version 450 core` and before its own code: the
  * definitions of a variant, and the parts of shaders/ that the strategy names. It depends on the
- * strategy, the variant, and the texture's channels and anisotropy; only `traverse`,
- * `traverse-full`, `hybrid` and `htex` have variants other than 0. Owned by the texture; "" if an
- * argument is out of range or memory is short. */
-SLV_API const char *slv_gl_texture_glsl(slv_gl_texture *texture, slv_strategy strategy,
-                                        uint32_t variant);
+ * strategy, the variant, and the texture's channels and anisotropy; only strategies that reach
+ * other faces have variants other than 0. Owned by the texture. A variant or a strategy that is not
+ * there is SLV_ERROR_ARGUMENT; messages go to the log that the texture was made with. */
+SLV_API slv_result slv_gl_texture_glsl(slv_gl_texture *texture, const slv_strategy *strategy,
+                                       uint32_t variant, const char **out);
 
 /* Binds what a batch needs: array textures and samplers from SLV_GL_FIRST_UNIT, tables from
  * SLV_GL_FIRST_STORAGE. Changes nothing else. A batch that does not exist binds nothing. */
-SLV_API void slv_gl_texture_bind(slv_gl_texture *texture, slv_strategy strategy, uint32_t batch);
+SLV_API void slv_gl_texture_bind(slv_gl_texture *texture, const slv_strategy *strategy,
+                                 uint32_t batch);
 /* Takes the samplers off again, which would otherwise override the host's own texture parameters.
  */
 SLV_API void slv_gl_texture_unbind(slv_gl_texture *texture);
@@ -150,7 +137,7 @@ SLV_API void slv_gl_texture_unbind(slv_gl_texture *texture);
  * the footprint dx[2i..], dy[2i..]; `out` gets 4 floats each. Changes GL state as slv_gl_wrap says.
  */
 SLV_API slv_result slv_gl_texture_lookup(slv_gl_texture *texture, const slv_env *env,
-                                         slv_strategy strategy, uint32_t count,
+                                         const slv_strategy *strategy, uint32_t count,
                                          const int32_t *faces, const float *uv, const float *dx,
                                          const float *dy, float *out);
 
@@ -172,7 +159,8 @@ typedef struct slv_gl_seam {
 } slv_gl_seam;
 
 SLV_API slv_result slv_gl_texture_seam_jump(slv_gl_texture *texture, const slv_env *env,
-                                            slv_strategy strategy, const slv_adjacency *adjacency,
+                                            const slv_strategy *strategy,
+                                            const slv_adjacency *adjacency,
                                             const slv_gl_seam_params *params, slv_gl_seam *out);
 
 #ifdef __cplusplus

@@ -11,6 +11,7 @@
 #include <selvage/form.h>
 #include <selvage/gl_context.h>
 #include <selvage/gl_renderer.h>
+#include <selvage/gl_strategy.h>
 #include <selvage/gl_texture.h>
 #include <selvage/half.h>
 #include <selvage/htex.h>

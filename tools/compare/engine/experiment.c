@@ -20,7 +20,7 @@ typedef struct totals {
 typedef struct moment {
     slv_frame frame;
     slv_image references[REPORT_SOURCES];
-    slv_image images[SLV_STRATEGY_COUNT];
+    slv_image images[REPORT_MAX_STRATEGIES];
     uint8_t *labels;
 } moment;
 
@@ -71,7 +71,7 @@ static void finish(totals *t) {
             cell->max_ms = list[frames - 1];
         }
     }
-    uint32_t baseline = report_find(report, SLV_STRATEGY_CLAMP) % report->nstrategies;
+    uint32_t baseline = report_find(report, "clamp") % report->nstrategies;
     for (uint32_t k = 0; k < report->nstrategies; k++) {
         report_strategy *row = &report->strategies[k];
         const report_cell *cell = &row->rates[report->shown];
@@ -93,7 +93,7 @@ static bool is_referenced(const report_data *report, uint32_t index, uint32_t wa
 }
 
 static void free_images(moment *m) {
-    for (int k = 0; k < SLV_STRATEGY_COUNT; k++)
+    for (int k = 0; k < REPORT_MAX_STRATEGIES; k++)
         slv_image_free(&m->images[k]);
 }
 
@@ -152,8 +152,8 @@ static slv_result find_references(experiment *e, moment *m, experiment_frame *ou
 }
 
 static void measure_apart(const experiment *e, const moment *m, report_errors *out) {
-    uint32_t a = report_find(e->report, SLV_STRATEGY_TRAVERSE),
-             b = report_find(e->report, SLV_STRATEGY_DISCARD), n = e->report->nstrategies;
+    uint32_t a = report_find(e->report, "traverse"), b = report_find(e->report, "discard"),
+             n = e->report->nstrategies;
     size_t npixels = (size_t)m->frame.width * m->frame.height;
     for (size_t i = 0; i < npixels && a < n && b < n; i++)
         report_errors_add(
@@ -196,7 +196,7 @@ static void measure_flicker(const experiment *e, const moment *before, const mom
 /* The next moment: one frame of an orbit of EXPERIMENT_STEPS later, however many are drawn. */
 static slv_result find_next(experiment *e, double t, report_source source, moment *next) {
     double estimate;
-    next->frame = experiment_frame_at(e, t + 1.0 / EXPERIMENT_STEPS, SLV_STRATEGY_CLAMP);
+    next->frame = experiment_frame_at(e, t + 1.0 / EXPERIMENT_STEPS, NULL);
     slv_result result = experiment_classify(e, &next->frame, &next->labels);
     return result ? result
                   : experiment_reference(e, source, &next->frame, &next->references[source],
@@ -207,7 +207,7 @@ static slv_result measure_frame(experiment *e, uint32_t index, bool referenced,
                                 experiment_frame *out) {
     const report_data *report = e->report;
     double t = (double)index / report->frames;
-    moment here = {.frame = experiment_frame_at(e, t, SLV_STRATEGY_CLAMP)}, next = {.labels = NULL};
+    moment here = {.frame = experiment_frame_at(e, t, NULL)}, next = {.labels = NULL};
     slv_result result = SLV_OK;
     memset(out, 0, sizeof *out);
     out->index = index;

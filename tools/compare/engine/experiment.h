@@ -38,10 +38,10 @@ typedef struct experiment_frame {
     bool referenced;
     uint64_t npixels[REPORT_LABELS];
     double estimate[REPORT_SOURCES];
-    double ms[REPORT_MAX_RATES][SLV_STRATEGY_COUNT];
+    double ms[REPORT_MAX_RATES][REPORT_MAX_STRATEGIES];
     report_errors apart[REPORT_MAX_RATES];
-    report_errors errors[REPORT_SOURCES][REPORT_MAX_RATES][SLV_STRATEGY_COUNT];
-    report_tally flicker[REPORT_MAX_RATES][SLV_STRATEGY_COUNT];
+    report_errors errors[REPORT_SOURCES][REPORT_MAX_RATES][REPORT_MAX_STRATEGIES];
+    report_tally flicker[REPORT_MAX_RATES][REPORT_MAX_STRATEGIES];
 } experiment_frame;
 
 /* Turns a list such as "1,2,4,8" into report->rates, as far as the driver has them or can have them
@@ -54,7 +54,7 @@ slv_result experiment_find_rates(const slv_env *env, const slv_gl *gl, uint32_t 
  * be NULL) is their time together. The size, shading and camera are those of `frame`. */
 slv_result experiment_draw(const experiment *e, const slv_frame *frame, const report_rate *rate,
                            slv_image *image, double *ms);
-slv_frame experiment_frame_at(const experiment *e, double t, slv_strategy strategy);
+slv_frame experiment_frame_at(const experiment *e, double t, const slv_strategy *strategy);
 
 /* Draws and measures all frames, writing each into the state file `path` when it is done; with
  * `resume`, those that are there already are taken from there. `conditions` must be equal for that;

@@ -13,7 +13,7 @@ static slv_result draw_views(experiment *e) {
     report_data *report = e->report;
     slv_result result = experiment_begin(e, report->nviews * report->nstrategies);
     for (uint32_t v = 0; v < report->nviews && !result; v++) {
-        slv_frame frame = experiment_frame_at(e, view_time(report, v), SLV_STRATEGY_CLAMP);
+        slv_frame frame = experiment_frame_at(e, view_time(report, v), NULL);
         double estimate;
         for (uint32_t k = 0; k < report->nstrategies && !result; k++) {
             frame.strategy = report->strategies[k].strategy;
@@ -168,7 +168,7 @@ static slv_result draw_spots(experiment *e) {
     slv_result result = SLV_OK;
     for (uint32_t i = 0; i < report->nspots && !result; i++) {
         const report_spot *spot = &report->spots[i];
-        slv_frame frame = experiment_frame_at(e, view_time(report, spot->view), SLV_STRATEGY_CLAMP);
+        slv_frame frame = experiment_frame_at(e, view_time(report, spot->view), NULL);
         double half = 0.5 / (double)spot->zoom, x = (double)spot->x, y = (double)spot->y,
                across = half * report->height / report->width, estimate;
         frame.camera = orbit_part(&frame.camera, x - across, y - half, x + across, y + half);

@@ -106,7 +106,7 @@ slv_result experiment_draw(const experiment *e, const slv_frame *given, const re
     return result;
 }
 
-slv_frame experiment_frame_at(const experiment *e, double t, slv_strategy strategy) {
+slv_frame experiment_frame_at(const experiment *e, double t, const slv_strategy *strategy) {
     return (slv_frame){.width = e->report->width,
                        .height = e->report->height,
                        .strategy = strategy,

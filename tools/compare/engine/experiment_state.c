@@ -35,7 +35,7 @@ json_t *experiment_errors_json(const report_errors *errors) {
 }
 
 static json_t *cells_json(const report_data *report, const experiment_frame *frame,
-                          const report_errors (*errors)[SLV_STRATEGY_COUNT]) {
+                          const report_errors (*errors)[REPORT_MAX_STRATEGIES]) {
     json_t *rates = json_array();
     for (uint32_t r = 0; r < report->nrates; r++) {
         json_t *row = json_array();

@@ -14,7 +14,8 @@ enum {
     REPORT_MAX_VIEWS = 4,
     REPORT_MAX_SPOTS = 6,
     REPORT_ERROR_STEPS = 41,
-    REPORT_MAX_RATES = 8
+    REPORT_MAX_RATES = 8,
+    REPORT_MAX_STRATEGIES = 16
 };
 
 /* Samples per pixel: `frames` pictures of `msaa` samples, moved by parts of a pixel and averaged.
@@ -76,7 +77,7 @@ typedef struct report_blocks {
 } report_blocks;
 
 typedef struct report_strategy {
-    slv_strategy strategy;
+    const slv_strategy *strategy;
     double median_ms, min_ms, max_ms; /* of a frame, at the rate that is shown */
     double ratio; /* of medians, to clamp (or to the first strategy if clamp is not there) */
     slv_gl_texture_stats stats;
@@ -122,8 +123,8 @@ typedef struct report_data {
     orbit path;
     report_errors apart[REPORT_MAX_RATES]; /* traverse from discard, if both are there */
     uint32_t nstrategies, nviews, nspots, npairs;
-    report_strategy strategies[SLV_STRATEGY_COUNT];
-    report_pair pairs[SLV_STRATEGY_COUNT * SLV_STRATEGY_COUNT];
+    report_strategy strategies[REPORT_MAX_STRATEGIES];
+    report_pair pairs[REPORT_MAX_STRATEGIES * REPORT_MAX_STRATEGIES];
     report_spot spots[REPORT_MAX_SPOTS];
     report_reference reference;
     bool compressed;
@@ -150,7 +151,9 @@ double report_distance(const float *a, const float *b);
 const char *report_source_name(report_source source);
 const char *report_label_name(report_label label);
 /* The index of a strategy in the report, or nstrategies. */
-uint32_t report_find(const report_data *report, slv_strategy strategy);
+uint32_t report_find(const report_data *report, const char *name);
+/* Its index among all that the library has, so that it has the same colour in every report. */
+uint32_t report_colour(const slv_strategy *strategy);
 
 void report_free(report_data *report);
 

@@ -20,7 +20,7 @@ double report_seam_error(const report_data *report, report_source source, uint32
 
 report_advice report_advise(const report_data *report) {
     report_advice advice = {.measured = false};
-    double errors[SLV_STRATEGY_COUNT], least = INFINITY, quickest = INFINITY;
+    double errors[REPORT_MAX_STRATEGIES], least = INFINITY, quickest = INFINITY;
     uint64_t memory = UINT64_MAX;
     uint32_t n = report->nstrategies;
     for (uint32_t k = 0; k < n; k++) {
@@ -57,29 +57,28 @@ void report_write_advice(FILE *stream, const report_data *report, const report_a
                           *closest = &report->strategies[advice->closest],
                           *quickest = &report->strategies[advice->quickest];
     const report_source source = report->reference.first;
-    const uint32_t baseline = report_find(report, SLV_STRATEGY_CLAMP) % report->nstrategies;
+    const uint32_t baseline = report_find(report, "clamp") % report->nstrategies;
     fprintf(
         stream,
         "On this orbit, at %u sample%s per pixel, take <strong>%s</strong>: an error of %.2f/255 "
         "at seams",
         report->rates[report->shown].samples, report->rates[report->shown].samples == 1 ? "" : "s",
-        slv_strategy_name(take->strategy),
-        255 * report_seam_error(report, source, report->shown, advice->take));
+        take->strategy->name, 255 * report_seam_error(report, source, report->shown, advice->take));
     if (advice->take == advice->closest)
         fputs(", the smallest there is", stream);
     else
         fprintf(stream, " (the smallest is %.2f, with %s at %.2f times the time)",
                 255 * report_seam_error(report, source, report->shown, advice->closest),
-                slv_strategy_name(closest->strategy), closest->median_ms / take->median_ms);
+                closest->strategy->name, closest->median_ms / take->median_ms);
     if (advice->take == baseline)
         fprintf(stream, "; %.2f ms a frame", take->median_ms);
     else
         fprintf(stream, "; %.2f times the frame time of %s", take->ratio,
-                slv_strategy_name(report->strategies[baseline].strategy));
+                report->strategies[baseline].strategy->name);
     fprintf(stream, " and %.2f times the memory of the bare texels.", memory_ratio(take));
     if (quickest->median_ms * REPORT_SAME_TIME < take->median_ms)
         fprintf(stream, " The quickest is %s, at %.2f times that time and an error of %.2f/255.",
-                slv_strategy_name(quickest->strategy), quickest->median_ms / take->median_ms,
+                quickest->strategy->name, quickest->median_ms / take->median_ms,
                 255 * report_seam_error(report, source, report->shown, advice->quickest));
 }
 
@@ -206,8 +205,8 @@ void report_find_out(const report_data *report, report_finding findings[REPORT_F
         "Discard at eight samples is quicker than traverse at two.",
     };
     contest c = {.report = report,
-                 .traverse = report_find(report, SLV_STRATEGY_TRAVERSE),
-                 .discard = report_find(report, SLV_STRATEGY_DISCARD),
+                 .traverse = report_find(report, "traverse"),
+                 .discard = report_find(report, "discard"),
                  .source = report->reference.used[REPORT_SUPERSAMPLED] ? REPORT_SUPERSAMPLED
                                                                        : report->reference.first};
     c.both = c.traverse < report->nstrategies && c.discard < report->nstrategies;

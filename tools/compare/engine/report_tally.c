@@ -2,6 +2,7 @@
 #include "compare/engine/report.h"
 
 #include <math.h>
+#include <string.h>
 
 double report_error_step(uint32_t i) {
     return exp2(-10 + 0.25 * i);
@@ -18,9 +19,16 @@ const char *report_label_name(report_label label) {
     return names[label];
 }
 
-uint32_t report_find(const report_data *report, slv_strategy strategy) {
+uint32_t report_find(const report_data *report, const char *name) {
     uint32_t k = 0;
-    while (k < report->nstrategies && report->strategies[k].strategy != strategy)
+    while (k < report->nstrategies && strcmp(report->strategies[k].strategy->name, name) != 0)
+        k++;
+    return k;
+}
+
+uint32_t report_colour(const slv_strategy *strategy) {
+    uint32_t k = 0;
+    while (slv_strategy_at(k) && slv_strategy_at(k) != strategy)
         k++;
     return k;
 }
@@ -84,7 +92,7 @@ double report_share(const report_errors *errors, uint32_t i) {
 void report_free(report_data *report) {
     if (!report)
         return;
-    for (uint32_t i = 0; i < SLV_STRATEGY_COUNT; i++) {
+    for (uint32_t i = 0; i < REPORT_MAX_STRATEGIES; i++) {
         for (uint32_t v = 0; v < REPORT_MAX_VIEWS; v++)
             slv_image_free(&report->strategies[i].views[v]);
         for (uint32_t s = 0; s < REPORT_MAX_SPOTS; s++)
@@ -95,6 +103,6 @@ void report_free(report_data *report) {
         slv_image_free(&report->reference.spots[s]);
     for (uint32_t v = 0; v < REPORT_MAX_VIEWS; v++)
         slv_image_free(&report->reference.views[v]);
-    for (uint32_t i = 0; i < SLV_STRATEGY_COUNT * SLV_STRATEGY_COUNT; i++)
+    for (uint32_t i = 0; i < REPORT_MAX_STRATEGIES * REPORT_MAX_STRATEGIES; i++)
         slv_image_free(&report->pairs[i].heat);
 }

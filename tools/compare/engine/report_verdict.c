@@ -41,11 +41,10 @@ static bool cheaper(const report_strategy *a, const report_strategy *b) {
 report_verdict report_judge(const report_data *report) {
     report_verdict verdict = {.outcome = REPORT_ALL_VISIBLE};
     bool edges = false;
-    for (uint32_t i = 0; i < report->nstrategies; i++) {
+    uint32_t clamp = report_find(report, "clamp");
+    verdict.baseline = clamp < report->nstrategies ? clamp : 0;
+    for (uint32_t i = 0; i < report->nstrategies; i++)
         edges |= report->strategies[i].seams[0].nedges > 0;
-        if (report->strategies[i].strategy == SLV_STRATEGY_CLAMP)
-            verdict.baseline = i;
-    }
     if (!edges)
         verdict.outcome = REPORT_NO_SEAMS;
     for (report_outcome wanted = REPORT_EQUAL_ONLY; edges && wanted >= REPORT_SEAMLESS; wanted--)
@@ -68,7 +67,7 @@ report_verdict report_judge(const report_data *report) {
 }
 
 static const char *name_of(const report_strategy *row) {
-    return slv_strategy_name(row->strategy);
+    return row->strategy->name;
 }
 
 static void write_cost(FILE *stream, const report_data *report, const report_verdict *verdict) {

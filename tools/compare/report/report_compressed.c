@@ -53,8 +53,8 @@ void report_write_compressed(FILE *stream, const report_data *report) {
         const report_blocks *blocks = &row->blocks;
         double bytes = (double)blocks->stats.gpu_bytes;
         fprintf(stream, "<tr><th scope=\"row\">%s</th><td>%.2f</td><td>%.2f</td><td>%.2f</td>",
-                slv_strategy_name(row->strategy), bytes / 1e6,
-                bytes / (double)row->stats.texel_bytes, bytes / (double)row->stats.gpu_bytes);
+                row->strategy->name, bytes / 1e6, bytes / (double)row->stats.texel_bytes,
+                bytes / (double)row->stats.gpu_bytes);
         write_decibels(stream, blocks->psnr);
         if (reference) {
             write_decibels(stream, blocks->reference_psnr);

@@ -18,7 +18,7 @@ static const char *const source_words[REPORT_SOURCES] = {
 };
 
 static const char *name_of(const report_data *report, uint32_t k) {
-    return slv_strategy_name(report->strategies[k].strategy);
+    return report->strategies[k].strategy->name;
 }
 
 static void write_rate(FILE *stream, const report_rate *rate) {
@@ -28,8 +28,8 @@ static void write_rate(FILE *stream, const report_rate *rate) {
 }
 
 void report_write_rates(FILE *stream, const report_data *report) {
-    uint32_t clamp = report_find(report, SLV_STRATEGY_CLAMP),
-             traverse = report_find(report, SLV_STRATEGY_TRAVERSE), n = report->nstrategies;
+    uint32_t clamp = report_find(report, "clamp"), traverse = report_find(report, "traverse"),
+             n = report->nstrategies;
     fputs("<section aria-labelledby=\"rates\">\n<h2 id=\"rates\">Frame time by sampling rate</h2>\n"
           "<p class=\"caption\" id=\"rates-what\">Median milliseconds of a frame, as in Toth's "
           "Table 1; below, ratios at the same rate",
@@ -87,11 +87,12 @@ static void write_right(FILE *stream, const report_data *report, report_source s
     fprintf(stream, "<h3>From the reference: %s</h3>\n<div class=\"plots\">\n",
             source_words[source]);
     for (uint32_t r = 0; r < report->nrates; r++) {
-        report_curve curves[SLV_STRATEGY_COUNT];
+        report_curve curves[REPORT_MAX_STRATEGIES];
         char title[64];
         for (uint32_t k = 0; k < report->nstrategies; k++)
-            curves[k] = (report_curve){name_of(report, k), (unsigned)report->strategies[k].strategy,
-                                       &report->strategies[k].rates[r].errors[source]};
+            curves[k] =
+                (report_curve){name_of(report, k), report_colour(report->strategies[k].strategy),
+                               &report->strategies[k].rates[r].errors[source]};
         snprintf(title, sizeof title, "%u sample%s per pixel", report->rates[r].samples,
                  report->rates[r].samples == 1 ? "" : "s");
         report_write_plot(stream, title, "Share of pixels by distance from the reference", curves,
@@ -102,8 +103,7 @@ static void write_right(FILE *stream, const report_data *report, report_source s
 
 void report_write_curves(FILE *stream, const report_data *report) {
     uint32_t n = report->nstrategies;
-    bool left = report_find(report, SLV_STRATEGY_TRAVERSE) < n &&
-                report_find(report, SLV_STRATEGY_DISCARD) < n;
+    bool left = report_find(report, "traverse") < n && report_find(report, "discard") < n;
     if (!left && report->reference.first == REPORT_SOURCES)
         return;
     fputs("<section aria-labelledby=\"curves\">\n<h2 id=\"curves\">How many pixels are how far "

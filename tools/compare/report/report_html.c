@@ -12,17 +12,6 @@ struct report_table_row {
 };
 extern const struct report_table_row report_table[];
 
-static const char *const strategy_phrases[SLV_STRATEGY_COUNT] = {
-    [SLV_STRATEGY_CLAMP] = "reads its own face only; the baseline that shows the problem",
-    [SLV_STRATEGY_BORDERS] = "every level stored with a border copied from the neighbours",
-    [SLV_STRATEGY_TRAVERSE] = "reads the neighbours that a lookup reaches as well",
-    [SLV_STRATEGY_DISCARD] = "drops what falls outside its face; multisampling blends",
-    [SLV_STRATEGY_HYBRID] = "traverse where texels are larger than pixels, else discard",
-    [SLV_STRATEGY_TRAVERSE_FULL] = "traverse in its plain form, for comparison",
-    [SLV_STRATEGY_EDGE_ALIGNED] = "samples on the edges of faces, shared with the neighbours",
-    [SLV_STRATEGY_HTEX] = "squares of edges, shared by the faces on both sides",
-};
-
 static const char *find_text(const char *name, size_t length) {
     for (const struct report_table_row *row = report_table; row->name; row++)
         if (strlen(row->name) == length && memcmp(row->name, name, length) == 0)
@@ -64,8 +53,8 @@ static slv_result strategy_rows(const page *p) {
             fprintf(p->stream, " <span class=\"pick\">%s</span>", picks[p->verdict.outcome]);
         if (p->advice.measured && i == p->advice.take)
             fputs(" <span class=\"pick\">for this orbit</span>", p->stream);
-        if (strategy_phrases[row->strategy])
-            fprintf(p->stream, "<small>%s</small>", strategy_phrases[row->strategy]);
+        if (row->strategy->title)
+            fprintf(p->stream, "<small>%s</small>", row->strategy->title);
         fputs("</th>", p->stream);
         fprintf(p->stream, "<td>%.2f<small>%.2f to %.2f</small></td><td>%.2f</td>", row->median_ms,
                 row->min_ms, row->max_ms, row->ratio);

@@ -172,8 +172,8 @@ static json_t *strategies_json(const report_data *report) {
         double texels = (double)stats->texel_bytes;
         json_t *item = json_pack(
             "{s:s, s:o, s:o, s:o, s:o, s:I, s:I, s:o, s:I, s:I, s:I, s:o, s:o, s:o}", "name",
-            slv_strategy_name(row->strategy), "median_ms", output_json_number(row->median_ms),
-            "min_ms", output_json_number(row->min_ms), "max_ms", output_json_number(row->max_ms),
+            row->strategy->name, "median_ms", output_json_number(row->median_ms), "min_ms",
+            output_json_number(row->min_ms), "max_ms", output_json_number(row->max_ms),
             "time_ratio", output_json_number(row->ratio), "texel_bytes",
             (json_int_t)stats->texel_bytes, "gpu_bytes", (json_int_t)stats->gpu_bytes,
             "memory_ratio", output_json_number((double)stats->gpu_bytes / texels), "pools",
@@ -190,12 +190,11 @@ static json_t *pairs_json(const report_data *report) {
     for (uint32_t i = 0; i < report->npairs; i++) {
         const report_pair *pair = &report->pairs[i];
         json_t *item = json_pack(
-            "{s:s, s:s, s:o, s:o, s:o, s:o, s:o}", "a",
-            slv_strategy_name(report->strategies[pair->a].strategy), "b",
-            slv_strategy_name(report->strategies[pair->b].strategy), "max",
-            output_json_number(pair->max), "mean", output_json_number(pair->mean), "psnr",
-            output_json_number(pair->psnr), "share_over_1_255", output_json_number(pair->over_1),
-            "share_over_4_255", output_json_number(pair->over_4));
+            "{s:s, s:s, s:o, s:o, s:o, s:o, s:o}", "a", report->strategies[pair->a].strategy->name,
+            "b", report->strategies[pair->b].strategy->name, "max", output_json_number(pair->max),
+            "mean", output_json_number(pair->mean), "psnr", output_json_number(pair->psnr),
+            "share_over_1_255", output_json_number(pair->over_1), "share_over_4_255",
+            output_json_number(pair->over_4));
         list = append(list, item);
     }
     return list;
@@ -245,15 +244,13 @@ static json_t *conditions_json(const report_data *report) {
 
 static json_t *advice_json(const report_data *report) {
     report_advice advice = report_advise(report);
-    return advice.measured ? text(slv_strategy_name(report->strategies[advice.take].strategy))
-                           : json_null();
+    return advice.measured ? text(report->strategies[advice.take].strategy->name) : json_null();
 }
 
 static json_t *report_json(const report_data *report) {
     char version[32];
     uint32_t v = slv_version(), n = report->nstrategies;
-    bool both = report_find(report, SLV_STRATEGY_TRAVERSE) < n &&
-                report_find(report, SLV_STRATEGY_DISCARD) < n;
+    bool both = report_find(report, "traverse") < n && report_find(report, "discard") < n;
     snprintf(version, sizeof version, "%u.%u.%u", v >> 16, v >> 8 & 255, v & 255);
     return json_pack(
         "{s:i, s:s, s:s, s:o, s:o, s:I, s:I, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o}", "schema", 2,

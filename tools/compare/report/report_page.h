@@ -18,7 +18,7 @@ static inline bool page_has_reference(const page *p) {
 }
 
 static inline const char *page_strategy_name(const page *p, uint32_t index) {
-    return slv_strategy_name(p->report->strategies[index].strategy);
+    return p->report->strategies[index].strategy->name;
 }
 
 /* The pictures: those of the viewer, seams close up, and maps of differences. */

@@ -44,7 +44,7 @@ void report_write_latex(FILE *stream, const report_data *report) {
     fputs(" & MB\\\\\n\\hline\n", stream);
     for (uint32_t k = 0; k < report->nstrategies; k++) {
         const report_strategy *row = &report->strategies[k];
-        write_tex(stream, slv_strategy_name(row->strategy));
+        write_tex(stream, row->strategy->name);
         for (uint32_t r = 0; r < report->nrates; r++) {
             fputs(" & ", stream);
             write_number(stream, row->rates[r].median_ms, time_digits(row->rates[r].median_ms),
@@ -75,7 +75,7 @@ void report_write_markdown(FILE *stream, const report_data *report) {
     fputc('\n', stream);
     for (uint32_t k = 0; k < report->nstrategies; k++) {
         const report_strategy *row = &report->strategies[k];
-        fprintf(stream, "| `%s` |", slv_strategy_name(row->strategy));
+        fprintf(stream, "| `%s` |", row->strategy->name);
         for (uint32_t r = 0; r < report->nrates; r++) {
             fputc(' ', stream);
             write_number(stream, row->rates[r].median_ms, time_digits(row->rates[r].median_ms), "");
@@ -92,8 +92,8 @@ void report_write_markdown(FILE *stream, const report_data *report) {
 }
 
 void report_write_csv(FILE *stream, const report_data *report) {
-    uint32_t clamp = report_find(report, SLV_STRATEGY_CLAMP),
-             traverse = report_find(report, SLV_STRATEGY_TRAVERSE), n = report->nstrategies;
+    uint32_t clamp = report_find(report, "clamp"), traverse = report_find(report, "traverse"),
+             n = report->nstrategies;
     fputs("strategy,samples,pictures,median_ms,min_ms,max_ms,to_clamp,to_traverse,gpu_bytes,"
           "seam_rms,flicker_rms\n",
           stream);
@@ -101,7 +101,7 @@ void report_write_csv(FILE *stream, const report_data *report) {
         const report_strategy *row = &report->strategies[k];
         for (uint32_t r = 0; r < report->nrates; r++) {
             const report_cell *cell = &row->rates[r];
-            fprintf(stream, "%s,%u,%u,%.6g,%.6g,%.6g,", slv_strategy_name(row->strategy),
+            fprintf(stream, "%s,%u,%u,%.6g,%.6g,%.6g,", row->strategy->name,
                     report->rates[r].samples, report->rates[r].frames, cell->median_ms,
                     cell->min_ms, cell->max_ms);
             if (clamp < n)
@@ -138,7 +138,7 @@ static void write_right(FILE *stream, const report_data *report, report_source s
     fputs("distance", stream);
     for (uint32_t k = 0; k < report->nstrategies; k++)
         for (uint32_t r = 0; r < report->nrates; r++)
-            fprintf(stream, ",%s %ux", slv_strategy_name(report->strategies[k].strategy),
+            fprintf(stream, ",%s %ux", report->strategies[k].strategy->name,
                     report->rates[r].samples);
     fputc('\n', stream);
     for (uint32_t i = 0; i < REPORT_ERROR_STEPS; i++) {
@@ -162,9 +162,8 @@ static void write_labels(FILE *stream, const report_data *report) {
                     const report_tally *t = &report->strategies[k].rates[r].errors[s].labels[label];
                     double n = t->npixels ? (double)t->npixels : 1;
                     fprintf(stream, "%s,%s,%u,%s,%llu,", report_source_name((report_source)s),
-                            slv_strategy_name(report->strategies[k].strategy),
-                            report->rates[r].samples, report_label_name((report_label)label),
-                            (unsigned long long)t->npixels);
+                            report->strategies[k].strategy->name, report->rates[r].samples,
+                            report_label_name((report_label)label), (unsigned long long)t->npixels);
                     write_number(stream, report_rms(t), 8, "");
                     fprintf(stream, ",%.9g,%.9g,%.9g,%.9g\n", t->max, (double)t->over[0] / n,
                             (double)t->over[1] / n, (double)t->over[2] / n);
@@ -183,7 +182,7 @@ static void write_blocks(FILE *stream, const report_data *report) {
         const report_blocks *blocks = &row->blocks;
         const double decibels[] = {blocks->psnr, blocks->reference_psnr,
                                    blocks->plain_reference_psnr};
-        fprintf(stream, "%s,%llu,%llu,%llu,", slv_strategy_name(row->strategy),
+        fprintf(stream, "%s,%llu,%llu,%llu,", row->strategy->name,
                 (unsigned long long)blocks->stats.gpu_bytes,
                 (unsigned long long)row->stats.gpu_bytes,
                 (unsigned long long)row->stats.texel_bytes);
@@ -236,8 +235,7 @@ slv_result report_write_tables(const slv_env *env, const char *folder, const rep
     if (report->compressed &&
         (result = write_table(env, folder, "compression.csv", report, BLOCKS)))
         return result;
-    if (report_find(report, SLV_STRATEGY_TRAVERSE) < n &&
-        report_find(report, SLV_STRATEGY_DISCARD) < n)
+    if (report_find(report, "traverse") < n && report_find(report, "discard") < n)
         result = write_table(env, folder, "figure5_left.csv", report, LEFT);
     if (!result && report->reference.first < REPORT_SOURCES)
         result = write_table(env, folder, "errors.csv", report, LABELS);

@@ -25,7 +25,7 @@ slv_result report_write_pictures(const slv_env *env, const char *folder,
     slv_result result = SLV_OK;
     for (uint32_t i = 0; i < report->nstrategies; i++) {
         const report_strategy *row = &report->strategies[i];
-        const char *strategy = slv_strategy_name(row->strategy);
+        const char *strategy = row->strategy->name;
         for (uint32_t v = 0; !result && v < report->nviews; v++) {
             snprintf(name, sizeof name, "view%u_%s.png", v, strategy);
             result = save(env, folder, name, &row->views[v]);
@@ -48,8 +48,8 @@ slv_result report_write_pictures(const slv_env *env, const char *folder,
     for (uint32_t i = 0; !result && i < report->npairs; i++) {
         const report_pair *pair = &report->pairs[i];
         snprintf(name, sizeof name, "difference_%s_%s.png",
-                 slv_strategy_name(report->strategies[pair->a].strategy),
-                 slv_strategy_name(report->strategies[pair->b].strategy));
+                 report->strategies[pair->a].strategy->name,
+                 report->strategies[pair->b].strategy->name);
         result = save(env, folder, name, &pair->heat);
     }
     return result;

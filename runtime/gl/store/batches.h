@@ -1,0 +1,43 @@
+/* Batches: sets of faces whose pools fit the texture units that a draw binds. */
+#ifndef SLV_GL_BATCHES_H
+#define SLV_GL_BATCHES_H
+
+#include "gl/store/pools.h"
+
+typedef struct slv_gl_batch_range {
+    uint32_t first, count; /* in the batch list's faces */
+    uint32_t variant, npools;
+    uint32_t pools[16]; /* number 0 is the batch's own */
+} slv_gl_batch_range;
+
+typedef struct slv_gl_batches {
+    slv_gl_batch_range *ranges;
+    uint32_t count, capacity;
+    uint32_t *faces;
+} slv_gl_batches;
+
+/* Variants: the number of pools a shader can reach, 1 << (variant >> 1), and whether a link to two
+ * sub-faces occurs. */
+static inline uint32_t slv_gl_variant_pools(uint32_t variant) {
+    return 1u << (variant >> 1);
+}
+uint32_t slvi_gl_variant_for(uint32_t npools, bool two_subfaces);
+
+/* Adds a pool to a set if it is not there; returns its place. */
+uint32_t slvi_gl_add_pool(uint32_t *pools, uint32_t *npools, uint32_t pool);
+/* The place of a pool in a batch, or its number of pools. */
+uint32_t slvi_gl_slot_of(const slv_gl_batch_range *range, uint32_t pool);
+
+/* One batch a pool, of faces that are items. */
+slv_result slvi_gl_batches_by_pool(const slv_env *env, const slv_gl_pools *pools,
+                                   slv_gl_batches *out);
+/* Adds a face that needs these pools to one of the batches from `first` on, or to a new one. */
+slv_result slvi_gl_join_batch(const slv_env *env, slv_gl_batches *batches, uint32_t first,
+                              uint32_t variant, const uint32_t *pools, uint32_t npools,
+                              uint32_t *batch);
+/* The faces of each batch, in the order of `order`; batches->faces has room for them. */
+void slvi_gl_batches_list(slv_gl_batches *batches, const uint32_t *order, uint32_t nfaces,
+                          const uint32_t *batch_of);
+void slvi_gl_batches_free(slv_gl_batches *batches);
+
+#endif

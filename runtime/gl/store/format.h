@@ -1,0 +1,32 @@
+/* How texels are laid out for a sampler. */
+#ifndef SLV_GL_FORMAT_H
+#define SLV_GL_FORMAT_H
+
+#include "gl/context/api.h"
+#include "gl/store/block.h"
+
+#include <selvage/texture.h>
+
+/* `nsource` channels from `first`, padded to `ncomponents`. */
+typedef struct slv_gl_format {
+    slv_type type;
+    uint32_t first, nsource, ncomponents;
+    bool coverage; /* the last component is 1 in every texel */
+    GLenum internal, external, data;
+    GLint swizzle[4];
+    size_t texel_bytes; /* before compression */
+    slv_gl_block block;
+} slv_gl_format;
+
+slv_gl_format slvi_gl_format_for(slv_type type, uint32_t first, uint32_t nchannels, bool coverage);
+/* Makes a format of 8-bit texels one of blocks. */
+slv_result slvi_gl_format_compress(const slv_gl *gl, const slv_env *env, slv_gl_format *format);
+
+/* `count` texels with `nchannels` channels of the format's type, to the format. */
+void slvi_gl_convert(const slv_gl_format *format, const void *texels, uint32_t nchannels,
+                     size_t count, void *out);
+/* The same from floats. */
+void slvi_gl_convert_float(const slv_gl_format *format, const float *texels, uint32_t nchannels,
+                           size_t count, void *out);
+
+#endif

@@ -1,0 +1,203 @@
+/* The batches and tables of lookups that go on across edges. */
+#include "gl/store/links.h"
+
+#include "adjacency/edge.h"
+#include "base/log.h"
+#include "base/memory.h"
+#include "base/parallel.h"
+#include "gl/store/tables.h"
+
+#include <selvage/border.h>
+
+#define MAX_REACH 9 /* a face and two neighbours across each edge */
+
+/* As the shader reads it; see slv_links in shaders/lookup/links.glsl. */
+struct link_row {
+    int32_t face[4];
+    uint16_t links[4];
+    uint32_t corners, levels;
+};
+
+/* The pools that a face's lookups can reach, its own first, at most `most`. */
+static uint32_t reach_of(const slv_gl_source *source, const slv_gl_pools *layers, uint32_t face,
+                         uint32_t most, uint32_t pools[MAX_REACH], bool *two_subfaces,
+                         bool *dropped) {
+    uint32_t npools = 0;
+    slvi_gl_add_pool(pools, &npools, layers->pool_of[face]);
+    *two_subfaces = false;
+    for (unsigned e = 0; e < 4; e++) {
+        slv_neighbour neighbours[2];
+        uint32_t count = slv_adjacency_neighbours(source->adjacency, (int32_t)face, e, neighbours);
+        *two_subfaces |= count > 0 && neighbours[0].scale > 1;
+        for (uint32_t i = 0; i < count; i++) {
+            uint32_t before = npools;
+            slvi_gl_add_pool(pools, &npools, layers->pool_of[neighbours[i].face]);
+            if (npools > most) {
+                npools = before;
+                *dropped = true;
+            }
+        }
+    }
+    return npools;
+}
+
+/* Puts each face into a batch of its own pool whose pools hold its neighbours. Small needs get
+ * small batches of their own, so that most faces run the cheapest shader. */
+static slv_result assign_batches(const slv_gl_source *source, const slv_gl_pools *layers,
+                                 slv_gl_batches *batches, uint32_t *batch_of) {
+    uint32_t dropped_faces = 0, most = source->params.batch_pools;
+    slv_result result = SLV_OK;
+    for (uint32_t p = 0; p < layers->npools; p++) {
+        uint32_t first = batches->count;
+        for (uint32_t layer = 0; layer < layers->pools[p].nlayers; layer++) {
+            uint32_t face = layers->pools[p].items[layer], pools[MAX_REACH];
+            bool two_subfaces = false, dropped = false;
+            uint32_t npools = reach_of(source, layers, face, most, pools, &two_subfaces, &dropped);
+            uint32_t variant = slvi_gl_variant_for(npools, two_subfaces);
+            dropped_faces += dropped;
+            if ((result = slvi_gl_join_batch(source->env, batches, first, variant, pools, npools,
+                                             &batch_of[face])))
+                return result;
+        }
+    }
+    if (dropped_faces)
+        slvi_logf(source->env, SLV_LOG_WARNING,
+                  "%u faces meet more array textures than the driver has units for: some of their "
+                  "edges are drawn "
+                  "as boundaries",
+                  dropped_faces);
+    return SLV_OK;
+}
+
+/* Which half of a whole quad's edge a sub-face touches: where the sub-face's edge starts, seen
+ * along the quad's. */
+static bool second_half(unsigned edge, const slv_neighbour *neighbour) {
+    float u, v;
+    slvi_edge_point(edge, 0, &u, &v);
+    slv_affine_apply(&neighbour->map, u, v, &u, &v);
+    return slvi_edge_t(neighbour->edge, u, v) > 0.75f;
+}
+
+/* Whether a neighbour's texels are as large as the face's own, along both axes. */
+static bool same_texels(const slv_texture_desc *desc, uint32_t face,
+                        const slv_neighbour *neighbour) {
+    slv_res own = desc->res[face], other = desc->res[neighbour->face];
+    int finer = slvi_neighbour_halvings(neighbour);
+    bool swapped = neighbour->map.uu == 0;
+    return own.u == (swapped ? other.v : other.u) + finer &&
+           own.v == (swapped ? other.u : other.v) + finer;
+}
+
+static void fill_link_row(const slv_gl_source *source, const slv_gl_pools *layers,
+                          const slv_gl_batches *batches, const uint32_t *batch_of, uint32_t face,
+                          struct link_row *row) {
+    const slv_gl_batch_range *range = &batches->ranges[batch_of[face]];
+    for (unsigned e = 0; e < 4; e++) {
+        slv_neighbour neighbours[2] = {{0}};
+        uint32_t count = slv_adjacency_neighbours(source->adjacency, (int32_t)face, e, neighbours),
+                 slots[2] = {0};
+        bool fits = count > 0, same[2] = {false, false};
+        for (uint32_t i = 0; i < count; i++) {
+            same[i] = same_texels(slv_levels_get_desc(source->levels), face, &neighbours[i]);
+            slots[i] = slvi_gl_slot_of(range, layers->pool_of[neighbours[i].face]);
+            fits &= slots[i] < range->npools;
+        }
+        row->face[e] = SLV_BOUNDARY;
+        row->links[e] =
+            (uint16_t)(slv_adjacency_is_t_corner(source->adjacency, (int32_t)face, e) << 14);
+        if (!fits)
+            continue;
+        /* of two sub-faces the shader starts at the primary, the one that the record names */
+        uint32_t first = count == 2 &&
+                         neighbours[0].face != slv_adjacency_faces(source->adjacency)[face].face[e];
+        uint32_t kind = neighbours[0].scale > 1 ? 2 : neighbours[0].scale < 1 ? 3 : 1;
+        bool second = kind == 2 ? count == 2 : kind == 3 && second_half(e, &neighbours[0]);
+        row->face[e] = neighbours[first].face;
+        row->links[e] |= (uint16_t)(neighbours[first].edge | kind << 2 | (uint32_t)second << 4 |
+                                    slots[first] << 5 | slots[!first] << 9 |
+                                    (uint32_t)same[0] << 13 | (uint32_t)same[count - 1] << 15);
+    }
+}
+
+struct corner_job {
+    const slv_gl_source *source;
+    const struct link_row *rows;
+    float *corners;
+};
+
+static slv_result fill_corners(void *user, uint64_t first, uint64_t end) {
+    const struct corner_job *job = user;
+    float *values = NULL;
+    slv_result result =
+        slvi_alloc(&job->source->shared, "corner",
+                   slv_levels_get_desc(job->source->levels)->nchannels, sizeof *values, &values);
+    if (result)
+        return result;
+    for (uint64_t face = first; face < end; face++) {
+        const struct link_row *row = &job->rows[face];
+        for (unsigned corner = 0; corner < 4; corner++) {
+            for (uint32_t level = 0; level < row->levels; level++) {
+                float *out =
+                    job->corners + 4 * ((size_t)row->corners + corner * row->levels + level);
+                slv_border_vertex(job->source->levels, job->source->adjacency, (uint32_t)face,
+                                  level, corner, values);
+                slvi_gl_table_value(&job->source->params, values, out);
+            }
+        }
+    }
+    slvi_free(values);
+    return SLV_OK;
+}
+
+static slv_result upload_links(const slv_gl_source *source, const slv_gl_pools *layers,
+                               const slv_gl_batches *batches, const uint32_t *batch_of,
+                               slv_gl_reach *out) {
+    uint32_t nfaces = slv_levels_get_desc(source->levels)->nfaces;
+    uint64_t ncorners = 0;
+    struct link_row *rows = NULL;
+    float *values = NULL;
+    slv_result result = slvi_alloc(source->env, "link table", nfaces, sizeof *rows, &rows);
+    for (uint32_t f = 0; !result && f < nfaces; f++) {
+        fill_link_row(source, layers, batches, batch_of, f, &rows[f]);
+        rows[f].levels = slv_levels_count(source->levels, f);
+        rows[f].corners = (uint32_t)ncorners;
+        ncorners += 4 * (uint64_t)rows[f].levels;
+        if (ncorners > UINT32_MAX)
+            result = slvi_fail(source->env, SLV_ERROR_LIMIT,
+                               "too many corners for 32-bit indices at face %u", f);
+    }
+    if (!result)
+        result = slvi_alloc(source->env, "corner table", ncorners, 4 * sizeof *values, &values);
+    if (!result) {
+        struct corner_job job = {.source = source, .rows = rows, .corners = values};
+        result = slvi_parallel_for(&source->shared, nfaces, 256, fill_corners, &job);
+    }
+    if (!result)
+        result =
+            slvi_gl_table(source, "link table", rows, (uint64_t)nfaces * sizeof *rows, &out->ways);
+    if (!result)
+        result = slvi_gl_table(source, "corner table", values, ncorners * 4 * sizeof *values,
+                               &out->values);
+    out->bytes = (uint64_t)nfaces * sizeof *rows + ncorners * 4 * sizeof *values;
+    slvi_free(rows);
+    slvi_free(values);
+    return result;
+}
+
+slv_result slvi_gl_reach_neighbours(const slv_gl_source *source, const slv_gl_pools *layers,
+                                    const void *made, slv_gl_reach *out) {
+    uint32_t nfaces = slv_levels_get_desc(source->levels)->nfaces, *batch_of = NULL;
+    slv_gl_batches *batches = &out->batches;
+    slv_result result;
+    (void)made;
+    if ((result =
+             slvi_alloc(source->env, "batches", nfaces, sizeof *batches->faces, &batches->faces)) ||
+        (result = slvi_alloc(source->env, "batches", nfaces, sizeof *batch_of, &batch_of)) ||
+        (result = assign_batches(source, layers, batches, batch_of)))
+        goto done;
+    slvi_gl_batches_list(batches, layers->order, nfaces, batch_of);
+    result = upload_links(source, layers, batches, batch_of, out);
+done:
+    slvi_free(batch_of);
+    return result;
+}

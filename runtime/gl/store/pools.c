@@ -1,0 +1,162 @@
+/* Size classes become pools: which item is in which layer of which array texture. */
+#include "gl/store/pools.h"
+
+#include "base/log.h"
+#include "base/memory.h"
+#include "gl/store/compress.h"
+
+#include <string.h>
+
+#define ARRAY_BYTES (UINT64_C(512) << 20) /* software drivers refuse textures above 1 GiB */
+#define NCLASSES (1u << 11)
+
+static uint32_t class_of(slv_res res, bool wide) {
+    return (uint32_t)wide << 10 | (uint32_t)res.u << 5 | (uint32_t)res.v;
+}
+
+static uint32_t whole_blocks(uint32_t texels, bool blocks) {
+    return blocks ? (texels + 3) / 4 * 4 : texels;
+}
+
+uint32_t slvi_gl_border(const slv_gl_texture_params *params) {
+    return whole_blocks(params->border, params->compression == SLV_GL_COMPRESSION_BLOCKS);
+}
+
+/* Lays all levels of a size class out in a page, side by side. */
+static void pack_levels(const slv_form *form, uint32_t border, bool blocks, slv_gl_pool *pool) {
+    uint32_t x = 0, y = 0, shelf = 0;
+    pool->width = 0;
+    for (uint32_t level = 0; level < pool->nlevels; level++) {
+        slv_form_extent extent = slv_form_level_extent(form, pool->res, level, border);
+        slv_gl_rect *rect = &pool->rects[level];
+        rect->bu = extent.border_u;
+        rect->bv = extent.border_v;
+        rect->width = extent.width - 2 * rect->bu - form->samples;
+        rect->height = extent.height - 2 * rect->bv - form->samples;
+        /* A level's own texels begin with a block, whatever the border. */
+        uint32_t left = whole_blocks(rect->bu, blocks), low = whole_blocks(rect->bv, blocks);
+        uint32_t w = left + whole_blocks(extent.width - rect->bu, blocks);
+        uint32_t h = low + whole_blocks(extent.height - rect->bv, blocks);
+        if (level == 0)
+            pool->width = w;
+        if (x + w > pool->width) { /* rows of levels below the first; each level is no taller than
+                                      the one before */
+            x = 0;
+            y += shelf;
+            shelf = 0;
+        }
+        rect->x = x + left - rect->bu;
+        rect->y = y + low - rect->bv;
+        x += w;
+        shelf = h > shelf ? h : shelf;
+    }
+    pool->height = y + shelf;
+}
+
+uint64_t slvi_gl_layer_bytes(const slv_gl_pools *pools, const slv_gl_pool *pool) {
+    const slv_gl_format *format = slv_gl_pool_format(pools, pool);
+    uint64_t bytes = 0;
+    for (uint32_t level = 0; level < slv_gl_pool_levels(pools, pool); level++) {
+        uint32_t width = pool->width >> level, height = pool->height >> level;
+        width = width ? width : 1;
+        height = height ? height : 1;
+        bytes += format->block ? slv_gl_compressed_bytes(format->block, width, height)
+                               : (uint64_t)width * height * format->texel_bytes;
+    }
+    return bytes;
+}
+
+/* The size of a class's layers, and how many one array may have. */
+static slv_result lay_out_class(const slv_gl_source *source, const slv_gl_pools *pools,
+                                slv_gl_pool *pool) {
+    const slv_gl_texture_params *params = &source->params;
+    uint32_t limit = source->gl->info.max_texture_size;
+    pool->nlevels = slv_res_level_count(pool->res);
+    pool->width = 1u << pool->res.u;
+    pool->height = 1u << pool->res.v;
+    if (pools->packing == SLV_GL_PAGES)
+        pack_levels(pools->form, slvi_gl_border(params), slv_gl_pool_format(pools, pool)->block,
+                    pool);
+    if (pool->width > limit || pool->height > limit)
+        return slvi_fail(
+            source->env, SLV_ERROR_LIMIT,
+            "%s of %u x %u texels needs a texture of %u x %u, the driver's limit is %u",
+            pools->form->item, 1u << pool->res.u, 1u << pool->res.v, pool->width, pool->height,
+            limit);
+    uint64_t most = ARRAY_BYTES / slvi_gl_layer_bytes(pools, pool);
+    most = most < params->pool_layers ? most : params->pool_layers;
+    pool->nlayers = most ? (uint32_t)most : 1;
+    return SLV_OK;
+}
+
+/* `templates` has one pool a class with as many layers as it may have, `start` where a class ends
+ * in the order. */
+static void cut_classes(const slv_gl_pool *templates, const uint32_t *start, slv_gl_pools *out) {
+    for (uint32_t c = 0; c < NCLASSES; c++) {
+        uint32_t end = start[c], first = c ? start[c - 1] : 0;
+        uint32_t most = templates[c].nlayers;
+        for (; first < end; first += most) {
+            slv_gl_pool *pool = &out->pools[out->npools];
+            *pool = templates[c];
+            pool->items = out->order + first;
+            pool->nlayers = end - first < most ? end - first : most;
+            for (uint32_t layer = 0; layer < pool->nlayers; layer++) {
+                out->pool_of[pool->items[layer]] = out->npools;
+                out->layer_of[pool->items[layer]] = layer;
+            }
+            out->npools++;
+        }
+    }
+}
+
+slv_result slvi_gl_pools_assign(const slv_gl_source *source, const slv_gl_items *items,
+                                slv_gl_pools *out) {
+    const slv_env *env = source->env;
+    slv_result result = SLV_OK;
+    uint32_t count_all = items->count, npools = 0, *start = NULL;
+    slv_gl_pool *templates = NULL;
+    if ((result = slvi_alloc(env, "size classes", NCLASSES + 1, sizeof *start, &start)) ||
+        (result = slvi_alloc(env, "size classes", NCLASSES, sizeof *templates, &templates)) ||
+        (result = slvi_alloc(env, "layers", count_all, sizeof *out->order, &out->order)) ||
+        (result = slvi_alloc(env, "pools", count_all, sizeof *out->pool_of, &out->pool_of)) ||
+        (result = slvi_alloc(env, "layers", count_all, sizeof *out->layer_of, &out->layer_of)))
+        goto done;
+    for (uint32_t i = 0; i < count_all; i++)
+        start[class_of(items->res[i], items->wide[i]) + 1]++;
+    for (uint32_t c = 0; c < NCLASSES; c++) {
+        slv_gl_pool *pool = &templates[c];
+        uint32_t count = start[c + 1];
+        if (count) {
+            pool->res = (slv_res){(int8_t)(c >> 5 & 31), (int8_t)(c & 31)};
+            pool->wide = c >> 10;
+            if ((result = lay_out_class(source, out, pool)))
+                goto done;
+            npools += (count + pool->nlayers - 1) / pool->nlayers;
+        }
+        start[c + 1] += start[c];
+    }
+    if (npools > 0xffff) {
+        result = slvi_fail(env, SLV_ERROR_LIMIT, "%u array textures are needed, the limit is 65535",
+                           npools);
+        goto done;
+    }
+    if ((result = slvi_alloc(env, "pools", npools, sizeof *out->pools, &out->pools)))
+        goto done;
+    for (uint32_t i = 0; i < count_all; i++) {
+        uint32_t item = items->order[i];
+        out->order[start[class_of(items->res[item], items->wide[item])]++] = item;
+    }
+    /* start[c] is now where class c ends */
+    cut_classes(templates, start, out);
+done:
+    slvi_free(start);
+    slvi_free(templates);
+    return result;
+}
+
+void slvi_gl_pools_free(slv_gl_pools *pools) {
+    slvi_free(pools->pools);
+    slvi_free(pools->order);
+    slvi_free(pools->pool_of);
+    slvi_free(pools->layer_of);
+}

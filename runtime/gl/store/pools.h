@@ -1,0 +1,65 @@
+/* Items of a form in array textures: size classes, pools and layers. */
+#ifndef SLV_GL_POOLS_H
+#define SLV_GL_POOLS_H
+
+#include "gl/store/format.h"
+#include "gl/store/source.h"
+
+#define SLV_GL_LEVELS (SLV_MAX_LOG2_RES + 1)
+
+typedef struct slv_gl_rect {
+    uint32_t x, y;          /* of the bordered level's first texel in the page */
+    uint32_t bu, bv;        /* border */
+    uint32_t width, height; /* inside, without border; of samples on edges the intervals between
+                               them, of which there is one less */
+} slv_gl_rect;
+
+typedef struct slv_gl_pool {
+    GLuint texture, coverage;
+    slv_res res;
+    bool wide;
+    uint32_t nlayers, width, height, nlevels;
+    const uint32_t *items;            /* of each layer */
+    slv_gl_rect rects[SLV_GL_LEVELS]; /* of pages only */
+} slv_gl_pool;
+
+/* What gets layers. */
+typedef struct slv_gl_items {
+    uint32_t count;
+    slv_res *res;
+    uint8_t *wide;   /* needs a wider type than the texture's */
+    uint32_t *order; /* those close together that meet */
+} slv_gl_items;
+
+/* Every item in a layer of one pool. */
+typedef struct slv_gl_pools {
+    const slv_form *form;
+    slv_gl_packing packing;
+    slv_gl_format format, wide_format;
+    slv_gl_pool *pools;
+    uint32_t npools;
+    uint32_t *order; /* items in the order of pools and layers */
+    uint32_t *pool_of, *layer_of;
+} slv_gl_pools;
+
+/* Sorts items into classes, keeping their order, and cuts the classes into pools, whose textures
+ * are still to be made. `out` has form, packing and formats; on failure it is to be freed too. */
+slv_result slvi_gl_pools_assign(const slv_gl_source *source, const slv_gl_items *items,
+                                slv_gl_pools *out);
+void slvi_gl_pools_free(slv_gl_pools *pools);
+
+static inline const slv_gl_format *slv_gl_pool_format(const slv_gl_pools *pools,
+                                                      const slv_gl_pool *pool) {
+    return pool->wide ? &pools->wide_format : &pools->format;
+}
+
+/* The border that forms are asked for. */
+uint32_t slvi_gl_border(const slv_gl_texture_params *params);
+
+/* Levels that OpenGL knows of: one of a page. */
+static inline uint32_t slv_gl_pool_levels(const slv_gl_pools *pools, const slv_gl_pool *pool) {
+    return pools->packing == SLV_GL_PAGES ? 1 : pool->nlevels;
+}
+uint64_t slvi_gl_layer_bytes(const slv_gl_pools *pools, const slv_gl_pool *pool);
+
+#endif

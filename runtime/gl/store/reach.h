@@ -1,0 +1,22 @@
+/* How far lookups reach from their face: the batches that hold the pools which they need, and the
+ * tables in which they find their way. */
+#ifndef SLV_GL_REACH_H
+#define SLV_GL_REACH_H
+
+#include "gl/store/batches.h"
+
+typedef struct slv_gl_reach {
+    slv_gl_batches batches;
+    GLuint ways, values; /* 0: none. Bound at SLV_GL_FIRST_STORAGE + 1 and + 3 */
+    uint64_t bytes;      /* of these */
+} slv_gl_reach;
+
+/* `made` is what the pools' form has made of the source. */
+slv_result slvi_gl_reach_build(const slv_gl_source *source, slv_gl_reach_kind kind,
+                               const slv_gl_pools *pools, const void *made, slv_gl_reach *out);
+void slvi_gl_reach_free(const slv_gl *gl, slv_gl_reach *reach);
+
+/* The most pools that a batch binds. */
+uint32_t slvi_gl_reach_pools(slv_gl_reach_kind kind, const slv_gl_texture_params *params);
+
+#endif

@@ -1,0 +1,24 @@
+/* What a texture on the GPU is made from. */
+#ifndef SLV_GL_SOURCE_H
+#define SLV_GL_SOURCE_H
+
+#include "base/progress.h"
+#include "gl/context/api.h"
+
+#include <selvage/gl_texture.h>
+
+typedef struct slv_gl_source {
+    const slv_env *env;
+    slv_env shared; /* the same for what runs on threads: logs one at a time */
+    slv_gl *gl;
+    const slv_levels *levels;
+    const slv_adjacency *adjacency;
+    slv_gl_texture_params params; /* defaults filled in */
+    slvi_steps *steps;            /* as many as there are faces for each store */
+} slv_gl_source;
+
+/* Faces in breadth-first order over the adjacency, so that faces which meet get layers close
+ * together. `order` has room for all. */
+slv_result slvi_gl_face_order(const slv_gl_source *source, uint32_t *order);
+
+#endif

@@ -1,0 +1,97 @@
+/* The batches and tables of lookups in squares of edges. */
+#include "gl/store/squares.h"
+
+#include "base/log.h"
+#include "base/memory.h"
+#include "gl/store/tables.h"
+
+#include <selvage/htex.h>
+
+/* As the shader reads it; see slv_squares in shaders/strategy/htex.glsl. */
+struct square_row {
+    uint32_t squares[4], corners[4], centre, unused[3];
+};
+
+static uint32_t corner_bits(const slv_htex *htex, uint32_t corner) {
+    uint32_t first, log2;
+    slv_htex_get_corner(htex, corner, &first, &log2);
+    return first | log2 << 27;
+}
+
+static void fill_square_row(const slv_gl_pools *layers, const slv_gl_batch_range *range,
+                            const slv_htex *htex, uint32_t f, struct square_row *row) {
+    slv_htex_face face = slv_htex_get_face(htex, f);
+    for (uint32_t k = 0; k < 4; k++) {
+        uint32_t edge = face.edge[k];
+        row->squares[k] = layers->layer_of[edge] |
+                          slvi_gl_slot_of(range, layers->pool_of[edge]) << 16 |
+                          slv_htex_log2(htex, edge) << 20 | (uint32_t)face.second[k] << 25 |
+                          (uint32_t)face.part << 26;
+        row->corners[k] = corner_bits(htex, face.start[k]);
+    }
+    row->centre = corner_bits(htex, face.centre);
+}
+
+static slv_result upload_squares(const slv_gl_source *source, const slv_htex *htex,
+                                 const slv_gl_batches *batches, const uint32_t *batch_of,
+                                 const slv_gl_pools *layers, slv_gl_reach *out) {
+    const slv_texture_desc *desc = slv_levels_get_desc(source->levels);
+    const slv_gl_texture_params *params = &source->params;
+    uint64_t nvalues = slv_htex_value_count(htex);
+    const float *from = slv_htex_values(htex);
+    struct square_row *rows = NULL;
+    float *values = NULL;
+    slv_result result;
+    if (nvalues >> 27)
+        return slvi_fail(source->env, SLV_ERROR_LIMIT, "too many corners for 27-bit indices");
+    if ((result = slvi_alloc(source->env, "table of squares", desc->nfaces, sizeof *rows, &rows)) ||
+        (result = slvi_alloc(source->env, "corner table", nvalues, 4 * sizeof *values, &values)))
+        goto done;
+    for (uint32_t f = 0; f < desc->nfaces; f++)
+        fill_square_row(layers, &batches->ranges[batch_of[f]], htex, f, &rows[f]);
+    for (uint64_t i = 0; i < nvalues; i++, from += desc->nchannels)
+        slvi_gl_table_value(params, from, values + 4 * i);
+    out->bytes = desc->nfaces * sizeof *rows + nvalues * 4 * sizeof *values;
+    if (!(result = slvi_gl_table(source, "table of squares", rows, desc->nfaces * sizeof *rows,
+                                 &out->ways)))
+        result = slvi_gl_table(source, "corner table", values, nvalues * 4 * sizeof *values,
+                               &out->values);
+done:
+    slvi_free(rows);
+    slvi_free(values);
+    return result;
+}
+
+slv_result slvi_gl_reach_squares(const slv_gl_source *source, const slv_gl_pools *layers,
+                                 const void *made, slv_gl_reach *out) {
+    const slv_htex *htex = slv_form_get_htex(layers->form, made);
+    uint32_t nfaces = slv_levels_get_desc(source->levels)->nfaces;
+    uint32_t *batch_of = NULL, *order = NULL;
+    slv_gl_batches *batches = &out->batches;
+    slv_result result;
+    if (!htex)
+        return slvi_fail(source->env, SLV_ERROR_ARGUMENT, "the form %s has no squares of edges",
+                         layers->form->name);
+    if ((result =
+             slvi_alloc(source->env, "batches", nfaces, sizeof *batches->faces, &batches->faces)) ||
+        (result = slvi_alloc(source->env, "batches", nfaces, sizeof *batch_of, &batch_of)) ||
+        (result = slvi_alloc(source->env, "face order", nfaces, sizeof *order, &order)) ||
+        (result = slvi_gl_face_order(source, order)))
+        goto done;
+    for (uint32_t i = 0; i < nfaces; i++) {
+        slv_htex_face face = slv_htex_get_face(htex, order[i]);
+        uint32_t pools[4], npools = 0;
+        for (uint32_t k = 0; k < 4; k++)
+            slvi_gl_add_pool(pools, &npools, layers->pool_of[face.edge[k]]);
+        if ((result =
+                 slvi_gl_join_batch(source->env, batches, 0, slvi_gl_variant_for(npools, false),
+                                    pools, npools, &batch_of[order[i]])))
+            goto done;
+    }
+    slvi_gl_batches_list(batches, order, nfaces, batch_of);
+    result = upload_squares(source, htex, batches, batch_of, layers, out);
+done:
+    slvi_free(batch_of);
+    slvi_free(order);
+    return result;
+}

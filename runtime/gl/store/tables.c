@@ -1,0 +1,75 @@
+/* Buffers that shaders read: the tables that every kind of lookup needs. */
+#include "gl/store/tables.h"
+
+#include "base/log.h"
+#include "base/memory.h"
+
+#include <string.h>
+
+slv_result slvi_gl_buffer(const slv_gl *gl, const slv_env *env, const char *what, const void *data,
+                          uint64_t bytes, GLuint *out) {
+    const slv_gl_api *api = &gl->api;
+    api->CreateBuffers(1, out);
+    api->NamedBufferStorage(*out, (GLsizeiptr)(bytes ? bytes : 16), bytes ? data : NULL, 0);
+    return slvi_gl_check(gl, env, what);
+}
+
+slv_result slvi_gl_table(const slv_gl_source *source, const char *what, const void *data,
+                         uint64_t bytes, GLuint *out) {
+    uint64_t most = source->gl->max_storage;
+    if (bytes > most)
+        return slvi_fail(source->env, SLV_ERROR_LIMIT,
+                         "the %s takes %llu bytes, the driver's limit is %llu", what,
+                         (unsigned long long)bytes, (unsigned long long)most);
+    return slvi_gl_buffer(source->gl, source->env, what, data, bytes, out);
+}
+
+slv_result slvi_gl_face_table(const slv_gl_source *source, const slv_gl_pools *pools,
+                              const void *made, GLuint *out, uint64_t *bytes) {
+    const slv_texture_desc *desc = slv_levels_get_desc(source->levels);
+    uint32_t *rows = NULL;
+    slv_result result = slvi_alloc(source->env, "face table", desc->nfaces, 8, &rows);
+    if (result)
+        return result;
+    for (uint32_t f = 0; f < desc->nfaces; f++) {
+        uint32_t items[SLV_FORM_ITEMS];
+        if (pools->form->items(made, f, items) == 1)
+            rows[2 * f] = pools->pool_of[items[0]] | pools->layer_of[items[0]] << 16;
+        rows[2 * f + 1] = (uint32_t)desc->res[f].u | (uint32_t)desc->res[f].v << 8;
+    }
+    *bytes += (uint64_t)desc->nfaces * 8;
+    result = slvi_gl_table(source, "face table", rows, (uint64_t)desc->nfaces * 8, out);
+    slvi_free(rows);
+    return result;
+}
+
+slv_result slvi_gl_level_table(const slv_gl_source *source, const slv_gl_pools *pools, GLuint *out,
+                               uint64_t *bytes) {
+    float *rects = NULL, first_sample = pools->form->samples ? 0.5f : 0.0f;
+    uint64_t size = (uint64_t)pools->npools * SLV_GL_LEVELS * 4 * sizeof *rects;
+    slv_result result = slvi_alloc(source->env, "level table", size, 1, &rects);
+    if (result)
+        return result;
+    for (uint32_t p = 0; p < pools->npools; p++) {
+        const slv_gl_pool *pool = &pools->pools[p];
+        for (uint32_t level = 0; level < pool->nlevels; level++) {
+            const slv_gl_rect *rect = &pool->rects[level];
+            float *row = rects + (p * SLV_GL_LEVELS + level) * 4;
+            row[0] = (float)rect->width / (float)pool->width;
+            row[1] = (float)rect->height / (float)pool->height;
+            row[2] = ((float)(rect->x + rect->bu) + first_sample) / (float)pool->width;
+            row[3] = ((float)(rect->y + rect->bv) + first_sample) / (float)pool->height;
+        }
+    }
+    *bytes += size;
+    result = slvi_gl_table(source, "level table", rects, size, out);
+    slvi_free(rects);
+    return result;
+}
+
+void slvi_gl_table_value(const slv_gl_texture_params *params, const float *from, float to[4]) {
+    to[3] = 1;
+    memcpy(to, from + params->first_channel, params->nchannels * sizeof *to);
+    if (params->nchannels == 1)
+        to[1] = to[2] = to[0];
+}

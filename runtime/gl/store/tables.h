@@ -1,0 +1,23 @@
+/* Buffers that shaders read. */
+#ifndef SLV_GL_TABLES_H
+#define SLV_GL_TABLES_H
+
+#include "gl/store/pools.h"
+
+slv_result slvi_gl_buffer(const slv_gl *gl, const slv_env *env, const char *what, const void *data,
+                          uint64_t bytes, GLuint *out);
+/* A buffer that shaders read: refused above the driver's limit for storage blocks. */
+slv_result slvi_gl_table(const slv_gl_source *source, const char *what, const void *data,
+                         uint64_t bytes, GLuint *out);
+
+/* Per face its resolution and, where it is an item itself, its pool and layer. */
+slv_result slvi_gl_face_table(const slv_gl_source *source, const slv_gl_pools *pools,
+                              const void *made, GLuint *out, uint64_t *bytes);
+/* Of pages: where in a pool's layers each level is. */
+slv_result slvi_gl_level_table(const slv_gl_source *source, const slv_gl_pools *pools, GLuint *out,
+                               uint64_t *bytes);
+/* A value with all channels as shaders read it: those that are shown, grey as all three, alpha 1.
+ */
+void slvi_gl_table_value(const slv_gl_texture_params *params, const float *from, float to[4]);
+
+#endif

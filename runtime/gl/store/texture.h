@@ -1,0 +1,55 @@
+/* A texture on the GPU: what its strategies look up, and what each of them binds. */
+#ifndef SLV_GL_TEXTURE_DATA_H
+#define SLV_GL_TEXTURE_DATA_H
+
+#include "gl/store/reach.h"
+#include "gl/store/store.h"
+
+/* One strategy of a texture. */
+typedef struct slv_gl_slot {
+    const slv_strategy *strategy;
+    uint32_t store, reach; /* which of the texture's */
+    GLuint sampler;
+    bool split_coverage; /* coverage has arrays of its own */
+    char *lookups;       /* its GLSL, without a variant's definitions */
+    char *glsl[SLV_GL_MAX_VARIANTS];
+    GLuint lookup_programs[SLV_GL_MAX_VARIANTS];
+} slv_gl_slot;
+
+/* Strategies share the stores and reaches that they have in common. */
+typedef struct slv_gl_reach_row {
+    uint32_t store;
+    slv_gl_reach_kind kind;
+    slv_gl_reach reach;
+} slv_gl_reach_row;
+
+struct slv_gl_texture {
+    slv_gl *gl;
+    slv_env env; /* of whom made it: for what is made when it is first needed */
+    uint64_t serial;
+    slv_gl_texture_params params;
+    uint32_t nfaces;
+    slv_res *res; /* of each face */
+    uint64_t texel_bytes;
+    bool scaled; /* see slvi_gl_scale_down */
+    slv_gl_store *stores;
+    slv_gl_reach_row *reaches;
+    slv_gl_slot *slots;
+    uint32_t nstores, nreaches, nslots;
+};
+
+/* The slot of a strategy, or for NULL the first; NULL if the texture was not made for it. */
+slv_gl_slot *slvi_gl_texture_slot(const slv_gl_texture *texture, const slv_strategy *strategy);
+/* The same with an error message. */
+slv_result slvi_gl_texture_need(const slv_gl_texture *texture, const slv_env *env,
+                                const slv_strategy *strategy, slv_gl_slot **out);
+/* Empty for a strategy that the texture was not made for. */
+const slv_gl_batches *slvi_gl_texture_batches(const slv_gl_texture *texture,
+                                              const slv_strategy *strategy);
+
+/* Whether shaders take the taps of a long footprint themselves, where the sampler would not. */
+bool slvi_gl_taps_in_shader(const slv_gl *gl);
+/* Reads the GLSL of a slot's strategy. */
+slv_result slvi_gl_slot_read(const slv_env *env, slv_gl_slot *slot);
+
+#endif
