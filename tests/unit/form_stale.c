@@ -4,7 +4,7 @@
 
 #include <selvage/form.h>
 
-enum { MOST_ITEMS = 4096, CASES = TEST_SANITIZED ? 40 : 400 };
+enum { MOST_ITEMS = 4096, CASES = TEST_SANITIZED ? 40 : 150 };
 
 struct stale {
     uint32_t count;

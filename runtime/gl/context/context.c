@@ -1,9 +1,10 @@
+/* Contexts: which kinds are tried, what the driver can do, and the state that this library relies
+ * on. */
 #include "gl/context/api.h"
 
 #include "base/log.h"
 #include "base/memory.h"
 
-#include <dlfcn.h>
 #include <stdio.h>
 #include <string.h>
 #include <strings.h>
@@ -20,12 +21,6 @@ bool slv_gl_backend_from_name(const char *name, slv_gl_backend *out) {
         }
     }
     return false;
-}
-
-bool slvi_gl_symbol(void *library, const char *name, void *out) {
-    void *symbol = dlsym(library, name);
-    memcpy(out, &symbol, sizeof symbol);
-    return symbol != NULL;
 }
 
 static slv_result load_functions(const slv_env *env, slv_gl_api *api, slv_gl_get_proc get_proc,

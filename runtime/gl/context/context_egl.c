@@ -1,3 +1,4 @@
+/* Contexts from EGL, without a window system. */
 #include "gl/context/api.h"
 
 #include "base/memory.h"

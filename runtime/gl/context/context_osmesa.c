@@ -1,3 +1,4 @@
+/* Contexts from OSMesa, drawn in this process. */
 #include "gl/context/api.h"
 
 #include "base/memory.h"

@@ -1,3 +1,4 @@
+/* Shaders: their texts, put together from parts, and programs of them. */
 #include "gl/context/api.h"
 
 #include "base/file.h"

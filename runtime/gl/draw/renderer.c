@@ -1,3 +1,4 @@
+/* Frames of a tessellated surface: targets, triangles in the order of batches, programs. */
 #include "gl/store/tables.h"
 #include "gl/store/texture.h"
 

@@ -1,3 +1,4 @@
+/* Lookups for a list of points, drawn as points into a target of floats. */
 #include "gl/store/texture.h"
 
 #include "base/log.h"

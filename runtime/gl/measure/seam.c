@@ -1,3 +1,4 @@
+/* Seam jumps: lookups on both sides of every shared edge. */
 #include "gl/store/texture.h"
 
 #include "adjacency/edge.h"

@@ -47,8 +47,8 @@ typedef struct slv_strategy {
     bool resampled;  /* texels are not the texture's own: what is drawn is slightly blurred */
     bool comparison; /* of use in comparisons only: drawn where it is asked for by name */
     /* The GLSL: of a file in shaders/, or itself. A line #include "NAME" stands for a part of
-     * shaders/, such as "lookup/interface.glsl". Defines slv_sample_grad; what it can rely on is
-     * said there. */
+     * shaders/; "lookup/interface.glsl" says what a strategy finds and defines, and
+     * "lookup/footprint.glsl" has the rest of that. */
     const char *file, *glsl;
 } slv_strategy;
 
