@@ -26,16 +26,3 @@ const slv_form *slv_form_find(const char *name) {
             return slv_form_at(i);
     return NULL;
 }
-
-slv_form_extent slv_form_level_extent(const slv_form *form, slv_res res, uint32_t level,
-                                      uint32_t border) {
-    slv_res r = slv_res_level(res, level);
-    slv_form_extent out = {.width = 1u << r.u, .height = 1u << r.v};
-    if (form->borders) {
-        out.border_u = border < out.width ? border : out.width;
-        out.border_v = border < out.height ? border : out.height;
-    }
-    out.width += 2 * out.border_u + form->samples;
-    out.height += 2 * out.border_v + form->samples;
-    return out;
-}

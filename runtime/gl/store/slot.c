@@ -1,0 +1,26 @@
+/* Which of a texture's strategies is meant. */
+#include "gl/store/texture.h"
+
+#include "base/log.h"
+
+slv_gl_slot *slvi_gl_texture_slot(const slv_gl_texture *texture, const slv_strategy *strategy) {
+    for (uint32_t i = 0; i < texture->nslots; i++)
+        if (!strategy || texture->slots[i].strategy == strategy)
+            return &texture->slots[i];
+    return NULL;
+}
+
+slv_result slvi_gl_texture_need(const slv_gl_texture *texture, const slv_env *env,
+                                const slv_strategy *strategy, slv_gl_slot **out) {
+    *out = slvi_gl_texture_slot(texture, strategy);
+    return *out ? SLV_OK
+                : slvi_fail(env, SLV_ERROR_ARGUMENT, "the texture was not made for the strategy %s",
+                            strategy->name);
+}
+
+const slv_gl_batches *slvi_gl_texture_batches(const slv_gl_texture *texture,
+                                              const slv_strategy *strategy) {
+    static const slv_gl_batches none;
+    const slv_gl_slot *slot = slvi_gl_texture_slot(texture, strategy);
+    return slot ? &texture->reaches[slot->reach].reach.batches : &none;
+}
