@@ -381,6 +381,7 @@ static const char *default_strategies(char *text, size_t size) {
     return text;
 }
 
+/* More than 80 lines because its table has a row for each option, and reads best in one piece. */
 int verb_compare(int argc, char **argv) {
     struct compare o = {.out = "selvage-report",
                         .aniso = 16,

@@ -105,22 +105,6 @@ static void free_moment(moment *m) {
     memset(m, 0, sizeof *m);
 }
 
-slv_result experiment_ask(const experiment *e) {
-    bool go_on = !e->progress.report || e->progress.report(e->progress.user, e->done, e->total);
-    return go_on ? SLV_OK : SLV_ERROR_CANCELLED;
-}
-
-slv_result experiment_begin(experiment *e, uint64_t total) {
-    e->done = 0;
-    e->total = total;
-    return experiment_ask(e);
-}
-
-slv_result experiment_step(experiment *e) {
-    e->done++;
-    return experiment_ask(e);
-}
-
 /* The strategy that begins changes from frame to frame, so that whatever else the machine does
  * falls on all alike. */
 static slv_result draw_all(const experiment *e, moment *m, uint32_t rate, uint32_t turn,

@@ -213,11 +213,20 @@ static slv_result check_conditions(const slv_env *env, const char *path, const j
     return SLV_OK;
 }
 
+/* Who reads the frames, and what they must belong to. */
+typedef struct reader {
+    const slv_env *env;
+    const char *path;
+    const json_t *conditions;
+    const report_data *report;
+    slv_result (*each)(void *user, const experiment_frame *frame);
+    void *user;
+} reader;
+
 /* `*complete` is where the last line ends that has an end. */
-static slv_result read_lines(const slv_env *env, const char *path, const json_t *conditions,
-                             char *text, size_t size, const report_data *report,
-                             slv_result (*each)(void *user, const experiment_frame *frame),
-                             void *user, uint64_t *complete) {
+static slv_result read_lines(const reader *r, char *text, size_t size, uint64_t *complete) {
+    const slv_env *env = r->env;
+    const char *path = r->path;
     experiment_frame *frame = malloc(sizeof *frame);
     slv_result result =
         frame ? SLV_OK : output_fail(env, SLV_ERROR_MEMORY, "%s: no memory for a frame", path);
@@ -227,9 +236,9 @@ static slv_result read_lines(const slv_env *env, const char *path, const json_t 
         json_t *root = json_loadb(line, (size_t)(end - line), 0, NULL);
         number++;
         if (number == 1 && json_is_object(root))
-            result = check_conditions(env, path, root, conditions);
-        else if (root && number > 1 && read_frame(report, root, frame))
-            result = each(user, frame);
+            result = check_conditions(env, path, root, r->conditions);
+        else if (root && number > 1 && read_frame(r->report, root, frame))
+            result = r->each(r->user, frame);
         else
             result = output_fail(env, SLV_ERROR_FORMAT,
                                  "%s: line %u is not what compare writes: begin anew without "
@@ -249,10 +258,10 @@ slv_result experiment_state_open(const slv_env *env, const char *path, const jso
     char *text = NULL;
     size_t size = 0;
     slv_result result = SLV_OK;
+    const reader r = {env, path, conditions, report, each, user};
     *out = (experiment_state){.file = -1, .path = path};
     if (resume && ((result = read_all(env, path, &text, &size)) ||
-                   (size && (result = read_lines(env, path, conditions, text, size, report, each,
-                                                 user, &out->size)))))
+                   (size && (result = read_lines(&r, text, size, &out->size)))))
         goto done;
     out->file = open(path, O_WRONLY | O_CREAT | O_APPEND | O_CLOEXEC, 0666);
     if (out->file < 0 || ftruncate(out->file, (off_t)out->size) != 0)

@@ -1,3 +1,4 @@
+// What the report's page does: copies tables, lays one picture over another, magnifies both.
 "use strict";
 (() => {
   for (const button of document.querySelectorAll("button[data-copy]")) {
