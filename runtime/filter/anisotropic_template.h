@@ -80,7 +80,8 @@ static void aniso_follow(ellipse_job *j, cell c, float x, float y, const aniso_l
         if (to.nseen < ANISO_MAX_SPLITS && aniso_find_split(j, &c, &to, &corner, &passed)) {
             int vx = cell_corner_x(&c, corner), vy = cell_corner_y(&c, corner);
             bool right = to.x > (float)vx, top = to.y > (float)vy;
-            int target = top ? right ? 0 : 1 : right ? 3 : 2; /* the corner there, of its cell */
+            /* the corner there, of its cell */
+            int target = (int)slvi_edge_opposite(slvi_corner_at(right, top));
             float weight = to.weight;
             to.seen[to.nseen][0] = vx;
             to.seen[to.nseen++][1] = vy;
@@ -100,7 +101,7 @@ static void aniso_follow(ellipse_job *j, cell c, float x, float y, const aniso_l
                     continue;
                 for (int i = 0; i < turns && there; i++) {
                     int here = cell_corner_at(&at, vx, vy);
-                    side = way == 0 ? (here + 3) & 3 : here;
+                    side = way == 0 ? (int)slvi_edge_before((unsigned)here) : here;
                     there = here >= 0 && cell_cross(t, &at, side, way == 0, &at);
                 }
                 if (there)
@@ -290,9 +291,10 @@ static void aniso_sum_plane(ellipse_job *j, const cell *home) {
             *p = (aniso_patch){*home, ANISO_LINES};
             if (!x || !y) {
                 const aniso_patch *from = x ? across : below;
-                bool smooth = from->kind == ANISO_THERE &&
-                              (j->stay || (cell_is_smooth(t, &from->c, side) &&
-                                           cell_is_smooth(t, &from->c, (side + 1) & 3)));
+                bool smooth =
+                    from->kind == ANISO_THERE &&
+                    (j->stay || (cell_is_smooth(t, &from->c, side) &&
+                                 cell_is_smooth(t, &from->c, (int)slvi_edge_next((unsigned)side))));
                 aniso_next_patch(j, from, side, smooth, true, true, p);
             } else if (across->kind != ANISO_THERE && below->kind != ANISO_THERE) {
                 p->kind = below->kind == ANISO_LINES ? ANISO_LINES : across->kind;
@@ -381,7 +383,7 @@ static bool aniso_to_plane(ellipse_job *j, const cache_face *f, slv_border_mode 
         x -= floorf(x);
     float inside = x > 0 ? x < 1 ? x : 1 : 0;
     if (mode == SLV_BORDER_BLACK && x != inside) {
-        int edge = x < 0 ? low_edge : (low_edge + 2) & 3;
+        int edge = x < 0 ? low_edge : (int)slvi_edge_opposite((unsigned)low_edge);
         if (!(x > -1 && x < 2))
             return false;
         if (j->stay || f->adjacent[edge] < 0) {

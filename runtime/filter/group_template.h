@@ -120,8 +120,8 @@ group_look_up_alike(slv_sampler *s, const group *g, const group_places *at, slv_
         const uint8_t *texels = cache_find_full(cache, f);
         if (!texels)
             return false;
-        v8i x = v8_to_int(at->u * v8_power_of_two(res_u));
-        v8i y = v8_to_int(at->v * v8_power_of_two(res_v));
+        v8i x, y;
+        point_places(at->u, at->v, res_u, res_v, &x, &y);
         v8i index = (y << f->res_u) + x;
         for (int i = 0; i < g->n; i++) {
             float *to = out->values + g->at[i] * out->stride;
@@ -217,17 +217,17 @@ group_prepare(slv_sampler *s, group *g, group_places *at, slv_filter filter, siz
         g->scale[i] = g->ready[i] ? g->tables[i]->scale : 0;
     }
     if (filter == SLV_FILTER_POINT) {
-        v8i x = v8_to_int(at->u * v8_power_of_two(res_u));
-        v8i y = v8_to_int(at->v * v8_power_of_two(res_v));
+        v8i x, y;
+        point_places(at->u, at->v, res_u, res_v, &x, &y);
         for (int i = 0; i < g->n; i++) {
             if (!g->ready[i])
                 continue;
             cache_face *f = g->faces[i];
             const uint8_t *texels = cache_find_full(cache, f);
-            size_t texel = ((size_t)y[i] << f->res_u) + (size_t)x[i];
+            size_t place = ((size_t)y[i] << f->res_u) + (size_t)x[i];
             g->ready[i] = texels != NULL;
             if (texels)
-                g->texels[i] = texels + texel * g->tables[i]->pixel_size;
+                g->texels[i] = texels + place * g->tables[i]->pixel_size;
         }
         return;
     }

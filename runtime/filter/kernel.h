@@ -3,6 +3,7 @@
 #ifndef SLV_FILTER_KERNEL_H
 #define SLV_FILTER_KERNEL_H
 
+#include "adjacency/edge.h"
 #include "filter/vector.h"
 
 #include <stdbool.h>
@@ -127,15 +128,15 @@ static inline void kernel_turn(kernel *k, int turns) {
 
 /* Whether it reaches beyond an edge of its face. */
 static inline bool kernel_crosses(const kernel *k, int edge) {
-    const kernel_axis *a = &k->a[edge == 0 || edge == 2];
-    return edge == 0 || edge == 3 ? a->start < 0 : a->start + a->n > 1 << a->res;
+    const kernel_axis *a = &k->a[!slvi_edge_along_v((unsigned)edge)];
+    return slvi_edge_is_far((unsigned)edge) ? a->start + a->n > 1 << a->res : a->start < 0;
 }
 
 /* Gives the weight outside of an edge to the texels along it, or drops it. */
 static inline void kernel_merge(kernel *k, int edge, bool drop) {
-    kernel_axis *a = &k->a[edge == 0 || edge == 2];
+    kernel_axis *a = &k->a[!slvi_edge_along_v((unsigned)edge)];
     int size = 1 << a->res;
-    if (edge == 0 || edge == 3) {
+    if (!slvi_edge_is_far((unsigned)edge)) {
         int outside = -a->start < a->n ? -a->start : a->n;
         float sum = 0;
         for (int i = 0; i < outside; i++)
@@ -171,10 +172,10 @@ static inline void kernel_merge(kernel *k, int edge, bool drop) {
  * turned like this one. A piece counts its turns anew, a kernel that moves as a whole does not: so
  * does the Ptex library. */
 static inline void kernel_split(kernel *k, int edge, kernel *out) {
-    int axis = edge == 0 || edge == 2;
+    int axis = !slvi_edge_along_v((unsigned)edge);
     kernel_axis *a = &k->a[axis], *to = &out->a[axis];
     int size = 1 << a->res;
-    bool low = edge == 0 || edge == 3;
+    bool low = !slvi_edge_is_far((unsigned)edge);
     int outside = low ? -a->start : a->start + a->n - size;
     if (outside >= a->n) {
         for (int i = 0; i < 2; i++)

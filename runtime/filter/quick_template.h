@@ -136,14 +136,12 @@ static inline __attribute__((always_inline)) bool quick_look_up(slv_sampler *s, 
     if (filter == SLV_FILTER_POINT) {
         if (!(sound[0] & sound[1]))
             return false;
-        int x = (int)(l->u * num_power_of_two(f->res_u)),
-            y = (int)(l->v * num_power_of_two(f->res_v));
         const uint8_t *texels = cache_find_full(cache, f);
         if (!texels)
             return false;
         quick_put_zeros(s, channels, out);
-        quick_put_texel(t, texels + (((size_t)y << f->res_u) + (size_t)x) * t->pixel_size, channels,
-                        out);
+        size_t place = point_place(l->u, l->v, f->res_u, f->res_v);
+        quick_put_texel(t, texels + place * t->pixel_size, channels, out);
         return true;
     }
     sides = (v4f)((v4i)sides & 0x7fffffff);

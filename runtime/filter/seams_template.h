@@ -3,6 +3,7 @@
 #ifndef SLV_FILTER_SEAMS_TEMPLATE_H
 #define SLV_FILTER_SEAMS_TEMPLATE_H
 
+#include "adjacency/edge.h"
 #include "filter/gather_template.h"
 
 enum { SEAM_BOTTOM = 0, SEAM_RIGHT = 1, SEAM_TOP = 2, SEAM_LEFT = 3 };
@@ -105,42 +106,20 @@ static bool seam_to_subface(kernel *k, int edge) {
             kernel_axis_upsample(&k->a[axis]);
         k->a[axis].res--;
     }
-    int size_u = 1 << k->a[0].res, size_v = 1 << k->a[1].res;
-    int *u = &k->a[0].start, *v = &k->a[1].start;
-    bool primary;
-    switch (edge & 3) {
-    case SEAM_BOTTOM:
-        primary = *u < size_u;
-        *v -= size_v;
-        if (!primary)
-            *u -= size_u;
-        break;
-    case SEAM_RIGHT:
-        primary = *v < size_v;
-        if (!primary)
-            *v -= size_v;
-        break;
-    case SEAM_TOP:
-        primary = *u >= size_u;
-        if (primary)
-            *u -= size_u;
-        break;
-    default:
-        primary = *v >= size_v;
-        *u -= size_u;
-        if (primary)
-            *v -= size_v;
-    }
-    return primary;
+    kernel_axis *along = &k->a[slvi_edge_along_v((unsigned)edge)];
+    kernel_axis *across = &k->a[!slvi_edge_along_v((unsigned)edge)];
+    bool upper = along->start >= 1 << along->res;
+    if (!slvi_edge_is_far((unsigned)edge))
+        across->start -= 1 << across->res;
+    if (upper)
+        along->start -= 1 << along->res;
+    return upper != slvi_edge_is_rising((unsigned)edge);
 }
 
 static void seam_to_whole_face(kernel *k, int edge) {
-    int size_u = 1 << k->a[0].res, size_v = 1 << k->a[1].res;
-    edge &= 3;
-    if (edge == SEAM_BOTTOM || edge == SEAM_LEFT)
-        k->a[1].start += size_v;
-    if (edge == SEAM_TOP || edge == SEAM_LEFT)
-        k->a[0].start += size_u;
+    unsigned corner = slvi_edge_before((unsigned)edge);
+    k->a[0].start += slvi_corner_u(corner) << k->a[0].res;
+    k->a[1].start += slvi_corner_v(corner) << k->a[1].res;
     k->a[0].res++;
     k->a[1].res++;
 }
@@ -163,18 +142,19 @@ static void seam_edge(lookup_state *state, uint32_t face, const cache_face *f, i
     if (kernel_is_empty(k))
         return;
     uint32_t to = (uint32_t)f->adjacent[edge];
-    int to_edge = adjacent_edge(f, edge), turns = edge - to_edge + 2;
+    int to_edge = adjacent_edge(f, edge),
+        turns = (int)slvi_edge_turns((unsigned)edge, (unsigned)to_edge);
     const cache_face *g = lookup_face_at(state, to);
     if (is_subface(g) && !is_subface(f)) {
         if (!seam_to_subface(k, edge)) {
-            int side = (to_edge + 3) & 3;
+            int side = (int)slvi_edge_before((unsigned)to_edge);
             if (g->adjacent[side] < 0) {
                 state->weight -= kernel_weight(k);
                 return;
             }
             to = (uint32_t)g->adjacent[side];
             to_edge = adjacent_edge(g, side);
-            turns += side - to_edge + 2;
+            turns += (int)slvi_edge_turns((unsigned)side, (unsigned)to_edge);
         }
     } else if (is_subface(f) && !is_subface(g)) {
         bool primary = g->adjacent[to_edge] == (int32_t)face;
@@ -191,7 +171,7 @@ static void seam_place_corner(lookup_state *state, const cache_face *f, int edge
         seam_to_subface(k, edge + 3);
     else if (is_subface(f) && !is_subface(g))
         seam_to_whole_face(k, edge + 3);
-    kernel_turn(k, edge - to_edge + 2);
+    kernel_turn(k, (int)slvi_edge_turns((unsigned)edge, (unsigned)to_edge));
     seam_arrive(state, to, k);
 }
 
@@ -235,7 +215,7 @@ static void seam_corner(lookup_state *state, uint32_t face, const cache_face *f,
     uint32_t from = face;
     for (int i = 0; i < SEAM_MAX_RING; i++) {
         int32_t to = at->adjacent[leave];
-        int arrived = adjacent_edge(at, leave), next = (arrived + 1) & 3;
+        int arrived = adjacent_edge(at, leave), next = (int)slvi_edge_next((unsigned)arrived);
         if (to < 0 || ((uint32_t)to == face && next == edge)) {
             behind = i - 2;
             break;
@@ -243,7 +223,8 @@ static void seam_corner(lookup_state *state, uint32_t face, const cache_face *f,
         const cache_face *g = lookup_face_at(state, (uint32_t)to);
         faces[i] = (uint32_t)to;
         edges[i] = next;
-        if (is_subface(at) && !is_subface(g) && g->adjacent[(next + 3) & 3] == (int32_t)from) {
+        if (is_subface(at) && !is_subface(g) &&
+            g->adjacent[(int)slvi_edge_before((unsigned)next)] == (int32_t)from) {
             /* the vertex lies within an edge of a whole face */
             state->subfaces = true;
             bool primary = i == 1;
@@ -307,7 +288,9 @@ static void seam_across(lookup_state *state, uint32_t face, kernel *k) {
         bool sides[4] = {bottom, right, top, left};
         for (int e = 0; e < 4; e++)
             if (sides[e] && !kernel_is_empty(k))
-                kernel_merge(k, e, (e & 1 ? t->border_u : t->border_v) == SLV_BORDER_BLACK);
+                kernel_merge(k, e,
+                             (slvi_edge_along_v((unsigned)e) ? t->border_u : t->border_v) ==
+                                 SLV_BORDER_BLACK);
     } else {
         if (right)
             seam_side(state, face, f, SEAM_RIGHT, SEAM_TOP, SEAM_RIGHT, top, bottom, k);
@@ -349,11 +332,11 @@ static inline bool seam_one_edge(lookup_state *state, uint32_t face, cache_face 
         return false;
     int edge = right ? SEAM_RIGHT : top ? SEAM_TOP : left ? SEAM_LEFT : SEAM_BOTTOM;
     int outside = right ? after_u : top ? after_v : left ? -u->start : -v->start;
-    kernel_axis *cut = edge & 1 ? u : v;
+    kernel_axis *cut = slvi_edge_along_v((unsigned)edge) ? u : v;
     if (f->adjacent[edge] < 0 || outside >= cut->n || outside > 1 << cut->res)
         return false;
     uint32_t to = (uint32_t)f->adjacent[edge];
-    int turns = (edge - adjacent_edge(f, edge) + 2) & 3;
+    int turns = (int)slvi_edge_turns((unsigned)edge, (unsigned)adjacent_edge(f, edge));
     cache_face *g = lookup_face_at(state, to);
     int res_u = turns & 1 ? v->res : u->res, res_v = turns & 1 ? u->res : v->res;
     if (!cache_is_plain(g) || res_u > g->res_u || res_v > g->res_v || res_u + res_v == 0 ||

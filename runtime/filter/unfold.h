@@ -5,6 +5,7 @@
 #ifndef SLV_FILTER_UNFOLD_H
 #define SLV_FILTER_UNFOLD_H
 
+#include "adjacency/edge.h"
 #include "filter/numbers.h"
 #include "filter/sampler.h"
 
@@ -30,11 +31,11 @@ static inline cell cell_home(cache_tables *t, uint32_t face) {
 }
 
 static inline int cell_corner_x(const cell *c, int corner) {
-    return c->x + (corner == 1 || corner == 2 ? c->size : 0);
+    return c->x + (slvi_corner_u((unsigned)corner) ? c->size : 0);
 }
 
 static inline int cell_corner_y(const cell *c, int corner) {
-    return c->y + (corner >= 2 ? c->size : 0);
+    return c->y + (slvi_corner_v((unsigned)corner) ? c->size : 0);
 }
 
 /* Which corner of a cell a point is, or -1. */
@@ -42,7 +43,7 @@ static inline int cell_corner_at(const cell *c, int x, int y) {
     bool right = x == c->x + c->size, top = y == c->y + c->size;
     if ((!right && x != c->x) || (!top && y != c->y))
         return -1;
-    return top ? right ? 2 : 3 : right ? 1 : 0;
+    return (int)slvi_corner_at(right, top);
 }
 
 /* Over a side to the next cell; `second`: over the half of the side that comes second,
@@ -55,14 +56,14 @@ static inline bool cell_cross(cache_tables *t, const cell *from, int side, bool 
     uint32_t to = (uint32_t)f->adjacent[edge];
     int to_edge = adjacent_edge(f, edge);
     const cache_face *g = cache_find_face(t, to);
-    bool rising = side < 2; /* counter-clockwise is towards larger coordinates */
+    bool rising = slvi_edge_is_rising((unsigned)side);
     if (is_subface(g) && !is_subface(f)) {
         if (second) {
-            int next = (to_edge + 3) & 3;
+            int next = (int)slvi_edge_before((unsigned)to_edge);
             if (g->adjacent[next] < 0)
                 return false;
             to = (uint32_t)g->adjacent[next];
-            to_edge = (adjacent_edge(g, next) + 3) & 3;
+            to_edge = (int)slvi_edge_before((unsigned)adjacent_edge(g, next));
         }
         along = second == rising;
     } else if (is_subface(f) && !is_subface(g)) {
@@ -70,7 +71,7 @@ static inline bool cell_cross(cache_tables *t, const cell *from, int side, bool 
         along = primary == rising ? -1 : 0;
     }
     int size = is_subface(cache_find_face(t, to)) ? 1 : 2;
-    cell c = {to, from->x, from->y, size, (side + 2 - to_edge) & 3};
+    cell c = {to, from->x, from->y, size, (int)slvi_edge_turns((unsigned)side, (unsigned)to_edge)};
     c.x += side == 1 ? from->size : side == 3 ? -size : along;
     c.y += side == 2 ? from->size : side == 0 ? -size : along;
     *out = c;
@@ -82,7 +83,8 @@ static inline bool cell_cross(cache_tables *t, const cell *from, int side, bool 
 static inline bool cell_turn(cache_tables *t, cell *c, int x, int y, bool counter_clockwise) {
     int corner = cell_corner_at(c, x, y);
     return corner >= 0 &&
-           cell_cross(t, c, counter_clockwise ? (corner + 3) & 3 : corner, counter_clockwise, c);
+           cell_cross(t, c, counter_clockwise ? (int)slvi_edge_before((unsigned)corner) : corner,
+                      counter_clockwise, c);
 }
 
 /* Whether straight lines pass a corner on either side to the same places: four faces meet there, or

@@ -13,4 +13,11 @@ static inline void kit_edge_point(unsigned edge, double t, double *u, double *v)
     *v = start[1] + t * (end[1] - start[1]);
 }
 
+static inline void kit_edge_point_float(unsigned edge, float t, float *u, float *v) {
+    double x, y;
+    kit_edge_point(edge, (double)t, &x, &y);
+    *u = (float)x;
+    *v = (float)y;
+}
+
 #endif

@@ -1,12 +1,6 @@
 /* Maps across edges, rings and cutting, on tables made by hand and on hostile ones. */
+#include "kit/edge_kit.h"
 #include "kit/mesh_shapes.h"
-
-static void edge_point(unsigned edge, float t, float *u, float *v) {
-    static const float start[4][2] = {{0, 0}, {1, 0}, {1, 1}, {0, 1}};
-    const float *a = start[edge & 3], *b = start[(edge + 1) & 3];
-    *u = a[0] + t * (b[0] - a[0]);
-    *v = a[1] + t * (b[1] - a[1]);
-}
 
 static void test_orientations(void) {
     for (unsigned e = 0; e < 4; e++)
@@ -14,9 +8,9 @@ static void test_orientations(void) {
             slv_affine there = slv_orientation(e, f), back = slv_orientation(f, e);
             for (int i = 0; i <= 4; i++) {
                 float t = (float)i / 4, u, v, u2, v2, u3, v3;
-                edge_point(e, t, &u, &v);
+                kit_edge_point_float(e, t, &u, &v);
                 slv_affine_apply(&there, u, v, &u2, &v2);
-                edge_point(f, 1 - t, &u3, &v3);
+                kit_edge_point_float(f, 1 - t, &u3, &v3);
                 CHECK(u2 == u3 && v2 == v3);
                 slv_affine_apply(&there, 0.25f, t, &u2, &v2);
                 slv_affine_apply(&back, u2, v2, &u3, &v3);

@@ -1,5 +1,6 @@
 /* Adjacency made from polygons: against the positions, against the fans, and against OpenSubdiv's.
  */
+#include "kit/edge_kit.h"
 #include "kit/mesh_shapes.h"
 
 #include <selvage/surface.h>
@@ -19,7 +20,6 @@ static bool same_place(const float a[3], const float b[3]) {
 
 /* Every point of a shared edge is the same point seen from the other side, and links are mutual. */
 static void check_neighbours(const slv_mesh *mesh, const slv_adjacency *a) {
-    static const float start[4][2] = {{0, 0}, {1, 0}, {1, 1}, {0, 1}};
     for (int32_t f = 0; f < (int32_t)slv_mesh_face_count(mesh); f++)
         for (unsigned e = 0; e < 4; e++) {
             slv_neighbour n[2], back[2];
@@ -27,9 +27,8 @@ static void check_neighbours(const slv_mesh *mesh, const slv_adjacency *a) {
             for (uint32_t i = 0; i < count; i++) {
                 for (int step = 0; step <= 2; step++) {
                     float t = n[i].t0 + (n[i].t1 - n[i].t0) * 0.5f * (float)step, u2, v2;
-                    float u = start[e][0] + t * (start[(e + 1) & 3][0] - start[e][0]);
-                    float v = start[e][1] + t * (start[(e + 1) & 3][1] - start[e][1]);
-                    float here[3], there[3];
+                    float u, v, here[3], there[3];
+                    kit_edge_point_float(e, t, &u, &v);
                     slv_affine_apply(&n[i].map, u, v, &u2, &v2);
                     bilinear(mesh, f, u, v, here);
                     bilinear(mesh, n[i].face, u2, v2, there);

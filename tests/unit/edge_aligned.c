@@ -123,14 +123,14 @@ static void check(const kit *k, bool levels) {
         }
         /* All faces around a vertex have the same bits there. */
         for (unsigned corner = 0; corner < 4; corner++) {
-            static const float at[4][2] = {{0, 0}, {1, 0}, {1, 1}, {0, 1}};
+            const double *here = kit_corners[corner];
             slv_ring ring = slv_adjacency_ring(k->adjacency, (int32_t)face, corner, NULL);
             float a[8], b[8];
-            slv_edge_aligned_lookup(aligned, face, 0, at[corner][0], at[corner][1], a);
+            slv_edge_aligned_lookup(aligned, face, 0, (float)here[0], (float)here[1], a);
             for (uint32_t i = 0; i < ring.count; i++) {
-                const float *there = at[ring.corners[i].corner];
-                slv_edge_aligned_lookup(aligned, (uint32_t)ring.corners[i].face, 0, there[0],
-                                        there[1], b);
+                const double *there = kit_corners[ring.corners[i].corner];
+                slv_edge_aligned_lookup(aligned, (uint32_t)ring.corners[i].face, 0, (float)there[0],
+                                        (float)there[1], b);
                 CHECK(memcmp(a, b, k->nchannels * sizeof *a) == 0);
             }
         }

@@ -1,6 +1,7 @@
 /* OpenSubdiv's regression shapes, if SELVAGE_MESHES names the folder that holds them as
  * osd/NAME.obj: each is read or refused with words, its adjacency is mutual, and both schemes
  * evaluate to something finite everywhere. */
+#include "kit/edge_kit.h"
 #include "kit/mesh_shapes.h"
 
 #include <selvage/surface.h>
@@ -33,7 +34,6 @@ static void check_surface(const slv_env *env, const slv_mesh *mesh, slv_scheme s
 /* Both sides of every shared edge in the same place. */
 static void check_edges(const slv_env *env, const slv_mesh *mesh, const slv_adjacency *a,
                         const char *name) {
-    static const float start[4][2] = {{0, 0}, {1, 0}, {1, 1}, {0, 1}};
     slv_surface *surface = NULL;
     slv_mesh_stats stats;
     test_last_log[0] = 0;
@@ -52,8 +52,7 @@ static void check_edges(const slv_env *env, const slv_mesh *mesh, const slv_adja
                     float t = n[i].t0 + (n[i].t1 - n[i].t0) * (float)step / 4, p[6];
                     slv_surface_point points[2] = {{f, 0, 0}, {n[i].face, 0, 0}};
                     slv_surface_arrays arrays = {.positions = p};
-                    points[0].u = start[e][0] + t * (start[(e + 1) & 3][0] - start[e][0]);
-                    points[0].v = start[e][1] + t * (start[(e + 1) & 3][1] - start[e][1]);
+                    kit_edge_point_float(e, t, &points[0].u, &points[0].v);
                     slv_affine_apply(&n[i].map, points[0].u, points[0].v, &points[1].u,
                                      &points[1].v);
                     CHECK(slv_surface_evaluate(surface, 2, points, &arrays) == SLV_OK);

@@ -1,5 +1,6 @@
 /* Limit surfaces: faces agree along shared edges, derivatives are those of the positions, normals
  * are sound. */
+#include "kit/edge_kit.h"
 #include "kit/mesh_shapes.h"
 
 #include <selvage/surface.h>
@@ -38,7 +39,6 @@ static float mesh_size(const slv_mesh *mesh) {
 }
 
 static void check_edges(const slv_mesh *mesh, const slv_surface *s) {
-    static const float start[4][2] = {{0, 0}, {1, 0}, {1, 1}, {0, 1}};
     slv_adjacency *a = NULL;
     float size = mesh_size(mesh);
     MUST(slv_mesh_adjacency(NULL, mesh, &a));
@@ -49,9 +49,8 @@ static void check_edges(const slv_mesh *mesh, const slv_surface *s) {
             for (uint32_t i = 0; i < count; i++)
                 for (int step = 0; step <= 8; step++) {
                     float t = n[i].t0 + (n[i].t1 - n[i].t0) * (float)step / 8, u2, v2;
-                    float u = start[e][0] + t * (start[(e + 1) & 3][0] - start[e][0]);
-                    float v = start[e][1] + t * (start[(e + 1) & 3][1] - start[e][1]);
-                    float here[3], there[3], n1[3], n2[3];
+                    float u, v, here[3], there[3], n1[3], n2[3];
+                    kit_edge_point_float(e, t, &u, &v);
                     slv_affine_apply(&n[i].map, u, v, &u2, &v2);
                     at(s, f, u, v, here, NULL, NULL, n1);
                     at(s, n[i].face, u2, v2, there, NULL, NULL, n2);
