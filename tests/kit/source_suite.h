@@ -3,10 +3,10 @@
 #ifndef SLV_SOURCE_SUITE_H
 #define SLV_SOURCE_SUITE_H
 
-#include "kit/test.h"
+#include "kit/filter_kit.h"
 
 #include <selvage/half.h>
-#include <selvage/ptx.h>
+#include <selvage/ptx_writer.h>
 
 #include <pthread.h>
 #include <stdatomic.h>
@@ -445,14 +445,96 @@ static inline void suite_changes(const suite_subject *s) {
     free(faces);
 }
 
+/* A file of what the source has at full resolution. */
+static inline void suite_write(const suite_subject *s, const char *path) {
+    const slv_source_desc *d = &s->desc;
+    slv_env env = test_env();
+    slv_ptx_writer *writer = NULL;
+    slv_ptx_writer_params params = {.mesh_type = d->triangles ? SLV_PTX_TRIANGLE : SLV_PTX_QUAD,
+                                    .type = d->type,
+                                    .nchannels = d->nchannels,
+                                    .alpha_channel = d->alpha_channel,
+                                    .nfaces = d->nfaces,
+                                    .border_u = d->border_u,
+                                    .border_v = d->border_v,
+                                    .edge_filter = d->edge_filter};
+    REQUIRE(slv_ptx_writer_create(&env, path, &params, &writer) == SLV_OK);
+    for (uint32_t i = 0; i < d->nfaces; i++) {
+        slv_ptx_face f = suite_face(s, i);
+        unsigned char *texels = suite_read(s, i, f.res, suite_whole(f.res));
+        CHECK(slv_ptx_writer_write_face(writer, i, &f, texels) == SLV_OK);
+        free(texels);
+    }
+    REQUIRE(slv_ptx_writer_finish(writer) == SLV_OK);
+    slv_ptx_writer_destroy(writer);
+}
+
+/* A source that passes calls on, but is closed by somebody else. */
+static inline slv_source suite_lend(const suite_subject *s, slv_source_fns *fns) {
+    *fns = *s->source.fns;
+    fns->close = NULL;
+    return (slv_source){fns, s->source.user};
+}
+
+/* Lookups in the source, through a cache, and those in a file with the same content. */
+static inline void suite_lookups(const suite_subject *s) {
+    enum { MANY = 120 };
+    char path[1100];
+    uint32_t n = s->desc.nchannels;
+    slv_source_fns fns;
+    slv_source lent = suite_lend(s, &fns);
+    slv_cache *cache = kit_cache(UINT64_C(64) << 20, 0);
+    slv_file_id is = 0, should;
+    float *values[2] = {calloc(MANY, n * sizeof(float)), calloc(MANY, n * sizeof(float))};
+    slv_lookup lookups[2][MANY];
+    REQUIRE(values[0] && values[1]);
+    snprintf(path, sizeof path, "%s", scratch_path("suite.ptx"));
+    if (s->stored)
+        should = kit_open(cache, slv_ptx_name(s->stored));
+    else {
+        suite_write(s, path);
+        should = kit_open(cache, path);
+    }
+    REQUIRE(slv_cache_open_source(cache, &lent, NULL, &is) == SLV_OK);
+    for (int p = 0; s->desc.nfaces && p < 3 * SLV_FILTER_COUNT; p++) {
+        const slv_filter_params params = {.filter = (slv_filter)(p / 3),
+                                          .lerp = p % 3 == 1,
+                                          .no_edge_blend = p % 3 == 2,
+                                          .sharpness = 0.5f};
+        slv_sampler *sampler = kit_sampler(cache, &params);
+        uint64_t random = 77;
+        for (int i = 0; i < MANY; i++) {
+            lookups[0][i] = lookups[1][i] = kit_lookup_any(is, s->desc.nfaces, &random);
+            lookups[1][i].file = should;
+        }
+        for (int way = 0; way < 2; way++)
+            CHECK(slv_sample_batch(sampler, lookups[way], MANY, values[way], n, NULL) == SLV_OK);
+        CHECK_MSG(memcmp(values[0], values[1], MANY * n * sizeof(float)) == 0,
+                  "%s: %s, kind %d: not what a file gives", s->desc.name,
+                  slv_filter_name(params.filter), p % 3);
+        for (int i = 0; i < MANY; i++) {
+            CHECK(slv_sample(sampler, &lookups[0][i], values[0]) == SLV_OK);
+            CHECK(memcmp(values[0], values[1] + (size_t)i * n, n * sizeof(float)) == 0);
+        }
+        slv_sampler_destroy(sampler);
+    }
+    slv_cache_destroy(cache);
+    if (!s->stored)
+        unlink(path);
+    free(values[0]);
+    free(values[1]);
+}
+
 /* All of it. */
 static inline void suite_run(suite_subject *s) {
     suite_describes(s);
     suite_reductions(s);
     suite_rectangles(s);
     suite_arguments(s);
+    suite_lookups(s);
     suite_changes(s);
     suite_reductions(s);
+    suite_lookups(s);
 }
 
 #endif

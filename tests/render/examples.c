@@ -83,6 +83,13 @@ int main(void) {
     run_example("example_sample", (const char *const[]){missing, NULL});
     CHECK(run.code == 1 && !run.out[0] && kit_lines(run.err) == 1);
 
+    float blue[2] = {0, 0};
+    run_example("example_source", (const char *const[]){NULL});
+    CHECK_MSG(run.code == 0 && !run.err[0] &&
+                  sscanf(run.out, "%*f %*f %f %*f %*f %f", &blue[0], &blue[1]) == 2 &&
+                  blue[0] > 0 && blue[1] > 0 && blue[1] != blue[0],
+              "source says: %s%s", run.out, run.err);
+
     for (int s = 0; s < 5; s++) {
         kit_join(png, scratch.folder, strategies[s]);
         strcat(png, ".png");

@@ -1,6 +1,8 @@
-/* Every source that there is passes the suite. */
-#include "kit/filter_kit.h"
+/* Every source that there is passes the suite, and one that a stranger wrote. */
 #include "kit/source_suite.h"
+
+#define EXAMPLE_WITHOUT_MAIN
+#include "../../docs/examples/source.c"
 
 /* A store with faces of every kind: constant ones among others of their value and apart, long ones,
  * and noise. */
@@ -73,6 +75,90 @@ static void try_store(slv_type type, uint32_t nchannels, int32_t alpha, uint64_t
     kit_free(&k);
 }
 
+/* A file of a cache that has too little room for it. */
+static void try_cache(const char *path) {
+    slv_env env = suite_env();
+    slv_cache_params params = {.max_bytes = UINT64_C(8) << 20};
+    slv_cache *cache = NULL;
+    slv_ptx *ptx = NULL;
+    slv_file_id id = 0;
+    suite_subject subject = {0};
+    REQUIRE(slv_cache_create(&env, &params, &cache) == SLV_OK);
+    REQUIRE(slv_cache_open(cache, path, &id) == SLV_OK);
+    REQUIRE(slv_cache_as_source(cache, id, &subject.source) == SLV_OK);
+    REQUIRE(slv_ptx_open(&env, path, &ptx) == SLV_OK);
+    subject.stored = ptx;
+    suite_run(&subject);
+    CHECK(slv_cache_close(cache, id) == SLV_OK);
+    suite_refuses(&subject, 0, (slv_res){0, 0}, (slv_rect){0, 0, 1, 1});
+    slv_source_close(&subject.source);
+    slv_ptx_close(ptx);
+    slv_cache_destroy(cache);
+}
+
+/* A store behind a cache behind a cache that shows less of it. */
+typedef struct layers {
+    slv_cache *caches[2];
+    slv_file_id ids[2];
+    slv_texture *texture;
+} layers;
+
+static void change_layers(void *user, uint64_t *random, uint32_t *face, slv_rect *rect) {
+    layers *l = user;
+    change_store(l->texture, random, face, rect);
+    for (int i = 0; i < 2; i++)
+        CHECK(slv_cache_refresh(l->caches[i], l->ids[i]) == SLV_OK);
+}
+
+static void try_layers(void) {
+    const slv_cache_open_params capped = {.max_log2_res = 4};
+    slv_env env = suite_env();
+    suite_subject subject = {0};
+    slv_source sources[2];
+    layers l = {0};
+    uint64_t random = 12;
+    kit k;
+    make_store(&k, SLV_TYPE_U16, 3, &random);
+    l.texture = k.texture;
+    REQUIRE(slv_texture_as_source(&env, k.texture, k.adjacency, NULL, &sources[0]) == SLV_OK);
+    for (int i = 0; i < 2; i++) {
+        REQUIRE(slv_cache_create(&env, NULL, &l.caches[i]) == SLV_OK);
+        REQUIRE(slv_cache_open_source(l.caches[i], &sources[i], i ? NULL : &capped, &l.ids[i]) ==
+                SLV_OK);
+        REQUIRE(slv_cache_as_source(l.caches[i], l.ids[i], i ? &subject.source : &sources[1]) ==
+                SLV_OK);
+    }
+    subject.change = change_layers;
+    subject.user = &l;
+    suite_describes(&subject);
+    for (uint32_t i = 0; i < k.nfaces; i++) {
+        slv_res res = suite_face(&subject, i).res;
+        CHECK(res.u == (k.res[i].u < 4 ? k.res[i].u : 4) &&
+              res.v == (k.res[i].v < 4 ? k.res[i].v : 4));
+    }
+    suite_rectangles(&subject);
+    suite_arguments(&subject);
+    suite_changes(&subject);
+    slv_source_close(&subject.source);
+    slv_cache_destroy(l.caches[1]);
+    slv_cache_destroy(l.caches[0]);
+    kit_free(&k);
+}
+
+static void change_checkers(void *user, uint64_t *random, uint32_t *face, slv_rect *rect) {
+    checkers *c = user;
+    (void)random;
+    (void)face;
+    (void)rect;
+    c->time++;
+}
+
+static void try_stranger(void) {
+    checkers c = {.env = suite_env(), .time = 1};
+    suite_subject subject = {.source = {&checkers_fns, &c}, .change = change_checkers, .user = &c};
+    suite_run(&subject);
+}
+
 static void try_ptx(const char *path) {
     slv_env env = suite_env();
     slv_ptx *ptx = NULL;
@@ -116,6 +202,9 @@ int main(void) {
     try_store(SLV_TYPE_U16, 4, 3, 2);
     try_store(SLV_TYPE_HALF, 2, 0, 3);
     try_store(SLV_TYPE_FLOAT, 1, SLV_NO_ALPHA, 4);
+    try_layers();
+    try_stranger();
     CHECK(each_sample(try_ptx) > 0);
+    CHECK(each_sample(try_cache) > 0);
     return test_end();
 }
