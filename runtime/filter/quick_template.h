@@ -18,7 +18,8 @@ static inline __attribute__((always_inline)) void quick_put(v4f sum, uint32_t co
         out[3] = sum[3];
 }
 
-/* A kernel that reaches beyond its face, or whose texels are not there yet. */
+/* A kernel that reaches beyond its face, or whose texels are not there yet. The parameters are what
+ * the quick way has found, so that nothing is looked for twice. */
 static __attribute__((noinline)) bool quick_across(slv_sampler *s, cache_tables *t, uint32_t face,
                                                    cache_face *f, kernel *k, float weight,
                                                    uint32_t count, float *out, slv_result *result) {
@@ -59,7 +60,8 @@ typedef struct quick_last {
     const uint8_t *apron, *inner;
 } quick_last;
 
-/* The texels under a kernel, or NULL if they are to be looked for. */
+/* The texels under a kernel, or NULL if they are to be looked for. Inlined everywhere, so that its
+ * parameters cost nothing. */
 static inline __attribute__((always_inline)) const uint8_t *
 quick_find_texels(const cache_view *cache, const cache_tables *t, uint32_t face, cache_face *f,
                   bool small, bool inside, kernel *k, quick_last *last, size_t *pitch) {

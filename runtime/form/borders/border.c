@@ -61,7 +61,8 @@ static void copy_run(const build *b, const unsigned char *from, ptrdiff_t from_s
 }
 
 /* Fills border row `depth` (1 is next to the edge) at indices j0..j1-1 with texels of a face, row
- * `from_depth` of edge `from_edge`, index from_j for j0 and on in direction `sign`. */
+ * `from_depth` of edge `from_edge`, index from_j for j0 and on in direction `sign`. Both ends of
+ * the copy count in their own way, which takes that many parameters. */
 static void copy_strip(const build *b, uint32_t edge, int32_t depth, uint32_t j0, uint32_t j1,
                        uint32_t from_face, uint32_t from_level, uint32_t from_edge,
                        int32_t from_depth, uint32_t from_j, int sign) {

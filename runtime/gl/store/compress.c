@@ -70,6 +70,8 @@ static bool encode(slv_gl_block kind, const uint8_t rgba[64], uint32_t mask, uin
     return true;
 }
 
+/* The parameters say what the channels are and what of the texels counts, which no other struct
+ * does. */
 slv_result slvi_gl_compress(const slv_env *env, slv_gl_block kind, uint32_t ncomponents,
                             uint32_t nmeasured, uint32_t width, uint32_t height,
                             const uint8_t *texels, const uint8_t *used, uint8_t *out,
