@@ -19,14 +19,9 @@ struct transfer {
     float covered;
 };
 
-static const char *const kind_names[] = {[SLV_TRANSFER_COPIED] = "copied",
-                                         [SLV_TRANSFER_RESAMPLED] = "resampled",
-                                         [SLV_TRANSFER_PARTLY] = "partly",
-                                         [SLV_TRANSFER_FAR] = "far"};
-
 static void print_face(const struct transfer *t, uint32_t face) {
     const slv_transfer_face *f = &t->list[face];
-    printf("  face %u: %s", face, kind_names[f->kind]);
+    printf("  face %u: %s", face, slv_transfer_kind_name(f->kind));
     if (f->source >= 0)
         printf(f->kind == SLV_TRANSFER_COPIED ? " from face %d" : ", its middle from face %d",
                f->source);
@@ -54,14 +49,14 @@ static json_t *transfer_json(const struct transfer *t) {
     json_t *faces = json_array();
     for (uint32_t face = 0; face < t->nfaces; face++) {
         const slv_transfer_face *f = &t->list[face];
-        if (json_array_append_new(faces,
-                                  json_pack("{s:I, s:s, s:o, s:I, s:b, s:o, s:o, s:o}", "face",
-                                            (json_int_t)face, "did", kind_names[f->kind], "source",
-                                            f->source < 0 ? json_null() : json_integer(f->source),
-                                            "turn", (json_int_t)f->turn, "flipped", (int)f->flipped,
-                                            "covered", output_json_number((double)f->covered),
-                                            "distance", output_json_number((double)f->distance),
-                                            "area", output_json_number((double)f->area)))) {
+        if (json_array_append_new(
+                faces, json_pack("{s:I, s:s, s:o, s:I, s:b, s:o, s:o, s:o}", "face",
+                                 (json_int_t)face, "did", slv_transfer_kind_name(f->kind), "source",
+                                 f->source < 0 ? json_null() : json_integer(f->source), "turn",
+                                 (json_int_t)f->turn, "flipped", (int)f->flipped, "covered",
+                                 output_json_number((double)f->covered), "distance",
+                                 output_json_number((double)f->distance), "area",
+                                 output_json_number((double)f->area)))) {
             json_decref(faces);
             return NULL;
         }
@@ -92,12 +87,11 @@ static slv_result save(const slv_env *env, const struct transfer *t, const slv_p
         meta ? SLV_OK
              : output_fail(env, SLV_ERROR_MEMORY, "%s: no memory for its metadata", t->paths[1]);
     for (uint32_t i = 0; i < info->nmeta && !result; i++) {
-        const slv_ptx_meta *entry = slv_ptx_get_meta(ptx, i);
-        if (!entry)
-            result = SLV_ERROR_FORMAT;
-        else if (strcmp(entry->key, "PtexFaceVertCounts") != 0 &&
-                 strcmp(entry->key, "PtexFaceVertIndices") != 0 &&
-                 strcmp(entry->key, "PtexVertPositions") != 0)
+        const slv_ptx_meta *entry;
+        if (!(result = slv_ptx_load_meta(ptx, i, &entry)) &&
+            strcmp(entry->key, "PtexFaceVertCounts") != 0 &&
+            strcmp(entry->key, "PtexFaceVertIndices") != 0 &&
+            strcmp(entry->key, "PtexVertPositions") != 0)
             meta[params.nmeta++] = *entry;
     }
     if (!result && !(result = slv_mesh_adjacency(env, mesh, &adjacency)))

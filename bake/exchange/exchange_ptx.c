@@ -22,9 +22,9 @@ static slv_result write_face(void *user, const slv_env *env, uint32_t face,
 
 static slv_result copy_meta(slv_ptx_writer *writer, const slv_ptx *ptx) {
     for (uint32_t i = 0; i < slv_ptx_get_info(ptx)->nmeta; i++) {
-        const slv_ptx_meta *meta = slv_ptx_get_meta(ptx, i);
-        slv_result result = meta ? slv_ptx_writer_set_meta(writer, meta) : SLV_ERROR_FORMAT;
-        if (result)
+        const slv_ptx_meta *meta;
+        slv_result result = slv_ptx_load_meta(ptx, i, &meta);
+        if (result || (result = slv_ptx_writer_set_meta(writer, meta)))
             return result;
     }
     return SLV_OK;

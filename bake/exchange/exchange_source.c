@@ -2,7 +2,14 @@
 #include "exchange/exchange_data.h"
 #include "exchange/index.h"
 
+#include "base/names.h"
+
 #include <string.h>
+
+const char *slv_exchange_images_name(slv_exchange_images images) {
+    static const char *const names[] = {"by-type", "png", "exr"};
+    return slvi_name_of(names, SLVI_COUNT(names), (int)images);
+}
 
 static slv_result begin(const slv_env *env, const char *path, slv_exchange **out) {
     size_t size = strlen(path) + 1;

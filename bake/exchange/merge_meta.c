@@ -86,8 +86,13 @@ slv_result slvi_merge_meta(const slv_env *env, slvi_merge *m) {
     silent.log = NULL;
     for (uint32_t i = 0; i < m->npaths; i++) {
         slv_mesh *mesh = NULL;
-        with_geometry += slv_ptx_load_mesh(&silent, m->files[i], &mesh) == SLV_OK;
+        slv_result loaded = slv_ptx_load_mesh(&silent, m->files[i], &mesh);
         slv_mesh_destroy(mesh);
+        /* that there is no memory to read it does not mean that it is not there */
+        if (loaded == SLV_ERROR_MEMORY || loaded == SLV_ERROR_IO || loaded == SLV_ERROR_LIMIT)
+            return slvi_fail(env, loaded, "%s: its geometry cannot be read: %s", m->paths[i],
+                               slv_result_string(loaded));
+        with_geometry += loaded == SLV_OK;
     }
     m->geometry = with_geometry == m->npaths;
     if (with_geometry && !m->geometry)
@@ -98,10 +103,8 @@ slv_result slvi_merge_meta(const slv_env *env, slvi_merge *m) {
         result = join_geometry(env, m, which);
     for (uint32_t i = 0; i < m->npaths && !result; i++)
         for (uint32_t k = 0; k < slv_ptx_get_info(m->files[i])->nmeta && !result; k++) {
-            const slv_ptx_meta *meta = slv_ptx_get_meta(m->files[i], k);
-            if (!meta)
-                return SLV_ERROR_FORMAT;
-            if (!is_geometry(meta->key))
+            const slv_ptx_meta *meta;
+            if (!(result = slv_ptx_load_meta(m->files[i], k, &meta)) && !is_geometry(meta->key))
                 result = join_entry(env, m, i, meta);
         }
     return result;

@@ -1,6 +1,7 @@
 /* Patterns evaluated at the texels of a surface, on several threads. */
 #include "base/log.h"
 #include "base/memory.h"
+#include "base/names.h"
 #include "base/parallel.h"
 #include "base/progress.h"
 #include "procedural/pattern.h"
@@ -127,6 +128,20 @@ done:
     slvi_free(batch);
     slvi_free(texels);
     return result;
+}
+
+static const char *const patterns[] = {"stripes", "noise", "checker", "face-color", "position"};
+
+const char *slv_pattern_name(slv_pattern pattern) {
+    return slvi_name_of(patterns, SLVI_COUNT(patterns), (int)pattern);
+}
+
+bool slv_pattern_from_name(const char *name, slv_pattern *out) {
+    int value = 0;
+    bool found = slvi_name_find(patterns, SLVI_COUNT(patterns), name, &value);
+    if (found)
+        *out = (slv_pattern)value;
+    return found;
 }
 
 slv_result slv_bake_procedural(const slv_env *env, const slv_surface *surface,

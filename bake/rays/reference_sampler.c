@@ -2,6 +2,7 @@
 #include "rays/reference_data.h"
 
 #include "base/memory.h"
+#include "base/names.h"
 
 #include <math.h>
 #include <string.h>
@@ -9,15 +10,18 @@
 enum { SHARES = 4096, STEPS = 64 * SHARES };
 #define RADIUS 2.0
 
+static const char *const filters[] = {"box", "mitchell"};
+
+const char *slv_pixel_filter_name(slv_pixel_filter filter) {
+    return slvi_name_of(filters, SLVI_COUNT(filters), (int)filter);
+}
+
 bool slv_pixel_filter_from_name(const char *name, slv_pixel_filter *out) {
-    static const char *const names[] = {"box", "mitchell"};
-    for (int i = 0; i < 2; i++) {
-        if (strcmp(name, names[i]) == 0) {
-            *out = (slv_pixel_filter)i;
-            return true;
-        }
-    }
-    return false;
+    int value = 0;
+    bool found = slvi_name_find(filters, SLVI_COUNT(filters), name, &value);
+    if (found)
+        *out = (slv_pixel_filter)value;
+    return found;
 }
 
 /* Mitchell and Netravali 1988, equation 8 with B = C = 1/3; its integral is 1. */

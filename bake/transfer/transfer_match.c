@@ -3,10 +3,16 @@
 
 #include "adjacency/edge.h"
 #include "base/memory.h"
+#include "base/names.h"
 
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
+
+const char *slv_transfer_kind_name(slv_transfer_kind kind) {
+    static const char *const names[] = {"copied", "resampled", "partly", "far"};
+    return slvi_name_of(names, SLVI_COUNT(names), (int)kind);
+}
 
 slv_result slvi_transfer_corners(const slv_env *env, const slv_mesh *mesh, float **out) {
     const slv_mesh_view *view = slv_mesh_get_view(mesh);

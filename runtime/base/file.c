@@ -10,6 +10,10 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+slv_result slvi_io_error(int reason) {
+    return reason == ENOMEM ? SLV_ERROR_MEMORY : SLV_ERROR_IO;
+}
+
 slv_result slvi_file_read(const slv_env *env, const char *path, char **data, size_t *size) {
     slv_result result = SLV_OK;
     char *bytes = NULL;
@@ -20,7 +24,7 @@ slv_result slvi_file_read(const slv_env *env, const char *path, char **data, siz
         open(path, O_RDONLY | O_NONBLOCK | O_CLOEXEC); /* a pipe must not make us wait */
     FILE *stream = descriptor < 0 ? NULL : fdopen(descriptor, "rb");
     if (!stream) {
-        result = slvi_fail(env, SLV_ERROR_IO, "%s: %s", path, strerror(errno));
+        result = slvi_fail(env, slvi_io_error(errno), "%s: %s", path, strerror(errno));
         if (descriptor >= 0)
             close(descriptor);
         return result;
@@ -64,11 +68,13 @@ slv_result slvi_file_writer_open(const slv_env *env, const char *path, slv_file_
             break;
     }
     if (descriptor < 0) {
-        result = slvi_fail(env, SLV_ERROR_IO, "%s: cannot be written: %s", path, strerror(errno));
+        result = slvi_fail(env, slvi_io_error(errno), "%s: cannot be written: %s", path,
+                           strerror(errno));
         goto fail;
     }
     if (!(out->stream = fdopen(descriptor, "wb"))) {
-        result = slvi_fail(env, SLV_ERROR_IO, "%s: cannot be written: %s", path, strerror(errno));
+        result = slvi_fail(env, slvi_io_error(errno), "%s: cannot be written: %s", path,
+                           strerror(errno));
         close(descriptor);
         unlink(out->temporary);
         goto fail;
@@ -84,7 +90,8 @@ fail:
 slv_result slvi_file_writer_write(const slv_env *env, slv_file_writer *writer, const void *data,
                                   size_t size) {
     if (size && fwrite(data, 1, size, writer->stream) != size)
-        return slvi_fail(env, SLV_ERROR_IO, "%s: write failed: %s", writer->path, strerror(errno));
+        return slvi_fail(env, slvi_io_error(errno), "%s: write failed: %s", writer->path,
+                         strerror(errno));
     return SLV_OK;
 }
 
@@ -94,8 +101,8 @@ slv_result slvi_file_writer_commit(const slv_env *env, slv_file_writer *writer) 
     flushed = fclose(writer->stream) == 0 && flushed;
     writer->stream = NULL;
     if (!flushed || rename(writer->temporary, writer->path) != 0) {
-        result =
-            slvi_fail(env, SLV_ERROR_IO, "%s: write failed: %s", writer->path, strerror(errno));
+        result = slvi_fail(env, slvi_io_error(errno), "%s: write failed: %s", writer->path,
+                           strerror(errno));
         unlink(writer->temporary);
     }
     slvi_file_writer_abandon(writer);

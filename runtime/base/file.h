@@ -9,6 +9,9 @@
 
 #include <stdio.h>
 
+/* What a failed call to the operating system is, by errno: want of memory, or SLV_ERROR_IO. */
+slv_result slvi_io_error(int reason);
+
 /* Reads a regular file of at most env's max_bytes; *data has a NUL after its `size` bytes and is
  * released with slvi_free. */
 slv_result slvi_file_read(const slv_env *env, const char *path, char **data, size_t *size);

@@ -1,5 +1,6 @@
 /* What belongs to no subject of its own: the version, words for results, memory given back. */
 #include "base/memory.h"
+#include "base/names.h"
 
 #include <selvage/result.h>
 
@@ -8,7 +9,12 @@ void slv_free(void *memory) {
 }
 
 uint32_t slv_version(void) {
-    return 0 << 16 | 1 << 8 | 0;
+    return SLV_VERSION;
+}
+
+const char *slv_log_level_name(slv_log_level level) {
+    static const char *const names[] = {"info", "warning", "error"};
+    return slvi_name_of(names, SLVI_COUNT(names), (int)level);
 }
 
 const char *slv_result_string(slv_result result) {

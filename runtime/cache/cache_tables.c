@@ -140,9 +140,10 @@ static slv_result fill_tables(slv_cache *cache, const cache_file *file, cache_ta
     origin->bytes = bytes;
     if (origin->ptx) {
         slv_env env = slvi_cache_handle_env(origin->handle);
-        t->averages = slv_ptx_get_averages(origin->ptx);
-        if (!t->averages)
-            return SLV_ERROR_FORMAT;
+        const void *averages;
+        if ((result = slv_ptx_load_averages(origin->ptx, &averages)))
+            return result;
+        t->averages = averages;
         if ((result = slv_ptx_as_source(&env, origin->ptx, &origin->source)) ||
             (result = origin->source.fns->describe(origin->source.user, &origin->desc)))
             return result;

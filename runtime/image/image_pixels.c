@@ -1,5 +1,6 @@
 /* Pixels in memory, and how far the writing of them is. */
 #include "base/memory.h"
+#include "base/names.h"
 #include "base/progress.h"
 #include "image/image_file.h"
 
@@ -14,6 +15,11 @@ slv_result slvi_image_check_size(const slv_env *env, uint32_t width, uint32_t he
                          "channels are possible",
                          width, height, nchannels, IMAGE_MAX_SIDE);
     return SLV_OK;
+}
+
+const char *slv_image_encoding_name(slv_image_encoding encoding) {
+    static const char *const names[] = {"srgb", "raw"};
+    return slvi_name_of(names, SLVI_COUNT(names), (int)encoding);
 }
 
 slv_result slv_image_create(const slv_env *env, uint32_t width, uint32_t height, uint32_t nchannels,

@@ -1,4 +1,6 @@
 /* Cameras around a model, and the names of shadings. */
+#include "base/names.h"
+
 #include <selvage/camera.h>
 
 #include <float.h>
@@ -7,15 +9,18 @@
 
 #define PI 3.14159265358979323846f
 
+static const char *const shadings[] = {"headlight", "headlight-abs", "unlit", "faces", "levels"};
+
+const char *slv_shading_name(slv_shading shading) {
+    return slvi_name_of(shadings, SLVI_COUNT(shadings), (int)shading);
+}
+
 bool slv_shading_from_name(const char *name, slv_shading *out) {
-    static const char *const names[] = {"headlight", "headlight-abs", "unlit", "faces", "levels"};
-    for (int i = 0; i < 5; i++) {
-        if (strcmp(name, names[i]) == 0) {
-            *out = (slv_shading)i;
-            return true;
-        }
-    }
-    return false;
+    int value = 0;
+    bool found = slvi_name_find(shadings, SLVI_COUNT(shadings), name, &value);
+    if (found)
+        *out = (slv_shading)value;
+    return found;
 }
 
 /* How far the corners of a box reach, in units of half the picture: with perspective the distance

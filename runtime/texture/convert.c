@@ -1,4 +1,6 @@
 /* Values of the four types as floats, and back. */
+#include "base/names.h"
+
 #include <selvage/half.h>
 #include <selvage/texture.h>
 
@@ -17,18 +19,18 @@ size_t slv_type_size(slv_type type) {
     return 0;
 }
 
+static const char *const types[] = {"uint8", "uint16", "half", "float"};
+
 const char *slv_type_name(slv_type type) {
-    switch (type) {
-    case SLV_TYPE_U8:
-        return "uint8";
-    case SLV_TYPE_U16:
-        return "uint16";
-    case SLV_TYPE_HALF:
-        return "half";
-    case SLV_TYPE_FLOAT:
-        return "float";
-    }
-    return "unknown";
+    return slvi_name_of(types, SLVI_COUNT(types), (int)type);
+}
+
+bool slv_type_from_name(const char *name, slv_type *out) {
+    int value = 0;
+    bool found = slvi_name_find(types, SLVI_COUNT(types), name, &value);
+    if (found)
+        *out = (slv_type)value;
+    return found;
 }
 
 slv_res slv_res_level(slv_res res, uint32_t level) {

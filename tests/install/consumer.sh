@@ -1,6 +1,6 @@
 #!/bin/sh
-# consumer.sh BUILD SCRATCH VERSION CC FLAGS: installs BUILD below SCRATCH, moves it, and builds and runs a program of somebody
-# else's against what lies there: once through pkg-config, once through CMake.
+# consumer.sh BUILD SCRATCH VERSION CC FLAGS: installs BUILD below SCRATCH, moves it, and builds and runs programs of somebody
+# else's against what lies there: through pkg-config and through CMake.
 set -eu
 here=$(cd "$(dirname "$0")" && pwd)
 build=$1 scratch=$2 version=$3 cc=$4 flags=${5:-}
@@ -33,13 +33,31 @@ for package in selvage selvage-gl selvage-bake; do
 done
 # shellcheck disable=SC2046,SC2086
 $cc -std=c17 -Wall -Wextra -Wpedantic -Werror $flags "$here/consumer/main.c" -o "$scratch/with-pkg-config" \
-    $(pkg-config --cflags --libs selvage-bake)
+    $(pkg-config --cflags --libs selvage-bake selvage-gl)
 LD_LIBRARY_PATH="$libraries" "$scratch/with-pkg-config"
 
-cmake -S "$here/consumer" -B "$scratch/build" -DCMAKE_PREFIX_PATH="$prefix" -DCMAKE_C_COMPILER="$cc" \
-    -DCMAKE_C_FLAGS="$flags" >"$scratch/configure.log"
-cmake --build "$scratch/build" >"$scratch/build.log"
-"$scratch/build/consumer"
+# The first library by itself needs nothing of the others: not to be found, not to be linked and not to be run.
+mkdir "$scratch/others"
+mv "$libraries"/libselvage-* "$scratch/others"
+for components in selvage "gl;bake"; do
+    rm -rf "$scratch/build"
+    cmake -S "$here/consumer" -B "$scratch/build" -DCMAKE_PREFIX_PATH="$prefix" -DCMAKE_C_COMPILER="$cc" \
+        -DCMAKE_C_FLAGS="$flags" -DCOMPONENTS="$components" >"$scratch/configure.log"
+    cmake --build "$scratch/build" >"$scratch/build.log"
+    "$scratch/build/consumer"
+    test "$components" = selvage || break
+    if LD_LIBRARY_PATH="$libraries" ldd "$scratch/build/consumer" | grep -E 'embree|jansson|squish|libGL|libEGL|OSMesa'; then
+        echo "the first library needs these"
+        exit 1
+    fi
+    mv "$scratch/others"/* "$libraries"
+done
+# A component that there is not is missed.
+if cmake -S "$here/consumer" -B "$scratch/missing" -DCMAKE_PREFIX_PATH="$prefix" -DCMAKE_C_COMPILER="$cc" \
+    -DCOMPONENTS="paint" >"$scratch/configure.log" 2>&1; then
+    echo "a component 'paint' was found"
+    exit 1
+fi
 
 # The command finds its libraries without help from the environment.
 "$prefix/bin/selvage" --version

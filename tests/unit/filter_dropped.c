@@ -33,7 +33,7 @@ static void *forget(void *user) {
             sched_yield();
             continue;
         }
-        slv_cache_invalidate(cache, id);
+        CHECK(!slv_cache_invalidate(cache, id));
         atomic_fetch_add(&times, 1);
     }
     return NULL;

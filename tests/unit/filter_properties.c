@@ -384,7 +384,7 @@ static void sample_all_ways(const char *path) {
                         slv_lookup other = {.file = filler, .face = (uint32_t)i % 60};
                         float room[64];
                         if (way == 3 && c == 2 && i % 8 == 0)
-                            slv_sample(sampler, &other, room);
+                            test_ignore(slv_sample(sampler, &other, room));
                         CHECK(slv_sample(sampler, &mine[i], out + (size_t)i * n) == SLV_OK);
                     }
                 if (!right)

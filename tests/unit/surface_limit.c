@@ -227,7 +227,7 @@ static void test_spoilt_meshes(void) {
         slv_surface *surface = make_surface(&env, mesh, SLV_SCHEME_CATMARK);
         slv_face_adjacency *theirs = shape_grow(NULL, slv_mesh_face_count(mesh), sizeof *theirs);
         check_finite(mesh, surface);
-        slv_surface_osd_adjacency(surface, theirs);
+        CHECK(!slv_surface_osd_adjacency(surface, theirs));
         free(theirs);
         slv_surface_destroy(surface);
         slv_mesh_destroy(mesh);
@@ -310,6 +310,7 @@ typedef struct thread_job {
     const slv_surface *surface;
     uint32_t nfaces;
     float *out; /* positions and normals */
+    bool failed;
 } thread_job;
 
 static void *evaluate_all(void *user) {
@@ -317,7 +318,7 @@ static void *evaluate_all(void *user) {
     for (uint32_t f = 0; f < job->nfaces; f++) {
         float *p = job->out + (size_t)f * SAMPLES * 6;
         slv_surface_arrays arrays = {.positions = p, .normals = p + 3 * SAMPLES};
-        slv_surface_evaluate_grid(job->surface, (int32_t)f, 8, 8, &arrays);
+        job->failed |= slv_surface_evaluate_grid(job->surface, (int32_t)f, 8, 8, &arrays) != SLV_OK;
     }
     return NULL;
 }
@@ -338,7 +339,7 @@ static void test_threads(void) {
         results[i] = shape_grow(NULL, floats, sizeof(float));
     env.threads = 1;
     slv_surface *surface = make_surface(&env, mesh, SLV_SCHEME_CATMARK);
-    thread_job alone = {surface, nfaces, results[THREADS]};
+    thread_job alone = {surface, nfaces, results[THREADS], false};
     evaluate_all(&alone);
     slv_surface_destroy(surface);
     env.threads = THREADS;
@@ -346,11 +347,12 @@ static void test_threads(void) {
     pthread_t threads[THREADS];
     thread_job jobs[THREADS];
     for (int i = 0; i < THREADS; i++) {
-        jobs[i] = (thread_job){surface, nfaces, results[i]};
+        jobs[i] = (thread_job){surface, nfaces, results[i], false};
         REQUIRE(pthread_create(&threads[i], NULL, evaluate_all, &jobs[i]) == 0);
     }
     for (int i = 0; i < THREADS; i++) {
         pthread_join(threads[i], NULL);
+        CHECK(!jobs[i].failed);
         CHECK(memcmp(results[i], results[THREADS], floats * sizeof(float)) == 0);
     }
     for (int i = 0; i <= THREADS; i++)

@@ -29,14 +29,6 @@ static int note_word(struct diff *d, const char *what, const char *a, const char
     return strcmp(a, b) == 0 ? EXIT_OK : note(d, "%s: %s and %s", what, a, b);
 }
 
-static const char *border_name(slv_border_mode mode) {
-    return mode == SLV_BORDER_CLAMP ? "clamp" : mode == SLV_BORDER_BLACK ? "black" : "periodic";
-}
-
-static const char *filter_name(slv_edge_filter filter) {
-    return filter == SLV_EDGE_FILTER_TANVEC ? "tanvec" : "none";
-}
-
 static int compare_headers(struct diff *d) {
     const slv_ptx_info *a = slv_ptx_get_info(d->files[0]), *b = slv_ptx_get_info(d->files[1]);
     if (note_number(d, "faces", a->nfaces, b->nfaces) ||
@@ -46,9 +38,12 @@ static int compare_headers(struct diff *d) {
         return EXIT_OK;
     if (note_word(d, "data type", slv_type_name(a->type), slv_type_name(b->type)) ||
         note_number(d, "alpha channel", a->alpha_channel, b->alpha_channel) ||
-        note_word(d, "border mode in u", border_name(a->border_u), border_name(b->border_u)) ||
-        note_word(d, "border mode in v", border_name(a->border_v), border_name(b->border_v)) ||
-        note_word(d, "edge filter", filter_name(a->edge_filter), filter_name(b->edge_filter)) ||
+        note_word(d, "border mode in u", slv_border_mode_name(a->border_u),
+                  slv_border_mode_name(b->border_u)) ||
+        note_word(d, "border mode in v", slv_border_mode_name(a->border_v),
+                  slv_border_mode_name(b->border_v)) ||
+        note_word(d, "edge filter", slv_edge_filter_name(a->edge_filter),
+                  slv_edge_filter_name(b->edge_filter)) ||
         note_word(d, "reductions", a->nlevels > 1 ? "stored" : "none",
                   b->nlevels > 1 ? "stored" : "none"))
         return EXIT_FAILED;

@@ -29,7 +29,6 @@ slv_result info_levels_make(const slv_env *env, const slv_ptx *ptx, info_levels 
 void info_levels_print(const info_levels *levels);
 json_t *info_levels_json(const info_levels *levels);
 json_t *info_edits_json(const info_levels *levels);
-const char *info_encoding_name(slv_ptx_encoding encoding);
 
 /* info_sheet.c: draws and writes a contact sheet. Returns an exit code. */
 int info_sheet(const cli_command *command, const slv_env *env, const info_options *options,

@@ -5,11 +5,6 @@
 
 enum { ENCODINGS = SLV_PTX_TILED + 1 };
 
-static const char *const encoding_names[ENCODINGS] = {[SLV_PTX_CONSTANT] = "constant",
-                                                      [SLV_PTX_ZIPPED] = "zipped",
-                                                      [SLV_PTX_DIFF_ZIPPED] = "diff-zipped",
-                                                      [SLV_PTX_TILED] = "tiled"};
-
 struct info_level {
     uint64_t faces; /* that have texels of their own there, edited ones left out */
     uint64_t texels, block_bytes;
@@ -21,10 +16,6 @@ struct info_levels {
     uint64_t edited, edited_bytes;
     struct info_level levels[];
 };
-
-const char *info_encoding_name(slv_ptx_encoding encoding) {
-    return encoding_names[encoding];
-}
 
 static slv_result add_face(const slv_ptx *ptx, uint32_t face, info_levels *out) {
     slv_ptx_face f;
@@ -90,7 +81,7 @@ void info_levels_print(const info_levels *levels) {
             if (!level->encodings[e])
                 continue;
             printf("%s%llu %s", separator, (unsigned long long)level->encodings[e],
-                   encoding_names[e]);
+                   slv_ptx_encoding_name((slv_ptx_encoding)e));
             separator = ", ";
         }
         putchar('\n');
@@ -107,7 +98,7 @@ static json_t *level_json(const info_levels *levels, uint32_t i) {
     const struct info_level *level = &levels->levels[i];
     json_t *encodings = json_object();
     for (int e = 0; e < ENCODINGS; e++)
-        if (json_object_set_new(encodings, encoding_names[e],
+        if (json_object_set_new(encodings, slv_ptx_encoding_name((slv_ptx_encoding)e),
                                 json_integer((json_int_t)level->encodings[e]))) {
             json_decref(encodings);
             return NULL;

@@ -6,14 +6,6 @@
 
 enum { RES_COUNT = SLV_MAX_LOG2_RES + 1, KEY_SHOWN = 60, STRING_SHOWN = 200, VALUES_SHOWN = 12 };
 
-static const char *const border_names[] = {
-    [SLV_BORDER_CLAMP] = "clamp", [SLV_BORDER_BLACK] = "black", [SLV_BORDER_PERIODIC] = "periodic"};
-static const char *const filter_names[] = {
-    [SLV_EDGE_FILTER_NONE] = "none", [SLV_EDGE_FILTER_TANVEC] = "tanvec"};
-static const char *const meta_names[] = {
-    [SLV_META_STRING] = "string", [SLV_META_INT8] = "int8",   [SLV_META_INT16] = "int16",
-    [SLV_META_INT32] = "int32",   [SLV_META_FLOAT] = "float", [SLV_META_DOUBLE] = "double"};
-
 /* What the face table adds up to. */
 struct summary {
     const slv_ptx *ptx;
@@ -97,7 +89,7 @@ static void print_meta(const struct summary *s, bool values) {
     info_line("Metadata", s->info->nmeta == 1 ? "%u entry" : "%u entries", s->info->nmeta);
     for (uint32_t i = 0; i < s->info->nmeta; i++) {
         const slv_ptx_meta *meta = slv_ptx_get_meta(s->ptx, i);
-        printf("  %-14s%-6s x %-9u ", "", meta_names[meta->type], meta->count);
+        printf("  %-14s%-6s x %-9u ", "", slv_meta_type_name(meta->type), meta->count);
         if (!output_terminal(stdout, meta->key, strlen(meta->key), KEY_SHOWN))
             fputs("...", stdout);
         putchar('\n');
@@ -155,7 +147,7 @@ static void print_ptx(const struct summary *s, const info_options *options) {
         snprintf(alpha, sizeof alpha, "alpha in channel %d", info->alpha_channel);
     info_title(s->path);
     info_line("Kind", ".ptx 1.%u, %s faces%s", info->minor_version,
-              info->mesh_type == SLV_PTX_QUAD ? "quad" : "triangle",
+              slv_ptx_mesh_type_name(info->mesh_type),
               info->has_edits ? ", edited after it was written" : "");
     info_line("Data", "%s, %u channel%s, %s", slv_type_name(info->type), info->nchannels,
               info->nchannels == 1 ? "" : "s", alpha);
@@ -167,9 +159,9 @@ static void print_ptx(const struct summary *s, const info_options *options) {
     info_levels_print(s->levels);
     info_line("Boundary", "%llu of %llu face edges", (unsigned long long)s->boundary_edges,
               (unsigned long long)info->nfaces * s->nedges);
-    info_line("Border modes", "%s in u, %s in v", border_names[info->border_u],
-              border_names[info->border_v]);
-    info_line("Edge filter", "%s", filter_names[info->edge_filter]);
+    info_line("Border modes", "%s in u, %s in v", slv_border_mode_name(info->border_u),
+              slv_border_mode_name(info->border_v));
+    info_line("Edge filter", "%s", slv_edge_filter_name(info->edge_filter));
     print_geometry(s);
     if (options->sheet) {
         printf("  %-14s", "Sheet");
@@ -198,7 +190,7 @@ static json_t *meta_json(const struct summary *s, bool values) {
         const slv_ptx_meta *meta = slv_ptx_get_meta(s->ptx, i);
         json_t *item =
             json_pack("{s:o, s:s, s:I}", "key", output_json_text(meta->key, strlen(meta->key)),
-                      "type", meta_names[meta->type], "count", (json_int_t)meta->count);
+                      "type", slv_meta_type_name(meta->type), "count", (json_int_t)meta->count);
         if (values && item) {
             bool text = meta->type == SLV_META_STRING;
             json_t *value = text ? output_json_text(meta->values, meta->count) : values_json(meta);
@@ -242,8 +234,8 @@ static json_t *faces_json(const struct summary *s) {
         json_t *item = json_pack(
             "{s:I, s:I, s:I, s:s, s:I, s:b, s:b, s:b, s:b}", "face", (json_int_t)f, "width",
             (json_int_t)1 << face.res.u, "height", (json_int_t)1 << face.res.v, "encoding",
-            info_encoding_name(block.encoding), "block_bytes", (json_int_t)block.bytes, "constant",
-            (face.flags & SLV_FACE_CONSTANT) != 0, "neighbours_constant",
+            slv_ptx_encoding_name(block.encoding), "block_bytes", (json_int_t)block.bytes,
+            "constant", (face.flags & SLV_FACE_CONSTANT) != 0, "neighbours_constant",
             (face.flags & SLV_FACE_NEIGHBOURS_CONSTANT) != 0, "subface",
             (face.flags & SLV_FACE_SUBFACE) != 0, "edited", (face.flags & SLV_FACE_EDITED) != 0);
         list = info_append(list, info_adjacency_json(&face.adjacency, s->nedges, item));
@@ -278,18 +270,18 @@ static json_t *ptx_json(const struct summary *s, const info_options *options) {
         "s:I, "
         "s:I, s:I, s:I, s:o, s:o, s:o, s:o, s:o}",
         "schema", 1, "kind", "ptx", "path", output_json_text(s->path, strlen(s->path)), "version",
-        version, "mesh_type", info->mesh_type == SLV_PTX_QUAD ? "quad" : "triangle", "data_type",
+        version, "mesh_type", slv_ptx_mesh_type_name(info->mesh_type), "data_type",
         slv_type_name(info->type), "channels", (json_int_t)info->nchannels, "alpha_channel",
         info->alpha_channel < 0 ? json_null() : json_integer(info->alpha_channel), "faces",
         (json_int_t)info->nfaces, "levels", (json_int_t)info->nlevels, "level_faces",
-        levels_json(info), "border_u", border_names[info->border_u], "border_v",
-        border_names[info->border_v], "edge_filter", filter_names[info->edge_filter], "has_edits",
-        (int)info->has_edits, "file_bytes", (json_int_t)info->file_bytes, "texels",
-        (json_int_t)s->texels, "texel_bytes", (json_int_t)texel_bytes(s), "constant_faces",
-        (json_int_t)s->constant, "subfaces", (json_int_t)s->subfaces, "boundary_edges",
-        (json_int_t)s->boundary_edges, "resolutions", resolutions_json(s), "geometry",
-        geometry_json(s), "meta", meta_json(s, options->meta), "level_table",
-        info_levels_json(s->levels), "edits", info_edits_json(s->levels));
+        levels_json(info), "border_u", slv_border_mode_name(info->border_u), "border_v",
+        slv_border_mode_name(info->border_v), "edge_filter",
+        slv_edge_filter_name(info->edge_filter), "has_edits", (int)info->has_edits, "file_bytes",
+        (json_int_t)info->file_bytes, "texels", (json_int_t)s->texels, "texel_bytes",
+        (json_int_t)texel_bytes(s), "constant_faces", (json_int_t)s->constant, "subfaces",
+        (json_int_t)s->subfaces, "boundary_edges", (json_int_t)s->boundary_edges, "resolutions",
+        resolutions_json(s), "geometry", geometry_json(s), "meta", meta_json(s, options->meta),
+        "level_table", info_levels_json(s->levels), "edits", info_edits_json(s->levels));
     bool failed = options->faces && json_object_set_new(root, "face_table", faces_json(s));
     failed |= options->sheet && json_object_set_new(root, "sheet", sheet_json(s, options->sheet));
     if (failed) {

@@ -85,12 +85,11 @@ slv_result sample_again(const sample_texture *texture, slv_sampler *sampler,
     texture->log->mode = SAMPLE_LOG_KEEP;
     texture->log->message[0] = 0;
     /* what failed is told once: the cache must forget it, or all if it is of a neighbour's */
-    slv_cache_invalidate_face(cache, texture->file, lookup->face, NULL);
+    if (slv_cache_invalidate_face(cache, texture->file, lookup->face, NULL))
+        texture->log->message[0] = 0;
     slv_result result = slv_sample(sampler, lookup, out);
-    if (result && !texture->log->message[0]) {
-        slv_cache_invalidate(cache, texture->file);
+    if (result && !texture->log->message[0] && !slv_cache_invalidate(cache, texture->file))
         result = slv_sample(sampler, lookup, out);
-    }
     texture->log->mode = SAMPLE_LOG_PRINT;
     return result;
 }

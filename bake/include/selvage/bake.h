@@ -18,6 +18,10 @@ typedef enum slv_pattern {
     SLV_PATTERN_POSITION     /* the position itself, scaled: linear in space, not clamped, opaque */
 } slv_pattern;
 
+/* stripes, noise, checker, face-color, position */
+SLV_API const char *slv_pattern_name(slv_pattern pattern);
+SLV_API bool slv_pattern_from_name(const char *name, slv_pattern *out);
+
 /* A pattern; zero means default (a colour of four zeros, too). Colours are linear. Position enters
  * as (position - offset) * frequency. The same values come out on every machine: nothing but IEEE
  * arithmetic and an integer hash is used. */
@@ -32,6 +36,7 @@ typedef struct slv_procedural {
     float color0[4]; /* where the pattern is 0; default opaque black */
     float color1[4]; /* where it is 1; default opaque white */
     float face_tint; /* 0..1: how much of each face's own colour is mixed into RGB */
+    uint64_t reserved[4];
 } slv_procedural;
 
 /* The pattern at a point in space, as RGBA; `face` matters only to FACE_COLOR and
@@ -45,6 +50,7 @@ typedef struct slv_bake_params {
     uint32_t first_face;   /* where to begin; faces before it are left as they are */
     uint32_t face_count;   /* how many; default all from first_face on */
     slv_progress progress; /* faces */
+    uint64_t reserved[4];
 } slv_bake_params;
 
 /* Evaluates a pattern into every texel of every face, at the limit position of the texel's centre
@@ -52,9 +58,10 @@ typedef struct slv_bake_params {
  * luminance (Rec. 709) for one channel; more than four are SLV_ERROR_UNSUPPORTED. In parallel; the
  * same bytes with any number of threads. A surface and a texture of different face counts are
  * SLV_ERROR_MISMATCH. `params` may be NULL. */
-SLV_API slv_result slv_bake_procedural(const slv_env *env, const slv_surface *surface,
-                                       const slv_procedural *pattern, const slv_bake_params *params,
-                                       slv_texture *texture);
+SLV_NODISCARD SLV_API slv_result slv_bake_procedural(const slv_env *env, const slv_surface *surface,
+                                                     const slv_procedural *pattern,
+                                                     const slv_bake_params *params,
+                                                     slv_texture *texture);
 
 #ifdef __cplusplus
 }

@@ -13,10 +13,11 @@ extern "C" {
 typedef struct slv_exchange slv_exchange;
 
 /* Opens a .ptx, an index (its name ends in .json), or a folder with an index.json in it. */
-SLV_API slv_result slv_exchange_open(const slv_env *env, const char *path, slv_exchange **out);
+SLV_NODISCARD SLV_API slv_result slv_exchange_open(const slv_env *env, const char *path,
+                                                   slv_exchange **out);
 /* The same of a .ptx that is open already, and outlives it. */
-SLV_API slv_result slv_exchange_open_ptx(const slv_env *env, const slv_ptx *ptx,
-                                         slv_exchange **out);
+SLV_NODISCARD SLV_API slv_result slv_exchange_open_ptx(const slv_env *env, const slv_ptx *ptx,
+                                                       slv_exchange **out);
 SLV_API void slv_exchange_close(slv_exchange *source);
 /* What the source is. */
 SLV_API const slv_ptx_writer_params *slv_exchange_get_params(const slv_exchange *source);
@@ -48,6 +49,8 @@ typedef enum slv_exchange_images {
     SLV_EXCHANGE_PNG,
     SLV_EXCHANGE_EXR
 } slv_exchange_images;
+
+SLV_API const char *slv_exchange_images_name(slv_exchange_images images); /* by-type, png, exr */
 
 /* Zero means default: all as the source has it. */
 typedef struct slv_exchange_params {
@@ -91,21 +94,24 @@ typedef struct slv_exchange_stats {
  * the source are SLV_ERROR_ARGUMENT.
  *
  * A .ptx from either kind of source. */
-SLV_API slv_result slv_exchange_to_ptx(const slv_env *env, const slv_exchange *source,
-                                       const slv_exchange_params *params, const char *path,
-                                       slv_exchange_stats *stats);
+SLV_NODISCARD SLV_API slv_result slv_exchange_to_ptx(const slv_env *env, const slv_exchange *source,
+                                                     const slv_exchange_params *params,
+                                                     const char *path, slv_exchange_stats *stats);
 /* Of a .ptx an image a face (face_000012.png; of more than four channels also face_000012.1.png,
  * ...), and index.json with all that images do not hold; into a new folder, or among what an
  * existing one has. Constant faces are images of one texel. From images: SLV_ERROR_UNSUPPORTED. */
-SLV_API slv_result slv_exchange_to_folder(const slv_env *env, const slv_exchange *source,
-                                          const slv_exchange_params *params, const char *folder,
-                                          slv_exchange_stats *stats);
+SLV_NODISCARD SLV_API slv_result slv_exchange_to_folder(const slv_env *env,
+                                                        const slv_exchange *source,
+                                                        const slv_exchange_params *params,
+                                                        const char *folder,
+                                                        slv_exchange_stats *stats);
 /* The same as one image of all faces, .png or .exr, and an index that says where each lies:
  * NAME.json beside NAME.png. A file of that name that is no index is not written over:
  * SLV_ERROR_IO. */
-SLV_API slv_result slv_exchange_to_sheet(const slv_env *env, const slv_exchange *source,
-                                         const slv_exchange_params *params, const char *path,
-                                         slv_exchange_stats *stats);
+SLV_NODISCARD SLV_API slv_result slv_exchange_to_sheet(const slv_env *env,
+                                                       const slv_exchange *source,
+                                                       const slv_exchange_params *params,
+                                                       const char *path, slv_exchange_stats *stats);
 
 /* Zero means default. */
 typedef struct slv_merge_params {
@@ -123,9 +129,10 @@ typedef struct slv_merge_params {
  * NULL); other metadata once if it is equal, else under names of its own, KEY.2 for that of the
  * second file. `first_faces` (may be NULL) has room for `npaths`: where each file's faces begin.
  * `params` and `stats` may be NULL. */
-SLV_API slv_result slv_merge(const slv_env *env, const char *const *paths, uint32_t npaths,
-                             const slv_merge_params *params, const char *out, uint32_t *first_faces,
-                             bool *geometry, slv_exchange_stats *stats);
+SLV_NODISCARD SLV_API slv_result slv_merge(const slv_env *env, const char *const *paths,
+                                           uint32_t npaths, const slv_merge_params *params,
+                                           const char *out, uint32_t *first_faces, bool *geometry,
+                                           slv_exchange_stats *stats);
 
 #ifdef __cplusplus
 }

@@ -21,6 +21,7 @@ typedef struct slv_reference_params {
     uint32_t segments;      /* as slv_tessellate takes them; default 32 */
     uint32_t first_channel; /* of the texture, shown as red */
     uint32_t nchannels;     /* 1 (shown as grey) to 4; 0 means as many as there are, up to 4 */
+    uint64_t reserved[4];
 } slv_reference_params;
 
 /* A surface and its texture, ready for rays. Immutable; any number of threads may use it. */
@@ -29,10 +30,12 @@ typedef struct slv_reference slv_reference;
 /* Copies what it needs: every texel of level 0 as a float for each shown channel but alpha, with a
  * border of one texel (slv_border_build), and the triangles. `adjacency`, the texture's, must have
  * as many faces as the mesh, the surface and the texture. */
-SLV_API slv_result slv_reference_create(const slv_env *env, const slv_mesh *mesh,
-                                        const slv_surface *surface, const slv_texture *texture,
-                                        const slv_adjacency *adjacency,
-                                        const slv_reference_params *params, slv_reference **out);
+SLV_NODISCARD SLV_API slv_result slv_reference_create(const slv_env *env, const slv_mesh *mesh,
+                                                      const slv_surface *surface,
+                                                      const slv_texture *texture,
+                                                      const slv_adjacency *adjacency,
+                                                      const slv_reference_params *params,
+                                                      slv_reference **out);
 SLV_API void slv_reference_destroy(slv_reference *reference);
 
 /* The texture as a function: texels of level 0, bilinear between their centres, with the borders of
@@ -40,8 +43,8 @@ SLV_API void slv_reference_destroy(slv_reference *reference);
  * between its own texel centres too, and all faces around a vertex have one value there. Writes
  * RGB, three floats a point. A face id out of range is SLV_ERROR_ARGUMENT; (u,v) is clamped to the
  * face. */
-SLV_API slv_result slv_reference_lookup(const slv_reference *reference, size_t count,
-                                        const slv_surface_point *points, float *rgb);
+SLV_NODISCARD SLV_API slv_result slv_reference_lookup(const slv_reference *reference, size_t count,
+                                                      const slv_surface_point *points, float *rgb);
 
 /* How much the surroundings of a pixel's centre count. */
 typedef enum slv_pixel_filter {
@@ -50,6 +53,7 @@ typedef enum slv_pixel_filter {
                           negative lobes may take values out of range beside strong edges */
 } slv_pixel_filter;
 
+SLV_API const char *slv_pixel_filter_name(slv_pixel_filter filter); /* box, mitchell */
 SLV_API bool slv_pixel_filter_from_name(const char *name, slv_pixel_filter *out);
 
 /* Zero means default. Camera, shading, ka, kd and background are those of slv_frame. */
@@ -64,6 +68,7 @@ typedef struct slv_reference_frame {
                          best */
     uint32_t seed;    /* another one makes errors that have nothing to do with this one's */
     slv_progress progress; /* tiles */
+    uint64_t reserved[4];
 } slv_reference_frame;
 
 #define SLV_REFERENCE_MAX_SAMPLES (UINT32_C(1) << 20)
@@ -74,6 +79,7 @@ typedef struct slv_reference_stats {
     double error;      /* the RMS of the estimated error, over all pixels and RGB */
     double worst;      /* the largest of a pixel */
     uint64_t ncovered; /* pixels at least half covered by the surface */
+    uint64_t reserved[4];
 } slv_reference_stats;
 
 /* Renders linear RGBA with colour multiplied by alpha, alpha the coverage of the pixel. The samples
@@ -82,9 +88,11 @@ typedef struct slv_reference_stats {
  * estimate of the pixel's error. `error` (may be NULL) receives its RMS over RGB as an image of one
  * channel; with one sample that is zero. `stats` may be NULL. On env->threads threads; the same
  * bytes with any number of them. */
-SLV_API slv_result slv_reference_render(const slv_reference *reference, const slv_env *env,
-                                        const slv_reference_frame *frame, slv_image *image,
-                                        slv_image *error, slv_reference_stats *stats);
+SLV_NODISCARD SLV_API slv_result slv_reference_render(const slv_reference *reference,
+                                                      const slv_env *env,
+                                                      const slv_reference_frame *frame,
+                                                      slv_image *image, slv_image *error,
+                                                      slv_reference_stats *stats);
 
 /* What the ray through a pixel's centre meets. Derivatives are by one pixel to the right [0] and
  * one down [1], along the plane of the triangle that was hit: the footprint of the pixel is the
@@ -99,9 +107,10 @@ typedef struct slv_reference_hit {
 
 /* Casts one ray through the centre of each of width * height pixels, row 0 at the top. On
  * env->threads threads; the same bytes with any number of them. */
-SLV_API slv_result slv_reference_trace(const slv_reference *reference, const slv_env *env,
-                                       const slv_camera *camera, uint32_t width, uint32_t height,
-                                       slv_reference_hit *hits);
+SLV_NODISCARD SLV_API slv_result slv_reference_trace(const slv_reference *reference,
+                                                     const slv_env *env, const slv_camera *camera,
+                                                     uint32_t width, uint32_t height,
+                                                     slv_reference_hit *hits);
 
 #ifdef __cplusplus
 }

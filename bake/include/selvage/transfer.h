@@ -16,6 +16,9 @@ typedef enum slv_transfer_kind {
     SLV_TRANSFER_FAR         /* all of them are */
 } slv_transfer_kind;
 
+/* copied, resampled, partly, far */
+SLV_API const char *slv_transfer_kind_name(slv_transfer_kind kind);
+
 typedef struct slv_transfer_face {
     slv_transfer_kind kind;
     int32_t source; /* the face copied, or the one nearest to this one's middle */
@@ -33,6 +36,7 @@ typedef struct slv_transfer_params {
     bool no_copies;     /* resample matching faces as well */
     slv_scheme scheme;
     slv_progress progress; /* faces */
+    uint64_t reserved[4];
 } slv_transfer_params;
 
 /* Makes a texture for `target`, in the type and channels of `texture`, which belongs to `source`.
@@ -45,10 +49,11 @@ typedef struct slv_transfer_params {
  * same way is taken. `faces` has room for the target's faces,
  * `*covered` (may be NULL) is the share of the target's area. On env->threads threads; the same
  * bytes with any number of them. */
-SLV_API slv_result slv_transfer(const slv_env *env, const slv_mesh *source,
-                                const slv_texture *texture, const slv_mesh *target,
-                                const slv_transfer_params *params, slv_transfer_face *faces,
-                                float *covered, slv_texture **out);
+SLV_NODISCARD SLV_API slv_result slv_transfer(const slv_env *env, const slv_mesh *source,
+                                              const slv_texture *texture, const slv_mesh *target,
+                                              const slv_transfer_params *params,
+                                              slv_transfer_face *faces, float *covered,
+                                              slv_texture **out);
 
 #ifdef __cplusplus
 }

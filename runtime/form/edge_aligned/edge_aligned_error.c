@@ -129,7 +129,9 @@ slv_result slv_edge_aligned_measure(const slv_env *env, const slv_edge_aligned *
     slv_result result = slvi_resample_measure_all(env, &measure, slv_edge_aligned_get_desc(aligned),
                                                   "edge-aligned: it was", measure_faces, &sum);
     if (!result)
-        *out = (slv_edge_aligned_error){sum.texel_sum, sum.texel_max, sum.function_sum,
-                                        sum.function_max};
+        *out = (slv_edge_aligned_error){.round_trip_rms = sum.texel_sum,
+                                        .round_trip_max = sum.texel_max,
+                                        .function_rms = sum.function_sum,
+                                        .function_max = sum.function_max};
     return result;
 }

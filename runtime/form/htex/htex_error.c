@@ -85,6 +85,9 @@ slv_result slv_htex_measure(const slv_env *env, const slv_htex *htex, const slv_
     slv_result result = slvi_resample_measure_all(env, &measure, &htex->desc,
                                                   "half-edges: they were", measure_faces, &sum);
     if (!result)
-        *out = (slv_htex_error){sum.texel_sum, sum.texel_max, sum.function_sum, sum.function_max};
+        *out = (slv_htex_error){.texel_rms = sum.texel_sum,
+                                .texel_max = sum.texel_max,
+                                .function_rms = sum.function_sum,
+                                .function_max = sum.function_max};
     return result;
 }

@@ -4,23 +4,24 @@
 
 #include "base/log.h"
 #include "base/memory.h"
+#include "base/names.h"
 
 #include <stdio.h>
 #include <string.h>
 #include <strings.h>
 
+static const char *const backends[] = {"auto", "egl", "osmesa", "host"};
+
+const char *slv_gl_backend_name(slv_gl_backend backend) {
+    return slvi_name_of(backends, SLVI_COUNT(backends), (int)backend);
+}
+
 bool slv_gl_backend_from_name(const char *name, slv_gl_backend *out) {
-    static const struct {
-        const char *name;
-        slv_gl_backend backend;
-    } names[] = {{"auto", SLV_GL_AUTO}, {"egl", SLV_GL_EGL}, {"osmesa", SLV_GL_OSMESA}};
-    for (size_t i = 0; i < sizeof names / sizeof *names; i++) {
-        if (strcmp(name, names[i].name) == 0) {
-            *out = names[i].backend;
-            return true;
-        }
-    }
-    return false;
+    int value = 0;
+    bool found = slvi_name_find(backends, SLV_GL_HOST, name, &value);
+    if (found)
+        *out = (slv_gl_backend)value;
+    return found;
 }
 
 static slv_result load_functions(const slv_env *env, slv_gl_api *api, slv_gl_get_proc get_proc,
@@ -154,14 +155,23 @@ slv_result slv_gl_create(const slv_env *env, slv_gl_backend backend, slv_gl **ou
     if (backend == SLV_GL_HOST)
         return slvi_fail(env, SLV_ERROR_ARGUMENT, "a host's context is taken with slv_gl_wrap");
     if (backend != SLV_GL_OSMESA) {
-        for (int software = 0; software < 2; software++)
-            if (!slvi_gl_open_egl(env, !software, why[software], sizeof why[software], &platform,
-                                  &get_proc))
+        for (int software = 0; software < 2; software++) {
+            slv_result result = slvi_gl_open_egl(env, !software, why[software],
+                                                 sizeof why[software], &platform, &get_proc);
+            if (!result)
                 return adopt(env, SLV_GL_EGL, platform, get_proc, NULL, out);
+            /* which has been logged */
+            if (result != SLV_ERROR_GL)
+                return result;
+        }
     }
-    if (backend != SLV_GL_EGL &&
-        !slvi_gl_open_osmesa(env, why[2], sizeof why[2], &platform, &get_proc))
-        return adopt(env, SLV_GL_OSMESA, platform, get_proc, NULL, out);
+    if (backend != SLV_GL_EGL) {
+        slv_result result = slvi_gl_open_osmesa(env, why[2], sizeof why[2], &platform, &get_proc);
+        if (!result)
+            return adopt(env, SLV_GL_OSMESA, platform, get_proc, NULL, out);
+        if (result != SLV_ERROR_GL)
+            return result;
+    }
     if (backend == SLV_GL_OSMESA)
         return slvi_fail(env, SLV_ERROR_GL, "no usable OpenGL context: OSMesa: %s", why[2]);
     if (backend == SLV_GL_EGL)

@@ -140,9 +140,10 @@ slv_result slvi_gl_open_egl(const slv_env *env, bool hardware, char *why, size_t
                             slv_gl_platform *out, slv_gl_get_proc *get_proc) {
     const char *reason = hardware ? "no hardware device" : "no device or surfaceless platform";
     struct egl_state *state = NULL;
-    if (slvi_alloc(env, "EGL", 1, sizeof *state, &state)) {
-        reason = "out of memory";
-    } else if (!load_egl(&state->egl)) {
+    slv_result result = slvi_alloc(env, "EGL", 1, sizeof *state, &state);
+    if (result)
+        return result;
+    if (!load_egl(&state->egl)) {
         reason = "libEGL.so.1 cannot be loaded";
     } else if (hardware ? try_devices(state, true, &reason)
                         : try_surfaceless(state, &reason) || try_devices(state, false, &reason)) {

@@ -66,10 +66,11 @@ slv_result slvi_gl_open_osmesa(const slv_env *env, char *why, size_t why_size, s
                                      0};
     const char *reason;
     struct osmesa_state *state = NULL;
+    slv_result result = slvi_alloc(env, "OSMesa", 1, sizeof *state, &state);
+    if (result)
+        return result;
     void *library = open_library(0);
-    if (slvi_alloc(env, "OSMesa", 1, sizeof *state, &state)) {
-        reason = "out of memory";
-    } else if (!library) {
+    if (!library) {
         reason = "libOSMesa.so cannot be loaded";
     } else if (!slvi_gl_symbol(library, "OSMesaCreateContextAttribs", &state->create) ||
                !slvi_gl_symbol(library, "OSMesaMakeCurrent", &state->make_current) ||

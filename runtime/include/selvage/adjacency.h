@@ -87,9 +87,9 @@ typedef struct slv_adjacency slv_adjacency;
  * Copies. A link that the other side does not return, or that points outside the table, is cut on
  * the side that claims it and counted in one warning: what comes out is symmetric whatever went in.
  */
-SLV_API slv_result slv_adjacency_create(const slv_env *env, uint32_t nfaces,
-                                        const slv_face_adjacency *faces, const uint8_t *flags,
-                                        slv_adjacency **out);
+SLV_NODISCARD SLV_API slv_result slv_adjacency_create(const slv_env *env, uint32_t nfaces,
+                                                      const slv_face_adjacency *faces,
+                                                      const uint8_t *flags, slv_adjacency **out);
 SLV_API void slv_adjacency_destroy(slv_adjacency *adjacency);
 
 SLV_API uint32_t slv_adjacency_face_count(const slv_adjacency *adjacency);

@@ -32,9 +32,10 @@ extern "C" {
  * `*out_of_range` (may be NULL) says whether an integer texture's border fell outside 0..1, or a
  * half texture's beyond 65504, which 2E - own and d can do: such a face needs a wider type on its
  * way to a sampler. Thread-safe. `levels` and `adjacency` must have the same number of faces. */
-SLV_API slv_result slv_border_build(const slv_levels *levels, const slv_adjacency *adjacency,
-                                    uint32_t face, uint32_t level, uint32_t bu, uint32_t bv,
-                                    float *out, bool *out_of_range);
+SLV_NODISCARD SLV_API slv_result slv_border_build(const slv_levels *levels,
+                                                  const slv_adjacency *adjacency, uint32_t face,
+                                                  uint32_t level, uint32_t bu, uint32_t bv,
+                                                  float *out, bool *out_of_range);
 
 /* The value M (`nchannels` floats) that all faces around a corner agree on at a level: the mean of
  * their corner texels, or around a pole of more than 256 faces that of every n-th, so that its cost

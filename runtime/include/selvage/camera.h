@@ -40,6 +40,8 @@ typedef enum slv_shading {
     SLV_SHADE_LEVELS         /* the level that a lookup uses, from 0 (red) to coarse (blue) */
 } slv_shading;
 
+/* headlight, headlight-abs, unlit, faces, levels */
+SLV_API const char *slv_shading_name(slv_shading shading);
 SLV_API bool slv_shading_from_name(const char *name, slv_shading *out);
 
 #ifdef __cplusplus

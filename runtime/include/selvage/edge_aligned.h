@@ -28,16 +28,19 @@ SLV_API uint64_t slv_edge_aligned_count(slv_res res);
 
 /* One level of one face: writes slv_edge_aligned_count * nchannels floats, v-major, row 0 at v=0.
  * Thread-safe. `levels` and `adjacency` must have the same number of faces. */
-SLV_API slv_result slv_edge_aligned_build(const slv_levels *levels, const slv_adjacency *adjacency,
-                                          uint32_t face, uint32_t level, float *out);
+SLV_NODISCARD SLV_API slv_result slv_edge_aligned_build(const slv_levels *levels,
+                                                        const slv_adjacency *adjacency,
+                                                        uint32_t face, uint32_t level, float *out);
 
 /* All levels of all faces in the texture's own type. Immutable. */
 typedef struct slv_edge_aligned slv_edge_aligned;
 
 /* Neither argument is needed afterwards. On env->threads threads; the same bytes with any number of
  * them. */
-SLV_API slv_result slv_edge_aligned_create(const slv_env *env, const slv_levels *levels,
-                                           const slv_adjacency *adjacency, slv_edge_aligned **out);
+SLV_NODISCARD SLV_API slv_result slv_edge_aligned_create(const slv_env *env,
+                                                         const slv_levels *levels,
+                                                         const slv_adjacency *adjacency,
+                                                         slv_edge_aligned **out);
 SLV_API void slv_edge_aligned_destroy(slv_edge_aligned *aligned);
 
 /* That of the texture; `res` counts texels, not samples. Owned by the object. */
@@ -54,11 +57,13 @@ SLV_API void slv_edge_aligned_lookup(const slv_edge_aligned *aligned, uint32_t f
 /* Back: the interpolated values at the centres of a level's texels, 2^u * 2^v * nchannels floats.
  * Thread-safe. Centred texels that went forth and back have been averaged with their neighbours,
  * by 1/4, 1/2, 1/4 along each axis. */
-SLV_API slv_result slv_edge_aligned_centred(const slv_edge_aligned *aligned, uint32_t face,
-                                            uint32_t level, float *out);
+SLV_NODISCARD SLV_API slv_result slv_edge_aligned_centred(const slv_edge_aligned *aligned,
+                                                          uint32_t face, uint32_t level,
+                                                          float *out);
 /* Level 0 of every face as a texture of centred texels, rounded to the type. */
-SLV_API slv_result slv_edge_aligned_to_texture(const slv_env *env, const slv_edge_aligned *aligned,
-                                               slv_texture **out);
+SLV_NODISCARD SLV_API slv_result slv_edge_aligned_to_texture(const slv_env *env,
+                                                             const slv_edge_aligned *aligned,
+                                                             slv_texture **out);
 
 /* What the conversion loses at level 0, in the units of slv_type_to_float, over all channels. Each
  * texel counts the same. */
@@ -67,13 +72,15 @@ typedef struct slv_edge_aligned_error {
     double function_rms, function_max;     /* interpolated samples against interpolated texels with
                                               the borders of border.h: exact integrals over the faces
                                               and the exact maximum, not sampled */
+    uint64_t reserved[4];
 } slv_edge_aligned_error;
 
 /* `levels` and `adjacency` are those that `aligned` was made from. */
-SLV_API slv_result slv_edge_aligned_measure(const slv_env *env, const slv_edge_aligned *aligned,
-                                            const slv_levels *levels,
-                                            const slv_adjacency *adjacency,
-                                            slv_edge_aligned_error *out);
+SLV_NODISCARD SLV_API slv_result slv_edge_aligned_measure(const slv_env *env,
+                                                          const slv_edge_aligned *aligned,
+                                                          const slv_levels *levels,
+                                                          const slv_adjacency *adjacency,
+                                                          slv_edge_aligned_error *out);
 
 /* All that as a form (form.h). */
 SLV_API const slv_form *slv_form_edge_aligned(void);

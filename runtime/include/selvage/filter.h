@@ -49,6 +49,7 @@ typedef struct slv_filter_params {
     float width;        /* the footprint is scaled by this, 0 means 1 */
     float blur;         /* and widened by this, in units of the face */
     uint32_t first_channel, nchannels; /* which channels; 0 channels means all from the first on */
+    uint64_t reserved[4];
 } slv_filter_params;
 
 /* Where to look: a position on a face and the footprint's two vectors, each a change of (u,v) from
@@ -71,8 +72,9 @@ typedef struct slv_sampler slv_sampler;
 
 /* SLV_ERROR_ARGUMENT if the parameters are out of range: an unknown filter, sharpness outside 0..1,
  * width or blur negative or not finite. */
-SLV_API slv_result slv_sampler_create(slv_cache *cache, const slv_filter_params *params,
-                                      slv_sampler **out);
+SLV_NODISCARD SLV_API slv_result slv_sampler_create(slv_cache *cache,
+                                                    const slv_filter_params *params,
+                                                    slv_sampler **out);
 SLV_API void slv_sampler_destroy(slv_sampler *sampler);
 
 /* How many floats a lookup in this file gives: the parameters' channels as far as the file has
@@ -87,7 +89,8 @@ SLV_API uint32_t slv_sampler_channels(slv_sampler *sampler, slv_file_id file);
  * cannot be read. `out` is then zeros, as many as the parameters ask for, or as the file has if
  * that is all: none where the file is not known. Wrong arguments are not logged; what
  * cannot be read is, once. */
-SLV_API slv_result slv_sample(slv_sampler *sampler, const slv_lookup *lookup, float *out);
+SLV_NODISCARD SLV_API slv_result slv_sample(slv_sampler *sampler, const slv_lookup *lookup,
+                                            float *out);
 
 /* `count` lookups in one go, quicker than one by one: the same numbers. `out` is count rows of
  * `stride` floats, at least the number of requested channels (all of the widest file, if that is

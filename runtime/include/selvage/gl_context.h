@@ -15,7 +15,9 @@ typedef enum slv_gl_backend {
     SLV_GL_HOST      /* the application's own context, see slv_gl_wrap */
 } slv_gl_backend;
 
-/* "auto", "egl", "osmesa"; false for any other word. */
+/* auto, egl, osmesa, host */
+SLV_API const char *slv_gl_backend_name(slv_gl_backend backend);
+/* Knows those that slv_gl_create takes: not `host`. */
 SLV_API bool slv_gl_backend_from_name(const char *name, slv_gl_backend *out);
 
 typedef struct slv_gl_info {
@@ -36,7 +38,8 @@ typedef slv_gl_proc (*slv_gl_get_proc)(void *user, const char *name);
 
 /* Makes a headless OpenGL 4.5 core context and makes it current on the calling thread, in place of
  * what was. SLV_ERROR_GL says for each way that was tried why it failed. */
-SLV_API slv_result slv_gl_create(const slv_env *env, slv_gl_backend backend, slv_gl **out);
+SLV_NODISCARD SLV_API slv_result slv_gl_create(const slv_env *env, slv_gl_backend backend,
+                                               slv_gl **out);
 
 /* Uses the context that is current now. `get_proc` is only called during this call
  * (eglGetProcAddress, glfwGetProcAddress, ...). Functions of this library that upload, draw or look
@@ -44,8 +47,8 @@ SLV_API slv_result slv_gl_create(const slv_env *env, slv_gl_backend backend, slv
  * bindings, clip control, raster, depth, stencil and blend state; those that draw also the
  * framebuffer (to 0 when done), viewport, program, vertex array, and what slv_gl_texture_bind
  * binds. They leave no error behind. */
-SLV_API slv_result slv_gl_wrap(const slv_env *env, slv_gl_get_proc get_proc, void *user,
-                               slv_gl **out);
+SLV_NODISCARD SLV_API slv_result slv_gl_wrap(const slv_env *env, slv_gl_get_proc get_proc,
+                                             void *user, slv_gl **out);
 
 /* Destroys the context, unless it is the host's; it need not be current. Objects made from it must
  * be gone. */

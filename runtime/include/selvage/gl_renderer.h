@@ -20,15 +20,17 @@ typedef struct slv_frame {
     float ka, kd;        /* both zero means 0.2 and 0.8 */
     float background[4]; /* linear RGBA, colour multiplied by alpha */
     bool float_target;   /* render to 32-bit float instead of half */
+    uint64_t reserved[4];
 } slv_frame;
 
 typedef struct slv_gl_renderer slv_gl_renderer;
 
 /* Tessellates as slv_tessellate does, by the mesh's own adjacency. `segments` is a power of two, 2
  * to 128; see slv_tessellation_for. */
-SLV_API slv_result slv_gl_renderer_create(slv_gl *gl, const slv_env *env, const slv_mesh *mesh,
-                                          const slv_surface *surface, uint32_t segments,
-                                          slv_gl_renderer **out);
+SLV_NODISCARD SLV_API slv_result slv_gl_renderer_create(slv_gl *gl, const slv_env *env,
+                                                        const slv_mesh *mesh,
+                                                        const slv_surface *surface,
+                                                        uint32_t segments, slv_gl_renderer **out);
 SLV_API void slv_gl_renderer_destroy(slv_gl_renderer *renderer);
 
 /* Draws one frame. `image` (may be NULL) receives linear RGBA with colour multiplied by alpha,
@@ -36,9 +38,10 @@ SLV_API void slv_gl_renderer_destroy(slv_gl_renderer *renderer);
  * at). `seconds` (may be NULL) receives the time of drawing and resolving, without reading back: by
  * GL timer on hardware, by the clock around glFinish in software. Changes GL state as slv_gl_wrap
  * says. The texture may be another each time. */
-SLV_API slv_result slv_gl_renderer_draw(slv_gl_renderer *renderer, const slv_env *env,
-                                        slv_gl_texture *texture, const slv_frame *frame,
-                                        slv_image *image, double *seconds);
+SLV_NODISCARD SLV_API slv_result slv_gl_renderer_draw(slv_gl_renderer *renderer, const slv_env *env,
+                                                      slv_gl_texture *texture,
+                                                      const slv_frame *frame, slv_image *image,
+                                                      double *seconds);
 
 #ifdef __cplusplus
 }

@@ -34,6 +34,8 @@ typedef enum slv_gl_branching {
     SLV_GL_BRANCHING_VECTORS /* as REAL where the driver lacks GL_ARB_shader_ballot */
 } slv_gl_branching;
 
+SLV_API const char *slv_gl_branching_name(slv_gl_branching branching); /* auto, real, vectors */
+
 /* Blocks of 4 x 4 texels that the GPU decodes, for 8-bit textures: one channel as BC4 (BC5 where a
  * strategy stores coverage), two as BC5 (BC1 where it does), three as BC1, four as BC3.
  *
@@ -48,6 +50,8 @@ typedef enum slv_gl_compression {
     SLV_GL_COMPRESSION_NONE = 0,
     SLV_GL_COMPRESSION_BLOCKS
 } slv_gl_compression;
+
+SLV_API const char *slv_gl_compression_name(slv_gl_compression compression); /* none, blocks */
 
 /* Zero means default. */
 typedef struct slv_gl_texture_params {
@@ -67,6 +71,7 @@ typedef struct slv_gl_texture_params {
     slv_gl_branching branching;
     slv_gl_compression compression; /* of textures other than 8-bit: SLV_ERROR_UNSUPPORTED */
     slv_progress progress; /* faces, once for each form in which they are stored; on this thread */
+    uint64_t reserved[4];
 } slv_gl_texture_params;
 
 /* Programs are needed for each variant that occurs; see slv_gl_batch. */
@@ -90,9 +95,11 @@ typedef struct slv_gl_texture slv_gl_texture;
  * face whose border leaves the range goes to a pool of half (8 bit) or float (16 bit, half).
  * Neither argument is needed afterwards. `adjacency` must have as many faces as `texture`. Changes
  * GL state as slv_gl_wrap says. */
-SLV_API slv_result slv_gl_texture_create(slv_gl *gl, const slv_env *env, const slv_texture *texture,
-                                         const slv_adjacency *adjacency,
-                                         const slv_gl_texture_params *params, slv_gl_texture **out);
+SLV_NODISCARD SLV_API slv_result slv_gl_texture_create(slv_gl *gl, const slv_env *env,
+                                                       const slv_texture *texture,
+                                                       const slv_adjacency *adjacency,
+                                                       const slv_gl_texture_params *params,
+                                                       slv_gl_texture **out);
 SLV_API void slv_gl_texture_destroy(slv_gl_texture *texture);
 
 typedef struct slv_gl_texture_stats {
@@ -103,6 +110,7 @@ typedef struct slv_gl_texture_stats {
     uint32_t clipped;            /* faces whose borders needed one and were compressed without */
     double block_rms, block_max; /* what compression loses: of all texels that the strategy stores,
                                     borders included, as the encoder sees it */
+    uint64_t reserved[4];
 } slv_gl_texture_stats;
 SLV_API slv_gl_texture_stats slv_gl_texture_get_stats(const slv_gl_texture *texture,
                                                       const slv_strategy *strategy);
@@ -122,8 +130,9 @@ SLV_API slv_gl_batch slv_gl_texture_batch(const slv_gl_texture *texture,
  * strategy, the variant, and the texture's channels and anisotropy; only strategies that reach
  * other faces have variants other than 0. Owned by the texture. A variant or a strategy that is not
  * there is SLV_ERROR_ARGUMENT; messages go to the log that the texture was made with. */
-SLV_API slv_result slv_gl_texture_glsl(slv_gl_texture *texture, const slv_strategy *strategy,
-                                       uint32_t variant, const char **out);
+SLV_NODISCARD SLV_API slv_result slv_gl_texture_glsl(slv_gl_texture *texture,
+                                                     const slv_strategy *strategy, uint32_t variant,
+                                                     const char **out);
 
 /* Binds what a batch needs: array textures and samplers from SLV_GL_FIRST_UNIT, tables from
  * SLV_GL_FIRST_STORAGE. Changes nothing else. A batch that does not exist binds nothing. */
@@ -136,10 +145,11 @@ SLV_API void slv_gl_texture_unbind(slv_gl_texture *texture);
 /* Lookups on the GPU, exactly as a fragment shader makes them: point i is (faces[i], uv[2i..]) with
  * the footprint dx[2i..], dy[2i..]; `out` gets 4 floats each. Changes GL state as slv_gl_wrap says.
  */
-SLV_API slv_result slv_gl_texture_lookup(slv_gl_texture *texture, const slv_env *env,
-                                         const slv_strategy *strategy, uint32_t count,
-                                         const int32_t *faces, const float *uv, const float *dx,
-                                         const float *dy, float *out);
+SLV_NODISCARD SLV_API slv_result slv_gl_texture_lookup(slv_gl_texture *texture, const slv_env *env,
+                                                       const slv_strategy *strategy, uint32_t count,
+                                                       const int32_t *faces, const float *uv,
+                                                       const float *dx, const float *dy,
+                                                       float *out);
 
 /* The seam jump: the largest difference of any channel between a lookup just left and one just
  * right of a shared edge, alpha included. Single lookups are compared: what multisampling blends
@@ -148,6 +158,7 @@ typedef struct slv_gl_seam_params {
     uint32_t samples; /* along each edge, its ends included; default 17 */
     uint32_t
         level; /* footprint: 2^level texels of the coarser face; 0 is magnified, 1/64 of a texel */
+    uint64_t reserved[4];
 } slv_gl_seam_params;
 
 typedef struct slv_gl_seam {
@@ -156,12 +167,12 @@ typedef struct slv_gl_seam {
     int32_t face, edge;          /* where the largest jump is; -1 if there are no shared edges */
     float t;
     uint32_t nedges, nequal;
+    uint64_t reserved[4];
 } slv_gl_seam;
 
-SLV_API slv_result slv_gl_texture_seam_jump(slv_gl_texture *texture, const slv_env *env,
-                                            const slv_strategy *strategy,
-                                            const slv_adjacency *adjacency,
-                                            const slv_gl_seam_params *params, slv_gl_seam *out);
+SLV_NODISCARD SLV_API slv_result slv_gl_texture_seam_jump(
+    slv_gl_texture *texture, const slv_env *env, const slv_strategy *strategy,
+    const slv_adjacency *adjacency, const slv_gl_seam_params *params, slv_gl_seam *out);
 
 #ifdef __cplusplus
 }

@@ -40,8 +40,8 @@ typedef struct slv_htex slv_htex;
  * them. `levels` and `adjacency` must have the same number of faces. Sub-faces that do not form a
  * polygon count as whole quads, and an edge at which the two sides do not fit together as one of
  * the boundary. */
-SLV_API slv_result slv_htex_create(const slv_env *env, const slv_levels *levels,
-                                   const slv_adjacency *adjacency, slv_htex **out);
+SLV_NODISCARD SLV_API slv_result slv_htex_create(const slv_env *env, const slv_levels *levels,
+                                                 const slv_adjacency *adjacency, slv_htex **out);
 SLV_API void slv_htex_destroy(slv_htex *htex);
 
 /* That of the texture. Owned by the object. */
@@ -88,12 +88,14 @@ typedef struct slv_htex_error {
     double texel_rms, texel_max;       /* at the centres of texels */
     double function_rms, function_max; /* at 16 points of every texel of the face, or of its
                                           squares if theirs are smaller */
+    uint64_t reserved[4];
 } slv_htex_error;
 
 /* `levels` and `adjacency` are those that `htex` was made from. */
-SLV_API slv_result slv_htex_measure(const slv_env *env, const slv_htex *htex,
-                                    const slv_levels *levels, const slv_adjacency *adjacency,
-                                    slv_htex_error *out);
+SLV_NODISCARD SLV_API slv_result slv_htex_measure(const slv_env *env, const slv_htex *htex,
+                                                  const slv_levels *levels,
+                                                  const slv_adjacency *adjacency,
+                                                  slv_htex_error *out);
 
 /* All that as a form (form.h), whose items are the edges' squares. The values at corners are not
  * among them. */

@@ -21,27 +21,34 @@ typedef enum slv_image_encoding {
     SLV_ENCODE_RAW /* PNG: each value as it stands, times 255 (or 65535). EXR: the same as above */
 } slv_image_encoding;
 
+SLV_API const char *slv_image_encoding_name(slv_image_encoding encoding); /* srgb, raw */
+
 typedef struct slv_image_params {
     slv_image_encoding encoding;
     uint32_t bits;         /* PNG: 8 (default) or 16. EXR: 16 (half, default) or 32 (float) */
     slv_progress progress; /* rows */
+    uint64_t reserved[4];
 } slv_image_params;
 
-SLV_API slv_result slv_image_create(const slv_env *env, uint32_t width, uint32_t height,
-                                    uint32_t nchannels, slv_image *out);
+SLV_NODISCARD SLV_API slv_result slv_image_create(const slv_env *env, uint32_t width,
+                                                  uint32_t height, uint32_t nchannels,
+                                                  slv_image *out);
 SLV_API void slv_image_free(slv_image *image); /* frees the pixels and zeroes the struct */
 
 /* Writes by the path's extension, .png or .exr (any case). Atomic: beside, then rename. */
-SLV_API slv_result slv_image_save(const slv_env *env, const char *path, const slv_image *image,
-                                  const slv_image_params *params);
+SLV_NODISCARD SLV_API slv_result slv_image_save(const slv_env *env, const char *path,
+                                                const slv_image *image,
+                                                const slv_image_params *params);
 /* PNG bytes in memory, for embedding; `*bytes` is released with slv_free. */
-SLV_API slv_result slv_image_encode_png(const slv_env *env, const slv_image *image,
-                                        const slv_image_params *params, void **bytes, size_t *size);
+SLV_NODISCARD SLV_API slv_result slv_image_encode_png(const slv_env *env, const slv_image *image,
+                                                      const slv_image_params *params, void **bytes,
+                                                      size_t *size);
 
 /* Reads a PNG (values / 255 or / 65535 as they stand, alpha not multiplied in; palettes and low
  * depths expanded) or an EXR (the channels R G B A or Y A of the first part, scanline or tiled;
  * others are SLV_ERROR_UNSUPPORTED). */
-SLV_API slv_result slv_image_load(const slv_env *env, const char *path, slv_image *out);
+SLV_NODISCARD SLV_API slv_result slv_image_load(const slv_env *env, const char *path,
+                                                slv_image *out);
 
 #ifdef __cplusplus
 }

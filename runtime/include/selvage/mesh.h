@@ -17,6 +17,10 @@ typedef enum slv_boundary {
     SLV_BOUNDARY_EDGE_AND_CORNER
 } slv_boundary;
 
+/* default, none, edge-only, edge-and-corner */
+SLV_API const char *slv_boundary_name(slv_boundary boundary);
+SLV_API bool slv_boundary_from_name(const char *name, slv_boundary *out);
+
 /* A mesh as arrays that the caller owns. Only positions and polygons are required. Indices are
  * zero-based. */
 typedef struct slv_mesh_view {
@@ -50,6 +54,7 @@ typedef struct slv_mesh_view {
     const char *const *group_names;
     const int32_t *group_first; /* first polygon of each run, ascending */
     const int32_t *group_count; /* how many; NULL if each ends where the next begins */
+    uint64_t reserved[4];
 } slv_mesh_view;
 
 /* A checked copy of such arrays. Immutable; any number of threads may read it. */
@@ -71,33 +76,37 @@ typedef struct slv_mesh_stats {
     uint32_t
         nextraordinary; /* inner vertices of other than 4 polygons, boundary ones of more than 2 */
     float bounds_min[3], bounds_max[3];
+    uint64_t reserved[4];
 } slv_mesh_stats;
 
 /* Checks and copies. A negative or too large index, a polygon of fewer than 3 vertices, or a
  * position that is not finite is SLV_ERROR_FORMAT, naming the polygon. */
-SLV_API slv_result slv_mesh_create(const slv_env *env, const slv_mesh_view *view, slv_mesh **out);
+SLV_NODISCARD SLV_API slv_result slv_mesh_create(const slv_env *env, const slv_mesh_view *view,
+                                                 slv_mesh **out);
 
 /* Reads a file that slv_mesh_parse_obj or slv_mesh_parse_ply understands, told apart by its first
  * bytes, as it is or packed by gzip. */
-SLV_API slv_result slv_mesh_load(const slv_env *env, const char *path, slv_mesh **out);
+SLV_NODISCARD SLV_API slv_result slv_mesh_load(const slv_env *env, const char *path,
+                                               slv_mesh **out);
 /* Reads `size` bytes of a Wavefront OBJ file; `name` stands in messages for the file. v, vt, vn, f
  * (any of the four index forms, negative indices, n-gons), g (a run for each name of the line) and
  * o, and OpenSubdiv's tag lines (t crease, corner, interpolateboundary, hole). Errors name the file
  * and the line. What is left out is told in one warning for each kind: indices of texture
  * coordinates and normals that are not there, faces of fewer than three vertices, unknown
  * statements and tags, and backslashes at the end of comments and names, which join no lines. */
-SLV_API slv_result slv_mesh_parse_obj(const slv_env *env, const char *name, const char *text,
-                                      size_t size, slv_mesh **out);
+SLV_NODISCARD SLV_API slv_result slv_mesh_parse_obj(const slv_env *env, const char *name,
+                                                    const char *text, size_t size, slv_mesh **out);
 /* The same from a PLY file (Turk 1994), text or binary of either byte order: the element vertex
  * with x, y, z and texture coordinates (s t, u v, texture_u texture_v), and face with
  * vertex_indices or vertex_index. Faces of fewer than three vertices are left out and told in one
  * warning; other elements and properties are passed over; triangle strips are
  * SLV_ERROR_UNSUPPORTED. */
-SLV_API slv_result slv_mesh_parse_ply(const slv_env *env, const char *name, const char *bytes,
-                                      size_t size, slv_mesh **out);
+SLV_NODISCARD SLV_API slv_result slv_mesh_parse_ply(const slv_env *env, const char *name,
+                                                    const char *bytes, size_t size, slv_mesh **out);
 /* Writes positions, polygons, groups, creases, corners, holes and boundary rule. Atomic: beside,
  * then rename. */
-SLV_API slv_result slv_mesh_save_obj(const slv_env *env, const slv_mesh *mesh, const char *path);
+SLV_NODISCARD SLV_API slv_result slv_mesh_save_obj(const slv_env *env, const slv_mesh *mesh,
+                                                   const char *path);
 SLV_API void slv_mesh_destroy(slv_mesh *mesh);
 
 /* The mesh's own arrays. Owned by the mesh. */
@@ -111,13 +120,13 @@ SLV_API bool slv_mesh_face_is_hole(const slv_mesh *mesh, int32_t face);
 
 /* How the mesh's faces meet. Edges shared by more than two polygons, by two that run the same way
  * along it, or by a hole are boundaries. */
-SLV_API slv_result slv_mesh_adjacency(const slv_env *env, const slv_mesh *mesh,
-                                      slv_adjacency **out);
+SLV_NODISCARD SLV_API slv_result slv_mesh_adjacency(const slv_env *env, const slv_mesh *mesh,
+                                                    slv_adjacency **out);
 /* The flags of every face (SLV_FACE_SUBFACE or 0), face_count bytes. Owned by the mesh. */
 SLV_API const uint8_t *slv_mesh_face_flags(const slv_mesh *mesh);
 
-SLV_API slv_result slv_mesh_get_stats(const slv_env *env, const slv_mesh *mesh,
-                                      slv_mesh_stats *out);
+SLV_NODISCARD SLV_API slv_result slv_mesh_get_stats(const slv_env *env, const slv_mesh *mesh,
+                                                    slv_mesh_stats *out);
 
 #ifdef __cplusplus
 }

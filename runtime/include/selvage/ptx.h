@@ -21,6 +21,12 @@ typedef enum slv_meta_type {
     SLV_META_DOUBLE = 5
 } slv_meta_type;
 
+SLV_API const char *slv_ptx_mesh_type_name(slv_ptx_mesh_type type); /* triangle, quad */
+SLV_API const char *slv_border_mode_name(slv_border_mode mode);     /* clamp, black, periodic */
+SLV_API const char *slv_edge_filter_name(slv_edge_filter filter);   /* none, tanvec */
+/* string, int8, int16, int32, float, double */
+SLV_API const char *slv_meta_type_name(slv_meta_type type);
+
 typedef struct slv_ptx_info {
     slv_ptx_mesh_type mesh_type;
     slv_type type;
@@ -37,6 +43,7 @@ typedef struct slv_ptx_info {
     uint32_t minor_version;
     uint32_t nmeta;
     uint64_t file_bytes;
+    uint64_t reserved[4];
 } slv_ptx_info;
 
 typedef slv_source_face slv_ptx_face;
@@ -66,6 +73,7 @@ typedef struct slv_ptx_open_params {
                          instead of SLV_ERROR_FORMAT: for repairs */
     const slv_ptx_source
         *source; /* NULL: the path is opened; else it is a name for messages. Copied */
+    uint64_t reserved[4];
 } slv_ptx_open_params;
 
 /* An open file. Any number of threads may read it at once. */
@@ -75,14 +83,15 @@ typedef struct slv_ptx slv_ptx;
  * the averages, the level tables and large metadata are read, and checked, when something first
  * needs them: any function that takes a file and returns a result may then say that they are
  * damaged. Every size that the file claims is checked before anything is allocated. */
-SLV_API slv_result slv_ptx_open(const slv_env *env, const char *path, slv_ptx **out);
-SLV_API slv_result slv_ptx_open_source(const slv_env *env, const char *name,
-                                       const slv_ptx_source *source, slv_ptx **out);
-SLV_API slv_result slv_ptx_open_with(const slv_env *env, const char *path,
-                                     const slv_ptx_open_params *params, slv_ptx **out);
+SLV_NODISCARD SLV_API slv_result slv_ptx_open(const slv_env *env, const char *path, slv_ptx **out);
+SLV_NODISCARD SLV_API slv_result slv_ptx_open_source(const slv_env *env, const char *name,
+                                                     const slv_ptx_source *source, slv_ptx **out);
+SLV_NODISCARD SLV_API slv_result slv_ptx_open_with(const slv_env *env, const char *path,
+                                                   const slv_ptx_open_params *params,
+                                                   slv_ptx **out);
 SLV_API void slv_ptx_close(slv_ptx *ptx);
 /* Reads and checks all that opening put off, texels excepted. */
-SLV_API slv_result slv_ptx_load_tables(const slv_ptx *ptx);
+SLV_NODISCARD SLV_API slv_result slv_ptx_load_tables(const slv_ptx *ptx);
 /* About how many bytes of memory the tables and the metadata hold now, and how many once everything
  * has been read. */
 SLV_API uint64_t slv_ptx_table_bytes(const slv_ptx *ptx);
@@ -90,12 +99,15 @@ SLV_API uint64_t slv_ptx_full_table_bytes(const slv_ptx *ptx);
 
 SLV_API const slv_ptx_info *slv_ptx_get_info(const slv_ptx *ptx);
 SLV_API const char *slv_ptx_name(const slv_ptx *ptx); /* the path, for messages */
-SLV_API slv_result slv_ptx_get_face(const slv_ptx *ptx, uint32_t face, slv_ptx_face *out);
+SLV_NODISCARD SLV_API slv_result slv_ptx_get_face(const slv_ptx *ptx, uint32_t face,
+                                                  slv_ptx_face *out);
 
 /* One texel of the file's type for each face, tightly packed: the value of a constant face, of
  * others the stored average; premultiplied if the file was opened so. Owned by the file. NULL if
  * they cannot be read (the log says why). */
 SLV_API const void *slv_ptx_get_averages(const slv_ptx *ptx);
+/* The same, with what went wrong. */
+SLV_NODISCARD SLV_API slv_result slv_ptx_load_averages(const slv_ptx *ptx, const void **out);
 
 /* How a face is stored at a level. */
 typedef enum slv_ptx_encoding {
@@ -105,16 +117,20 @@ typedef enum slv_ptx_encoding {
     SLV_PTX_TILED = 3
 } slv_ptx_encoding;
 
+/* constant, zipped, diff-zipped, tiled */
+SLV_API const char *slv_ptx_encoding_name(slv_ptx_encoding encoding);
+
 typedef struct slv_ptx_block {
     bool stored; /* false, and the rest zero: the face is constant, or the level lacks it */
     slv_ptx_encoding encoding;
     slv_res res;
     uint32_t bytes;
     uint64_t position; /* in the file */
+    uint64_t reserved[4];
 } slv_ptx_block;
 
-SLV_API slv_result slv_ptx_get_block(const slv_ptx *ptx, uint32_t face, uint32_t level,
-                                     slv_ptx_block *out);
+SLV_NODISCARD SLV_API slv_result slv_ptx_get_block(const slv_ptx *ptx, uint32_t face,
+                                                   uint32_t level, slv_ptx_block *out);
 
 /* Reads all texels of a face at resolution `res`, no finer than the face's: the stored texels, a
  * stored reduction, or one computed as the format prescribes. Constant faces are filled out; 1x1 of
@@ -124,17 +140,18 @@ SLV_API slv_result slv_ptx_get_block(const slv_ptx *ptx, uint32_t face, uint32_t
  * In a file with alpha, texels at full resolution and averages are as painted while stored
  * reductions are premultiplied: so is the format. Opened with `premultiply`, everything is
  * premultiplied. */
-SLV_API slv_result slv_ptx_read_face(const slv_ptx *ptx, uint32_t face, slv_res res, void *out);
+SLV_NODISCARD SLV_API slv_result slv_ptx_read_face(const slv_ptx *ptx, uint32_t face, slv_res res,
+                                                   void *out);
 
 /* Reads many faces one after the other: the same as slv_ptx_read_face, but buffers and the
  * decompressor are kept. For one thread at a time; each thread has its own. The file must outlive
  * it. */
 typedef struct slv_ptx_reader slv_ptx_reader;
-SLV_API slv_result slv_ptx_reader_create(const slv_env *env, const slv_ptx *ptx,
-                                         slv_ptx_reader **out);
+SLV_NODISCARD SLV_API slv_result slv_ptx_reader_create(const slv_env *env, const slv_ptx *ptx,
+                                                       slv_ptx_reader **out);
 SLV_API void slv_ptx_reader_destroy(slv_ptx_reader *reader);
-SLV_API slv_result slv_ptx_reader_read(slv_ptx_reader *reader, uint32_t face, slv_res res,
-                                       void *out);
+SLV_NODISCARD SLV_API slv_result slv_ptx_reader_read(slv_ptx_reader *reader, uint32_t face,
+                                                     slv_res res, void *out);
 /* A tile of what slv_ptx_reader_read gives: the 2^size.u * 2^size.v texels from (x, y) on, tightly
  * packed, bit for bit the same. `size` is no larger than `res`, and in triangle files square; x and
  * y are multiples of the tile's width and height.
@@ -146,12 +163,14 @@ SLV_API slv_result slv_ptx_reader_read(slv_ptx_reader *reader, uint32_t face, sl
  * texels have thousands of channels; on top of that the unpacked block while it reads one that the
  * file stores without tiles, which other software may write at any size. Such a block is kept only
  * up to 256 KiB, so each call for a part of a larger one unpacks it again. */
-SLV_API slv_result slv_ptx_reader_read_tile(slv_ptx_reader *reader, uint32_t face, slv_res res,
-                                            slv_res size, uint32_t x, uint32_t y, void *out);
+SLV_NODISCARD SLV_API slv_result slv_ptx_reader_read_tile(slv_ptx_reader *reader, uint32_t face,
+                                                          slv_res res, slv_res size, uint32_t x,
+                                                          uint32_t y, void *out);
 
 /* The file as a source, which must outlive it: any resolution, as slv_ptx_read_face gives it, of a
  * content that never changes. */
-SLV_API slv_result slv_ptx_as_source(const slv_env *env, const slv_ptx *ptx, slv_source *out);
+SLV_NODISCARD SLV_API slv_result slv_ptx_as_source(const slv_env *env, const slv_ptx *ptx,
+                                                   slv_source *out);
 
 /* Calls `visit` with every face at full resolution, on env->threads threads. A face with
  * SLV_FACE_CONSTANT in its flags comes as one texel. `texels` is the visitor's to change, until it
@@ -159,29 +178,36 @@ SLV_API slv_result slv_ptx_as_source(const slv_env *env, const slv_ptx *ptx, slv
  * that, each failing call one line; only the line of the lowest face is passed on. */
 typedef slv_result (*slv_ptx_visit_fn)(void *user, const slv_env *env, uint32_t face,
                                        const slv_ptx_face *info, void *texels);
-SLV_API slv_result slv_ptx_visit_faces(const slv_env *env, const slv_ptx *ptx,
-                                       slv_ptx_visit_fn visit, void *user);
+SLV_NODISCARD SLV_API slv_result slv_ptx_visit_faces(const slv_env *env, const slv_ptx *ptx,
+                                                     slv_ptx_visit_fn visit, void *user);
 
 /* Metadata by index, in the order of the file, or by key. NULL if there is none, or if a large
  * value cannot be read (the log says why). Owned by the file. */
 SLV_API const slv_ptx_meta *slv_ptx_get_meta(const slv_ptx *ptx, uint32_t index);
 SLV_API const slv_ptx_meta *slv_ptx_find_meta(const slv_ptx *ptx, const char *key);
+/* The same as slv_ptx_get_meta, with what went wrong; SLV_ERROR_ARGUMENT for an index beyond the
+ * last. */
+SLV_NODISCARD SLV_API slv_result slv_ptx_load_meta(const slv_ptx *ptx, uint32_t index,
+                                                   const slv_ptx_meta **out);
 
 /* All faces at full resolution as a store, read in parallel. */
-SLV_API slv_result slv_ptx_load_texture(const slv_env *env, const slv_ptx *ptx, slv_texture **out);
+SLV_NODISCARD SLV_API slv_result slv_ptx_load_texture(const slv_env *env, const slv_ptx *ptx,
+                                                      slv_texture **out);
 /* The file's own adjacency. Triangle files are SLV_ERROR_UNSUPPORTED. */
-SLV_API slv_result slv_ptx_load_adjacency(const slv_env *env, const slv_ptx *ptx,
-                                          slv_adjacency **out);
+SLV_NODISCARD SLV_API slv_result slv_ptx_load_adjacency(const slv_env *env, const slv_ptx *ptx,
+                                                        slv_adjacency **out);
 /* The control mesh in PtexFaceVertCounts, PtexFaceVertIndices and PtexVertPositions.
  * SLV_ERROR_UNSUPPORTED if they are not there, SLV_ERROR_MISMATCH if they contradict each other or
  * the file's number of faces. */
-SLV_API slv_result slv_ptx_load_mesh(const slv_env *env, const slv_ptx *ptx, slv_mesh **out);
+SLV_NODISCARD SLV_API slv_result slv_ptx_load_mesh(const slv_env *env, const slv_ptx *ptx,
+                                                   slv_mesh **out);
 
 /* Whether a mesh is the one that the file was painted on: mesh type, face count, sub-face flags,
  * adjacency. SLV_ERROR_MISMATCH, with the first face and edge that differ in the message. A file
  * without any adjacency matches by its face count; edges of holes may be either; of two sub-faces
  * across an edge either may be named. */
-SLV_API slv_result slv_ptx_match_mesh(const slv_env *env, const slv_ptx *ptx, const slv_mesh *mesh);
+SLV_NODISCARD SLV_API slv_result slv_ptx_match_mesh(const slv_env *env, const slv_ptx *ptx,
+                                                    const slv_mesh *mesh);
 
 /* What to write with slv_ptx_save. Zero means default. */
 typedef struct slv_ptx_write_params {
@@ -193,13 +219,16 @@ typedef struct slv_ptx_write_params {
     uint32_t nmeta;
     const slv_ptx_meta *meta;
     slv_progress progress; /* faces, once when they are packed and once when they are written */
+    uint64_t reserved[4];
 } slv_ptx_write_params;
 
 /* Writes a store as a quad file, on env->threads threads: constant faces detected, reductions and
  * averages made as the format prescribes. Atomic: the path holds the old file or the complete new
  * one. `adjacency` may be NULL (all boundaries). */
-SLV_API slv_result slv_ptx_save(const slv_env *env, const char *path, const slv_texture *texture,
-                                const slv_adjacency *adjacency, const slv_ptx_write_params *params);
+SLV_NODISCARD SLV_API slv_result slv_ptx_save(const slv_env *env, const char *path,
+                                              const slv_texture *texture,
+                                              const slv_adjacency *adjacency,
+                                              const slv_ptx_write_params *params);
 
 /* The arithmetic of the format, bit for bit. Texels are tightly packed. */
 

@@ -42,6 +42,7 @@ typedef struct slv_ptx_check_params {
     bool no_texels;        /* look at the tables only */
     uint32_t max_findings; /* of each kind that are kept, the first by face and edge; 0: 1000 */
     slv_progress progress; /* faces */
+    uint64_t reserved[4];
 } slv_ptx_check_params;
 
 typedef struct slv_ptx_report {
@@ -57,8 +58,9 @@ typedef struct slv_ptx_report {
 /* Looks at everything that a file holds, on env->threads threads. A damaged file is a report with
  * findings and SLV_OK; other results mean that the check itself failed (no such file, no memory).
  */
-SLV_API slv_result slv_ptx_check(const slv_env *env, const char *path,
-                                 const slv_ptx_check_params *params, slv_ptx_report **out);
+SLV_NODISCARD SLV_API slv_result slv_ptx_check(const slv_env *env, const char *path,
+                                               const slv_ptx_check_params *params,
+                                               slv_ptx_report **out);
 SLV_API void slv_ptx_report_destroy(slv_ptx_report *report);
 
 /* Writes a copy with reductions, averages and flags made anew, edits applied and, if `mesh` is
@@ -66,8 +68,9 @@ SLV_API void slv_ptx_report_destroy(slv_ptx_report *report);
  * another number of faces. `path` may be the file's own. A file opened leniently can be repaired
  * though an edge leads to no face: without a mesh such an edge becomes a boundary. `params` as in
  * slv_ptx_rewrite. */
-SLV_API slv_result slv_ptx_repair(const slv_env *env, const slv_ptx *ptx, const slv_mesh *mesh,
-                                  const char *path, const slv_ptx_writer_params *params);
+SLV_NODISCARD SLV_API slv_result slv_ptx_repair(const slv_env *env, const slv_ptx *ptx,
+                                                const slv_mesh *mesh, const char *path,
+                                                const slv_ptx_writer_params *params);
 
 #ifdef __cplusplus
 }

@@ -33,17 +33,20 @@ typedef struct slv_face_diff {
 typedef struct slv_ptx_diff_params {
     float tolerance;
     slv_progress progress; /* faces */
+    uint64_t reserved[4];
 } slv_ptx_diff_params;
 
 /* Compares the channels that both have, on env->threads threads. `out` has room for as many faces
  * as the file with more of them has. Triangles with quads are SLV_ERROR_MISMATCH. */
-SLV_API slv_result slv_ptx_diff(const slv_env *env, const slv_ptx *a, const slv_ptx *b,
-                                const slv_ptx_diff_params *params, slv_face_diff *out);
+SLV_NODISCARD SLV_API slv_result slv_ptx_diff(const slv_env *env, const slv_ptx *a,
+                                              const slv_ptx *b, const slv_ptx_diff_params *params,
+                                              slv_face_diff *out);
 
 /* The differences of one face themselves: 2^u * 2^v * (channels that both have) values |a - b|, at
  * `diff->compared`. */
-SLV_API slv_result slv_ptx_diff_texels(const slv_env *env, const slv_ptx *a, const slv_ptx *b,
-                                       uint32_t face, const slv_face_diff *diff, float *out);
+SLV_NODISCARD SLV_API slv_result slv_ptx_diff_texels(const slv_env *env, const slv_ptx *a,
+                                                     const slv_ptx *b, uint32_t face,
+                                                     const slv_face_diff *diff, float *out);
 
 #ifdef __cplusplus
 }

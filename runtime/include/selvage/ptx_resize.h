@@ -13,9 +13,9 @@ extern "C" {
  * to the edge. Triangles are square: smaller ones as the format reduces, larger ones by dividing
  * every texel. With alpha, multiply colours by it first (slv_ptx_premultiply). `out` must not
  * overlap. Thread-safe. */
-SLV_API slv_result slv_ptx_resize(const slv_env *env, slv_ptx_mesh_type mesh_type,
-                                  uint32_t nchannels, slv_res from, const float *values, slv_res to,
-                                  float *out);
+SLV_NODISCARD SLV_API slv_result slv_ptx_resize(const slv_env *env, slv_ptx_mesh_type mesh_type,
+                                                uint32_t nchannels, slv_res from,
+                                                const float *values, slv_res to, float *out);
 
 #ifdef __cplusplus
 }

@@ -24,6 +24,7 @@ typedef struct slv_ptx_writer_params {
                         target; 0: 128 MiB */
     slv_progress progress; /* of slv_ptx_writer_finish, or slv_ptx_rewrite: faces, once when they
                               are packed and once when they are written */
+    uint64_t reserved[4];
 } slv_ptx_writer_params;
 
 /* The same kind of file as an open one: all of the above down to no_reductions. Reads
@@ -36,15 +37,17 @@ SLV_API slv_ptx_writer_params slv_ptx_writer_params_like(const slv_ptx *ptx);
  * path is removed by the next one that finishes there. */
 typedef struct slv_ptx_writer slv_ptx_writer;
 
-SLV_API slv_result slv_ptx_writer_create(const slv_env *env, const char *path,
-                                         const slv_ptx_writer_params *params, slv_ptx_writer **out);
+SLV_NODISCARD SLV_API slv_result slv_ptx_writer_create(const slv_env *env, const char *path,
+                                                       const slv_ptx_writer_params *params,
+                                                       slv_ptx_writer **out);
 /* A writer that appends edits to the file at `path`: only what is given to it changes. Edited faces
  * have no stored reductions until the file is rewritten with slv_ptx_rewrite. Readers that have the
  * file open keep what they see. One edit at a time: SLV_ERROR_IO while another process edits the
  * file. `compression`, `sync`, `memory` and
  * `progress` of the params count, and params may be NULL. */
-SLV_API slv_result slv_ptx_writer_edit(const slv_env *env, const char *path,
-                                       const slv_ptx_writer_params *params, slv_ptx_writer **out);
+SLV_NODISCARD SLV_API slv_result slv_ptx_writer_edit(const slv_env *env, const char *path,
+                                                     const slv_ptx_writer_params *params,
+                                                     slv_ptx_writer **out);
 /* Abandons what has not been finished: the path stays as it was. */
 SLV_API void slv_ptx_writer_destroy(slv_ptx_writer *writer);
 
@@ -53,26 +56,30 @@ SLV_API void slv_ptx_writer_destroy(slv_ptx_writer *writer);
  * that and SLV_FACE_SUBFACE count. A face all of whose texels are bitwise the same becomes constant
  * by itself. Reductions and averages are made here. A face given again replaces the first. Faces
  * never given (in a new file) are 1x1, zero, and without neighbours. */
-SLV_API slv_result slv_ptx_writer_write_face(slv_ptx_writer *writer, uint32_t face,
-                                             const slv_ptx_face *info, const void *texels);
+SLV_NODISCARD SLV_API slv_result slv_ptx_writer_write_face(slv_ptx_writer *writer, uint32_t face,
+                                                           const slv_ptx_face *info,
+                                                           const void *texels);
 /* Adds a metadata entry, or replaces the one of that key. Copied. Not while another thread uses the
  * writer, as with all below. */
-SLV_API slv_result slv_ptx_writer_set_meta(slv_ptx_writer *writer, const slv_ptx_meta *meta);
+SLV_NODISCARD SLV_API slv_result slv_ptx_writer_set_meta(slv_ptx_writer *writer,
+                                                         const slv_ptx_meta *meta);
 /* Adjacency and sub-face flags of all faces, in place of what write_face is told. Copied. For new
  * quad files. */
-SLV_API slv_result slv_ptx_writer_set_adjacency(slv_ptx_writer *writer,
-                                                const slv_adjacency *adjacency);
+SLV_NODISCARD SLV_API slv_result slv_ptx_writer_set_adjacency(slv_ptx_writer *writer,
+                                                              const slv_adjacency *adjacency);
 /* The control mesh, as metadata, and for new files the adjacency that follows from it. In a
  * triangle file each polygon is a triangle and a face. */
-SLV_API slv_result slv_ptx_writer_set_mesh(slv_ptx_writer *writer, const slv_mesh *mesh);
+SLV_NODISCARD SLV_API slv_result slv_ptx_writer_set_mesh(slv_ptx_writer *writer,
+                                                         const slv_mesh *mesh);
 /* Completes the file. After it, whatever it returns, the writer can only be destroyed. */
-SLV_API slv_result slv_ptx_writer_finish(slv_ptx_writer *writer);
+SLV_NODISCARD SLV_API slv_result slv_ptx_writer_finish(slv_ptx_writer *writer);
 
 /* Writes all that an open file holds, edits applied, as a new file: reductions, averages and flags
  * are made anew. `path` may be the file's own. `params` is for compression, sync, memory,
  * progress and no_reductions (which also counts if the file has none), or NULL. */
-SLV_API slv_result slv_ptx_rewrite(const slv_env *env, const slv_ptx *ptx, const char *path,
-                                   const slv_ptx_writer_params *params);
+SLV_NODISCARD SLV_API slv_result slv_ptx_rewrite(const slv_env *env, const slv_ptx *ptx,
+                                                 const char *path,
+                                                 const slv_ptx_writer_params *params);
 
 #ifdef __cplusplus
 }

@@ -6,10 +6,40 @@
 #include <stddef.h>
 #include <stdint.h>
 
-#if defined(__GNUC__)
+/* Of these headers; slv_version says it of the library that a program runs with. */
+#define SLV_VERSION_MAJOR 0
+#define SLV_VERSION_MINOR 1
+#define SLV_VERSION_PATCH 0
+#define SLV_VERSION (SLV_VERSION_MAJOR << 16 | SLV_VERSION_MINOR << 8 | SLV_VERSION_PATCH)
+
+/* In front of what the libraries export. Builds of static libraries and programs that use them
+ * define SLV_STATIC, which the packages for CMake and pkg-config do by themselves; builds of shared
+ * libraries define SLV_BUILD. One library may declare as its own the functions of another: they are
+ * then called through the linker's thunk. */
+#if defined(SLV_STATIC)
+#define SLV_API
+#elif defined(_WIN32) || defined(__CYGWIN__)
+#if defined(SLV_BUILD)
+#define SLV_API __declspec(dllexport)
+#else
+#define SLV_API __declspec(dllimport)
+#endif
+#elif defined(__GNUC__)
 #define SLV_API __attribute__((visibility("default")))
 #else
 #define SLV_API
+#endif
+
+/* In front of functions whose result says whether they failed: compilers warn where it is not
+ * looked at. */
+#if defined(__cplusplus) && __cplusplus >= 201703L
+#define SLV_NODISCARD [[nodiscard]]
+#elif defined(__STDC_VERSION__) && __STDC_VERSION__ > 201710L
+#define SLV_NODISCARD [[nodiscard]]
+#elif defined(__GNUC__)
+#define SLV_NODISCARD __attribute__((warn_unused_result))
+#else
+#define SLV_NODISCARD
 #endif
 
 #ifdef __cplusplus
@@ -48,6 +78,10 @@ typedef struct slv_progress {
 
 typedef enum slv_log_level { SLV_LOG_INFO, SLV_LOG_WARNING, SLV_LOG_ERROR } slv_log_level;
 
+/* "info", "warning", "error". Like all functions of this kind it gives "unknown" for a value that
+ * is none, and never NULL; those that end in _from_name say false for a word that is none. */
+SLV_API const char *slv_log_level_name(slv_log_level level);
+
 /* The environment of a call: where words go, who works, where memory comes from and how much of it.
  * All zero is a sensible default; NULL stands for all zero. Objects keep a copy, so that what it
  * points to must outlive them.
@@ -82,7 +116,7 @@ typedef struct slv_env {
 /* Releases memory that a function says is to be released with slv_free. NULL is fine. */
 SLV_API void slv_free(void *memory);
 
-/* The library's version as (major << 16 | minor << 8 | patch). */
+/* The library's version, as SLV_VERSION is made. */
 SLV_API uint32_t slv_version(void);
 
 #ifdef __cplusplus

@@ -82,21 +82,23 @@ typedef struct slv_source {
 
 /* These call a function of a source, or do without it where it is NULL. */
 SLV_API uint64_t slv_source_version(const slv_source *source);
-SLV_API slv_result slv_source_changed(const slv_source *source, uint64_t since,
-                                      slv_visit_rect visit, void *visitor);
+SLV_NODISCARD SLV_API slv_result slv_source_changed(const slv_source *source, uint64_t since,
+                                                    slv_visit_rect visit, void *visitor);
 /* Zeroes the source; one that is zero already is fine. */
 SLV_API void slv_source_close(slv_source *source);
 
 /* For those who write `read`: says in one line what is wrong with its arguments, if anything is;
  * else *face is filled. */
-SLV_API slv_result slv_source_check(const slv_env *env, const slv_source *source, uint32_t index,
-                                    slv_res res, slv_rect rect, slv_source_face *face);
+SLV_NODISCARD SLV_API slv_result slv_source_check(const slv_env *env, const slv_source *source,
+                                                  uint32_t index, slv_res res, slv_rect rect,
+                                                  slv_source_face *face);
 /* For those who write `read`: a rectangle of a reduction out of what the source gives at full
  * resolution, which it asks for in rectangles of at most about 64 KiB (or a texel, or a row of
  * 4x4). The arithmetic is that of .ptx files: where alpha is, texels at full resolution and means
  * are as painted, and reductions premultiplied. The arguments have been checked. */
-SLV_API slv_result slv_source_reduce(const slv_env *env, const slv_source *source, uint32_t face,
-                                     slv_res res, slv_rect rect, void *out);
+SLV_NODISCARD SLV_API slv_result slv_source_reduce(const slv_env *env, const slv_source *source,
+                                                   uint32_t face, slv_res res, slv_rect rect,
+                                                   void *out);
 
 /* How a store is looked at. Zero means default. */
 typedef struct slv_texture_source_params {
@@ -110,9 +112,11 @@ typedef struct slv_texture_source_params {
  * store: each change of a face, or of a rectangle, is a new version. The store is still to be left
  * alone while it changes: no call may come from the cache or anybody else then. What a cache holds
  * already can be looked up meanwhile. */
-SLV_API slv_result slv_texture_as_source(const slv_env *env, const slv_texture *texture,
-                                         const slv_adjacency *adjacency,
-                                         const slv_texture_source_params *params, slv_source *out);
+SLV_NODISCARD SLV_API slv_result slv_texture_as_source(const slv_env *env,
+                                                       const slv_texture *texture,
+                                                       const slv_adjacency *adjacency,
+                                                       const slv_texture_source_params *params,
+                                                       slv_source *out);
 
 #ifdef __cplusplus
 }

@@ -10,12 +10,17 @@ extern "C" {
 
 typedef enum slv_scheme { SLV_SCHEME_CATMARK = 0, SLV_SCHEME_BILINEAR } slv_scheme;
 
+/* catmark, bilinear */
+SLV_API const char *slv_scheme_name(slv_scheme scheme);
+SLV_API bool slv_scheme_from_name(const char *name, slv_scheme *out);
+
 /* Zero means default: Catmull-Clark, and the boundary rule of the mesh or else edge-and-corner. The
  * rule `none`, which leaves faces at a boundary without a limit, is taken as edge-and-corner with a
  * warning. */
 typedef struct slv_surface_params {
     slv_scheme scheme;
     slv_boundary boundary;
+    uint64_t reserved[4];
 } slv_surface_params;
 
 /* An evaluator. Immutable; any number of threads may evaluate at once. Keeps what it needs of the
@@ -43,25 +48,28 @@ typedef struct slv_surface_arrays {
     float *normals;   /* 3 per point */
 } slv_surface_arrays;
 
-SLV_API slv_result slv_surface_create(const slv_env *env, const slv_mesh *mesh,
-                                      const slv_surface_params *params, slv_surface **out);
+SLV_NODISCARD SLV_API slv_result slv_surface_create(const slv_env *env, const slv_mesh *mesh,
+                                                    const slv_surface_params *params,
+                                                    slv_surface **out);
 SLV_API void slv_surface_destroy(slv_surface *surface);
 SLV_API uint32_t slv_surface_face_count(const slv_surface *surface);
 
 /* Evaluates `count` points; those of one face should stand together. A face id out of range is
  * SLV_ERROR_ARGUMENT; (u,v) is clamped to the face. Holes evaluate like other faces. */
-SLV_API slv_result slv_surface_evaluate(const slv_surface *surface, size_t count,
-                                        const slv_surface_point *points,
-                                        const slv_surface_arrays *out);
+SLV_NODISCARD SLV_API slv_result slv_surface_evaluate(const slv_surface *surface, size_t count,
+                                                      const slv_surface_point *points,
+                                                      const slv_surface_arrays *out);
 
 /* Evaluates a grid of (nu + 1) * (nv + 1) points of one face, corners included, v-major, u fastest.
  */
-SLV_API slv_result slv_surface_evaluate_grid(const slv_surface *surface, int32_t face, uint32_t nu,
-                                             uint32_t nv, const slv_surface_arrays *out);
+SLV_NODISCARD SLV_API slv_result slv_surface_evaluate_grid(const slv_surface *surface, int32_t face,
+                                                           uint32_t nu, uint32_t nv,
+                                                           const slv_surface_arrays *out);
 
 /* OpenSubdiv's own face adjacency (Far::PtexIndices), face_count records, for comparison with ours;
  * it knows neither flipped neighbours nor holes. */
-SLV_API slv_result slv_surface_osd_adjacency(const slv_surface *surface, slv_face_adjacency *out);
+SLV_NODISCARD SLV_API slv_result slv_surface_osd_adjacency(const slv_surface *surface,
+                                                           slv_face_adjacency *out);
 
 #ifdef __cplusplus
 }

@@ -36,9 +36,10 @@ SLV_API uint32_t slv_tessellation_for(const slv_mesh *mesh, const slv_camera *ca
  * that vertices meet), with the vertices of edges that `adjacency` shares made identical: no
  * cracks. Holes are left out. `segments` is a power of two, 2 to 128. The same bytes with any
  * number of threads. slv_tessellation_free releases what is in `out`. */
-SLV_API slv_result slv_tessellate(const slv_env *env, const slv_mesh *mesh,
-                                  const slv_surface *surface, const slv_adjacency *adjacency,
-                                  uint32_t segments, slv_tessellation *out);
+SLV_NODISCARD SLV_API slv_result slv_tessellate(const slv_env *env, const slv_mesh *mesh,
+                                                const slv_surface *surface,
+                                                const slv_adjacency *adjacency, uint32_t segments,
+                                                slv_tessellation *out);
 /* Frees the arrays and zeroes the struct. */
 SLV_API void slv_tessellation_free(slv_tessellation *tessellation);
 

@@ -31,6 +31,7 @@ typedef struct slv_rect {
 
 SLV_API size_t slv_type_size(slv_type type);
 SLV_API const char *slv_type_name(slv_type type); /* uint8, uint16, half, float */
+SLV_API bool slv_type_from_name(const char *name, slv_type *out);
 
 /* Level `level` of a chain that halves each axis until it is 1, as OpenGL's mipmaps do. */
 SLV_API slv_res slv_res_level(slv_res res, uint32_t level);
@@ -58,8 +59,9 @@ typedef struct slv_texture_desc {
 typedef struct slv_texture slv_texture;
 
 /* All texels start as zero. A constant face costs one texel until it is written in full. */
-SLV_API slv_result slv_texture_create(const slv_env *env, const slv_texture_desc *desc,
-                                      slv_texture **out);
+SLV_NODISCARD SLV_API slv_result slv_texture_create(const slv_env *env,
+                                                    const slv_texture_desc *desc,
+                                                    slv_texture **out);
 SLV_API void slv_texture_destroy(slv_texture *texture);
 
 /* The description, `res` included. Owned by the texture. */
@@ -70,12 +72,14 @@ SLV_API uint64_t slv_texture_bytes(const slv_texture *texture);
 /* Sets all texels of a face from a tightly packed array, or from one texel. The face becomes
  * constant, keeping its resolution, when every texel is bitwise the same. Different faces may be
  * set from different threads at once. */
-SLV_API slv_result slv_texture_set_face(slv_texture *texture, uint32_t face, const void *texels);
-SLV_API slv_result slv_texture_set_constant(slv_texture *texture, uint32_t face, const void *texel);
+SLV_NODISCARD SLV_API slv_result slv_texture_set_face(slv_texture *texture, uint32_t face,
+                                                      const void *texels);
+SLV_NODISCARD SLV_API slv_result slv_texture_set_constant(slv_texture *texture, uint32_t face,
+                                                          const void *texel);
 
 /* Sets the texels of a rectangle from a tightly packed array; else the same. */
-SLV_API slv_result slv_texture_set_rect(slv_texture *texture, uint32_t face, slv_rect rect,
-                                        const void *texels);
+SLV_NODISCARD SLV_API slv_result slv_texture_set_rect(slv_texture *texture, uint32_t face,
+                                                      slv_rect rect, const void *texels);
 
 SLV_API bool slv_texture_is_constant(const slv_texture *texture, uint32_t face);
 /* A constant face: one texel. Any other: all of them. Owned by the texture. */
@@ -89,8 +93,8 @@ SLV_API void slv_texture_fetch(const slv_texture *texture, uint32_t face, uint32
  * of the texture. Immutable. */
 typedef struct slv_levels slv_levels;
 
-SLV_API slv_result slv_levels_create(const slv_env *env, const slv_texture *texture,
-                                     slv_levels **out);
+SLV_NODISCARD SLV_API slv_result slv_levels_create(const slv_env *env, const slv_texture *texture,
+                                                   slv_levels **out);
 SLV_API void slv_levels_destroy(slv_levels *levels);
 /* The texels of a level, in the texture's type and tightly packed. Owned by the levels. */
 SLV_API const void *slv_levels_texels(const slv_levels *levels, uint32_t face, uint32_t level);

@@ -19,7 +19,7 @@ typedef struct slv_threads slv_threads;
 
 /* Starts env->threads threads less one, for the caller's own works too; 0 means one per processor.
  * Fewer if the system gives no more. */
-SLV_API slv_result slv_threads_create(const slv_env *env, slv_threads **out);
+SLV_NODISCARD SLV_API slv_result slv_threads_create(const slv_env *env, slv_threads **out);
 /* Waits until they have ended. Environments and objects that use them must not be used after. */
 SLV_API void slv_threads_destroy(slv_threads *threads);
 /* Sets env's `execute`, and its number of threads if that is 0. */

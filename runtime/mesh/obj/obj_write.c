@@ -99,7 +99,8 @@ slv_result slv_mesh_save_obj(const slv_env *env, const slv_mesh *mesh, const cha
     uselocale(before);
     freelocale(plain);
     if (ferror(writer.stream)) {
-        result = slvi_fail(env, SLV_ERROR_IO, "%s: write failed: %s", path, strerror(errno));
+        result =
+            slvi_fail(env, slvi_io_error(errno), "%s: write failed: %s", path, strerror(errno));
         goto done;
     }
     result = slvi_file_writer_commit(env, &writer);

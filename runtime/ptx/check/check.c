@@ -59,11 +59,14 @@ static void check_counts(check_context *check, const slv_ptx_meta *meta) {
 static slv_result check_meta(check_context *check, check_log *log) {
     for (uint32_t i = 0; i < check->info->nmeta; i++) {
         log->message[0] = 0;
-        const slv_ptx_meta *meta = slv_ptx_get_meta(check->ptx, i);
-        if (meta) {
+        const slv_ptx_meta *meta;
+        slv_result result = slv_ptx_load_meta(check->ptx, i, &meta);
+        if (!result) {
             check_counts(check, meta);
             continue;
         }
+        if (!is_of_file(result))
+            return slvi_fail(&check->env, result, "%s", log->message);
         slv_check_finding finding = {.kind = SLV_CHECK_META, .face = -1, .edge = -1, .level = -1};
         slvi_check_find(check->findings, &finding, "metadata entry %u: %s", i, log->message);
     }

@@ -195,16 +195,17 @@ slv_result slvi_check_adjacency(check_context *check) {
     slv_env quiet = slvi_check_log_env(&check->env, &log, slv_ptx_name(check->ptx));
     slv_ptx_reader *reader = NULL;
     slv_result result = slvi_alloc(&check->env, "faces", nfaces, 1, &seen);
-    if (result ||
-        (result =
-             slvi_alloc(&check->env, "values of the faces", nfaces, check->pixel_size, &values)) ||
-        (result = slv_ptx_reader_create(&quiet, check->ptx, &reader)))
+    if (result || (result = slvi_alloc(&check->env, "values of the faces", nfaces,
+                                       check->pixel_size, &values)))
         goto done;
+    result = slv_ptx_reader_create(&quiet, check->ptx, &reader);
     for (uint32_t face = 0; face < nfaces && !result; face++)
         result =
             slv_ptx_reader_read(reader, face, (slv_res){0, 0}, values + face * check->pixel_size);
-    if (result)
+    if (result) {
+        slvi_fail(&check->env, result, "%s: %s", slv_ptx_name(check->ptx), log.message);
         goto done;
+    }
     for (uint32_t i = 0; i < nfaces; i++) {
         int32_t face = (int32_t)i;
         for (unsigned edge = 0; edge < check->nedges; edge++) {

@@ -170,6 +170,8 @@ void slvi_ptx_meta_free(slv_ptx *ptx);
 uint64_t slvi_ptx_meta_bytes(const slv_ptx *ptx, bool all);
 /* The entry of a key, its value read or not, or NULL. */
 ptx_meta *slvi_ptx_meta_lookup(const slv_ptx *ptx, const char *key);
+/* Its value, read if that was put off. */
+slv_result slvi_ptx_meta_load(const slv_ptx *ptx, ptx_meta *meta, const slv_ptx_meta **out);
 
 /* ptx_edits.c */
 slv_result slvi_ptx_read_edits(slv_ptx *ptx, struct libdeflate_decompressor *inflater,

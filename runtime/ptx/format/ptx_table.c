@@ -261,14 +261,20 @@ static uint64_t all_parts(const slv_ptx *ptx) {
 
 slv_result slv_ptx_load_tables(const slv_ptx *ptx) {
     slv_result result = ptx_need(ptx, all_parts(ptx));
+    const slv_ptx_meta *meta;
     for (uint32_t i = 0; !result && i < ptx->info.nmeta; i++)
-        if (!slv_ptx_get_meta(ptx, i))
-            result = SLV_ERROR_FORMAT;
+        result = slv_ptx_load_meta(ptx, i, &meta);
     return result;
 }
 
 const void *slv_ptx_get_averages(const slv_ptx *ptx) {
     return ptx_need(ptx, PTX_CONSTANTS) ? NULL : ptx->tables->constants;
+}
+
+slv_result slv_ptx_load_averages(const slv_ptx *ptx, const void **out) {
+    slv_result result = ptx_need(ptx, PTX_CONSTANTS);
+    *out = result ? NULL : ptx->tables->constants;
+    return result;
 }
 
 static uint64_t table_bytes(const slv_ptx *ptx, uint64_t parts, bool all) {

@@ -1,6 +1,7 @@
 /* Bytes of a .ptx out of a file or a source, as they are or unzipped. */
 #include "ptx/format/ptx_file.h"
 
+#include "base/file.h"
 #include "base/log.h"
 #include "base/memory.h"
 
@@ -42,7 +43,7 @@ slv_result slvi_ptx_source_open(const slv_env *env, const char *path, slv_ptx_so
     struct stat status;
     int descriptor = open(path, O_RDONLY | O_CLOEXEC | O_NONBLOCK);
     if (descriptor < 0)
-        return slvi_fail(env, SLV_ERROR_IO, "%s: %s", path, strerror(errno));
+        return slvi_fail(env, slvi_io_error(errno), "%s: %s", path, strerror(errno));
     slv_result result = slvi_alloc(env, path, 1, sizeof *file, &file);
     if (!result && (fstat(descriptor, &status) != 0 || !S_ISREG(status.st_mode)))
         result = slvi_fail(env, SLV_ERROR_IO, "%s: not a regular file", path);

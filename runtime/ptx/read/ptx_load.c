@@ -139,11 +139,13 @@ slv_result slv_ptx_load_adjacency(const slv_env *env, const slv_ptx *ptx, slv_ad
 
 static slv_result find_geometry(const slv_env *env, const slv_ptx *ptx, const char *key,
                                 slv_meta_type type, const slv_ptx_meta **out) {
-    if (!slvi_ptx_meta_lookup(ptx, key))
+    ptx_meta *meta = slvi_ptx_meta_lookup(ptx, key);
+    if (!meta)
         return slvi_fail(env, SLV_ERROR_UNSUPPORTED, "%s: holds no mesh: it has no metadata %s",
                          ptx->name, key);
-    if (!(*out = slv_ptx_find_meta(ptx, key)))
-        return SLV_ERROR_FORMAT;
+    slv_result result = slvi_ptx_meta_load(ptx, meta, out);
+    if (result)
+        return result;
     if ((*out)->type != type)
         return slvi_fail(env, SLV_ERROR_MISMATCH, "%s: metadata %s has the wrong type", ptx->name,
                          key);

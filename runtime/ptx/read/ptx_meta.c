@@ -208,19 +208,32 @@ static slv_result load_large(const slv_ptx *ptx, ptx_meta *meta) {
     return SLV_OK;
 }
 
-static const slv_ptx_meta *loaded_entry(const slv_ptx *ptx, ptx_meta *meta) {
-    if (atomic_load_explicit(&meta->loaded, memory_order_acquire))
-        return &meta->entry;
-    pthread_mutex_lock(&ptx->tables->lock);
-    bool loaded = atomic_load_explicit(&meta->loaded, memory_order_relaxed) ||
-                  load_large(ptx, meta) == SLV_OK;
-    atomic_store_explicit(&meta->loaded, loaded, memory_order_release);
-    pthread_mutex_unlock(&ptx->tables->lock);
-    return loaded ? &meta->entry : NULL;
+slv_result slvi_ptx_meta_load(const slv_ptx *ptx, ptx_meta *meta, const slv_ptx_meta **out) {
+    slv_result result = SLV_OK;
+    if (!atomic_load_explicit(&meta->loaded, memory_order_acquire)) {
+        pthread_mutex_lock(&ptx->tables->lock);
+        if (!atomic_load_explicit(&meta->loaded, memory_order_relaxed) &&
+            !(result = load_large(ptx, meta)))
+            atomic_store_explicit(&meta->loaded, true, memory_order_release);
+        pthread_mutex_unlock(&ptx->tables->lock);
+    }
+    *out = result ? NULL : &meta->entry;
+    return result;
+}
+
+slv_result slv_ptx_load_meta(const slv_ptx *ptx, uint32_t index, const slv_ptx_meta **out) {
+    *out = NULL;
+    if (index >= ptx->info.nmeta)
+        return slvi_fail(&ptx->env, SLV_ERROR_ARGUMENT, "%s: metadata %u: there are %u entries",
+                         ptx->name, index, ptx->info.nmeta);
+    return slvi_ptx_meta_load(ptx, &ptx->meta[index], out);
 }
 
 const slv_ptx_meta *slv_ptx_get_meta(const slv_ptx *ptx, uint32_t index) {
-    return index < ptx->info.nmeta ? loaded_entry(ptx, &ptx->meta[index]) : NULL;
+    const slv_ptx_meta *entry = NULL;
+    if (index >= ptx->info.nmeta || slvi_ptx_meta_load(ptx, &ptx->meta[index], &entry))
+        return NULL;
+    return entry;
 }
 
 ptx_meta *slvi_ptx_meta_lookup(const slv_ptx *ptx, const char *key) {
@@ -241,7 +254,10 @@ ptx_meta *slvi_ptx_meta_lookup(const slv_ptx *ptx, const char *key) {
 
 const slv_ptx_meta *slv_ptx_find_meta(const slv_ptx *ptx, const char *key) {
     ptx_meta *meta = slvi_ptx_meta_lookup(ptx, key);
-    return meta ? loaded_entry(ptx, meta) : NULL;
+    const slv_ptx_meta *entry = NULL;
+    if (!meta || slvi_ptx_meta_load(ptx, meta, &entry))
+        return NULL;
+    return entry;
 }
 
 uint64_t slvi_ptx_meta_bytes(const slv_ptx *ptx, bool all) {

@@ -3,6 +3,7 @@
  * one. */
 #include "ptx/write/ptx_write.h"
 
+#include "base/file.h"
 #include "base/log.h"
 #include "base/memory.h"
 
@@ -124,20 +125,20 @@ slv_result slvi_ptx_writer_append(slv_ptx_writer *writer) {
     if (!result)
         result = append_all(&append);
     if (!result && writer->params.sync && fdatasync(writer->edited) != 0)
-        result = slvi_fail(&writer->env, SLV_ERROR_IO, "%s: write failed: %s", writer->path,
+        result = slvi_fail(&writer->env, slvi_io_error(errno), "%s: write failed: %s", writer->path,
                            strerror(errno));
     if (!result && append.position > writer->edit_end)
         result = put_fields(writer, append.position);
     slvi_free(append.bytes.data);
     uint64_t end = result ? (uint64_t)edited.st_size : append.position;
     if (!result && writer->params.sync && fdatasync(writer->edited) != 0)
-        result = slvi_fail(&writer->env, SLV_ERROR_IO, "%s: write failed: %s", writer->path,
+        result = slvi_fail(&writer->env, slvi_io_error(errno), "%s: write failed: %s", writer->path,
                            strerror(errno));
     /* what a killed editor left, or this one when it failed; nobody sees it, so nothing is lost if
      * it stays */
     if (end >= writer->edit_end)
         (void)!ftruncate(writer->edited, (off_t)end);
     if (!result)
-        slvi_ptx_temporary_sweep(&writer->env, writer->path);
+        slvi_ptx_temporary_sweep(writer->path);
     return result;
 }

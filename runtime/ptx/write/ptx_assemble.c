@@ -315,7 +315,7 @@ slv_result slvi_ptx_writer_assemble(slv_ptx_writer *writer) {
     if (!(result = slvi_ptx_temporary_create(&writer->env, writer->path, &temporary)) &&
         !(result = write_all(&a, &temporary)) &&
         !(result = slvi_ptx_temporary_commit(&writer->env, writer->path, &temporary, p->sync)))
-        slvi_ptx_temporary_sweep(&writer->env, writer->path);
+        slvi_ptx_temporary_sweep(writer->path);
 done:
     slvi_ptx_temporary_discard(&temporary);
     libdeflate_free_compressor(deflater);

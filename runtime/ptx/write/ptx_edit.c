@@ -2,6 +2,7 @@
  */
 #include "ptx/write/ptx_write.h"
 
+#include "base/file.h"
 #include "base/log.h"
 
 #include <errno.h>
@@ -15,7 +16,8 @@ static slv_result open_locked(const slv_env *env, const char *path, int *out) {
     slv_result result = SLV_OK;
     int descriptor = open(path, O_RDWR | O_CLOEXEC | O_NONBLOCK);
     if (descriptor < 0)
-        return slvi_fail(env, SLV_ERROR_IO, "%s: cannot be edited: %s", path, strerror(errno));
+        return slvi_fail(env, slvi_io_error(errno), "%s: cannot be edited: %s", path,
+                         strerror(errno));
     if (fstat(descriptor, &status) != 0 || !S_ISREG(status.st_mode))
         result = slvi_fail(env, SLV_ERROR_IO, "%s: not a regular file", path);
     else if (flock(descriptor, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK)

@@ -101,8 +101,9 @@ slv_result slvi_ptx_copy(const slv_env *env, const slv_ptx *ptx, const slv_mesh 
         return result;
     writer->steps.total *= 2;
     for (uint32_t i = 0; !result && i < ptx->info.nmeta; i++) {
-        const slv_ptx_meta *meta = slv_ptx_get_meta(ptx, i);
-        result = meta ? slv_ptx_writer_set_meta(writer, meta) : SLV_ERROR_FORMAT;
+        const slv_ptx_meta *meta;
+        if (!(result = slv_ptx_load_meta(ptx, i, &meta)))
+            result = slv_ptx_writer_set_meta(writer, meta);
     }
     if (!result && mesh)
         result = slv_ptx_writer_set_mesh(writer, mesh);

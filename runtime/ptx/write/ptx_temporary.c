@@ -6,12 +6,14 @@
 
 #include "ptx/write/ptx_write.h"
 
+#include "base/file.h"
 #include "base/log.h"
 #include "base/memory.h"
 
 #include <dirent.h>
 #include <errno.h>
 #include <fcntl.h>
+#include <limits.h>
 #include <stdio.h>
 #include <sys/file.h>
 #include <sys/stat.h>
@@ -81,7 +83,8 @@ slv_result slvi_ptx_temporary_create(const slv_env *env, const char *path, ptx_t
         }
         close(descriptor);
     }
-    result = slvi_fail(env, SLV_ERROR_IO, "%s: cannot be written: %s", path, strerror(errno));
+    result =
+        slvi_fail(env, slvi_io_error(errno), "%s: cannot be written: %s", path, strerror(errno));
     slvi_free(out->name);
     out->name = NULL;
     return result;
@@ -91,7 +94,7 @@ slv_result slvi_ptx_temporary_commit(const slv_env *env, const char *path, ptx_t
                                      bool sync) {
     if ((sync && fsync(temporary->descriptor) != 0) || rename(temporary->name, path) != 0) {
         slv_result result =
-            slvi_fail(env, SLV_ERROR_IO, "%s: write failed: %s", path, strerror(errno));
+            slvi_fail(env, slvi_io_error(errno), "%s: write failed: %s", path, strerror(errno));
         slvi_ptx_temporary_discard(temporary);
         return result;
     }
@@ -129,12 +132,17 @@ static bool is_ours(const char *name, const char *base) {
     return strspn(name + length + 1, "0123456789abcdef") >= DIGITS;
 }
 
-void slvi_ptx_temporary_sweep(const slv_env *env, const char *path) {
-    slv_env quiet = *env;
-    quiet.log = NULL;
-    const char *base;
-    char *name;
-    DIR *folder = folder_of(&quiet, path, &base, &name) ? NULL : opendir(name);
+void slvi_ptx_temporary_sweep(const char *path) {
+    const char *slash = strrchr(path, '/'), *base = slash ? slash + 1 : path;
+    char name[PATH_MAX] = ".";
+    /* the file is written; that no memory is left for this is nothing to fail by */
+    if (slash && (size_t)(slash - path) + 2 > sizeof name)
+        return;
+    if (slash) {
+        memcpy(name, path, (size_t)(slash - path) + 1);
+        name[slash - path + 1] = 0;
+    }
+    DIR *folder = opendir(name);
     for (struct dirent *entry; folder && (entry = readdir(folder));) {
         if (!is_ours(entry->d_name, base))
             continue;
@@ -148,7 +156,6 @@ void slvi_ptx_temporary_sweep(const slv_env *env, const char *path) {
     }
     if (folder)
         closedir(folder);
-    slvi_free(name);
 }
 
 slv_result slvi_ptx_open_nameless(const slv_env *env, const char *path, int *out) {

@@ -90,7 +90,7 @@ slv_result slvi_ptx_temporary_commit(const slv_env *env, const char *path, ptx_t
                                      bool sync);
 void slvi_ptx_temporary_discard(ptx_temporary *temporary);
 /* Removes what killed writers of `path` left. */
-void slvi_ptx_temporary_sweep(const slv_env *env, const char *path);
+void slvi_ptx_temporary_sweep(const char *path);
 /* An unnamed file in the folder of `path`. */
 slv_result slvi_ptx_open_nameless(const slv_env *env, const char *path, int *descriptor);
 

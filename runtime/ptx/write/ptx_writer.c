@@ -4,6 +4,7 @@
 #include "ptx/write/ptx_write.h"
 #include "texture/reduce.h"
 
+#include <errno.h>
 #include <stdlib.h>
 #include <unistd.h>
 
@@ -86,6 +87,10 @@ slv_result slvi_ptx_writer_begin(const slv_env *env, const char *path,
     env = &writer->env;
     /* a link stays one: what it names is replaced */
     char *resolved = realpath(path, NULL);
+    if (!resolved && errno == ENOMEM) {
+        result = slvi_fail(env, SLV_ERROR_MEMORY, "%s: no memory for its name", path);
+        goto done;
+    }
     const char *name = resolved ? resolved : path;
     result = slvi_alloc(env, path, strlen(name) + 1, 1, &writer->path);
     if (!result)

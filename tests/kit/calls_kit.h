@@ -1,0 +1,466 @@
+/* A call of each public function of libselvage and libselvage-bake that can fail, with all objects
+ * that it needs made and destroyed within it: for tests of what every call must do with memory. */
+#ifndef CALLS_KIT_H
+#define CALLS_KIT_H
+
+#include "kit/test.h"
+
+#include <selvage/bake.h>
+#include <selvage/edge_aligned.h>
+#include <selvage/filter.h>
+#include <selvage/htex.h>
+#include <selvage/image.h>
+#include <selvage/ptx_check.h>
+#include <selvage/ptx_diff.h>
+#include <selvage/ptx_resize.h>
+#include <selvage/ptx_writer.h>
+#include <selvage/reference.h>
+#include <selvage/threads.h>
+#include <selvage/transfer.h>
+
+#include <unistd.h>
+
+/* What calls work on. */
+static struct {
+    char folder[64], ptx[96], png[96], exr[96], obj[96], out[96];
+    slv_mesh *mesh;
+    slv_adjacency *adjacency;
+    slv_surface *surface;
+    slv_texture *texture;
+    slv_levels *levels;
+    slv_image image;
+} calls;
+
+enum { CALLS_FACES = 7 };
+/* Two quads and a triangle, tags and all. */
+static const char calls_obj[] =
+    "v 0 0 0\nv 1 0 0\nv 2 0 0\nv 0 1 0\nv 1 1 0\nv 2 1 1\nv 3 1 0\nvt 0 0\nvn 0 0 1\ng one\nf "
+    "1/1/1 2/1/1 5/1/1 4/1/1\n"
+    "f 2 3 6 5\ng two\nf 3 7 6\nt crease 2/1/0 0 1 2.0\nt corner 1/1/0 3 4.0\nusemtl x\n";
+static const char calls_ply[] =
+    "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\nproperty float "
+    "z\nelement face 1\n"
+    "property list uchar int vertex_indices\nend_header\n0 0 0\n1 0 0\n1 1 0\n0 1 0\n4 0 1 2 3\n";
+static const slv_procedural calls_noise = {.pattern = SLV_PATTERN_NOISE, .frequency = 3};
+
+static inline void calls_begin(void) {
+    static const slv_res res[5] = {{4, 4}, {3, 4}, {2, 2}, {3, 3}, {2, 2}};
+    slv_env env = test_env();
+    slv_texture_desc desc = {.type = SLV_TYPE_U8, .nchannels = 4, .alpha_channel = 3, .res = res};
+    const int32_t count[3] = {1, -2, 3};
+    const slv_ptx_meta meta[] = {
+        {.key = "numbers", .type = SLV_META_INT32, .count = 3, .values = count},
+        {.key = "words", .type = SLV_META_STRING, .count = 5, .values = "words"}};
+    snprintf(calls.folder, sizeof calls.folder, "/tmp/selvage_calls_XXXXXX");
+    REQUIRE(mkdtemp(calls.folder));
+    snprintf(calls.ptx, sizeof calls.ptx, "%s/in.ptx", calls.folder);
+    snprintf(calls.png, sizeof calls.png, "%s/in.png", calls.folder);
+    snprintf(calls.exr, sizeof calls.exr, "%s/in.exr", calls.folder);
+    snprintf(calls.obj, sizeof calls.obj, "%s/in.obj", calls.folder);
+    REQUIRE(!slv_mesh_parse_obj(&env, "mesh", calls_obj, sizeof calls_obj - 1, &calls.mesh));
+    desc.nfaces = slv_mesh_face_count(calls.mesh);
+    REQUIRE(desc.nfaces == 5);
+    REQUIRE(!slv_mesh_save_obj(&env, calls.mesh, calls.obj));
+    REQUIRE(!slv_mesh_adjacency(&env, calls.mesh, &calls.adjacency));
+    REQUIRE(!slv_surface_create(&env, calls.mesh, NULL, &calls.surface));
+    REQUIRE(!slv_texture_create(&env, &desc, &calls.texture));
+    REQUIRE(!slv_bake_procedural(&env, calls.surface, &calls_noise, NULL, calls.texture));
+    REQUIRE(!slv_levels_create(&env, calls.texture, &calls.levels));
+    REQUIRE(!slv_ptx_save(&env, calls.ptx, calls.texture, calls.adjacency,
+                          &(slv_ptx_write_params){.mesh = calls.mesh, .nmeta = 2, .meta = meta}));
+    REQUIRE(!slv_image_create(&env, 19, 21, 4, &calls.image));
+    REQUIRE(!slv_image_save(&env, calls.png, &calls.image, NULL));
+    REQUIRE(!slv_image_save(&env, calls.exr, &calls.image, NULL));
+}
+
+static inline void calls_end(void) {
+    char line[128];
+    slv_image_free(&calls.image);
+    slv_levels_destroy(calls.levels);
+    slv_texture_destroy(calls.texture);
+    slv_surface_destroy(calls.surface);
+    slv_adjacency_destroy(calls.adjacency);
+    slv_mesh_destroy(calls.mesh);
+    snprintf(line, sizeof line, "rm -rf %s", calls.folder);
+    REQUIRE(system(line) == 0);
+}
+
+static const char *calls_path(const char *name) {
+    snprintf(calls.out, sizeof calls.out, "%s/%s", calls.folder, name);
+    return calls.out;
+}
+
+/* ---- meshes and surfaces ---- */
+
+static slv_result call_parse_obj(const slv_env *env) {
+    slv_mesh *mesh = NULL;
+    slv_mesh_stats stats;
+    slv_adjacency *adjacency = NULL;
+    slv_result result = slv_mesh_parse_obj(env, "mesh", calls_obj, sizeof calls_obj - 1, &mesh);
+    if (!result && !(result = slv_mesh_get_stats(env, mesh, &stats)))
+        result = slv_mesh_adjacency(env, mesh, &adjacency);
+    slv_adjacency_destroy(adjacency);
+    slv_mesh_destroy(mesh);
+    return result;
+}
+
+static slv_result call_parse_ply(const slv_env *env) {
+    slv_mesh *mesh = NULL;
+    slv_result result = slv_mesh_parse_ply(env, "mesh", calls_ply, sizeof calls_ply - 1, &mesh);
+    slv_mesh_destroy(mesh);
+    return result;
+}
+
+static slv_result call_mesh_file(const slv_env *env) {
+    slv_mesh *mesh = NULL, *copy = NULL;
+    slv_result result = slv_mesh_load(env, calls.obj, &mesh);
+    if (!result && !(result = slv_mesh_create(env, slv_mesh_get_view(mesh), &copy)))
+        result = slv_mesh_save_obj(env, copy, calls_path("out.obj"));
+    slv_mesh_destroy(mesh);
+    slv_mesh_destroy(copy);
+    return result;
+}
+
+static slv_result call_adjacency(const slv_env *env) {
+    slv_adjacency *adjacency = NULL;
+    slv_result result = slv_adjacency_create(env, slv_mesh_face_count(calls.mesh),
+                                             slv_adjacency_faces(calls.adjacency),
+                                             slv_mesh_face_flags(calls.mesh), &adjacency);
+    slv_adjacency_destroy(adjacency);
+    return result;
+}
+
+static slv_result surface_of(const slv_env *env, slv_scheme scheme) {
+    const slv_surface_params params = {.scheme = scheme};
+    const slv_surface_point points[2] = {{0, 0.3f, 0.2f}, {4, 0.5f, 0.5f}};
+    float positions[3 * 9], normals[3 * 9];
+    slv_surface_arrays arrays = {.positions = positions, .normals = normals};
+    slv_face_adjacency faces[CALLS_FACES];
+    slv_surface *surface = NULL;
+    slv_tessellation tessellation = {0};
+    slv_result result = slv_surface_create(env, calls.mesh, &params, &surface);
+    if (!result && !(result = slv_surface_evaluate(surface, 2, points, &arrays)) &&
+        !(result = slv_surface_evaluate_grid(surface, 1, 2, 2, &arrays)) &&
+        !(result = slv_surface_osd_adjacency(surface, faces)))
+        result = slv_tessellate(env, calls.mesh, surface, calls.adjacency, 4, &tessellation);
+    slv_tessellation_free(&tessellation);
+    slv_surface_destroy(surface);
+    return result;
+}
+
+static slv_result call_catmark(const slv_env *env) {
+    return surface_of(env, SLV_SCHEME_CATMARK);
+}
+
+static slv_result call_bilinear(const slv_env *env) {
+    return surface_of(env, SLV_SCHEME_BILINEAR);
+}
+
+/* ---- textures and their forms ---- */
+
+static slv_result call_texture(const slv_env *env) {
+    const slv_texture_desc *desc = slv_texture_get_desc(calls.texture);
+    slv_texture *texture = NULL;
+    slv_levels *levels = NULL;
+    float border[6 * 6 * 4];
+    bool outside;
+    slv_result result = slv_texture_create(env, desc, &texture);
+    for (uint32_t face = 0; !result && face < desc->nfaces; face++)
+        result = slv_texture_set_face(texture, face, slv_texture_texels(calls.texture, face));
+    if (!result && !(result = slv_texture_set_constant(texture, 1, "abcd")) &&
+        !(result = slv_levels_create(env, texture, &levels)))
+        result = slv_border_build(levels, calls.adjacency, 2, 0, 1, 1, border, &outside);
+    slv_levels_destroy(levels);
+    slv_texture_destroy(texture);
+    return result;
+}
+
+static slv_result call_edge_aligned(const slv_env *env) {
+    slv_edge_aligned *aligned = NULL;
+    slv_edge_aligned_error error;
+    slv_texture *back = NULL;
+    slv_result result = slv_edge_aligned_create(env, calls.levels, calls.adjacency, &aligned);
+    if (!result &&
+        !(result = slv_edge_aligned_measure(env, aligned, calls.levels, calls.adjacency, &error)))
+        result = slv_edge_aligned_to_texture(env, aligned, &back);
+    slv_texture_destroy(back);
+    slv_edge_aligned_destroy(aligned);
+    return result;
+}
+
+static slv_result call_htex(const slv_env *env) {
+    slv_htex *htex = NULL;
+    slv_htex_error error;
+    slv_result result = slv_htex_create(env, calls.levels, calls.adjacency, &htex);
+    if (!result)
+        result = slv_htex_measure(env, htex, calls.levels, calls.adjacency, &error);
+    slv_htex_destroy(htex);
+    return result;
+}
+
+/* ---- .ptx ---- */
+
+static slv_result call_ptx_read(const slv_env *env) {
+    static unsigned char texels[4 << 8];
+    slv_ptx *ptx = NULL;
+    slv_ptx_reader *reader = NULL;
+    slv_ptx_face face;
+    slv_ptx_block block;
+    slv_result result = slv_ptx_open(env, calls.ptx, &ptx);
+    if (!result && !slv_ptx_find_meta(ptx, "words"))
+        result = SLV_ERROR_MEMORY; /* of which the log has told */
+    if (!result && !slv_ptx_get_averages(ptx))
+        result = SLV_ERROR_MEMORY;
+    if (!result && !(result = slv_ptx_load_tables(ptx)) &&
+        !(result = slv_ptx_get_face(ptx, 0, &face)) &&
+        !(result = slv_ptx_get_block(ptx, 0, 0, &block)) &&
+        !(result = slv_ptx_read_face(ptx, 0, (slv_res){4, 4}, texels)) &&
+        !(result = slv_ptx_read_face(ptx, 0, (slv_res){1, 2}, texels)) &&
+        !(result = slv_ptx_reader_create(env, ptx, &reader)) &&
+        !(result = slv_ptx_reader_read(reader, 1, (slv_res){2, 2}, texels)))
+        result =
+            slv_ptx_reader_read_tile(reader, 0, (slv_res){3, 3}, (slv_res){1, 1}, 2, 2, texels);
+    slv_ptx_reader_destroy(reader);
+    slv_ptx_close(ptx);
+    return result;
+}
+
+static slv_result visit(void *user, const slv_env *env, uint32_t face, const slv_ptx_face *info,
+                        void *texels) {
+    (void)user, (void)env, (void)face, (void)info, (void)texels;
+    return SLV_OK;
+}
+
+static slv_result call_ptx_load(const slv_env *env) {
+    slv_ptx *ptx = NULL;
+    slv_texture *texture = NULL;
+    slv_adjacency *adjacency = NULL;
+    slv_mesh *mesh = NULL;
+    slv_result result = slv_ptx_open(env, calls.ptx, &ptx);
+    if (!result && !(result = slv_ptx_load_texture(env, ptx, &texture)) &&
+        !(result = slv_ptx_load_adjacency(env, ptx, &adjacency)) &&
+        !(result = slv_ptx_load_mesh(env, ptx, &mesh)) &&
+        !(result = slv_ptx_match_mesh(env, ptx, mesh)))
+        result = slv_ptx_visit_faces(env, ptx, visit, NULL);
+    slv_mesh_destroy(mesh);
+    slv_adjacency_destroy(adjacency);
+    slv_texture_destroy(texture);
+    slv_ptx_close(ptx);
+    return result;
+}
+
+static slv_result call_ptx_save(const slv_env *env) {
+    return slv_ptx_save(env, calls_path("out.ptx"), calls.texture, calls.adjacency,
+                        &(slv_ptx_write_params){.mesh = calls.mesh});
+}
+
+static slv_result call_ptx_writer(const slv_env *env) {
+    static const unsigned char texels[16 * 16 * 2] = {1, 2, 3, 4, 5};
+    const slv_ptx_writer_params params = {.mesh_type = SLV_PTX_QUAD,
+                                          .nchannels = 2,
+                                          .alpha_channel = 1,
+                                          .nfaces = 5,
+                                          .compression = 6,
+                                          .memory = 1};
+    const slv_ptx_face face = {.res = {4, 4}, .adjacency.face = {-1, -1, -1, -1}};
+    const slv_ptx_meta meta = {.key = "k", .type = SLV_META_STRING, .count = 1, .values = "v"};
+    slv_ptx_writer *writer = NULL;
+    slv_result result = slv_ptx_writer_create(env, calls_path("written.ptx"), &params, &writer);
+    if (!result && !(result = slv_ptx_writer_write_face(writer, 2, &face, texels)) &&
+        !(result = slv_ptx_writer_set_meta(writer, &meta)) &&
+        !(result = slv_ptx_writer_set_adjacency(writer, calls.adjacency)) &&
+        !(result = slv_ptx_writer_set_mesh(writer, calls.mesh)))
+        result = slv_ptx_writer_finish(writer);
+    slv_ptx_writer_destroy(writer);
+    return result;
+}
+
+/* The file that is edited is made outside of the call's memory. */
+static slv_result call_ptx_edit(const slv_env *env) {
+    static const unsigned char texels[4 * 4 * 4] = {1, 2, 3};
+    const slv_ptx_face face = {.res = {2, 2}, .adjacency.face = {-1, -1, -1, -1}};
+    const slv_ptx_meta meta = {.key = "k", .type = SLV_META_STRING, .count = 1, .values = "v"};
+    const char *path = calls_path("edited.ptx");
+    slv_ptx_writer *writer = NULL;
+    slv_ptx *ptx = NULL;
+    slv_result result = slv_ptx_writer_edit(env, path, NULL, &writer);
+    if (!result && !(result = slv_ptx_writer_write_face(writer, 2, &face, texels)) &&
+        !(result = slv_ptx_writer_set_meta(writer, &meta)))
+        result = slv_ptx_writer_finish(writer);
+    slv_ptx_writer_destroy(writer);
+    if (!result && !(result = slv_ptx_open(env, path, &ptx)))
+        result = slv_ptx_load_tables(ptx);
+    slv_ptx_close(ptx);
+    return result;
+}
+
+static slv_result call_ptx_rewrite(const slv_env *env) {
+    slv_ptx *ptx = NULL;
+    slv_result result = slv_ptx_open(env, calls.ptx, &ptx);
+    if (!result && !(result = slv_ptx_rewrite(env, ptx, calls_path("out.ptx"), NULL)))
+        result = slv_ptx_repair(env, ptx, calls.mesh, calls_path("out.ptx"), NULL);
+    slv_ptx_close(ptx);
+    return result;
+}
+
+static slv_result call_ptx_check(const slv_env *env) {
+    slv_ptx_report *report = NULL;
+    const slv_ptx_check_params params = {.mesh = calls.mesh, .seams = true};
+    slv_result result = slv_ptx_check(env, calls.ptx, &params, &report);
+    slv_ptx_report_destroy(report);
+    return result;
+}
+
+static slv_result call_ptx_diff(const slv_env *env) {
+    slv_ptx *ptx = NULL;
+    slv_face_diff differences[CALLS_FACES];
+    float texels[256 * 4], resized[64 * 4];
+    slv_result result = slv_ptx_open(env, calls.ptx, &ptx);
+    if (!result && !(result = slv_ptx_diff(env, ptx, ptx, NULL, differences)) &&
+        !(result = slv_ptx_diff_texels(env, ptx, ptx, 0, &differences[0], texels)))
+        result =
+            slv_ptx_resize(env, SLV_PTX_QUAD, 4, (slv_res){4, 4}, texels, (slv_res){3, 3}, resized);
+    slv_ptx_close(ptx);
+    return result;
+}
+
+/* ---- the cache ---- */
+
+static slv_result call_sample(const slv_env *env) {
+    slv_cache *cache = NULL;
+    slv_file_id file = 0;
+    slv_ptx_info info;
+    float out[8];
+    slv_result result = slv_cache_create(env, NULL, &cache);
+    if (!result && !(result = slv_cache_open(cache, calls.ptx, &file)))
+        result = slv_cache_get_info(cache, file, &info);
+    for (int filter = 0; !result && filter < SLV_FILTER_COUNT; filter++) {
+        const slv_filter_params params = {.filter = (slv_filter)filter, .lerp = true};
+        const slv_lookup lookups[2] = {
+            {.file = file, .face = 0, .u = 0.02f, .v = 0.5f, .uw1 = 0.1f, .vw2 = 0.1f},
+            {.file = file, .face = 2, .u = 0.5f, .v = 0.98f, .uw1 = 0.3f, .vw2 = 0.4f}};
+        slv_sampler *sampler = NULL;
+        result = slv_sampler_create(cache, &params, &sampler);
+        if (!result && !(result = slv_sample(sampler, &lookups[0], out)))
+            result = slv_sample(sampler, &lookups[1], out);
+        slv_sampler_destroy(sampler);
+        if (!result)
+            result = slv_cache_invalidate(cache, file);
+    }
+    if (!result)
+        result = slv_cache_close(cache, file);
+    slv_cache_destroy(cache);
+    return result;
+}
+
+/* ---- images ---- */
+
+static slv_result image_through(const slv_env *env, const char *name, const char *input) {
+    slv_image image = {0};
+    slv_result result = slv_image_save(env, calls_path(name), &calls.image, NULL);
+    if (!result)
+        result = slv_image_load(env, input, &image);
+    slv_image_free(&image);
+    return result;
+}
+
+static slv_result call_png(const slv_env *env) {
+    void *bytes = NULL;
+    size_t size;
+    slv_result result = image_through(env, "out.png", calls.png);
+    if (!result)
+        result = slv_image_encode_png(env, &calls.image, NULL, &bytes, &size);
+    slv_free(bytes);
+    return result;
+}
+
+static slv_result call_exr(const slv_env *env) {
+    return image_through(env, "out.exr", calls.exr);
+}
+
+/* ---- baking ---- */
+
+static slv_result call_bake(const slv_env *env) {
+    return slv_bake_procedural(env, calls.surface, &calls_noise, NULL, calls.texture);
+}
+
+static slv_result call_transfer(const slv_env *env) {
+    slv_transfer_face faces[CALLS_FACES];
+    slv_texture *moved = NULL;
+    slv_result result =
+        slv_transfer(env, calls.mesh, calls.texture, calls.mesh,
+                     &(slv_transfer_params){.no_copies = true}, faces, NULL, &moved);
+    slv_texture_destroy(moved);
+    return result;
+}
+
+static slv_result call_reference(const slv_env *env) {
+    const float low[3] = {0, 0, 0}, high[3] = {3, 1, 1};
+    const slv_reference_frame frame = {.camera = slv_camera_orbit(low, high, 20, 30, 30, 1),
+                                       .width = 16,
+                                       .height = 16,
+                                       .samples = 2};
+    const slv_surface_point point = {0, 0.5f, 0.5f};
+    static slv_reference_hit hits[16 * 16];
+    slv_reference *reference = NULL;
+    slv_image image = {0}, error = {0};
+    float rgb[3];
+    slv_result result =
+        slv_reference_create(env, calls.mesh, calls.surface, calls.texture, calls.adjacency,
+                             &(slv_reference_params){.segments = 2}, &reference);
+    if (!result && !(result = slv_reference_lookup(reference, 1, &point, rgb)) &&
+        !(result = slv_reference_render(reference, env, &frame, &image, &error, NULL)))
+        result = slv_reference_trace(reference, env, &frame.camera, 16, 16, hits);
+    slv_image_free(&image);
+    slv_image_free(&error);
+    slv_reference_destroy(reference);
+    return result;
+}
+
+static slv_result call_threads(const slv_env *env) {
+    slv_threads *threads = NULL;
+    slv_result result = slv_threads_create(env, &threads);
+    slv_threads_destroy(threads);
+    return result;
+}
+
+typedef struct calls_entry {
+    const char *name;
+    slv_result (*call)(const slv_env *env);
+} calls_entry;
+
+static const calls_entry calls_all[] = {
+    {"parse_obj", call_parse_obj},
+    {"parse_ply", call_parse_ply},
+    {"mesh_file", call_mesh_file},
+    {"adjacency", call_adjacency},
+    {"catmark", call_catmark},
+    {"bilinear", call_bilinear},
+    {"texture", call_texture},
+    {"edge_aligned", call_edge_aligned},
+    {"htex", call_htex},
+    {"ptx_read", call_ptx_read},
+    {"ptx_load", call_ptx_load},
+    {"ptx_save", call_ptx_save},
+    {"ptx_writer", call_ptx_writer},
+    {"ptx_edit", call_ptx_edit},
+    {"ptx_rewrite", call_ptx_rewrite},
+    {"ptx_check", call_ptx_check},
+    {"ptx_diff", call_ptx_diff},
+    {"sample", call_sample},
+    {"png", call_png},
+    {"exr", call_exr},
+    {"bake", call_bake},
+    {"transfer", call_transfer},
+    {"reference", call_reference},
+    {"threads", call_threads},
+};
+enum { CALLS_COUNT = sizeof calls_all / sizeof *calls_all };
+
+/* Before each run: a file to edit as it was. */
+static inline void calls_prepare(void) {
+    slv_env env = test_env();
+    REQUIRE(!slv_ptx_save(&env, calls_path("edited.ptx"), calls.texture, calls.adjacency, NULL));
+}
+
+#endif
