@@ -91,7 +91,7 @@ slv_result slvi_merge_meta(const slv_env *env, slvi_merge *m) {
         /* that there is no memory to read it does not mean that it is not there */
         if (loaded == SLV_ERROR_MEMORY || loaded == SLV_ERROR_IO || loaded == SLV_ERROR_LIMIT)
             return slvi_fail(env, loaded, "%s: its geometry cannot be read: %s", m->paths[i],
-                               slv_result_string(loaded));
+                             slv_result_string(loaded));
         with_geometry += loaded == SLV_OK;
     }
     m->geometry = with_geometry == m->npaths;
