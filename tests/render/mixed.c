@@ -19,8 +19,7 @@ static slv_gl_texture *upload(const kit *k, uint32_t anisotropy, slv_gl_branchin
     return texture;
 }
 
-static void slvi_check_seams(const kit *k, slv_gl_texture *texture, int nstrategies,
-                             const char *name) {
+static void check_seams(const kit *k, slv_gl_texture *texture, int nstrategies, const char *name) {
     slv_env env = test_env();
     slv_gl_seam_params params = {.samples = 257};
     slv_gl_seam seam;
@@ -101,7 +100,7 @@ static void check(kit *k, const char *name, uint64_t *random) {
         kit_noise(k, SLV_TYPE_FLOAT, channels, random);
         slv_gl_texture *texture =
             upload(k, anisotropy, round % 2 ? SLV_GL_BRANCHING_REAL : SLV_GL_BRANCHING_AUTO);
-        slvi_check_seams(k, texture, round ? 1 : 3, what);
+        check_seams(k, texture, round ? 1 : 3, what);
         check_lines(k, texture, what, random);
         slv_gl_texture_destroy(texture);
     }
@@ -116,7 +115,7 @@ static void check_pairs(kit *k, const char *name, uint64_t *random) {
         k->res[f].u = k->res[f].v = (int8_t)(odd ? 2 : 5);
         kit_noise(k, SLV_TYPE_FLOAT, 3, random);
         slv_gl_texture *texture = upload(k, 1, SLV_GL_BRANCHING_AUTO);
-        slvi_check_seams(k, texture, 1, name);
+        check_seams(k, texture, 1, name);
         slv_gl_texture_destroy(texture);
     }
 }
@@ -127,9 +126,7 @@ int main(void) {
     char name[32];
     kit k;
     REQUIRE(slv_gl_create(&env, SLV_GL_AUTO, &gl) == SLV_OK);
-    for (int32_t valence = 3; valence <= 8; valence += test_effort(1) > 1 ? 1
-                                                       : valence == 3     ? 2
-                                                                          : 3) {
+    for (int32_t valence = 3; valence <= 8; valence++) {
         snprintf(name, sizeof name, "valence %d", valence);
         kit_disc(&k, valence, &random);
         check(&k, name, &random);
