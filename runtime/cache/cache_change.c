@@ -4,20 +4,24 @@
 
 #include "base/log.h"
 #include "base/memory.h"
+#include "texture/texture_data.h"
 
 #define MOST_CHANGES 65536 /* more than these, and everything is forgotten */
 
 /* Under the lock. */
-static void forget_all(slv_cache *cache, cache_file *file) {
+static slv_result forget_all(slv_cache *cache, cache_file *file) {
     file->identified = false;
     file->failure = SLV_OK;
     slvi_cache_failure_forget_all(&file->failures);
     slvi_cache_drop_tables(cache, file);
     if (file->changes)
         slvi_changes_add_all(file->changes);
+    return SLV_OK;
 }
 
-slv_result slv_cache_invalidate(slv_cache *cache, slv_file_id id) {
+/* Handles a file, or all that are open if `id` is 0, under the lock; the first error counts. */
+static slv_result for_files(slv_cache *cache, slv_file_id id,
+                            slv_result (*handle)(slv_cache *cache, cache_file *file)) {
     slv_result result = SLV_OK;
     pthread_mutex_lock(&cache->lock);
     uint32_t first = id ? id % CACHE_FILES : 0, end = id ? first + 1 : cache->file_end;
@@ -27,13 +31,17 @@ slv_result slv_cache_invalidate(slv_cache *cache, slv_file_id id) {
                             : any ? atomic_load_explicit(&any->id, memory_order_relaxed)
                                   : 0;
         cache_file *file = slvi_cache_find_file(cache, which);
-        if (file)
-            forget_all(cache, file);
-        else if (id)
-            result = slvi_cache_no_such_file(cache, id);
+        slv_result one = file ? handle(cache, file)
+                         : id ? slvi_cache_no_such_file(cache, id)
+                              : SLV_OK;
+        result = result ? result : one;
     }
     pthread_mutex_unlock(&cache->lock);
     return result;
+}
+
+slv_result slv_cache_invalidate(slv_cache *cache, slv_file_id id) {
+    return for_files(cache, id, forget_all);
 }
 
 /* A rectangle where axes are coarser: all texels that any of it is in. */
@@ -89,12 +97,6 @@ static void forget_aprons(cache_tables *tables) {
     atomic_store_explicit(&tables->apron, CACHE_APRON | (now + 1), memory_order_seq_cst);
 }
 
-static bool lies_within(slv_rect rect, slv_res res) {
-    uint32_t width = 1u << res.u, height = 1u << res.v;
-    return rect.width && rect.height && rect.x < width && rect.y < height &&
-           rect.width <= width - rect.x && rect.height <= height - rect.y;
-}
-
 slv_result slv_cache_invalidate_face(slv_cache *cache, slv_file_id id, uint32_t face,
                                      const slv_rect *rect) {
     slv_source_face now;
@@ -111,7 +113,7 @@ slv_result slv_cache_invalidate_face(slv_cache *cache, slv_file_id id, uint32_t 
     else if (tables) {
         const slv_source *source = &tables->origin->source;
         result = source->fns->face(source->user, face, &now);
-        if (!result && rect && !lies_within(*rect, now.res))
+        if (!result && rect && !slvi_rect_is_within(*rect, now.res))
             result = slvi_fail(&cache->env, SLV_ERROR_ARGUMENT,
                                "cache: file %u: face %u: the rectangle is not within it",
                                (unsigned)id, (unsigned)face);
@@ -158,7 +160,7 @@ static void forget_listed(slv_cache *cache, cache_file *file, const change_list 
         const slv_source *source = &tables->origin->source;
         slv_source_face now;
         if (change->face < tables->nfaces && !source->fns->face(source->user, change->face, &now) &&
-            lies_within(change->rect, now.res))
+            slvi_rect_is_within(change->rect, now.res))
             forget_rect(cache, file, tables, change->face, &now, change->rect);
     }
     if (tables && list->count)
@@ -188,7 +190,7 @@ static slv_result refresh(slv_cache *cache, cache_file *file) {
     }
     pthread_mutex_lock(&cache->lock);
     if (list.all)
-        forget_all(cache, file);
+        (void)forget_all(cache, file); /* which cannot fail */
     else
         forget_listed(cache, file, &list);
     if (!result)
@@ -200,20 +202,5 @@ static slv_result refresh(slv_cache *cache, cache_file *file) {
 }
 
 slv_result slv_cache_refresh(slv_cache *cache, slv_file_id id) {
-    slv_result result = SLV_OK;
-    pthread_mutex_lock(&cache->lock);
-    uint32_t first = id ? id % CACHE_FILES : 0, end = id ? first + 1 : cache->file_end;
-    for (uint32_t i = first; i < end; i++) {
-        cache_file *any = cache_file_at(cache, i);
-        slv_file_id which = id    ? id
-                            : any ? atomic_load_explicit(&any->id, memory_order_relaxed)
-                                  : 0;
-        cache_file *file = slvi_cache_find_file(cache, which);
-        slv_result one = file ? refresh(cache, file)
-                         : id ? slvi_cache_no_such_file(cache, id)
-                              : SLV_OK;
-        result = result ? result : one;
-    }
-    pthread_mutex_unlock(&cache->lock);
-    return result;
+    return for_files(cache, id, refresh);
 }

@@ -3,6 +3,7 @@
 
 #include "base/log.h"
 #include "base/memory.h"
+#include "texture/texture_data.h"
 
 #include <string.h>
 
@@ -18,6 +19,18 @@ slv_result slvi_form_faces_begin(const slv_env *env, const slv_levels *levels,
     if (env)
         out->env = *env;
     return SLV_OK;
+}
+
+slv_result slvi_form_faces_create(const slv_env *env, const slv_levels *levels,
+                                  const slv_adjacency *adjacency, uint32_t border, void **out) {
+    slv_form_faces *made = NULL;
+    slv_result result = slvi_alloc(env, "form", 1, sizeof *made, &made);
+    if (!result && (result = slvi_form_faces_begin(env, levels, adjacency, border, made))) {
+        slvi_free(made);
+        made = NULL;
+    }
+    *out = made;
+    return result;
 }
 
 void slvi_form_faces_destroy(void *made) {
@@ -41,9 +54,7 @@ uint32_t slvi_form_faces_items(const void *made, uint32_t face, uint32_t out[SLV
 slv_result slvi_form_check_rect(const slv_form_faces *faces, uint32_t face, const slv_rect *rect) {
     if (face >= faces->desc->nfaces)
         return slvi_fail(&faces->env, SLV_ERROR_ARGUMENT, "form: there is no face %u", face);
-    uint32_t width = 1u << faces->desc->res[face].u, height = 1u << faces->desc->res[face].v;
-    if (rect->x >= width || rect->y >= height || rect->width - 1 >= width - rect->x ||
-        rect->height - 1 >= height - rect->y)
+    if (!slvi_rect_is_within(*rect, faces->desc->res[face]))
         return slvi_fail(&faces->env, SLV_ERROR_ARGUMENT,
                          "form: face %u has no texels %u,%u to %u x %u from there", face, rect->x,
                          rect->y, rect->width, rect->height);

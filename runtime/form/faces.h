@@ -18,6 +18,9 @@ typedef struct slv_form_faces {
 slv_result slvi_form_faces_begin(const slv_env *env, const slv_levels *levels,
                                  const slv_adjacency *adjacency, uint32_t border,
                                  slv_form_faces *out);
+/* For slv_form: forms that make nothing else. */
+slv_result slvi_form_faces_create(const slv_env *env, const slv_levels *levels,
+                                  const slv_adjacency *adjacency, uint32_t border, void **out);
 /* For slv_form, where `made` begins with slv_form_faces and was allocated. */
 void slvi_form_faces_destroy(void *made);
 uint32_t slvi_form_faces_count(const void *made);

@@ -2,6 +2,7 @@
 #include <selvage/source.h>
 
 #include "base/log.h"
+#include "texture/texture_data.h"
 
 #include <string.h>
 
@@ -40,12 +41,10 @@ slv_result slv_source_check(const slv_env *env, const slv_source *source, uint32
         return slvi_fail(env, SLV_ERROR_ARGUMENT,
                          "%s: face %u: has 2^%d x 2^%d texels, which do not reduce to 2^%d x 2^%d",
                          desc.name, (unsigned)index, face->res.u, face->res.v, res.u, res.v);
-    uint32_t width = 1u << res.u, height = 1u << res.v;
-    if (!rect.width || !rect.height || rect.x >= width || rect.y >= height ||
-        rect.width > width - rect.x || rect.height > height - rect.y)
+    if (!slvi_rect_is_within(rect, res))
         return slvi_fail(env, SLV_ERROR_ARGUMENT,
                          "%s: face %u: %u x %u texels at (%u, %u) do not lie within %u x %u",
                          desc.name, (unsigned)index, (unsigned)rect.width, (unsigned)rect.height,
-                         (unsigned)rect.x, (unsigned)rect.y, (unsigned)width, (unsigned)height);
+                         (unsigned)rect.x, (unsigned)rect.y, 1u << res.u, 1u << res.v);
     return SLV_OK;
 }

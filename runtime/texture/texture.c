@@ -196,13 +196,11 @@ slv_result slv_texture_set_rect(slv_texture *texture, uint32_t face, slv_rect re
         return result;
     slv_res res = texture->res[face];
     size_t size = texture->texel_size;
-    uint32_t width = 1u << res.u, height = 1u << res.v;
-    if (!rect.width || !rect.height || rect.x >= width || rect.y >= height ||
-        rect.width > width - rect.x || rect.height > height - rect.y)
+    if (!slvi_rect_is_within(rect, res))
         return slvi_fail(&texture->env, SLV_ERROR_ARGUMENT,
                          "texture: face %u: %u x %u texels at (%u, %u) do not lie within %u x %u",
                          (unsigned)face, (unsigned)rect.width, (unsigned)rect.height,
-                         (unsigned)rect.x, (unsigned)rect.y, (unsigned)width, (unsigned)height);
+                         (unsigned)rect.x, (unsigned)rect.y, 1u << res.u, 1u << res.v);
     bool was_constant = !texture->texels[face];
     if (was_constant) {
         if ((result = make_room(texture, face)))

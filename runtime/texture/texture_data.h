@@ -35,6 +35,13 @@ static inline size_t slv_res_texels(slv_res res) {
     return (size_t)1 << (res.u + res.v);
 }
 
+/* Whether a rectangle has texels, all of which are among those of a resolution. */
+static inline bool slvi_rect_is_within(slv_rect rect, slv_res res) {
+    uint32_t width = 1u << res.u, height = 1u << res.v;
+    return rect.width && rect.height && rect.x < width && rect.y < height &&
+           rect.width <= width - rect.x && rect.height <= height - rect.y;
+}
+
 /* log2 of how many texels lie along an edge, and of how many rows of them there are. */
 static inline int slvi_res_along(slv_res res, unsigned edge) {
     return slvi_edge_along(edge, res.u, res.v);

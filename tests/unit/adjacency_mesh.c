@@ -164,7 +164,7 @@ static void check_against_osd(const slv_env *env, const slv_mesh *mesh, const sl
     free(theirs);
 }
 
-static void slvi_check_mesh(const slv_env *env, const slv_mesh *mesh, bool manifold) {
+static void check_mesh(const slv_env *env, const slv_mesh *mesh, bool manifold) {
     slv_adjacency *a = NULL;
     MUST(slv_mesh_adjacency(env, mesh, &a));
     CHECK(slv_adjacency_cut_count(a) == 0);
@@ -182,11 +182,11 @@ static void test_random_meshes(void) {
         int kind = round % SHAPE_KINDS;
         shape s = shape_random(kind, &random);
         slv_mesh *mesh = shape_mesh(&env, &s);
-        slvi_check_mesh(&env, mesh, true);
+        check_mesh(&env, mesh, true);
         slv_mesh_destroy(mesh);
         shape_flip_polygon(&s, test_random(&random) % s.npolys);
         mesh = shape_mesh(&env, &s);
-        slvi_check_mesh(&env, mesh, false);
+        check_mesh(&env, mesh, false);
         slv_mesh_destroy(mesh);
         shape_scramble(&s, &random, 1 + test_random(&random) % 6);
         slv_mesh_view view = shape_view(&s);
@@ -195,7 +195,7 @@ static void test_random_meshes(void) {
         view.hole_polys = &hole;
         MUST(slv_mesh_create(&env, &view, &mesh));
         CHECK(slv_mesh_face_is_hole(mesh, 0) == (hole == 0) && !slv_mesh_face_is_hole(mesh, -1));
-        slvi_check_mesh(&env, mesh, false);
+        check_mesh(&env, mesh, false);
         slv_mesh_destroy(mesh);
         shape_clear(&s);
     }
@@ -217,7 +217,7 @@ static void test_non_manifold(void) {
     MUST(slv_mesh_adjacency(&env, mesh, &adjacency));
     CHECK(slv_adjacency_neighbours(adjacency, 0, 1, n) == 0);
     slv_adjacency_destroy(adjacency);
-    slvi_check_mesh(&env, mesh, false);
+    check_mesh(&env, mesh, false);
     slv_mesh_destroy(mesh);
     shape_clear(&s);
 
@@ -230,7 +230,7 @@ static void test_non_manifold(void) {
     MUST(slv_mesh_adjacency(&env, mesh, &adjacency));
     CHECK(slv_adjacency_ring(adjacency, 0, 2, NULL).count == 1);
     slv_adjacency_destroy(adjacency);
-    slvi_check_mesh(&env, mesh, true);
+    check_mesh(&env, mesh, true);
     slv_mesh_destroy(mesh);
     shape_clear(&s);
 }
@@ -245,7 +245,7 @@ static void test_pole(void) {
     slv_ring ring = slv_adjacency_ring(a, 0, 0, NULL);
     CHECK(ring.count == 720 && ring.closed);
     slv_adjacency_destroy(a);
-    slvi_check_mesh(&env, mesh, true);
+    check_mesh(&env, mesh, true);
     slv_mesh_destroy(mesh);
     shape_clear(&s);
 }

@@ -192,7 +192,7 @@ static void check_convergence(void) {
 }
 
 /* A point on an edge has one value, seen from either face. */
-static void slvi_check_seams(void) {
+static void check_seams(void) {
     const slv_procedural noise = {
         .pattern = SLV_PATTERN_NOISE, .frequency = 5, .octaves = 4, .face_tint = 0.8f};
     for (int log2 = 0; log2 <= 4; log2 += 4) {
@@ -375,7 +375,7 @@ int main(void) {
     check_positions();
     check_threads();
     check_convergence();
-    slvi_check_seams();
+    check_seams();
     check_cancel();
     check_refusals();
     check_holes();

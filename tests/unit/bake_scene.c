@@ -26,7 +26,7 @@ static const char *join(char *out, const char *folder, const char *name) {
     return out;
 }
 
-static void slvi_check_mesh(const slv_env *env, const slv_mesh *mesh, slv_adjacency **adjacency) {
+static void check_mesh(const slv_env *env, const slv_mesh *mesh, slv_adjacency **adjacency) {
     const slv_mesh_view *view = slv_mesh_get_view(mesh);
     slv_mesh_stats stats;
     REQUIRE(!slv_mesh_get_stats(env, mesh, &stats));
@@ -133,7 +133,7 @@ int main(void) {
     slv_adjacency *adjacency = NULL;
     slv_texture *plain = NULL, *tinted = NULL;
     REQUIRE(!slv_mesh_load(&env, join(path, folder, files[0]), &mesh));
-    slvi_check_mesh(&env, mesh, &adjacency);
+    check_mesh(&env, mesh, &adjacency);
     CHECK(check_texture(&env, join(path, folder, files[1]), mesh, &plain) >= 5);
     CHECK(check_texture(&env, join(path, folder, files[2]), mesh, &tinted) >= 5);
     float smooth = largest_jump(plain, adjacency), patchy = largest_jump(tinted, adjacency);

@@ -36,7 +36,7 @@ static void flatten(uint32_t face, slv_ptx_face *info, void *texels) {
     memset(texels, 100, (size_t)3 << (info->res.u + info->res.v));
 }
 
-static void slvi_check_adjacency(void) {
+static void check_adjacency(void) {
     tool_copy("good.ptx", "adjacency.ptx", true, spoil_adjacency);
     RUNS(1, "check adjacency.ptx");
     HAS("face 1 edge 3: leads to face 0 edge 1, which is a boundary");
@@ -106,7 +106,7 @@ static void check_reductions(void) {
     HAS("its average is off by ");
 }
 
-static void slvi_check_texels(void) {
+static void check_texels(void) {
     slv_ptx *ptx = tool_open("good.ptx");
     slv_ptx_block block;
     size_t size = 0;
@@ -233,7 +233,7 @@ static void check_flags(void) {
     RUNS(0, "check flat2.ptx --seams 0.004");
 }
 
-static void slvi_check_mesh(void) {
+static void check_mesh(void) {
     slv_env env = test_env();
     slv_mesh *same = grid_mesh(3, 2, true), *other = grid_mesh(3, 3, false);
     REQUIRE(!slv_mesh_save_obj(&env, same, tool_path("same.obj")));
@@ -289,12 +289,12 @@ int main(void) {
     sound("good.ptx");
     tool_copy("good.ptx", "same.ptx", true, keep);
     sound("same.ptx");
-    slvi_check_adjacency();
+    check_adjacency();
     check_reductions();
-    slvi_check_texels();
+    check_texels();
     check_lost_neighbours();
     check_flags();
-    slvi_check_mesh();
+    check_mesh();
     check_threads();
     check_usage();
     tool_end();

@@ -28,7 +28,7 @@ static void change_table(uint32_t face, slv_ptx_face *info, void *texels) {
         info->res = (slv_res){3, 4};
 }
 
-static void slvi_check_texels(void) {
+static void check_texels(void) {
     slv_env env = test_env();
     slv_image image = {0};
     tool_copy("a.ptx", "b.ptx", true, change_texel);
@@ -108,7 +108,7 @@ int main(void) {
     tool_begin();
     CHECK(each_sample(same_as_itself) > 0);
     tool_write_noise("a.ptx", SLV_TYPE_U8, 3, SLV_NO_ALPHA, 1);
-    slvi_check_texels();
+    check_texels();
     check_table();
     check_kinds();
     check_usage();

@@ -75,7 +75,7 @@ static void write_ptx(void) {
 
 #define HAS(text) CHECK_MSG(strstr(out, text), "'%s' in:\n%s", text, out)
 
-static void slvi_check_mesh(void) {
+static void check_mesh(void) {
     char out[16384];
     CHECK(info("mesh.obj --faces", out, sizeof out) == 0);
     HAS("4, of them 3 sub-faces");
@@ -88,6 +88,13 @@ static void slvi_check_mesh(void) {
     HAS("\"face_table\": [");
     HAS("\\u001B[31m\xEF\xBF\xBDred");
     CHECK(info("mesh.obj --meta", out, sizeof out) == 2);
+    static const char ply[] = "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\n"
+                              "property float y\nproperty float z\nelement face 1\n"
+                              "property list uchar int vertex_indices\nend_header\n"
+                              "0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n";
+    write_file("mesh.PLY", ply, sizeof ply - 1);
+    CHECK(info("mesh.PLY", out, sizeof out) == 0);
+    HAS("3, of them 3 sub-faces");
 }
 
 static void check_ptx(void) {
@@ -135,7 +142,7 @@ int main(void) {
     REQUIRE(mkdtemp(folder));
     write_mesh();
     write_ptx();
-    slvi_check_mesh();
+    check_mesh();
     check_ptx();
     check_errors();
     static const char *const names[] = {"mesh.obj", "texture.data", "short.ptx", "other.txt"};

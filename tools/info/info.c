@@ -7,6 +7,14 @@
 
 typedef enum file_kind { KIND_UNREADABLE, KIND_UNKNOWN, KIND_PTX, KIND_MESH } file_kind;
 
+static bool is_mesh(const char *path) {
+    static const char *const endings[] = {".obj", ".ply", ".obj.gz", ".ply.gz"};
+    for (size_t i = 0; i < sizeof endings / sizeof *endings; i++)
+        if (cli_ends_with(path, endings[i]))
+            return true;
+    return false;
+}
+
 /* By content first: a .ptx with another name is still one. */
 static file_kind find_kind(const char *path) {
     char magic[4] = {0};
@@ -23,9 +31,7 @@ static file_kind find_kind(const char *path) {
         return KIND_UNREADABLE;
     if (got == 4 && memcmp(magic, "Ptex", 4) == 0)
         return KIND_PTX;
-    return cli_ends_with(path, ".ptx")   ? KIND_PTX
-           : cli_ends_with(path, ".obj") ? KIND_MESH
-                                         : KIND_UNKNOWN;
+    return cli_ends_with(path, ".ptx") ? KIND_PTX : is_mesh(path) ? KIND_MESH : KIND_UNKNOWN;
 }
 
 int verb_info(int argc, char **argv) {
@@ -51,7 +57,7 @@ int verb_info(int argc, char **argv) {
     };
     const cli_command command = {.name = "info",
                                  .summary = "say what a .ptx or a mesh holds",
-                                 .arguments = "FILE.ptx|FILE.obj",
+                                 .arguments = "FILE.ptx|FILE.obj|FILE.ply",
                                  .examples = "  selvage info teapot.ptx\n"
                                              "  selvage info teapot.ptx --meta --faces\n"
                                              "  selvage info teapot.ptx --sheet faces.png\n"
@@ -74,7 +80,7 @@ int verb_info(int argc, char **argv) {
     case KIND_UNREADABLE:
         return cli_error("%s: %s", path, strerror(errno));
     case KIND_UNKNOWN:
-        return cli_error("%s: neither a .ptx nor an .obj file", path);
+        return cli_error("%s: neither a .ptx nor an .obj or .ply file", path);
     case KIND_PTX:
         code = info_ptx(&command, &env, path, &o);
         break;

@@ -6,18 +6,6 @@
 
 #include <selvage/border.h>
 
-static slv_result create(const slv_env *env, const slv_levels *levels,
-                         const slv_adjacency *adjacency, uint32_t border, void **out) {
-    slv_form_faces *made = NULL;
-    slv_result result = slvi_alloc(env, "borders", 1, sizeof *made, &made);
-    if (!result && (result = slvi_form_faces_begin(env, levels, adjacency, border, made))) {
-        slvi_free(made);
-        made = NULL;
-    }
-    *out = made;
-    return result;
-}
-
 static slv_result read_level(const void *made, uint32_t item, uint32_t level, float *scratch,
                              slv_form_texels *out) {
     const slv_form_faces *faces = made;
@@ -59,7 +47,7 @@ const slv_form *slv_form_borders(void) {
         .item = "a face",
         .borders = true,
         .computed = true,
-        .create = create,
+        .create = slvi_form_faces_create,
         .destroy = slvi_form_faces_destroy,
         .count = slvi_form_faces_count,
         .res = slvi_form_faces_res,
