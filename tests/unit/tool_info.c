@@ -145,7 +145,8 @@ int main(void) {
     check_mesh();
     check_ptx();
     check_errors();
-    static const char *const names[] = {"mesh.obj", "texture.data", "short.ptx", "other.txt"};
+    static const char *const names[] = {"mesh.obj", "mesh.PLY", "texture.data", "short.ptx",
+                                        "other.txt"};
     for (size_t i = 0; i < sizeof names / sizeof *names; i++) {
         char path[256];
         snprintf(path, sizeof path, "%s/%s", folder, names[i]);
