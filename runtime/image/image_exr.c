@@ -13,21 +13,23 @@
 
 /* What OpenEXRCore's callbacks reach. */
 struct exr_stream {
+    struct exr_stream *outer; /* one whose caller's callback began this one */
     const uint8_t *source;
     uint64_t size;
     FILE *target;
     char message[256];
 };
 
+/* Whose callbacks run on this thread. OpenEXRCore reports some errors while it holds the context's
+ * lock, which asking the context for its user data would wait for. */
+static _Thread_local struct exr_stream *current;
+
 static void on_error(exr_const_context_t context, exr_result_t code, const char *message) {
-    void *user = NULL;
+    (void)context;
     (void)code;
     /* the first of several messages is the one that says why */
-    if (exr_get_user_data(context, &user) == EXR_ERR_SUCCESS && user) {
-        struct exr_stream *stream = user;
-        if (!stream->message[0])
-            snprintf(stream->message, sizeof stream->message, "%s", message);
-    }
+    if (current && !current->message[0])
+        snprintf(current->message, sizeof current->message, "%s", message);
 }
 
 static int64_t on_read(exr_const_context_t context, void *user, void *buffer, uint64_t size,
@@ -66,6 +68,8 @@ static exr_context_initializer_t initializer(struct exr_stream *stream) {
     init.size = sizeof init;
     init.error_handler_fn = on_error;
     init.user_data = stream;
+    stream->outer = current;
+    current = stream;
     init.max_image_width = init.max_image_height = IMAGE_MAX_SIDE;
     init.max_tile_width = init.max_tile_height = IMAGE_MAX_SIDE;
     init.zip_level = -2; /* the library's default, as the next */
@@ -277,6 +281,7 @@ slv_result slvi_image_exr_decode(const slv_env *env, const char *path, const voi
 done:
     exr_decoding_destroy(context, &decode.pipeline);
     exr_finish(&context);
+    current = stream.outer;
     slvi_free(decode.planes);
     if (result)
         slv_image_free(out);
@@ -354,7 +359,7 @@ slv_result slvi_image_exr_save(const slv_env *env, const char *path, const slv_i
     const char *const *names = image->nchannels < 3 ? grey : colour;
     uint32_t bits = params->bits ? params->bits : 16;
     struct exr_stream stream = {0};
-    exr_context_initializer_t init = initializer(&stream);
+    exr_context_initializer_t init;
     exr_context_t context = NULL;
     exr_encode_pipeline_t encoder = EXR_ENCODE_PIPELINE_INITIALIZER;
     slv_file_writer writer = {0};
@@ -366,6 +371,7 @@ slv_result slvi_image_exr_save(const slv_env *env, const char *path, const slv_i
     slv_result result = slvi_file_writer_open(env, path, &writer);
     if (result)
         return result;
+    init = initializer(&stream);
     stream.target = writer.stream;
     init.write_fn = on_write;
     exr_result_t code = start_exr(&context, path, &init, image, names,
@@ -390,6 +396,7 @@ slv_result slvi_image_exr_save(const slv_env *env, const char *path, const slv_i
     }
     exr_encoding_destroy(context, &encoder);
     exr_result_t finished = exr_finish(&context);
+    current = stream.outer;
     if (!result && (code || finished))
         result = report(env, SLV_ERROR_IO, path, &stream,
                         exr_get_default_error_message(code ? code : finished));
