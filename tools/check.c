@@ -233,6 +233,5 @@ int verb_check(int argc, char **argv) {
         return cli_usage(&command, "--seams looks at texels, --tables does not");
     if (c.repair && !ptx_name_is_safe(c.repair))
         return ptx_name_usage(&command, c.repair);
-    code = run_check(&c);
-    return cli_answered(code);
+    return run_check(&c);
 }

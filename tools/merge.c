@@ -104,6 +104,5 @@ int verb_merge(int argc, char **argv) {
         return cli_usage(&command, "--out is missing: where does the result go?");
     if (!ptx_name_is_safe(m.out))
         return ptx_name_usage(&command, m.out);
-    code = run_merge(&m);
-    return cli_answered(code);
+    return run_merge(&m);
 }

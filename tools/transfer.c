@@ -199,6 +199,5 @@ int verb_transfer(int argc, char **argv) {
         return ptx_name_usage(&command, t.paths[1]);
     if (t.distance_given && !(t.distance > 0))
         return cli_usage(&command, "--distance: expected more than 0");
-    code = run_transfer(&t);
-    return cli_answered(code);
+    return run_transfer(&t);
 }

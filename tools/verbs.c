@@ -25,7 +25,7 @@ static void print_help(FILE *stream) {
           stream);
 }
 
-int command_main(int argc, char **argv) {
+static int run(int argc, char **argv) {
     if (argc < 2) {
         print_help(stderr);
         return EXIT_USAGE;
@@ -45,4 +45,9 @@ int command_main(int argc, char **argv) {
             return verbs[i].run(argc - 1, argv + 1);
     fprintf(stderr, "selvage: unknown verb '%s' (see selvage --help)\n", argv[1]);
     return EXIT_USAGE;
+}
+
+int command_main(int argc, char **argv) {
+    cli_begin();
+    return cli_answered(run(argc, argv));
 }

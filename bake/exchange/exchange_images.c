@@ -2,6 +2,7 @@
 #include "exchange/exchange_data.h"
 #include "exchange/index.h"
 
+#include <selvage/file.h>
 #include <selvage/folder.h>
 #include <selvage/image.h>
 
@@ -13,7 +14,8 @@
 struct export {
     const slv_ptx *ptx;
     const slvi_exchange_plan *plan;
-    const char *folder; /* one image a face; NULL: a sheet */
+    const char *folder;    /* one image a face; NULL: a sheet */
+    const char *extension; /* of images, with its dot, as the caller spells it */
     bool exr, meta;
     slv_image *sheets; /* one a group */
     const uint32_t(*places)[2];
@@ -32,7 +34,7 @@ static slv_result save_face(const struct export *e, const slv_env *env, uint32_t
         char stem[32], name[64], path[1400];
         slv_image image = {0};
         snprintf(stem, sizeof stem, "face_%06u", face);
-        slvi_index_image_name(name, sizeof name, stem, group, e->exr);
+        slvi_index_image_name(name, sizeof name, stem, group, e->extension);
         snprintf(path, sizeof path, "%s/%s", e->folder, name);
         result = slv_image_create(env, 1u << res.u, 1u << res.v,
                                   slvi_index_group_size(nchannels, group), &image);
@@ -84,7 +86,7 @@ static int describe_place(const struct export *e, uint32_t face, json_t *item) {
     for (uint32_t group = 0; group < ngroups; group++) {
         char one[32], name[64];
         snprintf(one, sizeof one, "face_%06u", face);
-        slvi_index_image_name(name, sizeof name, one, group, e->exr);
+        slvi_index_image_name(name, sizeof name, one, group, e->extension);
         failed |= json_array_append_new(names, json_string(name));
     }
     return failed | json_object_set_new(item, "images", names);
@@ -101,7 +103,7 @@ static slv_result describe(const slv_env *env, const struct export *e, const cha
     for (uint32_t group = 0; e->places && group < slvi_index_groups(plan->target.nchannels);
          group++) {
         char name[512];
-        slvi_index_image_name(name, sizeof name, stem, group, e->exr);
+        slvi_index_image_name(name, sizeof name, stem, group, e->extension);
         failed |= json_array_append_new(images, slvi_index_text(env, name));
     }
     failed |= json_object_set_new(root, "images", images);
@@ -141,6 +143,7 @@ static slv_result to_folder(const slv_env *env, const slv_exchange_params *param
     slv_folder *made;
     json_t *root;
     e->exr = params->images == SLV_EXCHANGE_BY_TYPE ? real : params->images == SLV_EXCHANGE_EXR;
+    e->extension = e->exr ? ".exr" : ".png";
     slv_result result = slv_folder_begin(env, path, &made);
     if (result)
         return result;
@@ -221,7 +224,7 @@ static slv_result save_sheets(const slv_env *env, const struct export *e, slv_pr
     json_t *root;
     params.progress = progress;
     for (uint32_t group = 0; group < slvi_index_groups(target->nchannels) && !result; group++) {
-        slvi_index_image_name(name, sizeof name, base, group, e->exr);
+        slvi_index_image_name(name, sizeof name, base, group, e->extension);
         snprintf(path, sizeof path, "%s/%s", made, name);
         result = slv_image_save(env, path, &e->sheets[group], &params);
     }
@@ -237,14 +240,15 @@ static slv_result to_sheet(const slv_env *env, const slv_exchange_params *params
     uint32_t nfaces = e->plan->target.nfaces, nchannels = e->plan->target.nchannels,
              ngroups = slvi_index_groups(nchannels), size[2] = {1, 1};
     uint32_t(*places)[2] = NULL;
-    slv_folder *made;
+    slv_folder *made = NULL;
     char stem[1024], name[1100];
     slv_result result;
     if (!length || (strcasecmp(path + length, ".png") && strcasecmp(path + length, ".exr")))
         return slvi_fail(env, SLV_ERROR_ARGUMENT, "%s: its name must end in .png or .exr", path);
     if (length >= sizeof stem)
         return slvi_fail(env, SLV_ERROR_IO, "%s: the name is too long", path);
-    e->exr = strcasecmp(path + length, ".exr") == 0;
+    e->extension = path + length;
+    e->exr = strcasecmp(e->extension, ".exr") == 0;
     snprintf(stem, sizeof stem, "%.*s", (int)length, path);
     snprintf(name, sizeof name, "%s.json", stem);
     if ((result = slvi_alloc(env, path, nfaces, sizeof *places, &places)) ||
@@ -256,7 +260,10 @@ static slv_result to_sheet(const slv_env *env, const slv_exchange_params *params
                       "%s: is there already and is no index of a sheet: name another sheet", name);
         goto done;
     }
-    if ((result = place_faces(env, e, path, places, size)))
+    /* what cannot be written is said before the work */
+    if ((result = slv_output_try(env, path)) || (result = slv_output_try(env, name)) ||
+        (result = slv_folder_begin_beside(env, path, &made)) ||
+        (result = place_faces(env, e, path, places, size)))
         goto done;
     e->places = (const uint32_t(*)[2])places;
     warn_of_loss(env, e);
@@ -264,12 +271,10 @@ static slv_result to_sheet(const slv_env *env, const slv_exchange_params *params
         if ((result = slv_image_create(env, size[0], size[1],
                                        slvi_index_group_size(nchannels, group), &e->sheets[group])))
             goto done;
-    if ((result = visit(env, e)) || (result = slv_folder_begin_beside(env, path, &made)))
-        goto done;
-    const char *slash = strrchr(name, '/');
-    result = save_sheets(env, e, params->sheet_progress, stem, slv_folder_path(made));
-    result = slv_folder_end(made, slash ? slash + 1 : name, result);
+    if (!(result = visit(env, e)))
+        result = save_sheets(env, e, params->sheet_progress, stem, slv_folder_path(made));
 done:
+    result = slv_folder_end(made, strrchr(name, '/') ? strrchr(name, '/') + 1 : name, result);
     for (uint32_t group = 0; e->sheets && group < ngroups; group++)
         slv_image_free(&e->sheets[group]);
     slvi_free(e->sheets);

@@ -1,27 +1,24 @@
 /* Files that appear together: written into a folder beside their place, and moved when all are
- * there. The folder is locked while its writer lives, so that those of a killed one are known. */
+ * there. */
+#include "base/beside.h"
 #include "base/log.h"
 #include "base/memory.h"
+#include "base/output.h"
 
 #include <selvage/folder.h>
 
 #include <dirent.h>
 #include <errno.h>
-#include <fcntl.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/file.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
-#define MARK ".selvage-"
-#define UNIQUE "XXXXXX"
-#define ATTEMPTS 8
-
 struct slv_folder {
     slv_env env;
-    char into[1100], beside[1200];
+    char into[1100];
+    char *beside;
     bool whole;
     int lock;
 };
@@ -41,85 +38,49 @@ static void free_list(struct dirent **list, int count) {
     free(list);
 }
 
-static void remove_folder(const char *folder) {
-    struct dirent **list = NULL;
-    char path[1600];
-    int count = scandir(folder, &list, skip_dots, NULL);
-    for (int i = 0; i < count; i++)
-        if (snprintf(path, sizeof path, "%s/%s", folder, list[i]->d_name) < (int)sizeof path)
-            remove(path);
-    free_list(list, count);
-    rmdir(folder);
+static slv_result too_long(const slv_folder *folder, const char *path) {
+    return slvi_fail(&folder->env, SLV_ERROR_IO, "%s: the name is too long", path);
 }
 
-/* Locked, or -1; errno is EWOULDBLOCK if it is somebody's. */
-static int lock_folder(const char *folder) {
-    int lock = open(folder, O_RDONLY | O_DIRECTORY | O_NOFOLLOW | O_CLOEXEC);
-    if (lock >= 0 && flock(lock, LOCK_EX | LOCK_NB) != 0) {
-        int reason = errno;
-        close(lock);
-        errno = reason;
-        return -1;
-    }
-    return lock;
+/* A new folder beside the target. */
+static slv_result make_beside(const char *path, const char *target, slv_folder *out) {
+    return slvi_beside_create(&out->env, path, target, true, 0777, &out->beside, &out->lock);
 }
 
-/* Removes what killed writers of the same place left. `pattern` ends with MARK and UNIQUE. */
-static void sweep(const char *pattern) {
-    char parent[sizeof((slv_folder *)NULL)->beside], path[1600];
-    const char *slash = strrchr(pattern, '/'), *base = slash ? slash + 1 : pattern;
-    size_t length = strlen(base), known = length - strlen(UNIQUE);
-    struct dirent **list = NULL;
-    snprintf(parent, sizeof parent, "%.*s", slash ? (int)(slash + 1 - pattern) : 1,
-             slash ? pattern : ".");
-    int count = scandir(parent, &list, skip_dots, NULL);
-    for (int i = 0; i < count; i++) {
-        const char *name = list[i]->d_name;
-        if (strlen(name) != length || strncmp(name, base, known) != 0 ||
-            snprintf(path, sizeof path, "%s/%s", parent, name) >= (int)sizeof path)
-            continue;
-        int lock = lock_folder(path);
-        if (lock < 0)
-            continue;
-        remove_folder(path);
-        close(lock);
-    }
-    free_list(list, count);
+/* A folder that is there need not be in one that can be written: then inside of it. */
+static slv_result make_inside(const char *path, const char *target, slv_folder *out) {
+    char inside[sizeof out->into + 16];
+    snprintf(inside, sizeof inside, "%s/unfinished", target);
+    return make_beside(path, inside, out);
 }
 
-/* A new folder beside the first `length` characters of a path. */
-static slv_result make_beside(const char *path, int length, slv_folder *out) {
-    char pattern[sizeof out->beside];
-    if (snprintf(pattern, sizeof pattern, "%.*s" MARK UNIQUE, length, path) >= (int)sizeof pattern)
-        return slvi_fail(&out->env, SLV_ERROR_IO, "%s: the name is too long", path);
-    sweep(pattern);
-    for (int attempt = 0; attempt < ATTEMPTS; attempt++) {
-        memcpy(out->beside, pattern, sizeof pattern);
-        if (!mkdtemp(out->beside) || chmod(out->beside, 0755) != 0)
-            break;
-        out->lock = lock_folder(out->beside);
-        /* before the lock a sweep may have taken this one; where locks are not to be had, nothing
-         * is ever taken for abandoned */
-        bool taken = out->lock < 0 && errno == EWOULDBLOCK;
-        if (!taken && is_folder(out->beside))
-            return SLV_OK;
-        if (out->lock >= 0)
-            close(out->lock);
-    }
-    return slvi_fail(&out->env, SLV_ERROR_IO, "%s: cannot be made: %s", path, strerror(errno));
+static bool parent_is_closed(const char *path) {
+    char parent[sizeof((slv_folder *)NULL)->into];
+    const char *slash = strrchr(path, '/');
+    snprintf(parent, sizeof parent, "%.*s", slash ? (int)(slash + 1 - path) : 1,
+             slash ? path : ".");
+    return access(parent, W_OK | X_OK) != 0;
 }
 
 static slv_result begin_whole(const char *path, slv_folder *out) {
     struct stat status;
     int length = (int)strlen(path);
+    char *target;
     while (length > 1 && path[length - 1] == '/')
         length--;
     if (stat(path, &status) == 0 && (!S_ISDIR(status.st_mode) || access(path, W_OK | X_OK) != 0))
         return slvi_fail(&out->env, SLV_ERROR_IO, "%s: %s", path,
                          S_ISDIR(status.st_mode) ? "cannot be written" : "is not a folder");
-    if (snprintf(out->into, sizeof out->into, "%s", path) >= (int)sizeof out->into)
-        return slvi_fail(&out->env, SLV_ERROR_IO, "%s: the name is too long", path);
-    return make_beside(path, length, out);
+    if (snprintf(out->into, sizeof out->into, "%.*s", length, path) >= (int)sizeof out->into)
+        return too_long(out, path);
+    slv_result result = slvi_beside_resolve(&out->env, out->into, &target);
+    if (!result && snprintf(out->into, sizeof out->into, "%s", target) >= (int)sizeof out->into)
+        result = too_long(out, path);
+    if (!result)
+        result = is_folder(target) && parent_is_closed(target) ? make_inside(path, target, out)
+                                                               : make_beside(path, target, out);
+    slvi_free(target);
+    return result;
 }
 
 static slv_result begin_beside(const char *path, slv_folder *out) {
@@ -127,8 +88,8 @@ static slv_result begin_beside(const char *path, slv_folder *out) {
     int length = slash ? (int)(slash - path) + (slash == path) : 1;
     if (snprintf(out->into, sizeof out->into, "%.*s", length, slash ? path : ".") >=
         (int)sizeof out->into)
-        return slvi_fail(&out->env, SLV_ERROR_IO, "%s: the name is too long", path);
-    return make_beside(path, (int)strlen(path), out);
+        return too_long(out, path);
+    return make_beside(path, path, out);
 }
 
 static slv_result begin(const slv_env *given, const char *path, bool whole, slv_folder **out) {
@@ -169,14 +130,11 @@ static slv_result move_file(const slv_folder *folder, const char *name, bool onl
         return slvi_fail(&folder->env, SLV_ERROR_IO, "%s/%s: the name is too long", folder->into,
                          name);
     if (only_look)
-        return lstat(there, &status) == 0 && S_ISDIR(status.st_mode)
-                   ? slvi_fail(&folder->env, SLV_ERROR_IO, "%s: is a folder, where a file would go",
-                               there)
+        return stat(there, &status) == 0 && !S_ISREG(status.st_mode)
+                   ? slvi_fail(&folder->env, SLV_ERROR_IO, "%s: is %s, where a file would go",
+                               there, S_ISDIR(status.st_mode) ? "a folder" : "not a regular file")
                    : SLV_OK;
-    if (rename(here, there) != 0)
-        return slvi_fail(&folder->env, SLV_ERROR_IO, "%s: cannot be written: %s", there,
-                         strerror(errno));
-    return SLV_OK;
+    return slvi_output_move(&folder->env, here, there);
 }
 
 /* Stops at the first failure, which most are before anything was moved. */
@@ -202,8 +160,11 @@ static slv_result move_files(const slv_folder *folder, const char *last) {
 }
 
 slv_result slv_folder_end(slv_folder *folder, const char *last, slv_result result) {
+    struct stat old;
     if (!folder)
         return result;
+    if (folder->whole && stat(folder->into, &old) == 0)
+        slvi_output_keep(folder->lock, &old);
     if (!result && (!folder->whole || rename(folder->beside, folder->into) != 0)) {
         int reason = errno;
         /* not empty, a link to a folder, a mounted one, or "." */
@@ -212,12 +173,13 @@ slv_result slv_folder_end(slv_folder *folder, const char *last, slv_result resul
         else
             result = slvi_fail(&folder->env, SLV_ERROR_IO, "%s: cannot be written: %s",
                                folder->into, strerror(reason));
-        remove_folder(folder->beside);
+        slvi_beside_remove_folder(folder->beside);
     } else if (result) {
-        remove_folder(folder->beside);
+        slvi_beside_remove_folder(folder->beside);
     }
     if (folder->lock >= 0)
         close(folder->lock);
+    slvi_free(folder->beside);
     slvi_free(folder);
     return result;
 }

@@ -27,8 +27,10 @@ static inline uint32_t slvi_index_group_size(uint32_t nchannels, uint32_t group)
     return left < SLVI_INDEX_GROUP ? left : SLVI_INDEX_GROUP;
 }
 
-/* The image of a group: the same name for the first, ".1", ".2" before the extension for others. */
-void slvi_index_image_name(char *out, size_t size, const char *stem, uint32_t group, bool exr);
+/* The image of a group: the same name for the first, ".1", ".2" before the extension (with its dot)
+ * for others. */
+void slvi_index_image_name(char *out, size_t size, const char *stem, uint32_t group,
+                           const char *extension);
 /* Half goes into EXR as it is; PNG holds 8 or 16 bits. */
 slv_image_params slvi_index_image_params(slv_type type, bool exr);
 /* Between a face's texels, row 0 at v=0, and a rectangle of an image, its top at v=1. */

@@ -1,7 +1,8 @@
 /* Reading the index of images. */
 #include "exchange/index.h"
 
-#include <errno.h>
+#include <selvage/file.h>
+
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
@@ -97,11 +98,13 @@ slv_result slvi_index_open(const slv_env *env, const char *path, slv_exchange *s
     memcpy(folder, index, SLVI_INDEX_NAME);
     char *slash = strrchr(folder, '/');
     slash ? (slash[1] = 0) : (folder[0] = 0);
-    errno = 0;
-    source->index = json_load_file(index, JSON_REJECT_DUPLICATES, &error);
-    int reason = errno;
-    if (!source->index && error.line < 0 && reason)
-        return slvi_fail(env, SLV_ERROR_IO, "%s: %s", index, strerror(reason));
+    char *text;
+    size_t size;
+    slv_result result = slv_text_load(env, index, &text, &size);
+    if (result)
+        return result;
+    source->index = json_loadb(text, size, JSON_REJECT_DUPLICATES, &error);
+    slv_free(text);
     if (!source->index)
         return slvi_fail(env, SLV_ERROR_FORMAT, "%s:%d: %s", index, error.line, error.text);
     return read_params(env, index, source->index, &source->params);

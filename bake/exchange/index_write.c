@@ -1,7 +1,7 @@
 /* Writing the index of exported images. */
 #include "exchange/index.h"
 
-#include "base/file.h"
+#include <selvage/file.h>
 
 #include <errno.h>
 #include <math.h>
@@ -37,11 +37,12 @@ json_t *slvi_index_text(const slv_env *env, const char *text) {
     return string;
 }
 
-void slvi_index_image_name(char *out, size_t size, const char *stem, uint32_t group, bool exr) {
+void slvi_index_image_name(char *out, size_t size, const char *stem, uint32_t group,
+                           const char *extension) {
     if (group)
-        snprintf(out, size, "%s.%u.%s", stem, group, exr ? "exr" : "png");
+        snprintf(out, size, "%s.%u%s", stem, group, extension);
     else
-        snprintf(out, size, "%s.%s", stem, exr ? "exr" : "png");
+        snprintf(out, size, "%s%s", stem, extension);
 }
 
 slv_image_params slvi_index_image_params(slv_type type, bool exr) {
@@ -156,26 +157,30 @@ json_t *slvi_index_face(const slv_ptx_face *face, unsigned nedges) {
 }
 
 slv_result slvi_index_write(const slv_env *env, const char *path, json_t *root) {
-    slv_file_writer file;
-    slv_result result = slvi_file_writer_open(env, path, &file);
-    if (!result && json_dumpf(root, file.stream, JSON_INDENT(1) | JSON_REAL_PRECISION(17)) != 0)
-        result = ferror(file.stream)
-                     ? slvi_fail(env, SLV_ERROR_IO, "%s: cannot be written: %s", path,
-                                 errno ? strerror(errno) : "the disk may be full")
-                     : slvi_fail(env, SLV_ERROR_MEMORY, "%s: no memory to write it", path);
+    slv_output *output = NULL;
+    slv_result result = slv_output_open(env, path, &output);
+    FILE *stream = result ? NULL : slv_output_stream(output);
+    if (stream && json_dumpf(root, stream, JSON_INDENT(1) | JSON_REAL_PRECISION(17)) != 0 &&
+        !ferror(stream))
+        result = slvi_fail(env, SLV_ERROR_MEMORY, "%s: no memory to write it", path);
     json_decref(root);
-    if (!result)
-        return slvi_file_writer_commit(env, &file);
-    slvi_file_writer_abandon(&file);
-    return result;
+    return slv_output_end(output, result);
 }
 
 bool slvi_index_may_be(const char *path) {
     json_error_t error;
     struct stat status;
-    if (lstat(path, &status) != 0 && errno == ENOENT)
+    if (stat(path, &status) != 0 && errno == ENOENT)
         return true;
-    json_t *root = json_load_file(path, 0, &error);
+    if (S_ISREG(status.st_mode) && !status.st_size)
+        return true; /* nothing is lost */
+    const slv_env silent = {.threads = 1};
+    char *text;
+    size_t size;
+    if (slv_text_load(&silent, path, &text, &size))
+        return false;
+    json_t *root = json_loadb(text, size, 0, &error);
+    slv_free(text);
     const char *kind = json_string_value(json_object_get(root, "kind"));
     bool good = kind && strcmp(kind, SLVI_INDEX_KIND) == 0;
     json_decref(root);

@@ -3,6 +3,7 @@
 
 #include "base/log.h"
 #include "base/memory.h"
+#include "base/output.h"
 #include "image/image_file.h"
 
 #include <string.h>
@@ -39,7 +40,7 @@ slv_result slv_image_save(const slv_env *env, const char *path, const slv_image 
         return slvi_fail(env, SLV_ERROR_UNSUPPORTED, "%s: images are written as .png or .exr",
                          path);
     if (!(result = slvi_image_png_encode(env, path, image, params, &bytes, &size)))
-        result = slvi_file_write(env, path, bytes, size);
+        result = slvi_output_write(env, path, bytes, size);
     slvi_free(bytes);
     return result;
 }

@@ -3,10 +3,12 @@
 
 #include "base/log.h"
 #include "base/memory.h"
+#include "base/output.h"
 #include "image/image_file.h"
 
 #include <selvage/half.h>
 
+#include <errno.h>
 #include <openexr.h>
 #include <stdio.h>
 #include <string.h>
@@ -16,7 +18,8 @@ struct exr_stream {
     struct exr_stream *outer; /* one whose caller's callback began this one */
     const uint8_t *source;
     uint64_t size;
-    FILE *target;
+    int target; /* where it is written; errno of the first write that failed */
+    int reason;
     char message[256];
 };
 
@@ -56,10 +59,10 @@ static int64_t on_write(exr_const_context_t context, void *user, const void *buf
     struct exr_stream *stream = user;
     (void)context;
     (void)error;
-    if (fseeko(stream->target, (off_t)offset, SEEK_SET) != 0 ||
-        fwrite(buffer, 1, (size_t)size, stream->target) != size)
-        return -1;
-    return (int64_t)size;
+    if (slvi_write_at(NULL, "", stream->target, buffer, size, offset) == SLV_OK)
+        return (int64_t)size;
+    stream->reason = errno ? errno : EIO;
+    return -1;
 }
 
 static exr_context_initializer_t initializer(struct exr_stream *stream) {
@@ -362,17 +365,17 @@ slv_result slvi_image_exr_save(const slv_env *env, const char *path, const slv_i
     exr_context_initializer_t init;
     exr_context_t context = NULL;
     exr_encode_pipeline_t encoder = EXR_ENCODE_PIPELINE_INITIALIZER;
-    slv_file_writer writer = {0};
+    slv_output output;
     uint16_t *halves = NULL;
     compress_fn original = NULL;
     int32_t lines = 0;
     if (bits != 16 && bits != 32)
         return slvi_fail(env, SLV_ERROR_ARGUMENT, "%s: EXR has 16 or 32 bits, not %u", path, bits);
-    slv_result result = slvi_file_writer_open(env, path, &writer);
+    slv_result result = slvi_output_begin(env, path, false, &output);
     if (result)
         return result;
     init = initializer(&stream);
-    stream.target = writer.stream;
+    stream.target = output.descriptor;
     init.write_fn = on_write;
     exr_result_t code = start_exr(&context, path, &init, image, names,
                                   bits == 16 ? EXR_PIXEL_HALF : EXR_PIXEL_FLOAT);
@@ -397,12 +400,15 @@ slv_result slvi_image_exr_save(const slv_env *env, const char *path, const slv_i
     exr_encoding_destroy(context, &encoder);
     exr_result_t finished = exr_finish(&context);
     current = stream.outer;
-    if (!result && (code || finished))
+    if (!result && stream.reason)
+        result = slvi_fail(env, slvi_io_error(stream.reason), "%s: write failed: %s", path,
+                           strerror(stream.reason));
+    else if (!result && (code || finished))
         result = report(env, SLV_ERROR_IO, path, &stream,
                         exr_get_default_error_message(code ? code : finished));
     if (!result)
-        result = slvi_file_writer_commit(env, &writer);
-    slvi_file_writer_abandon(&writer);
+        result = slvi_output_commit(&output, false);
+    slvi_output_discard(&output);
     slvi_free(halves);
     return result;
 }

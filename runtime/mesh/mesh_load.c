@@ -1,8 +1,7 @@
 /* Meshes from files, of which the first bytes say what they are. */
-#include "base/file.h"
-#include "base/gzip.h"
 #include "base/memory.h"
 
+#include <selvage/file.h>
 #include <selvage/mesh.h>
 
 #include <string.h>
@@ -11,9 +10,7 @@ slv_result slv_mesh_load(const slv_env *env, const char *path, slv_mesh **out) {
     char *bytes = NULL;
     size_t size = 0;
     *out = NULL;
-    slv_result result = slvi_file_read(env, path, &bytes, &size);
-    if (!result)
-        result = slvi_gunzip(env, path, &bytes, &size);
+    slv_result result = slv_text_load(env, path, &bytes, &size);
     if (!result) {
         bool ply = size >= 4 && (memcmp(bytes, "ply\n", 4) == 0 || memcmp(bytes, "ply\r", 4) == 0);
         result = ply ? slv_mesh_parse_ply(env, path, bytes, size, out)

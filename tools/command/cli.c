@@ -2,6 +2,7 @@
 #include "command/cli.h"
 
 #include <errno.h>
+#include <fcntl.h>
 #include <math.h>
 #include <signal.h>
 #include <stdarg.h>
@@ -40,9 +41,12 @@ int cli_error(const char *format, ...) {
 }
 
 int cli_answered(int code) {
-    if (fflush(stdout) == 0 && !ferror(stdout))
+    bool failed = ferror(stdout) != 0;
+    errno = 0;
+    if (fflush(stdout) == 0 && !failed)
         return code;
-    return code ? code : cli_error("cannot write the answer: %s", strerror(errno));
+    cli_error("cannot write the answer: %s", errno ? strerror(errno) : "the disk may be full");
+    return code ? code : EXIT_FAILED;
 }
 
 bool cli_ends_with(const char *path, const char *extension) {
@@ -81,9 +85,24 @@ static void note_interrupt(int signal) {
 }
 
 void cli_catch_interrupts(void) {
-    struct sigaction action = {.sa_handler = note_interrupt, .sa_flags = (int)SA_RESETHAND};
-    sigaction(SIGINT, &action, NULL);
-    sigaction(SIGTERM, &action, NULL);
+    static const int signals[] = {SIGINT, SIGTERM, SIGHUP, SIGXCPU};
+    const struct sigaction action = {.sa_handler = note_interrupt, .sa_flags = (int)SA_RESETHAND};
+    struct sigaction before;
+    for (size_t i = 0; i < sizeof signals / sizeof *signals; i++)
+        /* nohup and its kin have them ignored */
+        if (sigaction(signals[i], NULL, &before) == 0 && before.sa_handler != SIG_IGN)
+            sigaction(signals[i], &action, NULL);
+    /* who reads no more of what is said shall not leave half a file */
+    signal(SIGPIPE, SIG_IGN);
+}
+
+void cli_begin(void) {
+    /* a file that is opened must not become standard output */
+    for (int descriptor = 0; descriptor <= STDERR_FILENO; descriptor++)
+        if (fcntl(descriptor, F_GETFD) < 0 && open("/dev/null", O_RDONLY) < 0)
+            break;
+    /* a limit of sizes is an error of the call that hits it */
+    signal(SIGXFSZ, SIG_IGN);
 }
 
 bool cli_interrupted(void) {

@@ -69,7 +69,9 @@ int cli_usage(const cli_command *command, const char *format, ...)
 /* One line about a failure; returns EXIT_FAILED. */
 int cli_error(const char *format, ...) __attribute__((format(printf, 1, 2)));
 
-/* What a verb that printed its answer returns: `code`, unless the answer could not be written. */
+/* Before any verb: what it may rely on. */
+void cli_begin(void);
+/* After every verb: returns `code`, unless its answer could not be written, which is said. */
 int cli_answered(int code);
 /* Whether a name ends in an extension, ".ptx" in any case, and has something before it. */
 bool cli_ends_with(const char *path, const char *extension);
@@ -105,8 +107,8 @@ void cli_progress_end(cli_progress *progress);
 
 double cli_now(void); /* seconds */
 
-/* From now on an interrupt (Ctrl-C, a polite kill) only sets a flag, so that long work can end
- * tidily; a second one kills. */
+/* From now on an interrupt (Ctrl-C, a polite kill, a terminal that is closed) only sets a flag, so
+ * that long work can end tidily; a second one kills. */
 void cli_catch_interrupts(void);
 bool cli_interrupted(void);
 

@@ -1,7 +1,6 @@
-/* Files written whole, and text made safe for HTML, JSON and terminals. */
+/* Whether outputs can be written, and text made safe for HTML, JSON and terminals. */
 #include "command/output.h"
 
-#include <errno.h>
 #include <math.h>
 #include <stdarg.h>
 #include <stdlib.h>
@@ -35,36 +34,25 @@ slv_result output_image(const slv_env *env, const char *path, const slv_image *i
     return result;
 }
 
-slv_result output_open(const slv_env *env, const char *path, output_file *out) {
-    size_t length = strlen(path);
-    *out = (output_file){.env = env, .path = path, .beside = malloc(length + sizeof ".tmp")};
-    if (!out->beside)
-        return output_fail(env, SLV_ERROR_MEMORY, "%s: no memory for its name", path);
-    memcpy(out->beside, path, length);
-    memcpy(out->beside + length, ".tmp", sizeof ".tmp");
-    out->stream = fopen(out->beside, "wb");
-    if (!out->stream) {
-        slv_result result =
-            output_fail(env, SLV_ERROR_IO, "%s: cannot be written: %s", path, strerror(errno));
-        free(out->beside);
-        return result;
-    }
+slv_result output_check_inputs(const slv_env *env, const char *path, const char *const *inputs,
+                               size_t ninputs) {
+    struct stat there, input;
+    for (size_t i = 0; i < ninputs && stat(path, &there) == 0; i++)
+        if (inputs[i] && stat(inputs[i], &input) == 0 && S_ISREG(input.st_mode) &&
+            there.st_dev == input.st_dev && there.st_ino == input.st_ino)
+            return strcmp(path, inputs[i]) == 0
+                       ? output_fail(env, SLV_ERROR_ARGUMENT,
+                                     "%s: is read, and would be lost if it were written", path)
+                       : output_fail(env, SLV_ERROR_ARGUMENT,
+                                     "%s: is the same file as %s, which would be lost", path,
+                                     inputs[i]);
     return SLV_OK;
 }
 
-slv_result output_close(output_file *file, slv_result result) {
-    /* An earlier failure leaves only the stream's flag behind, and errno may be of something else
-     * by now. */
-    bool failed = ferror(file->stream) != 0;
-    errno = 0;
-    failed |= fclose(file->stream) != 0;
-    if (!result && (failed || rename(file->beside, file->path) != 0))
-        result = output_fail(file->env, SLV_ERROR_IO, "%s: cannot be written: %s", file->path,
-                             errno ? strerror(errno) : "the disk may be full");
-    if (result)
-        remove(file->beside);
-    free(file->beside);
-    return result;
+slv_result output_check(const slv_env *env, const char *path, const char *const *inputs,
+                        size_t ninputs) {
+    slv_result result = output_check_inputs(env, path, inputs, ninputs);
+    return result ? result : slv_output_try(env, path);
 }
 
 /* Takes one character off the front (RFC 3629), or one byte if that is not the start of one. */

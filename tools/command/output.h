@@ -1,4 +1,4 @@
-/* Files that are written whole or not at all, and text made safe for where it goes. */
+/* What is said of outputs before they are written, and text made safe for where it goes. */
 #ifndef SELVAGE_TOOLS_OUTPUT_H
 #define SELVAGE_TOOLS_OUTPUT_H
 
@@ -7,17 +7,13 @@
 #include <jansson.h>
 #include <stdio.h>
 
-typedef struct output_file {
-    const slv_env *env;
-    const char *path;
-    char *beside;
-    FILE *stream;
-} output_file;
-
-/* Opens a file beside `path`. */
-slv_result output_open(const slv_env *env, const char *path, output_file *out);
-/* Puts it in the path's place if `result` is success and all was written, else removes it. */
-slv_result output_close(output_file *file, slv_result result);
+/* Says before the work what would be said after it: that `path` cannot be written, or that it is
+ * one of the inputs, by whatever name, which would be lost. Of the inputs some may be NULL. */
+slv_result output_check(const slv_env *env, const char *path, const char *const *inputs,
+                        size_t ninputs);
+/* The second part of that alone. */
+slv_result output_check_inputs(const slv_env *env, const char *path, const char *const *inputs,
+                               size_t ninputs);
 uint64_t output_file_bytes(const char *path); /* 0 if there is none */
 /* Saves a large image, and says how far that is: packing it takes longer than making it. The flags
  * are those of cli_progress_fleeting. */

@@ -168,6 +168,5 @@ int verb_convert(int argc, char **argv) {
         if (cli_ends_with(paths[1], others[i]))
             return cli_usage(&command, "'%s': expected a folder, .ptx, .png or .exr", paths[1]);
     conversion c = {.options = &o, .paths = paths};
-    code = run_convert(&command, &c);
-    return cli_answered(code);
+    return run_convert(&command, &c);
 }

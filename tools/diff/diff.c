@@ -199,6 +199,5 @@ int verb_diff(int argc, char **argv) {
         return code;
     if (d.tolerance < 0)
         return cli_usage(&command, "--tolerance: expected 0 or more");
-    code = run_diff(&d);
-    return cli_answered(code);
+    return run_diff(&d);
 }

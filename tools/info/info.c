@@ -91,5 +91,5 @@ int verb_info(int argc, char **argv) {
         code = info_mesh(&env, path, &o);
         break;
     }
-    return cli_answered(code);
+    return code;
 }

@@ -42,22 +42,23 @@ double convergence_order(const convergence *c) {
 }
 
 static slv_result write_csv(const slv_env *env, const char *path, const convergence *c) {
-    output_file file;
-    slv_result result = output_open(env, path, &file);
+    slv_output *file = NULL;
+    slv_result result = slv_output_open(env, path, &file);
     if (result)
         return result;
-    fputs("samples,seconds,estimated_rms,measured_rms\n", file.stream);
+    FILE *stream = slv_output_stream(file);
+    fputs("samples,seconds,estimated_rms,measured_rms\n", stream);
     for (uint32_t i = 0; i < c->count; i++) {
         const convergence_row *row = &c->rows[i];
-        fprintf(file.stream, "%u,%.4f,", row->samples, row->seconds);
+        fprintf(stream, "%u,%.4f,", row->samples, row->seconds);
         if (!isnan(row->estimate))
-            fprintf(file.stream, "%.9g", row->estimate);
-        fputc(',', file.stream);
+            fprintf(stream, "%.9g", row->estimate);
+        fputc(',', stream);
         if (!isnan(row->measured))
-            fprintf(file.stream, "%.9g", row->measured);
-        fputc('\n', file.stream);
+            fprintf(stream, "%.9g", row->measured);
+        fputc('\n', stream);
     }
-    return output_close(&file, SLV_OK);
+    return slv_output_end(file, SLV_OK);
 }
 
 enum { WIDTH = 640, HEIGHT = 420, LEFT = 70, RIGHT = 620, TOP = 20, BOTTOM = 370 };
@@ -151,11 +152,12 @@ static void write_series(const plot *p, const convergence *c, bool measured, con
 }
 
 static slv_result write_svg(const slv_env *env, const char *path, const convergence *c) {
-    output_file file;
+    slv_output *file = NULL;
     double low = INFINITY, high = 0;
-    slv_result result = output_open(env, path, &file);
+    slv_result result = slv_output_open(env, path, &file);
     if (result)
         return result;
+    FILE *stream = slv_output_stream(file);
     for (uint32_t i = 0; i < c->count; i++) {
         const double errors[2] = {c->rows[i].estimate, c->rows[i].measured};
         for (int k = 0; k < 2; k++) {
@@ -163,7 +165,7 @@ static slv_result write_svg(const slv_env *env, const char *path, const converge
             high = errors[k] > 0 ? fmax(high, errors[k]) : high;
         }
     }
-    plot p = {file.stream, fmax(c->rows[c->count - 1].samples, 4), 1e-6, 1};
+    plot p = {stream, fmax(c->rows[c->count - 1].samples, 4), 1e-6, 1};
     if (high > 0) {
         p.low = pow(10, floor(log10(low)));
         p.high = pow(10, floor(log10(high)) + 1);
@@ -173,8 +175,8 @@ static slv_result write_svg(const slv_env *env, const char *path, const converge
     write_guide(&p, c, 1, "1/N");
     write_series(&p, c, false, "#0a5fb4", "estimated from two halves");
     write_series(&p, c, true, "#c4450c", "measured against the last picture");
-    fputs("</svg>\n", file.stream);
-    return output_close(&file, SLV_OK);
+    fputs("</svg>\n", stream);
+    return slv_output_end(file, SLV_OK);
 }
 
 slv_result convergence_write(const slv_env *env, const char *folder, const convergence *c) {

@@ -2,7 +2,6 @@
 #include "sample/sample.h"
 #include "verbs.h"
 
-#include <errno.h>
 #include <string.h>
 
 static void keep_log(void *user, slv_log_level level, const char *message) {
@@ -22,10 +21,13 @@ static int run_sample(const sample_options *options, const char *path) {
                                .premultiply = options->premultiply};
     sample_texture texture = {.path = path, .log = &log};
     sample_reader reader = {.descriptor = -1};
-    output_file file = {0};
+    slv_output *output = NULL;
+    const char *const inputs[] = {path, options->queries};
     FILE *stream = stdout;
     uint64_t failed = 0;
     int code = EXIT_FAILED;
+    if (options->out && output_check_inputs(&env, options->out, inputs, 2))
+        goto done;
     if (slv_cache_create(&env, &params, &texture.cache) ||
         slv_cache_open(texture.cache, path, &texture.file) ||
         slv_cache_get_info(texture.cache, texture.file, &texture.info) ||
@@ -34,13 +36,13 @@ static int run_sample(const sample_options *options, const char *path) {
     if (options->out) {
         /* what is half written shall go away on an interrupt too */
         cli_catch_interrupts();
-        if (output_open(&env, options->out, &file))
+        if (slv_output_open_stream(&env, options->out, &output))
             goto done;
-        stream = file.stream;
+        stream = slv_output_stream(output);
     }
     code =
         (options->bench ? sample_bench : sample_run)(options, &texture, &reader, stream, &failed);
-    if (file.stream && output_close(&file, code ? SLV_ERROR_CANCELLED : SLV_OK))
+    if (slv_output_end(output, code ? SLV_ERROR_CANCELLED : SLV_OK))
         code = EXIT_FAILED;
     if (failed > SAMPLE_COMPLAINTS)
         cli_error("%s: %llu lookups failed, the first %d are shown", reader.name,
@@ -105,8 +107,5 @@ int verb_sample(int argc, char **argv) {
     int code = cli_parse(&command, argc, argv);
     if (code >= 0)
         return code;
-    code = run_sample(&o, path);
-    if (fflush(stdout) != 0 || ferror(stdout))
-        return code ? code : cli_error("cannot write the answers: %s", strerror(errno));
-    return code;
+    return run_sample(&o, path);
 }

@@ -11,8 +11,8 @@ extern "C" {
 
 typedef struct slv_folder slv_folder;
 
-/* Begins files that will make up the folder `path`, or be among those that it has. What killed
- * writers of the same place left beside it is removed. */
+/* Begins files that will make up the folder `path`, or be among those that it has; links are
+ * followed. What killed writers of the same place left beside it is removed. */
 SLV_NODISCARD SLV_API slv_result slv_folder_begin(const slv_env *env, const char *path,
                                                   slv_folder **out);
 /* Begins files that will lie where the file `path` does, among others. */

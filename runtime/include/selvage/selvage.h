@@ -7,6 +7,7 @@
 #include <selvage/cache.h>
 #include <selvage/camera.h>
 #include <selvage/edge_aligned.h>
+#include <selvage/file.h>
 #include <selvage/filter.h>
 #include <selvage/form.h>
 #include <selvage/gl_context.h>

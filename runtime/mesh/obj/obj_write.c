@@ -1,11 +1,10 @@
 /* Writing a mesh as an OBJ file. */
 #include "mesh/mesh_data.h"
 
-#include "base/file.h"
 #include "base/log.h"
 #include "base/memory.h"
+#include "base/output.h"
 
-#include <errno.h>
 #include <inttypes.h>
 #include <locale.h>
 #include <stdio.h>
@@ -82,12 +81,14 @@ static void write_mesh(FILE *stream, const slv_mesh *mesh, uint32_t *open) {
 }
 
 slv_result slv_mesh_save_obj(const slv_env *env, const slv_mesh *mesh, const char *path) {
-    slv_file_writer writer;
+    slv_output output;
+    FILE *stream;
     uint32_t *open = NULL;
-    slv_result result = slvi_file_writer_open(env, path, &writer);
+    slv_result result = slvi_output_begin(env, path, false, &output);
     if (result)
         return result;
-    if ((result = slvi_alloc(env, path, mesh->view.ngroups, sizeof *open, &open)))
+    if ((result = slvi_output_stream(&output, &stream)) ||
+        (result = slvi_alloc(env, path, mesh->view.ngroups, sizeof *open, &open)))
         goto done;
     locale_t plain = newlocale(LC_ALL_MASK, "C", (locale_t)0);
     if (!plain) {
@@ -95,17 +96,12 @@ slv_result slv_mesh_save_obj(const slv_env *env, const slv_mesh *mesh, const cha
         goto done;
     }
     locale_t before = uselocale(plain);
-    write_mesh(writer.stream, mesh, open);
+    write_mesh(stream, mesh, open);
     uselocale(before);
     freelocale(plain);
-    if (ferror(writer.stream)) {
-        result =
-            slvi_fail(env, slvi_io_error(errno), "%s: write failed: %s", path, strerror(errno));
-        goto done;
-    }
-    result = slvi_file_writer_commit(env, &writer);
+    result = slvi_output_commit(&output, false);
 done:
     slvi_free(open);
-    slvi_file_writer_abandon(&writer);
+    slvi_output_discard(&output);
     return result;
 }

@@ -18,18 +18,7 @@ struct file_source {
 
 static int file_read(void *user, uint64_t offset, void *buffer, size_t size) {
     const struct file_source *file = user;
-    char *to = buffer;
-    while (size) {
-        ssize_t got = pread(file->descriptor, to, size, (off_t)offset);
-        if (got < 0 && errno == EINTR)
-            continue;
-        if (got <= 0)
-            return -1;
-        to += got;
-        offset += (uint64_t)got;
-        size -= (size_t)got;
-    }
-    return 0;
+    return slvi_read_at(file->descriptor, buffer, size, offset) ? -1 : 0;
 }
 
 static void file_close(void *user) {

@@ -3,6 +3,7 @@
  * one. */
 #include "ptx/write/ptx_write.h"
 
+#include "base/beside.h"
 #include "base/file.h"
 #include "base/log.h"
 #include "base/memory.h"
@@ -27,8 +28,8 @@ struct append {
 
 static slv_result flush(struct append *append) {
     slv_ptx_writer *writer = append->writer;
-    slv_result result = slvi_ptx_write_at(&writer->env, writer->path, writer->edited,
-                                          append->bytes.data, append->bytes.size, append->position);
+    slv_result result = slvi_write_at(&writer->env, writer->path, writer->edited,
+                                      append->bytes.data, append->bytes.size, append->position);
     append->position += append->bytes.size;
     append->bytes.size = 0;
     return result;
@@ -92,8 +93,8 @@ static slv_result put_fields(const slv_ptx_writer *writer, uint64_t end) {
     uint8_t fields[16];
     ptx_put_u64(fields, end - writer->edit_position);
     ptx_put_u64(fields + 8, writer->edit_position);
-    return slvi_ptx_write_at(&writer->env, writer->path, writer->edited, fields, sizeof fields,
-                             EDIT_FIELDS);
+    return slvi_write_at(&writer->env, writer->path, writer->edited, fields, sizeof fields,
+                         EDIT_FIELDS);
 }
 
 static slv_result append_all(struct append *append) {
@@ -115,9 +116,10 @@ slv_result slvi_ptx_writer_append(slv_ptx_writer *writer) {
         edited.st_dev != named.st_dev || edited.st_ino != named.st_ino)
         return slvi_fail(&writer->env, SLV_ERROR_IO, "%s: was replaced while it was being edited",
                          writer->path);
-    if (pread(writer->edited, fields, sizeof fields, EDIT_FIELDS) != (ssize_t)sizeof fields)
-        return slvi_fail(&writer->env, SLV_ERROR_IO, "%s: its header could not be read",
-                         writer->path);
+    int reason = slvi_read_at(writer->edited, fields, sizeof fields, EDIT_FIELDS);
+    if (reason)
+        return slvi_fail(&writer->env, slvi_io_error(reason),
+                         "%s: its header could not be read: %s", writer->path, strerror(reason));
     slv_result result = SLV_OK;
     /* old files have no end of their edits: all that follows would count, half written or not */
     if (!ptx_get_u64(fields + 8))
@@ -139,6 +141,6 @@ slv_result slvi_ptx_writer_append(slv_ptx_writer *writer) {
     if (end >= writer->edit_end)
         (void)!ftruncate(writer->edited, (off_t)end);
     if (!result)
-        slvi_ptx_temporary_sweep(writer->path);
+        slvi_beside_sweep(writer->path);
     return result;
 }

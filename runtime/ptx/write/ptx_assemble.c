@@ -1,8 +1,10 @@
 /* From packed faces to a complete file. */
 #include "ptx/write/ptx_write.h"
 
+#include "base/file.h"
 #include "base/log.h"
 #include "base/memory.h"
+#include "base/output.h"
 #include "texture/neighbourhood.h"
 
 #include <stdlib.h>
@@ -222,8 +224,8 @@ static slv_result write_batch(const struct assembly *a, const slv_env *env,
     if (!result)
         result = gather(&writer->spill, env, moves, count, bytes + batch->size, bytes);
     if (!result)
-        result = slvi_ptx_write_at(env, writer->path, a->descriptor, bytes, batch->size,
-                                   batch->position);
+        result =
+            slvi_write_at(env, writer->path, a->descriptor, bytes, batch->size, batch->position);
     slvi_free(moves);
     slvi_free(bytes);
     return result;
@@ -244,22 +246,22 @@ static slv_result write_batches(void *user, uint64_t first, uint64_t end) {
     return result;
 }
 
-static slv_result write_all(struct assembly *a, const ptx_temporary *temporary) {
+static slv_result write_all(struct assembly *a, const slv_output *output) {
     const slv_ptx_writer *writer = a->writer;
     const slv_env *env = &writer->env;
     uint64_t position = a->front.size, table = 0;
-    a->descriptor = temporary->descriptor;
+    a->descriptor = output->descriptor;
     slv_result result =
-        slvi_ptx_write_at(env, writer->path, a->descriptor, a->front.data, a->front.size, 0);
+        slvi_write_at(env, writer->path, a->descriptor, a->front.data, a->front.size, 0);
     for (uint32_t level = 0; !result && level < a->nlevels; level++) {
-        result = slvi_ptx_write_at(env, writer->path, a->descriptor, a->tables.data + table,
-                                   a->table_sizes[level], position);
+        result = slvi_write_at(env, writer->path, a->descriptor, a->tables.data + table,
+                               a->table_sizes[level], position);
         table += a->table_sizes[level];
         position += a->level_sizes[level];
     }
     if (!result)
-        result = slvi_ptx_write_at(env, writer->path, a->descriptor, a->meta.bytes.data,
-                                   a->meta.bytes.size, position);
+        result = slvi_write_at(env, writer->path, a->descriptor, a->meta.bytes.data,
+                               a->meta.bytes.size, position);
     if (!result)
         result = slvi_ptx_parallel_for(env, &a->errors, a->nbatches, 1, write_batches, a);
     return result;
@@ -293,7 +295,7 @@ static void flag_neighbourhoods(slv_ptx_writer *writer) {
 slv_result slvi_ptx_writer_assemble(slv_ptx_writer *writer) {
     struct assembly a = {.writer = writer};
     const slv_ptx_writer_params *p = &writer->params;
-    ptx_temporary temporary = {-1, NULL};
+    slv_output output = {.path = NULL};
     struct libdeflate_compressor *deflater = libdeflate_alloc_compressor(writer->compression);
     slv_result result = SLV_OK;
     if (!deflater)
@@ -312,12 +314,11 @@ slv_result slvi_ptx_writer_assemble(slv_ptx_writer *writer) {
              slvi_alloc(&writer->env, writer->path, a.nbatches, sizeof *a.batches, &a.batches)))
         goto done;
     cut_batches(&a);
-    if (!(result = slvi_ptx_temporary_create(&writer->env, writer->path, &temporary)) &&
-        !(result = write_all(&a, &temporary)) &&
-        !(result = slvi_ptx_temporary_commit(&writer->env, writer->path, &temporary, p->sync)))
-        slvi_ptx_temporary_sweep(writer->path);
+    if (!(result = slvi_output_begin(&writer->env, writer->path, false, &output)) &&
+        !(result = write_all(&a, &output)))
+        result = slvi_output_commit(&output, p->sync);
 done:
-    slvi_ptx_temporary_discard(&temporary);
+    slvi_output_discard(&output);
     libdeflate_free_compressor(deflater);
     slvi_free(a.ranks);
     slvi_free(a.order);

@@ -1,10 +1,11 @@
 /* What a writer has packed and keeps until the end: in memory at first, then in a file. */
 #include "ptx/write/ptx_write.h"
 
+#include "base/beside.h"
+#include "base/file.h"
 #include "base/log.h"
 #include "base/memory.h"
 
-#include <errno.h>
 #include <unistd.h>
 
 #define CHUNK (UINT64_C(1) << 20)
@@ -29,7 +30,7 @@ static slv_result reserve(ptx_spill *spill, const slv_env *env, uint64_t size, u
             return result;
     }
     if (end > spill->budget && spill->descriptor < 0) {
-        slv_result result = slvi_ptx_open_nameless(env, spill->path, &spill->descriptor);
+        slv_result result = slvi_beside_nameless(env, spill->path, spill->path, &spill->descriptor);
         if (result)
             return result;
     }
@@ -58,8 +59,8 @@ slv_result slvi_ptx_spill_append(ptx_spill *spill, const slv_env *env, const voi
     while (size) {
         uint64_t part = part_in_memory(spill, at, size);
         if (!part)
-            return slvi_ptx_write_at(env, spill->path, spill->descriptor, from, size,
-                                     at - spill->budget);
+            return slvi_write_at(env, spill->path, spill->descriptor, from, size,
+                                 at - spill->budget);
         memcpy(spill->chunks[at / CHUNK] + at % CHUNK, from, (size_t)part);
         at += part;
         from += part;
@@ -73,19 +74,14 @@ slv_result slvi_ptx_spill_read(const ptx_spill *spill, const slv_env *env, uint6
     uint8_t *to = out;
     while (size) {
         uint64_t part = part_in_memory(spill, position, size);
-        if (part)
-            memcpy(to, spill->chunks[position / CHUNK] + position % CHUNK, (size_t)part);
-        else {
-            ssize_t got =
-                pread(spill->descriptor, to, (size_t)size, (off_t)(position - spill->budget));
-            if (got < 0 && errno == EINTR)
-                continue;
-            if (got <= 0)
-                return slvi_fail(env, SLV_ERROR_IO,
-                                 "%s: what was kept beside it could not be read back: %s",
-                                 spill->path, got ? strerror(errno) : "it ends too early");
-            part = (uint64_t)got;
+        if (!part) {
+            int reason = slvi_read_at(spill->descriptor, to, size, position - spill->budget);
+            return reason ? slvi_fail(env, slvi_io_error(reason),
+                                      "%s: what was kept beside it could not be read back: %s",
+                                      spill->path, strerror(reason))
+                          : SLV_OK;
         }
+        memcpy(to, spill->chunks[position / CHUNK] + position % CHUNK, (size_t)part);
         position += part;
         to += part;
         size -= part;

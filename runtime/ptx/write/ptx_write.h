@@ -76,24 +76,6 @@ slv_result slvi_ptx_spill_read(const ptx_spill *spill, const slv_env *env, uint6
                                uint64_t size, void *out);
 void slvi_ptx_spill_end(ptx_spill *spill);
 
-/* ptx_temporary.c: a file beside the target that takes its place. */
-typedef struct ptx_temporary {
-    int descriptor;
-    char *name;
-} ptx_temporary;
-
-slv_result slvi_ptx_write_at(const slv_env *env, const char *path, int descriptor, const void *data,
-                             uint64_t size, uint64_t position);
-slv_result slvi_ptx_temporary_create(const slv_env *env, const char *path, ptx_temporary *out);
-/* Puts it in the place of `path`. */
-slv_result slvi_ptx_temporary_commit(const slv_env *env, const char *path, ptx_temporary *temporary,
-                                     bool sync);
-void slvi_ptx_temporary_discard(ptx_temporary *temporary);
-/* Removes what killed writers of `path` left. */
-void slvi_ptx_temporary_sweep(const char *path);
-/* An unnamed file in the folder of `path`. */
-slv_result slvi_ptx_open_nameless(const slv_env *env, const char *path, int *descriptor);
-
 /* Everything between the levels and the edits, and the sizes that the headers record. */
 typedef struct ptx_meta_out {
     ptx_bytes bytes;

@@ -1,11 +1,11 @@
 /* Taking in faces, metadata and adjacency. */
+#include "base/beside.h"
 #include "base/log.h"
 #include "base/memory.h"
+#include "base/output.h"
 #include "ptx/write/ptx_write.h"
 #include "texture/reduce.h"
 
-#include <errno.h>
-#include <stdlib.h>
 #include <unistd.h>
 
 #define DEFAULT_MEMORY (UINT64_C(128) << 20)
@@ -85,18 +85,9 @@ slv_result slvi_ptx_writer_begin(const slv_env *env, const char *path,
     if ((result = slvi_parallel_env_begin(env, &writer->log, &writer->env)))
         goto done;
     env = &writer->env;
-    /* a link stays one: what it names is replaced */
-    char *resolved = realpath(path, NULL);
-    if (!resolved && errno == ENOMEM) {
-        result = slvi_fail(env, SLV_ERROR_MEMORY, "%s: no memory for its name", path);
-        goto done;
-    }
-    const char *name = resolved ? resolved : path;
-    result = slvi_alloc(env, path, strlen(name) + 1, 1, &writer->path);
-    if (!result)
-        memcpy(writer->path, name, strlen(name) + 1);
-    free(resolved);
-    if (result || (result = slvi_alloc(env, path, nfaces, PTX_FACE_INFO_SIZE, &writer->records)) ||
+    /* what is kept lies beside what a link leads to */
+    if ((result = slvi_beside_resolve(env, path, &writer->path)) ||
+        (result = slvi_alloc(env, path, nfaces, PTX_FACE_INFO_SIZE, &writer->records)) ||
         (result = slvi_alloc(env, path, nfaces, writer->pixel_size, &writer->constants)) ||
         (result = slvi_alloc(env, path, nfaces, 1, &writer->given)) ||
         (result = slvi_alloc(env, path, nfaces, sizeof *writer->positions, &writer->positions)) ||
@@ -120,18 +111,18 @@ done:
 
 slv_result slv_ptx_writer_create(const slv_env *env, const char *path,
                                  const slv_ptx_writer_params *params, slv_ptx_writer **out) {
-    ptx_temporary temporary;
+    slv_output output;
     slv_result result = slvi_ptx_writer_begin(env, path, params, out);
     if (result)
         return result;
     /* better to hear now than after the work that the folder cannot be written */
-    if ((result = slvi_ptx_temporary_create(&(*out)->env, (*out)->path, &temporary))) {
-        slv_ptx_writer_destroy(*out);
-        *out = NULL;
-        return result;
+    if (!(result = slvi_output_begin(&(*out)->env, path, false, &output))) {
+        slvi_output_discard(&output);
+        return SLV_OK;
     }
-    slvi_ptx_temporary_discard(&temporary);
-    return SLV_OK;
+    slv_ptx_writer_destroy(*out);
+    *out = NULL;
+    return result;
 }
 
 void slv_ptx_writer_destroy(slv_ptx_writer *writer) {

@@ -357,16 +357,17 @@ static slv_result write_page(const page *p) {
 }
 
 slv_result report_write_html(const slv_env *env, const char *path, const report_data *report) {
-    output_file file;
+    slv_output *file = NULL;
     if (!report->nstrategies)
         return output_fail(env, SLV_ERROR_ARGUMENT, "%s: a report without strategies", path);
-    slv_result result = output_open(env, path, &file);
+    slv_result result = slv_output_open(env, path, &file);
     if (result)
         return result;
+    FILE *stream = slv_output_stream(file);
     page p = {.env = env,
-              .stream = file.stream,
+              .stream = stream,
               .report = report,
               .verdict = report_judge(report),
               .advice = report_advise(report)};
-    return output_close(&file, write_page(&p));
+    return slv_output_end(file, write_page(&p));
 }

@@ -264,19 +264,20 @@ static json_t *report_json(const report_data *report) {
 }
 
 slv_result report_write_json(const slv_env *env, const char *path, const report_data *report) {
-    output_file file;
+    slv_output *file = NULL;
     slv_result result = SLV_OK;
     json_t *root = report_json(report);
     if (!root)
         return output_fail(env, SLV_ERROR_MEMORY, "%s: no memory for its contents", path);
-    if ((result = output_open(env, path, &file)))
+    if ((result = slv_output_open(env, path, &file)))
         goto done;
+    FILE *stream = slv_output_stream(file);
     /* 9 digits bring every float back exactly and keep the file readable */
-    if (json_dumpf(root, file.stream, JSON_INDENT(2) | JSON_REAL_PRECISION(9)) == 0)
-        fputc('\n', file.stream);
-    else if (!ferror(file.stream))
+    if (json_dumpf(root, stream, JSON_INDENT(2) | JSON_REAL_PRECISION(9)) == 0)
+        fputc('\n', stream);
+    else if (!ferror(stream))
         result = output_fail(env, SLV_ERROR_MEMORY, "%s: no memory to write it", path);
-    result = output_close(&file, result);
+    result = slv_output_end(file, result);
 done:
     json_decref(root);
     return result;

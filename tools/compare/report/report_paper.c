@@ -203,26 +203,27 @@ enum { TIMES, LATEX, MARKDOWN, LABELS, BLOCKS, LEFT, RIGHT };
 static slv_result write_table(const slv_env *env, const char *folder, const char *name,
                               const report_data *report, int what) {
     char path[1200];
-    output_file file;
+    slv_output *file = NULL;
     snprintf(path, sizeof path, "%s/%s", folder, name);
-    slv_result result = output_open(env, path, &file);
+    slv_result result = slv_output_open(env, path, &file);
     if (result)
         return result;
+    FILE *stream = slv_output_stream(file);
     if (what == TIMES)
-        report_write_csv(file.stream, report);
+        report_write_csv(stream, report);
     else if (what == LATEX)
-        report_write_latex(file.stream, report);
+        report_write_latex(stream, report);
     else if (what == MARKDOWN)
-        report_write_markdown(file.stream, report);
+        report_write_markdown(stream, report);
     else if (what == LABELS)
-        write_labels(file.stream, report);
+        write_labels(stream, report);
     else if (what == BLOCKS)
-        write_blocks(file.stream, report);
+        write_blocks(stream, report);
     else if (what == LEFT)
-        write_left(file.stream, report);
+        write_left(stream, report);
     else
-        write_right(file.stream, report, (report_source)(what - RIGHT));
-    return output_close(&file, SLV_OK);
+        write_right(stream, report, (report_source)(what - RIGHT));
+    return slv_output_end(file, SLV_OK);
 }
 
 slv_result report_write_tables(const slv_env *env, const char *folder, const report_data *report) {

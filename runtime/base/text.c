@@ -1,0 +1,84 @@
+/* Texts as all readers of them get them, and outputs as applications have them. */
+#include "base/file.h"
+#include "base/gzip.h"
+#include "base/log.h"
+#include "base/output.h"
+
+#include <string.h>
+
+/* How some editors mark what kind of text it is, at its beginning. */
+static slv_result skip_mark(const slv_env *env, const char *path, char *text, size_t *size) {
+    if (*size >= 3 && memcmp(text, "\xEF\xBB\xBF", 3) == 0) {
+        *size -= 3;
+        memmove(text, text + 3, *size + 1);
+        return SLV_OK;
+    }
+    if (*size >= 2 && (memcmp(text, "\xFF\xFE", 2) == 0 || memcmp(text, "\xFE\xFF", 2) == 0))
+        return slvi_fail(env, SLV_ERROR_UNSUPPORTED,
+                         "%s: is text in UTF-16: save it as UTF-8, which is what can be read",
+                         path);
+    return SLV_OK;
+}
+
+slv_result slv_text_load(const slv_env *given, const char *path, char **text, size_t *size) {
+    slv_env env = slvi_env_or_default(given);
+    slv_result result = slvi_file_read(&env, path, text, size);
+    if (!result && !(result = slvi_gunzip(&env, path, text, size)))
+        result = skip_mark(&env, path, *text, size);
+    if (result) {
+        slvi_free(*text);
+        *text = NULL;
+        *size = 0;
+    }
+    return result;
+}
+
+static slv_result open_output(const slv_env *given, const char *path, bool streams,
+                              slv_output **out) {
+    slv_env env = slvi_env_or_default(given);
+    slv_output *output;
+    FILE *stream;
+    *out = NULL;
+    slv_result result = slvi_alloc(&env, path, 1, sizeof *output, &output);
+    if (result)
+        return result;
+    if (!(result = slvi_output_begin(&env, path, streams, output)) &&
+        (result = slvi_output_stream(output, &stream)))
+        slvi_output_discard(output);
+    if (result)
+        slvi_free(output);
+    else
+        *out = output;
+    return result;
+}
+
+slv_result slv_output_open(const slv_env *env, const char *path, slv_output **out) {
+    return open_output(env, path, false, out);
+}
+
+slv_result slv_output_open_stream(const slv_env *env, const char *path, slv_output **out) {
+    return open_output(env, path, true, out);
+}
+
+FILE *slv_output_stream(slv_output *output) {
+    return output->stream;
+}
+
+slv_result slv_output_end(slv_output *output, slv_result result) {
+    if (!output)
+        return result;
+    if (result)
+        slvi_output_discard(output);
+    else
+        result = slvi_output_commit(output, false);
+    slvi_free(output);
+    return result;
+}
+
+slv_result slv_output_try(const slv_env *env, const char *path) {
+    slv_output output;
+    slv_result result = slvi_output_begin(env, path, false, &output);
+    if (!result)
+        slvi_output_discard(&output);
+    return result;
+}
