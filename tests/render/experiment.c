@@ -109,8 +109,10 @@ static void check_whole(void) {
 
 /* Removes what may differ from run to run. */
 static void drop_times(json_t *value) {
-    static const char *const keys[] = {"median_ms", "min_ms", "max_ms",  "time_ratio",
-                                       "seconds",   "advice", "numbers", "judgement"};
+    static const char *const keys[] = {"median_ms",      "min_ms",          "max_ms",  "time_ratio",
+                                       "time_ratio_low", "time_ratio_high", "seconds", "others",
+                                       "disturbed",      "points",          "advice",  "numbers",
+                                       "judgement"};
     size_t index;
     json_t *item;
     const char *key;
@@ -234,6 +236,49 @@ static void check_resume(void) {
     kit_selvage(&scratch, NULL, ARGUMENTS(EXPERIMENT, "-o", "stopped", "--resume"), &run);
     CHECK_MSG(run.code == 1 && kit_lines(run.err) == 1 && strstr(run.err, "frames.jsonl"), "%s",
               run.err);
+}
+
+/* Cameras beside the orbit do not change what is measured on it, and have figures of their own. */
+static void check_views(void) {
+    static const char near[] =
+        "{\"world_to_camera\": [[1,0,0,0],[0,1,0,0],[0,0,1,-4],[0,0,0,1]], "
+        "\"projection\": \"perspective\", \"screen_window\": [-0.2,0.2,-0.2,0.2]}",
+                      none[] = "{\"size\": [64, 48]}";
+    char path[KIT_PATH], folder[KIT_PATH];
+    kit_write(kit_join(path, scratch.folder, "near.json"), near, sizeof near - 1);
+    kit_write(kit_join(path, scratch.folder, "none.json"), none, sizeof none - 1);
+    kit_selvage(&scratch, NULL,
+                ARGUMENTS(EXPERIMENT, "-o", "views", "--view", "near.json", "--view", "near.json"),
+                &run);
+    CHECK_MSG(run.code == 0 && !run.err[0], "views: exit code %d: %s", run.code, run.err);
+    REQUIRE(run.code == 0);
+    json_t *whole = load_report("whole"), *root = load_report("views");
+    json_t *cameras = json_object_get(root, "cameras");
+    CHECK(json_array_size(cameras) == 2 && json_array_size(json_object_get(whole, "cameras")) == 0);
+    CHECK(json_is_string(json_object_get(root, "advice_for_cameras")) &&
+          json_is_null(json_object_get(whole, "advice_for_cameras")));
+    for (size_t c = 0; c < 2; c++) {
+        const json_t *rows = json_object_get(json_array_get(cameras, c), "strategies");
+        REQUIRE(json_array_size(rows) == 3);
+        for (size_t k = 0; k < 3; k++) {
+            const json_t *row = json_array_get(rows, k), *errors = json_object_get(row, "errors");
+            CHECK(number(row, "ms") > 0 && number(row, "time_ratio") > 0);
+            CHECK(number(json_object_get(errors, "all"), "pixels") == 64 * 48);
+            CHECK(number(json_object_get(errors, "interior"), "pixels") > 100);
+        }
+    }
+    drop_times(whole);
+    drop_times(root);
+    CHECK(json_equal(json_object_get(whole, "strategies"), json_object_get(root, "strategies")) &&
+          json_equal(json_object_get(whole, "reference"), json_object_get(root, "reference")));
+    json_decref(whole);
+    json_decref(root);
+    kit_remove(kit_join(folder, scratch.folder, "views"));
+    kit_selvage(&scratch, NULL, ARGUMENTS(EXPERIMENT, "-o", "views", "--view", "none.json"), &run);
+    CHECK_MSG(run.code == 1 && kit_lines(run.err) == 1 && strstr(run.err, "no camera"), "%s",
+              run.err);
+    kit_remove(kit_join(path, scratch.folder, "near.json"));
+    kit_remove(kit_join(path, scratch.folder, "none.json"));
 }
 
 static void refuse(int code, const char *word, const char *option, const char *value) {
@@ -422,6 +467,7 @@ int main(void) {
     REQUIRE(mkdir(scratch.folder, 0777) == 0);
     check_whole();
     check_resume();
+    check_views();
     kit_remove(scratch.root);
     return test_end();
 }

@@ -3,6 +3,8 @@
 #include "kit/strategy_kit.h"
 #include "kit/test.h"
 
+#include "compare/engine/busy.h"
+#include "compare/engine/report_advice.h"
 #include "compare/engine/report_findings.h"
 #include "compare/engine/report_verdict.h"
 
@@ -16,6 +18,7 @@ static void add(const char *strategy, double ms, double megabytes, double seam, 
     memset(row, 0, sizeof *row);
     row->strategy = kit_strategy(strategy);
     row->median_ms = ms;
+    row->ratio = (interval){ms, ms, ms};
     row->stats.gpu_bytes = (uint64_t)(megabytes * 1e6);
     row->stats.texel_bytes = 1000000;
     for (uint32_t r = 0; r < report.nrates; r++) {
@@ -39,36 +42,145 @@ static void begin(uint32_t nrates) {
     report.reference.first = REPORT_RAYCAST;
 }
 
-static const char *advised(void) {
-    report_advice advice = report_advise(&report);
-    CHECK(advice.measured);
-    return report.strategies[advice.take].strategy->name;
+/* Of a strategy that errs by `inside` and `seams`, jumps by `jump`, all in 1/255, and takes so much
+ * memory and time. */
+static report_figures figures(double inside, double seams, double jump, double megabytes,
+                              double low, double high) {
+    return (report_figures){.exact = {inside / 255, seams / 255, jump / 255, megabytes * 1e6},
+                            .time = {(low + high) / 2, low, high}};
+}
+
+#define ADVISE(...)                                                                                \
+    report_advise_figures((const report_figures[]){__VA_ARGS__},                                   \
+                          sizeof(const report_figures[]){__VA_ARGS__} / sizeof(report_figures))
+
+/* Each factor decides where nothing else differs, and only where it may. */
+static void check_winners(void) {
+    report_advice a;
+    a = ADVISE(figures(2, 5, 9, 10, 1, 1), figures(1, 5, 9, 10, 1, 1));
+    CHECK(a.measured && a.take == 1 && a.ntied == 1 && fabs(a.low[0] - 1) < 1e-9 && a.low[1] == 0);
+    a = ADVISE(figures(1, 10, 9, 10, 1, 1), figures(1, 5, 9, 10, 1, 1));
+    CHECK(a.take == 1 && a.ntied == 1 && fabs(a.points[0][REPORT_ERROR_SEAMS] - 1) < 1e-9);
+    a = ADVISE(figures(1, 5, 16, 10, 1, 1), figures(1, 5, 0.5, 10, 1, 1));
+    CHECK(a.take == 1 && a.ntied == 1 && fabs(a.points[0][REPORT_CLOSE_UP] - 1) < 1e-6);
+    a = ADVISE(figures(1, 5, 9, 40, 1, 1), figures(1, 5, 9, 10, 1, 1));
+    CHECK(a.take == 1 && a.ntied == 1 && fabs(a.points[0][REPORT_MEMORY] - 1) < 1e-9);
+    a = ADVISE(figures(1, 5, 9, 10, 5, 5), figures(1, 5, 9, 10, 1, 1));
+    CHECK(a.take == 1 && a.ntied == 1 && fabs(a.points[0][REPORT_TIME] - 0.5) < 1e-9);
+    /* what nobody sees is no difference, and nor is a little time */
+    a = ADVISE(figures(0.01, 0.02, 0.5, 10, 1.2, 1.2), figures(0.2, 0.2, 0, 10, 1, 1));
+    CHECK(a.take == 0 && a.ntied == 2 && a.high[0] == 0 && a.high[1] == 0);
+    /* twice the error is worth four times the memory, and sixteen times the time above the margin
+     */
+    a = ADVISE(figures(1, 5, 9, 39, 1, 1), figures(1, 10, 9, 10, 1, 1));
+    CHECK(a.take == 0);
+    a = ADVISE(figures(1, 5, 9, 46, 1, 1), figures(1, 10, 9, 10, 1, 1));
+    CHECK(a.take == 1 && a.ntied == 1);
+    a = ADVISE(figures(1, 5, 9, 10, 15, 15), figures(1, 10, 9, 10, 1, 1));
+    CHECK(a.take == 0 && a.ntied == 1);
+    a = ADVISE(figures(1, 5, 9, 10, 30, 30), figures(1, 10, 9, 10, 1, 1));
+    CHECK(a.take == 1 && a.ntied == 1);
+}
+
+/* Noise widens intervals: that makes ties, and does not change who is taken. */
+static void check_noise(void) {
+    const report_figures clamp = figures(0.2, 5, 120, 10.6, 1, 1),
+                         borders = figures(0.2, 2.4, 15, 62, 1.1, 1.2),
+                         traverse = figures(0.2, 2.5, 0, 11.6, 1.3, 1.5),
+                         aligned = figures(0.4, 3.9, 0.5, 13.6, 1, 1.1);
+    report_advice calm = ADVISE(clamp, borders, traverse, aligned);
+    CHECK(calm.take == 2 && calm.ntied == 1);
+    uint64_t seed = 7;
+    for (int run = 0; run < 1000; run++) {
+        report_figures noisy[4] = {clamp, borders, traverse, aligned};
+        for (int k = 1; k < 4; k++) {
+            double width = 1 + (double)(test_random(&seed) % 1000) / 1000;
+            double shift = 0.8 + (double)(test_random(&seed) % 400) / 1000;
+            noisy[k].time.low *= shift / width;
+            noisy[k].time.high *= shift * width;
+        }
+        report_advice one = report_advise_figures(noisy, 4);
+        CHECK_MSG(one.take == 2, "run %d takes %u", run, one.take);
+    }
+    /* so wide that time could turn it: both are named, and the one that is better besides time */
+    report_advice a = ADVISE(figures(1, 5, 9, 10, 1, 40), figures(1, 5.5, 9, 10, 0.9, 1.1));
+    CHECK(a.take == 0 && a.ntied == 2 && a.tied[0] && a.tied[1]);
+    /* certain beyond all noise, time does decide */
+    a = ADVISE(figures(1, 5, 9, 10, 30, 40), figures(1, 5.5, 9, 10, 0.9, 1.1));
+    CHECK(a.take == 1 && a.ntied == 1);
+}
+
+static void check_missing(void) {
+    report_advice a = ADVISE(figures(NAN, NAN, 9, 10, 1, 1), figures(NAN, NAN, 3, 10, 1, 1));
+    CHECK(!a.measured);
+    a = ADVISE(figures(1, NAN, NAN, 10, 1, 1), figures(3, NAN, NAN, 10, 1, 1));
+    CHECK(a.measured && a.take == 0 && a.ntied == 1);
+    a = ADVISE(figures(1, INFINITY, 0, 10, 1, 1), figures(3, 1, 0, 10, 1, 1));
+    CHECK(a.take == 1 && a.ntied == 1);
+    a = ADVISE(figures(0, 0, 0, 10, 1, 1), figures(0, 0, 0, 10, 1, 1), figures(9, 0, 0, 10, 1, 1));
+    CHECK(a.take == 0 && a.ntied == 2 && !a.tied[2]);
 }
 
 static void check_advice(void) {
+    char *text = NULL;
+    size_t size = 0;
     begin(1);
     add("clamp", 1, 1, 0.10, 0.2);
     add("borders", 1.5, 9, 0.0105, 0.2);
-    add("traverse", 3, 2, 0.010, 0.2);
-    add("discard", 1.1, 1, 0.05, 0.2);
-    CHECK(strcmp(advised(), "borders") == 0); /* 5 % worse, half the time */
-    report.strategies[2].median_ms = 1.55;    /* hardly slower: less memory decides */
-    CHECK(strcmp(advised(), "traverse") == 0);
-    report.strategies[2].median_ms = 1.60; /* more than 5 % */
-    CHECK(strcmp(advised(), "borders") == 0);
-    begin(1);
-    add("traverse", 3, 2, 0.0100, 0.2);
-    add("borders", 1.5, 9, 0.0112, 0.2);
-    CHECK(strcmp(advised(), "traverse") == 0); /* 12 % are too much, at any speed */
-    add("discard", 2, 1, 0.0109, 0.9);
-    CHECK(strcmp(advised(), "discard") == 0); /* outlines do not count */
+    add("traverse", 1.2, 2, 0.010, 0.9); /* outlines do not count */
+    add("hybrid", 1.2, 2, 0.010, 0.2);
+    report_advice advice = report_advise(&report);
+    CHECK(advice.measured && advice.take == 2 && advice.ntied == 2);
+    FILE *stream = open_memstream(&text, &size);
+    REQUIRE(stream);
+    report_write_advice(stream, &report, &advice);
+    report_write_rule(stream, &report, &advice);
+    REQUIRE(fclose(stream) == 0);
+    CHECK_MSG(strstr(text, "<strong>traverse</strong>, which is tied with hybrid: 0.50 points"),
+              "%s", text);
+    CHECK_MSG(strstr(text, "0.5 for memory") && strstr(text, ">borders</th>"), "%s", text);
+    free(text);
     report.reference.first = REPORT_SOURCES;
     report.reference.used[REPORT_RAYCAST] = false;
-    CHECK(!report_advise(&report).measured);
-    begin(1);
-    add("clamp", 1, 1, 0, 0);
-    add("traverse", 2, 1, 0, 0);
-    CHECK(strcmp(advised(), "clamp") == 0); /* no errors at all: the quickest */
+    CHECK(!report_advise(&report).measured && !report_advise_cameras(&report).measured);
+}
+
+static void check_intervals(void) {
+    double values[40];
+    for (int i = 0; i < 40; i++)
+        values[i] = 40 - i;
+    interval all = interval_of(values, 40);
+    CHECK(all.median == 20.5 && all.low == 14 && all.high == 27); /* tables of the sign test */
+    CHECK(interval_coverage(40) > 0.95 && interval_coverage(40) < 0.97);
+    double few[] = {3, 1, 2}, nine[] = {9, 8, 7, 6, 1, 2, 3, 4, 5}, one = 4;
+    interval three = interval_of(few, 3), some = interval_of(nine, 9),
+             single = interval_of(&one, 1);
+    CHECK(three.median == 2 && three.low == 1 && three.high == 3);
+    CHECK(fabs(interval_coverage(3) - 0.75) < 1e-9 && interval_coverage(1) == 0);
+    CHECK(some.median == 5 && some.low == 2 && some.high == 8);
+    CHECK(fabs(interval_coverage(9) - (1 - 20.0 / 512)) < 1e-9);
+    CHECK(single.median == 4 && single.low == 4 && single.high == 4);
+    CHECK(interval_coverage(100000) >= 0.95);
+}
+
+static void check_busy(void) {
+    double ticks = 0;
+    CHECK(busy_parse("cpu  100 20 30 4000 50 6 7 8 9 9\ncpu0 1 2 3 4\n", &ticks) && ticks == 171);
+    CHECK(busy_parse("cpu 1 2 3 4\n", &ticks) && ticks == 6); /* as old kernels have it */
+    CHECK(!busy_parse("", &ticks) && !busy_parse("intr 4 5 6 7", &ticks));
+    busy_sample from = {.clock = 10, .all = 100, .own = 5},
+                to = {.clock = 20, .all = 118, .own = 8};
+    CHECK(busy_others(&from, &to) == 1.5 && busy_others(&to, &from) == 0);
+    to.all = NAN;
+    CHECK(busy_others(&from, &to) == 0);
+    to.all = 102; /* clocks of different grain */
+    CHECK(busy_others(&from, &to) == 0);
+    from = busy_now();
+    CHECK(from.clock > 0 && from.own > 0);
+    report.others = 0.05;
+    CHECK(!report_disturbed(&report));
+    report.others = 0.5;
+    CHECK(report_disturbed(&report));
 }
 
 static void set_error(uint32_t rate, uint32_t strategy, double error) {
@@ -134,7 +246,7 @@ static void check_verdict(void) {
     CHECK(v.outcome == REPORT_SEAMLESS && v.best == 2 && v.baseline == 0);
     report.strategies[2].seams[0].max = 0.1f;
     v = report_judge(&report);
-    CHECK(v.outcome == REPORT_EQUAL_ONLY && v.best == 1); /* both are; it is the quicker */
+    CHECK(v.outcome == REPORT_EQUAL_ONLY && v.best == 2); /* both are; it is the smaller */
     report.strategies[1].seams[0].equal_max = report.strategies[2].seams[0].equal_max = 0.1f;
     v = report_judge(&report);
     CHECK(v.outcome == REPORT_ALL_VISIBLE && v.best == 1);
@@ -220,6 +332,11 @@ static void check_orbit(void) {
 
 int main(void) {
     check_tallies();
+    check_intervals();
+    check_busy();
+    check_winners();
+    check_noise();
+    check_missing();
     check_advice();
     check_findings();
     check_verdict();

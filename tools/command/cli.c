@@ -189,6 +189,7 @@ static bool parse_color(const char *text, float *out, const char **end) {
 static bool parse_value(const cli_option *option, const char *text) {
     const char *end = text + strlen(text);
     uint32_t *size = option->value;
+    cli_list *list = option->value;
     int choice;
     bool good = true;
     switch (option->kind) {
@@ -197,6 +198,11 @@ static bool parse_value(const cli_option *option, const char *text) {
     case CLI_TEXT:
         *(const char **)option->value = text;
         good = *text != 0;
+        break;
+    case CLI_TEXTS:
+        good = *text && list->count < CLI_LIST_ROOM;
+        if (good)
+            list->items[list->count++] = text;
         break;
     case CLI_UINT:
         good = parse_uint(text, option->min, option->max, option->value, &end);

@@ -11,12 +11,20 @@ enum { EXIT_OK = 0, EXIT_FAILED = 1, EXIT_USAGE = 2 };
 typedef enum cli_kind {
     CLI_FLAG,   /* bool */
     CLI_TEXT,   /* const char * */
+    CLI_TEXTS,  /* cli_list: may be given more than once */
     CLI_UINT,   /* uint32_t within min..max */
     CLI_FLOAT,  /* float, finite */
     CLI_SIZE,   /* uint32_t[2]: WxH or one number */
     CLI_CHOICE, /* int: index into choices, a list "a|b|c" */
     CLI_COLOR   /* float[4]: r,g,b or r,g,b,a */
 } cli_kind;
+
+enum { CLI_LIST_ROOM = 16 };
+
+typedef struct cli_list {
+    const char *items[CLI_LIST_ROOM];
+    uint32_t count;
+} cli_list;
 
 /* Words of data types, in the order of slv_type. */
 #define CLI_TYPES "uint8|uint16|half|float"

@@ -17,6 +17,7 @@ struct compare {
     const char *arguments[1];
     uint32_t narguments;
     const char *mesh, *out, *strategies, *focus, *msaa, *references;
+    cli_list views;
     int scheme, boundary, shading, context, adjacency;
     bool quick, quiet, resume, compress, size_given, frames_given, reference_frames_given,
         samples_given;
@@ -86,7 +87,7 @@ static bool parse_references(const char *list, report_data *report) {
 
 static bool report_stage(void *user, uint64_t done, uint64_t total) {
     struct session *s = user;
-    bool goes_on = s->measuring && total < s->report->frames;
+    bool goes_on = s->measuring && total < report_frame_count(s->report);
     if (!s->shows) {
         if (goes_on)
             snprintf(s->title, sizeof s->title, "measuring the other %u frames", (uint32_t)total);
@@ -111,7 +112,7 @@ static void begin_stage(struct session *s, const char *title) {
 static void tell_of_interruption(const struct session *s) {
     if (s->measuring)
         cli_error("interrupted after %u of %u frames; --resume goes on from there",
-                  s->experiment.finished, s->report->frames);
+                  s->experiment.finished, report_frame_count(s->report));
     else
         cli_error("interrupted; --resume goes on from there");
 }
@@ -148,6 +149,9 @@ static json_t *fingerprint(const char *path) {
 static json_t *conditions(const struct session *s) {
     const struct compare *o = s->options;
     const report_data *r = s->report;
+    json_t *views = json_array();
+    for (uint32_t c = 0; c < r->ncameras; c++)
+        json_array_append_new(views, fingerprint(r->cameras[c].path));
     json_t *strategies = json_array(), *rates = json_array(), *references = json_array();
     for (uint32_t k = 0; k < r->nstrategies; k++)
         json_array_append_new(strategies, json_string(r->strategies[k].strategy->name));
@@ -160,8 +164,8 @@ static json_t *conditions(const struct session *s) {
     return json_pack(
         "{s:i, s:I, s:o, s:o, s:o, s:o, s:o, s:o, s:[I,I], s:I, s:I, s:I, s:I, s:I, "
         "s:[f,f,f,f,f,f],"
-        " s:o, s:[i,i,i]}",
-        "schema", 1, "version", (json_int_t)slv_version(), "driver",
+        " s:o, s:[i,i,i], s:o}",
+        "schema", 2, "version", (json_int_t)slv_version(), "driver",
         output_json_text(r->gl.renderer, strlen(r->gl.renderer)), "texture", fingerprint(r->ptx),
         "mesh", fingerprint(r->mesh), "strategies", strategies, "msaa", rates, "reference",
         references, "size", (json_int_t)r->width, (json_int_t)r->height, "aniso",
@@ -170,7 +174,7 @@ static json_t *conditions(const struct session *s) {
         "tess", (json_int_t)r->segments, "orbit", (double)r->path.azimuth, (double)r->path.turn,
         (double)r->path.elevation, (double)r->path.tilt, (double)r->path.fov, (double)r->path.dolly,
         "focus", o->focus ? output_json_text(o->focus, strlen(o->focus)) : json_null(), "surface",
-        o->scheme, o->boundary, o->shading);
+        o->scheme, o->boundary, o->shading, "views", views);
 }
 
 /* Before anything is measured, since textures other than 8-bit are refused. */
@@ -200,7 +204,8 @@ static slv_result prepare(struct session *s) {
         strategies[upload.nstrategies++] = slv_strategy_find("traverse");
     if ((result = scene_load(&s->env, &params, &s->scene)) ||
         (result = slv_gl_create(&s->env, (slv_gl_backend)o->context, &s->gl)) ||
-        (result = experiment_find_rates(&s->env, s->gl, o->accumulate, report)))
+        (result = experiment_find_rates(&s->env, s->gl, o->accumulate, report)) ||
+        (result = compare_read_views(&s->env, &o->views, report)))
         return result;
     report->gl = *slv_gl_get_info(s->gl);
     report->nfaces = slv_mesh_face_count(s->scene.mesh);
@@ -302,7 +307,7 @@ static slv_result write_report(const slv_env *env, const char *folder, const rep
 static void choose(const struct compare *o, report_data *report) {
     report->ptx = o->arguments[0];
     report->mesh = o->mesh;
-    report->frames = o->frames_given ? o->frames : o->quick ? 4 : 60;
+    report->frames = o->frames_given ? o->frames : o->quick ? 9 : 60;
     report->width = o->size_given ? o->size[0] : o->quick ? 480 : 960;
     report->height = o->size_given ? o->size[1] : o->quick ? 270 : 540;
     report->anisotropy = o->aniso;
@@ -331,6 +336,10 @@ static int compare(const struct compare *o, report_data *report) {
         result = slv_folder_end(folder, "report.html",
                                 write_report(&session.env, slv_folder_path(folder), report));
     int code = result ? EXIT_FAILED : EXIT_OK;
+    if (!code && !o->quiet && report_disturbed(report))
+        cli_warning("other programs took %.1f of the processors while frames were drawn: the times "
+                    "are not to be trusted",
+                    report->others);
     end_session(&session);
     if (!code && !o->quiet)
         compare_print(report, o->out);
@@ -400,8 +409,11 @@ int verb_compare(int argc, char **argv) {
          NULL},
         {"--strategies|-s", CLI_TEXT, &o.strategies, default_strategies(left_out, sizeof left_out),
          "LIST", 0, 0, NULL},
-        {"--frames", CLI_UINT, &o.frames, "frames of the orbit (60, quick 4)", NULL, 1, 100000,
+        {"--frames", CLI_UINT, &o.frames, "frames of the orbit (60, quick 9)", NULL, 1, 100000,
          &o.frames_given},
+        {"--view|-v", CLI_TEXTS, &o.views,
+         "also measure the camera of this view file, beside the orbit; may be given again",
+         "FILE.json", 0, 0, NULL},
         {"--resume", CLI_FLAG, &o.resume, "go on with a run that was stopped", NULL, 0, 0, NULL},
         {"--size", CLI_SIZE, o.size, "pixels (960x540, quick 480x270)", NULL, 48, 16384,
          &o.size_given},

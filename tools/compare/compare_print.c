@@ -1,7 +1,7 @@
 /* The outcome of a comparison as tables on a terminal. */
 #include "compare/compare.h"
 
-#include "compare/engine/report_findings.h"
+#include "compare/engine/report_advice.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -84,25 +84,45 @@ static void print_compressed(const report_data *report) {
            reference ? ", and from the reference" : "");
 }
 
-void compare_print(const report_data *report, const char *folder) {
-    if (report->nrates > 1 || report->left_out[0])
-        print_rates(report);
-    printf("%-14s %10s %8s %10s %12s %12s\n", "strategy", "frame ms", "ratio", "GPU MB", "max jump",
-           "mean jump");
+/* The answer; those that do as well stand behind it. */
+static void print_advice(const report_data *report, const report_advice *advice, const char *what) {
+    if (!advice->measured)
+        return;
+    printf("%s: %s", what, report->strategies[advice->take].strategy->name);
+    if (advice->ntied > 1) {
+        fputs(" (tied with ", stdout);
+        report_write_tied(stdout, report, advice);
+        putchar(')');
+    }
+    putchar('\n');
+}
+
+static void print_times(const report_data *report) {
+    printf("%-14s %10s %6s %13s %10s %12s %12s\n", "strategy", "frame ms", "ratio", "from - to",
+           "GPU MB", "max jump", "mean jump");
     for (uint32_t k = 0; k < report->nstrategies; k++) {
         const report_strategy *row = &report->strategies[k];
-        printf("%-14s %10.2f %8.2f %10.1f", row->strategy->name, row->median_ms, row->ratio,
+        printf("%-14s %10.2f %6.2f %6.2f -%5.2f %10.1f", row->strategy->name, row->median_ms,
+               row->ratio.median, row->ratio.low, row->ratio.high,
                (double)row->stats.gpu_bytes / 1e6);
         print_jumps(&row->seams[0]);
     }
-    printf("(%s; %u frame%s of %u x %u, %ux MSAA, %ux anisotropy; jumps of magnified lookups, full "
-           "scale is 1)\n",
+    printf("(%s; %u frame%s of %u x %u, %ux MSAA, %ux anisotropy; ratios to %s, from - to with "
+           "%.0f %% certainty; jumps of magnified lookups, full scale is 1)\n",
            report->gl.renderer, report->frames, report->frames == 1 ? "" : "s", report->width,
-           report->height, report->rates[report->shown].samples, report->anisotropy);
+           report->height, report->rates[report->shown].samples, report->anisotropy,
+           report->strategies[report_baseline(report)].strategy->name,
+           100 * interval_coverage(report->frames));
+}
+
+void compare_print(const report_data *report, const char *folder) {
+    if (report->nrates > 1 || report->left_out[0])
+        print_rates(report);
+    print_times(report);
     print_errors(report);
     print_compressed(report);
-    report_advice advice = report_advise(report);
-    if (advice.measured)
-        printf("for this orbit: %s\n", report->strategies[advice.take].strategy->name);
+    report_advice advice = report_advise(report), cameras = report_advise_cameras(report);
+    print_advice(report, &advice, "for this orbit");
+    print_advice(report, &cameras, "for the given views");
     printf("report: %s/report.html\n", folder);
 }

@@ -1,6 +1,7 @@
 /* The frames of the orbit: drawn, measured, and added up. */
 #include "compare/engine/experiment.h"
 #include "command/output.h"
+#include "compare/engine/busy.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -13,7 +14,7 @@ typedef struct totals {
     double *ms; /* rates x strategies x frames */
     bool *done; /* frames */
     uint32_t ndone;
-    double squares[REPORT_SOURCES];
+    double squares[REPORT_SOURCES], seconds, others;
 } totals;
 
 /* The pictures of one moment: of every strategy at one rate, and of the references. */
@@ -28,6 +29,18 @@ static double *times_of(const totals *t, uint32_t rate, uint32_t strategy) {
     return t->ms + ((size_t)rate * t->report->nstrategies + strategy) * t->report->frames;
 }
 
+/* A frame of a camera that was given speaks for itself, and is not added to the orbit. */
+static void add_camera(report_data *report, const experiment_frame *frame) {
+    report_camera *camera = &report->cameras[frame->index - report->frames];
+    const double *ms = frame->ms[report->shown];
+    for (uint32_t k = 0; k < report->nstrategies; k++) {
+        camera->ms[k] = ms[k];
+        camera->ratio[k] = ms[k] / ms[report_baseline(report)];
+        if (frame->referenced)
+            camera->errors[k] = frame->errors[report->reference.first][report->shown][k];
+    }
+}
+
 static slv_result add_frame(void *user, const experiment_frame *frame) {
     totals *t = user;
     report_data *report = t->report;
@@ -35,6 +48,12 @@ static slv_result add_frame(void *user, const experiment_frame *frame) {
         return SLV_OK;
     t->done[frame->index] = true;
     t->ndone++;
+    t->seconds += frame->seconds;
+    t->others += frame->others;
+    if (frame->index >= report->frames) {
+        add_camera(report, frame);
+        return SLV_OK;
+    }
     report->reference.frames += frame->referenced;
     for (int label = 0; label < REPORT_LABELS; label++)
         report->reference.npixels[label] += frame->npixels[label];
@@ -58,10 +77,24 @@ static int by_value(const void *a, const void *b) {
     return (x > y) - (x < y);
 }
 
-static void finish(totals *t) {
+/* How long a strategy takes over the baseline, frame by frame: what the machine does besides falls
+ * on both. `ratios` has room for all frames. */
+static void find_ratio(const totals *t, uint32_t rate, uint32_t strategy, double *ratios) {
+    report_data *report = t->report;
+    const double *own = times_of(t, rate, strategy),
+                 *other = times_of(t, rate, report_baseline(report));
+    for (uint32_t i = 0; i < report->frames; i++)
+        ratios[i] = own[i] / other[i];
+    report->strategies[strategy].rates[rate].ratio = interval_of(ratios, report->frames);
+}
+
+static void finish(totals *t, double *ratios) {
     report_data *report = t->report;
     uint32_t frames = report->frames;
+    report->others = t->seconds > 0 ? t->others / t->seconds : 0;
     for (uint32_t r = 0; r < report->nrates; r++) {
+        for (uint32_t k = 0; k < report->nstrategies; k++)
+            find_ratio(t, r, k, ratios);
         for (uint32_t k = 0; k < report->nstrategies; k++) {
             report_cell *cell = &report->strategies[k].rates[r];
             double *list = times_of(t, r, k);
@@ -71,21 +104,23 @@ static void finish(totals *t) {
             cell->max_ms = list[frames - 1];
         }
     }
-    uint32_t baseline = report_find(report, "clamp") % report->nstrategies;
     for (uint32_t k = 0; k < report->nstrategies; k++) {
         report_strategy *row = &report->strategies[k];
         const report_cell *cell = &row->rates[report->shown];
         row->median_ms = cell->median_ms;
         row->min_ms = cell->min_ms;
         row->max_ms = cell->max_ms;
-        row->ratio = cell->median_ms / report->strategies[baseline].rates[report->shown].median_ms;
+        row->ratio = cell->ratio;
     }
     for (int s = 0; s < REPORT_SOURCES; s++)
         report->reference.estimate[s] = sqrt(t->squares[s] / report->reference.frames);
 }
 
-/* Which frames have references: `wanted` of them, the middle ones of equal stretches. */
+/* Which frames have references: all of cameras, and of the orbit `wanted`, the middle ones of equal
+ * stretches. */
 static bool is_referenced(const report_data *report, uint32_t index, uint32_t wanted) {
+    if (index >= report->frames)
+        return report->reference.first < REPORT_SOURCES;
     for (uint64_t k = 0; k < wanted; k++)
         if ((2 * k + 1) * report->frames / (2 * (uint64_t)wanted) == index)
             return true;
@@ -187,22 +222,35 @@ static slv_result find_next(experiment *e, double t, report_source source, momen
                                          &estimate);
 }
 
+/* Draws with every strategy at a rate, and notes what other programs did meanwhile. */
+static slv_result time_all(const experiment *e, moment *m, uint32_t rate, experiment_frame *out) {
+    busy_sample before = busy_now();
+    slv_result result = draw_all(e, m, rate, out->index, out->ms[rate]);
+    busy_sample after = busy_now();
+    out->seconds += after.clock - before.clock;
+    out->others += busy_others(&before, &after) * (after.clock - before.clock);
+    return result;
+}
+
 static slv_result measure_frame(experiment *e, uint32_t index, bool referenced,
                                 experiment_frame *out) {
     const report_data *report = e->report;
+    bool given = index >= report->frames;
     double t = (double)index / report->frames;
-    moment here = {.frame = experiment_frame_at(e, t, NULL)}, next = {.labels = NULL};
+    moment here = {.frame = experiment_frame_at(e, given ? 0 : t, NULL)}, next = {.labels = NULL};
     slv_result result = SLV_OK;
     memset(out, 0, sizeof *out);
     out->index = index;
     out->referenced = referenced;
-    bool flickers = referenced && report->reference.first != REPORT_SUPERSAMPLED;
+    if (given)
+        here.frame.camera = report->cameras[index - report->frames].camera;
+    bool flickers = referenced && !given && report->reference.first != REPORT_SUPERSAMPLED;
     if (referenced && (result = find_references(e, &here, out)))
         goto done;
     if (flickers && (result = find_next(e, t, report->reference.first, &next)))
         goto done;
     for (uint32_t r = 0; r < report->nrates; r++) {
-        if ((result = draw_all(e, &here, r, index, out->ms[r])))
+        if ((result = time_all(e, &here, r, out)))
             goto done;
         measure_apart(e, &here, &out->apart[r]);
         if (!referenced)
@@ -235,12 +283,13 @@ static slv_result warm_up(const experiment *e) {
 static slv_result run_frames(experiment *e, totals *t, experiment_state *state,
                              experiment_frame *frame, uint32_t wanted) {
     const report_data *report = e->report;
-    if (t->ndone == report->frames)
+    uint32_t count = report_frame_count(report);
+    if (t->ndone == count)
         return SLV_OK;
-    slv_result result = experiment_begin(e, report->frames - t->ndone);
+    slv_result result = experiment_begin(e, count - t->ndone);
     if (!result)
         result = warm_up(e);
-    for (uint32_t i = 0; i < report->frames && !result; i++) {
+    for (uint32_t i = 0; i < count && !result; i++) {
         if (t->done[i])
             continue;
         if (!(result = experiment_ask(e)) &&
@@ -257,13 +306,14 @@ slv_result experiment_run(experiment *e, const char *path, const json_t *conditi
     totals t = {
         .report = report,
         .ms = calloc((size_t)report->nrates * report->nstrategies * report->frames, sizeof *t.ms),
-        .done = calloc(report->frames, sizeof *t.done)};
+        .done = calloc(report_frame_count(report), sizeof *t.done)};
+    double *ratios = calloc(report->frames, sizeof *ratios);
     experiment_frame *frame = malloc(sizeof *frame);
     experiment_state state = {.file = -1};
     uint32_t wanted = report->reference.frames;
     slv_result result;
     report->reference.frames = 0; /* counted as they come in */
-    if (!t.ms || !t.done || !frame) {
+    if (!t.ms || !t.done || !ratios || !frame) {
         result = output_fail(e->env, SLV_ERROR_MEMORY, "no memory for %u frames", report->frames);
         goto done;
     }
@@ -271,11 +321,12 @@ slv_result experiment_run(experiment *e, const char *path, const json_t *conditi
                                         &state)) ||
         (result = run_frames(e, &t, &state, frame, wanted)))
         goto done;
-    finish(&t);
+    finish(&t, ratios);
 done:
     e->finished = t.ndone;
     experiment_state_close(&state);
     free(frame);
+    free(ratios);
     free(t.ms);
     free(t.done);
     return result;

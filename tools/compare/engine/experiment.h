@@ -34,8 +34,9 @@ slv_result experiment_ask(const experiment *e);
 
 /* What one frame of the orbit has to say. Does not depend on any other frame. */
 typedef struct experiment_frame {
-    uint32_t index;
+    uint32_t index; /* from report->frames on they are of cameras that were given */
     bool referenced;
+    double seconds, others; /* of the clock, and of other programs on processors meanwhile */
     uint64_t npixels[REPORT_LABELS];
     double estimate[REPORT_SOURCES];
     double ms[REPORT_MAX_RATES][REPORT_MAX_STRATEGIES];

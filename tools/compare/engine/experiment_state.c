@@ -74,8 +74,9 @@ static json_t *frame_json(const report_data *report, const experiment_frame *fra
             }
         }
     }
-    return json_pack("{s:I, s:o, s:o, s:o}", "frame", (json_int_t)frame->index, "ms", times,
-                     "apart", apart, "references", references);
+    return json_pack("{s:I, s:o, s:o, s:o, s:o, s:o}", "frame", (json_int_t)frame->index, "ms",
+                     times, "seconds", json_real(frame->seconds), "others",
+                     json_real(frame->others), "apart", apart, "references", references);
 }
 
 static double read_number(const json_t *value) {
@@ -137,9 +138,11 @@ static bool read_frame(const report_data *report, const json_t *root, experiment
                  *references = json_object_get(root, "references");
     memset(out, 0, sizeof *out);
     if (!json_is_integer(index) || json_integer_value(index) < 0 ||
-        json_integer_value(index) >= report->frames)
+        json_integer_value(index) >= report_frame_count(report))
         return false;
     out->index = (uint32_t)json_integer_value(index);
+    out->seconds = json_number_value(json_object_get(root, "seconds"));
+    out->others = json_number_value(json_object_get(root, "others"));
     for (uint32_t r = 0; r < report->nrates; r++) {
         const json_t *row = json_array_get(times, r);
         for (uint32_t k = 0; k < report->nstrategies; k++) {

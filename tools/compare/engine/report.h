@@ -2,6 +2,7 @@
 #ifndef SELVAGE_TOOLS_REPORT_H
 #define SELVAGE_TOOLS_REPORT_H
 
+#include "compare/engine/interval.h"
 #include "compare/engine/orbit.h"
 
 #include <selvage/reference.h>
@@ -15,7 +16,8 @@ enum {
     REPORT_MAX_SPOTS = 6,
     REPORT_ERROR_STEPS = 41,
     REPORT_MAX_RATES = 8,
-    REPORT_MAX_STRATEGIES = 16
+    REPORT_MAX_STRATEGIES = 16,
+    REPORT_MAX_CAMERAS = 16
 };
 
 /* Samples per pixel: `frames` pictures of `msaa` samples, moved by parts of a pixel and averaged.
@@ -63,6 +65,7 @@ typedef struct report_errors {
 /* One strategy at one rate, over the whole orbit. */
 typedef struct report_cell {
     double median_ms, min_ms, max_ms; /* of a frame */
+    interval ratio;                   /* to the baseline in the same frame */
     report_errors errors[REPORT_SOURCES];
     report_tally flicker; /* how much the error inside changes from one frame to the next */
 } report_cell;
@@ -79,7 +82,7 @@ typedef struct report_blocks {
 typedef struct report_strategy {
     const slv_strategy *strategy;
     double median_ms, min_ms, max_ms; /* of a frame, at the rate that is shown */
-    double ratio; /* of medians, to clamp (or to the first strategy if clamp is not there) */
+    interval ratio;                   /* to the baseline in the same frame, at that rate */
     slv_gl_texture_stats stats;
     slv_gl_seam seams[REPORT_LEVELS]; /* footprint magnified, then 2, 4, ... texels */
     slv_image views[REPORT_MAX_VIEWS];
@@ -101,6 +104,15 @@ typedef struct report_spot {
     uint32_t view;
     float x, y, zoom; /* in the view, 0..1 from the upper left; how many times enlarged */
 } report_spot;
+
+/* A camera that was given beside the orbit: everything at the rate that is shown, errors from the
+ * first reference. */
+typedef struct report_camera {
+    const char *path;
+    slv_camera camera;
+    double ms[REPORT_MAX_STRATEGIES], ratio[REPORT_MAX_STRATEGIES]; /* to the baseline */
+    report_errors errors[REPORT_MAX_STRATEGIES];
+} report_camera;
 
 /* What the pictures of some frames were held against. */
 typedef struct report_reference {
@@ -127,6 +139,9 @@ typedef struct report_data {
     report_pair pairs[REPORT_MAX_STRATEGIES * REPORT_MAX_STRATEGIES];
     report_spot spots[REPORT_MAX_SPOTS];
     report_reference reference;
+    uint32_t ncameras;
+    report_camera cameras[REPORT_MAX_CAMERAS];
+    double others; /* processors that other programs took while frames were drawn */
     bool compressed;
     uint32_t nresolutions; /* distinct face resolutions */
     double seconds;        /* the whole run */
@@ -152,6 +167,12 @@ const char *report_source_name(report_source source);
 const char *report_label_name(report_label label);
 /* The index of a strategy in the report, or nstrategies. */
 uint32_t report_find(const report_data *report, const char *name);
+/* The strategy that times are held against: clamp, or the first if it is not there. */
+uint32_t report_baseline(const report_data *report);
+/* All that are measured: of the orbit, and of the cameras beside it. */
+uint32_t report_frame_count(const report_data *report);
+/* Whether others took so much of the processors that times are off. */
+bool report_disturbed(const report_data *report);
 /* Its index among all that the library has, so that it has the same colour in every report. */
 uint32_t report_colour(const slv_strategy *strategy);
 

@@ -1,5 +1,7 @@
-/* The rules for what to advise, and for what Toth found. */
+/* The rules for what Toth found. */
 #include "compare/engine/report_findings.h"
+
+#include "compare/engine/report_advice.h"
 
 #include <math.h>
 #include <stdarg.h>
@@ -8,79 +10,6 @@
 /* What counts as a difference, and what Toth's "roughly equivalent" is taken for. */
 #define SLIGHT 1.02
 #define ROUGHLY 1.1
-
-double report_seam_error(const report_data *report, report_source source, uint32_t rate,
-                         uint32_t strategy) {
-    if (source >= REPORT_SOURCES || !report->reference.used[source])
-        return NAN;
-    report_tally seams =
-        report_errors_part(&report->strategies[strategy].rates[rate].errors[source], REPORT_SEAMS);
-    return report_rms(&seams);
-}
-
-report_advice report_advise(const report_data *report) {
-    report_advice advice = {.measured = false};
-    double errors[REPORT_MAX_STRATEGIES], least = INFINITY, quickest = INFINITY;
-    uint64_t memory = UINT64_MAX;
-    uint32_t n = report->nstrategies;
-    for (uint32_t k = 0; k < n; k++) {
-        errors[k] = report_seam_error(report, report->reference.first, report->shown, k);
-        if (errors[k] < least) {
-            least = errors[k];
-            advice.closest = k;
-            advice.measured = true;
-        }
-        if (report->strategies[k].median_ms < report->strategies[advice.quickest].median_ms)
-            advice.quickest = k;
-    }
-    for (uint32_t k = 0; k < n; k++)
-        if (errors[k] <= least * REPORT_NEAR_BEST)
-            quickest = fmin(quickest, report->strategies[k].median_ms);
-    for (uint32_t k = 0; k < n; k++) {
-        const report_strategy *row = &report->strategies[k];
-        if (errors[k] <= least * REPORT_NEAR_BEST &&
-            row->median_ms <= quickest * REPORT_SAME_TIME && row->stats.gpu_bytes < memory) {
-            memory = row->stats.gpu_bytes;
-            advice.take = k;
-        }
-    }
-    return advice;
-}
-
-static double memory_ratio(const report_strategy *row) {
-    return row->stats.texel_bytes ? (double)row->stats.gpu_bytes / (double)row->stats.texel_bytes
-                                  : 0;
-}
-
-void report_write_advice(FILE *stream, const report_data *report, const report_advice *advice) {
-    const report_strategy *take = &report->strategies[advice->take],
-                          *closest = &report->strategies[advice->closest],
-                          *quickest = &report->strategies[advice->quickest];
-    const report_source source = report->reference.first;
-    const uint32_t baseline = report_find(report, "clamp") % report->nstrategies;
-    fprintf(
-        stream,
-        "On this orbit, at %u sample%s per pixel, take <strong>%s</strong>: an error of %.2f/255 "
-        "at seams",
-        report->rates[report->shown].samples, report->rates[report->shown].samples == 1 ? "" : "s",
-        take->strategy->name, 255 * report_seam_error(report, source, report->shown, advice->take));
-    if (advice->take == advice->closest)
-        fputs(", the smallest there is", stream);
-    else
-        fprintf(stream, " (the smallest is %.2f, with %s at %.2f times the time)",
-                255 * report_seam_error(report, source, report->shown, advice->closest),
-                closest->strategy->name, closest->median_ms / take->median_ms);
-    if (advice->take == baseline)
-        fprintf(stream, "; %.2f ms a frame", take->median_ms);
-    else
-        fprintf(stream, "; %.2f times the frame time of %s", take->ratio,
-                report->strategies[baseline].strategy->name);
-    fprintf(stream, " and %.2f times the memory of the bare texels.", memory_ratio(take));
-    if (quickest->median_ms * REPORT_SAME_TIME < take->median_ms)
-        fprintf(stream, " The quickest is %s, at %.2f times that time and an error of %.2f/255.",
-                quickest->strategy->name, quickest->median_ms / take->median_ms,
-                255 * report_seam_error(report, source, report->shown, advice->quickest));
-}
 
 const char *report_judgement_name(report_judgement judgement) {
     static const char *const names[] = {"not measured", "reproduced", "refuted", "undecided"};

@@ -26,6 +26,19 @@ uint32_t report_find(const report_data *report, const char *name) {
     return k;
 }
 
+uint32_t report_baseline(const report_data *report) {
+    uint32_t clamp = report_find(report, "clamp");
+    return clamp < report->nstrategies ? clamp : 0;
+}
+
+uint32_t report_frame_count(const report_data *report) {
+    return report->frames + report->ncameras;
+}
+
+bool report_disturbed(const report_data *report) {
+    return report->others > 0.1;
+}
+
 uint32_t report_colour(const slv_strategy *strategy) {
     uint32_t k = 0;
     while (slv_strategy_at(k) && slv_strategy_at(k) != strategy)

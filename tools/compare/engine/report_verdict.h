@@ -15,7 +15,7 @@ typedef enum report_outcome {
 
 typedef struct report_verdict {
     report_outcome outcome;
-    uint32_t best;     /* index of a strategy: the cheapest that reaches the outcome */
+    uint32_t best; /* index of a strategy: the one with the least memory that reaches the outcome */
     uint32_t baseline; /* index of clamp, or 0 */
 } report_verdict;
 

@@ -7,6 +7,7 @@
 void report_write_rates(FILE *stream, const report_data *report);    /* Toth's Table 1 */
 void report_write_curves(FILE *stream, const report_data *report);   /* his Figure 5 */
 void report_write_errors(FILE *stream, const report_data *report);   /* by kind of pixel */
+void report_write_cameras(FILE *stream, const report_data *report);  /* given beside the orbit */
 void report_write_findings(FILE *stream, const report_data *report); /* his conclusions */
 /* Textures in blocks against those that are not. */
 void report_write_compressed(FILE *stream, const report_data *report);

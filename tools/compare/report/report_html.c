@@ -39,10 +39,10 @@ static void write_jump_cell(FILE *stream, const slv_gl_seam *seam, bool equal) {
 }
 
 static slv_result strategy_rows(const page *p) {
-    static const char *const picks[] = {[REPORT_NO_SEAMS] = "quickest",
-                                        [REPORT_SEAMLESS] = "no visible seam, lowest cost",
+    static const char *const picks[] = {[REPORT_NO_SEAMS] = "least memory",
+                                        [REPORT_SEAMLESS] = "no visible seam, least memory",
                                         [REPORT_EQUAL_ONLY] =
-                                            "seamless at equal resolution, lowest cost",
+                                            "seamless at equal resolution, least memory",
                                         [REPORT_ALL_VISIBLE] = "smallest seams"};
     for (uint32_t i = 0; i < p->report->nstrategies; i++) {
         const report_strategy *row = &p->report->strategies[i];
@@ -53,11 +53,16 @@ static slv_result strategy_rows(const page *p) {
             fprintf(p->stream, " <span class=\"pick\">%s</span>", picks[p->verdict.outcome]);
         if (p->advice.measured && i == p->advice.take)
             fputs(" <span class=\"pick\">for this orbit</span>", p->stream);
+        else if (p->advice.measured && p->advice.ntied > 1 && p->advice.tied[i])
+            fputs(" <span class=\"pick\">tied with it</span>", p->stream);
         if (row->strategy->title)
             fprintf(p->stream, "<small>%s</small>", row->strategy->title);
         fputs("</th>", p->stream);
-        fprintf(p->stream, "<td>%.2f<small>%.2f to %.2f</small></td><td>%.2f</td>", row->median_ms,
-                row->min_ms, row->max_ms, row->ratio);
+        fprintf(p->stream,
+                "<td>%.2f<small>%.2f to %.2f</small></td><td>%.2f<small>%.2f to "
+                "%.2f</small></td>",
+                row->median_ms, row->min_ms, row->max_ms, row->ratio.median, row->ratio.low,
+                row->ratio.high);
         double megabytes = (double)row->stats.gpu_bytes / 1e6;
         fprintf(p->stream, "<td>%.*f</td><td>%.2f</td>", megabytes < 10 ? 2 : 1, megabytes,
                 report_memory_ratio(row));
@@ -122,7 +127,9 @@ static slv_result method(const page *p) {
             "every strategy "
             "before the next, in changing order, so that whatever else the machine did fell on all "
             "alike. "
-            "Times are %s, without reading the picture back. "
+            "Times are %s, without reading the picture back; a ratio is the median over frames of "
+            "the ratio to %s in the same frame, and beside it the interval that holds the true "
+            "median with %.0f %% certainty. "
             "The pictures are drawn at %u points of the same path. For the seam jumps the texture "
             "is looked up "
             "on the GPU by the same shader code, on both sides of each of the %u edges that two "
@@ -131,6 +138,7 @@ static slv_result method(const page *p) {
             p->report->frames,
             p->report->gl.software ? "by the clock, because this driver draws on the processor"
                                    : "by the GPU's own timer",
+            page_strategy_name(p, p->verdict.baseline), 100 * interval_coverage(p->report->frames),
             p->report->nviews, p->report->strategies[0].seams[0].nedges,
             p->report->strategies[0].seams[0].nequal);
     return SLV_OK;
@@ -201,6 +209,7 @@ static slv_result facts(const page *p) {
 static slv_result orbit_sections(const page *p) {
     report_write_rates(p->stream, p->report);
     report_write_errors(p->stream, p->report);
+    report_write_cameras(p->stream, p->report);
     report_write_curves(p->stream, p->report);
     report_write_findings(p->stream, p->report);
     report_write_compressed(p->stream, p->report);
@@ -212,9 +221,23 @@ static slv_result papers(const page *p) {
 }
 
 static slv_result advice(const page *p) {
+    const report_data *report = p->report;
+    report_advice cameras = report_advise_cameras(report);
+    if (report_disturbed(report))
+        fprintf(p->stream,
+                "<p class=\"verdict\">Other programs took %.1f of the processors while frames were "
+                "drawn: the times are not to be trusted.</p>\n",
+                report->others);
     if (p->advice.measured) {
-        fputs("<p class=\"verdict\">", p->stream);
-        report_write_advice(p->stream, p->report, &p->advice);
+        fprintf(p->stream, "<p class=\"verdict\">On this orbit, at %u sample%s per pixel, ",
+                report->rates[report->shown].samples,
+                report->rates[report->shown].samples == 1 ? "" : "s");
+        report_write_advice(p->stream, report, &p->advice);
+        fputs("</p>\n", p->stream);
+    }
+    if (cameras.measured) {
+        fputs("<p class=\"verdict\">For the given views, ", p->stream);
+        report_write_advice(p->stream, report, &cameras);
         fputs("</p>\n", p->stream);
     }
     return SLV_OK;
@@ -222,13 +245,12 @@ static slv_result advice(const page *p) {
 
 static slv_result rule(const page *p) {
     if (p->advice.measured)
-        fprintf(
-            p->stream,
-            "<p class=\"small\">The rule: of the strategies whose RMS error at seams is at most "
-            "%.1f times the smallest, the quickest; of those within %.0f %% of its time, the one "
-            "with the least memory. The second paragraph is about close views, where texels are "
-            "larger than pixels: the cheapest whose seam jumps are all hidden.</p>\n",
-            REPORT_NEAR_BEST, 100 * (REPORT_SAME_TIME - 1));
+        report_write_rule(p->stream, p->report, &p->advice);
+    fputs(
+        "<p class=\"small\">The last paragraph is about close views alone, where texels are larger "
+        "than pixels: of the strategies whose seam jumps are all hidden, the one with the least "
+        "memory.</p>\n",
+        p->stream);
     return SLV_OK;
 }
 

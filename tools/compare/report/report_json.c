@@ -1,5 +1,6 @@
 /* The outcome as report.json. */
 #include "command/output.h"
+#include "compare/engine/report_advice.h"
 #include "compare/engine/report_findings.h"
 #include "compare/report/report_files.h"
 
@@ -92,16 +93,23 @@ static json_t *sources_json(const report_data *report, const report_cell *cell) 
     return all;
 }
 
+/* A ratio of frame times with its interval. */
+static json_t *interval_json(const interval *ratio) {
+    return json_pack("{s:o, s:o, s:o}", "median", output_json_number(ratio->median), "low",
+                     output_json_number(ratio->low), "high", output_json_number(ratio->high));
+}
+
 static json_t *rates_json(const report_data *report, const report_strategy *row) {
     json_t *list = json_array();
     for (uint32_t r = 0; r < report->nrates; r++) {
         const report_cell *cell = &row->rates[r];
         list =
-            append(list, json_pack("{s:I, s:o, s:o, s:o, s:o, s:o}", "samples",
+            append(list, json_pack("{s:I, s:o, s:o, s:o, s:o, s:o, s:o}", "samples",
                                    (json_int_t)report->rates[r].samples, "median_ms",
                                    output_json_number(cell->median_ms), "min_ms",
                                    output_json_number(cell->min_ms), "max_ms",
-                                   output_json_number(cell->max_ms), "flicker",
+                                   output_json_number(cell->max_ms), "time_ratio",
+                                   interval_json(&cell->ratio), "flicker",
                                    cell->flicker.npixels ? tally_json(&cell->flicker) : json_null(),
                                    "errors", sources_json(report, cell)));
     }
@@ -171,12 +179,14 @@ static json_t *strategies_json(const report_data *report) {
         const slv_gl_texture_stats *stats = &row->stats;
         double texels = (double)stats->texel_bytes;
         json_t *item = json_pack(
-            "{s:s, s:o, s:o, s:o, s:o, s:I, s:I, s:o, s:I, s:I, s:I, s:o, s:o, s:o}", "name",
-            row->strategy->name, "median_ms", output_json_number(row->median_ms), "min_ms",
+            "{s:s, s:o, s:o, s:o, s:o, s:o, s:o, s:I, s:I, s:o, s:I, s:I, s:I, s:o, s:o, s:o}",
+            "name", row->strategy->name, "median_ms", output_json_number(row->median_ms), "min_ms",
             output_json_number(row->min_ms), "max_ms", output_json_number(row->max_ms),
-            "time_ratio", output_json_number(row->ratio), "texel_bytes",
-            (json_int_t)stats->texel_bytes, "gpu_bytes", (json_int_t)stats->gpu_bytes,
-            "memory_ratio", output_json_number((double)stats->gpu_bytes / texels), "pools",
+            "time_ratio", output_json_number(row->ratio.median), "time_ratio_low",
+            output_json_number(row->ratio.low), "time_ratio_high",
+            output_json_number(row->ratio.high), "texel_bytes", (json_int_t)stats->texel_bytes,
+            "gpu_bytes", (json_int_t)stats->gpu_bytes, "memory_ratio",
+            output_json_number((double)stats->gpu_bytes / texels), "pools",
             (json_int_t)stats->pools, "batches", (json_int_t)stats->batches, "widened_faces",
             (json_int_t)stats->widened, "seams", seams_json(row), "rates", rates_json(report, row),
             "compressed", blocks_json(report, row));
@@ -231,36 +241,80 @@ static json_t *how_json(const report_data *report) {
 
 static json_t *conditions_json(const report_data *report) {
     const slv_gl_info *gl = &report->gl;
-    return json_pack("{s:o, s:o, s:o, s:b, s:I, s:I, s:I, s:o, s:s, s:I, s:I, s:I, s:I, s:o, s:o}",
-                     "vendor", text(gl->vendor), "renderer", text(gl->renderer), "gl_version",
-                     text(gl->version), "software", (int)gl->software, "width",
-                     (json_int_t)report->width, "height", (json_int_t)report->height, "msaa",
-                     (json_int_t)report->rates[report->shown].samples, "rates", how_json(report),
-                     "left_out", report->left_out, "anisotropy", (json_int_t)report->anisotropy,
-                     "frames", (json_int_t)report->frames, "views", (json_int_t)report->nviews,
-                     "segments", (json_int_t)report->segments, "orbit", orbit_json(&report->path),
-                     "seconds", output_json_number(report->seconds));
+    return json_pack(
+        "{s:o, s:o, s:o, s:b, s:I, s:I, s:I, s:o, s:s, s:I, s:I, s:I, s:I, s:o, s:o, s:o, s:b}",
+        "vendor", text(gl->vendor), "renderer", text(gl->renderer), "gl_version", text(gl->version),
+        "software", (int)gl->software, "width", (json_int_t)report->width, "height",
+        (json_int_t)report->height, "msaa", (json_int_t)report->rates[report->shown].samples,
+        "rates", how_json(report), "left_out", report->left_out, "anisotropy",
+        (json_int_t)report->anisotropy, "frames", (json_int_t)report->frames, "views",
+        (json_int_t)report->nviews, "segments", (json_int_t)report->segments, "orbit",
+        orbit_json(&report->path), "seconds", output_json_number(report->seconds), "others",
+        output_json_number(report->others), "disturbed", (int)report_disturbed(report));
 }
 
-static json_t *advice_json(const report_data *report) {
-    report_advice advice = report_advise(report);
-    return advice.measured ? text(report->strategies[advice.take].strategy->name) : json_null();
+static json_t *take_json(const report_data *report, const report_advice *advice) {
+    return advice->measured ? text(report->strategies[advice->take].strategy->name) : json_null();
+}
+
+/* Everything that the rule weighed. */
+static json_t *points_json(const report_data *report, const report_advice *advice) {
+    json_t *list = json_array();
+    for (uint32_t k = 0; k < report->nstrategies; k++) {
+        const double *p = advice->points[k];
+        list = append(list,
+                      json_pack("{s:s, s:b, s:o, s:o, s:o, s:o, s:o, s:o, s:o}", "name",
+                                report->strategies[k].strategy->name, "tied", (int)advice->tied[k],
+                                "inside", output_json_number(p[REPORT_ERROR_INSIDE]), "seams",
+                                output_json_number(p[REPORT_ERROR_SEAMS]), "close_up",
+                                output_json_number(p[REPORT_CLOSE_UP]), "memory",
+                                output_json_number(p[REPORT_MEMORY]), "time",
+                                output_json_number(p[REPORT_TIME]), "low",
+                                output_json_number(advice->low[k]), "high",
+                                output_json_number(advice->high[k])));
+    }
+    return list;
+}
+
+/* The cameras that were given. */
+static json_t *cameras_json(const report_data *report) {
+    json_t *list = json_array();
+    for (uint32_t c = 0; c < report->ncameras; c++) {
+        const report_camera *camera = &report->cameras[c];
+        json_t *rows = json_array();
+        for (uint32_t k = 0; k < report->nstrategies; k++)
+            rows = append(rows, json_pack("{s:s, s:o, s:o, s:o}", "name",
+                                          report->strategies[k].strategy->name, "ms",
+                                          output_json_number(camera->ms[k]), "time_ratio",
+                                          output_json_number(camera->ratio[k]), "errors",
+                                          report->reference.first < REPORT_SOURCES
+                                              ? errors_json(&camera->errors[k])
+                                              : json_null()));
+        list =
+            append(list, json_pack("{s:o, s:o}", "view", text(camera->path), "strategies", rows));
+    }
+    return list;
 }
 
 static json_t *report_json(const report_data *report) {
     char version[32];
     uint32_t v = slv_version(), n = report->nstrategies;
+    report_advice advice = report_advise(report), cameras = report_advise_cameras(report);
     bool both = report_find(report, "traverse") < n && report_find(report, "discard") < n;
     snprintf(version, sizeof version, "%u.%u.%u", v >> 16, v >> 8 & 255, v & 255);
     return json_pack(
-        "{s:i, s:s, s:s, s:o, s:o, s:I, s:I, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o}", "schema", 2,
-        "tool", "selvage compare", "version", version, "texture", text(report->ptx), "mesh",
-        text(report->mesh), "faces", (json_int_t)report->nfaces, "resolutions",
+        "{s:i, s:s, s:s, s:o, s:o, s:I, s:I, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, "
+        "s:o}",
+        "schema", 2, "tool", "selvage compare", "version", version, "texture", text(report->ptx),
+        "mesh", text(report->mesh), "faces", (json_int_t)report->nfaces, "resolutions",
         (json_int_t)report->nresolutions, "conditions", conditions_json(report), "reference",
         report->reference.first < REPORT_SOURCES ? reference_json(report) : json_null(),
         "strategies", strategies_json(report), "traverse_from_discard",
         both ? apart_json(report) : json_null(), "pairs", pairs_json(report), "spots",
-        spots_json(report), "advice", advice_json(report), "findings", findings_json(report));
+        spots_json(report), "advice", take_json(report, &advice), "points",
+        advice.measured ? points_json(report, &advice) : json_null(), "cameras",
+        cameras_json(report), "advice_for_cameras", take_json(report, &cameras), "findings",
+        findings_json(report));
 }
 
 slv_result report_write_json(const slv_env *env, const char *path, const report_data *report) {

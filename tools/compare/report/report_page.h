@@ -2,7 +2,7 @@
 #ifndef SELVAGE_TOOLS_REPORT_PAGE_H
 #define SELVAGE_TOOLS_REPORT_PAGE_H
 
-#include "compare/engine/report_findings.h"
+#include "compare/engine/report_advice.h"
 #include "compare/engine/report_verdict.h"
 
 typedef struct page {

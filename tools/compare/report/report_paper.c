@@ -2,7 +2,7 @@
 #include "compare/report/report_paper.h"
 
 #include "command/output.h"
-#include "compare/engine/report_findings.h"
+#include "compare/engine/report_advice.h"
 #include "compare/report/report_files.h"
 
 #include <math.h>
