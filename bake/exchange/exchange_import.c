@@ -2,9 +2,8 @@
 #include "exchange/import.h"
 #include "exchange/index.h"
 
-#include <selvage/image.h>
-
 #include <stdio.h>
+#include <string.h>
 
 struct import {
     const slv_env *env;
@@ -17,6 +16,7 @@ struct import {
     float *values;
     void *texels;
     size_t capacity;
+    slvi_import_loss dropped, added; /* alpha */
 };
 
 static slv_result load_images(struct import *m, const json_t *names, const char *what) {
@@ -35,11 +35,9 @@ static slv_result load_images(struct import *m, const json_t *names, const char 
             return slvi_fail(m->env, SLV_ERROR_FORMAT, "%s: %s: the name of an image is too long",
                              m->index, what);
         result = slv_image_load(m->env, path, image);
-        uint32_t needed = slvi_index_group_size(nchannels, group);
-        if (!result && image->nchannels < needed && image->nchannels != 1)
-            result = slvi_fail(m->env, SLV_ERROR_MISMATCH,
-                               "%s: has %u channels, where %s of %s needs %u", path,
-                               image->nchannels, what, m->index, needed);
+        if (!result)
+            result = slvi_import_fit(m->env, path, slvi_index_group_size(nchannels, group), image,
+                                     &m->dropped, &m->added);
         if (!result && group &&
             (image->width != m->images[0].width || image->height != m->images[0].height))
             result =
@@ -79,9 +77,7 @@ static slv_result take(struct import *m, slv_res res, uint32_t x, uint32_t y) {
             const float *from =
                 image->pixels + ((y + h - 1 - i / w) * image->width + x + i % w) * image->nchannels;
             float *to = m->values + i * nchannels + group * SLVI_INDEX_GROUP;
-            /* a grey picture stands for all channels: programs like to save it that way */
-            for (size_t c = 0; c < n; c++)
-                to[c] = from[c < image->nchannels ? c : 0];
+            memcpy(to, from, n * sizeof *to);
         }
     }
     slv_type_from_float(m->source->type, m->values, w * h * nchannels, m->texels);
@@ -174,7 +170,8 @@ slv_result slvi_exchange_import(const slv_env *env, const slv_exchange *source,
     for (uint32_t face = 0; face < source->params.nfaces; face++)
         if ((result = slvi_exchange_visited(env, plan, import_face(&m, plan, writer, face))))
             goto done;
-    result = slv_ptx_writer_finish(writer);
+    if (!(result = slv_ptx_writer_finish(writer)))
+        slvi_import_warn(env, &m.dropped, &m.added);
 done:
     slv_ptx_writer_destroy(writer);
     for (uint32_t group = 0; m.images && group < ngroups; group++)

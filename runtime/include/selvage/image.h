@@ -1,4 +1,4 @@
-/* Images in files: PNG (8 and 16 bit) and OpenEXR (half and float, through OpenEXRCore). */
+/* Images in files: PNG (8 and 16 bit) and OpenEXR (half and float). */
 #ifndef SELVAGE_IMAGE_H
 #define SELVAGE_IMAGE_H
 
@@ -45,8 +45,12 @@ SLV_NODISCARD SLV_API slv_result slv_image_encode_png(const slv_env *env, const 
                                                       size_t *size);
 
 /* Reads a PNG (values / 255 or / 65535 as they stand, alpha not multiplied in; palettes and low
- * depths expanded) or an EXR (the channels R G B A or Y A of the first part, scanline or tiled;
- * others are SLV_ERROR_UNSUPPORTED). */
+ * depths expanded) or an OpenEXR file: the channels R G B A or Y A, half or float, of the first
+ * part that has them, else of the only layer that has them (beauty.R ...), in scanlines or tiles,
+ * of which the full resolution is read, of any compression. An OpenEXR image is the display window:
+ * what the data window has beyond it is left out, and what it does not cover is zero. Other files
+ * are SLV_ERROR_UNSUPPORTED, and a line says why: deep pixels, subsampled channels, luminance and
+ * chroma, integers (uint), several layers, a data window outside of the display window. */
 SLV_NODISCARD SLV_API slv_result slv_image_load(const slv_env *env, const char *path,
                                                 slv_image *out);
 
