@@ -133,7 +133,6 @@ static int write_copy(const struct check *c, const slv_env *env, const slv_ptx_r
     slv_ptx *ptx = NULL;
     slv_mesh *inside = NULL;
     int code = EXIT_FAILED;
-    slv_env silent = {.threads = env->threads};
     const slv_ptx_open_params lenient = {.lenient = true};
     for (uint32_t i = 0; i < report->nfindings; i++) {
         const slv_check_finding *finding = &report->findings[i];
@@ -143,9 +142,8 @@ static int write_copy(const struct check *c, const slv_env *env, const slv_ptx_r
     }
     if (slv_ptx_open_with(env, c->path, &lenient, &ptx))
         return EXIT_FAILED;
-    if (!given && needs_geometry(report) && slv_ptx_load_mesh(&silent, ptx, &inside) == SLV_OK)
-        given = inside;
-    if (slv_ptx_repair(env, ptx, given, c->repair, NULL) == SLV_OK)
+    if ((given || !needs_geometry(report) || !slv_ptx_find_mesh(env, ptx, &inside, NULL)) &&
+        !slv_ptx_repair(env, ptx, given ? given : inside, c->repair, NULL))
         code = EXIT_OK;
     slv_mesh_destroy(inside);
     slv_ptx_close(ptx);

@@ -49,7 +49,11 @@ static int print_result(const struct merge *m) {
     if (m->quiet)
         return EXIT_OK;
     for (uint32_t i = 0; i < m->npaths; i++) {
-        printf("  faces %u to %u: ", m->first_faces[i], m->first_faces[i + 1] - 1);
+        uint32_t first = m->first_faces[i], end = m->first_faces[i + 1];
+        if (first == end)
+            printf("  no faces: ");
+        else
+            printf("  faces %u to %u: ", first, end - 1);
         output_terminal(stdout, m->paths[i], strlen(m->paths[i]), SIZE_MAX);
         putchar('\n');
     }

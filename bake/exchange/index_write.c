@@ -117,10 +117,13 @@ slv_result slvi_index_create(const slv_env *env, const slv_ptx *ptx, const slvi_
     json_t *list = json_array();
     *out = NULL;
     for (uint32_t i = 0; meta && i < slv_ptx_get_info(ptx)->nmeta; i++) {
-        const slv_ptx_meta *entry = slv_ptx_get_meta(ptx, i);
-        if (!entry || json_array_append_new(list, meta_json(env, entry))) {
+        const slv_ptx_meta *entry;
+        slv_result result = slv_ptx_load_meta(ptx, i, &entry);
+        if (!result && json_array_append_new(list, meta_json(env, entry)))
+            result = slvi_index_no_memory(env, plan);
+        if (result) {
             json_decref(list);
-            return entry ? slvi_index_no_memory(env, plan) : SLV_ERROR_FORMAT;
+            return result;
         }
     }
     *out = json_pack("{s:i, s:s, s:o, s:s, s:I, s:o, s:o, s:o, s:o, s:b, s:o, s:[]}", "schema", 1,

@@ -80,19 +80,14 @@ static slv_result join_entry(const slv_env *env, slvi_merge *m, uint32_t file,
 }
 
 slv_result slvi_merge_meta(const slv_env *env, slvi_merge *m) {
-    slv_env silent = *env;
     uint32_t with_geometry = 0;
     slv_result result = SLV_OK;
-    silent.log = NULL;
     for (uint32_t i = 0; i < m->npaths; i++) {
         slv_mesh *mesh = NULL;
-        slv_result loaded = slv_ptx_load_mesh(&silent, m->files[i], &mesh);
+        if ((result = slv_ptx_find_mesh(env, m->files[i], &mesh, NULL)))
+            return result;
+        with_geometry += mesh != NULL;
         slv_mesh_destroy(mesh);
-        /* that there is no memory to read it does not mean that it is not there */
-        if (loaded == SLV_ERROR_MEMORY || loaded == SLV_ERROR_IO || loaded == SLV_ERROR_LIMIT)
-            return slvi_fail(env, loaded, "%s: its geometry cannot be read: %s", m->paths[i],
-                             slv_result_string(loaded));
-        with_geometry += loaded == SLV_OK;
     }
     m->geometry = with_geometry == m->npaths;
     if (with_geometry && !m->geometry)

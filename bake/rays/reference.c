@@ -37,10 +37,22 @@ static slv_result make_quads(slv_reference *r, uint64_t *count) {
     return result;
 }
 
+static slv_result check_bounds(const slv_reference *r) {
+    for (int k = 0; k < 3 && r->mesh.first[r->mesh.nfaces]; k++)
+        if (!(r->mesh.bounds_min[k] > -REFERENCE_FARTHEST &&
+              r->mesh.bounds_max[k] < REFERENCE_FARTHEST))
+            return slvi_fail(&r->env, SLV_ERROR_LIMIT,
+                             "reference: the surface goes from %g to %g along axis %d, and rays "
+                             "reach %g at most",
+                             (double)r->mesh.bounds_min[k], (double)r->mesh.bounds_max[k], k,
+                             (double)REFERENCE_FARTHEST);
+    return SLV_OK;
+}
+
 static slv_result make_scene(slv_reference *r) {
     uint64_t nquads;
-    slv_result result = make_quads(r, &nquads);
-    if (result)
+    slv_result result = check_bounds(r);
+    if (result || (result = make_quads(r, &nquads)))
         return result;
     /* One thread builds the tree, so that which of two quads a ray along their edge hits does not
      * depend on how many there are. */
@@ -89,10 +101,9 @@ static slv_result check(const slv_env *env, const slv_mesh *mesh, const slv_surf
     return SLV_OK;
 }
 
-slv_result slv_reference_create(const slv_env *env, const slv_mesh *mesh,
-                                const slv_surface *surface, const slv_texture *texture,
-                                const slv_adjacency *adjacency, const slv_reference_params *given,
-                                slv_reference **out) {
+static slv_result create(const slv_env *env, const slv_mesh *mesh, const slv_surface *surface,
+                         const slv_texture *texture, const slv_adjacency *adjacency,
+                         const slv_reference_params *given, slv_reference **out) {
     slv_reference_params params = given ? *given : (slv_reference_params){0};
     slv_adjacency *own = NULL;
     slv_reference *made = NULL;
@@ -114,6 +125,20 @@ slv_result slv_reference_create(const slv_env *env, const slv_mesh *mesh,
 done:
     slv_adjacency_destroy(own);
     slv_reference_destroy(made);
+    return result;
+}
+
+slv_result slv_reference_create(const slv_env *env, const slv_mesh *mesh,
+                                const slv_surface *surface, const slv_texture *texture,
+                                const slv_adjacency *adjacency, const slv_reference_params *given,
+                                slv_reference **out) {
+    slv_env own;
+    slv_result result = slvi_budget_begin(env, &own);
+    if (result)
+        *out = NULL;
+    else
+        result = create(&own, mesh, surface, texture, adjacency, given, out);
+    slvi_budget_end(&own);
     return result;
 }
 

@@ -31,9 +31,13 @@ typedef struct reference_eye {
     float normal_matrix[9];
 } reference_eye;
 
-/* False if the camera cannot be inverted, or its window is empty. */
-bool slvi_reference_eye_make(const slv_reference *reference, const slv_camera *camera,
-                             reference_eye *out);
+/* Embree ends the process at coordinates, of triangles or rays, whose squares overflow a float. */
+#define REFERENCE_FARTHEST 1e18f
+
+/* Says what is wrong with a camera: it cannot be inverted, its window is empty, or its rays begin
+ * or go too far away. */
+slv_result slvi_reference_eye_make(const slv_env *env, const slv_reference *reference,
+                                   const slv_camera *camera, reference_eye *out);
 
 /* The ray through (x,y) of the window's plane. Distances along it are depths: its direction has
  * length 1 along the eye's -z. */

@@ -278,10 +278,8 @@ slv_result slv_reference_render(const slv_reference *reference, const slv_env *e
     slv_result result = prepare(env, given, &frame);
     if (result)
         return result;
-    if (!slvi_reference_eye_make(reference, &frame.camera, &w.eye))
-        return slvi_fail(env, SLV_ERROR_ARGUMENT,
-                         "reference: the camera cannot be inverted, or its window is empty");
-    if ((result = slv_image_create(env, frame.width, frame.height, 4, &w.image)) ||
+    if ((result = slvi_reference_eye_make(env, reference, &frame.camera, &w.eye)) ||
+        (result = slv_image_create(env, frame.width, frame.height, 4, &w.image)) ||
         (result = slv_image_create(env, frame.width, frame.height, 1, &w.error)) ||
         (result = slvi_reference_sampler_create(env, frame.filter, frame.seed,
                                                 (frame.samples + 1) / 2, &w.sampler)))

@@ -139,8 +139,6 @@ slv_result slv_reference_trace(const slv_reference *reference, const slv_env *en
     if (!width || !height)
         return slvi_fail(env, SLV_ERROR_ARGUMENT, "reference: a picture of %u x %u pixels", width,
                          height);
-    if (!slvi_reference_eye_make(reference, camera, &t.eye))
-        return slvi_fail(env, SLV_ERROR_ARGUMENT,
-                         "reference: the camera cannot be inverted, or its window is empty");
-    return slvi_parallel_for(env, height, ROW_GRAIN, trace_rows, &t);
+    slv_result result = slvi_reference_eye_make(env, reference, camera, &t.eye);
+    return result ? result : slvi_parallel_for(env, height, ROW_GRAIN, trace_rows, &t);
 }

@@ -10,6 +10,7 @@
 #include <selvage/ptx.h>
 
 #include <math.h>
+#include <string.h>
 
 enum { SEGMENTS = 8, MAX_NEW_LOG2 = 12, MAX_SAMPLES = 4 };
 #define MATCH_TOLERANCE 1e-5f  /* of the source's diagonal */
@@ -275,12 +276,35 @@ static slv_result prepare(const slv_env *env, struct transfer *t, const slv_mesh
                                t->target_corners, MATCH_TOLERANCE * diagonal, t->faces);
 }
 
+/* The target in the frame of the source's positions. */
+static slv_result join_frames(const slv_env *env, const slv_mesh *source, const slv_mesh *target,
+                              slv_mesh **out) {
+    const slv_mesh_view *from = slv_mesh_get_view(source);
+    slv_mesh_view view = *slv_mesh_get_view(target);
+    float *positions = NULL;
+    *out = NULL;
+    if (memcmp(from->origin, view.origin, sizeof view.origin) == 0)
+        return SLV_OK;
+    slv_result result =
+        slvi_alloc_plain(env, "positions", view.nverts, 3 * sizeof *positions, &positions);
+    for (size_t i = 0; !result && i < (size_t)3 * view.nverts; i++)
+        positions[i] =
+            (float)((double)view.positions[i] + (view.origin[i % 3] - from->origin[i % 3]));
+    view.positions = positions;
+    memcpy(view.origin, from->origin, sizeof view.origin);
+    if (!result)
+        result = slv_mesh_create(env, &view, out);
+    slvi_free(positions);
+    return result;
+}
+
 slv_result slv_transfer(const slv_env *env, const slv_mesh *source, const slv_texture *texture,
                         const slv_mesh *target, const slv_transfer_params *params,
                         slv_transfer_face *faces, float *covered, slv_texture **out) {
     struct transfer t = {.texture = texture, .desc = slv_texture_get_desc(texture), .faces = faces};
     uint32_t ntarget = slv_mesh_face_count(target);
     slv_parallel_log *log = NULL;
+    slv_mesh *joined = NULL;
     double area = 0, near = 0;
     slv_result result = slvi_parallel_env_begin(env, &log, &t.env);
     *out = NULL;
@@ -294,7 +318,8 @@ slv_result slv_transfer(const slv_env *env, const slv_mesh *source, const slv_te
                            t.desc->nfaces, slv_mesh_face_count(source));
         goto done;
     }
-    if ((result = prepare(env, &t, source, target)) ||
+    if ((result = join_frames(env, source, target, &joined)) ||
+        (result = prepare(env, &t, source, joined ? joined : target)) ||
         (result = slvi_parallel_for(env, ntarget, 64, prepare_range, &t)))
         goto done;
     slv_texture_desc desc = *t.desc;
@@ -313,6 +338,7 @@ slv_result slv_transfer(const slv_env *env, const slv_mesh *source, const slv_te
     *out = t.out;
     t.out = NULL;
 done:
+    slv_mesh_destroy(joined);
     slv_texture_destroy(t.out);
     slvi_closest_destroy(t.closest);
     slvi_transfer_source_end(&t.look);

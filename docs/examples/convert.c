@@ -35,8 +35,11 @@ int main(int argc, char **argv) {
     slv_ptx_writer_params params = slv_ptx_writer_params_like(ptx);
     params.type = SLV_TYPE_U16;
     slv_result result = slv_ptx_writer_create(NULL, argv[2], &params, &job.writer);
-    for (uint32_t i = 0; !result && i < job.from->nmeta; i++)
-        result = slv_ptx_writer_set_meta(job.writer, slv_ptx_get_meta(ptx, i));
+    for (uint32_t i = 0; !result && i < job.from->nmeta; i++) {
+        const slv_ptx_meta *meta;
+        if (!(result = slv_ptx_load_meta(ptx, i, &meta)))
+            result = slv_ptx_writer_set_meta(job.writer, meta);
+    }
     if (!result && !(result = slv_ptx_visit_faces(NULL, ptx, convert_face, &job)))
         result = slv_ptx_writer_finish(job.writer);
     slv_ptx_writer_destroy(job.writer);

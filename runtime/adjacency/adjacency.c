@@ -57,9 +57,8 @@ static slv_result cut_one_sided_links(const slv_env *env, slv_adjacency *a) {
     return SLV_OK;
 }
 
-slv_result slv_adjacency_create(const slv_env *env, uint32_t nfaces,
-                                const slv_face_adjacency *faces, const uint8_t *flags,
-                                slv_adjacency **out) {
+static slv_result create(const slv_env *env, uint32_t nfaces, const slv_face_adjacency *faces,
+                         const uint8_t *flags, slv_adjacency **out) {
     slv_result result = SLV_OK;
     slv_adjacency *a = NULL;
     *out = NULL;
@@ -87,6 +86,19 @@ slv_result slv_adjacency_create(const slv_env *env, uint32_t nfaces,
     a = NULL;
 done:
     slv_adjacency_destroy(a);
+    return result;
+}
+
+slv_result slv_adjacency_create(const slv_env *env, uint32_t nfaces,
+                                const slv_face_adjacency *faces, const uint8_t *flags,
+                                slv_adjacency **out) {
+    slv_env own;
+    slv_result result = slvi_budget_begin(env, &own);
+    if (result)
+        *out = NULL;
+    else
+        result = create(&own, nfaces, faces, flags, out);
+    slvi_budget_end(&own);
     return result;
 }
 

@@ -4,23 +4,71 @@
 
 #include "base/log.h"
 
+#include <stdatomic.h>
 #include <stdlib.h>
 #include <string.h>
 
 #define MALLOC_ALIGNMENT 16
 
+/* What the pieces of one object's memory add up to. It lives as long as any of them. */
+typedef struct budget {
+    _Atomic(uint64_t) used, holders;
+} budget;
+
 /* What precedes every piece of memory; a multiple of malloc's alignment. */
 typedef struct header {
-    void (*release)(void *user, void *memory);
+    _Alignas(MALLOC_ALIGNMENT) void (*release)(void *user, void *memory);
     void *user;
     void *start; /* what the hook gave */
     uint64_t size;
+    budget *from; /* or NULL */
 } header;
 
 _Static_assert(sizeof(header) % MALLOC_ALIGNMENT == 0, "memory stays aligned behind its header");
 
 static header *header_of(void *memory) {
     return (header *)memory - 1;
+}
+
+/* Which of its reserved words an environment keeps it in. */
+static budget *budget_of(const slv_env *env) {
+    return (budget *)(uintptr_t)env->reserved[0];
+}
+
+static void let_go(budget *from, uint64_t bytes) {
+    atomic_fetch_sub_explicit(&from->used, bytes, memory_order_relaxed);
+    if (atomic_fetch_sub_explicit(&from->holders, 1, memory_order_acq_rel) == 1)
+        slvi_free(from);
+}
+
+static bool take(budget *from, uint64_t bytes, uint64_t limit) {
+    uint64_t used = atomic_fetch_add_explicit(&from->used, bytes, memory_order_relaxed);
+    atomic_fetch_add_explicit(&from->holders, 1, memory_order_relaxed);
+    if (used <= limit && bytes <= limit - used)
+        return true;
+    let_go(from, bytes);
+    return false;
+}
+
+slv_result slvi_budget_begin(const slv_env *env, slv_env *out) {
+    budget *made = NULL;
+    slv_env own = slvi_env_or_default(env);
+    own.reserved[0] = 0;
+    slv_result result = slvi_alloc(&own, "memory", 1, sizeof *made, &made);
+    if (!result) {
+        atomic_init(&made->used, 0);
+        atomic_init(&made->holders, 1);
+        own.reserved[0] = (uint64_t)(uintptr_t)made;
+    }
+    *out = own;
+    return result;
+}
+
+void slvi_budget_end(slv_env *env) {
+    budget *from = budget_of(env);
+    env->reserved[0] = 0;
+    if (from)
+        let_go(from, 0);
 }
 
 static slv_result allocate(const slv_env *env, const char *what, uint64_t alignment, uint64_t count,
@@ -36,12 +84,19 @@ static slv_result allocate(const slv_env *env, const char *what, uint64_t alignm
                          what, (unsigned long long)count, (unsigned long long)size,
                          (unsigned long long)most);
     uint64_t bytes = count * size;
+    budget *from = budget_of(&known);
+    if (from && !take(from, bytes, known.max_bytes))
+        return slvi_fail(env, SLV_ERROR_LIMIT,
+                         "%s: with %llu bytes more it is over the limit of %llu", what,
+                         (unsigned long long)bytes, (unsigned long long)known.max_bytes);
     if (known.allocate)
         start = known.allocate(known.memory_user, (size_t)(room + bytes));
     else if (zeroed)
         start = calloc(1, (size_t)(room + bytes));
     else
         start = malloc((size_t)(room + bytes));
+    if (!start && from)
+        let_go(from, bytes);
     if (!start)
         return slvi_fail(env, SLV_ERROR_MEMORY, "%s: no memory for %llu bytes", what,
                          (unsigned long long)bytes);
@@ -52,7 +107,7 @@ static slv_result allocate(const slv_env *env, const char *what, uint64_t alignm
         memset(at, 0, (size_t)bytes);
     memory = at;
     *header_of(memory) =
-        (header){known.allocate ? known.release : NULL, known.memory_user, start, bytes};
+        (header){known.allocate ? known.release : NULL, known.memory_user, start, bytes, from};
     memcpy(out, &memory, sizeof memory);
     return SLV_OK;
 }
@@ -91,9 +146,11 @@ slv_result slvi_grow(const slv_env *env, const char *what, uint64_t count, uint6
 void slvi_free(void *memory) {
     if (!memory)
         return;
-    header *head = header_of(memory);
-    if (head->release)
-        head->release(head->user, head->start);
+    header head = *header_of(memory);
+    if (head.release)
+        head.release(head.user, head.start);
     else
-        free(head->start);
+        free(head.start);
+    if (head.from)
+        let_go(head.from, head.size);
 }

@@ -75,6 +75,13 @@ static slv_result check_present(const slv_env *env, const slv_mesh_view *view) {
     return SLV_OK;
 }
 
+static slv_result check_origin(const slv_env *env, const slv_mesh_view *view) {
+    const double *origin = view->origin;
+    if (isfinite(origin[0]) && isfinite(origin[1]) && isfinite(origin[2]))
+        return SLV_OK;
+    return slvi_fail(env, SLV_ERROR_FORMAT, "mesh: its origin is not finite");
+}
+
 static slv_result check_view(const slv_env *env, const slv_mesh_view *view, uint64_t *nsides,
                              uint64_t *nfaces) {
     slv_result result = check_present(env, view);
@@ -98,6 +105,7 @@ static slv_result check_view(const slv_env *env, const slv_mesh_view *view, uint
         (result =
              check_poly_indices(env, view, "normal", view->poly_normals, -1, view->nnormals)) ||
         (result = check_floats(env, "position", view->positions, view->nverts, 3)) ||
+        (result = check_origin(env, view)) ||
         (result = check_floats(env, "texture coordinate", view->texcoords, view->ntexcoords, 2)) ||
         (result = check_floats(env, "normal", view->normals, view->nnormals, 3)) ||
         (result = check_indices(env, "crease vertex", view->crease_verts,
@@ -212,7 +220,7 @@ static void number_faces(slv_mesh *mesh) {
         mesh->poly_hole[view->hole_polys[h]] = 1;
 }
 
-slv_result slv_mesh_create(const slv_env *env, const slv_mesh_view *view, slv_mesh **out) {
+static slv_result create(const slv_env *env, const slv_mesh_view *view, slv_mesh **out) {
     slv_result result = SLV_OK;
     slv_mesh *mesh = NULL;
     uint64_t nsides = 0, nfaces = 0;
@@ -235,6 +243,17 @@ slv_result slv_mesh_create(const slv_env *env, const slv_mesh_view *view, slv_me
     mesh = NULL;
 done:
     slv_mesh_destroy(mesh);
+    return result;
+}
+
+slv_result slv_mesh_create(const slv_env *env, const slv_mesh_view *view, slv_mesh **out) {
+    slv_env own;
+    slv_result result = slvi_budget_begin(env, &own);
+    if (result)
+        *out = NULL;
+    else
+        result = create(&own, view, out);
+    slvi_budget_end(&own);
     return result;
 }
 

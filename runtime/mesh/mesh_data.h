@@ -16,6 +16,15 @@ struct slv_mesh {
     uint8_t *flags;
 };
 
+/* mesh_origin.c: whether the polygons lie so far from zero that their positions are to be relative
+ * to `origin`, which is zero else. */
+bool slvi_mesh_find_origin(const float *positions, const int32_t *verts, uint64_t nsides,
+                           double origin[3]);
+/* Makes positions relative; `rests`, which may be NULL, is what their floats lack. */
+void slvi_mesh_shift(float *positions, const float *rests, uint64_t nverts, const double origin[3]);
+/* Whether the origin is not zero. */
+bool slvi_mesh_is_far(const slv_mesh_view *view);
+
 #define SLV_NO_EDGE UINT32_MAX
 
 /* An edge of the mesh; sides are positions in poly_verts, each standing for the edge that starts

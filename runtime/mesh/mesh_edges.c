@@ -117,7 +117,7 @@ static void link_sides(slv_face_adjacency *faces, side_faces a, side_faces b) {
         link_to(faces, b.far, b.far_edge, a.near, a.near_edge);
 }
 
-slv_result slv_mesh_adjacency(const slv_env *env, const slv_mesh *mesh, slv_adjacency **out) {
+static slv_result link_all(const slv_env *env, const slv_mesh *mesh, slv_adjacency **out) {
     slv_result result = SLV_OK;
     slv_mesh_edges edges = {0};
     slv_face_adjacency *faces = NULL;
@@ -148,10 +148,21 @@ done:
     return result;
 }
 
+slv_result slv_mesh_adjacency(const slv_env *env, const slv_mesh *mesh, slv_adjacency **out) {
+    slv_env own;
+    slv_result result = slvi_budget_begin(env, &own);
+    if (result)
+        *out = NULL;
+    else
+        result = link_all(&own, mesh, out);
+    slvi_budget_end(&own);
+    return result;
+}
+
 static void add_bounds(const slv_mesh_view *view, slv_mesh_stats *out) {
     for (uint32_t v = 0; v < view->nverts; v++)
         for (int c = 0; c < 3; c++) {
-            float x = view->positions[3 * (size_t)v + (size_t)c];
+            float x = (float)((double)view->positions[3 * (size_t)v + (size_t)c] + view->origin[c]);
             if (v == 0 || x < out->bounds_min[c])
                 out->bounds_min[c] = x;
             if (v == 0 || x > out->bounds_max[c])

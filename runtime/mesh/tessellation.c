@@ -183,9 +183,9 @@ static void find_bounds(slv_tessellation *t) {
     }
 }
 
-slv_result slv_tessellate(const slv_env *env, const slv_mesh *mesh, const slv_surface *surface,
-                          const slv_adjacency *adjacency, uint32_t segments,
-                          slv_tessellation *out) {
+static slv_result tessellate(const slv_env *env, const slv_mesh *mesh, const slv_surface *surface,
+                             const slv_adjacency *adjacency, uint32_t segments,
+                             slv_tessellation *out) {
     slv_tessellation made = {.nfaces = slv_mesh_face_count(mesh)};
     slv_result result = SLV_OK;
     slv_parallel_log *log = NULL;
@@ -230,6 +230,19 @@ done:
     if (result)
         slv_tessellation_free(&made);
     *out = made;
+    return result;
+}
+
+slv_result slv_tessellate(const slv_env *env, const slv_mesh *mesh, const slv_surface *surface,
+                          const slv_adjacency *adjacency, uint32_t segments,
+                          slv_tessellation *out) {
+    slv_env own;
+    slv_result result = slvi_budget_begin(env, &own);
+    if (result)
+        memset(out, 0, sizeof *out);
+    else
+        result = tessellate(&own, mesh, surface, adjacency, segments, out);
+    slvi_budget_end(&own);
     return result;
 }
 

@@ -137,6 +137,14 @@ static double scale_by_ten(uint64_t digits, int64_t exponent) {
 }
 
 bool slvi_scan_float(slv_scan *scan, float *out) {
+    double value;
+    if (!slvi_scan_double(scan, &value))
+        return false;
+    *out = (float)value;
+    return true;
+}
+
+bool slvi_scan_double(slv_scan *scan, double *out) {
     bool negative = take_sign(scan);
     decimal d = {0, 0, false};
     take_digits(scan, &d, false);
@@ -151,6 +159,6 @@ bool slvi_scan_float(slv_scan *scan, float *out) {
      */
     if (value >= 0x1.ffffffp127)
         return false;
-    *out = (float)(negative ? -value : value);
+    *out = negative ? -value : value;
     return true;
 }

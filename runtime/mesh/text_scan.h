@@ -24,6 +24,8 @@ size_t slvi_scan_word(slv_scan *scan, const char **word);
  * caller's affair. */
 bool slvi_scan_int(slv_scan *scan, int64_t *out);
 bool slvi_scan_float(slv_scan *scan, float *out);
+/* The same number before it is rounded to float, in whose range it is. */
+bool slvi_scan_double(slv_scan *scan, double *out);
 
 /* True at the end of a word: blank, line end, joined line end or end of text. */
 bool slvi_scan_at_break(const slv_scan *scan);

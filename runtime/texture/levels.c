@@ -127,7 +127,7 @@ static slv_result lay_out(slv_levels *levels, const slv_texture *texture, uint64
     return SLV_OK;
 }
 
-slv_result slv_levels_create(const slv_env *env, const slv_texture *texture, slv_levels **out) {
+static slv_result create(const slv_env *env, const slv_texture *texture, slv_levels **out) {
     slv_levels *levels = NULL;
     *out = NULL;
     if (!texture)
@@ -162,6 +162,17 @@ slv_result slv_levels_create(const slv_env *env, const slv_texture *texture, slv
     levels = NULL;
 done:
     slv_levels_destroy(levels);
+    return result;
+}
+
+slv_result slv_levels_create(const slv_env *env, const slv_texture *texture, slv_levels **out) {
+    slv_env own;
+    slv_result result = slvi_budget_begin(env, &own);
+    if (result)
+        *out = NULL;
+    else
+        result = create(&own, texture, out);
+    slvi_budget_end(&own);
     return result;
 }
 

@@ -62,7 +62,7 @@ slv_result slvi_texture_check_desc(const slv_env *env, const slv_texture_desc *d
     return SLV_OK;
 }
 
-slv_result slv_texture_create(const slv_env *env, const slv_texture_desc *desc, slv_texture **out) {
+static slv_result create(const slv_env *env, const slv_texture_desc *desc, slv_texture **out) {
     slv_texture *texture = NULL;
     uint64_t bytes = 0;
     *out = NULL;
@@ -93,6 +93,17 @@ slv_result slv_texture_create(const slv_env *env, const slv_texture_desc *desc, 
     texture = NULL;
 done:
     slv_texture_destroy(texture);
+    return result;
+}
+
+slv_result slv_texture_create(const slv_env *env, const slv_texture_desc *desc, slv_texture **out) {
+    slv_env own;
+    slv_result result = slvi_budget_begin(env, &own);
+    if (result)
+        *out = NULL;
+    else
+        result = create(&own, desc, out);
+    slvi_budget_end(&own);
     return result;
 }
 

@@ -7,6 +7,7 @@
 
 #include <selvage/bake.h>
 #include <selvage/edge_aligned.h>
+#include <selvage/exchange.h>
 #include <selvage/filter.h>
 #include <selvage/htex.h>
 #include <selvage/image.h>
@@ -207,11 +208,10 @@ static slv_result call_ptx_read(const slv_env *env) {
     slv_ptx_face face;
     slv_ptx_block block;
     slv_result result = slv_ptx_open(env, calls.ptx, &ptx);
-    if (!result && !slv_ptx_find_meta(ptx, "words"))
-        result = SLV_ERROR_MEMORY; /* of which the log has told */
-    if (!result && !slv_ptx_get_averages(ptx))
-        result = SLV_ERROR_MEMORY;
-    if (!result && !(result = slv_ptx_load_tables(ptx)) &&
+    const slv_ptx_meta *meta;
+    const void *averages;
+    if (!result && !(result = slv_ptx_load_meta(ptx, 0, &meta)) &&
+        !(result = slv_ptx_load_averages(ptx, &averages)) && !(result = slv_ptx_load_tables(ptx)) &&
         !(result = slv_ptx_get_face(ptx, 0, &face)) &&
         !(result = slv_ptx_get_block(ptx, 0, 0, &block)) &&
         !(result = slv_ptx_read_face(ptx, 0, (slv_res){4, 4}, texels)) &&
@@ -235,8 +235,11 @@ static slv_result call_ptx_load(const slv_env *env) {
     slv_ptx *ptx = NULL;
     slv_texture *texture = NULL;
     slv_adjacency *adjacency = NULL;
-    slv_mesh *mesh = NULL;
+    slv_mesh *mesh = NULL, *found = NULL;
     slv_result result = slv_ptx_open(env, calls.ptx, &ptx);
+    if (!result && !(result = slv_ptx_find_mesh(env, ptx, &found, NULL)))
+        CHECK_MSG(found, "a mesh that could not be read is taken for none");
+    slv_mesh_destroy(found);
     if (!result && !(result = slv_ptx_load_texture(env, ptx, &texture)) &&
         !(result = slv_ptx_load_adjacency(env, ptx, &adjacency)) &&
         !(result = slv_ptx_load_mesh(env, ptx, &mesh)) &&
@@ -307,6 +310,9 @@ static slv_result call_ptx_check(const slv_env *env) {
     slv_ptx_report *report = NULL;
     const slv_ptx_check_params params = {.mesh = calls.mesh, .seams = true};
     slv_result result = slv_ptx_check(env, calls.ptx, &params, &report);
+    for (uint32_t i = 0; !result && i < report->nfindings; i++)
+        CHECK_MSG(report->findings[i].kind == SLV_CHECK_SEAMS, "of a sound file: %s",
+                  report->findings[i].message);
     slv_ptx_report_destroy(report);
     return result;
 }
@@ -321,6 +327,51 @@ static slv_result call_ptx_diff(const slv_env *env) {
         result =
             slv_ptx_resize(env, SLV_PTX_QUAD, 4, (slv_res){4, 4}, texels, (slv_res){3, 3}, resized);
     slv_ptx_close(ptx);
+    return result;
+}
+
+/* ---- exchange ---- */
+
+/* Converts a file, and nothing but a whole one counts. */
+static slv_result exchange_file(const slv_env *env, const char *from, const char *to,
+                                slv_result (*how)(const slv_env *, const slv_exchange *,
+                                                  const slv_exchange_params *, const char *,
+                                                  slv_exchange_stats *)) {
+    const slv_exchange_params params = {.changes = SLV_EXCHANGE_TYPE, .type = SLV_TYPE_U16};
+    slv_exchange *source = NULL;
+    slv_result result = slv_exchange_open(env, from, &source);
+    if (!result)
+        result = how(env, source, &params, to, NULL);
+    slv_exchange_close(source);
+    return result;
+}
+
+static slv_result call_convert(const slv_env *env) {
+    return exchange_file(env, calls.ptx, calls_path("converted.ptx"), slv_exchange_to_ptx);
+}
+
+static slv_result call_folder(const slv_env *env) {
+    char folder[sizeof calls.out];
+    snprintf(folder, sizeof folder, "%s", calls_path("images"));
+    slv_result result = exchange_file(env, calls.ptx, folder, slv_exchange_to_folder);
+    return result ? result
+                  : exchange_file(env, folder, calls_path("back.ptx"), slv_exchange_to_ptx);
+}
+
+static slv_result call_sheet(const slv_env *env) {
+    slv_result result =
+        exchange_file(env, calls.ptx, calls_path("sheet.png"), slv_exchange_to_sheet);
+    char index[sizeof calls.out];
+    snprintf(index, sizeof index, "%s", calls_path("sheet.json"));
+    return result ? result : exchange_file(env, index, calls_path("back.ptx"), slv_exchange_to_ptx);
+}
+
+static slv_result call_merge(const slv_env *env) {
+    const char *const paths[] = {calls.ptx, calls.ptx};
+    bool geometry = false;
+    slv_result result =
+        slv_merge(env, paths, 2, NULL, calls_path("merged.ptx"), NULL, &geometry, NULL);
+    CHECK_MSG(result || geometry, "geometry that could not be read is taken for none");
     return result;
 }
 
@@ -447,6 +498,10 @@ static const calls_entry calls_all[] = {
     {"ptx_rewrite", call_ptx_rewrite},
     {"ptx_check", call_ptx_check},
     {"ptx_diff", call_ptx_diff},
+    {"convert", call_convert},
+    {"folder", call_folder},
+    {"sheet", call_sheet},
+    {"merge", call_merge},
     {"sample", call_sample},
     {"png", call_png},
     {"exr", call_exr},

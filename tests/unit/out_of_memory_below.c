@@ -104,7 +104,8 @@ static bool loses(const calls_entry *entry) {
 
 /* OpenEXRCore tells want of memory as damage where it packs, libpng as a failure of any kind. */
 static bool hides_why(const calls_entry *entry) {
-    return strcmp(entry->name, "exr") == 0 || strcmp(entry->name, "png") == 0;
+    return entry->call == call_exr || entry->call == call_png || entry->call == call_folder ||
+           entry->call == call_sheet;
 }
 
 int main(void) {

@@ -8,6 +8,7 @@
 /* A camera and its shading, as a view file states them. */
 typedef struct scene_view {
     slv_camera camera;
+    double world_to_camera[16]; /* the same before it is rounded to floats */
     bool has_camera, has_size, has_shading;
     uint32_t size[2];
     slv_shading shading;
@@ -20,6 +21,8 @@ typedef struct scene_view {
 /* Reads a view file (JSON): size, world_to_camera, projection, screen_window, shading {model, ka,
  * kd}, boundary, scheme. */
 slv_result scene_load_view(const slv_env *env, const char *path, scene_view *out);
+/* The view's camera for a mesh, whose positions are relative to its origin. */
+slv_camera scene_view_camera(const scene_view *view, const slv_mesh *mesh);
 
 typedef struct scene_params {
     const char *ptx, *mesh; /* mesh may be NULL: the geometry inside the .ptx */

@@ -77,7 +77,7 @@ slv_result scene_load_shot(const slv_env *env, const char *ptx, const scene_opti
     if ((result = scene_load(env, &params, &out->scene)))
         return result;
     out->camera = view.has_camera && !o->orbit_given
-                      ? view.camera
+                      ? scene_view_camera(&view, out->scene.mesh)
                       : slv_camera_orbit(out->scene.bounds_min, out->scene.bounds_max, o->azimuth,
                                          o->elevation, o->fov, (float)size[0] / (float)size[1]);
     out->segments =

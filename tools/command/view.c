@@ -40,9 +40,13 @@ static slv_result read_camera(const slv_env *env, const char *path, const json_t
     const char *projection = json_string_value(json_object_get(root, "projection"));
     if (!matrix)
         return SLV_OK;
-    for (size_t r = 0; r < 4; r++)
-        if (!read_floats(json_array_get(matrix, r), 4, out->camera.world_to_camera + 4 * r))
+    for (size_t r = 0; r < 4; r++) {
+        const json_t *row = json_array_get(matrix, r);
+        if (!read_floats(row, 4, out->camera.world_to_camera + 4 * r))
             return bad_view(env, path, "world_to_camera is not four rows of four numbers");
+        for (size_t c = 0; c < 4; c++)
+            out->world_to_camera[4 * r + c] = json_number_value(json_array_get(row, c));
+    }
     if (!projection ||
         (strcmp(projection, "orthographic") != 0 && strcmp(projection, "perspective") != 0))
         return bad_view(env, path, "projection is neither orthographic nor perspective");
@@ -62,6 +66,15 @@ static slv_result read_camera(const slv_env *env, const char *path, const json_t
                         "world_to_camera cannot be inverted, or its last row is not 0 0 0 1");
     out->has_camera = true;
     return SLV_OK;
+}
+
+slv_camera scene_view_camera(const scene_view *view, const slv_mesh *mesh) {
+    const double *origin = slv_mesh_get_view(mesh)->origin, *m = view->world_to_camera;
+    slv_camera camera = view->camera;
+    for (int r = 0; r < 3; r++, m += 4)
+        camera.world_to_camera[4 * r + 3] =
+            (float)(m[3] + m[0] * origin[0] + m[1] * origin[1] + m[2] * origin[2]);
+    return camera;
 }
 
 /* Leaves the value alone where the file says nothing. */

@@ -67,17 +67,28 @@ static int compare_entry(struct diff *d, const slv_ptx_meta *a, const slv_ptx_me
     return EXIT_OK;
 }
 
+/* Afterwards a key that is not found is not there. */
+static int load_meta(const slv_ptx *ptx) {
+    const slv_ptx_meta *entry;
+    for (uint32_t i = 0; i < slv_ptx_get_info(ptx)->nmeta; i++)
+        if (slv_ptx_load_meta(ptx, i, &entry))
+            return EXIT_FAILED;
+    return EXIT_OK;
+}
+
 static int compare_meta(struct diff *d) {
     uint32_t na = slv_ptx_get_info(d->files[0])->nmeta, nb = slv_ptx_get_info(d->files[1])->nmeta;
+    if (load_meta(d->files[0]) || load_meta(d->files[1]))
+        return EXIT_FAILED;
     for (uint32_t i = 0; i < na; i++) {
         const slv_ptx_meta *a = slv_ptx_get_meta(d->files[0], i);
-        if (!a || compare_entry(d, a, slv_ptx_find_meta(d->files[1], a->key)))
+        if (compare_entry(d, a, slv_ptx_find_meta(d->files[1], a->key)))
             return EXIT_FAILED;
     }
     for (uint32_t i = 0; i < nb; i++) {
         const slv_ptx_meta *b = slv_ptx_get_meta(d->files[1], i);
-        if (!b || (!slv_ptx_find_meta(d->files[0], b->key) &&
-                   note(d, "metadata %.200s: only in the second", b->key)))
+        if (!slv_ptx_find_meta(d->files[0], b->key) &&
+            note(d, "metadata %.200s: only in the second", b->key))
             return EXIT_FAILED;
     }
     return EXIT_OK;

@@ -38,12 +38,7 @@ static slv_result summarise(const slv_env *env, struct summary *s) {
             s->boundary_edges += face.adjacency.face[e] < 0;
     }
     slv_result result = info_levels_make(env, s->ptx, &s->levels);
-    if (result)
-        return result;
-    /* a texture without geometry is no failure, so nothing is logged */
-    slv_env silent = {.threads = env->threads, .max_bytes = env->max_bytes};
-    s->geometry = slv_ptx_load_mesh(&silent, s->ptx, &s->mesh);
-    return SLV_OK;
+    return result ? result : slv_ptx_find_mesh(env, s->ptx, &s->mesh, &s->geometry);
 }
 
 static uint64_t texel_bytes(const struct summary *s) {

@@ -143,8 +143,8 @@ static slv_result lay_out(slv_edge_aligned *aligned) {
     return SLV_OK;
 }
 
-slv_result slv_edge_aligned_create(const slv_env *env, const slv_levels *levels,
-                                   const slv_adjacency *adjacency, slv_edge_aligned **out) {
+static slv_result create(const slv_env *env, const slv_levels *levels,
+                         const slv_adjacency *adjacency, slv_edge_aligned **out) {
     const slv_texture_desc *desc = &levels->desc;
     slv_edge_aligned *aligned = NULL;
     uint64_t nlevels = 0;
@@ -180,6 +180,18 @@ slv_result slv_edge_aligned_create(const slv_env *env, const slv_levels *levels,
     aligned = NULL;
 done:
     slv_edge_aligned_destroy(aligned);
+    return result;
+}
+
+slv_result slv_edge_aligned_create(const slv_env *env, const slv_levels *levels,
+                                   const slv_adjacency *adjacency, slv_edge_aligned **out) {
+    slv_env own;
+    slv_result result = slvi_budget_begin(env, &own);
+    if (result)
+        *out = NULL;
+    else
+        result = create(&own, levels, adjacency, out);
+    slvi_budget_end(&own);
     return result;
 }
 

@@ -275,8 +275,8 @@ done:
     return result;
 }
 
-slv_result slv_htex_create(const slv_env *env, const slv_levels *levels,
-                           const slv_adjacency *adjacency, slv_htex **out) {
+static slv_result create_whole(const slv_env *env, const slv_levels *levels,
+                               const slv_adjacency *adjacency, slv_htex **out) {
     const slv_texture_desc *desc = &levels->desc;
     slv_htex_mesh mesh = {0};
     slv_htex *htex = NULL;
@@ -304,6 +304,18 @@ slv_result slv_htex_create(const slv_env *env, const slv_levels *levels,
 done:
     slvi_htex_mesh_free(&mesh);
     slv_htex_destroy(htex);
+    return result;
+}
+
+slv_result slv_htex_create(const slv_env *env, const slv_levels *levels,
+                           const slv_adjacency *adjacency, slv_htex **out) {
+    slv_env own;
+    slv_result result = slvi_budget_begin(env, &own);
+    if (result)
+        *out = NULL;
+    else
+        result = create_whole(&own, levels, adjacency, out);
+    slvi_budget_end(&own);
     return result;
 }
 

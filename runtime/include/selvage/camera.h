@@ -9,7 +9,7 @@ extern "C" {
 #endif
 
 /* A right-handed eye that looks down its own -z. Matrices are row-major and act on column vectors.
- */
+ * The world is that of the mesh's positions, which are relative to its origin (slv_mesh_view). */
 typedef struct slv_camera {
     float world_to_camera[16];
     bool perspective;

@@ -54,7 +54,13 @@ typedef struct slv_mesh_view {
     const char *const *group_names;
     const int32_t *group_first; /* first polygon of each run, ascending */
     const int32_t *group_count; /* how many; NULL if each ends where the next begins */
-    uint64_t reserved[4];
+
+    /* What positions are relative to: they lie at origin + position. Zero, but for meshes out of
+     * files that are more than 64 times their own size away from zero, of which floats would keep
+     * little: there it is the middle. Surfaces, tessellations, cameras and pictures of a mesh are
+     * all in the frame that has its zero here. */
+    double origin[3];
+    uint64_t reserved[1];
 } slv_mesh_view;
 
 /* A checked copy of such arrays. Immutable; any number of threads may read it. */
@@ -75,7 +81,7 @@ typedef struct slv_mesh_stats {
                               32 up */
     uint32_t
         nextraordinary; /* inner vertices of other than 4 polygons, boundary ones of more than 2 */
-    float bounds_min[3], bounds_max[3];
+    float bounds_min[3], bounds_max[3]; /* the origin added */
     uint64_t reserved[4];
 } slv_mesh_stats;
 

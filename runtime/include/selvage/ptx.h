@@ -201,6 +201,11 @@ SLV_NODISCARD SLV_API slv_result slv_ptx_load_adjacency(const slv_env *env, cons
  * the file's number of faces. */
 SLV_NODISCARD SLV_API slv_result slv_ptx_load_mesh(const slv_env *env, const slv_ptx *ptx,
                                                    slv_mesh **out);
+/* The same for those who can do without: that there is none, or none of use (SLV_ERROR_UNSUPPORTED,
+ * _MISMATCH or _FORMAT), is SLV_OK, *out NULL and no line in the log; `*why` (may be NULL) says
+ * which. What keeps it from being read is an error as ever. */
+SLV_NODISCARD SLV_API slv_result slv_ptx_find_mesh(const slv_env *env, const slv_ptx *ptx,
+                                                   slv_mesh **out, slv_result *why);
 
 /* Whether a mesh is the one that the file was painted on: mesh type, face count, sub-face flags,
  * adjacency. SLV_ERROR_MISMATCH, with the first face and edge that differ in the message. A file

@@ -103,7 +103,7 @@ typedef struct slv_env {
     void (*log)(void *user, slv_log_level level, const char *message);
     void *log_user;
     uint32_t threads;   /* worker threads; 0 means one per processor */
-    uint64_t max_bytes; /* most bytes that one object may allocate; 0 means 16 GiB */
+    uint64_t max_bytes; /* most bytes that one object may hold, and while it is made; 0: 16 GiB */
     void *(*allocate)(void *user, size_t bytes);
     void (*release)(void *user, void *memory);
     void *memory_user;

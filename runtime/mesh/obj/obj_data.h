@@ -45,7 +45,8 @@ typedef struct obj {
     slv_scan scan;
     uint32_t line; /* where the statement began */
 
-    obj_list values[OBJ_KINDS];  /* float, slvi_obj_kind_floats per item */
+    obj_list values[OBJ_KINDS]; /* float, slvi_obj_kind_floats per item */
+    obj_list rests; /* float, 3 per vertex: what its floats lack of the numbers in the file */
     obj_list indices[OBJ_KINDS]; /* int32_t, one per side of a polygon, -1 where there is none */
     obj_list sizes, poly_lines;  /* int32_t and uint32_t per polygon */
     obj_list creases, corners, holes; /* obj_tag */
@@ -67,6 +68,7 @@ slv_result slvi_obj_append(obj *o, obj_list *l, const void *items, uint64_t coun
 /* Counts a thing that is left out; `word` may be NULL. */
 void slvi_obj_tally(obj_tally *tally, uint32_t line, const char *word, size_t length);
 slv_result slvi_obj_read_float(obj *o, const char *what, float *out);
+slv_result slvi_obj_read_double(obj *o, const char *what, double *out);
 slv_result slvi_obj_read_int(obj *o, const char *what, int32_t *out);
 bool slvi_obj_take_slash(obj *o);
 bool slvi_obj_word_is(const char *word, size_t length, const char *expected);

@@ -3,6 +3,7 @@
 #include "mesh/obj/obj_data.h"
 
 #include "base/memory.h"
+#include "mesh/mesh_data.h"
 
 #include <string.h>
 
@@ -158,6 +159,10 @@ slv_result slvi_obj_make_mesh(obj *o, slv_mesh **out) {
         (result = split_groups(o, &names, &group_first, &group_count)))
         goto done;
     tell_all(o);
+    double origin[3];
+    if (slvi_mesh_find_origin(o->values[OBJ_VERTEX].items, o->indices[OBJ_VERTEX].items,
+                              o->indices[OBJ_VERTEX].count, origin))
+        slvi_mesh_shift(o->values[OBJ_VERTEX].items, o->rests.items, nverts, origin);
     slv_mesh_view view = {
         .nverts = (uint32_t)nverts,
         .positions = o->values[OBJ_VERTEX].items,
@@ -183,6 +188,7 @@ slv_result slvi_obj_make_mesh(obj *o, slv_mesh **out) {
         .group_names = names,
         .group_first = group_first,
         .group_count = group_count,
+        .origin = {origin[0], origin[1], origin[2]},
     };
     result = slv_mesh_create(o->env, &view, out);
 done:

@@ -9,14 +9,19 @@ static const char *const kind_names[OBJ_KINDS] = {"vertex", "texture", "normal"}
 
 static slv_result read_value(obj *o, int kind) {
     static const char *const keywords[OBJ_KINDS] = {"v", "vt", "vn"};
-    float values[3] = {0, 0, 0};
+    float values[3] = {0, 0, 0}, rests[3];
     slv_result result = SLV_OK;
     for (unsigned i = 0; i < slvi_obj_kind_floats[kind]; i++) {
         if (kind == OBJ_TEXCOORD && i == 1 && !slvi_scan_more(&o->scan))
             break; /* a one-dimensional texture coordinate */
-        if ((result = slvi_obj_read_float(o, keywords[kind], &values[i])))
+        double value = 0;
+        if ((result = slvi_obj_read_double(o, keywords[kind], &value)))
             return result;
+        values[i] = (float)value;
+        rests[i] = (float)(value - (double)values[i]);
     }
+    if (kind == OBJ_VERTEX && (result = slvi_obj_append(o, &o->rests, rests, 3, sizeof *rests)))
+        return result;
     return slvi_obj_append(o, &o->values[kind], values, slvi_obj_kind_floats[kind], sizeof *values);
 }
 
@@ -224,8 +229,8 @@ static slv_result read_statement(obj *o) {
     return read_other(o, word, length);
 }
 
-slv_result slv_mesh_parse_obj(const slv_env *env, const char *name, const char *text, size_t size,
-                              slv_mesh **out) {
+static slv_result parse(const slv_env *env, const char *name, const char *text, size_t size,
+                        slv_mesh **out) {
     obj o = {.env = env, .name = name ? name : "mesh", .scan = {text, text + size, 1}};
     slv_result result = SLV_OK;
     *out = NULL;
@@ -243,13 +248,25 @@ slv_result slv_mesh_parse_obj(const slv_env *env, const char *name, const char *
     }
     if (!result)
         result = slvi_obj_make_mesh(&o, out);
-    obj_list *lists[] = {&o.sizes, &o.poly_lines, &o.creases, &o.corners,
-                         &o.holes, &o.groups,     &o.letters};
+    obj_list *lists[] = {&o.rests,   &o.sizes, &o.poly_lines, &o.creases,
+                         &o.corners, &o.holes, &o.groups,     &o.letters};
     for (size_t i = 0; i < sizeof lists / sizeof *lists; i++)
         slvi_free(lists[i]->items);
     for (int kind = 0; kind < OBJ_KINDS; kind++) {
         slvi_free(o.values[kind].items);
         slvi_free(o.indices[kind].items);
     }
+    return result;
+}
+
+slv_result slv_mesh_parse_obj(const slv_env *env, const char *name, const char *text, size_t size,
+                              slv_mesh **out) {
+    slv_env own;
+    slv_result result = slvi_budget_begin(env, &own);
+    if (result)
+        *out = NULL;
+    else
+        result = parse(&own, name, text, size, out);
+    slvi_budget_end(&own);
     return result;
 }

@@ -47,10 +47,17 @@ void slvi_obj_tally(obj_tally *tally, uint32_t line, const char *word, size_t le
 }
 
 slv_result slvi_obj_read_float(obj *o, const char *what, float *out) {
+    double value = 0;
+    slv_result result = slvi_obj_read_double(o, what, &value);
+    *out = (float)value;
+    return result;
+}
+
+slv_result slvi_obj_read_double(obj *o, const char *what, double *out) {
     if (!slvi_scan_more(&o->scan))
         return slvi_obj_fail(o, o->scan.line, "%s: expected a number, found the line's end", what);
     slv_scan word = o->scan;
-    if (slvi_scan_float(&o->scan, out) && slvi_scan_at_break(&o->scan))
+    if (slvi_scan_double(&o->scan, out) && slvi_scan_at_break(&o->scan))
         return SLV_OK;
     const char *text;
     size_t length = slvi_scan_word(&word, &text);

@@ -56,9 +56,12 @@ static void write_mesh(FILE *stream, const slv_mesh *mesh, uint32_t *open) {
     const slv_mesh_view *view = &mesh->view;
     static const int rules[] = {-1, 0, 2, 1};
     open_groups groups = {.open = open, .next_end = UINT32_MAX};
+    int digits = slvi_mesh_is_far(view) ? 15 : 9;
     for (uint32_t v = 0; v < view->nverts; v++) {
         const float *p = view->positions + 3 * (size_t)v;
-        fprintf(stream, "v %.9g %.9g %.9g\n", (double)p[0], (double)p[1], (double)p[2]);
+        double x = (double)p[0] + view->origin[0], y = (double)p[1] + view->origin[1],
+               z = (double)p[2] + view->origin[2];
+        fprintf(stream, "v %.*g %.*g %.*g\n", digits, x, digits, y, digits, z);
     }
     for (uint32_t p = 0; p < view->npolys; p++) {
         write_groups(stream, view, p, &groups);

@@ -4,6 +4,7 @@
 
 #include "base/log.h"
 #include "base/memory.h"
+#include "mesh/mesh_data.h"
 #include "mesh/text_scan.h"
 
 #include <selvage/mesh.h>
@@ -19,7 +20,7 @@ typedef struct ply {
     const char *name;
     ply_header header;
     slv_scan scan;
-    float *positions, *texcoords;
+    float *positions, *rests, *texcoords; /* rests: what positions lack of the file's numbers */
     uint32_t nverts;
     bool has_texcoords;
     int32_t *sizes, *verts;
@@ -80,10 +81,8 @@ static bool read_number(ply *p, ply_type type, double *out) {
         const char *word;
         slvi_scan_word(&p->scan, &word);
     } else if (type >= PLY_FLOAT) {
-        float number;
-        if (!slvi_scan_float(&p->scan, &number) || !slvi_scan_at_break(&p->scan))
+        if (!slvi_scan_double(&p->scan, &value) || !slvi_scan_at_break(&p->scan))
             return false;
-        value = (double)number;
     } else {
         int64_t number;
         if (!slvi_scan_int(&p->scan, &number) || !slvi_scan_at_break(&p->scan))
@@ -144,6 +143,7 @@ static slv_result read_vertices(ply *p, const ply_element *element) {
     p->nverts = (uint32_t)element->count;
     p->has_texcoords = has[PLY_U] && has[PLY_V];
     if ((result = slvi_alloc(p->env, p->name, p->nverts, 3 * sizeof(float), &p->positions)) ||
+        (result = slvi_alloc(p->env, p->name, p->nverts, 3 * sizeof(float), &p->rests)) ||
         (result = slvi_alloc(p->env, p->name, p->has_texcoords ? p->nverts : 0, 2 * sizeof(float),
                              &p->texcoords)))
         return result;
@@ -162,6 +162,7 @@ static slv_result read_vertices(ply *p, const ply_element *element) {
                 return slvi_fail(p->env, SLV_ERROR_FORMAT, "%s: vertex %llu is not finite", p->name,
                                  (unsigned long long)vertex);
             p->positions[3 * vertex + (uint64_t)c] = position;
+            p->rests[3 * vertex + (uint64_t)c] = (float)(values[c] - (double)position);
         }
         for (int c = 0; p->has_texcoords && c < 2; c++) {
             float coordinate = (float)values[PLY_U + c];
@@ -249,6 +250,7 @@ static slv_result read_element(ply *p, const ply_element *element) {
 }
 
 static slv_result make_mesh(const ply *p, slv_mesh **out) {
+    double origin[3];
     if (!p->npolys)
         return slvi_fail(p->env, SLV_ERROR_FORMAT, "%s: holds no polygons", p->name);
     if (p->npolys > INT32_MAX)
@@ -264,7 +266,10 @@ static slv_result make_mesh(const ply *p, slv_mesh **out) {
             p->env, SLV_LOG_WARNING,
             "%s: %llu faces of fewer than three vertices are left out, the first is face %llu",
             p->name, (unsigned long long)p->skipped, (unsigned long long)p->first_skipped);
+    if (slvi_mesh_find_origin(p->positions, p->verts, p->nsides, origin))
+        slvi_mesh_shift(p->positions, p->rests, p->nverts, origin);
     slv_mesh_view view = {.nverts = p->nverts,
+                          .origin = {origin[0], origin[1], origin[2]},
                           .positions = p->positions,
                           .npolys = (uint32_t)p->npolys,
                           .poly_sizes = p->sizes,
@@ -275,8 +280,8 @@ static slv_result make_mesh(const ply *p, slv_mesh **out) {
     return slv_mesh_create(p->env, &view, out);
 }
 
-slv_result slv_mesh_parse_ply(const slv_env *env, const char *name, const char *bytes, size_t size,
-                              slv_mesh **out) {
+static slv_result parse(const slv_env *env, const char *name, const char *bytes, size_t size,
+                        slv_mesh **out) {
     ply p = {.env = env, .name = name ? name : "mesh"};
     *out = NULL;
     slv_result result = slvi_ply_read_header(env, p.name, bytes, size, &p.header);
@@ -286,8 +291,21 @@ slv_result slv_mesh_parse_ply(const slv_env *env, const char *name, const char *
     if (!result)
         result = make_mesh(&p, out);
     slvi_free(p.positions);
+    slvi_free(p.rests);
     slvi_free(p.texcoords);
     slvi_free(p.sizes);
     slvi_free(p.verts);
+    return result;
+}
+
+slv_result slv_mesh_parse_ply(const slv_env *env, const char *name, const char *bytes, size_t size,
+                              slv_mesh **out) {
+    slv_env own;
+    slv_result result = slvi_budget_begin(env, &own);
+    if (result)
+        *out = NULL;
+    else
+        result = parse(&own, name, bytes, size, out);
+    slvi_budget_end(&own);
     return result;
 }

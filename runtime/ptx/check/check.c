@@ -9,16 +9,10 @@
 
 enum { DEFAULT_MAX_FINDINGS = 1000 };
 
-/* Results that speak of the file, not of the machine or the caller. */
-static bool is_of_file(slv_result result) {
-    return result == SLV_ERROR_FORMAT || result == SLV_ERROR_LIMIT ||
-           result == SLV_ERROR_UNSUPPORTED || result == SLV_ERROR_MISMATCH;
-}
-
 /* Turns a failure that speaks of the file into a finding and success; logs any other. */
 static slv_result find_failure(check_context *check, slv_check_kind kind, slv_result result,
                                const char *path, const check_log *log) {
-    if (!is_of_file(result))
+    if (!slvi_check_is_of_file(result))
         return slvi_fail(&check->env, result, "%s: %s", path, log->message);
     slv_check_finding finding = {.kind = kind, .face = -1, .edge = -1, .level = -1};
     slvi_check_find(check->findings, &finding, "%s", log->message);
@@ -65,7 +59,7 @@ static slv_result check_meta(check_context *check, check_log *log) {
             check_counts(check, meta);
             continue;
         }
-        if (!is_of_file(result))
+        if (!slvi_check_is_of_file(result))
             return slvi_fail(&check->env, result, "%s", log->message);
         slv_check_finding finding = {.kind = SLV_CHECK_META, .face = -1, .edge = -1, .level = -1};
         slvi_check_find(check->findings, &finding, "metadata entry %u: %s", i, log->message);
@@ -111,8 +105,8 @@ static slv_result check_file(check_context *check, const char *path, check_log *
     return check->strips ? slvi_check_seams(check) : SLV_OK;
 }
 
-slv_result slv_ptx_check(const slv_env *env, const char *path, const slv_ptx_check_params *params,
-                         slv_ptx_report **out) {
+static slv_result check_within(const slv_env *env, const char *path,
+                               const slv_ptx_check_params *params, slv_ptx_report **out) {
     check_context check = {.env = slvi_env_or_default(env)};
     check_log log;
     slv_env quiet = slvi_check_log_env(&check.env, &log, path);
@@ -151,5 +145,17 @@ done:
     slvi_free(check.strips);
     slvi_free(check.strip_starts);
     slvi_free(check.unread);
+    return result;
+}
+
+slv_result slv_ptx_check(const slv_env *env, const char *path, const slv_ptx_check_params *params,
+                         slv_ptx_report **out) {
+    slv_env own;
+    slv_result result = slvi_budget_begin(env, &own);
+    if (result)
+        *out = NULL;
+    else
+        result = check_within(&own, path, params, out);
+    slvi_budget_end(&own);
     return result;
 }

@@ -38,6 +38,10 @@ void slvi_check_findings_mend(check_findings *findings, slv_check_kind kind);
 slv_result slvi_check_findings_report(const slv_env *env, check_findings *findings,
                                       slv_ptx_report *report);
 
+/* Results that speak of the file, not of the machine or the caller: what keeps something from being
+ * read is no damage. */
+bool slvi_check_is_of_file(slv_result result);
+
 /* What a failing call said, kept as a finding instead of a line in the log. */
 typedef struct check_log {
     char message[240];

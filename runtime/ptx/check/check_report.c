@@ -135,6 +135,11 @@ slv_result slvi_check_findings_report(const slv_env *env, check_findings *findin
     return SLV_OK;
 }
 
+bool slvi_check_is_of_file(slv_result result) {
+    return result == SLV_ERROR_FORMAT || result == SLV_ERROR_UNSUPPORTED ||
+           result == SLV_ERROR_MISMATCH;
+}
+
 static void keep_error(void *user, slv_log_level level, const char *message) {
     check_log *log = user;
     size_t length = log->prefix ? strlen(log->prefix) : 0;

@@ -69,7 +69,7 @@ static slv_result read_level(struct reading *r, uint32_t face, uint32_t level, s
         return result;
     if (!result)
         result = slv_ptx_reader_read(r->reader, face, res, r->bytes[buffer]);
-    if (result == SLV_ERROR_MEMORY)
+    if (result && !slvi_check_is_of_file(result))
         return slvi_fail(&check->env, result, "%s: %s", slv_ptx_name(check->ptx), r->log.message);
     if (result)
         slvi_check_find(check->findings, &finding, "%s", r->log.message);

@@ -96,6 +96,8 @@ struct slv_ptx {
     ptx_meta *meta;
     uint32_t meta_capacity;
     uint32_t *meta_by_key; /* indices, sorted */
+    uint32_t *meta_slots;  /* while the file is opened: a hash table of indices + 1 */
+    uint32_t meta_slot_count;
 };
 
 static inline uint16_t ptx_get_u16(const uint8_t *p) {
@@ -158,8 +160,8 @@ const ptx_edit *slvi_ptx_find_edit(const slv_ptx *ptx, uint32_t face);
 /* The place in reduction order of faces whose table is `records`, made in two passes. */
 void slvi_ptx_rank_faces(const uint8_t *records, uint32_t nfaces, uint32_t *ranks);
 
-/* ptx_meta.c: entries are appended as they are met; slvi_ptx_meta_finish drops the replaced ones.
- */
+/* ptx_meta.c: entries are kept as they are met: of those with one key the first gives the place and
+ * the last the value. slvi_ptx_meta_finish sorts the keys. */
 slv_result slvi_ptx_meta_parse(slv_ptx *ptx, const char *what, const uint8_t *bytes, uint64_t size);
 /* Large values stay in the file until they are asked for. */
 slv_result slvi_ptx_meta_read_large(slv_ptx *ptx, const uint8_t *headers, uint64_t size,

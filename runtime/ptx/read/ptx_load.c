@@ -3,6 +3,9 @@
 
 #include "base/log.h"
 #include "base/memory.h"
+#include "mesh/mesh_data.h"
+
+#include <stdio.h>
 
 /* Blocks of consecutive faces follow each other. */
 #define READ_AHEAD (1 << 18)
@@ -137,6 +140,10 @@ slv_result slv_ptx_load_adjacency(const slv_env *env, const slv_ptx *ptx, slv_ad
     return result;
 }
 
+enum { KEPT_LINE = 1024 };
+static const char *const geometry_keys[] = {"PtexFaceVertCounts", "PtexFaceVertIndices",
+                                            "PtexVertPositions"};
+
 static slv_result find_geometry(const slv_env *env, const slv_ptx *ptx, const char *key,
                                 slv_meta_type type, const slv_ptx_meta **out) {
     ptx_meta *meta = slvi_ptx_meta_lookup(ptx, key);
@@ -156,9 +163,9 @@ slv_result slv_ptx_load_mesh(const slv_env *env, const slv_ptx *ptx, slv_mesh **
     const slv_ptx_meta *counts = NULL, *indices = NULL, *positions = NULL;
     slv_result result;
     *out = NULL;
-    if ((result = find_geometry(env, ptx, "PtexFaceVertCounts", SLV_META_INT32, &counts)) ||
-        (result = find_geometry(env, ptx, "PtexFaceVertIndices", SLV_META_INT32, &indices)) ||
-        (result = find_geometry(env, ptx, "PtexVertPositions", SLV_META_FLOAT, &positions)))
+    if ((result = find_geometry(env, ptx, geometry_keys[0], SLV_META_INT32, &counts)) ||
+        (result = find_geometry(env, ptx, geometry_keys[1], SLV_META_INT32, &indices)) ||
+        (result = find_geometry(env, ptx, geometry_keys[2], SLV_META_FLOAT, &positions)))
         return result;
     const int32_t *sizes = counts->values, *verts = indices->values;
     uint64_t nindices = 0, nfaces = 0;
@@ -192,5 +199,44 @@ slv_result slv_ptx_load_mesh(const slv_env *env, const slv_ptx *ptx, slv_mesh **
                           .npolys = counts->count,
                           .poly_sizes = sizes,
                           .poly_verts = verts};
-    return slv_mesh_create(env, &view, out);
+    float *near = NULL;
+    if (slvi_mesh_find_origin(view.positions, verts, indices->count, view.origin)) {
+        if ((result = slvi_alloc(env, ptx->name, nverts, 3 * sizeof *near, &near)))
+            return result;
+        memcpy(near, view.positions, nverts * 3 * sizeof *near);
+        slvi_mesh_shift(near, NULL, nverts, view.origin);
+        view.positions = near;
+    }
+    result = slv_mesh_create(env, &view, out);
+    slvi_free(near);
+    return result;
+}
+
+static void keep_line(void *user, slv_log_level level, const char *message) {
+    if (level == SLV_LOG_ERROR)
+        snprintf(user, KEPT_LINE, "%s", message);
+}
+
+slv_result slv_ptx_find_mesh(const slv_env *env, const slv_ptx *ptx, slv_mesh **out,
+                             slv_result *why) {
+    char line[KEPT_LINE] = "";
+    slv_env quiet = slvi_env_or_default(env);
+    quiet.log = keep_line;
+    quiet.log_user = line;
+    *out = NULL;
+    /* what a value cannot be read for is told by the file's own log */
+    for (size_t i = 0; i < sizeof geometry_keys / sizeof *geometry_keys; i++) {
+        const slv_ptx_meta *entry;
+        ptx_meta *meta = slvi_ptx_meta_lookup(ptx, geometry_keys[i]);
+        slv_result result = meta ? slvi_ptx_meta_load(ptx, meta, &entry) : SLV_OK;
+        if (result)
+            return result;
+    }
+    slv_result loaded = slv_ptx_load_mesh(&quiet, ptx, out);
+    if (why)
+        *why = loaded;
+    if (!loaded || loaded == SLV_ERROR_UNSUPPORTED || loaded == SLV_ERROR_MISMATCH ||
+        loaded == SLV_ERROR_FORMAT)
+        return SLV_OK;
+    return slvi_fail(env, loaded, "%s", line);
 }

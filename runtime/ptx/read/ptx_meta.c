@@ -22,9 +22,56 @@ static void move(ptx_meta *to, const ptx_meta *from) {
     atomic_init(&to->loaded, atomic_load_explicit(&from->loaded, memory_order_relaxed));
 }
 
-/* Adds an entry: with its values' memory, or, where `values` is NULL, without. */
-static slv_result append(slv_ptx *ptx, const uint8_t *key, unsigned key_size, unsigned type,
-                         uint32_t size, void **values) {
+/* Begun with an address, so that no file can be made of keys that all share a slot. */
+static uint32_t hash_key(const slv_ptx *ptx, const char *key) {
+    uint64_t hash = (uint64_t)(uintptr_t)ptx;
+    for (; *key; key++) {
+        hash = (hash ^ (uint8_t)*key) * UINT64_C(0x9E3779B97F4A7C15);
+        hash ^= hash >> 32;
+    }
+    return (uint32_t)hash;
+}
+
+/* The slot of a key: of an entry that has it, or the free one where it would be. */
+static uint32_t *find_slot(const slv_ptx *ptx, const char *key) {
+    uint32_t mask = ptx->meta_slot_count - 1, at = hash_key(ptx, key) & mask;
+    while (ptx->meta_slots[at] && strcmp(ptx->meta[ptx->meta_slots[at] - 1].entry.key, key) != 0)
+        at = (at + 1) & mask;
+    return &ptx->meta_slots[at];
+}
+
+/* Room for one more entry, and for more than twice as many slots. */
+static slv_result make_room(slv_ptx *ptx) {
+    uint64_t capacity = ptx->meta_capacity ? 2 * (uint64_t)ptx->meta_capacity : 16;
+    ptx_meta *grown = NULL;
+    uint32_t *slots = NULL;
+    if (ptx->info.nmeta < ptx->meta_capacity)
+        return SLV_OK;
+    slv_result result = slvi_alloc(&ptx->env, ptx->name, capacity, sizeof *grown, &grown);
+    if (!result)
+        result = slvi_alloc(&ptx->env, ptx->name, 4 * capacity, sizeof *slots, &slots);
+    if (result) {
+        slvi_free(grown);
+        return result;
+    }
+    for (uint32_t i = 0; i < ptx->info.nmeta; i++)
+        move(&grown[i], &ptx->meta[i]);
+    slvi_free(ptx->meta);
+    slvi_free(ptx->meta_slots);
+    ptx->meta = grown;
+    ptx->meta_slots = slots;
+    ptx->meta_capacity = (uint32_t)capacity;
+    ptx->meta_slot_count = (uint32_t)(4 * capacity);
+    for (uint32_t i = 0; i < ptx->info.nmeta; i++)
+        *find_slot(ptx, ptx->meta[i].entry.key) = i + 1;
+    return SLV_OK;
+}
+
+/* Keeps an entry: with its values' memory, or, where `values` is NULL, without. The last of a key
+ * is the one that counts, so that what it replaces is given back at once. */
+static slv_result keep(slv_ptx *ptx, const uint8_t *key, unsigned key_size, unsigned type,
+                       uint32_t size, void **values, ptx_meta **out) {
+    void *memory = NULL;
     if (key_size < 1 || key[key_size - 1] != 0)
         return slvi_fail(&ptx->env, SLV_ERROR_FORMAT,
                          "%s: metadata entry %u: its key does not end where it says", ptx->name,
@@ -32,33 +79,29 @@ static slv_result append(slv_ptx *ptx, const uint8_t *key, unsigned key_size, un
     if (type > SLV_META_DOUBLE)
         return slvi_fail(&ptx->env, SLV_ERROR_FORMAT, "%s: metadata %s: unknown type %u", ptx->name,
                          (const char *)key, type);
-    if (ptx->info.nmeta == ptx->meta_capacity) {
-        uint64_t capacity = ptx->meta_capacity ? 2 * (uint64_t)ptx->meta_capacity : 16;
-        ptx_meta *grown = NULL;
-        slv_result result = slvi_alloc(&ptx->env, ptx->name, capacity, sizeof *grown, &grown);
-        if (result)
-            return result;
-        for (uint32_t i = 0; i < ptx->info.nmeta; i++)
-            move(&grown[i], &ptx->meta[i]);
-        slvi_free(ptx->meta);
-        ptx->meta = grown;
-        ptx->meta_capacity = (uint32_t)capacity;
-    }
-    ptx_meta *meta = &ptx->meta[ptx->info.nmeta];
-    /* one byte more, so that a string without its NUL gets one */
-    uint64_t room = values ? (uint64_t)size + 1 : 0;
-    memset(meta, 0, sizeof *meta);
-    slv_result result = slvi_alloc(&ptx->env, ptx->name, room + key_size, 1, &meta->memory);
+    slv_result result = make_room(ptx);
     if (result)
         return result;
+    uint32_t *slot = find_slot(ptx, (const char *)key);
+    ptx_meta *meta = &ptx->meta[*slot ? *slot - 1 : ptx->info.nmeta];
+    /* one byte more, so that a string without its NUL gets one */
+    uint64_t room = values ? (uint64_t)size + 1 : 0;
+    if ((result = slvi_alloc(&ptx->env, ptx->name, room + key_size, 1, &memory)))
+        return result;
+    if (*slot)
+        slvi_free(meta->memory);
+    else
+        *slot = ++ptx->info.nmeta;
+    memset(meta, 0, sizeof *meta);
+    meta->memory = memory;
     char *name = (char *)meta->memory + room;
     memcpy(name, key, key_size);
     meta->entry = (slv_ptx_meta){name, (slv_meta_type)type, size / (uint32_t)element_size(type),
                                  values ? meta->memory : NULL};
     atomic_init(&meta->loaded, values != NULL);
-    ptx->info.nmeta++;
     if (values)
         *values = meta->memory;
+    *out = meta;
     return SLV_OK;
 }
 
@@ -80,12 +123,13 @@ slv_result slvi_ptx_meta_parse(slv_ptx *ptx, const char *what, const uint8_t *by
                              (unsigned long long)size);
         uint32_t value_size = ptx_get_u32(bytes + value - 4);
         void *values = NULL;
+        ptx_meta *meta;
         slv_result result =
-            append(ptx, bytes + at + 1, key_size, bytes[value - 5], value_size, &values);
+            keep(ptx, bytes + at + 1, key_size, bytes[value - 5], value_size, &values, &meta);
         if (result)
             return result;
         memcpy(values, bytes + value, value_size);
-        count_string(&ptx->meta[ptx->info.nmeta - 1].entry, value_size);
+        count_string(&meta->entry, value_size);
         at = value + value_size;
     }
     return SLV_OK;
@@ -113,11 +157,11 @@ slv_result slvi_ptx_meta_read_large(slv_ptx *ptx, const uint8_t *headers, uint64
             return slvi_fail(&ptx->env, SLV_ERROR_FORMAT,
                              "%s: large metadata entry %u claims %u bytes packed into %u",
                              ptx->name, ptx->info.nmeta, value_size, zipped);
+        ptx_meta *meta;
         slv_result result =
-            append(ptx, headers + at + 1, key_size, headers[next - 9], value_size, NULL);
+            keep(ptx, headers + at + 1, key_size, headers[next - 9], value_size, NULL, &meta);
         if (result)
             return result;
-        ptx_meta *meta = &ptx->meta[ptx->info.nmeta - 1];
         meta->position = position;
         meta->zipped = zipped;
         meta->unpacked = value_size;
@@ -133,54 +177,25 @@ struct keyed {
 };
 
 static int compare_keyed(const void *a, const void *b) {
-    const struct keyed *x = a, *y = b;
-    int order = strcmp(x->key, y->key);
-    return order ? order : (x->index > y->index) - (x->index < y->index);
+    return strcmp(((const struct keyed *)a)->key, ((const struct keyed *)b)->key);
 }
 
 slv_result slvi_ptx_meta_finish(slv_ptx *ptx) {
-    uint32_t count = ptx->info.nmeta, kept = 0;
+    uint32_t count = ptx->info.nmeta;
     struct keyed *sorted = NULL;
-    uint32_t *moved = NULL;
+    slvi_free(ptx->meta_slots);
+    ptx->meta_slots = NULL;
     slv_result result = slvi_alloc(&ptx->env, ptx->name, count, sizeof *sorted, &sorted);
-    if (result || (result = slvi_alloc(&ptx->env, ptx->name, count, sizeof *moved, &moved)) ||
-        (result =
-             slvi_alloc(&ptx->env, ptx->name, count, sizeof *ptx->meta_by_key, &ptx->meta_by_key)))
-        goto done;
-    for (uint32_t i = 0; i < count; i++)
+    if (!result)
+        result =
+            slvi_alloc(&ptx->env, ptx->name, count, sizeof *ptx->meta_by_key, &ptx->meta_by_key);
+    for (uint32_t i = 0; !result && i < count; i++)
         sorted[i] = (struct keyed){ptx->meta[i].entry.key, i};
-    if (count)
+    if (!result && count)
         qsort(sorted, count, sizeof *sorted, compare_keyed);
-    /* of entries with one key the first gives the place and the last the value */
-    for (uint32_t first = 0, end; first < count; first = end) {
-        for (end = first + 1; end < count && !strcmp(sorted[end].key, sorted[first].key); end++)
-            ;
-        ptx_meta *place = &ptx->meta[sorted[first].index];
-        for (uint32_t i = first + 1; i < end; i++) {
-            ptx_meta *newer = &ptx->meta[sorted[i].index];
-            slvi_free(place->memory);
-            move(place, newer);
-            newer->memory = NULL;
-        }
-        sorted[kept].key = place->entry.key;
-        sorted[kept++].index = sorted[first].index;
-    }
-    uint32_t to = 0;
-    for (uint32_t i = 0; i < count; i++)
-        if (ptx->meta[i].memory) {
-            moved[i] = to;
-            if (to != i) {
-                move(&ptx->meta[to], &ptx->meta[i]);
-                ptx->meta[i].memory = NULL;
-            }
-            to++;
-        }
-    for (uint32_t i = 0; i < kept; i++)
-        ptx->meta_by_key[i] = moved[sorted[i].index];
-    ptx->info.nmeta = kept;
-done:
+    for (uint32_t i = 0; !result && i < count; i++)
+        ptx->meta_by_key[i] = sorted[i].index;
     slvi_free(sorted);
-    slvi_free(moved);
     return result;
 }
 
@@ -191,6 +206,7 @@ void slvi_ptx_meta_free(slv_ptx *ptx) {
         slvi_free(meta->memory);
     }
     slvi_free(ptx->meta);
+    slvi_free(ptx->meta_slots);
     slvi_free(ptx->meta_by_key);
 }
 

@@ -167,10 +167,9 @@ static slv_result read_all(slv_ptx *ptx) {
     return result;
 }
 
-static slv_result open_params(const slv_env *env, const char *name, const slv_ptx_source *source,
+static slv_result open_within(const slv_env *env, const char *name, const slv_ptx_source *source,
                               const slv_ptx_open_params *params, slv_ptx **out) {
     slv_ptx *ptx = NULL;
-    *out = NULL;
     slv_result result = slvi_alloc(env, name, 1, sizeof *ptx, &ptx);
     if (result) {
         if (source->close)
@@ -198,6 +197,19 @@ static slv_result open_params(const slv_env *env, const char *name, const slv_pt
     }
     *out = ptx;
     return SLV_OK;
+}
+
+static slv_result open_params(const slv_env *env, const char *name, const slv_ptx_source *source,
+                              const slv_ptx_open_params *params, slv_ptx **out) {
+    slv_env own;
+    *out = NULL;
+    slv_result result = slvi_budget_begin(env, &own);
+    if (!result)
+        result = open_within(&own, name, source, params, out);
+    else if (source->close)
+        source->close(source->user);
+    slvi_budget_end(&own); /* the file itself holds it from now on */
+    return result;
 }
 
 slv_result slv_ptx_open_source(const slv_env *env, const char *name, const slv_ptx_source *source,

@@ -3,8 +3,12 @@
 
 #include "base/log.h"
 #include "base/memory.h"
+#include "mesh/mesh_data.h"
 
+#include <math.h>
 #include <stdlib.h>
+
+#define LOSS_TOLD 1e-4f /* of half the mesh's size */
 
 static slv_result check_open(const slv_ptx_writer *writer, const char *what) {
     if (!writer->finished)
@@ -141,6 +145,27 @@ static slv_result link_mesh(slv_ptx_writer *writer, const slv_mesh *mesh) {
     return result;
 }
 
+/* Positions as the file has them: floats, from zero. What that takes from those of a mesh far away
+ * is told. */
+static slv_result absolute_positions(const slv_ptx_writer *writer, const slv_mesh_view *view,
+                                     float **out) {
+    float worst = 0, size = 0;
+    slv_result result =
+        slvi_alloc_plain(&writer->env, writer->path, view->nverts, 3 * sizeof **out, out);
+    for (size_t i = 0; !result && i < (size_t)3 * view->nverts; i++) {
+        double exact = (double)view->positions[i] + view->origin[i % 3];
+        (*out)[i] = (float)exact;
+        worst = fmaxf(worst, (float)fabs(exact - (double)(*out)[i]));
+        size = fmaxf(size, fabsf(view->positions[i]));
+    }
+    if (!result && worst > LOSS_TOLD * size)
+        slvi_logf(&writer->env, SLV_LOG_WARNING,
+                  "%s: so far from zero the geometry inside is off by up to %g, of a mesh of %g; "
+                  "the mesh's own file is better",
+                  writer->path, (double)worst, 2 * (double)size);
+    return result;
+}
+
 slv_result slvi_ptx_writer_set_geometry(slv_ptx_writer *writer, const slv_mesh *mesh) {
     const slv_mesh_view *view = slv_mesh_get_view(mesh);
     if (view->ncreases || view->ncorners || view->nholes)
@@ -169,9 +194,13 @@ slv_result slvi_ptx_writer_set_geometry(slv_ptx_writer *writer, const slv_mesh *
         {"PtexFaceVertCounts", SLV_META_INT32, view->npolys, view->poly_sizes},
         {"PtexFaceVertIndices", SLV_META_INT32, (uint32_t)nindices, view->poly_verts},
         {"PtexVertPositions", SLV_META_FLOAT, 3 * view->nverts, view->positions}};
+    float *positions = NULL;
+    if (slvi_mesh_is_far(view) && !(result = absolute_positions(writer, view, &positions)))
+        entries[2].values = positions;
     for (size_t i = 0; i < 3 && !result; i++)
         if (entries[i].count)
             result = slv_ptx_writer_set_meta(writer, &entries[i]);
+    slvi_free(positions);
     return result;
 }
 

@@ -1,0 +1,109 @@
+/* Each read and each write of each call fails once with an I/O error: that is SLV_ERROR_IO and one
+ * line in the log, never damage or an absence, and the call leaves no file that is not whole. */
+#include "kit/calls_kit.h"
+
+#include <dirent.h>
+#include <errno.h>
+#include <sys/syscall.h>
+
+/* takes the place of the C library's for the libraries too */
+#define INTERPOSED __attribute__((visibility("default"), noinline))
+
+static bool armed;
+static long asked, fails;
+static unsigned errors;
+static char message[1024];
+
+static bool fails_now(void) {
+    if (!armed || ++asked != fails)
+        return false;
+    errno = EIO;
+    return true;
+}
+
+INTERPOSED ssize_t pread(int file, void *to, size_t size, off_t at) {
+    return fails_now() ? -1 : syscall(SYS_pread64, file, to, size, at);
+}
+INTERPOSED ssize_t pwrite(int file, const void *from, size_t size, off_t at) {
+    return fails_now() ? -1 : syscall(SYS_pwrite64, file, from, size, at);
+}
+INTERPOSED ssize_t read(int file, void *to, size_t size) {
+    return fails_now() ? -1 : syscall(SYS_read, file, to, size);
+}
+INTERPOSED ssize_t write(int file, const void *from, size_t size) {
+    return fails_now() ? -1 : syscall(SYS_write, file, from, size);
+}
+INTERPOSED int rename(const char *from, const char *to) {
+    return fails_now() ? -1 : (int)syscall(SYS_rename, from, to);
+}
+
+static void count_errors(void *user, slv_log_level level, const char *line) {
+    (void)user;
+    if (level != SLV_LOG_ERROR)
+        return;
+    errors++;
+    snprintf(message, sizeof message, "%s", line);
+}
+
+static slv_result run(const calls_entry *entry, long at) {
+    slv_env env = {.log = count_errors, .threads = 1};
+    calls_prepare();
+    errors = 0;
+    message[0] = 0;
+    asked = 0;
+    fails = at;
+    armed = true;
+    slv_result result = entry->call(&env);
+    armed = false;
+    return result;
+}
+
+/* A folder that cannot be moved to its place as a whole is moved file by file; Embree reads how
+ * many processors there are. */
+static bool gets_by(const calls_entry *entry) {
+    return entry->call == call_folder || entry->call == call_reference;
+}
+
+/* No temporary file is left, and each .ptx is a whole one. */
+static void look_at_files(const char *name) {
+    slv_env env = {0};
+    DIR *folder = opendir(calls.folder);
+    REQUIRE(folder);
+    for (struct dirent *entry; (entry = readdir(folder));) {
+        const char *ending = strrchr(entry->d_name, '.');
+        slv_ptx *ptx = NULL;
+        char path[512];
+        CHECK_MSG(!strstr(entry->d_name, ".selvage-") && !strstr(entry->d_name, ".tmp"),
+                  "%s: %s is left", name, entry->d_name);
+        if (!ending || strcmp(ending, ".ptx") != 0)
+            continue;
+        snprintf(path, sizeof path, "%s/%s", calls.folder, entry->d_name);
+        CHECK_MSG(!slv_ptx_open(&env, path, &ptx) && !slv_ptx_load_tables(ptx),
+                  "%s: %s is not whole", name, entry->d_name);
+        slv_ptx_close(ptx);
+    }
+    closedir(folder);
+}
+
+int main(void) {
+    long all = 0;
+    calls_begin();
+    for (int i = 0; i < CALLS_COUNT; i++) {
+        const calls_entry *entry = &calls_all[i];
+        run(entry, 0);
+        long most = asked, step = most / 100 + 1;
+        for (long at = 1 + i % step; at <= most; at += step, all++) {
+            slv_result result = run(entry, at);
+            CHECK_MSG(result == SLV_ERROR_IO || (gets_by(entry) && !result),
+                      "%s, call %ld of %ld: %s, %s", entry->name, at, most,
+                      slv_result_string(result), message);
+            CHECK_MSG(errors == (result != SLV_OK), "%s, call %ld of %ld: %u lines, %s",
+                      entry->name, at, most, errors, message);
+            look_at_files(entry->name);
+        }
+        fprintf(stderr, "%-12s %ld calls of the system\n", entry->name, most);
+    }
+    CHECK(all > 100);
+    calls_end();
+    return test_end();
+}
