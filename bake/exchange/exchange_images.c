@@ -252,14 +252,9 @@ static slv_result to_sheet(const slv_env *env, const slv_exchange_params *params
     snprintf(stem, sizeof stem, "%.*s", (int)length, path);
     snprintf(name, sizeof name, "%s.json", stem);
     if ((result = slvi_alloc(env, path, nfaces, sizeof *places, &places)) ||
-        (result = slvi_alloc(env, path, ngroups, sizeof *e->sheets, &e->sheets)))
+        (result = slvi_alloc(env, path, ngroups, sizeof *e->sheets, &e->sheets)) ||
+        (result = slvi_index_may_be(env, name)))
         goto done;
-    if (!slvi_index_may_be(name)) {
-        result =
-            slvi_fail(env, SLV_ERROR_IO,
-                      "%s: is there already and is no index of a sheet: name another sheet", name);
-        goto done;
-    }
     /* what cannot be written is said before the work */
     if ((result = slv_output_try(env, path)) || (result = slv_output_try(env, name)) ||
         (result = slv_folder_begin_beside(env, path, &made)) ||

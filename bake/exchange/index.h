@@ -46,8 +46,8 @@ slv_result slvi_index_no_memory(const slv_env *env, const slvi_exchange_plan *pl
 json_t *slvi_index_face(const slv_ptx_face *face, unsigned nedges);
 /* Writes atomically and releases. */
 slv_result slvi_index_write(const slv_env *env, const char *path, json_t *root);
-/* Whether there is no file of that name, or an index, which may be written anew. */
-bool slvi_index_may_be(const char *path);
+/* SLV_OK if there is no file of that name, or an index, which may be written anew. */
+slv_result slvi_index_may_be(const slv_env *env, const char *path);
 
 /* Whether a path names images: a folder, or a file that ends in .json. */
 bool slvi_index_is_named(const char *path);

@@ -170,22 +170,27 @@ slv_result slvi_index_write(const slv_env *env, const char *path, json_t *root) 
     return slv_output_end(output, result);
 }
 
-bool slvi_index_may_be(const char *path) {
+slv_result slvi_index_may_be(const slv_env *env, const char *path) {
     json_error_t error;
     struct stat status;
-    if (stat(path, &status) != 0 && errno == ENOENT)
-        return true;
-    if (S_ISREG(status.st_mode) && !status.st_size)
-        return true; /* nothing is lost */
-    const slv_env silent = {.threads = 1};
+    if ((stat(path, &status) != 0 && errno == ENOENT) ||
+        (S_ISREG(status.st_mode) && !status.st_size))
+        return SLV_OK; /* nothing is lost */
     char *text;
     size_t size;
-    if (slv_text_load(&silent, path, &text, &size))
-        return false;
+    slv_result result = slv_text_load(env, path, &text, &size);
+    if (result)
+        return result;
     json_t *root = json_loadb(text, size, 0, &error);
     slv_free(text);
     const char *kind = json_string_value(json_object_get(root, "kind"));
     bool good = kind && strcmp(kind, SLVI_INDEX_KIND) == 0;
+    if (!root && json_error_code(&error) == json_error_out_of_memory)
+        result = slvi_fail(env, SLV_ERROR_MEMORY, "%s: no memory to read it", path);
+    else if (!good)
+        result =
+            slvi_fail(env, SLV_ERROR_IO,
+                      "%s: is there already and is no index of a sheet: name another sheet", path);
     json_decref(root);
-    return good;
+    return result;
 }

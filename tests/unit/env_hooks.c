@@ -28,8 +28,9 @@ static void look_at(const void *caller) {
     if (!atomic_exchange(&watching, false))
         return;
     if (dladdr(caller, &info) && info.dli_fname && strstr(info.dli_fname, "libselvage")) {
-        fprintf(stderr, "memory without hooks: %s near %s\n", info.dli_fname,
-                info.dli_sname ? info.dli_sname : "?");
+        fprintf(stderr, "memory without hooks: %s near %s, at %#lx\n", info.dli_fname,
+                info.dli_sname ? info.dli_sname : "?",
+                (unsigned long)((const char *)caller - (const char *)info.dli_fbase));
         atomic_fetch_add(&strays, 1);
     }
     atomic_store(&watching, true);
