@@ -142,9 +142,13 @@ static int write_copy(const struct check *c, const slv_env *env, const slv_ptx_r
     }
     if (slv_ptx_open_with(env, c->path, &lenient, &ptx))
         return EXIT_FAILED;
+    cli_progress progress = cli_progress_fleeting("repair", c->progress, c->quiet || c->json);
+    const slv_ptx_writer_params params = {.progress = {cli_progress_report, &progress}};
+    cli_catch_interrupts();
     if ((given || !needs_geometry(report) || !slv_ptx_find_mesh(env, ptx, &inside, NULL)) &&
-        !slv_ptx_repair(env, ptx, given ? given : inside, c->repair, NULL))
+        !slv_ptx_repair(env, ptx, given ? given : inside, c->repair, &params))
         code = EXIT_OK;
+    cli_progress_end(&progress);
     slv_mesh_destroy(inside);
     slv_ptx_close(ptx);
     return code;
@@ -156,7 +160,11 @@ static int run_check(struct check *c) {
     slv_ptx_report *report = NULL, *copy = NULL;
     json_t *root = NULL;
     int code = EXIT_FAILED;
-    if (c->mesh && slv_mesh_load(&env, c->mesh, &mesh))
+    const char *const inputs[] = {c->path, c->mesh};
+    if (c->repair &&
+        (output_check_in_place(&env, c->repair, inputs, 2) || output_try(&env, c->repair)))
+        goto done;
+    if (c->mesh && slv_mesh_load(&env, cli_input(c->mesh), &mesh))
         goto done;
     if (check_one(c, &env, c->path, mesh, &report))
         goto done;

@@ -69,6 +69,9 @@ static int run_merge(struct merge *m) {
                                      .no_reductions = true,
                                      .compression = (int)m->compression,
                                      .progress = {cli_progress_report, &progress}};
+    if (output_check(&env, m->out, m->paths, m->npaths))
+        return EXIT_FAILED;
+    cli_catch_interrupts();
     slv_result result = slv_merge(&env, m->paths, m->npaths, &params, m->out, m->first_faces,
                                   &m->geometry, &m->stats);
     cli_progress_end(&progress);

@@ -1,4 +1,5 @@
 /* The verb render: one picture. */
+#include "command/output.h"
 #include "command/scene.h"
 #include "verbs.h"
 
@@ -48,6 +49,9 @@ static int draw(const struct render *r, const char *path) {
                                                                : SLV_GL_COMPRESSION_NONE};
     slv_image_params file = {.encoding = r->raw ? SLV_ENCODE_RAW : SLV_ENCODE_SRGB,
                              .bits = r->bits};
+    const char *const inputs[] = {r->arguments[0], r->scene.mesh, r->scene.view};
+    if (output_check(&env, path, inputs, 3))
+        return EXIT_FAILED;
     if (scene_load_shot(&env, r->arguments[0], &r->scene, &shot))
         goto done;
     slv_frame frame = {.camera = shot.camera,
@@ -66,7 +70,7 @@ static int draw(const struct render *r, const char *path) {
         slv_gl_renderer_create(gl, &env, shot.scene.mesh, shot.scene.surface, shot.segments,
                                &renderer) ||
         slv_gl_renderer_draw(renderer, &env, texture, &frame, &image, NULL) ||
-        slv_image_save(&env, path, &image, &file))
+        output_image(&env, path, &image, file, false, r->quiet))
         goto done;
     if (!r->quiet) {
         slv_gl_texture_stats stats = slv_gl_texture_get_stats(texture, frame.strategy);

@@ -113,13 +113,17 @@ static int run_transfer(struct transfer *t) {
                                   .scheme = (slv_scheme)t->scheme,
                                   .progress = {cli_progress_report, &progress}};
     int code = EXIT_FAILED;
-    if (slv_mesh_load(&env, t->to, &target) || slv_ptx_open(&env, t->paths[0], &ptx))
+    const char *const inputs[] = {t->paths[0], t->from, t->to};
+    if (output_check_in_place(&env, t->paths[1], inputs, 3) || output_try(&env, t->paths[1]))
+        goto done;
+    if (slv_mesh_load(&env, cli_input(t->to), &target) || slv_ptx_open(&env, t->paths[0], &ptx))
         goto done;
     if (slv_ptx_get_info(ptx)->mesh_type != SLV_PTX_QUAD) {
         cli_error("%s: is of triangles; only quads can be transferred", t->paths[0]);
         goto done;
     }
-    if (t->from ? slv_mesh_load(&env, t->from, &source) || slv_ptx_match_mesh(&env, ptx, source)
+    if (t->from ? slv_mesh_load(&env, cli_input(t->from), &source) ||
+                      slv_ptx_match_mesh(&env, ptx, source)
                 : slv_ptx_load_mesh(&env, ptx, &source))
         goto done;
     if (slv_ptx_load_texture(&env, ptx, &texture))
@@ -130,6 +134,7 @@ static int run_transfer(struct transfer *t) {
         cli_error("no memory for %u faces", t->nfaces);
         goto done;
     }
+    cli_catch_interrupts();
     if (slv_transfer(&env, source, texture, target, &params, t->list, &t->covered, &moved) ||
         save(&env, t, ptx, moved, target))
         goto done;

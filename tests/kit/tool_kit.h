@@ -120,7 +120,7 @@ static inline int tool(const char *format, ...) {
 
 /* A path in the folder; four are valid at a time. */
 static inline const char *tool_path(const char *name) {
-    static char paths[4][512];
+    static char paths[4][1024];
     static int turn;
     char *path = paths[turn = (turn + 1) % 4];
     snprintf(path, sizeof paths[0], "%s/%s", tool_folder, name);

@@ -49,6 +49,10 @@ int cli_answered(int code) {
     return code ? code : EXIT_FAILED;
 }
 
+const char *cli_input(const char *path) {
+    return path && strcmp(path, "-") == 0 ? "/dev/stdin" : path;
+}
+
 bool cli_ends_with(const char *path, const char *extension) {
     size_t length = strlen(path), wanted = strlen(extension);
     return length > wanted && strcasecmp(path + length - wanted, extension) == 0;

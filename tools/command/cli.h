@@ -81,6 +81,8 @@ int cli_error(const char *format, ...) __attribute__((format(printf, 1, 2)));
 void cli_begin(void);
 /* After every verb: returns `code`, unless its answer could not be written, which is said. */
 int cli_answered(int code);
+/* The name under which "-" is read, standard input; another is as it was, NULL too. */
+const char *cli_input(const char *path);
 /* Whether a name ends in an extension, ".ptx" in any case, and has something before it. */
 bool cli_ends_with(const char *path, const char *extension);
 

@@ -1,7 +1,10 @@
 /* Whether outputs can be written, and text made safe for HTML, JSON and terminals. */
 #include "command/output.h"
 
+#include <selvage/folder.h>
+
 #include <math.h>
+#include <signal.h>
 #include <stdarg.h>
 #include <stdlib.h>
 #include <string.h>
@@ -29,6 +32,7 @@ slv_result output_image(const slv_env *env, const char *path, const slv_image *i
                         slv_image_params params, bool forced, bool quiet) {
     cli_progress progress = cli_progress_fleeting("writing", forced, quiet);
     params.progress = (slv_progress){cli_progress_report, &progress};
+    cli_catch_interrupts();
     slv_result result = slv_image_save(env, path, image, &params);
     cli_progress_end(&progress);
     return result;
@@ -49,10 +53,42 @@ slv_result output_check_inputs(const slv_env *env, const char *path, const char 
     return SLV_OK;
 }
 
+/* A kill in that moment shall leave nothing either. */
+static void hold_signals(sigset_t *before) {
+    sigset_t all;
+    sigfillset(&all);
+    pthread_sigmask(SIG_BLOCK, &all, before);
+}
+
+slv_result output_try(const slv_env *env, const char *path) {
+    sigset_t before;
+    hold_signals(&before);
+    slv_result result = slv_output_try(env, path);
+    pthread_sigmask(SIG_SETMASK, &before, NULL);
+    return result;
+}
+
+slv_result output_try_folder(const slv_env *env, const char *path) {
+    slv_folder *folder;
+    sigset_t before;
+    hold_signals(&before);
+    slv_result result = slv_folder_begin(env, path, &folder);
+    if (!result)
+        slv_folder_end(folder, NULL, SLV_ERROR_CANCELLED);
+    pthread_sigmask(SIG_SETMASK, &before, NULL);
+    return result;
+}
+
+slv_result output_check_in_place(const slv_env *env, const char *path, const char *const *inputs,
+                                 size_t ninputs) {
+    bool same = strcmp(path, inputs[0]) == 0;
+    return output_check_inputs(env, path, inputs + same, ninputs - same);
+}
+
 slv_result output_check(const slv_env *env, const char *path, const char *const *inputs,
                         size_t ninputs) {
     slv_result result = output_check_inputs(env, path, inputs, ninputs);
-    return result ? result : slv_output_try(env, path);
+    return result ? result : output_try(env, path);
 }
 
 /* Takes one character off the front (RFC 3629), or one byte if that is not the start of one. */

@@ -14,9 +14,15 @@ slv_result output_check(const slv_env *env, const char *path, const char *const 
 /* The second part of that alone. */
 slv_result output_check_inputs(const slv_env *env, const char *path, const char *const *inputs,
                                size_t ninputs);
+/* The same where the first input may be replaced by its new self: if it is named alike. */
+slv_result output_check_in_place(const slv_env *env, const char *path, const char *const *inputs,
+                                 size_t ninputs);
+/* Whether a file could be written there, or files be put into a folder of that name. */
+slv_result output_try(const slv_env *env, const char *path);
+slv_result output_try_folder(const slv_env *env, const char *path);
 uint64_t output_file_bytes(const char *path); /* 0 if there is none */
 /* Saves a large image, and says how far that is: packing it takes longer than making it. The flags
- * are those of cli_progress_fleeting. */
+ * are those of cli_progress_fleeting. An interrupt leaves nothing. */
 slv_result output_image(const slv_env *env, const char *path, const slv_image *image,
                         slv_image_params params, bool forced, bool quiet);
 /* Logs one error line and returns `result`. */

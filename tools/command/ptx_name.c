@@ -1,11 +1,12 @@
-/* Names that textures may be written over. */
+/* Names of textures. */
 #include "command/ptx_name.h"
 
 bool ptx_name_is_safe(const char *path) {
-    return cli_ends_with(path, ".ptx");
+    return cli_ends_with(path, ".ptx") || cli_ends_with(path, ".ptex");
 }
 
 int ptx_name_usage(const cli_command *command, const char *path) {
-    return cli_usage(command, "%s: what is written is a .ptx file, so its name must end in .ptx",
+    return cli_usage(command,
+                     "%s: what is written is a .ptx file, so its name must end in .ptx (or .ptex)",
                      path);
 }

@@ -58,7 +58,7 @@ slv_result scene_load(const slv_env *env, const scene_params *params, scene_data
     memset(out, 0, sizeof *out);
     if ((result = slv_ptx_open(env, params->ptx, &ptx)))
         goto done;
-    result = params->mesh ? slv_mesh_load(env, params->mesh, &out->mesh)
+    result = params->mesh ? slv_mesh_load(env, cli_input(params->mesh), &out->mesh)
                           : slv_ptx_load_mesh(env, ptx, &out->mesh);
     if (result || (params->adjacency == 0 && (result = slv_ptx_match_mesh(env, ptx, out->mesh))))
         goto done;

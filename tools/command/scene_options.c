@@ -57,7 +57,7 @@ slv_result scene_load_shot(const slv_env *env, const char *ptx, const scene_opti
     scene_view view = {0};
     slv_result result;
     memset(out, 0, sizeof *out);
-    if (o->view && (result = scene_load_view(env, o->view, &view)))
+    if (o->view && (result = scene_load_view(env, cli_input(o->view), &view)))
         return result;
     scene_params params = {.ptx = ptx,
                            .mesh = o->mesh,

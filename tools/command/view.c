@@ -2,7 +2,6 @@
 #include "command/output.h"
 #include "command/scene.h"
 
-#include <errno.h>
 #include <float.h>
 #include <math.h>
 #include <stdarg.h>
@@ -152,10 +151,14 @@ slv_result scene_load_view(const slv_env *env, const char *path, scene_view *out
     json_error_t error;
     slv_result result;
     memset(out, 0, sizeof *out);
-    json_t *root = json_load_file(path, 0, &error);
+    char *text;
+    size_t length;
+    if ((result = slv_text_load(env, path, &text, &length)))
+        return result;
+    json_t *root = json_loadb(text, length, 0, &error);
+    slv_free(text);
     if (!root)
-        return error.line > 0 ? bad_view(env, path, "line %d: %s", error.line, error.text)
-                              : bad_view(env, path, "cannot be read: %s", strerror(errno));
+        return bad_view(env, path, "line %d: %s", error.line, error.text);
     if (!json_is_object(root))
         result = bad_view(env, path, "not a JSON object");
     else if (!(result = read_size(env, path, root, out)) &&

@@ -7,7 +7,6 @@
 
 #include <selvage/folder.h>
 
-#include <errno.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -134,7 +133,10 @@ static json_t *fingerprint(const char *path) {
     unsigned char block[65536];
     uint64_t hash = 0xcbf29ce484222325u;
     char text[32] = "";
-    FILE *stream = path ? fopen(path, "rb") : NULL;
+    struct stat status;
+    /* what came through a pipe cannot be read again */
+    bool regular = path && stat(path, &status) == 0 && S_ISREG(status.st_mode);
+    FILE *stream = regular ? fopen(path, "rb") : NULL;
     for (size_t n; stream && (n = fread(block, 1, sizeof block, stream)) > 0;)
         for (size_t i = 0; i < n; i++)
             hash = (hash ^ block[i]) * 0x100000001b3u;
@@ -242,9 +244,27 @@ static slv_result prepare(struct session *s) {
     return SLV_OK;
 }
 
+/* A link to where none is yet becomes one, too. */
+static slv_result make_folder(const slv_env *env, const char *path) {
+    slv_folder *folder;
+    slv_result result = slv_folder_begin(env, path, &folder);
+    return result ? result : slv_folder_end(folder, NULL, SLV_OK);
+}
+
+/* Nothing to resume from is nothing to keep. */
+static void remove_empty(const char *path, const char *folder) {
+    struct stat status;
+    if (stat(path, &status) == 0 && status.st_size == 0)
+        remove(path);
+    if (folder)
+        remove(folder); /* which fails if anything is in it */
+}
+
 static slv_result measure_frames(struct session *s) {
     char path[1100], older[1100];
     slv_result result;
+    struct stat status;
+    bool there = stat(s->options->out, &status) == 0;
     json_t *given = conditions(s);
     snprintf(path, sizeof path, "%s/frames.jsonl", s->options->out);
     snprintf(older, sizeof older, "%s/frames.old.jsonl", s->options->out);
@@ -254,11 +274,9 @@ static slv_result measure_frames(struct session *s) {
     s->measuring = true;
     if (!given)
         result = output_fail(&s->env, SLV_ERROR_MEMORY, "%s: no memory for it", path);
-    else if (mkdir(s->options->out, 0777) != 0 && errno != EEXIST)
-        result = output_fail(&s->env, SLV_ERROR_IO, "%s: cannot be made: %s", s->options->out,
-                             strerror(errno));
-    else
-        result = experiment_run(&s->experiment, path, given, s->options->resume);
+    else if (!(result = make_folder(&s->env, s->options->out)) &&
+             (result = experiment_run(&s->experiment, path, given, s->options->resume)))
+        remove_empty(path, there ? NULL : s->options->out);
     json_decref(given);
     return result;
 }
@@ -325,9 +343,8 @@ static int compare(const struct compare *o, report_data *report) {
     slv_folder *folder;
     double start = cli_now();
     /* whether it can be written is known before minutes are spent */
-    if (slv_folder_begin(&session.env, o->out, &folder))
+    if (output_try_folder(&session.env, o->out))
         return EXIT_FAILED;
-    slv_folder_end(folder, NULL, SLV_ERROR_CANCELLED);
     cli_catch_interrupts();
     choose(o, report);
     slv_result result = run(&session);

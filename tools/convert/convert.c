@@ -1,14 +1,32 @@
 /* The verb convert: its options, and what it prints of what was done. */
 #include "command/output.h"
+#include "command/ptx_name.h"
 #include "convert/convert_options.h"
 #include "verbs.h"
 
+#include <ctype.h>
 #include <string.h>
 #include <sys/stat.h>
 
 static bool is_folder(const char *path) {
     struct stat status;
     return stat(path, &status) == 0 && S_ISDIR(status.st_mode);
+}
+
+/* A new folder of a name with an ending is hardly meant: it is that of a picture of a kind that is
+ * not written. */
+static bool may_be_folder(const char *path) {
+    const char *slash = strrchr(path, '/'), *base = slash ? slash + 1 : path,
+               *dot = strrchr(base, '.');
+    size_t length = dot ? strlen(dot + 1) : 0;
+    if (strcmp(path, "-") == 0)
+        return false;
+    if (length < 2 || length > 5 || dot == base || is_folder(path))
+        return true;
+    for (const char *c = dot + 1; *c; c++)
+        if (!isalnum((unsigned char)*c))
+            return true;
+    return !isalpha((unsigned char)dot[1]);
 }
 
 typedef struct conversion {
@@ -58,11 +76,15 @@ static int run_convert(const cli_command *command, conversion *c) {
     convert_request request = {.source = NULL};
     int code = EXIT_FAILED;
     slv_result result;
-    bool to_ptx = cli_ends_with(to, ".ptx"),
+    bool to_ptx = ptx_name_is_safe(to),
          to_sheet = cli_ends_with(to, ".png") || cli_ends_with(to, ".exr");
     c->progress = cli_progress_fleeting("convert", o->progress, o->quiet || o->json);
-    if (o->mesh && slv_mesh_load(&env, o->mesh, &mesh))
+    const char *const inputs[] = {from, o->mesh};
+    if (output_check_in_place(&env, to, inputs, to_ptx ? 2 : 1))
         goto done;
+    if (o->mesh && slv_mesh_load(&env, cli_input(o->mesh), &mesh))
+        goto done;
+    cli_catch_interrupts();
     if (!to_ptx && (is_folder(from) || cli_ends_with(from, ".json"))) {
         code = cli_usage(command, "from images only a .ptx can be made, not '%s'", to);
         goto done;
@@ -91,8 +113,6 @@ done:
 
 /* More than 80 lines because its table has a row for each option, and reads best in one piece. */
 int verb_convert(int argc, char **argv) {
-    /* nobody means a folder by such a name */
-    static const char *const others[] = {".jpg", ".jpeg", ".tif", ".tiff", ".json"};
     convert_options o = {0};
     const char *paths[2] = {NULL, NULL};
     uint32_t narguments = 0;
@@ -156,17 +176,19 @@ int verb_convert(int argc, char **argv) {
         return cli_usage(&command, "--premultiply and --unmultiply contradict each other");
     if (o.reductions && o.no_reductions)
         return cli_usage(&command, "--reductions and --no-reductions contradict each other");
-    if (o.mesh && !cli_ends_with(paths[1], ".ptx"))
+    if (o.mesh && !ptx_name_is_safe(paths[1]))
         return cli_usage(&command, "--mesh: only a .ptx holds geometry");
-    bool to_ptx = cli_ends_with(paths[1], ".ptx"),
+    bool to_ptx = ptx_name_is_safe(paths[1]),
          to_sheet = cli_ends_with(paths[1], ".png") || cli_ends_with(paths[1], ".exr");
     if (o.format_given && (to_ptx || to_sheet))
         return cli_usage(&command, "--format: only for a folder of images, not '%s'", paths[1]);
     if (o.compression && !to_ptx)
         return cli_usage(&command, "--compression: only for a .ptx, not '%s'", paths[1]);
-    for (uint32_t i = 0; i < sizeof others / sizeof *others; i++)
-        if (cli_ends_with(paths[1], others[i]))
-            return cli_usage(&command, "'%s': expected a folder, .ptx, .png or .exr", paths[1]);
+    if (!to_ptx && !to_sheet && !may_be_folder(paths[1]))
+        return cli_usage(&command,
+                         "'%s': expected a folder, .ptx, .png or .exr; if it is to be a folder, "
+                         "write '%s/'",
+                         paths[1], paths[1]);
     conversion c = {.options = &o, .paths = paths};
     return run_convert(&command, &c);
 }

@@ -125,6 +125,8 @@ static int run_diff(struct diff *d) {
                                   .progress = {cli_progress_report, &progress}};
     int code = EXIT_FAILED;
     d->largest_face = -1;
+    if (d->images && output_try_folder(&env, d->images))
+        goto done;
     for (int i = 0; i < 2; i++)
         if (slv_ptx_open(&env, d->paths[i], &d->files[i]))
             goto done;

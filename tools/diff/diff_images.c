@@ -60,8 +60,11 @@ int diff_save_images(const slv_env *env, const struct diff *d) {
     slv_result result = slv_folder_begin(env, d->images, &folder);
     if (result)
         return EXIT_FAILED;
+    cli_catch_interrupts();
     for (uint32_t face = 0; face < d->nfaces && !result; face++)
-        if (d->faces[face].what & SLV_DIFF_TEXELS)
+        if (cli_interrupted())
+            result = output_fail(env, SLV_ERROR_CANCELLED, "%s: interrupted", d->images);
+        else if (d->faces[face].what & SLV_DIFF_TEXELS)
             result = save_face(env, d, face, slv_folder_path(folder));
     return slv_folder_end(folder, NULL, result) ? EXIT_FAILED : EXIT_OK;
 }

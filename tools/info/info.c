@@ -1,9 +1,11 @@
 /* The verb info: what kind of file it is, and its options. */
 #include "info/info.h"
+#include "command/ptx_name.h"
 #include "verbs.h"
 
 #include <errno.h>
 #include <string.h>
+#include <sys/stat.h>
 
 typedef enum file_kind { KIND_UNREADABLE, KIND_UNKNOWN, KIND_PTX, KIND_MESH } file_kind;
 
@@ -15,9 +17,15 @@ static bool is_mesh(const char *path) {
     return false;
 }
 
-/* By content first: a .ptx with another name is still one. */
+/* By content first: a .ptx with another name is still one. What comes through a pipe can be read
+ * only once, and .ptx files cannot be read in that way. */
 static file_kind find_kind(const char *path) {
     char magic[4] = {0};
+    struct stat status;
+    if (stat(path, &status) != 0)
+        return KIND_UNREADABLE;
+    if (!S_ISREG(status.st_mode))
+        return S_ISDIR(status.st_mode) ? KIND_UNKNOWN : KIND_MESH;
     FILE *stream = fopen(path, "rb");
     if (!stream)
         return KIND_UNREADABLE;
@@ -31,7 +39,7 @@ static file_kind find_kind(const char *path) {
         return KIND_UNREADABLE;
     if (got == 4 && memcmp(magic, "Ptex", 4) == 0)
         return KIND_PTX;
-    return cli_ends_with(path, ".ptx") ? KIND_PTX : is_mesh(path) ? KIND_MESH : KIND_UNKNOWN;
+    return ptx_name_is_safe(path) ? KIND_PTX : is_mesh(path) ? KIND_MESH : KIND_UNKNOWN;
 }
 
 int verb_info(int argc, char **argv) {
@@ -76,6 +84,7 @@ int verb_info(int argc, char **argv) {
     if (!o.sheet && (o.sheet_faces || o.cell || o.encoding_given))
         return cli_usage(&command, "--sheet is missing: where does the picture go?");
     slv_env env = cli_env(0);
+    path = cli_input(path);
     switch (find_kind(path)) {
     case KIND_UNREADABLE:
         return cli_error("%s: %s", path, strerror(errno));

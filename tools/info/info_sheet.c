@@ -224,7 +224,8 @@ int info_sheet(const cli_command *command, const slv_env *env, const info_option
     slv_ptx_open_params params = {.premultiply = true};
     cli_progress progress = cli_progress_fleeting("sheet", options->progress, options->json);
     int code = EXIT_FAILED;
-    if (slv_ptx_open_with(env, path, &params, &ptx) || slv_ptx_load_tables(ptx))
+    if (output_check(env, options->sheet, &path, 1) ||
+        slv_ptx_open_with(env, path, &params, &ptx) || slv_ptx_load_tables(ptx))
         goto done;
     s.ptx = ptx;
     s.info = slv_ptx_get_info(ptx);

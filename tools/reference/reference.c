@@ -87,8 +87,20 @@ static slv_result converge(const struct reference *r, const slv_env *env,
     return result;
 }
 
+/* The table and the plot, beside their place until the end. */
+static slv_result study(const struct reference *r, const slv_env *env,
+                        const slv_reference *reference, const slv_reference_frame *frame,
+                        const slv_image *best, struct outcome *o) {
+    slv_folder *folder;
+    slv_result result = converge(r, env, reference, frame, best, o);
+    if (result || (result = slv_folder_begin(env, r->convergence, &folder)))
+        return result;
+    return slv_folder_end(folder, NULL,
+                          convergence_write(env, slv_folder_path(folder), &o->convergence));
+}
+
 static slv_result make(const struct reference *r, const slv_env *env, const char *path,
-                       const char *folder, struct outcome *o) {
+                       struct outcome *o) {
     const slv_image_params file = {.bits = r->bits ? r->bits : 32}, wide = {.bits = 32};
     scene_shot shot;
     slv_reference *reference = NULL;
@@ -109,18 +121,19 @@ static slv_result make(const struct reference *r, const slv_env *env, const char
                                  .samples = r->samples,
                                  .seed = r->seed};
     memcpy(frame.background, shot.background, sizeof frame.background);
+    cli_catch_interrupts();
     o->width = shot.width;
     o->height = shot.height;
     o->segments = shot.segments;
     if ((result = slv_reference_create(env, shot.scene.mesh, shot.scene.surface, shot.scene.texture,
                                        shot.scene.adjacency, &params, &reference)) ||
         (result = render(r, env, reference, &frame, &image, &error, &o->stats, &o->seconds)) ||
-        (folder && ((result = converge(r, env, reference, &frame, &image, o)) ||
-                    (result = convergence_write(env, folder, &o->convergence)))) ||
-        (result = slv_image_save(env, path, &image, &file)))
+        (result = output_image(env, path, &image, file, false, r->quiet || r->json)) ||
+        (r->error &&
+         (result = output_image(env, r->error, &error, wide, false, r->quiet || r->json))))
         goto done;
-    if (r->error)
-        result = slv_image_save(env, r->error, &error, &wide);
+    if (r->convergence)
+        result = study(r, env, reference, &frame, &image, o);
 done:
     slv_image_free(&image);
     slv_image_free(&error);
@@ -185,12 +198,13 @@ static void print_outcome(const struct reference *r, const char *path, const str
 static int run(const struct reference *r, const char *path) {
     struct outcome outcome = {.seconds = 0};
     slv_env env = cli_env(r->scene.threads);
-    slv_folder *folder = NULL;
-    if (r->convergence && slv_folder_begin(&env, r->convergence, &folder))
+    const char *const inputs[] = {r->arguments[0], r->scene.mesh, r->scene.view};
+    /* whether all can be written is known before hours are spent */
+    if (output_check(&env, path, inputs, 3) ||
+        (r->error && output_check(&env, r->error, inputs, 3)) ||
+        (r->convergence && output_try_folder(&env, r->convergence)))
         return EXIT_FAILED;
-    cli_catch_interrupts();
-    slv_result result = make(r, &env, path, folder ? slv_folder_path(folder) : NULL, &outcome);
-    if (slv_folder_end(folder, NULL, result))
+    if (make(r, &env, path, &outcome))
         return EXIT_FAILED;
     if (r->json)
         return output_print_json(path, outcome_json(r, path, &outcome));
@@ -244,6 +258,8 @@ int verb_reference(int argc, char **argv) {
     if (r.bits && r.bits != 16 && r.bits != 32)
         return cli_usage(&command, "--bits: expected 16 or 32");
     const char *path = output_path(&r, buffer, sizeof buffer);
+    if (r.error && strcmp(path, r.error) == 0)
+        return cli_usage(&command, "--error: %s is where the picture goes", path);
     if (!is_exr(path) || (r.error && !is_exr(r.error)))
         return cli_error("%s: the picture's name must end in .exr", is_exr(path) ? r.error : path);
     return run(&r, path);

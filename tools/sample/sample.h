@@ -40,6 +40,7 @@ typedef struct sample_reader {
     const char *name;
     int descriptor;
     char *buffer;
+    char *unpacked;    /* in place of these, all of a file that gzip packed */
     size_t start, end; /* of what is in the buffer and not yet given out */
     bool ended;
     uint64_t line, taken, size; /* bytes; the size is 0 if unknown */

@@ -12,6 +12,39 @@
 #include <unistd.h>
 
 #define BUFFER ((size_t)4 << 20)
+#define GZIP "\x1f\x8b"
+
+/* A file that gzip packed is read whole. */
+static int unpack(const char *path, sample_reader *out) {
+    slv_env env = cli_env(0);
+    char magic[2];
+    size_t size;
+    if (pread(out->descriptor, magic, 2, 0) != 2 || memcmp(magic, GZIP, 2) != 0)
+        return EXIT_OK;
+    if (slv_text_load(&env, path, &out->unpacked, &size))
+        return EXIT_FAILED;
+    free(out->buffer);
+    out->buffer = out->unpacked;
+    out->size = out->end = size;
+    out->ended = true;
+    return EXIT_OK;
+}
+
+/* What stands before the first line. */
+static int skip_mark(sample_reader *reader) {
+    const char *at = reader->buffer + reader->start;
+    size_t size = reader->end - reader->start;
+    if (size >= 2 && memcmp(at, GZIP, 2) == 0)
+        return cli_error("%s: is packed by gzip, which only a file can be", reader->name);
+    if (size >= 2 && (memcmp(at, "\xFF\xFE", 2) == 0 || memcmp(at, "\xFE\xFF", 2) == 0))
+        return cli_error("%s: is text in UTF-16: save it as UTF-8, which is what can be read",
+                         reader->name);
+    if (size >= 3 && memcmp(at, "\xEF\xBB\xBF", 3) == 0) {
+        reader->start += 3;
+        reader->taken += 3;
+    }
+    return EXIT_OK;
+}
 
 int sample_reader_open(const char *path, sample_reader *out) {
     bool standard = !path || strcmp(path, "-") == 0;
@@ -23,15 +56,18 @@ int sample_reader_open(const char *path, sample_reader *out) {
         return cli_error("%s: %s", path, strerror(errno));
     if (!out->buffer)
         return cli_error("%s: no memory to read it", out->name);
-    if (fstat(out->descriptor, &status) == 0 && S_ISREG(status.st_mode))
-        out->size = (uint64_t)status.st_size;
-    return EXIT_OK;
+    if (fstat(out->descriptor, &status) != 0 || !S_ISREG(status.st_mode))
+        return EXIT_OK;
+    out->size = (uint64_t)status.st_size;
+    return standard ? EXIT_OK : unpack(path, out);
 }
 
 void sample_reader_close(sample_reader *reader) {
     if (reader->descriptor > STDIN_FILENO)
         close(reader->descriptor);
-    free(reader->buffer);
+    if (!reader->unpacked)
+        free(reader->buffer);
+    slv_free(reader->unpacked);
 }
 
 static bool has_more_now(int descriptor) {
@@ -75,7 +111,7 @@ static const char *find_arrow(const char *text, const char *end) {
 int sample_read(sample_reader *reader, sample_query *queries, size_t max, size_t *count) {
     *count = 0;
     while (*count == 0 && !(reader->ended && reader->start == reader->end)) {
-        if (fill(reader))
+        if (fill(reader) || (!reader->line && !reader->taken && skip_mark(reader)))
             return EXIT_FAILED;
         while (*count < max && reader->start < reader->end) {
             char *text = reader->buffer + reader->start, *limit = reader->buffer + reader->end;

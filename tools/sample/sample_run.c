@@ -337,7 +337,9 @@ static bool print_chunk(job *j, const sample_reader *reader, FILE *stream, uint6
     }
     if (fflush(stream) == 0)
         return true;
-    *code = cli_error("cannot write the answers: %s", strerror(errno));
+    /* of standard output it is said at the end */
+    *code =
+        stream == stdout ? EXIT_FAILED : cli_error("cannot write the answer: %s", strerror(errno));
     return false;
 }
 
