@@ -89,5 +89,7 @@ static int run(int argc, char **argv) {
 
 int command_main(int argc, char **argv) {
     cli_begin();
-    return cli_answered(run(argc, argv));
+    int code = run(argc, argv);
+    cli_end();
+    return cli_answered(code);
 }

@@ -3,6 +3,8 @@
 #include "command/numbers.h"
 #include "command/words.h"
 
+#include <selvage/threads.h>
+
 #include <errno.h>
 #include <fcntl.h>
 #include <math.h>
@@ -78,9 +80,19 @@ static void print_log(void *user, slv_log_level level, const char *message) {
     fprintf(stderr, "selvage: %s%s\n", level == SLV_LOG_WARNING ? "warning: " : "", message);
 }
 
+static slv_threads *pool;
+
 slv_env cli_env(uint32_t threads) {
     slv_env env = {.log = print_log, .threads = threads};
+    /* without a pool each call starts threads of its own */
+    if (pool || slv_threads_create(&env, &pool) == SLV_OK)
+        slv_threads_use(pool, &env);
     return env;
+}
+
+void cli_end(void) {
+    slv_threads_destroy(pool);
+    pool = NULL;
 }
 
 static volatile sig_atomic_t interrupted;

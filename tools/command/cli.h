@@ -105,8 +105,11 @@ bool cli_ends_with(const char *path, const char *extension);
 /* One line that begins with "warning". */
 void cli_warning(const char *format, ...) __attribute__((format(printf, 1, 2)));
 
-/* An environment that prints warnings and errors to stderr, "selvage: ..." a line. */
+/* An environment that prints warnings and errors to stderr, "selvage: ..." a line, and has the
+ * threads that the whole run of a verb shares. */
 slv_env cli_env(uint32_t threads);
+/* Ends the threads that environments share; nothing that was made with one is there any more. */
+void cli_end(void);
 
 /* Progress on stderr: rewritten in place on a terminal, otherwise a line each time a tenth is done.
  * `quiet` shows nothing. */
