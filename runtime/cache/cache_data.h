@@ -193,7 +193,7 @@ uint64_t slvi_cache_count_pieces(const cache_thread *thread);
 /* A handle, and a source that opens the file when it is read from and closes it when others need
  * the handle. `identity` (may be NULL) is what the file must be. The source owns the handle too. */
 slv_result slvi_cache_handle_create(slv_cache *cache, const char *path,
-                                    const cache_identity *identity, slv_ptx_source *source,
+                                    const cache_identity *identity, slv_stream_in *source,
                                     cache_handle **out);
 void slvi_cache_handle_release(cache_handle *handle);
 /* An environment whose log says of reads that failed why they did. */

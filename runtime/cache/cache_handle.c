@@ -129,7 +129,7 @@ static void handle_close(void *user) {
 }
 
 slv_result slvi_cache_handle_create(slv_cache *cache, const char *path,
-                                    const cache_identity *identity, slv_ptx_source *source,
+                                    const cache_identity *identity, slv_stream_in *source,
                                     cache_handle **out) {
     cache_handle *h = NULL;
     slv_result result = slvi_alloc(&cache->env, path, 1, sizeof *h, &h);
@@ -161,7 +161,7 @@ slv_result slvi_cache_handle_create(slv_cache *cache, const char *path,
         return result;
     }
     h->owners = 2;
-    *source = (slv_ptx_source){handle_read, handle_close, h, h->identity.size};
+    *source = (slv_stream_in){handle_read, handle_close, h, h->identity.size};
     *out = h;
     return SLV_OK;
 }

@@ -105,7 +105,7 @@ static slv_result begin_origin(slv_cache *cache, const cache_file *file, cache_o
         result = origin->source.fns->describe(origin->source.user, &origin->desc);
         *nfaces = origin->desc.nfaces;
     } else {
-        slv_ptx_source bytes;
+        slv_stream_in bytes;
         slv_ptx_open_params params = {.premultiply = cache->premultiply, .source = &bytes};
         const cache_identity *identity = file->identified ? &file->identity : NULL;
         result = slvi_cache_handle_create(cache, file->path, identity, &bytes, &origin->handle);

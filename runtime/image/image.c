@@ -40,7 +40,8 @@ slv_result slv_image_save(const slv_env *env, const char *path, const slv_image 
         return slvi_fail(env, SLV_ERROR_UNSUPPORTED, "%s: images are written as .png or .exr",
                          path);
     if (!(result = slvi_image_png_encode(env, path, image, params, &bytes, &size)))
-        result = slvi_output_write(env, path, bytes, size);
+        result = params->output ? slvi_image_put(env, path, params->output, bytes, size)
+                                : slvi_output_write(env, path, bytes, size);
     slvi_free(bytes);
     return result;
 }
@@ -56,20 +57,37 @@ slv_result slv_image_encode_png(const slv_env *env, const slv_image *image,
     return result ? result : slvi_image_png_encode(env, "PNG image", image, params, bytes, size);
 }
 
+static slv_result decode(const slv_env *env, const char *path, const void *bytes, size_t size,
+                         slv_image *out) {
+    if (size >= 4 && !memcmp(bytes, "\x89PNG", 4))
+        return slvi_image_png_decode(env, path, bytes, size, out);
+    if (size >= 4 && !memcmp(bytes, "\x76\x2f\x31\x01", 4))
+        return slvi_image_exr_decode(env, path, bytes, size, out);
+    return slvi_fail(env, SLV_ERROR_UNSUPPORTED, "%s: is neither a PNG nor an OpenEXR image", path);
+}
+
 slv_result slv_image_load(const slv_env *env, const char *path, slv_image *out) {
     char *bytes = NULL;
     size_t size = 0;
     memset(out, 0, sizeof *out);
     slv_result result = slvi_file_read(env, path, &bytes, &size);
-    if (result)
-        return result;
-    if (size >= 4 && !memcmp(bytes, "\x89PNG", 4))
-        result = slvi_image_png_decode(env, path, bytes, size, out);
-    else if (size >= 4 && !memcmp(bytes, "\x76\x2f\x31\x01", 4))
-        result = slvi_image_exr_decode(env, path, bytes, size, out);
-    else
-        result = slvi_fail(env, SLV_ERROR_UNSUPPORTED, "%s: is neither a PNG nor an OpenEXR image",
-                           path);
+    if (!result)
+        result = decode(env, path, bytes, size, out);
+    slvi_free(bytes);
+    return result;
+}
+
+slv_result slv_image_load_stream(const slv_env *env, const char *name, const slv_stream_in *input,
+                                 slv_image *out) {
+    char *bytes = NULL;
+    memset(out, 0, sizeof *out);
+    slv_result result = slvi_alloc_plain(env, name, input->size, 1, &bytes);
+    if (!result && input->size && input->read(input->user, 0, bytes, (size_t)input->size) != 0)
+        result = slvi_fail(env, SLV_ERROR_IO, "%s: could not be read", name);
+    if (input->close)
+        input->close(input->user);
+    if (!result)
+        result = decode(env, name, bytes, (size_t)input->size, out);
     slvi_free(bytes);
     return result;
 }

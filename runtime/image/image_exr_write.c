@@ -18,6 +18,12 @@ struct exr_stream {
     struct exr_stream *outer; /* one whose caller's callback began this one */
     int target;               /* where it is written; errno of the first write that failed */
     int reason;
+    bool kept; /* not written there: for the header, which is written last, what becomes a stream's
+                  is kept */
+    const slv_env *env;
+    uint8_t *bytes;
+    uint64_t size, capacity;
+    slv_result result; /* of a failure that has been logged */
     char message[256];
 };
 
@@ -33,11 +39,28 @@ static void on_error(exr_const_context_t context, exr_result_t code, const char 
         snprintf(current->message, sizeof current->message, "%s", message);
 }
 
+/* Into memory, which grows. */
+static int64_t keep(struct exr_stream *stream, const void *buffer, uint64_t size, uint64_t offset) {
+    if (offset + size > stream->capacity) {
+        uint64_t capacity = offset + size + stream->capacity / 2 + 4096;
+        stream->result = slvi_grow(stream->env, "EXR image", capacity, 1, &stream->bytes);
+        if (stream->result)
+            return -1;
+        memset(stream->bytes + stream->capacity, 0, (size_t)(capacity - stream->capacity));
+        stream->capacity = capacity;
+    }
+    memcpy(stream->bytes + offset, buffer, (size_t)size);
+    stream->size = offset + size > stream->size ? offset + size : stream->size;
+    return (int64_t)size;
+}
+
 static int64_t on_write(exr_const_context_t context, void *user, const void *buffer, uint64_t size,
                         uint64_t offset, exr_stream_error_func_ptr_t error) {
     struct exr_stream *stream = user;
     (void)context;
     (void)error;
+    if (stream->kept)
+        return keep(stream, buffer, size, offset);
     if (slvi_write_at(NULL, "", stream->target, buffer, size, offset) == SLV_OK)
         return (int64_t)size;
     stream->reason = errno ? errno : EIO;
@@ -138,17 +161,19 @@ slv_result slvi_image_exr_save(const slv_env *env, const char *path, const slv_i
     exr_context_initializer_t init;
     exr_context_t context = NULL;
     exr_encode_pipeline_t encoder = EXR_ENCODE_PIPELINE_INITIALIZER;
-    slv_output output;
+    slv_output output = {.path = NULL};
     uint16_t *halves = NULL;
     compress_fn original = NULL;
     int32_t lines = 0;
     if (bits != 16 && bits != 32)
         return slvi_fail(env, SLV_ERROR_ARGUMENT, "%s: EXR has 16 or 32 bits, not %u", path, bits);
-    slv_result result = slvi_output_begin(env, path, false, &output);
+    slv_result result = params->output ? SLV_OK : slvi_output_begin(env, path, false, &output);
     if (result)
         return result;
     init = initializer(&stream);
+    stream.env = env;
     stream.target = output.descriptor;
+    stream.kept = params->output != NULL;
     init.write_fn = on_write;
     exr_result_t code = start_exr(&context, path, &init, image, names,
                                   bits == 16 ? EXR_PIXEL_HALF : EXR_PIXEL_FLOAT);
@@ -177,11 +202,15 @@ slv_result slvi_image_exr_save(const slv_env *env, const char *path, const slv_i
         result = slvi_fail(env, slvi_io_error(stream.reason), "%s: write failed: %s", path,
                            strerror(stream.reason));
     else if (!result && (code || finished))
-        result = report(env, SLV_ERROR_IO, path, &stream,
-                        exr_get_default_error_message(code ? code : finished));
+        result = stream.result ? stream.result
+                               : report(env, SLV_ERROR_IO, path, &stream,
+                                        exr_get_default_error_message(code ? code : finished));
     if (!result)
-        result = slvi_output_commit(&output, false);
+        result = params->output
+                     ? slvi_image_put(env, path, params->output, stream.bytes, (size_t)stream.size)
+                     : slvi_output_commit(&output, false);
     slvi_output_discard(&output);
+    slvi_free(stream.bytes);
     slvi_free(halves);
     return result;
 }

@@ -23,7 +23,10 @@ slv_result slvi_image_exr_decode(const slv_env *env, const char *path, const voi
 /* `path` only names the image in messages. */
 slv_result slvi_image_png_encode(const slv_env *env, const char *path, const slv_image *image,
                                  const slv_image_params *params, void **bytes, size_t *size);
+/* To the path, or to the output of the parameters. */
 slv_result slvi_image_exr_save(const slv_env *env, const char *path, const slv_image *image,
                                const slv_image_params *params);
+slv_result slvi_image_put(const slv_env *env, const char *path, const slv_stream_out *output,
+                          const void *bytes, size_t size);
 
 #endif

@@ -48,3 +48,10 @@ slv_result slvi_image_progress(const slv_env *env, const char *path, const slv_i
                                const slv_image *image, uint32_t rows) {
     return slvi_progress(&params->progress, env, path, rows, image->height);
 }
+
+slv_result slvi_image_put(const slv_env *env, const char *path, const slv_stream_out *output,
+                          const void *bytes, size_t size) {
+    if (size && output->write(output->user, bytes, size) != 0)
+        return slvi_fail(env, SLV_ERROR_IO, "%s: could not be written", path);
+    return SLV_OK;
+}

@@ -19,6 +19,7 @@ struct png_stream {
     uint8_t *rows;
     png_bytep *row_pointers;
     slv_result result; /* of a failure that has been logged already */
+    slv_result memory; /* of an allocation that libpng was refused, not logged */
     char message[128];
 };
 
@@ -31,6 +32,22 @@ static void on_error(png_structp png, png_const_charp message) {
 static void on_warning(png_structp png, png_const_charp message) {
     (void)png;
     (void)message;
+}
+
+/* It gets by without some of what it asks for, so that a refusal is told when it fails only. */
+static png_voidp on_malloc(png_structp png, png_alloc_size_t size) {
+    struct png_stream *stream = png_get_mem_ptr(png);
+    slv_env quiet = slvi_env_or_default(stream->env);
+    void *memory = NULL;
+    quiet.log = NULL;
+    slv_result result = slvi_alloc_plain(&quiet, stream->path, size, 1, &memory);
+    stream->memory = result ? result : stream->memory;
+    return memory;
+}
+
+static void on_free(png_structp png, png_voidp memory) {
+    (void)png;
+    slvi_free(memory);
 }
 
 static void on_write(png_structp png, png_bytep data, size_t size) {
@@ -64,9 +81,10 @@ static void on_read(png_structp png, png_bytep data, size_t size) {
 }
 
 static slv_result report(struct png_stream *stream, slv_result otherwise) {
-    return stream->result
-               ? stream->result
-               : slvi_fail(stream->env, otherwise, "%s: %s", stream->path, stream->message);
+    if (stream->result)
+        return stream->result;
+    return slvi_fail(stream->env, stream->memory ? stream->memory : otherwise, "%s: %s",
+                     stream->path, stream->message[0] ? stream->message : "no memory for it");
 }
 
 /* The sRGB curve (IEC 61966-2-1). */
@@ -132,7 +150,8 @@ slv_result slvi_image_png_encode(const slv_env *env, const char *path, const slv
     png_infop info = NULL;
     if (bits != 8 && bits != 16)
         return slvi_fail(env, SLV_ERROR_ARGUMENT, "%s: PNG has 8 or 16 bits, not %u", path, bits);
-    png_structp png = png_create_write_struct(PNG_LIBPNG_VER_STRING, &stream, on_error, on_warning);
+    png_structp png = png_create_write_struct_2(PNG_LIBPNG_VER_STRING, &stream, on_error,
+                                                on_warning, &stream, on_malloc, on_free);
     if (png)
         info = png_create_info_struct(png);
     slv_result result =
@@ -214,7 +233,8 @@ slv_result slvi_image_png_decode(const slv_env *env, const char *path, const voi
     struct png_stream stream = {.env = env, .path = path, .source = bytes, .size = size};
     slv_result result;
     png_infop info = NULL;
-    png_structp png = png_create_read_struct(PNG_LIBPNG_VER_STRING, &stream, on_error, on_warning);
+    png_structp png = png_create_read_struct_2(PNG_LIBPNG_VER_STRING, &stream, on_error, on_warning,
+                                               &stream, on_malloc, on_free);
     if (png)
         info = png_create_info_struct(png);
     if (info)

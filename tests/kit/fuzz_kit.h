@@ -89,7 +89,7 @@ static inline int fuzz_read(void *user, uint64_t offset, void *buffer, size_t si
 
 /* `bytes` outlives the file. */
 static inline slv_ptx *fuzz_open(const slv_env *env, struct fuzz_bytes *bytes, bool premultiply) {
-    slv_ptx_source source = {fuzz_read, NULL, bytes, bytes->size};
+    slv_stream_in source = {fuzz_read, NULL, bytes, bytes->size};
     slv_ptx_open_params params = {.premultiply = premultiply, .source = &source};
     slv_ptx *ptx = NULL;
     return FUZZ_CALL(slv_ptx_open_with(env, "fuzz.ptx", &params, &ptx)) ? NULL : ptx;

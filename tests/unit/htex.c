@@ -135,6 +135,8 @@ static void test_squares(void) {
     kit_equal(&k, 0);
     kit_noise(&k, SLV_TYPE_FLOAT, 1, &random);
     htex = convert(&k, 0);
+    const slv_texture_desc *desc = slv_htex_get_desc(htex);
+    CHECK(desc->nfaces == 4 && desc->type == SLV_TYPE_FLOAT && desc->nchannels == 1);
     CHECK(slv_htex_edge_count(htex) == 12); /* 4 inside, 8 of the boundary */
     CHECK(slv_htex_log2(htex, 0) == 0 && slv_htex_bytes(htex) == 12 * sizeof(float));
     slv_htex_destroy(htex);

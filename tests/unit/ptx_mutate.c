@@ -12,7 +12,7 @@ static void count_errors(void *user, slv_log_level level, const char *message) {
 static void use(const uint8_t *bytes, size_t size) {
     slv_env env = {.log = count_errors, .max_bytes = 1 << 24, .threads = 2};
     struct memory_file file = {bytes, size, 0};
-    slv_ptx_source source = {memory_read, memory_close, &file, size};
+    slv_stream_in source = {memory_read, memory_close, &file, size};
     slv_ptx *ptx = NULL;
     error_lines = 0;
     slv_result result = slv_ptx_open_source(&env, "spoilt", &source, &ptx);

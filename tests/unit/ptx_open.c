@@ -12,7 +12,7 @@ static void count_errors(void *user, slv_log_level level, const char *message) {
 static slv_result open_bytes(const uint8_t *bytes, size_t size) {
     slv_env env = {.log = count_errors, .max_bytes = 1 << 26, .threads = 2};
     struct memory_file file = {bytes, size, 0};
-    slv_ptx_source source = {memory_read, memory_close, &file, size};
+    slv_stream_in source = {memory_read, memory_close, &file, size};
     slv_ptx *ptx = NULL;
     slv_texture *texture = NULL;
     error_lines = 0;
@@ -125,7 +125,7 @@ static void edits_without_metadata(void) {
         bytes[96] = (uint8_t)start;
         bytes[97] = (uint8_t)(start >> 8);
         struct memory_file memory = {bytes, total, 0};
-        slv_ptx_source source = {memory_read, NULL, &memory, total};
+        slv_stream_in source = {memory_read, NULL, &memory, total};
         slv_ptx *ptx = NULL;
         slv_ptx_face face;
         REQUIRE(slv_ptx_open_source(&env, "edited", &source, &ptx) == SLV_OK);

@@ -349,7 +349,7 @@ static void little_memory(slv_ptx_mesh_type mesh_type) {
     write_noise(path, mesh_type, 12);
     uint8_t *bytes = read_whole(path, &size), tile[4096], whole[16];
     counted.file = (struct memory_file){bytes, size, 0};
-    slv_ptx_source source = {counted_read, NULL, &counted, size};
+    slv_stream_in source = {counted_read, NULL, &counted, size};
     slv_ptx *ptx = NULL;
     slv_ptx_reader *reader = NULL;
     REQUIRE(slv_ptx_open_source(&env, path, &source, &ptx) == SLV_OK);

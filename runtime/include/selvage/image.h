@@ -2,7 +2,7 @@
 #ifndef SELVAGE_IMAGE_H
 #define SELVAGE_IMAGE_H
 
-#include <selvage/result.h>
+#include <selvage/stream.h>
 
 #ifdef __cplusplus
 extern "C" {
@@ -27,6 +27,8 @@ typedef struct slv_image_params {
     slv_image_encoding encoding;
     uint32_t bits;         /* PNG: 8 (default) or 16. EXR: 16 (half, default) or 32 (float) */
     slv_progress progress; /* rows */
+    const slv_stream_out *output; /* NULL: the path is written; else it is a name, which says by
+                                 its extension what is written */
     uint64_t reserved[4];
 } slv_image_params;
 
@@ -53,6 +55,9 @@ SLV_NODISCARD SLV_API slv_result slv_image_encode_png(const slv_env *env, const 
  * chroma, integers (uint), several layers, a data window outside of the display window. */
 SLV_NODISCARD SLV_API slv_result slv_image_load(const slv_env *env, const char *path,
                                                 slv_image *out);
+/* The same from a stream; `name` is for messages. */
+SLV_NODISCARD SLV_API slv_result slv_image_load_stream(const slv_env *env, const char *name,
+                                                       const slv_stream_in *input, slv_image *out);
 
 #ifdef __cplusplus
 }

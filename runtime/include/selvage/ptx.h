@@ -5,6 +5,7 @@
 
 #include <selvage/mesh.h>
 #include <selvage/source.h>
+#include <selvage/stream.h>
 
 #ifdef __cplusplus
 extern "C" {
@@ -57,21 +58,12 @@ typedef struct slv_ptx_meta {
     const void *values;
 } slv_ptx_meta;
 
-/* Where bytes come from, when not from a path. `read` returns 0 on success and is called from
- * several threads at once. */
-typedef struct slv_ptx_source {
-    int (*read)(void *user, uint64_t offset, void *buffer, size_t size);
-    void (*close)(void *user); /* may be NULL; called once, also when opening fails */
-    void *user;
-    uint64_t size;
-} slv_ptx_source;
-
 /* Zero means default. */
 typedef struct slv_ptx_open_params {
     bool premultiply; /* see slv_ptx_read_face */
     bool lenient;     /* an edge that leads to a face which the file does not have is a boundary,
                          instead of SLV_ERROR_FORMAT: for repairs */
-    const slv_ptx_source
+    const slv_stream_in
         *source; /* NULL: the path is opened; else it is a name for messages. Copied */
     uint64_t reserved[4];
 } slv_ptx_open_params;
@@ -85,7 +77,7 @@ typedef struct slv_ptx slv_ptx;
  * damaged. Every size that the file claims is checked before anything is allocated. */
 SLV_NODISCARD SLV_API slv_result slv_ptx_open(const slv_env *env, const char *path, slv_ptx **out);
 SLV_NODISCARD SLV_API slv_result slv_ptx_open_source(const slv_env *env, const char *name,
-                                                     const slv_ptx_source *source, slv_ptx **out);
+                                                     const slv_stream_in *source, slv_ptx **out);
 SLV_NODISCARD SLV_API slv_result slv_ptx_open_with(const slv_env *env, const char *path,
                                                    const slv_ptx_open_params *params,
                                                    slv_ptx **out);
@@ -224,6 +216,7 @@ typedef struct slv_ptx_write_params {
     uint32_t nmeta;
     const slv_ptx_meta *meta;
     slv_progress progress; /* faces, once when they are packed and once when they are written */
+    const slv_stream_out *output; /* NULL: the path is written; else it is a name for messages */
     uint64_t reserved[4];
 } slv_ptx_write_params;
 

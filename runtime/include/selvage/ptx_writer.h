@@ -24,6 +24,8 @@ typedef struct slv_ptx_writer_params {
                         target; 0: 128 MiB */
     slv_progress progress; /* of slv_ptx_writer_finish, or slv_ptx_rewrite: faces, once when they
                               are packed and once when they are written */
+    const slv_stream_out *output; /* NULL: the path is written; else it is a name for messages,
+                                 and slv_ptx_writer_finish writes there. Copied. Not for edits */
     uint64_t reserved[4];
 } slv_ptx_writer_params;
 
@@ -75,7 +77,7 @@ SLV_NODISCARD SLV_API slv_result slv_ptx_writer_set_mesh(slv_ptx_writer *writer,
 SLV_NODISCARD SLV_API slv_result slv_ptx_writer_finish(slv_ptx_writer *writer);
 
 /* Writes all that an open file holds, edits applied, as a new file: reductions, averages and flags
- * are made anew. `path` may be the file's own. `params` is for compression, sync, memory,
+ * are made anew. `path` may be the file's own. `params` is for compression, sync, memory, output,
  * progress and no_reductions (which also counts if the file has none), or NULL. */
 SLV_NODISCARD SLV_API slv_result slv_ptx_rewrite(const slv_env *env, const slv_ptx *ptx,
                                                  const char *path,

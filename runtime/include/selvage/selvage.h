@@ -25,6 +25,7 @@
 #include <selvage/ptx_writer.h>
 #include <selvage/result.h>
 #include <selvage/source.h>
+#include <selvage/stream.h>
 #include <selvage/surface.h>
 #include <selvage/tessellation.h>
 #include <selvage/texture.h>

@@ -81,7 +81,7 @@ typedef struct ptx_tables {
 struct slv_ptx {
     slv_env env; /* its log is serialised: faces may be read on any thread */
     slv_parallel_log *log;
-    slv_ptx_source source;
+    slv_stream_in source;
     char *name;
     slv_ptx_info info;
     bool premultiply, lenient;
@@ -123,7 +123,7 @@ static inline void ptx_put_u64(uint8_t *p, uint64_t v) {
 }
 
 /* ptx_source.c */
-slv_result slvi_ptx_source_open(const slv_env *env, const char *path, slv_ptx_source *out);
+slv_result slvi_ptx_source_open(const slv_env *env, const char *path, slv_stream_in *out);
 /* Reads `size` bytes at `position`; `what` names the section in messages. */
 slv_result slvi_ptx_read_bytes(const slv_env *env, const slv_ptx *ptx, const char *what,
                                uint64_t position, uint64_t size, void *out);

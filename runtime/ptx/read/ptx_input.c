@@ -27,7 +27,7 @@ static void file_close(void *user) {
     slvi_free(file);
 }
 
-slv_result slvi_ptx_source_open(const slv_env *env, const char *path, slv_ptx_source *out) {
+slv_result slvi_ptx_source_open(const slv_env *env, const char *path, slv_stream_in *out) {
     struct file_source *file = NULL;
     struct stat status;
     int descriptor = open(path, O_RDONLY | O_CLOEXEC | O_NONBLOCK);
@@ -42,7 +42,7 @@ slv_result slvi_ptx_source_open(const slv_env *env, const char *path, slv_ptx_so
         return result;
     }
     file->descriptor = descriptor;
-    *out = (slv_ptx_source){file_read, file_close, file, (uint64_t)status.st_size};
+    *out = (slv_stream_in){file_read, file_close, file, (uint64_t)status.st_size};
     return SLV_OK;
 }
 

@@ -167,7 +167,7 @@ static slv_result read_all(slv_ptx *ptx) {
     return result;
 }
 
-static slv_result open_within(const slv_env *env, const char *name, const slv_ptx_source *source,
+static slv_result open_within(const slv_env *env, const char *name, const slv_stream_in *source,
                               const slv_ptx_open_params *params, slv_ptx **out) {
     slv_ptx *ptx = NULL;
     slv_result result = slvi_alloc(env, name, 1, sizeof *ptx, &ptx);
@@ -199,7 +199,7 @@ static slv_result open_within(const slv_env *env, const char *name, const slv_pt
     return SLV_OK;
 }
 
-static slv_result open_params(const slv_env *env, const char *name, const slv_ptx_source *source,
+static slv_result open_params(const slv_env *env, const char *name, const slv_stream_in *source,
                               const slv_ptx_open_params *params, slv_ptx **out) {
     slv_env own;
     *out = NULL;
@@ -212,14 +212,14 @@ static slv_result open_params(const slv_env *env, const char *name, const slv_pt
     return result;
 }
 
-slv_result slv_ptx_open_source(const slv_env *env, const char *name, const slv_ptx_source *source,
+slv_result slv_ptx_open_source(const slv_env *env, const char *name, const slv_stream_in *source,
                                slv_ptx **out) {
     return open_params(env, name, source, NULL, out);
 }
 
 slv_result slv_ptx_open_with(const slv_env *env, const char *path,
                              const slv_ptx_open_params *params, slv_ptx **out) {
-    slv_ptx_source source;
+    slv_stream_in source;
     *out = NULL;
     if (params && params->source)
         return open_params(env, path, params->source, params, out);

@@ -199,6 +199,17 @@ static slv_result gather(const ptx_spill *spill, const slv_env *env, struct move
     return result;
 }
 
+/* Files are written anywhere, by several threads; streams in order. */
+static slv_result put(const struct assembly *a, const slv_env *env, const void *bytes,
+                      uint64_t size, uint64_t position) {
+    const slv_ptx_writer *writer = a->writer;
+    if (!writer->output.write)
+        return slvi_write_at(env, writer->path, a->descriptor, bytes, size, position);
+    if (size && writer->output.write(writer->output.user, bytes, (size_t)size) != 0)
+        return slvi_fail(env, SLV_ERROR_IO, "%s: could not be written", writer->path);
+    return SLV_OK;
+}
+
 static slv_result write_batch(const struct assembly *a, const slv_env *env,
                               const struct batch *batch) {
     const slv_ptx_writer *writer = a->writer;
@@ -224,10 +235,21 @@ static slv_result write_batch(const struct assembly *a, const slv_env *env,
     if (!result)
         result = gather(&writer->spill, env, moves, count, bytes + batch->size, bytes);
     if (!result)
-        result =
-            slvi_write_at(env, writer->path, a->descriptor, bytes, batch->size, batch->position);
+        result = put(a, env, bytes, batch->size, batch->position);
     slvi_free(moves);
     slvi_free(bytes);
+    return result;
+}
+
+static slv_result write_run(struct assembly *a, const slv_env *env, uint64_t first, uint64_t end) {
+    slv_result result = SLV_OK;
+    for (uint64_t i = first; i < end && !result; i++) {
+        const struct batch *batch = &a->batches[i];
+        result = write_batch(a, env, batch);
+        if (!result && !batch->level)
+            result =
+                slvi_steps_add(&a->writer->steps, env, a->writer->path, batch->end - batch->first);
+    }
     return result;
 }
 
@@ -235,35 +257,46 @@ static slv_result write_batches(void *user, uint64_t first, uint64_t end) {
     struct assembly *a = user;
     ptx_range_log log;
     slv_env env = slvi_ptx_range_env(&a->writer->env, &a->errors, first, &log);
-    slv_result result = SLV_OK;
-    for (uint64_t i = first; i < end && !result; i++) {
-        const struct batch *batch = &a->batches[i];
-        result = write_batch(a, &env, batch);
-        if (!result && !batch->level)
-            result =
-                slvi_steps_add(&a->writer->steps, &env, a->writer->path, batch->end - batch->first);
-    }
-    return result;
+    return write_run(a, &env, first, end);
 }
 
-static slv_result write_all(struct assembly *a, const slv_output *output) {
+/* All but the batches; or, in order, all. */
+static slv_result write_parts(struct assembly *a) {
     const slv_ptx_writer *writer = a->writer;
     const slv_env *env = &writer->env;
+    bool in_order = writer->output.write != NULL;
     uint64_t position = a->front.size, table = 0;
-    a->descriptor = output->descriptor;
-    slv_result result =
-        slvi_write_at(env, writer->path, a->descriptor, a->front.data, a->front.size, 0);
+    uint32_t next = 0;
+    slv_result result = put(a, env, a->front.data, a->front.size, 0);
     for (uint32_t level = 0; !result && level < a->nlevels; level++) {
-        result = slvi_write_at(env, writer->path, a->descriptor, a->tables.data + table,
-                               a->table_sizes[level], position);
+        uint32_t first = next;
+        while (next < a->nbatches && a->batches[next].level == level)
+            next++;
+        result = put(a, env, a->tables.data + table, a->table_sizes[level], position);
+        if (!result && in_order)
+            result = write_run(a, env, first, next);
         table += a->table_sizes[level];
         position += a->level_sizes[level];
     }
     if (!result)
-        result = slvi_write_at(env, writer->path, a->descriptor, a->meta.bytes.data,
-                               a->meta.bytes.size, position);
-    if (!result)
-        result = slvi_ptx_parallel_for(env, &a->errors, a->nbatches, 1, write_batches, a);
+        result = put(a, env, a->meta.bytes.data, a->meta.bytes.size, position);
+    return result;
+}
+
+static slv_result write_all(struct assembly *a) {
+    const slv_ptx_writer *writer = a->writer;
+    slv_output output = {.path = NULL};
+    slv_result result;
+    if (writer->output.write)
+        return write_parts(a);
+    if ((result = slvi_output_begin(&writer->env, writer->path, false, &output)))
+        return result;
+    a->descriptor = output.descriptor;
+    if (!(result = write_parts(a)) &&
+        !(result =
+              slvi_ptx_parallel_for(&writer->env, &a->errors, a->nbatches, 1, write_batches, a)))
+        result = slvi_output_commit(&output, writer->params.sync);
+    slvi_output_discard(&output);
     return result;
 }
 
@@ -294,8 +327,6 @@ static void flag_neighbourhoods(slv_ptx_writer *writer) {
 
 slv_result slvi_ptx_writer_assemble(slv_ptx_writer *writer) {
     struct assembly a = {.writer = writer};
-    const slv_ptx_writer_params *p = &writer->params;
-    slv_output output = {.path = NULL};
     struct libdeflate_compressor *deflater = libdeflate_alloc_compressor(writer->compression);
     slv_result result = SLV_OK;
     if (!deflater)
@@ -314,11 +345,8 @@ slv_result slvi_ptx_writer_assemble(slv_ptx_writer *writer) {
              slvi_alloc(&writer->env, writer->path, a.nbatches, sizeof *a.batches, &a.batches)))
         goto done;
     cut_batches(&a);
-    if (!(result = slvi_output_begin(&writer->env, writer->path, false, &output)) &&
-        !(result = write_all(&a, &output)))
-        result = slvi_output_commit(&output, p->sync);
+    result = write_all(&a);
 done:
-    slvi_output_discard(&output);
     libdeflate_free_compressor(deflater);
     slvi_free(a.ranks);
     slvi_free(a.order);

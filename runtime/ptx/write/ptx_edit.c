@@ -46,6 +46,11 @@ slv_result slv_ptx_writer_edit(const slv_env *env, const char *path,
                            "%s: its header has no room for edits; it can be rewritten", path);
         goto done;
     }
+    if (params && params->output) {
+        result =
+            slvi_fail(env, SLV_ERROR_ARGUMENT, "%s: edits go into a file, not into a stream", path);
+        goto done;
+    }
     slv_ptx_writer_params own = slvi_ptx_writer_params_of_header(ptx);
     if (params) {
         own.compression = params->compression;

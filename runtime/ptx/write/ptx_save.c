@@ -62,7 +62,8 @@ slv_result slv_ptx_save(const slv_env *env, const char *path, const slv_texture 
                                  .edge_filter = params->edge_filter,
                                  .no_reductions = params->no_reductions,
                                  .compression = params->compression,
-                                 .progress = params->progress};
+                                 .progress = params->progress,
+                                 .output = params->output};
     slv_result result = slv_ptx_writer_create(env, path, &own, &save.writer);
     if (result)
         return result;
@@ -96,6 +97,7 @@ slv_result slvi_ptx_copy(const slv_env *env, const slv_ptx *ptx, const slv_mesh 
         own.sync = params->sync;
         own.memory = params->memory;
         own.progress = params->progress;
+        own.output = params->output;
     }
     if ((result = slv_ptx_writer_create(env, path, &own, &writer)))
         return result;

@@ -104,6 +104,8 @@ struct slv_ptx_writer {
     slv_parallel_log *log;
     char *path;
     slv_ptx_writer_params params;
+    slv_stream_out output; /* without `write`: the path */
+    char *spill_path;      /* beside which packed faces wait */
     int compression;
     size_t pixel_size;
     bool finished;

@@ -6,6 +6,9 @@
 #include "ptx/write/ptx_write.h"
 #include "texture/reduce.h"
 
+#include <limits.h>
+#include <stdio.h>
+#include <stdlib.h>
 #include <unistd.h>
 
 #define DEFAULT_MEMORY (UINT64_C(128) << 20)
@@ -67,6 +70,27 @@ static slv_result check_params(const slv_env *env, const char *path,
     return SLV_OK;
 }
 
+static slv_result copy_string(const slv_env *env, const char *path, const char *from, char **out) {
+    slv_result result = slvi_alloc(env, path, strlen(from) + 1, 1, out);
+    if (!result)
+        memcpy(*out, from, strlen(from) + 1);
+    return result;
+}
+
+/* What is written, and beside what packed faces wait if they are too many for memory. */
+static slv_result name_target(slv_ptx_writer *writer, const slv_env *env, const char *path) {
+    if (writer->output.write) {
+        const char *folder = getenv("TMPDIR");
+        char beside[PATH_MAX];
+        snprintf(beside, sizeof beside, "%s/selvage", folder && *folder ? folder : "/tmp");
+        slv_result result = copy_string(env, path, path, &writer->path);
+        return result ? result : copy_string(env, path, beside, &writer->spill_path);
+    }
+    /* what is kept lies beside what a link leads to */
+    slv_result result = slvi_beside_resolve(env, path, &writer->path);
+    return result ? result : copy_string(env, path, writer->path, &writer->spill_path);
+}
+
 slv_result slvi_ptx_writer_begin(const slv_env *env, const char *path,
                                  const slv_ptx_writer_params *params, slv_ptx_writer **out) {
     slv_ptx_writer *writer = NULL;
@@ -77,6 +101,9 @@ slv_result slvi_ptx_writer_begin(const slv_env *env, const char *path,
         return result;
     writer->edited = -1;
     writer->params = *params;
+    writer->params.output = NULL;
+    if (params->output)
+        writer->output = *params->output;
     writer->compression = params->compression ? params->compression : DEFAULT_COMPRESSION;
     writer->pixel_size = params->nchannels * slv_type_size(params->type);
     atomic_init(&writer->failed, false);
@@ -85,13 +112,13 @@ slv_result slvi_ptx_writer_begin(const slv_env *env, const char *path,
     if ((result = slvi_parallel_env_begin(env, &writer->log, &writer->env)))
         goto done;
     env = &writer->env;
-    /* what is kept lies beside what a link leads to */
-    if ((result = slvi_beside_resolve(env, path, &writer->path)) ||
-        (result = slvi_alloc(env, path, nfaces, PTX_FACE_INFO_SIZE, &writer->records)) ||
+    if ((result = name_target(writer, env, path)))
+        goto done;
+    if ((result = slvi_alloc(env, path, nfaces, PTX_FACE_INFO_SIZE, &writer->records)) ||
         (result = slvi_alloc(env, path, nfaces, writer->pixel_size, &writer->constants)) ||
         (result = slvi_alloc(env, path, nfaces, 1, &writer->given)) ||
         (result = slvi_alloc(env, path, nfaces, sizeof *writer->positions, &writer->positions)) ||
-        (result = slvi_ptx_spill_begin(&writer->spill, env, writer->path,
+        (result = slvi_ptx_spill_begin(&writer->spill, env, writer->spill_path,
                                        params->memory ? params->memory : DEFAULT_MEMORY)))
         goto done;
     for (uint32_t level = 0; level < PTX_MAX_STORED_LEVELS; level++)
@@ -115,6 +142,8 @@ slv_result slv_ptx_writer_create(const slv_env *env, const char *path,
     slv_result result = slvi_ptx_writer_begin(env, path, params, out);
     if (result)
         return result;
+    if ((*out)->output.write)
+        return SLV_OK;
     /* better to hear now than after the work that the folder cannot be written */
     if (!(result = slvi_output_begin(&(*out)->env, path, false, &output))) {
         slvi_output_discard(&output);
@@ -147,6 +176,7 @@ void slv_ptx_writer_destroy(slv_ptx_writer *writer) {
     slvi_free(writer->given);
     slvi_free(writer->positions);
     slvi_free(writer->path);
+    slvi_free(writer->spill_path);
     pthread_mutex_destroy(&writer->lock);
     slvi_steps_end(&writer->steps);
     slvi_parallel_env_end(writer->log);
