@@ -44,7 +44,8 @@ time_frames() { # BUILD side anisotropy
         }' | timed "$2"
 }
 
-# Lookups are already counted by processor time. A row is the geometric mean of footprints and patterns.
+# Lookups are already counted by processor time. A row is the geometric mean of footprints and patterns; of three runs the
+# middle one, for in the first the memory of a cache is touched for the first time.
 time_filter() { # BUILD side filter
     # shellcheck disable=SC2086
     of_build "$1" bench_filter $filter_options --filter "$3" | awk -F '[:,{}"]+' -v OFS='\t' '
@@ -120,7 +121,7 @@ prepare_times() {
     fi
     if both_have bench_filter; then
         mapfile -t timed_filters < <(comm -12 <(filters_of "$old" | sort) <(filters_of "$new" | sort))
-        filter_options=$(known_options bench_filter --json --faces=1024 --runs=1 "--seconds=$((quick ? 1 : 3))e-2")
+        filter_options=$(known_options bench_filter --json --faces=1024 --runs=3 "--seconds=$((quick ? 5 : 15))e-3")
     fi
     if both_have bench_ptx; then
         files=1
