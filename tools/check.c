@@ -31,8 +31,10 @@ static struct verdict judge(const struct check *c, const slv_ptx_report *report)
         verdict.words = "unreadable";
     else if (verdict.errors)
         verdict.words = "damaged";
-    else if (verdict.warnings)
+    else if (verdict.warnings > report->counts[SLV_CHECK_SEAMS])
         verdict.words = "sound, with warnings";
+    else if (verdict.warnings)
+        verdict.words = "sound, with seams";
     verdict.good = !verdict.errors && !(c->strict && verdict.warnings);
     return verdict;
 }
@@ -136,7 +138,8 @@ static int write_copy(const struct check *c, const slv_env *env, const slv_ptx_r
     const slv_ptx_open_params lenient = {.lenient = true};
     for (uint32_t i = 0; i < report->nfindings; i++) {
         const slv_check_finding *finding = &report->findings[i];
-        if (finding->kind == SLV_CHECK_STRUCTURE || finding->kind == SLV_CHECK_TEXELS)
+        if (finding->kind == SLV_CHECK_STRUCTURE ||
+            (finding->kind == SLV_CHECK_TEXELS && !finding->repairable))
             return cli_error("%s: what cannot be read cannot be repaired: %s", c->path,
                              finding->message);
     }
@@ -206,7 +209,7 @@ int verb_check(int argc, char **argv) {
          "X", 0, 0, &c.seams_given},
         {"--tables", CLI_FLAG, &c.tables, "look at the tables only, not at texels", NULL, 0, 0,
          NULL},
-        {"--repair|-r|--out|-o|--output", CLI_TEXT, &c.repair,
+        {"--repair|-r", CLI_TEXT, &c.repair,
          "write a copy: reductions, averages and flags made anew, adjacency from the mesh",
          "OUT.ptx", 0, 0, NULL},
         {"--strict", CLI_FLAG, &c.strict, "warnings count as errors", NULL, 0, 0, NULL},
@@ -219,10 +222,7 @@ int verb_check(int argc, char **argv) {
     const cli_command command = {
         .name = "check",
         .summary = "say whether a .ptx is sound, naming face and edge of what is not",
-        .arguments = "FILE.ptx [OUT.ptx|-o OUT.ptx]",
-        .reads = "a texture; a mesh if it is named",
-        .writes = "a mended copy if it is named; as an argument it must not exist yet",
-        .exits = "0 sound, 1 not sound or failure, 2 wrong usage",
+        .arguments = "FILE.ptx",
         .examples = "  selvage check teapot.ptx\n"
                     "  selvage check cow.ptx --mesh cow.obj --seams 0.02\n"
                     "  selvage check broken.ptx --repair mended.ptx\n"
@@ -232,9 +232,7 @@ int verb_check(int argc, char **argv) {
         .min_arguments = 1,
         .max_arguments = 1,
         .positional = &c.path,
-        .npositional = &narguments,
-        .output = &c.repair,
-        .output_is_new = true};
+        .npositional = &narguments};
     int code = cli_parse(&command, argc, argv);
     if (code >= 0)
         return code;

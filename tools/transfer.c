@@ -1,7 +1,7 @@
 /* The verb transfer: texels of one model on a changed one. */
 #include "command/output.h"
 #include "command/ptx_name.h"
-#include "command/scene.h"
+#include "command/salvage.h"
 #include "verbs.h"
 
 #include <selvage/transfer.h>
@@ -12,7 +12,7 @@
 struct transfer {
     const char *paths[2], *from, *to;
     float distance;
-    bool distance_given, blank, no_copies, faces, json, progress, quiet;
+    bool distance_given, blank, no_copies, faces, json, progress, quiet, salvage;
     int scheme;
     uint32_t compression, threads;
     slv_transfer_face *list;
@@ -117,7 +117,8 @@ static int run_transfer(struct transfer *t) {
     const char *const inputs[] = {t->paths[0], t->from, t->to};
     if (output_check_in_place(&env, t->paths[1], inputs, 3) || output_try(&env, t->paths[1]))
         goto done;
-    if (slv_mesh_load(&env, cli_input(t->to), &target) || slv_ptx_open(&env, t->paths[0], &ptx))
+    if (slv_mesh_load(&env, cli_input(t->to), &target) ||
+        salvage_open(&env, t->paths[0], t->salvage, &ptx))
         goto done;
     if (slv_ptx_get_info(ptx)->mesh_type != SLV_PTX_QUAD) {
         cli_error("%s: is of triangles; only quads can be transferred", t->paths[0]);
@@ -125,7 +126,7 @@ static int run_transfer(struct transfer *t) {
     }
     if (t->from ? slv_mesh_load(&env, cli_input(t->from), &source) ||
                       slv_ptx_match_mesh(&env, ptx, source)
-                : scene_load_geometry(&env, ptx, "--from OLD.obj", &source))
+                : slv_ptx_load_mesh(&env, ptx, &source))
         goto done;
     if (slv_ptx_load_texture(&env, ptx, &texture))
         goto done;
@@ -147,6 +148,8 @@ static int run_transfer(struct transfer *t) {
         code = output_print_json(t->paths[1], transfer_json(t));
     else if (!t->quiet)
         print_result(t);
+    if (salvage_tell(ptx))
+        code = EXIT_FAILED;
 done:
     cli_progress_end(&progress);
     free(t->list);
@@ -162,7 +165,6 @@ int verb_transfer(int argc, char **argv) {
     struct transfer t = {.scheme = SLV_SCHEME_CATMARK};
     uint32_t narguments = 0;
     const cli_option options[] = {
-        CLI_OUT(&t.paths[1], "the file to write", "OUT.ptx"),
         {"--to", CLI_TEXT, &t.to, "the changed model", "NEW.obj", 0, 0, NULL},
         {"--from", CLI_TEXT, &t.from,
          "the model that IN.ptx was painted on; default: the geometry inside", "OLD.obj", 0, 0,
@@ -179,6 +181,7 @@ int verb_transfer(int argc, char **argv) {
          0, NULL},
         {"--faces|-f", CLI_FLAG, &t.faces, "say of every face what was done", NULL, 0, 0, NULL},
         CLI_COMPRESSION(&t.compression),
+        CLI_SALVAGE(&t.salvage),
         CLI_JSON(&t.json),
         CLI_PROGRESS(&t.progress),
         CLI_THREADS(&t.threads),
@@ -187,20 +190,16 @@ int verb_transfer(int argc, char **argv) {
     const cli_command command = {
         .name = "transfer",
         .summary = "carry texels over to a changed model",
-        .arguments = "IN.ptx OUT.ptx|-o OUT.ptx --to NEW.obj",
-        .reads = "a texture of quads and the changed model; the old one if it is named",
-        .writes = "a texture with the geometry of the changed model inside",
+        .arguments = "IN.ptx OUT.ptx --to NEW.obj",
         .examples = "  selvage transfer cow.ptx cow2.ptx --to cow2.obj\n"
                     "  selvage transfer cow.ptx cow2.ptx --from cow.obj --to cow2.obj --faces\n"
                     "  selvage transfer cow.ptx cow2.ptx --to cow2.obj --distance 0.05 --blank\n",
         .options = options,
         .noptions = sizeof options / sizeof *options,
-        .min_arguments = 1,
-        .max_arguments = 1,
+        .min_arguments = 2,
+        .max_arguments = 2,
         .positional = t.paths,
-        .npositional = &narguments,
-        .output = &t.paths[1],
-        .output_needed = true};
+        .npositional = &narguments};
     int code = cli_parse(&command, argc, argv);
     if (code >= 0)
         return code;

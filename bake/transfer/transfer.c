@@ -257,8 +257,8 @@ static slv_result prepare(const slv_env *env, struct transfer *t, const slv_mesh
     slv_surface_params surface = {.scheme = t->params.scheme};
     uint32_t nsource = slv_mesh_face_count(source), ntarget = slv_mesh_face_count(target);
     slv_result result;
-    if ((result = slvi_transfer_corners(env, source, &t->source_corners)) ||
-        (result = slvi_transfer_corners(env, target, &t->target_corners)) ||
+    if ((result = slv_mesh_corners(env, source, NULL, &t->source_corners)) ||
+        (result = slv_mesh_corners(env, target, NULL, &t->target_corners)) ||
         (result = slv_surface_create(env, source, &surface, &t->source)) ||
         (result = slv_surface_create(env, target, &surface, &t->target)) ||
         (result = slvi_closest_create(env, t->source, SEGMENTS, &t->closest)) ||

@@ -4,9 +4,6 @@
 
 #include <selvage/transfer.h>
 
-/* The four corners of every face of a control mesh, 12 floats a face: of a sub-face its vertex, the
- * middles of two edges and the polygon's centre. For slvi_free. */
-slv_result slvi_transfer_corners(const slv_env *env, const slv_mesh *mesh, float **out);
 double slvi_transfer_area(const float *corners);
 /* Of two opposite sides, from a to b and from c to d. */
 float slvi_transfer_mean_length(const float *a, const float *b, const float *c, const float *d);

@@ -1,6 +1,7 @@
 /* The verb convert: its options, and what it prints of what was done. */
 #include "command/output.h"
 #include "command/ptx_name.h"
+#include "command/salvage.h"
 #include "convert/convert_options.h"
 #include "verbs.h"
 
@@ -72,6 +73,7 @@ static int run_convert(const cli_command *command, conversion *c) {
     const char *from = c->paths[0], *to = c->paths[1];
     slv_env env = cli_env(o->threads);
     slv_exchange *source = NULL;
+    slv_ptx *ptx = NULL; /* for salvage */
     slv_mesh *mesh = NULL;
     convert_request request = {.source = NULL};
     int code = EXIT_FAILED;
@@ -89,8 +91,13 @@ static int run_convert(const cli_command *command, conversion *c) {
         code = cli_usage(command, "from images only a .ptx can be made, not '%s'", to);
         goto done;
     }
-    if (slv_exchange_open(&env, from, &source) ||
-        (code = convert_request_make(command, o, slv_exchange_get_params(source), &request)))
+    if (o->salvage && !is_folder(from) && !cli_ends_with(from, ".json")) {
+        if (salvage_open(&env, from, true, &ptx) || slv_exchange_open_ptx(&env, ptx, &source))
+            goto done;
+    } else if (slv_exchange_open(&env, from, &source)) {
+        goto done;
+    }
+    if ((code = convert_request_make(command, o, slv_exchange_get_params(source), &request)))
         goto done;
     request.params.mesh = mesh;
     request.params.progress = (slv_progress){cli_progress_report, &c->progress};
@@ -105,9 +112,12 @@ done:
         code = output_print_json(to, convert_json(c, to_ptx     ? "ptx"
                                                      : to_sheet ? "sheet"
                                                                 : "folder"));
+    if (!code && ptx)
+        code = salvage_tell(ptx);
     convert_request_free(&request);
     slv_mesh_destroy(mesh);
     slv_exchange_close(source);
+    slv_ptx_close(ptx);
     return code;
 }
 
@@ -117,22 +127,21 @@ int verb_convert(int argc, char **argv) {
     const char *paths[2] = {NULL, NULL};
     uint32_t narguments = 0;
     const cli_option options[] = {
-        CLI_OUT(&paths[1], "what to write", "OUT"),
-        CLI_TYPE(&o.type, "data type (the source's)", &o.type_given),
-        {"--channels|--channel|-c", CLI_TEXT, &o.channels,
-         "channels of the result, each one of the source's by name or number, or a value: b,g,r "
-         "or 0-2,=1",
-         "LIST", 0, 0, NULL},
+        {"--type|-t", CLI_CHOICE, &o.type, "data type (the source's)", CLI_TYPES, 0, 0,
+         &o.type_given},
+        {"--channels|-c", CLI_TEXT, &o.channels,
+         "channels of the result, each one of the source's or a value: 2,1,0,=1", "LIST", 0, 0,
+         NULL},
         {"--alpha", CLI_TEXT, &o.alpha, "which channel of the result is alpha, or none", "N", 0, 0,
          NULL},
         {"--premultiply", CLI_FLAG, &o.premultiply, "multiply colours by alpha", NULL, 0, 0, NULL},
         {"--unmultiply", CLI_FLAG, &o.unmultiply, "divide colours by alpha", NULL, 0, 0, NULL},
-        {"--scale", CLI_TEXT, &o.scale, "resize every face: 2, 1/2 or 0.5, 1/8", "X", 0, 0, NULL},
+        {"--scale", CLI_TEXT, &o.scale, "resize every face: 2, 1/2, 1/8", "X", 0, 0, NULL},
         {"--max", CLI_SIZE, o.max, "no face larger than this", NULL, 1, 1u << SLV_MAX_LOG2_RES,
          &o.max_given},
         {"--min", CLI_SIZE, o.min, "no face smaller than this", NULL, 1, 1u << SLV_MAX_LOG2_RES,
          &o.min_given},
-        {"--res", CLI_TEXT, &o.res, "sizes of single faces: 12=64x64,13-20=8", "LIST", 0, 0, NULL},
+        {"--res", CLI_TEXT, &o.res, "sizes of single faces: 12=64x64,13=8", "LIST", 0, 0, NULL},
         {"--border", CLI_CHOICE, &o.border, "border mode in u and v", "clamp|black|periodic", 0, 0,
          &o.border_given},
         {"--border-u", CLI_CHOICE, &o.border_u, "border mode in u", "clamp|black|periodic", 0, 0,
@@ -144,6 +153,7 @@ int verb_convert(int argc, char **argv) {
         {"--reductions", CLI_FLAG, &o.reductions, "store reductions", NULL, 0, 0, NULL},
         {"--no-reductions", CLI_FLAG, &o.no_reductions, "store none", NULL, 0, 0, NULL},
         CLI_COMPRESSION(&o.compression),
+        CLI_SALVAGE(&o.salvage),
         {"--no-meta", CLI_FLAG, &o.no_meta, "leave metadata out", NULL, 0, 0, NULL},
         {"--mesh|-m", CLI_TEXT, &o.mesh,
          "control mesh whose geometry and adjacency go into OUT.ptx", "FILE.obj", 0, 0, NULL},
@@ -157,9 +167,7 @@ int verb_convert(int argc, char **argv) {
     const cli_command command = {
         .name = "convert",
         .summary = "change type, channels or size of a .ptx; images in and out",
-        .arguments = "IN.ptx|FOLDER|INDEX.json OUT.ptx|FOLDER|SHEET.png|SHEET.exr|-o OUT",
-        .reads = "a texture, or images with their index; a mesh if it is named",
-        .writes = "a texture; or images with their index: a folder, or a sheet, PNG or EXR",
+        .arguments = "IN.ptx|FOLDER|INDEX.json OUT.ptx|FOLDER|SHEET.png|SHEET.exr",
         .examples =
             "  selvage convert teapot.ptx small.ptx --scale 1/2 --max 64 --type half\n"
             "  selvage convert rgba.ptx bgr.ptx --channels 2,1,0\n"
@@ -168,12 +176,10 @@ int verb_convert(int argc, char **argv) {
             "  selvage convert teapot.ptx sheet.exr && selvage convert sheet.json again.ptx\n",
         .options = options,
         .noptions = sizeof options / sizeof *options,
-        .min_arguments = 1,
-        .max_arguments = 1,
+        .min_arguments = 2,
+        .max_arguments = 2,
         .positional = paths,
-        .npositional = &narguments,
-        .output = &paths[1],
-        .output_needed = true};
+        .npositional = &narguments};
     int code = cli_parse(&command, argc, argv);
     if (code >= 0)
         return code;

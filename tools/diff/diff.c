@@ -1,5 +1,6 @@
 /* The verb diff: which faces of two files differ. */
 #include "diff/diff.h"
+#include "command/salvage.h"
 #include "verbs.h"
 
 #include <math.h>
@@ -118,20 +119,17 @@ failed:
     return NULL;
 }
 
-/* As diff(1) has it. */
-enum { EXIT_DIFFERENT = 1, EXIT_TROUBLE = 2 };
-
 static int run_diff(struct diff *d) {
     slv_env env = cli_env(d->threads);
     cli_progress progress = cli_progress_fleeting("diff", d->progress, d->quiet || d->json);
     slv_ptx_diff_params params = {.tolerance = d->tolerance,
                                   .progress = {cli_progress_report, &progress}};
-    int code = EXIT_TROUBLE;
+    int code = EXIT_FAILED;
     d->largest_face = -1;
     if (d->images && output_try_folder(&env, d->images))
         goto done;
     for (int i = 0; i < 2; i++)
-        if (slv_ptx_open(&env, d->paths[i], &d->files[i]))
+        if (salvage_open(&env, d->paths[i], d->salvage, &d->files[i]))
             goto done;
     for (int i = 0; i < 2; i++)
         if (slv_ptx_get_info(d->files[i])->nfaces > d->nfaces)
@@ -154,8 +152,10 @@ static int run_diff(struct diff *d) {
         print_diff(d);
     if (d->json && output_print_json(d->paths[0], diff_json(d)))
         goto done;
-    /* an answer that cannot be written is no answer */
-    code = fflush(stdout) || ferror(stdout) ? EXIT_TROUBLE : d->equal ? EXIT_OK : EXIT_DIFFERENT;
+    code = d->equal ? EXIT_OK : EXIT_FAILED;
+    for (int i = 0; i < 2; i++)
+        if (salvage_tell(d->files[i]))
+            code = EXIT_FAILED;
 done:
     cli_progress_end(&progress);
     for (int i = 0; i < 2; i++)
@@ -175,12 +175,13 @@ int verb_diff(int argc, char **argv) {
          "how far two values may differ, integers as 0..1 (0)", "X", 0, 0, NULL},
         {"--texels", CLI_FLAG, &d.texels,
          "texels only: types, sizes, neighbours and metadata may differ", NULL, 0, 0, NULL},
-        {"--images|-i|--out|-o|--output", CLI_TEXT, &d.images,
-         "a folder for a picture of every face that differs", "FOLDER", 0, 0, NULL},
+        {"--images|-i", CLI_TEXT, &d.images, "a folder for a picture of every face that differs",
+         "FOLDER", 0, 0, NULL},
         {"--format", CLI_CHOICE, &d.format,
          "png (16 bit, the largest difference white) or exr (the differences themselves) (png)",
          "png|exr", 0, 0, NULL},
         {"--show", CLI_UINT, &d.show, "faces to print (20)", NULL, 0, UINT32_MAX, NULL},
+        CLI_SALVAGE(&d.salvage),
         CLI_JSON(&d.json),
         CLI_PROGRESS(&d.progress),
         CLI_THREADS(&d.threads),
@@ -189,10 +190,7 @@ int verb_diff(int argc, char **argv) {
     const cli_command command = {
         .name = "diff",
         .summary = "say which faces of two .ptx files differ, how much and where",
-        .arguments = "A.ptx B.ptx [FOLDER|-o FOLDER]",
-        .reads = "two textures",
-        .writes = "a folder of pictures if it is named; as an argument it must not exist yet",
-        .exits = "0 equal, 1 different, 2 trouble or wrong usage",
+        .arguments = "A.ptx B.ptx",
         .examples = "  selvage diff before.ptx after.ptx\n"
                     "  selvage diff teapot.ptx teapot16.ptx --texels --tolerance 0.002\n"
                     "  selvage diff before.ptx after.ptx --images differences --format exr\n"
@@ -202,9 +200,7 @@ int verb_diff(int argc, char **argv) {
         .min_arguments = 2,
         .max_arguments = 2,
         .positional = d.paths,
-        .npositional = &narguments,
-        .output = &d.images,
-        .output_is_new = true};
+        .npositional = &narguments};
     int code = cli_parse(&command, argc, argv);
     if (code >= 0)
         return code;

@@ -7,7 +7,7 @@
 struct diff {
     const char *paths[2], *images;
     float tolerance;
-    bool texels, json, quiet, progress;
+    bool texels, json, quiet, progress, salvage;
     int format; /* 0 png, 1 exr */
     uint32_t show, threads;
 

@@ -131,6 +131,32 @@ SLV_NODISCARD SLV_API slv_result slv_mesh_adjacency(const slv_env *env, const sl
 /* The flags of every face (SLV_FACE_SUBFACE or 0), face_count bytes. Owned by the mesh. */
 SLV_API const uint8_t *slv_mesh_face_flags(const slv_mesh *mesh);
 
+/* The four corners of every face of the control mesh, 12 floats a face, relative to `origin` (NULL:
+ * the mesh's own): of a sub-face its vertex, the middles of two edges with its polygon's centre
+ * between them. For slv_free. */
+SLV_NODISCARD SLV_API slv_result slv_mesh_corners(const slv_env *env, const slv_mesh *mesh,
+                                                  const double *origin, float **out);
+
+/* A face with the same corners. */
+typedef struct slv_face_match {
+    int32_t face;
+    uint8_t turn; /* which of its corners is corner 0 of the other */
+    bool flipped; /* it goes round the other way */
+} slv_face_match;
+
+/* The corner of the face that lies at a corner of the other. */
+static inline unsigned slv_face_match_corner(const slv_face_match *match, unsigned corner) {
+    return (match->flipped ? match->turn + 4u - corner : match->turn + corner) % 4;
+}
+
+/* Finds for every face of a target the face of a source whose corners are within `tolerance` of its
+ * own, along each axis: that of the same number, or one of the lowest, or -1. Corners as
+ * slv_mesh_corners gives them, in one frame. */
+SLV_NODISCARD SLV_API slv_result slv_mesh_match_corners(const slv_env *env, uint32_t nsource,
+                                                        const float *source, uint32_t ntarget,
+                                                        const float *target, float tolerance,
+                                                        slv_face_match *out);
+
 SLV_NODISCARD SLV_API slv_result slv_mesh_get_stats(const slv_env *env, const slv_mesh *mesh,
                                                     slv_mesh_stats *out);
 

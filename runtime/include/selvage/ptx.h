@@ -65,6 +65,11 @@ typedef struct slv_ptx_open_params {
                          instead of SLV_ERROR_FORMAT: for repairs */
     const slv_stream_in
         *source; /* NULL: the path is opened; else it is a name for messages. Copied */
+    /* Damage is gone on past as far as that makes sense: faces whose texels cannot be read are
+     * filled from their finest stored reduction that can, or with their average; metadata and edits
+     * that cannot be read are left out. Each is told in a warning, faces beyond a hundred in one
+     * for all. The header and the face table have to be sound. */
+    bool salvage;
     uint64_t reserved[4];
 } slv_ptx_open_params;
 
@@ -88,6 +93,11 @@ SLV_NODISCARD SLV_API slv_result slv_ptx_load_tables(const slv_ptx *ptx);
  * has been read. */
 SLV_API uint64_t slv_ptx_table_bytes(const slv_ptx *ptx);
 SLV_API uint64_t slv_ptx_full_table_bytes(const slv_ptx *ptx);
+
+/* Of a file opened for salvage: how many faces were filled so far and how many other parts left
+ * out, and whether a face was. */
+SLV_API uint64_t slv_ptx_salvaged_count(const slv_ptx *ptx);
+SLV_API bool slv_ptx_is_salvaged(const slv_ptx *ptx, uint32_t face);
 
 SLV_API const slv_ptx_info *slv_ptx_get_info(const slv_ptx *ptx);
 SLV_API const char *slv_ptx_name(const slv_ptx *ptx); /* the path, for messages */

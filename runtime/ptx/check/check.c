@@ -4,6 +4,7 @@
 
 #include "base/log.h"
 #include "base/memory.h"
+#include "ptx/format/ptx_file.h"
 
 #include <string.h>
 
@@ -78,9 +79,11 @@ static slv_result check_meshes(check_context *check, const char *path) {
         result = SLV_OK;
     else
         result = find_failure(check, SLV_CHECK_META, result, path, &log);
-    slv_mesh_destroy(inside);
     if (!result && check->params.mesh)
         result = slvi_check_mesh(check, check->params.mesh, false);
+    if (!result && check->params.mesh && inside)
+        result = slvi_check_corners(check, inside);
+    slv_mesh_destroy(inside);
     if (!result && check->mesh_fits) {
         slvi_check_findings_mend(check->findings, SLV_CHECK_ADJACENCY);
         slvi_check_findings_mend(check->findings, SLV_CHECK_SUBFACES);
@@ -88,11 +91,36 @@ static slv_result check_meshes(check_context *check, const char *path) {
     return result;
 }
 
-static slv_result check_file(check_context *check, const char *path, check_log *log) {
-    slv_result result = slv_ptx_load_tables(check->ptx);
+/* The face table, the averages and the first level have to be there; reductions can be made anew.
+ */
+static slv_result check_tables(check_context *check, const char *path, check_log *log, bool *good) {
+    slv_result result = ptx_need(check->ptx, PTX_FACES | PTX_CONSTANTS | PTX_LEVEL(0));
+    *good = !result;
     if (result)
         return find_failure(check, SLV_CHECK_STRUCTURE, result, path, log);
+    for (uint32_t level = 1; !result && level < check->info->nlevels; level++) {
+        const slv_check_finding finding = {.kind = SLV_CHECK_TEXELS,
+                                           .repairable = true,
+                                           .face = -1,
+                                           .edge = -1,
+                                           .level = (int32_t)level};
+        result = ptx_need(check->ptx, PTX_LEVEL(level) | PTX_RANKS);
+        if (slvi_check_is_of_file(result)) {
+            slvi_check_find(check->findings, &finding, "%s", log->message);
+            result = SLV_OK;
+        } else if (result) {
+            return slvi_fail(&check->env, result, "%s: %s", path, log->message);
+        }
+    }
+    return result;
+}
+
+static slv_result check_file(check_context *check, const char *path, check_log *log) {
+    bool good;
     check->info = slv_ptx_get_info(check->ptx);
+    slv_result result = check_tables(check, path, log, &good);
+    if (result || !good)
+        return result;
     check->nedges = check->info->mesh_type == SLV_PTX_TRIANGLE ? 3 : 4;
     check->pixel_size = slv_type_size(check->info->type) * check->info->nchannels;
     if ((result = load_faces(check)) || (result = check_meta(check, log)) ||

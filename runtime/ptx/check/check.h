@@ -52,6 +52,9 @@ slv_env slvi_check_log_env(const slv_env *env, check_log *log, const char *prefi
 /* Each adds findings; a result other than SLV_OK means that the check itself failed. */
 slv_result slvi_check_adjacency(check_context *check);
 slv_result slvi_check_mesh(check_context *check, const slv_mesh *mesh, bool inside);
+/* check_corners.c: whether the faces of the mesh that was given lie where those of the one inside
+ * do. */
+slv_result slvi_check_corners(check_context *check, const slv_mesh *inside);
 slv_result slvi_check_texels(check_context *check);
 slv_result slvi_check_seams(check_context *check);
 

@@ -82,7 +82,7 @@ static void check_seam(check_context *check, int32_t face, unsigned edge) {
     int32_t there = a->face[edge];
     unsigned there_edge = a->edge[edge];
     slv_check_finding place = {
-        .kind = SLV_CHECK_SEAMS, .face = face, .edge = (int32_t)edge, .level = -1};
+        .kind = SLV_CHECK_SEAMS, .warning = true, .face = face, .edge = (int32_t)edge, .level = -1};
     if (there < 0 || there_edge >= check->nedges || check->unread[face] || check->unread[there])
         return;
     bool sub = check->faces[face].flags & SLV_FACE_SUBFACE,

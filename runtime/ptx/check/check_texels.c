@@ -54,8 +54,11 @@ static slv_result read_level(struct reading *r, uint32_t face, uint32_t level, s
                              int buffer, bool *good) {
     check_context *check = r->check;
     uint64_t bytes = texel_count(res) * check->pixel_size;
-    slv_check_finding finding = {
-        .kind = SLV_CHECK_TEXELS, .face = (int32_t)face, .edge = -1, .level = (int32_t)level};
+    slv_check_finding finding = {.kind = SLV_CHECK_TEXELS,
+                                 .repairable = level > 0, /* made anew of the face itself */
+                                 .face = (int32_t)face,
+                                 .edge = -1,
+                                 .level = (int32_t)level};
     slv_ptx_block block;
     *good = false;
     slv_result result = slv_ptx_get_block(check->ptx, face, level, &block);

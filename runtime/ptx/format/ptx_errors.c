@@ -19,6 +19,20 @@ static void keep_first(void *user, slv_log_level level, const char *message) {
     pthread_mutex_unlock(&errors->lock);
 }
 
+static void keep_line(void *user, slv_log_level level, const char *message) {
+    ptx_kept_line *line = user;
+    if (level == SLV_LOG_ERROR)
+        snprintf(line->text, sizeof line->text, "%s", message);
+}
+
+slv_env slvi_ptx_keep_line(const slv_env *env, ptx_kept_line *line) {
+    slv_env inner = slvi_env_or_default(env);
+    line->text[0] = 0;
+    inner.log = keep_line;
+    inner.log_user = line;
+    return inner;
+}
+
 slv_env slvi_ptx_range_env(const slv_env *env, ptx_errors *errors, uint64_t first,
                            ptx_range_log *log) {
     slv_env inner = slvi_env_or_default(env);

@@ -70,6 +70,7 @@ typedef struct ptx_edit {
 typedef struct ptx_tables {
     pthread_mutex_t lock;
     _Atomic(uint64_t) ready;
+    uint64_t lost; /* of a file opened for salvage: parts that cannot be read, since then */
     uint64_t faces_position, constants_position;
     uint32_t faces_zipped, constants_zipped;
     uint8_t *records;   /* PTX_FACE_INFO_SIZE a face, edits included */
@@ -84,7 +85,7 @@ struct slv_ptx {
     slv_stream_in source;
     char *name;
     slv_ptx_info info;
-    bool premultiply, lenient;
+    bool premultiply, lenient, salvage;
     size_t pixel_size;
     uint32_t level_faces[PTX_MAX_LEVELS];
     uint64_t level_bytes[PTX_MAX_LEVELS];
@@ -98,6 +99,9 @@ struct slv_ptx {
     uint32_t *meta_by_key; /* indices, sorted */
     uint32_t *meta_slots;  /* while the file is opened: a hash table of indices + 1 */
     uint32_t meta_slot_count;
+    _Atomic(bool) *salvaged; /* nfaces, of a file opened for salvage */
+    _Atomic(uint32_t) nsalvaged;
+    uint32_t nleft_out; /* parts that are no faces */
 };
 
 static inline uint16_t ptx_get_u16(const uint8_t *p) {
@@ -139,6 +143,8 @@ slv_result slvi_ptx_read_zip(const slv_ptx *ptx, struct libdeflate_decompressor 
 /* The list of levels; the tables themselves are put off. */
 slv_result slvi_ptx_read_levels(slv_ptx *ptx, const uint8_t *header, uint64_t position);
 slv_result slvi_ptx_load_parts(const slv_ptx *ptx, uint64_t parts);
+/* Tries all tables of a file that is being opened for salvage, and tells which are lost. */
+slv_result slvi_ptx_salvage_tables(slv_ptx *ptx);
 /* Sees that tables are there. */
 static inline slv_result ptx_need(const slv_ptx *ptx, uint64_t parts) {
     uint64_t ready = atomic_load_explicit(&ptx->tables->ready, memory_order_acquire);
@@ -175,6 +181,14 @@ ptx_meta *slvi_ptx_meta_lookup(const slv_ptx *ptx, const char *key);
 /* Its value, read if that was put off. */
 slv_result slvi_ptx_meta_load(const slv_ptx *ptx, ptx_meta *meta, const slv_ptx_meta **out);
 
+/* Drops large values that cannot be read, of a file opened for salvage; before _finish. */
+slv_result slvi_ptx_meta_salvage(slv_ptx *ptx);
+
+/* Of a file opened for salvage: whether a result is a damage that it goes on past. */
+static inline bool ptx_goes_on(const slv_ptx *ptx, slv_result result) {
+    return ptx->salvage && (result == SLV_ERROR_FORMAT || result == SLV_ERROR_IO);
+}
+
 /* ptx_edits.c */
 slv_result slvi_ptx_read_edits(slv_ptx *ptx, struct libdeflate_decompressor *inflater,
                                uint64_t position, uint64_t end, bool open_ended);
@@ -199,6 +213,12 @@ typedef struct ptx_range_log {
     ptx_errors *errors;
     uint64_t range;
 } ptx_range_log;
+
+/* One line kept instead of told. */
+typedef struct ptx_kept_line {
+    char text[1024];
+} ptx_kept_line;
+slv_env slvi_ptx_keep_line(const slv_env *env, ptx_kept_line *line);
 
 /* An environment for the range that starts at `first`, which keeps its messages in `errors`. */
 slv_env slvi_ptx_range_env(const slv_env *env, ptx_errors *errors, uint64_t first,

@@ -233,7 +233,9 @@ slv_result slvi_ptx_load_parts(const slv_ptx *ptx, uint64_t parts) {
     pthread_mutex_lock(&tables->lock);
     uint64_t loaded = atomic_load_explicit(&tables->ready, memory_order_relaxed);
     struct libdeflate_decompressor *inflater = libdeflate_alloc_decompressor();
-    if (!inflater)
+    if (parts & tables->lost)
+        result = SLV_ERROR_FORMAT; /* of which the opening has told */
+    else if (!inflater)
         result = slvi_fail(&ptx->env, SLV_ERROR_MEMORY, "%s: no memory to unpack it", ptx->name);
     if (parts & PTX_RANKS)
         parts |= PTX_FACES;
@@ -252,6 +254,28 @@ slv_result slvi_ptx_load_parts(const slv_ptx *ptx, uint64_t parts) {
     return result;
 }
 
+slv_result slvi_ptx_salvage_tables(slv_ptx *ptx) {
+    uint64_t parts[PTX_MAX_LEVELS + 2] = {PTX_CONSTANTS, PTX_RANKS};
+    slv_result result = ptx_need(ptx, PTX_FACES);
+    ptx_kept_line line;
+    slv_env env = ptx->env;
+    for (uint32_t i = 0; i < ptx->info.nlevels; i++)
+        parts[2 + i] = PTX_LEVEL(i);
+    for (uint32_t i = 0; i < ptx->info.nlevels + 2 && !result; i++) {
+        ptx->env = slvi_ptx_keep_line(&env, &line);
+        result = ptx_need(ptx, parts[i]);
+        ptx->env = env;
+        if (ptx_goes_on(ptx, result)) {
+            ptx->tables->lost |= parts[i];
+            slvi_logf(&env, SLV_LOG_WARNING, "%s; it is left out", line.text);
+            result = SLV_OK;
+        } else if (result) {
+            slvi_fail(&env, result, "%s", line.text);
+        }
+    }
+    return result;
+}
+
 static uint64_t all_parts(const slv_ptx *ptx) {
     uint64_t parts = PTX_FACES | PTX_CONSTANTS | (ptx->info.nlevels > 1 ? PTX_RANKS : 0);
     for (uint32_t i = 0; i < ptx->info.nlevels; i++)
@@ -260,7 +284,7 @@ static uint64_t all_parts(const slv_ptx *ptx) {
 }
 
 slv_result slv_ptx_load_tables(const slv_ptx *ptx) {
-    slv_result result = ptx_need(ptx, all_parts(ptx));
+    slv_result result = ptx_need(ptx, ptx->salvage ? PTX_FACES : all_parts(ptx));
     const slv_ptx_meta *meta;
     for (uint32_t i = 0; !result && i < ptx->info.nmeta; i++)
         result = slv_ptx_load_meta(ptx, i, &meta);
@@ -336,7 +360,9 @@ slv_result slvi_ptx_read_levels(slv_ptx *ptx, const uint8_t *header, uint64_t po
         return result;
     uint64_t size = ptx_get_u64(header + 48);
     position = list + (uint64_t)nlevels * PTX_LEVEL_INFO_SIZE;
-    if (position > ptx->source.size || size > ptx->source.size - position)
+    bool whole = position <= ptx->source.size && size <= ptx->source.size - position;
+    /* of a file that is cut short, what is there can be read */
+    if (!whole && (!ptx->salvage || size > INT64_MAX - position))
         return slvi_ptx_read_bytes(&ptx->env, ptx, "level data", position, size, NULL);
     uint64_t end = position + size;
     for (uint32_t i = 0; i < nlevels; i++) {

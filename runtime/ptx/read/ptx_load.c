@@ -5,8 +5,6 @@
 #include "base/memory.h"
 #include "mesh/mesh_data.h"
 
-#include <stdio.h>
-
 /* Blocks of consecutive faces follow each other. */
 #define READ_AHEAD (1 << 18)
 
@@ -49,7 +47,7 @@ static slv_result check_sizes(const slv_env *env, const slv_ptx *ptx, bool all, 
         slv_ptx_face f = slvi_ptx_face_at(ptx, face);
         uint64_t bytes = ptx->pixel_size;
         if (!ptx_is_one_texel(&f)) {
-            if (!slvi_ptx_face_is_plausible(ptx, face, &f))
+            if (!ptx->salvage && !slvi_ptx_face_is_plausible(ptx, face, &f))
                 return slvi_fail(env, SLV_ERROR_FORMAT,
                                  "%s: face %u: its texels do not fit into the bytes that it has",
                                  ptx->name, face);
@@ -64,6 +62,11 @@ static slv_result check_sizes(const slv_env *env, const slv_ptx *ptx, bool all, 
     return SLV_OK;
 }
 
+/* What must be there; of a file opened for salvage most can be missing. */
+static uint64_t texel_parts(const slv_ptx *ptx) {
+    return ptx->salvage ? PTX_FACES : PTX_FACES | PTX_CONSTANTS | PTX_LEVEL(0);
+}
+
 static slv_result visit_all(struct visit *visit, uint64_t total) {
     uint32_t nfaces = visit->ptx->info.nfaces;
     uint64_t grain = nfaces / (total / (1 << 20) + 1) + 1;
@@ -76,7 +79,7 @@ slv_result slv_ptx_visit_faces(const slv_env *env, const slv_ptx *ptx, slv_ptx_v
                                void *user) {
     uint64_t total;
     struct visit v = {.env = env, .ptx = ptx, .visit = visit, .user = user};
-    slv_result result = ptx_need(ptx, PTX_FACES | PTX_CONSTANTS | PTX_LEVEL(0));
+    slv_result result = ptx_need(ptx, texel_parts(ptx));
     if (result || (result = check_sizes(env, ptx, false, &total)))
         return result;
     return visit_all(&v, total);
@@ -95,7 +98,7 @@ slv_result slv_ptx_load_texture(const slv_env *env, const slv_ptx *ptx, slv_text
     slv_texture *texture = NULL;
     uint64_t total;
     *out = NULL;
-    slv_result result = ptx_need(ptx, PTX_FACES | PTX_CONSTANTS | PTX_LEVEL(0));
+    slv_result result = ptx_need(ptx, texel_parts(ptx));
     if (result || (result = check_sizes(env, ptx, true, &total)) ||
         (result = slvi_alloc(env, ptx->name, ptx->info.nfaces, sizeof *res, &res)))
         goto done;
@@ -140,7 +143,6 @@ slv_result slv_ptx_load_adjacency(const slv_env *env, const slv_ptx *ptx, slv_ad
     return result;
 }
 
-enum { KEPT_LINE = 1024 };
 static const char *const geometry_keys[] = {"PtexFaceVertCounts", "PtexFaceVertIndices",
                                             "PtexVertPositions"};
 
@@ -212,17 +214,10 @@ slv_result slv_ptx_load_mesh(const slv_env *env, const slv_ptx *ptx, slv_mesh **
     return result;
 }
 
-static void keep_line(void *user, slv_log_level level, const char *message) {
-    if (level == SLV_LOG_ERROR)
-        snprintf(user, KEPT_LINE, "%s", message);
-}
-
 slv_result slv_ptx_find_mesh(const slv_env *env, const slv_ptx *ptx, slv_mesh **out,
                              slv_result *why) {
-    char line[KEPT_LINE] = "";
-    slv_env quiet = slvi_env_or_default(env);
-    quiet.log = keep_line;
-    quiet.log_user = line;
+    ptx_kept_line line;
+    slv_env quiet = slvi_ptx_keep_line(env, &line);
     *out = NULL;
     /* what a value cannot be read for is told by the file's own log */
     for (size_t i = 0; i < sizeof geometry_keys / sizeof *geometry_keys; i++) {
@@ -238,5 +233,5 @@ slv_result slv_ptx_find_mesh(const slv_env *env, const slv_ptx *ptx, slv_mesh **
     if (!loaded || loaded == SLV_ERROR_UNSUPPORTED || loaded == SLV_ERROR_MISMATCH ||
         loaded == SLV_ERROR_FORMAT)
         return SLV_OK;
-    return slvi_fail(env, loaded, "%s", line);
+    return slvi_fail(env, loaded, "%s", line.text);
 }

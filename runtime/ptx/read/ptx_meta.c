@@ -224,6 +224,33 @@ static slv_result load_large(const slv_ptx *ptx, ptx_meta *meta) {
     return SLV_OK;
 }
 
+slv_result slvi_ptx_meta_salvage(slv_ptx *ptx) {
+    uint32_t kept = 0;
+    ptx_kept_line line;
+    slv_env env = ptx->env;
+    slv_result result = SLV_OK;
+    ptx->env = slvi_ptx_keep_line(&env, &line);
+    for (uint32_t i = 0; i < ptx->info.nmeta; i++) {
+        ptx_meta *meta = &ptx->meta[i];
+        slv_result one = result || meta->entry.values ? SLV_OK : load_large(ptx, meta);
+        if (ptx_goes_on(ptx, one)) {
+            slvi_logf(&env, SLV_LOG_WARNING, "%s; metadata %s is left out", line.text,
+                      meta->entry.key);
+            slvi_free(meta->memory);
+            ptx->nleft_out++;
+            continue;
+        }
+        result = result ? result : one;
+        atomic_store_explicit(&meta->loaded, meta->entry.values != NULL, memory_order_relaxed);
+        if (kept != i)
+            move(&ptx->meta[kept], meta);
+        kept++;
+    }
+    ptx->env = env;
+    ptx->info.nmeta = kept;
+    return result ? slvi_fail(&env, result, "%s", line.text) : SLV_OK;
+}
+
 slv_result slvi_ptx_meta_load(const slv_ptx *ptx, ptx_meta *meta, const slv_ptx_meta **out) {
     slv_result result = SLV_OK;
     if (!atomic_load_explicit(&meta->loaded, memory_order_acquire)) {

@@ -131,6 +131,27 @@ static slv_result read_tail(slv_ptx *ptx, struct libdeflate_decompressor *inflat
     return slvi_ptx_read_edits(ptx, inflater, start, edit_end, edit_position == 0);
 }
 
+/* Of a file opened for salvage what is behind the levels is left out if it cannot be read. */
+static slv_result read_tail_anyway(slv_ptx *ptx, struct libdeflate_decompressor *inflater,
+                                   const uint8_t *header, const uint8_t *extended,
+                                   uint64_t position) {
+    ptx_kept_line line;
+    slv_env env = ptx->env;
+    if (!ptx->salvage)
+        return read_tail(ptx, inflater, header, extended, position);
+    ptx->env = slvi_ptx_keep_line(&env, &line);
+    slv_result result = read_tail(ptx, inflater, header, extended, position);
+    ptx->env = env;
+    if (ptx_goes_on(ptx, result)) {
+        ptx->nleft_out++;
+        slvi_logf(&env, SLV_LOG_WARNING, "%s; what follows is left out", line.text);
+        result = SLV_OK;
+    } else if (result) {
+        return slvi_fail(&env, result, "%s", line.text);
+    }
+    return slvi_ptx_meta_salvage(ptx);
+}
+
 static slv_result read_all(slv_ptx *ptx) {
     uint8_t header[PTX_HEADER_SIZE] = {0}, extended[PTX_EXTENDED_HEADER_SIZE] = {0};
     struct libdeflate_decompressor *inflater = NULL;
@@ -159,10 +180,15 @@ static slv_result read_all(slv_ptx *ptx) {
     /* the tables are within the file, so these sums cannot overflow */
     position += (uint64_t)ptx_get_u32(header + 32) + ptx_get_u32(header + 36) +
                 ptx_get_u32(header + 40) + ptx_get_u64(header + 48);
+    if (!result && ptx->salvage)
+        result = slvi_alloc(&ptx->env, ptx->name, ptx->info.nfaces, sizeof *ptx->salvaged,
+                            &ptx->salvaged);
     if (!result)
-        result = read_tail(ptx, inflater, header, extended, position);
+        result = read_tail_anyway(ptx, inflater, header, extended, position);
     if (!result)
         result = slvi_ptx_meta_finish(ptx);
+    if (!result && ptx->salvage)
+        result = slvi_ptx_salvage_tables(ptx);
     libdeflate_free_decompressor(inflater);
     return result;
 }
@@ -179,6 +205,8 @@ static slv_result open_within(const slv_env *env, const char *name, const slv_st
     ptx->source = *source;
     ptx->premultiply = params && params->premultiply;
     ptx->lenient = params && params->lenient;
+    ptx->salvage = params && params->salvage;
+    atomic_init(&ptx->nsalvaged, 0);
     ptx->info.level_faces = ptx->level_faces;
     ptx->info.level_bytes = ptx->level_bytes;
     if (!(result = slvi_parallel_env_begin(env, &ptx->log, &ptx->env)) &&
@@ -248,6 +276,7 @@ void slv_ptx_close(slv_ptx *ptx) {
         slvi_free(ptx->tables);
     }
     slvi_ptx_meta_free(ptx);
+    slvi_free(ptx->salvaged);
     slvi_free(ptx->edits);
     slvi_free(ptx->edit_values);
     slvi_free(ptx->name);

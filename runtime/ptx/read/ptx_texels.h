@@ -85,7 +85,14 @@ slv_result slvi_ptx_read_reduced(const slv_ptx *ptx, ptx_scratch *scratch, const
                                  const slv_res *res, uint32_t steps, ptx_region region,
                                  uint8_t *out);
 
-/* ptx_face.c */
+/* ptx_face.c: a region of a face at `res`. */
+slv_result slvi_ptx_read_as_stored(const slv_ptx *ptx, ptx_scratch *scratch, uint32_t face,
+                                   slv_res res, ptx_region region, void *out);
+/* ptx_salvage.c: the same, filled from what is left where a file opened for salvage is damaged. */
+slv_result slvi_ptx_read_region(const slv_ptx *ptx, ptx_scratch *scratch, uint32_t face,
+                                slv_res res, ptx_region region, void *out);
+
+/* ptx_reader.c */
 slv_result slvi_ptx_read_face_with(const slv_ptx *ptx, ptx_scratch *scratch, uint32_t face,
                                    slv_res res, void *out);
 

@@ -54,6 +54,10 @@ slv_result slvi_ptx_read_input(const slv_ptx *ptx, ptx_scratch *scratch, uint32_
                                uint64_t position, uint32_t size, uint64_t ahead,
                                const uint8_t **out) {
     uint64_t end = scratch->input_position + scratch->input_size;
+    char what[48];
+    snprintf(what, sizeof what, "data of face %u", face);
+    if (position > ptx->source.size || size > ptx->source.size - position)
+        return slvi_ptx_read_bytes(scratch->env, ptx, what, position, size, NULL);
     if (position < scratch->input_position || position + size > end) {
         uint64_t wanted = size, left = ptx->source.size - position;
         if (ahead < scratch->read_ahead)
@@ -64,8 +68,6 @@ slv_result slvi_ptx_read_input(const slv_ptx *ptx, ptx_scratch *scratch, uint32_
         slv_result result = slvi_ptx_scratch_reserve(scratch, ptx, &scratch->input, wanted);
         if (result)
             return result;
-        char what[48];
-        snprintf(what, sizeof what, "data of face %u", face);
         if ((result = slvi_ptx_read_bytes(scratch->env, ptx, what, position, wanted,
                                           scratch->input.bytes)))
             return result;

@@ -87,7 +87,8 @@ static slv_result copy_face(void *user, const slv_env *env, uint32_t face, const
 slv_result slvi_ptx_copy(const slv_env *env, const slv_ptx *ptx, const slv_mesh *mesh,
                          const char *path, const slv_ptx_writer_params *params) {
     slv_ptx_writer *writer = NULL;
-    slv_result result = slv_ptx_load_tables(ptx);
+    /* reductions are made anew: those of the file may be damaged */
+    slv_result result = ptx_need(ptx, PTX_FACES);
     if (result)
         return result;
     slv_ptx_writer_params own = slv_ptx_writer_params_like(ptx);

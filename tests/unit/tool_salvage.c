@@ -1,0 +1,130 @@
+/* Damaged faces are filled from what is left of them, named, and the exit code says it; damaged
+ * reductions are made anew. */
+#include "kit/tool_kit.h"
+
+static void spoil(const char *from, const char *to, uint64_t at, uint32_t count) {
+    size_t size;
+    uint8_t *bytes = read_whole(tool_path(from), &size);
+    REQUIRE(bytes && at + count <= size);
+    memset(bytes + at, 0xa5, count);
+    tool_write_file(to, bytes, size);
+    free(bytes);
+}
+
+/* A copy in which a block of a face cannot be unpacked. */
+static void spoil_block(const char *from, const char *to, uint32_t face, uint32_t level) {
+    slv_ptx *ptx = tool_open(from);
+    slv_ptx_block block;
+    REQUIRE(!slv_ptx_get_block(ptx, face, level, &block) && block.stored);
+    slv_ptx_close(ptx);
+    spoil(from, to, block.position, block.bytes < 40 ? block.bytes : 40);
+}
+
+/* The finest level that is there, of 8 bits and 3 channels, texels repeated. */
+static void check_filled(const char *name, uint32_t face, int from) {
+    uint8_t good[256 * 3], filled[256 * 3];
+    slv_ptx *a = tool_open("good.ptx"), *b = tool_open(name);
+    slv_res res = {(int8_t)from, (int8_t)from};
+    REQUIRE(!slv_ptx_read_face(a, face, res, good));
+    REQUIRE(!slv_ptx_read_face(b, face, (slv_res){4, 4}, filled));
+    int shift = 4 - from, wrong = 0;
+    for (int y = 0; y < 16; y++)
+        for (int x = 0; x < 16; x++)
+            for (int c = 0; c < 3; c++)
+                wrong += filled[(y * 16 + x) * 3 + c] !=
+                         good[((y >> shift << from) + (x >> shift)) * 3 + c];
+    CHECK_MSG(wrong == 0, "%s: %d values are not those of the reduction", name, wrong);
+    slv_ptx_close(a);
+    slv_ptx_close(b);
+}
+
+static void reductions(void) {
+    spoil_block("good.ptx", "reduced.ptx", 2, 1);
+    RUNS(1, "check reduced.ptx");
+    HAS("face 2: its texels do not unpack");
+    HAS("(--repair can help)");
+    RUNS(0, "check reduced.ptx --repair mended.ptx --strict");
+    RUNS(0, "diff good.ptx mended.ptx");
+    RUNS(0, "convert reduced.ptx again.ptx");
+    RUNS(0, "check again.ptx --strict");
+    /* the table of all reductions of a level */
+    slv_ptx *ptx = tool_open("good.ptx");
+    const slv_ptx_info *info = slv_ptx_get_info(ptx);
+    uint64_t at = info->file_bytes;
+    for (uint32_t face = 0; face < info->nfaces; face++) {
+        slv_ptx_block block;
+        REQUIRE(!slv_ptx_get_block(ptx, face, 1, &block));
+        at = block.stored && block.position < at ? block.position : at;
+    }
+    slv_ptx_close(ptx);
+    spoil("good.ptx", "table.ptx", at - 8, 8);
+    RUNS(1, "check table.ptx");
+    HAS("(--repair can help)");
+    RUNS(0, "check table.ptx --repair mended2.ptx --strict");
+    RUNS(0, "diff good.ptx mended2.ptx");
+}
+
+static void faces(void) {
+    spoil_block("good.ptx", "hurt.ptx", 3, 0);
+    RUNS(1, "convert hurt.ptx out.ptx");
+    CHECK(access(tool_path("out.ptx"), F_OK) != 0);
+    RUNS(1, "check hurt.ptx --repair out.ptx");
+    RUNS(1, "convert hurt.ptx out.ptx --salvage");
+    HAS("face 3 is filled from its reduction of 8 x 8");
+    HAS("1 of 10 faces could not be read and are filled: 3");
+    check_filled("out.ptx", 3, 3);
+    RUNS(0, "check out.ptx --strict");
+    RUNS(1, "diff good.ptx hurt.ptx");
+    RUNS(1, "diff good.ptx hurt.ptx --salvage");
+    HAS("faces: 1 of 10 differ");
+    HAS("filled: 3");
+    RUNS(1, "diff out.ptx hurt.ptx --salvage");
+    HAS("equal");
+    RUNS(0, "convert good.ptx out2.ptx --salvage");
+    RUNS(0, "diff good.ptx out2.ptx --salvage");
+    RUNS(0, "info good.ptx --json");
+
+    spoil_block("hurt.ptx", "hurt2.ptx", 3, 1);
+    spoil_block("hurt2.ptx", "hurt3.ptx", 4, 0);
+    RUNS(1, "convert hurt3.ptx out3.ptx --salvage");
+    HAS("filled: 3-4");
+    check_filled("out3.ptx", 3, 2);
+    check_filled("out3.ptx", 4, 3);
+    RUNS(1, "transfer hurt3.ptx moved.ptx --to good.obj --salvage --quiet");
+    HAS("filled: 3-4");
+    RUNS(0, "diff out3.ptx moved.ptx --texels");
+}
+
+/* What is cut off at the end: metadata, reductions, the last faces. */
+static void cut(void) {
+    size_t size;
+    uint8_t *bytes = read_whole(tool_path("good.ptx"), &size);
+    slv_ptx *ptx = tool_open("good.ptx");
+    slv_ptx_block last;
+    REQUIRE(bytes && !slv_ptx_get_block(ptx, 9, 0, &last));
+    tool_write_file("cut.ptx", bytes, (size_t)last.position + 5);
+    free(bytes);
+    slv_ptx_close(ptx);
+    RUNS(1, "convert cut.ptx out4.ptx");
+    RUNS(1, "convert cut.ptx out4.ptx --salvage");
+    HAS("face 9 is filled from its average");
+    RUNS(1, "diff good.ptx out4.ptx --texels");
+    HAS("faces: 1 of 10 differ");
+    RUNS(1, "render cut.ptx --mesh good.obj -o cut.png --size 32x32 --salvage --quiet");
+    HAS("filled: 9");
+    CHECK(access(tool_path("cut.png"), F_OK) == 0);
+}
+
+int main(void) {
+    slv_env env = test_env();
+    slv_mesh *mesh = grid_mesh(3, 2, true);
+    tool_begin();
+    tool_write_noise("good.ptx", SLV_TYPE_U8, 3, SLV_NO_ALPHA, 1);
+    REQUIRE(!slv_mesh_save_obj(&env, mesh, tool_path("good.obj")));
+    reductions();
+    faces();
+    cut();
+    slv_mesh_destroy(mesh);
+    tool_end();
+    return test_end();
+}
