@@ -56,10 +56,8 @@ static int write_all(const slv_env *env, const struct scene *scene, const char *
     int status = 1;
     if (!path_join(path, sizeof path, folder, "scene.obj"))
         goto done;
-    if (!scene_save_obj(scene, path)) {
-        fprintf(stderr, "selvage-assets: error: %s: %s\n", path, strerror(errno));
+    if (scene_save_obj(env, scene, path))
         goto done;
-    }
     printf("%s\n", path);
     /* The textures are made for the mesh as the file has it. */
     if (slv_mesh_load(env, path, &mesh) || slv_mesh_adjacency(env, mesh, &adjacency) ||

@@ -2,6 +2,8 @@
  * what. */
 #include "scene.h"
 
+#include <selvage/file.h>
+
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -97,11 +99,13 @@ static void write_point(FILE *file, point p) {
     fprintf(file, "v %.7g %.7g %.7g\n", (double)p.x, (double)p.y, (double)p.z);
 }
 
-bool scene_save_obj(const struct scene *scene, const char *path) {
+slv_result scene_save_obj(const slv_env *env, const struct scene *scene, const char *path) {
     const struct cage *creature = &scene->creature;
-    FILE *file = fopen(path, "w");
-    if (!file)
-        return false;
+    slv_output *output;
+    slv_result result = slv_output_open(env, path, &output);
+    if (result)
+        return result;
+    FILE *file = slv_output_stream(output);
     fprintf(file, "# %d quads of a creature and %d of ground; y is up, the creature faces +x\n",
             creature->nquads, GROUND_SIDE * GROUND_SIDE);
     for (int i = 0; i < creature->npoints; i++)
@@ -120,8 +124,7 @@ bool scene_save_obj(const struct scene *scene, const char *path) {
             int first = creature->npoints + j * row + i + 1;
             fprintf(file, "f %d %d %d %d\n", first, first + 1, first + row + 1, first + row);
         }
-    bool written = !ferror(file);
-    return fclose(file) == 0 && written;
+    return slv_output_end(output, SLV_OK);
 }
 
 slv_result scene_bake(const slv_env *env, const struct scene *scene, const slv_surface *surface,

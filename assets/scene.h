@@ -22,8 +22,8 @@ struct scene {
 bool scene_build(struct scene *scene);
 void scene_free(struct scene *scene);
 
-/* Writes groups "creature" and "ground". False, with errno set, if that failed. */
-bool scene_save_obj(const struct scene *scene, const char *path);
+/* Writes groups "creature" and "ground". */
+slv_result scene_save_obj(const slv_env *env, const struct scene *scene, const char *path);
 
 /* Stripes for the creature and earth for the ground, each face tinted by `face_tint`, at the
  * scene's resolutions. */

@@ -86,7 +86,8 @@ static bool is_folder(const char *path) {
 
 bool slvi_index_is_named(const char *path) {
     size_t length = strlen(path);
-    return is_folder(path) || (length > 5 && strcasecmp(path + length - 5, ".json") == 0);
+    return is_folder(path) || (length > 5 && strcasecmp(path + length - 5, ".json") == 0) ||
+           (length > 8 && strcasecmp(path + length - 8, ".json.gz") == 0);
 }
 
 slv_result slvi_index_open(const slv_env *env, const char *path, slv_exchange *source) {

@@ -4,12 +4,13 @@
 
 #include <dirent.h>
 #include <errno.h>
+#include <fcntl.h>
 #include <sys/syscall.h>
 
 /* takes the place of the C library's for the libraries too */
 #define INTERPOSED __attribute__((visibility("default"), noinline))
 
-static bool armed;
+static bool armed, closing_fails;
 static long asked, fails;
 static unsigned errors;
 static char message[1024];
@@ -35,6 +36,15 @@ INTERPOSED ssize_t write(int file, const void *from, size_t size) {
 }
 INTERPOSED int rename(const char *from, const char *to) {
     return fails_now() ? -1 : (int)syscall(SYS_rename, from, to);
+}
+
+/* Where a disk is far away, closing is the first to say that it is full. */
+INTERPOSED int close(int file) {
+    int flags = fcntl(file, F_GETFL), result = (int)syscall(SYS_close, file);
+    if (!closing_fails || (flags & O_ACCMODE) == O_RDONLY)
+        return result;
+    errno = EDQUOT;
+    return -1;
 }
 
 static void count_errors(void *user, slv_log_level level, const char *line) {
@@ -73,8 +83,7 @@ static void look_at_files(const char *name) {
         const char *ending = strrchr(entry->d_name, '.');
         slv_ptx *ptx = NULL;
         char path[512];
-        CHECK_MSG(!strstr(entry->d_name, ".selvage-") && !strstr(entry->d_name, ".tmp"),
-                  "%s: %s is left", name, entry->d_name);
+        CHECK_MSG(!strstr(entry->d_name, ".selvage"), "%s: %s is left", name, entry->d_name);
         if (!ending || strcmp(ending, ".ptx") != 0)
             continue;
         snprintf(path, sizeof path, "%s/%s", calls.folder, entry->d_name);
@@ -85,9 +94,37 @@ static void look_at_files(const char *name) {
     closedir(folder);
 }
 
+/* What cannot be closed does not take the place of what was there. */
+static void check_closing(void) {
+    static const struct {
+        slv_result (*call)(const slv_env *env);
+        const char *out;
+    } cases[] = {{call_ptx_save, "out.ptx"}, {call_png, "out.png"}, {call_exr, "out.exr"}};
+    slv_env env = {.log = count_errors, .threads = 1};
+    for (int i = 0; i < 3; i++) {
+        char text[8] = "";
+        FILE *old = fopen(calls_path(cases[i].out), "w");
+        REQUIRE(old && fputs("old", old) >= 0 && fclose(old) == 0);
+        errors = 0;
+        closing_fails = true;
+        slv_result result = cases[i].call(&env);
+        closing_fails = false;
+        CHECK_MSG(result == SLV_ERROR_IO && errors == 1, "%s: %s, %u lines", cases[i].out,
+                  slv_result_string(result), errors);
+        old = fopen(calls_path(cases[i].out), "r");
+        REQUIRE(old);
+        CHECK_MSG(fgets(text, sizeof text, old) && strcmp(text, "old") == 0, "%s: %s", cases[i].out,
+                  text);
+        fclose(old);
+        REQUIRE(remove(calls_path(cases[i].out)) == 0);
+    }
+}
+
 int main(void) {
     long all = 0;
     calls_begin();
+    check_closing();
+    look_at_files("closing");
     for (int i = 0; i < CALLS_COUNT; i++) {
         const calls_entry *entry = &calls_all[i];
         run(entry, 0);

@@ -87,7 +87,8 @@ static int run_convert(const cli_command *command, conversion *c) {
     if (o->mesh && slv_mesh_load(&env, cli_input(o->mesh), &mesh))
         goto done;
     cli_catch_interrupts();
-    if (!to_ptx && (is_folder(from) || cli_ends_with(from, ".json"))) {
+    if (!to_ptx &&
+        (is_folder(from) || cli_ends_with(from, ".json") || cli_ends_with(from, ".json.gz"))) {
         code = cli_usage(command, "from images only a .ptx can be made, not '%s'", to);
         goto done;
     }

@@ -7,7 +7,6 @@
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/stat.h>
 #include <unistd.h>
 
 /* jansson passes the failure of any part up to the root, as NULL. */
@@ -184,24 +183,6 @@ slv_result experiment_state_append(const slv_env *env, experiment_state *state,
     return write_line(env, state, frame_json(report, frame));
 }
 
-static slv_result read_all(const slv_env *env, const char *path, char **text, size_t *size) {
-    struct stat status;
-    FILE *stream = fopen(path, "rb");
-    *text = NULL;
-    *size = 0;
-    if (!stream)
-        return errno == ENOENT ? SLV_OK
-                               : output_fail(env, SLV_ERROR_IO, "%s: cannot be read: %s", path,
-                                             strerror(errno));
-    slv_result result = SLV_OK;
-    if (fstat(fileno(stream), &status) != 0 || !(*text = malloc((size_t)status.st_size + 1)))
-        result = output_fail(env, SLV_ERROR_MEMORY, "%s: no memory for its contents", path);
-    else
-        *size = fread(*text, 1, (size_t)status.st_size, stream);
-    fclose(stream);
-    return result;
-}
-
 /* Which condition differs, for the message. */
 static slv_result check_conditions(const slv_env *env, const char *path, const json_t *before,
                                    const json_t *now) {
@@ -263,8 +244,10 @@ slv_result experiment_state_open(const slv_env *env, const char *path, const jso
     slv_result result = SLV_OK;
     const reader r = {env, path, conditions, report, each, user};
     *out = (experiment_state){.file = -1, .path = path};
-    if (resume && ((result = read_all(env, path, &text, &size)) ||
-                   (size && (result = read_lines(&r, text, size, &out->size)))))
+    bool there = access(path, F_OK) == 0 || errno != ENOENT;
+    if (resume && there &&
+        ((result = slv_text_load(env, path, &text, &size)) ||
+         (result = read_lines(&r, text, size, &out->size))))
         goto done;
     out->file = open(path, O_WRONLY | O_CREAT | O_APPEND | O_CLOEXEC, 0666);
     if (out->file < 0 || ftruncate(out->file, (off_t)out->size) != 0)
@@ -272,7 +255,7 @@ slv_result experiment_state_open(const slv_env *env, const char *path, const jso
     else if (!out->size)
         result = write_line(env, out, json_deep_copy(conditions));
 done:
-    free(text);
+    slv_free(text);
     return result;
 }
 

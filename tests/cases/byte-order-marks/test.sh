@@ -1,0 +1,38 @@
+# Texts that an editor began with a byte order mark, that gzip packed, or that come through a pipe.
+accepts selvage convert faces out.ptx
+accepts selvage render in.ptx --view view.json -o a.png
+says "64 x 64"
+accepts selvage sample in.ptx --queries queries.txt
+says " -> 0.78"
+plain=$said
+gzip -k view.json queries.txt
+accepts selvage render in.ptx --view view.json.gz -o a.png
+says "64 x 64"
+gzip faces/index.json
+accepts selvage convert faces/index.json.gz out2.ptx
+accepts selvage diff out.ptx out2.ptx
+accepts selvage sample in.ptx --queries queries.txt.gz
+[ "$said" = "$plain" ] || fail "packed lookups give something else: $said"
+accepts sh -c 'selvage sample in.ptx <queries.txt'
+[ "$said" = "$plain" ] || fail "lookups from a pipe give something else: $said"
+accepts sh -c 'cat view.json | selvage render in.ptx --view - -o a.png'
+says "64 x 64"
+for order in FFFE FEFF; do
+    printf '\377\376{\0}\0' >wide.json
+    [ $order = FFFE ] || printf '\376\377\0{\0}' >wide.json
+    refuses selvage render in.ptx --view wide.json -o a.png
+    says "wide.json: is text in UTF-16"
+    refuses selvage sample in.ptx --queries wide.json
+    says "wide.json: is text in UTF-16"
+    refuses selvage convert wide.json o.ptx
+    says "wide.json: is text in UTF-16"
+    cp wide.json wide.obj
+    refuses selvage info wide.obj
+    says "wide.obj: is text in UTF-16"
+done
+mkfifo pipe
+refuses selvage info pipe
+says "pipe: a pipe that nobody writes to"
+accepts sh -c '(sleep 0.2; cat view.json >pipe) & selvage render in.ptx --view pipe -o a.png'
+refuses selvage render in.ptx --view faces -o a.png
+says "faces: not a regular file"

@@ -1,0 +1,24 @@
+# An output that is one of the inputs, by whatever name, is refused; a texture may be replaced by its new self.
+cp in.ptx a.ptx
+cp q.txt queries.txt
+ln a.ptx hard.txt
+ln -s a.ptx soft.png
+ln -s queries.txt lookups.txt
+for out in a.ptx hard.txt soft.png; do
+    refuses selvage sample a.ptx --queries q.txt --out $out
+    says "would be lost"
+done
+refuses selvage sample a.ptx --queries queries.txt --out lookups.txt
+refuses selvage sample a.ptx --queries lookups.txt --out queries.txt
+refuses selvage render a.ptx --size 16x16 -o soft.png
+refuses selvage info a.ptx --sheet soft.png
+refuses selvage convert a.ptx soft.png
+refuses selvage merge a.ptx in.ptx -o a.ptx
+ln -s a.ptx b.ptx
+refuses selvage merge in.ptx b.ptx -o a.ptx
+refuses selvage convert a.ptx b.ptx
+cmp -s in.ptx a.ptx || fail "a.ptx is another"
+cmp -s q.txt queries.txt || fail "queries.txt is another"
+accepts selvage convert a.ptx a.ptx --scale 1/2
+accepts selvage check a.ptx --repair a.ptx
+accepts selvage sample a.ptx --queries q.txt --out answers.txt
