@@ -197,7 +197,7 @@ slv_result slvi_reference_texels_create(const slv_env *env, const slv_texture *t
     list_links(adjacency, desc->nfaces, &made);
     if ((result = slvi_alloc(env, "texels as floats", count, sizeof *made.values, &made.values)) ||
         (result = slvi_parallel_env_begin(env, &log, &serial)) ||
-        (result = slv_levels_create(&serial, texture, &levels)))
+        (result = slv_levels_create_over(&serial, texture, &levels)))
         goto done;
     struct filling filling = {levels, adjacency, &serial, first_channel, desc->nchannels, &made};
     if (!(result = slvi_parallel_for(env, desc->nfaces, 16, fill, &filling)))

@@ -70,6 +70,7 @@ static void reduce(const slv_levels *levels, slv_res from_res, const unsigned ch
 struct fill {
     const slv_texture *texture;
     slv_levels *levels;
+    bool borrowed; /* level 0 is the texture's */
 };
 
 static void repeat(unsigned char *to, const void *texel, size_t texel_size, size_t count) {
@@ -86,48 +87,68 @@ static slv_result fill_faces(void *user, uint64_t first, uint64_t end) {
     slv_levels *levels = fill->levels;
     for (uint32_t face = (uint32_t)first; face < end; face++) {
         slv_res res = levels->res[face];
-        const uint64_t *offset = levels->offset + levels->first[face];
+        unsigned char *const *at = levels->at + levels->first[face];
         const void *texels = slv_texture_texels(fill->texture, face);
-        unsigned char *base = levels->texels + offset[0];
         if (slv_texture_is_constant(fill->texture, face)) {
-            repeat(base, texels, levels->texel_size, slv_res_texels(res));
+            repeat(at[0], texels, levels->texel_size, slv_res_texels(res));
             continue;
         }
-        memcpy(base, texels, slv_res_texels(res) * levels->texel_size);
+        if (!fill->borrowed)
+            memcpy(at[0], texels, slv_res_texels(res) * levels->texel_size);
         for (uint32_t level = 1; level < slv_res_level_count(res); level++)
-            reduce(levels, slv_res_level(res, level - 1), levels->texels + offset[level - 1],
-                   levels->texels + offset[level]);
+            reduce(levels, slv_res_level(res, level - 1), at[level - 1], at[level]);
     }
     return SLV_OK;
 }
 
-/* Where every level goes. All levels of a constant face are one run of equal texels, so they share
- * one. */
-static slv_result lay_out(slv_levels *levels, const slv_texture *texture, uint64_t *bytes) {
-    uint64_t total = 0;
+/* Bytes of a face's level that are this object's. All levels of a constant face are one run of
+ * equal texels, so they share one. */
+static uint64_t own_bytes(const slv_levels *levels, const struct fill *fill, uint32_t face,
+                          uint32_t level) {
+    bool constant = slv_texture_is_constant(fill->texture, face);
+    if (constant ? level > 0 : fill->borrowed && level == 0)
+        return 0;
+    return (uint64_t)levels->texel_size * slv_res_texels(slv_res_level(levels->res[face], level));
+}
+
+static slv_result count_bytes(const struct fill *fill, uint64_t *bytes) {
+    const slv_levels *levels = fill->levels;
+    *bytes = 0;
+    for (uint32_t face = 0; face < levels->desc.nfaces; face++) {
+        for (uint32_t level = 0; level < slv_res_level_count(levels->res[face]); level++) {
+            uint64_t size = own_bytes(levels, fill, face, level);
+            if (size > UINT64_MAX - *bytes)
+                return slvi_fail(&levels->env, SLV_ERROR_LIMIT, "levels: more than 2^64 bytes");
+            *bytes += size;
+        }
+    }
+    return SLV_OK;
+}
+
+/* Where every level goes. */
+static void lay_out(const struct fill *fill) {
+    slv_levels *levels = fill->levels;
+    unsigned char *free_from = levels->texels;
     size_t next = 0;
     for (uint32_t face = 0; face < levels->desc.nfaces; face++) {
-        slv_res res = levels->res[face];
-        bool constant = slv_texture_is_constant(texture, face);
+        bool constant = slv_texture_is_constant(fill->texture, face);
         levels->first[face] = next;
-        for (uint32_t level = 0; level < slv_res_level_count(res); level++) {
-            levels->offset[next++] =
-                constant && level ? levels->offset[levels->first[face]] : total;
+        for (uint32_t level = 0; level < slv_res_level_count(levels->res[face]); level++) {
+            unsigned char **at = &levels->at[next++];
             if (constant && level)
-                continue;
-            uint64_t size =
-                (uint64_t)levels->texel_size * slv_res_texels(slv_res_level(res, level));
-            if (size > UINT64_MAX - total)
-                return slvi_fail(&levels->env, SLV_ERROR_LIMIT, "levels: more than 2^64 bytes");
-            total += size;
+                *at = at[-1];
+            else if (fill->borrowed && !constant && !level) /* never written to */
+                *at = (unsigned char *)(uintptr_t)slv_texture_texels(fill->texture, face);
+            else
+                *at = free_from;
+            free_from += own_bytes(levels, fill, face, level);
         }
     }
     levels->first[levels->desc.nfaces] = next;
-    *bytes = total;
-    return SLV_OK;
 }
 
-static slv_result create(const slv_env *env, const slv_texture *texture, slv_levels **out) {
+static slv_result create(const slv_env *env, const slv_texture *texture, bool borrowed,
+                         slv_levels **out) {
     slv_levels *levels = NULL;
     *out = NULL;
     if (!texture)
@@ -146,16 +167,16 @@ static slv_result create(const slv_env *env, const slv_texture *texture, slv_lev
                              &levels->res)) ||
         (result = slvi_alloc(env, "level table", desc->nfaces + (uint64_t)1, sizeof *levels->first,
                              &levels->first)) ||
-        (result =
-             slvi_alloc(env, "level offsets", nlevels, sizeof *levels->offset, &levels->offset)))
+        (result = slvi_alloc(env, "level table", nlevels, sizeof *levels->at, &levels->at)))
         goto done;
     if (desc->nfaces)
         memcpy(levels->res, desc->res, desc->nfaces * sizeof *levels->res);
     levels->desc.res = levels->res;
-    if ((result = lay_out(levels, texture, &bytes)) ||
-        (result = slvi_alloc(env, "level texels", bytes, 1, &levels->texels)))
+    struct fill fill = {texture, levels, borrowed};
+    if ((result = count_bytes(&fill, &bytes)) ||
+        (result = slvi_alloc_plain(env, "level texels", bytes, 1, &levels->texels)))
         goto done;
-    struct fill fill = {texture, levels};
+    lay_out(&fill);
     if ((result = slvi_parallel_for(env, desc->nfaces, FACES_PER_RANGE, fill_faces, &fill)))
         goto done;
     *out = levels;
@@ -165,22 +186,32 @@ done:
     return result;
 }
 
-slv_result slv_levels_create(const slv_env *env, const slv_texture *texture, slv_levels **out) {
+static slv_result create_within(const slv_env *env, const slv_texture *texture, bool borrowed,
+                                slv_levels **out) {
     slv_env own;
     slv_result result = slvi_budget_begin(env, &own);
     if (result)
         *out = NULL;
     else
-        result = create(&own, texture, out);
+        result = create(&own, texture, borrowed, out);
     slvi_budget_end(&own);
     return result;
+}
+
+slv_result slv_levels_create(const slv_env *env, const slv_texture *texture, slv_levels **out) {
+    return create_within(env, texture, false, out);
+}
+
+slv_result slv_levels_create_over(const slv_env *env, const slv_texture *texture,
+                                  slv_levels **out) {
+    return create_within(env, texture, true, out);
 }
 
 void slv_levels_destroy(slv_levels *levels) {
     if (!levels)
         return;
     slvi_free(levels->texels);
-    slvi_free(levels->offset);
+    slvi_free(levels->at);
     slvi_free(levels->first);
     slvi_free(levels->res);
     slvi_parallel_env_end(levels->log);
@@ -189,7 +220,7 @@ void slv_levels_destroy(slv_levels *levels) {
 
 const void *slv_levels_texels(const slv_levels *levels, uint32_t face, uint32_t level) {
     assert(face < levels->desc.nfaces && level < slv_levels_count(levels, face));
-    return levels->texels + levels->offset[levels->first[face] + level];
+    return levels->at[levels->first[face] + level];
 }
 
 uint32_t slv_levels_count(const slv_levels *levels, uint32_t face) {

@@ -217,6 +217,25 @@ static slv_result set_faces(void *user, uint64_t first, uint64_t end) {
     return SLV_OK;
 }
 
+/* The same levels from a texture that stays: level 0 is its own. */
+static void check_over(const slv_texture *texture, const slv_levels *expected) {
+    const slv_texture_desc *desc = slv_texture_get_desc(texture);
+    slv_env env = test_env();
+    slv_levels *over = NULL;
+    REQUIRE(slv_levels_create_over(&env, texture, &over) == SLV_OK);
+    for (uint32_t face = 0; face < desc->nfaces; face++) {
+        bool constant = slv_texture_is_constant(texture, face);
+        CHECK((slv_levels_texels(over, face, 0) == slv_texture_texels(texture, face)) == !constant);
+        for (uint32_t level = 0; level < slv_levels_count(expected, face); level++) {
+            slv_res at = slv_res_level(desc->res[face], level);
+            size_t size = (slv_type_size(desc->type) * desc->nchannels) << (at.u + at.v);
+            CHECK(!memcmp(slv_levels_texels(over, face, level),
+                          slv_levels_texels(expected, face, level), size));
+        }
+    }
+    slv_levels_destroy(over);
+}
+
 static void test_levels(slv_type type, uint32_t nchannels) {
     enum { FACES = 60 };
     slv_res res[FACES];
@@ -235,6 +254,7 @@ static void test_levels(slv_type type, uint32_t nchannels) {
         CHECK(slvi_parallel_for(&env, FACES, 3, set_faces, &setter) == SLV_OK);
         result = slv_levels_create(&env, texture, &levels[i]);
         REQUIRE(result == SLV_OK);
+        check_over(texture, levels[i]);
         slv_texture_destroy(texture);
     }
     for (uint32_t face = 0; face < FACES; face++) {

@@ -223,12 +223,10 @@ slv_result slv_gl_texture_create(slv_gl *gl, const slv_env *env, const slv_textu
         (result = list_slots(made, params)) ||
         (result = slvi_alloc(env, "face table", desc->nfaces, sizeof *made->res, &made->res)) ||
         (result = slvi_gl_scale_down(env, texture, &scaled)) ||
-        (result = slv_levels_create(env, scaled ? scaled : texture, &levels)) ||
+        (result = slv_levels_create_over(env, scaled ? scaled : texture, &levels)) ||
         (result = slvi_parallel_env_begin(env, &log, &source.shared)))
         goto done;
     made->scaled = scaled != NULL;
-    slv_texture_destroy(scaled);
-    scaled = NULL;
     slvi_gl_set_state(gl);
     memcpy(made->res, desc->res, desc->nfaces * sizeof *made->res);
     made->texel_bytes = texel_bytes(desc, made->params.nchannels);
@@ -238,8 +236,8 @@ slv_result slv_gl_texture_create(slv_gl *gl, const slv_env *env, const slv_textu
 done:
     slvi_steps_end(&steps);
     slvi_parallel_env_end(log);
-    slv_texture_destroy(scaled);
     slv_levels_destroy(levels);
+    slv_texture_destroy(scaled);
     if (result) {
         slv_gl_texture_destroy(made);
         made = NULL;

@@ -95,6 +95,11 @@ typedef struct slv_levels slv_levels;
 
 SLV_NODISCARD SLV_API slv_result slv_levels_create(const slv_env *env, const slv_texture *texture,
                                                    slv_levels **out);
+/* The same without a copy of level 0, which is most of it: of faces that are not constant it is the
+ * texture's own, so the texture must neither change nor go before the levels do. */
+SLV_NODISCARD SLV_API slv_result slv_levels_create_over(const slv_env *env,
+                                                        const slv_texture *texture,
+                                                        slv_levels **out);
 SLV_API void slv_levels_destroy(slv_levels *levels);
 /* The texels of a level, in the texture's type and tightly packed. Owned by the levels. */
 SLV_API const void *slv_levels_texels(const slv_levels *levels, uint32_t face, uint32_t level);
