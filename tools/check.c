@@ -209,7 +209,7 @@ int verb_check(int argc, char **argv) {
          "X", 0, 0, &c.seams_given},
         {"--tables", CLI_FLAG, &c.tables, "look at the tables only, not at texels", NULL, 0, 0,
          NULL},
-        {"--repair|-r", CLI_TEXT, &c.repair,
+        {"--repair|-r|--out|-o|--output", CLI_TEXT, &c.repair,
          "write a copy: reductions, averages and flags made anew, adjacency from the mesh",
          "OUT.ptx", 0, 0, NULL},
         {"--strict", CLI_FLAG, &c.strict, "warnings count as errors", NULL, 0, 0, NULL},
@@ -222,7 +222,10 @@ int verb_check(int argc, char **argv) {
     const cli_command command = {
         .name = "check",
         .summary = "say whether a .ptx is sound, naming face and edge of what is not",
-        .arguments = "FILE.ptx",
+        .arguments = "FILE.ptx [OUT.ptx|-o OUT.ptx]",
+        .reads = "a texture; a mesh if it is named",
+        .writes = "a mended copy if it is named; as an argument it must not exist yet",
+        .exits = "0 sound, 1 not sound or failure, 2 wrong usage",
         .examples = "  selvage check teapot.ptx\n"
                     "  selvage check cow.ptx --mesh cow.obj --seams 0.02\n"
                     "  selvage check broken.ptx --repair mended.ptx\n"
@@ -232,7 +235,9 @@ int verb_check(int argc, char **argv) {
         .min_arguments = 1,
         .max_arguments = 1,
         .positional = &c.path,
-        .npositional = &narguments};
+        .npositional = &narguments,
+        .output = &c.repair,
+        .output_is_new = true};
     int code = cli_parse(&command, argc, argv);
     if (code >= 0)
         return code;

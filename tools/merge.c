@@ -82,9 +82,8 @@ static int run_merge(struct merge *m) {
 int verb_merge(int argc, char **argv) {
     struct merge m = {.out = NULL};
     const cli_option options[] = {
-        {"--out|-o|--output", CLI_TEXT, &m.out, "the file to write", "OUT.ptx", 0, 0, NULL},
-        {"--type|-t", CLI_CHOICE, &m.type, "data type (one that holds those of all)", CLI_TYPES, 0,
-         0, &m.type_given},
+        CLI_OUT(&m.out, "the file to write; as an argument it must not exist yet", "OUT.ptx"),
+        CLI_TYPE(&m.type, "data type (one that holds those of all)", &m.type_given),
         {"--no-reductions", CLI_FLAG, &m.no_reductions, "store no reductions", NULL, 0, 0, NULL},
         CLI_COMPRESSION(&m.compression),
         {"--json", CLI_FLAG, &m.json, "print where the faces went as JSON", NULL, 0, 0, NULL},
@@ -94,7 +93,9 @@ int verb_merge(int argc, char **argv) {
     };
     const cli_command command = {.name = "merge",
                                  .summary = "join several .ptx files into one",
-                                 .arguments = "A.ptx B.ptx ... -o OUT.ptx",
+                                 .arguments = "A.ptx B.ptx ... OUT.ptx|-o OUT.ptx",
+                                 .reads = "textures, all of quads or all of triangles",
+                                 .writes = "a texture",
                                  .examples =
                                      "  selvage merge body.ptx head.ptx -o figure.ptx\n"
                                      "  selvage merge part*.ptx -o all.ptx --type half --json\n",
@@ -103,12 +104,13 @@ int verb_merge(int argc, char **argv) {
                                  .min_arguments = 1,
                                  .max_arguments = MAX_FILES,
                                  .positional = m.paths,
-                                 .npositional = &m.npaths};
+                                 .npositional = &m.npaths,
+                                 .output = &m.out,
+                                 .output_needed = true,
+                                 .output_is_new = true};
     int code = cli_parse(&command, argc, argv);
     if (code >= 0)
         return code;
-    if (!m.out)
-        return cli_usage(&command, "--out is missing: where does the result go?");
     if (!ptx_name_is_safe(m.out))
         return ptx_name_usage(&command, m.out);
     return run_merge(&m);

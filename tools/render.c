@@ -4,13 +4,13 @@
 #include "command/scene.h"
 #include "verbs.h"
 
+#include <math.h>
 #include <stdio.h>
 #include <string.h>
 #include <strings.h>
 
 struct render {
-    const char *arguments[2];
-    uint32_t narguments;
+    const char *ptx;
     scene_options scene;
     const char *out;
     int strategy, context;
@@ -18,21 +18,28 @@ struct render {
     uint32_t msaa, aniso, bits;
 };
 
-/* out from -o, or the second argument, or the texture's name with .png */
+/* The picture's name, or the texture's with .png */
 static const char *output_path(const struct render *r, char *buffer, size_t size) {
     if (r->out)
         return r->out;
-    if (r->narguments > 1)
-        return r->arguments[1];
-    const char *name = strrchr(r->arguments[0], '/');
-    name = name ? name + 1 : r->arguments[0];
+    const char *name = strrchr(r->ptx, '/');
+    name = name ? name + 1 : r->ptx;
     const char *dot = strrchr(name, '.');
     snprintf(buffer, size, "%.*s.png", dot && dot != name ? (int)(dot - name) : (int)strlen(name),
              name);
     return buffer;
 }
 
-static int draw(const struct render *r, const char *path) {
+/* Whether a picture is background and nothing else. */
+static bool is_empty(const slv_image *image, const float background[4]) {
+    size_t npixels = (size_t)image->width * image->height;
+    for (size_t i = 0; i < 4 * npixels; i++)
+        if (!(fabsf(image->pixels[i] - background[i % 4]) < 0.01f))
+            return false;
+    return true;
+}
+
+static int draw(const cli_command *command, const struct render *r, const char *path) {
     slv_env env = cli_env(r->scene.threads);
     const slv_strategy *strategy = slv_strategy_at((uint32_t)r->strategy);
     scene_shot shot;
@@ -40,21 +47,20 @@ static int draw(const struct render *r, const char *path) {
     slv_gl_texture *texture = NULL;
     slv_gl_renderer *renderer = NULL;
     slv_image image = {0};
-    int code = EXIT_FAILED;
     slv_gl_texture_params upload = {.strategies = &strategy,
                                     .nstrategies = 1,
                                     .anisotropy = r->aniso,
-                                    .first_channel = r->scene.channel,
-                                    .nchannels = r->scene.nchannels,
                                     .compression = r->compress ? SLV_GL_COMPRESSION_BLOCKS
                                                                : SLV_GL_COMPRESSION_NONE};
     slv_image_params file = {.encoding = r->raw ? SLV_ENCODE_RAW : SLV_ENCODE_SRGB,
                              .bits = r->bits};
-    const char *const inputs[] = {r->arguments[0], r->scene.mesh, r->scene.view};
+    const char *const inputs[] = {r->ptx, r->scene.mesh, r->scene.view};
     if (output_check(&env, path, inputs, 3))
         return EXIT_FAILED;
-    if (scene_load_shot(&env, r->arguments[0], &r->scene, &shot))
+    int code = scene_load_shot(command, &env, r->ptx, &r->scene, &shot);
+    if (code)
         goto done;
+    code = EXIT_FAILED;
     slv_frame frame = {.camera = shot.camera,
                        .width = shot.width,
                        .height = shot.height,
@@ -71,8 +77,10 @@ static int draw(const struct render *r, const char *path) {
         slv_gl_renderer_create(gl, &env, shot.scene.mesh, shot.scene.surface, shot.segments,
                                &renderer) ||
         slv_gl_renderer_draw(renderer, &env, texture, &frame, &image, NULL) ||
-        output_image(&env, path, &image, file, false, r->quiet))
+        output_image(&env, path, &image, file, r->scene.progress, r->quiet))
         goto done;
+    if (is_empty(&image, frame.background))
+        scene_warn_of_nothing(path);
     if (!r->quiet) {
         slv_gl_texture_stats stats = slv_gl_texture_get_stats(texture, frame.strategy);
         printf("%s: %u x %u, %s, %ux MSAA, %ux anisotropy, %u segments, %.1f MB on the GPU, %s\n",
@@ -97,22 +105,21 @@ int verb_render(int argc, char **argv) {
     enum { OWN = 10 };
     struct render r = {.scene = scene_options_default(), .msaa = 4, .aniso = 1};
     char strategies[SCENE_STRATEGIES_SIZE];
+    uint32_t narguments = 0;
     cli_option options[OWN + SCENE_OPTION_ROWS] = {
-        {"--out|-o|--output", CLI_TEXT, &r.out,
-         "picture, .png or .exr; default: the texture's name with .png", "FILE", 0, 0, NULL},
+        CLI_OUT(&r.out, "picture, .png or .exr (the texture's name with .png)", "FILE"),
         {"--strategy|-s", CLI_CHOICE, &r.strategy, "how a lookup crosses a seam (traverse)",
          scene_strategies(strategies, sizeof strategies), 0, 0, NULL},
         {"--msaa", CLI_UINT, &r.msaa,
          "samples per pixel: 1, 2, 4, 8, as far as the driver goes (4)", NULL, 1, 64, NULL},
-        {"--aniso", CLI_UINT, &r.aniso, "anisotropy, 1 (trilinear) to 16 (1)", NULL, 1, 16, NULL},
+        SCENE_ANISO(&r.aniso, "anisotropy, 1 (trilinear) to 16 (1)"),
         {"--compress", CLI_FLAG, &r.compress,
          "8-bit textures: keep blocks on the GPU (BC1 and its kin)", NULL, 0, 0, NULL},
         {"--raw", CLI_FLAG, &r.raw, "PNG: shaded values x 255 (or 65535), without display encoding",
          NULL, 0, 0, NULL},
         {"--bits", CLI_UINT, &r.bits, "PNG: 8 or 16 (8). EXR: 16 half or 32 float (16)", NULL, 8,
          32, NULL},
-        {"--context", CLI_CHOICE, &r.context, "where OpenGL comes from (auto)", SCENE_CONTEXTS, 0,
-         0, NULL},
+        SCENE_CONTEXT(&r.context),
         CLI_SALVAGE(&r.scene.salvage),
         CLI_QUIET(&r.quiet, "print nothing on success"),
     };
@@ -120,17 +127,19 @@ int verb_render(int argc, char **argv) {
         .name = "render",
         .summary = "draw a .ptx on its subdivision surface",
         .arguments = "FILE.ptx [OUT.png|OUT.exr]",
+        .reads = "a texture of quads; a mesh and a view file if they are named",
+        .writes = "a picture, PNG or EXR, alpha where there is no surface",
         .examples =
             "  selvage render teapot.ptx -o teapot.png\n"
-            "  selvage render cow.ptx --mesh cow.obj --azimuth 60 --strategy discard --msaa 4 "
-            "--aniso 16\n"
+            "  selvage render cow.ptx --mesh cow.obj --azimuth 60 --strategy discard\n"
             "  selvage render teapot.ptx --view view.json --raw --out linear.exr --bits 32\n",
         .options = options,
         .noptions = sizeof options / sizeof *options,
         .min_arguments = 1,
-        .max_arguments = 2,
-        .positional = r.arguments,
-        .npositional = &r.narguments};
+        .max_arguments = 1,
+        .positional = &r.ptx,
+        .npositional = &narguments,
+        .output = &r.out};
     char buffer[512];
     while (slv_strategy_at((uint32_t)r.strategy) != slv_strategy_find("traverse"))
         r.strategy++;
@@ -146,11 +155,9 @@ int verb_render(int argc, char **argv) {
     const char *out = output_path(&r, buffer, sizeof buffer), *extension = strrchr(out, '.');
     bool exr = extension && strcasecmp(extension, ".exr") == 0;
     if (!exr && (!extension || strcasecmp(extension, ".png") != 0))
-        return cli_error("%s: the picture's name must end in .png or .exr", out);
+        return cli_usage(&command, "%s: the picture's name must end in .png or .exr", out);
     if (r.bits && r.bits != 16 && r.bits != (exr ? 32 : 8))
         return cli_usage(&command, "--bits: expected %s",
                          exr ? "16 or 32 for EXR" : "8 or 16 for PNG");
-    if (r.out && r.narguments > 1)
-        return cli_usage(&command, "two names for the picture: %s and %s", r.arguments[1], r.out);
-    return draw(&r, out);
+    return draw(&command, &r, out);
 }

@@ -2,6 +2,7 @@
 #include "command/output.h"
 #include "command/ptx_name.h"
 #include "command/salvage.h"
+#include "command/scene.h"
 #include "verbs.h"
 
 #include <selvage/transfer.h>
@@ -126,7 +127,7 @@ static int run_transfer(struct transfer *t) {
     }
     if (t->from ? slv_mesh_load(&env, cli_input(t->from), &source) ||
                       slv_ptx_match_mesh(&env, ptx, source)
-                : slv_ptx_load_mesh(&env, ptx, &source))
+                : scene_load_geometry(&env, ptx, "--from OLD.obj", &source))
         goto done;
     if (slv_ptx_load_texture(&env, ptx, &texture))
         goto done;
@@ -165,6 +166,7 @@ int verb_transfer(int argc, char **argv) {
     struct transfer t = {.scheme = SLV_SCHEME_CATMARK};
     uint32_t narguments = 0;
     const cli_option options[] = {
+        CLI_OUT(&t.paths[1], "the file to write", "OUT.ptx"),
         {"--to", CLI_TEXT, &t.to, "the changed model", "NEW.obj", 0, 0, NULL},
         {"--from", CLI_TEXT, &t.from,
          "the model that IN.ptx was painted on; default: the geometry inside", "OLD.obj", 0, 0,
@@ -190,16 +192,20 @@ int verb_transfer(int argc, char **argv) {
     const cli_command command = {
         .name = "transfer",
         .summary = "carry texels over to a changed model",
-        .arguments = "IN.ptx OUT.ptx --to NEW.obj",
+        .arguments = "IN.ptx OUT.ptx|-o OUT.ptx --to NEW.obj",
+        .reads = "a texture of quads and the changed model; the old one if it is named",
+        .writes = "a texture with the geometry of the changed model inside",
         .examples = "  selvage transfer cow.ptx cow2.ptx --to cow2.obj\n"
                     "  selvage transfer cow.ptx cow2.ptx --from cow.obj --to cow2.obj --faces\n"
                     "  selvage transfer cow.ptx cow2.ptx --to cow2.obj --distance 0.05 --blank\n",
         .options = options,
         .noptions = sizeof options / sizeof *options,
-        .min_arguments = 2,
-        .max_arguments = 2,
+        .min_arguments = 1,
+        .max_arguments = 1,
         .positional = t.paths,
-        .npositional = &narguments};
+        .npositional = &narguments,
+        .output = &t.paths[1],
+        .output_needed = true};
     int code = cli_parse(&command, argc, argv);
     if (code >= 0)
         return code;

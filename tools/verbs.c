@@ -1,6 +1,7 @@
 /* Finds the verb that the command line begins with, and runs it. */
 #include "verbs.h"
 #include "command/cli.h"
+#include "command/words.h"
 
 #include <stdio.h>
 #include <string.h>
@@ -20,9 +21,51 @@ static void print_help(FILE *stream) {
           stream);
     for (size_t i = 0; i < sizeof verbs / sizeof *verbs; i++)
         fprintf(stream, "  %-9s %s\n", verbs[i].name, verbs[i].summary);
-    fputs("\nselvage VERB --help shows a verb's options and examples.\n"
+    fputs("\nselvage help VERB shows a verb's options and examples.\n"
           "Exit codes: 0 success, 1 failure, 2 wrong usage.\n",
           stream);
+}
+
+/* Calls the verb; if there is none of that name, says which one may have been meant. */
+static int run_verb(int argc, char **argv) {
+    char names[512] = "help", hint[WORDS_HINT];
+    for (size_t i = 0; i < sizeof verbs / sizeof *verbs; i++) {
+        if (strcmp(argv[0], verbs[i].name) == 0)
+            return verbs[i].run(argc, argv);
+        size_t used = strlen(names);
+        snprintf(names + used, sizeof names - used, "|%s", verbs[i].name);
+    }
+    fprintf(stderr, "selvage: unknown verb '%s'%s (see selvage --help)\n", argv[0],
+            words_hint(argv[0], names, hint));
+    return EXIT_USAGE;
+}
+
+/* The table of docs/verbs.md. */
+static int print_table(void) {
+    puts("| verb | what it does |\n|---|---|");
+    for (size_t i = 0; i < sizeof verbs / sizeof *verbs; i++)
+        printf("| [`%s`](#%s-1) | %s |\n", verbs[i].name, verbs[i].name, verbs[i].summary);
+    putchar('\n');
+    for (size_t i = 0; i < sizeof verbs / sizeof *verbs; i++) {
+        char name[32], option[] = CLI_TABLE_OPTION, *words[] = {name, option, NULL};
+        snprintf(name, sizeof name, "%s", verbs[i].name);
+        verbs[i].run(2, words);
+    }
+    return EXIT_OK;
+}
+
+static int run_help(int argc, char **argv) {
+    char help[] = "--help", *words[] = {argc > 2 ? argv[2] : NULL, help, NULL};
+    if (argc > 3) {
+        fprintf(stderr, "selvage help: unexpected argument '%s' (see selvage --help)\n", argv[3]);
+        return EXIT_USAGE;
+    }
+    if (argc > 2 && strcmp(argv[2], "--table") == 0)
+        return print_table();
+    if (argc > 2 && strcmp(argv[2], "help") != 0 && strcmp(argv[2], "--help") != 0)
+        return run_verb(2, words);
+    print_help(stdout);
+    return EXIT_OK;
 }
 
 static int run(int argc, char **argv) {
@@ -30,8 +73,9 @@ static int run(int argc, char **argv) {
         print_help(stderr);
         return EXIT_USAGE;
     }
-    if (strcmp(argv[1], "--help") == 0 || strcmp(argv[1], "-h") == 0 ||
-        strcmp(argv[1], "help") == 0) {
+    if (strcmp(argv[1], "help") == 0)
+        return run_help(argc, argv);
+    if (strcmp(argv[1], "--help") == 0 || strcmp(argv[1], "-h") == 0) {
         print_help(stdout);
         return EXIT_OK;
     }
@@ -40,11 +84,7 @@ static int run(int argc, char **argv) {
         printf("selvage %u.%u.%u\n", version >> 16, version >> 8 & 255, version & 255);
         return EXIT_OK;
     }
-    for (size_t i = 0; i < sizeof verbs / sizeof *verbs; i++)
-        if (strcmp(argv[1], verbs[i].name) == 0)
-            return verbs[i].run(argc - 1, argv + 1);
-    fprintf(stderr, "selvage: unknown verb '%s' (see selvage --help)\n", argv[1]);
-    return EXIT_USAGE;
+    return run_verb(argc - 1, argv + 1);
 }
 
 int command_main(int argc, char **argv) {

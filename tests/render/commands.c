@@ -104,15 +104,28 @@ static void check_usage(void) {
         {"--azimuth", "north", "--azimuth", NULL},
         {"--background", "1,2", "--background", NULL},
         {"--aniso", "17", "16", NULL},
-        {"--colour", "red", "--colour", NULL}};
+        {"--colour", "red", "--colour", NULL},
+        {"--strategi", "clamp", "did you mean '--strategy'", NULL},
+        {"--strat", "clamp", "did you mean '--strategy'", NULL},
+        {"--strategy", "traverze", "did you mean 'traverse'", NULL},
+        {"--background", "blu", "did you mean 'blue'", NULL},
+        {"--channels", "", "--channels", NULL}};
     for (size_t i = 0; i < sizeof bad / sizeof *bad; i++)
         check_refused(2, bad[i][2], NULL,
                       ARGUMENTS("render", cube_ptx, "-o", "out.png", bad[i][0], bad[i][1]));
-    check_refused(2, "unknown verb|rendr", NULL, ARGUMENTS("rendr", cube_ptx));
+    check_refused(2, "unknown verb|rendr|did you mean 'render'", NULL,
+                  ARGUMENTS("rendr", cube_ptx));
+    check_refused(2, "unknown verb|merg|did you mean 'merge'", NULL, ARGUMENTS("help", "merg"));
+    check_refused(2, "did you mean 'hybrid'", NULL,
+                  ARGUMENTS("compare", cube_ptx, "--strategies", "clamp,hibrid"));
     check_refused(2, "FILE.ptx", NULL, ARGUMENTS("render"));
     check_refused(2, "FILE.ptx", NULL, ARGUMENTS("compare"));
     check_refused(2, "FILE", NULL, ARGUMENTS("info"));
-    check_refused(2, "unexpected", NULL, ARGUMENTS("info", cube_ptx, "more"));
+    check_refused(2, "--sheet|.png", NULL, ARGUMENTS("info", cube_ptx, "more"));
+    check_refused(2, "unexpected|there already", NULL, ARGUMENTS("info", cube_ptx, cube_obj));
+    check_refused(2, "two names|a.png|b.png", NULL,
+                  ARGUMENTS("render", cube_ptx, "a.png", "-o", "b.png"));
+    check_refused(2, "unexpected|b.png", NULL, ARGUMENTS("render", cube_ptx, "a.png", "b.png"));
     check_refused(2, "--mesh needs", NULL, ARGUMENTS("render", cube_ptx, "--mesh"));
     check_refused(2, "takes no value", NULL, ARGUMENTS("render", cube_ptx, "--raw=yes"));
     check_refused(2, "best|clamp", NULL,
@@ -149,7 +162,11 @@ static void check_inputs_refused(void) {
     kit_join(triangles, data, "tri_tiled_u8_1.ptx");
     check_refused(1, "tri_tiled_u8_1.ptx|triangle", NULL,
                   ARGUMENTS("render", triangles, "--mesh", cube_obj));
-    check_refused(1, "tri_tiled_u8_1.ptx", NULL, ARGUMENTS("render", triangles));
+    check_refused(1, "tri_tiled_u8_1.ptx|triangle", NULL, ARGUMENTS("render", triangles));
+    check_refused(1, "triangle", NULL, ARGUMENTS("compare", triangles));
+    kit_join(path, data, "cube_u16_rgba.ptx");
+    check_refused(1, "cube_u16_rgba.ptx|no geometry|--mesh FILE.obj", NULL,
+                  ARGUMENTS("render", path));
 
     check_view("{", "bad_view.json");
     check_view("[]", "bad_view.json|object");
@@ -168,11 +185,12 @@ static void check_inputs_refused(void) {
     check_view("{\"scheme\": \"loop\"}", "bad_view.json|loop");
     check_refused(1, "missing.json", NULL,
                   ARGUMENTS("render", cube_ptx, "--view", kit_join(path, inputs, "missing.json")));
-    check_refused(1, "channel", NULL,
-                  ARGUMENTS("render", cube_ptx, "--channel", "3", "-o", "out.png"));
-    check_refused(
-        1, "channel", NULL,
-        ARGUMENTS("render", cube_ptx, "--channel", "1", "--channels", "3", "-o", "out.png"));
+    check_refused(2, "'3'|channels 0 to 2|r, g, b", NULL,
+                  ARGUMENTS("render", cube_ptx, "--channels", "3", "-o", "out.png"));
+    check_refused(2, "'a'|channels 0 to 2", NULL,
+                  ARGUMENTS("render", cube_ptx, "--channels", "r,a", "-o", "out.png"));
+    check_refused(2, "at most 4", NULL,
+                  ARGUMENTS("render", cube_ptx, "--channels", "rgbrg", "-o", "out.png"));
     check_refused(1, "64 samples", NULL,
                   ARGUMENTS("render", cube_ptx, "--msaa", "64", "-o", "out.png"));
 }
@@ -219,12 +237,12 @@ static void check_outputs_refused(void) {
                   ARGUMENTS("render", cube_ptx, "-o", "nowhere/out.png"));
     check_refused(1, "nowhere/out.exr", NULL,
                   ARGUMENTS("render", cube_ptx, "-o", "nowhere/out.exr"));
-    check_refused(1, "inputs", NULL, ARGUMENTS("render", cube_ptx, "-o", inputs));
+    check_refused(2, "inputs", NULL, ARGUMENTS("render", cube_ptx, "-o", inputs));
     REQUIRE(mkdir(kit_join(folder, inputs, "folder.png"), 0777) == 0);
     check_refused(1, "folder.png", NULL, ARGUMENTS("render", cube_ptx, "-o", folder));
     CHECK(kit_count_files(folder) == 0);
-    check_refused(1, "/dev/full", NULL, ARGUMENTS("render", cube_ptx, "-o", "/dev/full"));
-    check_refused(1, "out.jpg|.png", NULL, ARGUMENTS("render", cube_ptx, "-o", "out.jpg"));
+    check_refused(2, "/dev/full", NULL, ARGUMENTS("render", cube_ptx, "-o", "/dev/full"));
+    check_refused(2, "out.jpg|.png", NULL, ARGUMENTS("render", cube_ptx, "-o", "out.jpg"));
     check_refused(1, "nowhere", NULL,
                   ARGUMENTS("compare", cube_ptx, "--quick", "--out", "nowhere/report"));
     check_refused(1, "cube.obj", NULL,
@@ -477,11 +495,17 @@ static void check_verb_help(const char *verb) {
     CHECK(run.code == 0 && !run.err[0] && strstr(run.out, "Usage") && strstr(run.out, "Examples"));
     char *help = strdup(run.out);
     REQUIRE(help);
+    for (const char *line = help; *line; line += strcspn(line, "\n") + 1)
+        CHECK_MSG(strcspn(line, "\n") <= 80, "selvage %s --help: %.*s", verb,
+                  (int)strcspn(line, "\n"), line);
+    CHECK(strstr(help, "\nExit codes: 0 "));
     check_options_taken(verb, help);
     check_examples(verb, help);
     free(help);
     kit_selvage(&scratch, NULL, ARGUMENTS(verb, "-h"), &run);
     CHECK(run.code == 0);
+    kit_selvage(&scratch, NULL, ARGUMENTS("help", verb), &run);
+    CHECK(run.code == 0 && !run.err[0] && strstr(run.out, "Usage"));
 }
 
 static void check_help(void) {

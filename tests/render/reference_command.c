@@ -171,8 +171,8 @@ int main(void) {
     check_pictures();
     check_convergence();
     check_compare();
-    refuse(1, ".exr", ARGUMENTS("reference", ptx, "-o", "out.png"));
-    refuse(1, ".exr", ARGUMENTS("reference", ptx, "--error", "error.png"));
+    refuse(2, ".exr", ARGUMENTS("reference", ptx, "-o", "out.png"));
+    refuse(2, ".exr", ARGUMENTS("reference", ptx, "--error", "error.png"));
     refuse(2, "--samples", ARGUMENTS("reference", ptx, "--samples", "0"));
     refuse(2, "box|mitchell", ARGUMENTS("reference", ptx, "--filter", "gauss"));
     refuse(2, "power of two", ARGUMENTS("reference", ptx, "--tess", "3"));

@@ -82,7 +82,7 @@ static void check_kinds(void) {
     HAS("alpha channel: -1 and 3");
     const char *data = data_folder();
     REQUIRE(data);
-    RUNS(1, "diff '%s/tri_tiled_u8_1.ptx' a.ptx", data);
+    RUNS(2, "diff '%s/tri_tiled_u8_1.ptx' a.ptx", data);
     HAS("triangles cannot be compared with quads");
     RUNS(1, "diff '%s/cube_u16_rgba.ptx' wide.ptx --threads 1 --json", data);
     HAS("\"missing\": true");
@@ -96,10 +96,11 @@ static void check_usage(void) {
     RUNS(2, "diff a.ptx");
     RUNS(2, "diff a.ptx b.ptx c.ptx");
     RUNS(2, "diff a.ptx b.ptx --tolerance -1");
-    RUNS(1, "diff a.ptx missing.ptx");
+    RUNS(2, "diff a.ptx missing.ptx"); /* trouble, as diff(1) has it */
     HAS("selvage: missing.ptx: ");
-    RUNS(1, "diff a.ptx a.ptx >/dev/full");
-    RUNS(1, "diff a.ptx b.ptx --images a.ptx");
+    RUNS(2, "diff a.ptx a.ptx >/dev/full");
+    RUNS(2, "diff a.ptx b.ptx >/dev/full");
+    RUNS(2, "diff a.ptx b.ptx --images a.ptx");
     RUNS(0, "diff --help");
     HAS("Examples:");
 }

@@ -380,7 +380,8 @@ static void check_usage(void) {
     HAS("\"lookups\": [],");
     RUNS(0, "sample --help");
     HAS("Examples:");
-    HAS("FILTER lerp sharpness noedgeblend width blur firstchan nchan faceid u v uw1 vw1 uw2 vw2");
+    HAS("FILTER lerp sharpness noedgeblend width blur firstchan nchan\n  faceid u v uw1 vw1 uw2 "
+        "vw2");
     RUNS(0, "--help");
     HAS("  sample ");
 }

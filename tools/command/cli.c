@@ -1,5 +1,7 @@
 /* Options, messages, interrupts and progress, as all verbs have them. */
 #include "command/cli.h"
+#include "command/numbers.h"
+#include "command/words.h"
 
 #include <selvage/threads.h>
 
@@ -131,41 +133,6 @@ double cli_now(void) {
     return (double)time.tv_sec + (double)time.tv_nsec * 1e-9;
 }
 
-/* Whether `name` is one of the words of "a|b|c"; its index, or -1. */
-static int word_index(const char *words, const char *name, size_t length) {
-    int index = 0;
-    for (const char *word = words; *word; index++) {
-        size_t here = strcspn(word, "|");
-        if (here == length && strncmp(word, name, length) == 0)
-            return index;
-        word += here + (word[here] == '|');
-    }
-    return -1;
-}
-
-static void print_help(const cli_command *command) {
-    printf("selvage %s - %s\n\nUsage: selvage %s %s [options]\n\nOptions:\n", command->name,
-           command->summary, command->name, command->arguments);
-    for (uint32_t i = 0; i < command->noptions; i++) {
-        const cli_option *option = &command->options[i];
-        char left[64];
-        int length = (int)strcspn(option->names, "|");
-        snprintf(left, sizeof left, "%.*s%s%s", length, option->names,
-                 option->kind == CLI_FLAG ? "" : " ",
-                 option->kind == CLI_FLAG                        ? ""
-                 : option->choices && option->kind != CLI_CHOICE ? option->choices
-                 : option->kind == CLI_CHOICE                    ? "WORD"
-                 : option->kind == CLI_SIZE                      ? "WxH"
-                 : option->kind == CLI_COLOR                     ? "R,G,B[,A]"
-                                                                 : "N");
-        printf("  %-22s %s", left, option->help);
-        if (option->kind == CLI_CHOICE)
-            printf(": %s", option->choices);
-        putchar('\n');
-    }
-    printf("  %-22s %s\n\nExamples:\n%s", "--help", "this text", command->examples);
-}
-
 static bool parse_uint(const char *text, uint32_t min, uint32_t max, uint32_t *out,
                        const char **end) {
     char *after;
@@ -178,34 +145,11 @@ static bool parse_uint(const char *text, uint32_t min, uint32_t max, uint32_t *o
     return true;
 }
 
-static bool parse_float(const char *text, float *out, const char **end) {
-    char *after;
-    float value = strtof(text, &after);
-    if (after == text || !isfinite(value))
-        return false;
-    *out = value;
-    *end = after;
-    return true;
-}
-
-static bool parse_color(const char *text, float *out, const char **end) {
-    int count = 0;
-    float color[4] = {0, 0, 0, 1};
-    *end = text;
-    do {
-        if (count)
-            (*end)++;
-        if (!parse_float(*end, &color[count], end))
-            return false;
-    } while (++count < 4 && **end == ',');
-    memcpy(out, color, sizeof color);
-    return count >= 3;
-}
-
 static bool parse_value(const cli_option *option, const char *text) {
     const char *end = text + strlen(text);
     uint32_t *size = option->value;
     cli_list *list = option->value;
+    double number;
     int choice;
     bool good = true;
     switch (option->kind) {
@@ -224,7 +168,9 @@ static bool parse_value(const cli_option *option, const char *text) {
         good = parse_uint(text, option->min, option->max, option->value, &end);
         break;
     case CLI_FLOAT:
-        good = parse_float(text, option->value, &end);
+        good = value_ratio(text, &number, &end) && isfinite((float)number);
+        if (good)
+            *(float *)option->value = (float)number;
         break;
     case CLI_SIZE:
         good = parse_uint(text, option->min, option->max, &size[0], &end);
@@ -233,12 +179,12 @@ static bool parse_value(const cli_option *option, const char *text) {
             good = parse_uint(end + 1, option->min, option->max, &size[1], &end);
         break;
     case CLI_CHOICE:
-        choice = word_index(option->choices, text, strlen(text));
+        choice = words_index(option->choices, text, strlen(text));
         good = choice >= 0;
         *(int *)option->value = choice;
         break;
     case CLI_COLOR:
-        good = parse_color(text, option->value, &end);
+        good = value_color(text, option->value);
         break;
     }
     return good && *end == 0;
@@ -246,9 +192,14 @@ static bool parse_value(const cli_option *option, const char *text) {
 
 static int bad_value(const cli_command *command, const cli_option *option, const char *text) {
     int length = (int)strcspn(option->names, "|");
+    char hint[WORDS_HINT];
     if (option->kind == CLI_CHOICE)
-        return cli_usage(command, "%.*s: unknown word '%s', expected %s", length, option->names,
-                         text, option->choices);
+        return cli_usage(command, "%.*s: unknown word '%s', expected %s%s", length, option->names,
+                         text, option->choices, words_hint(text, option->choices, hint));
+    if (option->kind == CLI_COLOR)
+        return cli_usage(command, "%.*s: '%s' is no colour: expected r,g,b[,a], #rrggbb or %s%s",
+                         length, option->names, text, value_color_names,
+                         words_hint(text, value_color_names, hint));
     if (option->kind == CLI_UINT || option->kind == CLI_SIZE)
         return cli_usage(command, "%.*s: '%s' is not a %s from %u to %u", length, option->names,
                          text, option->kind == CLI_UINT ? "number" : "size", option->min,
@@ -256,51 +207,117 @@ static int bad_value(const cli_command *command, const cli_option *option, const
     return cli_usage(command, "%.*s: cannot read '%s'", length, option->names, text);
 }
 
+static int unknown_option(const cli_command *command, const char *argument) {
+    char names[4096] = "--help", hint[WORDS_HINT];
+    size_t used = strlen(names);
+    for (uint32_t k = 0; k < command->noptions; k++) {
+        size_t more = strlen(command->options[k].names);
+        if (used + more + 2 > sizeof names)
+            break;
+        names[used++] = '|';
+        memcpy(names + used, command->options[k].names, more + 1);
+        used += more;
+    }
+    return cli_usage(command, "unknown option '%s'%s", argument, words_hint(argument, names, hint));
+}
+
+static const cli_option *find_option(const cli_command *command, const char *name, size_t length) {
+    for (uint32_t k = 0; k < command->noptions; k++)
+        if (words_index(command->options[k].names, name, length) >= 0)
+            return &command->options[k];
+    return NULL;
+}
+
+/* Reads the option at argv[*at], and its value, which may be the next one. */
+static int parse_option(const cli_command *command, int argc, char **argv, int *at) {
+    const char *argument = argv[*at], *value = NULL;
+    size_t length = strncmp(argument, "--", 2) == 0 ? strcspn(argument, "=") : strlen(argument);
+    const cli_option *option = find_option(command, argument, length);
+    if (!option)
+        return unknown_option(command, argument);
+    if (argument[length] == '=')
+        value = argument + length + 1;
+    if (option->kind == CLI_FLAG) {
+        if (value)
+            return cli_usage(command, "%.*s takes no value", (int)length, argument);
+        *(bool *)option->value = true;
+    } else {
+        if (!value && *at + 1 < argc)
+            value = argv[++*at];
+        if (!value)
+            return cli_usage(command, "%s needs a value", argument);
+        if (!parse_value(option, value))
+            return bad_value(command, option, value);
+    }
+    if (option->given)
+        *option->given = true;
+    return EXIT_OK;
+}
+
+static bool exists(const char *path) {
+    return access(path, F_OK) == 0;
+}
+
+/* What is written may be named by an option or stand behind the inputs; `extra` is an argument that
+ * no input has taken, or NULL. */
+static int take_output(const cli_command *command, const char *extra) {
+    uint32_t *count = command->npositional;
+    bool many = command->min_arguments < command->max_arguments;
+    if (extra && !command->output)
+        return cli_usage(command, "unexpected argument '%s'", extra);
+    if (!command->output)
+        return EXIT_OK;
+    if (extra && *command->output)
+        return cli_usage(command, "two names for what is written: %s and %s", extra,
+                         *command->output);
+    if (!extra && !*command->output && many && *count > command->min_arguments &&
+        !exists(command->positional[*count - 1]))
+        extra = command->positional[--*count];
+    if (extra && command->output_is_new && exists(extra))
+        return cli_usage(command,
+                         "unexpected argument '%s': it is there already, and only --out "
+                         "writes over what is",
+                         extra);
+    if (extra)
+        *command->output = extra;
+    if (command->output_needed && !*command->output)
+        return cli_usage(command,
+                         "the output is missing: name it behind the inputs, or with --out%s",
+                         many ? " if it exists" : "");
+    return EXIT_OK;
+}
+
 int cli_parse(const cli_command *command, int argc, char **argv) {
     bool only_positional = false;
+    const char *extra = NULL;
     *command->npositional = 0;
     for (int i = 1; i < argc; i++) {
-        const char *argument = argv[i], *value = NULL;
+        const char *argument = argv[i];
+        int code;
         if (only_positional || argument[0] != '-' || !argument[1]) {
-            if (*command->npositional == command->max_arguments)
-                return cli_usage(command, "unexpected argument '%s'", argument);
             if (!argument[0])
                 return cli_usage(command, "an argument is empty, where a name is expected");
-            command->positional[(*command->npositional)++] = argument;
-            continue;
-        }
-        if (strcmp(argument, "--") == 0) {
+            if (*command->npositional < command->max_arguments)
+                command->positional[(*command->npositional)++] = argument;
+            else if (!extra)
+                extra = argument;
+            else
+                return cli_usage(command, "unexpected argument '%s'", argument);
+        } else if (strcmp(argument, "--") == 0) {
             only_positional = true;
-            continue;
-        }
-        if (strcmp(argument, "--help") == 0 || strcmp(argument, "-h") == 0) {
-            print_help(command);
+        } else if (strcmp(argument, "--help") == 0 || strcmp(argument, "-h") == 0) {
+            cli_print_help(command);
             return EXIT_OK;
+        } else if (strcmp(argument, CLI_TABLE_OPTION) == 0) {
+            cli_print_table(command);
+            return EXIT_OK;
+        } else if ((code = parse_option(command, argc, argv, &i))) {
+            return code;
         }
-        size_t length = strncmp(argument, "--", 2) == 0 ? strcspn(argument, "=") : strlen(argument);
-        const cli_option *option = NULL;
-        for (uint32_t k = 0; !option && k < command->noptions; k++)
-            if (word_index(command->options[k].names, argument, length) >= 0)
-                option = &command->options[k];
-        if (!option)
-            return cli_usage(command, "unknown option '%s'", argument);
-        if (argument[length] == '=')
-            value = argument + length + 1;
-        if (option->kind == CLI_FLAG) {
-            if (value)
-                return cli_usage(command, "%.*s takes no value", (int)length, argument);
-            *(bool *)option->value = true;
-        } else {
-            if (!value && i + 1 < argc)
-                value = argv[++i];
-            if (!value)
-                return cli_usage(command, "%s needs a value", argument);
-            if (!parse_value(option, value))
-                return bad_value(command, option, value);
-        }
-        if (option->given)
-            *option->given = true;
     }
+    int code = take_output(command, extra);
+    if (code)
+        return code;
     if (*command->npositional < command->min_arguments)
         return cli_usage(command, "expected %s", command->arguments);
     return -1;
@@ -315,9 +332,10 @@ static cli_progress begin_progress(const char *what, uint64_t total, bool quiet)
                           .busy = ATOMIC_FLAG_INIT};
 }
 
-cli_progress cli_progress_begin(const char *what, uint64_t total, bool quiet) {
+cli_progress cli_progress_begin(const char *what, uint64_t total, bool forced, bool quiet) {
     cli_progress progress = begin_progress(what, total, quiet);
-    if (!quiet && !progress.terminal)
+    progress.quiet = !forced && (quiet || !progress.terminal);
+    if (!progress.quiet && !progress.terminal)
         fprintf(stderr, "%s\n", what);
     return progress;
 }

@@ -13,10 +13,10 @@ typedef enum cli_kind {
     CLI_TEXT,   /* const char * */
     CLI_TEXTS,  /* cli_list: may be given more than once */
     CLI_UINT,   /* uint32_t within min..max */
-    CLI_FLOAT,  /* float, finite */
+    CLI_FLOAT,  /* float, finite; 1/2 is one too */
     CLI_SIZE,   /* uint32_t[2]: WxH or one number */
     CLI_CHOICE, /* int: index into choices, a list "a|b|c" */
-    CLI_COLOR   /* float[4]: r,g,b or r,g,b,a */
+    CLI_COLOR   /* float[4]: r,g,b or r,g,b,a, #rrggbb, or a name */
 } cli_kind;
 
 enum { CLI_LIST_ROOM = 16 };
@@ -40,6 +40,8 @@ typedef struct cli_option {
 } cli_option;
 
 /* Rows that more than one verb has. */
+#define CLI_OUT(value, help, what)                                                                 \
+    { "--out|-o|--output", CLI_TEXT, value, help, what, 0, 0, NULL }
 #define CLI_MESH(value)                                                                            \
     {                                                                                              \
         "--mesh|-m", CLI_TEXT, value, "control mesh; default: the geometry inside the .ptx",       \
@@ -59,18 +61,32 @@ typedef struct cli_option {
 #define CLI_COMPRESSION(value)                                                                     \
     { "--compression", CLI_UINT, value, "1 (fast) to 12 (small)", NULL, 1, 12, NULL }
 
+#define CLI_TYPE(value, help, given)                                                               \
+    { "--type|-t", CLI_CHOICE, value, help, CLI_TYPES, 0, 0, given }
+
 typedef struct cli_command {
     const char *name, *summary, *arguments, *examples;
     const cli_option *options;
     uint32_t noptions;
     uint32_t min_arguments, max_arguments;
-    const char **positional; /* room for max_arguments */
+    const char **positional; /* inputs: room for max_arguments */
     uint32_t *npositional;
+    /* Where the name of what is written goes, if the verb writes: from an option that has it as
+     * its value (CLI_OUT), or from an argument behind the inputs. */
+    const char **output;
+    bool output_needed;
+    bool output_is_new; /* one more argument may be meant as an input: it must not exist yet */
+    const char *reads, *writes; /* in words */
+    const char *exits; /* what exit codes mean; NULL: 0 success, 1 failure, 2 wrong usage */
 } cli_command;
 
 /* Fills the values. Returns -1 to go on, or the exit code: help was asked for, or the usage is
  * wrong. */
 int cli_parse(const cli_command *command, int argc, char **argv);
+/* What `selvage VERB --help` prints, and the verb's part of the table of all verbs. */
+#define CLI_TABLE_OPTION "--help-table"
+void cli_print_help(const cli_command *command);
+void cli_print_table(const cli_command *command);
 /* One line about wrong usage; returns EXIT_USAGE. */
 int cli_usage(const cli_command *command, const char *format, ...)
     __attribute__((format(printf, 2, 3)));
@@ -106,9 +122,9 @@ typedef struct cli_progress {
     atomic_uint_fast64_t done; /* by steps */
     atomic_flag busy;          /* a step is being shown */
 } cli_progress;
-cli_progress cli_progress_begin(const char *what, uint64_t total, bool quiet);
-/* For verbs that scripts use: unless it is `forced`, nothing that is `quiet` or goes anywhere but
- * to a terminal, and nothing in the first moment of the work. Leaves nothing on a terminal. */
+/* Unless it is `forced`, nothing that is `quiet` or goes anywhere but to a terminal. */
+cli_progress cli_progress_begin(const char *what, uint64_t total, bool forced, bool quiet);
+/* The same, and nothing in the first moment of the work. Leaves nothing on a terminal. */
 cli_progress cli_progress_fleeting(const char *what, bool forced, bool quiet);
 void cli_progress_update(cli_progress *progress, uint64_t done);
 /* The same as the callback that libraries take, `user` being the progress; false, to stop, after an

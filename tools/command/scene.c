@@ -53,14 +53,31 @@ static bool find_bounds(const slv_mesh_view *mesh, const char *group, float low[
     return found;
 }
 
+slv_result scene_load_geometry(const slv_env *env, const slv_ptx *ptx, const char *option,
+                               slv_mesh **out) {
+    slv_env silent = *env;
+    silent.log = NULL;
+    slv_result result = slv_ptx_load_mesh(&silent, ptx, out);
+    if (result == SLV_ERROR_UNSUPPORTED)
+        return output_fail(env, result, "%s: holds no geometry: give it with %s", slv_ptx_name(ptx),
+                           option);
+    return result ? slv_ptx_load_mesh(env, ptx, out) : SLV_OK; /* for its message */
+}
+
 slv_result scene_load(const slv_env *env, const scene_params *params, scene_data *out) {
     slv_ptx *ptx = NULL;
     slv_result result;
     memset(out, 0, sizeof *out);
     if ((result = salvage_open(env, params->ptx, params->salvage, &ptx)))
         goto done;
+    if (slv_ptx_get_info(ptx)->mesh_type != SLV_PTX_QUAD) {
+        result = output_fail(env, SLV_ERROR_UNSUPPORTED,
+                             "%s: is a texture of triangles, and only those of quads can be drawn",
+                             params->ptx);
+        goto done;
+    }
     result = params->mesh ? slv_mesh_load(env, cli_input(params->mesh), &out->mesh)
-                          : slv_ptx_load_mesh(env, ptx, &out->mesh);
+                          : scene_load_geometry(env, ptx, "--mesh FILE.obj", &out->mesh);
     if (result || (params->adjacency == 0 && (result = slv_ptx_match_mesh(env, ptx, out->mesh))))
         goto done;
     result = params->adjacency == 1 ? slv_ptx_load_adjacency(env, ptx, &out->adjacency)

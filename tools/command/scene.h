@@ -43,16 +43,58 @@ typedef struct scene {
 } scene_data;
 
 slv_result scene_load(const slv_env *env, const scene_params *params, scene_data *out);
+/* The geometry inside a .ptx; if there is none, says that `option`, "--mesh FILE.obj", gives it. */
+slv_result scene_load_geometry(const slv_env *env, const slv_ptx *ptx, const char *option,
+                               slv_mesh **out);
 void scene_free(scene_data *scene);
 
 /* What the verbs that make one picture ask about the scene and the view of it. */
 typedef struct scene_options {
-    const char *mesh, *view, *focus;
+    const char *mesh, *view, *focus, *channels;
     int scheme, boundary, shading, adjacency;
-    bool scheme_given, boundary_given, shading_given, size_given, orbit_given, salvage;
-    uint32_t size[2], tess, threads, channel, nchannels;
+    bool scheme_given, boundary_given, shading_given, size_given, orbit_given, progress, salvage;
+    uint32_t size[2], tess, threads;
     float azimuth, elevation, fov, background[4];
 } scene_options;
+
+/* Rows that compare has too. */
+#define SCENE_VIEW(kind, value, help)                                                              \
+    { "--view|-v", kind, value, help, "FILE.json", 0, 0, NULL }
+#define SCENE_AZIMUTH(value, help, given)                                                          \
+    { "--azimuth", CLI_FLOAT, value, help, "DEG", 0, 0, given }
+#define SCENE_ELEVATION(value, given)                                                              \
+    { "--elevation", CLI_FLOAT, value, "degrees above the horizon (20)", "DEG", 0, 0, given }
+#define SCENE_FOCUS(value, given)                                                                  \
+    {                                                                                              \
+        "--focus", CLI_TEXT, value,                                                                \
+            "frame this group (g, o) of the OBJ instead of the whole mesh", "GROUP", 0, 0, given   \
+    }
+#define SCENE_FOV(value, given)                                                                    \
+    {                                                                                              \
+        "--fov", CLI_FLOAT, value, "vertical field of view; 0 is orthographic (35)", "DEG", 0, 0,  \
+            given                                                                                  \
+    }
+#define SCENE_SHADING(value, help, given)                                                          \
+    { "--shading", CLI_CHOICE, value, help, SCENE_SHADINGS, 0, 0, given }
+#define SCENE_SCHEME(value, given)                                                                 \
+    { "--scheme", CLI_CHOICE, value, "subdivision scheme (catmark)", SCENE_SCHEMES, 0, 0, given }
+#define SCENE_BOUNDARY(value, help, given)                                                         \
+    { "--boundary", CLI_CHOICE, value, help, SCENE_BOUNDARIES, 0, 0, given }
+#define SCENE_TESS(value)                                                                          \
+    {                                                                                              \
+        "--tess", CLI_UINT, value,                                                                 \
+            "segments per face edge, a power of two (by the size on screen)", NULL, 2, 128, NULL   \
+    }
+#define SCENE_ADJACENCY(value)                                                                     \
+    {                                                                                              \
+        "--adjacency", CLI_CHOICE, value,                                                          \
+            "neighbours: refuse if file and mesh differ (agree), or take the one's",               \
+            SCENE_ADJACENCIES, 0, 0, NULL                                                          \
+    }
+#define SCENE_CONTEXT(value)                                                                       \
+    { "--context", CLI_CHOICE, value, "where OpenGL comes from (auto)", SCENE_CONTEXTS, 0, 0, NULL }
+#define SCENE_ANISO(value, help)                                                                   \
+    { "--aniso", CLI_UINT, value, help, NULL, 1, 16, NULL }
 
 enum { SCENE_OPTION_ROWS = 16 };
 
@@ -71,10 +113,13 @@ typedef struct scene_shot {
     float ka, kd, background[4]; /* colour multiplied by alpha */
 } scene_shot;
 
-/* Loads the view and the scene, and says where the camera stands. scene_free(&out->scene) releases
- * it, after a failure too. */
-slv_result scene_load_shot(const slv_env *env, const char *ptx, const scene_options *options,
-                           scene_shot *out);
+/* Loads the view and the scene, its texture with the channels that are to be shown, and says where
+ * the camera stands. Returns an exit code; scene_free(&out->scene) releases it, after a failure
+ * too. */
+int scene_load_shot(const cli_command *command, const slv_env *env, const char *ptx,
+                    const scene_options *options, scene_shot *out);
+/* One warning that a picture shows nothing but background. */
+void scene_warn_of_nothing(const char *path);
 
 /* Words for options: the names of all strategies; returns `text`. */
 #define SCENE_STRATEGIES_SIZE 512

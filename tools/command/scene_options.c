@@ -1,6 +1,9 @@
 /* The options of the verbs that make one picture, and the view that they ask for. */
+#include "command/lists.h"
+#include "command/output.h"
 #include "command/scene.h"
 
+#include <stdlib.h>
 #include <string.h>
 
 scene_options scene_options_default(void) {
@@ -10,35 +13,29 @@ scene_options scene_options_default(void) {
 void scene_options_rows(scene_options *o, cli_option *out) {
     const cli_option rows[SCENE_OPTION_ROWS] = {
         CLI_MESH(&o->mesh),
-        {"--view|-v", CLI_TEXT, &o->view, "camera, size and shading from a view file", "FILE.json",
-         0, 0, NULL},
-        {"--azimuth", CLI_FLOAT, &o->azimuth,
-         "degrees around the y axis, from +z (30); replaces the view's camera", "DEG", 0, 0,
-         &o->orbit_given},
-        {"--elevation", CLI_FLOAT, &o->elevation, "degrees above the horizon (20)", "DEG", 0, 0,
-         &o->orbit_given},
-        {"--focus", CLI_TEXT, &o->focus,
-         "frame this group (g, o) of the OBJ instead of the whole mesh", "GROUP", 0, 0, NULL},
-        {"--fov", CLI_FLOAT, &o->fov, "vertical field of view; 0 is orthographic (35)", "DEG", 0, 0,
-         &o->orbit_given},
+        SCENE_VIEW(CLI_TEXT, &o->view, "camera, size and shading from a view file"),
+        SCENE_AZIMUTH(&o->azimuth,
+                      "degrees around the y axis, from +z (30); replaces the view's camera, as do "
+                      "the next three",
+                      &o->orbit_given),
+        SCENE_ELEVATION(&o->elevation, &o->orbit_given),
+        SCENE_FOCUS(&o->focus, &o->orbit_given),
+        SCENE_FOV(&o->fov, &o->orbit_given),
         {"--size", CLI_SIZE, o->size, "pixels (512x512, or the view's)", NULL, 1, 16384,
          &o->size_given},
-        {"--scheme", CLI_CHOICE, &o->scheme, "subdivision scheme (catmark)", SCENE_SCHEMES, 0, 0,
-         &o->scheme_given},
-        {"--boundary", CLI_CHOICE, &o->boundary,
-         "boundary rule (the view's, the mesh's, or edge-and-corner)", SCENE_BOUNDARIES, 0, 0,
-         &o->boundary_given},
-        {"--tess", CLI_UINT, &o->tess,
-         "segments per face edge, a power of two (by the size on screen)", NULL, 2, 128, NULL},
-        {"--shading", CLI_CHOICE, &o->shading, "shading (headlight, or the view's)", SCENE_SHADINGS,
-         0, 0, &o->shading_given},
-        {"--background", CLI_COLOR, o->background, "linear colour (transparent)", NULL, 0, 0, NULL},
-        {"--channel", CLI_UINT, &o->channel, "first channel to show (0)", NULL, 0, 65535, NULL},
-        {"--channels", CLI_UINT, &o->nchannels, "how many: 1 is grey (as there are, up to 4)", NULL,
-         1, 4, NULL},
-        {"--adjacency", CLI_CHOICE, &o->adjacency,
-         "neighbours: refuse if file and mesh differ (agree), or take the one's", SCENE_ADJACENCIES,
-         0, 0, NULL},
+        SCENE_SCHEME(&o->scheme, &o->scheme_given),
+        SCENE_BOUNDARY(&o->boundary, "boundary rule (the view's, the mesh's, or edge-and-corner)",
+                       &o->boundary_given),
+        SCENE_TESS(&o->tess),
+        SCENE_SHADING(&o->shading, "shading (headlight, or the view's)", &o->shading_given),
+        {"--background", CLI_COLOR, o->background,
+         "linear r,g,b[,a], #rrggbb or a name (transparent)", NULL, 0, 0, NULL},
+        {"--channels|--channel|-c", CLI_TEXT, &o->channels,
+         "which to show, by name or number: r,g,b or rgb or 0-2; one is grey (as there are, up "
+         "to 4)",
+         "LIST", 0, 0, NULL},
+        SCENE_ADJACENCY(&o->adjacency),
+        CLI_PROGRESS(&o->progress),
         CLI_THREADS(&o->threads),
     };
     memcpy(out, rows, sizeof rows);
@@ -52,13 +49,71 @@ const char *scene_options_problem(const scene_options *o) {
     return NULL;
 }
 
-slv_result scene_load_shot(const slv_env *env, const char *ptx, const scene_options *o,
-                           scene_shot *out) {
-    scene_view view = {0};
-    slv_result result;
-    memset(out, 0, sizeof *out);
-    if (o->view && (result = scene_load_view(env, cli_input(o->view), &view)))
+/* The texture with some of its channels, in the order of the list. */
+static slv_result pick_channels(const slv_env *env, const value_channel *list, uint32_t count,
+                                slv_texture **texture) {
+    const slv_texture_desc *desc = slv_texture_get_desc(*texture);
+    size_t size = slv_type_size(desc->type), most = 1;
+    slv_texture_desc wanted = *desc;
+    slv_texture *picked = NULL;
+    wanted.nchannels = count;
+    wanted.alpha_channel = SLV_NO_ALPHA;
+    for (uint32_t c = 0; c < count; c++)
+        if (desc->alpha_channel >= 0 && list[c].source == desc->alpha_channel)
+            wanted.alpha_channel = (int32_t)c;
+    for (uint32_t f = 0; f < desc->nfaces; f++) {
+        size_t n = slv_texture_is_constant(*texture, f)
+                       ? 1
+                       : (size_t)1 << (desc->res[f].u + desc->res[f].v);
+        most = n > most ? n : most;
+    }
+    unsigned char *texels = malloc(most * count * size);
+    slv_result result =
+        texels ? slv_texture_create(env, &wanted, &picked)
+               : output_fail(env, SLV_ERROR_MEMORY, "no memory for the texels of one face");
+    for (uint32_t f = 0; f < desc->nfaces && !result; f++) {
+        const unsigned char *from = slv_texture_texels(*texture, f);
+        bool constant = slv_texture_is_constant(*texture, f);
+        size_t n = constant ? 1 : (size_t)1 << (desc->res[f].u + desc->res[f].v);
+        for (size_t i = 0; i < n; i++)
+            for (uint32_t c = 0; c < count; c++)
+                memcpy(texels + (i * count + c) * size,
+                       from + (i * desc->nchannels + (uint32_t)list[c].source) * size, size);
+        result = constant ? slv_texture_set_constant(picked, f, texels)
+                          : slv_texture_set_face(picked, f, texels);
+    }
+    free(texels);
+    if (result) {
+        slv_texture_destroy(picked);
         return result;
+    }
+    slv_texture_destroy(*texture);
+    *texture = picked;
+    return SLV_OK;
+}
+
+static int choose_channels(const cli_command *command, const slv_env *env, const char *text,
+                           slv_texture **texture) {
+    const slv_texture_desc *desc = slv_texture_get_desc(*texture);
+    const value_channels file = {desc->nchannels, desc->alpha_channel};
+    value_channel *list = NULL;
+    uint32_t count;
+    int code = value_channel_list(command, "--channels", text, file, false, &list, &count);
+    if (!code && count > 4)
+        code =
+            cli_usage(command, "--channels: '%s' are %u, and at most 4 can be shown", text, count);
+    if (!code && pick_channels(env, list, count, texture))
+        code = EXIT_FAILED;
+    free(list);
+    return code;
+}
+
+int scene_load_shot(const cli_command *command, const slv_env *env, const char *ptx,
+                    const scene_options *o, scene_shot *out) {
+    scene_view view = {0};
+    memset(out, 0, sizeof *out);
+    if (o->view && scene_load_view(env, cli_input(o->view), &view))
+        return EXIT_FAILED;
     scene_params params = {.ptx = ptx,
                            .mesh = o->mesh,
                            .adjacency = o->adjacency,
@@ -75,13 +130,19 @@ slv_result scene_load_shot(const slv_env *env, const char *ptx, const scene_opti
     out->kd = view.kd;
     for (int c = 0; c < 4; c++)
         out->background[c] = c < 3 ? o->background[c] * o->background[3] : o->background[3];
-    if ((result = scene_load(env, &params, &out->scene)))
-        return result;
+    if (scene_load(env, &params, &out->scene))
+        return EXIT_FAILED;
+    int code =
+        o->channels ? choose_channels(command, env, o->channels, &out->scene.texture) : EXIT_OK;
     out->camera = view.has_camera && !o->orbit_given
                       ? scene_view_camera(&view, out->scene.mesh)
                       : slv_camera_orbit(out->scene.bounds_min, out->scene.bounds_max, o->azimuth,
                                          o->elevation, o->fov, (float)size[0] / (float)size[1]);
     out->segments =
         o->tess ? o->tess : slv_tessellation_for(out->scene.mesh, &out->camera, size[0], size[1]);
-    return SLV_OK;
+    return code;
+}
+
+void scene_warn_of_nothing(const char *path) {
+    cli_warning("%s: nothing of the surface is in view", path);
 }

@@ -1,6 +1,7 @@
 /* Reads view files. */
 #include "command/output.h"
 #include "command/scene.h"
+#include "command/words.h"
 
 #include <float.h>
 #include <math.h>
@@ -31,6 +32,22 @@ static bool read_floats(const json_t *array, size_t count, float *out) {
         out[i] = (float)json_number_value(value);
     }
     return true;
+}
+
+/* A field that is none of `known` is most likely a slip, and would be missed without a word. */
+static void warn_of_unknown(const slv_env *env, const char *path, const json_t *object,
+                            const char *known) {
+    const char *key;
+    json_t *value;
+    json_object_foreach((json_t *)(uintptr_t)object, key, value) {
+        char hint[WORDS_HINT], line[256];
+        if (words_index(known, key, strlen(key)) >= 0)
+            continue;
+        snprintf(line, sizeof line, "%.100s: the field '%.40s' is not used%s", path, key,
+                 words_hint(key, known, hint));
+        if (env->log)
+            env->log(env->log_user, SLV_LOG_WARNING, line);
+    }
 }
 
 static slv_result read_camera(const slv_env *env, const char *path, const json_t *root,
@@ -92,11 +109,12 @@ static slv_result read_shading(const slv_env *env, const char *path, const json_
                                scene_view *out) {
     const json_t *shading = json_object_get(root, "shading");
     const char *model = json_string_value(json_object_get(shading, "model"));
+    char hint[WORDS_HINT];
     if (!shading)
         return SLV_OK;
     if (!model || !slv_shading_from_name(model, &out->shading))
-        return bad_view(env, path, "unknown shading model '%s', expected " SCENE_SHADINGS,
-                        model ? model : "");
+        return bad_view(env, path, "unknown shading model '%s', expected " SCENE_SHADINGS "%s",
+                        model ? model : "", words_hint(model ? model : "", SCENE_SHADINGS, hint));
     out->ka = 0.2f;
     out->kd = 0.8f;
     if (!read_weight(shading, "ka", &out->ka) || !read_weight(shading, "kd", &out->kd))
@@ -105,8 +123,12 @@ static slv_result read_shading(const slv_env *env, const char *path, const json_
     return SLV_OK;
 }
 
+#define BOUNDARIES "edge-only|edge-and-corner|none"
+#define SCHEMES "catmull-clark|bilinear"
+
 static slv_result read_surface(const slv_env *env, const char *path, const json_t *root,
                                scene_view *out) {
+    char hint[WORDS_HINT];
     const json_t *boundary_value = json_object_get(root, "boundary"),
                  *scheme_value = json_object_get(root, "scheme");
     const char *boundary = json_string_value(boundary_value),
@@ -120,14 +142,14 @@ static slv_result read_surface(const slv_env *env, const char *path, const json_
     else if (boundary && strcmp(boundary, "none") == 0)
         out->boundary = SLV_BOUNDARY_NONE;
     else if (boundary)
-        return bad_view(env, path, "unknown boundary '%s', expected edge-only|edge-and-corner|none",
-                        boundary);
+        return bad_view(env, path, "unknown boundary '%s', expected " BOUNDARIES "%s", boundary,
+                        words_hint(boundary, BOUNDARIES, hint));
     out->has_scheme = scheme != NULL;
     if (!scheme || strcmp(scheme, "catmull-clark") == 0 || strcmp(scheme, "catmark") == 0)
         return SLV_OK;
     if (strcmp(scheme, "bilinear") != 0)
-        return bad_view(env, path, "scheme '%s' is not supported, expected catmull-clark|bilinear",
-                        scheme);
+        return bad_view(env, path, "scheme '%s' is not supported, expected " SCHEMES "%s", scheme,
+                        words_hint(scheme, SCHEMES, hint));
     out->scheme = SLV_SCHEME_BILINEAR;
     return SLV_OK;
 }
@@ -159,6 +181,11 @@ slv_result scene_load_view(const slv_env *env, const char *path, scene_view *out
     slv_free(text);
     if (!root)
         return bad_view(env, path, "line %d: %s", error.line, error.text);
+    if (json_is_object(root)) {
+        warn_of_unknown(env, path, root,
+                        "size|world_to_camera|projection|screen_window|shading|scheme|boundary");
+        warn_of_unknown(env, path, json_object_get(root, "shading"), "model|ka|kd");
+    }
     if (!json_is_object(root))
         result = bad_view(env, path, "not a JSON object");
     else if (!(result = read_size(env, path, root, out)) &&

@@ -1,6 +1,7 @@
 /* The verb compare: its options, and the order of what it does. */
 #include "compare/compare.h"
 #include "command/output.h"
+#include "command/words.h"
 #include "compare/engine/experiment.h"
 #include "compare/report/report_files.h"
 #include "verbs.h"
@@ -18,7 +19,7 @@ struct compare {
     const char *mesh, *out, *strategies, *focus, *msaa, *references;
     cli_list views;
     int scheme, boundary, shading, context, adjacency;
-    bool quick, quiet, resume, compress, size_given, frames_given, reference_frames_given,
+    bool quick, quiet, progress, resume, compress, size_given, frames_given, reference_frames_given,
         samples_given;
     uint32_t size[2], aniso, frames, tess, threads, samples, accumulate, reference_frames;
     float azimuth, elevation, fov, orbit, tilt, dolly;
@@ -90,7 +91,7 @@ static bool report_stage(void *user, uint64_t done, uint64_t total) {
     if (!s->shows) {
         if (goes_on)
             snprintf(s->title, sizeof s->title, "measuring the other %u frames", (uint32_t)total);
-        s->shown = cli_progress_begin(s->title, total, s->options->quiet);
+        s->shown = cli_progress_begin(s->title, total, s->options->progress, s->options->quiet);
         s->shows = true;
     } else if (done) {
         cli_progress_update(&s->shown, done);
@@ -386,9 +387,10 @@ static const char *problem(const struct compare *o, report_data *report) {
 }
 
 static int unknown_strategy(const cli_command *command, const char *word) {
-    char names[SCENE_STRATEGIES_SIZE];
-    return cli_usage(command, "--strategies: unknown strategy '%s', expected some of %s", word,
-                     scene_strategies(names, sizeof names));
+    char names[SCENE_STRATEGIES_SIZE], hint[WORDS_HINT];
+    scene_strategies(names, sizeof names);
+    return cli_usage(command, "--strategies: unknown strategy '%s', expected some of %s%s", word,
+                     names, words_hint(word, names, hint));
 }
 
 /* What is left out if nothing is said. */
@@ -409,8 +411,8 @@ static const char *default_strategies(char *text, size_t size) {
 
 /* More than 80 lines because its table has a row for each option, and reads best in one piece. */
 int verb_compare(int argc, char **argv) {
-    struct compare o = {.out = "selvage-report",
-                        .aniso = 16,
+    const char *out = NULL;
+    struct compare o = {.aniso = 16,
                         .accumulate = 1,
                         .elevation = 20,
                         .azimuth = 30,
@@ -421,16 +423,17 @@ int verb_compare(int argc, char **argv) {
     char left_out[SCENE_STRATEGIES_SIZE];
     const cli_option options[] = {
         CLI_MESH(&o.mesh),
-        {"--out|-o|--output", CLI_TEXT, &o.out,
-         "folder for report.html, report.json, tables and pictures (selvage-report)", "DIR", 0, 0,
-         NULL},
+        CLI_OUT(&out,
+                "folder for report.html, report.json, tables and pictures "
+                "(selvage-report)",
+                "DIR"),
         {"--strategies|-s", CLI_TEXT, &o.strategies, default_strategies(left_out, sizeof left_out),
          "LIST", 0, 0, NULL},
         {"--frames", CLI_UINT, &o.frames, "frames of the orbit (60, quick 9)", NULL, 1, 100000,
          &o.frames_given},
-        {"--view|-v", CLI_TEXTS, &o.views,
-         "also measure the camera of this view file, beside the orbit; may be given again",
-         "FILE.json", 0, 0, NULL},
+        SCENE_VIEW(CLI_TEXTS, &o.views,
+                   "also measure the camera of this view file, beside the orbit; may be given "
+                   "again"),
         {"--resume", CLI_FLAG, &o.resume, "go on with a run that was stopped", NULL, 0, 0, NULL},
         {"--size", CLI_SIZE, o.size, "pixels (960x540, quick 480x270)", NULL, 48, 16384,
          &o.size_given},
@@ -439,32 +442,23 @@ int verb_compare(int argc, char **argv) {
         {"--accumulate", CLI_UINT, &o.accumulate,
          "make rates the driver lacks by averaging at most this many shifted pictures (1)", NULL, 1,
          64, NULL},
-        {"--aniso", CLI_UINT, &o.aniso, "anisotropy, 1 (trilinear) to 16 (16)", NULL, 1, 16, NULL},
+        SCENE_ANISO(&o.aniso, "anisotropy, 1 (trilinear) to 16 (16)"),
         {"--compress", CLI_FLAG, &o.compress,
          "8-bit textures: also drawn from blocks on the GPU (BC1 and its kin)", NULL, 0, 0, NULL},
-        {"--azimuth", CLI_FLOAT, &o.azimuth, "where the orbit starts, degrees from +z (30)", "DEG",
-         0, 0, NULL},
+        SCENE_AZIMUTH(&o.azimuth, "where the orbit starts, degrees from +z (30)", NULL),
         {"--orbit", CLI_FLOAT, &o.orbit, "how far it goes (360)", "DEG", 0, 0, NULL},
-        {"--elevation", CLI_FLOAT, &o.elevation, "degrees above the horizon (20)", "DEG", 0, 0,
-         NULL},
+        SCENE_ELEVATION(&o.elevation, NULL),
         {"--tilt", CLI_FLOAT, &o.tilt, "how far the elevation swings (15)", "DEG", 0, 0, NULL},
         {"--dolly", CLI_FLOAT, &o.dolly,
          "how many times nearer and further the camera goes than where it frames the mesh (2.5)",
          "X", 0, 0, NULL},
-        {"--focus", CLI_TEXT, &o.focus,
-         "frame this group (g, o) of the OBJ instead of the whole mesh", "GROUP", 0, 0, NULL},
-        {"--fov", CLI_FLOAT, &o.fov, "vertical field of view; 0 is orthographic (35)", "DEG", 0, 0,
-         NULL},
-        {"--shading", CLI_CHOICE, &o.shading, "shading (headlight)", SCENE_SHADINGS, 0, 0, NULL},
-        {"--scheme", CLI_CHOICE, &o.scheme, "subdivision scheme (catmark)", SCENE_SCHEMES, 0, 0,
-         NULL},
-        {"--boundary", CLI_CHOICE, &o.boundary, "boundary rule (the mesh's, or edge-and-corner)",
-         SCENE_BOUNDARIES, 0, 0, NULL},
-        {"--tess", CLI_UINT, &o.tess,
-         "segments per face edge, a power of two (by the size on screen)", NULL, 2, 128, NULL},
-        {"--adjacency", CLI_CHOICE, &o.adjacency,
-         "neighbours: refuse if file and mesh differ (agree), or take the one's", SCENE_ADJACENCIES,
-         0, 0, NULL},
+        SCENE_FOCUS(&o.focus, NULL),
+        SCENE_FOV(&o.fov, NULL),
+        SCENE_SHADING(&o.shading, "shading (headlight)", NULL),
+        SCENE_SCHEME(&o.scheme, NULL),
+        SCENE_BOUNDARY(&o.boundary, "boundary rule (the mesh's, or edge-and-corner)", NULL),
+        SCENE_TESS(&o.tess),
+        SCENE_ADJACENCY(&o.adjacency),
         {"--reference", CLI_TEXT, &o.references,
          "what pictures are held against (raycast): none, or some of "
          "raycast,mitchell,supersampled",
@@ -475,31 +469,34 @@ int verb_compare(int argc, char **argv) {
         {"--reference-samples", CLI_UINT, &o.samples, "rays per pixel (256, quick 64)", NULL, 2,
          SLV_REFERENCE_MAX_SAMPLES, &o.samples_given},
         {"--quick", CLI_FLAG, &o.quick, "fewer frames, smaller pictures", NULL, 0, 0, NULL},
-        {"--context", CLI_CHOICE, &o.context, "where OpenGL comes from (auto)", SCENE_CONTEXTS, 0,
-         0, NULL},
+        SCENE_CONTEXT(&o.context),
+        CLI_PROGRESS(&o.progress),
         CLI_THREADS(&o.threads),
         CLI_QUIET(&o.quiet, "no progress, no table"),
     };
     const cli_command command = {
         .name = "compare",
         .summary = "measure the seam strategies against each other on one camera orbit",
-        .arguments = "FILE.ptx",
+        .arguments = "FILE.ptx [DIR]",
+        .reads = "a texture of quads; a mesh and view files if they are named",
+        .writes = "a folder: report.html, report.json, frames.jsonl, tables and pictures",
         .examples =
             "  selvage compare scene.ptx --mesh scene.obj --out report\n"
-            "  selvage compare teapot.ptx --quick --strategies clamp,traverse,discard --msaa 2\n"
-            "  selvage compare scene.ptx --frames 1000 --reference raycast,mitchell,supersampled "
-            "\\\n"
+            "  selvage compare teapot.ptx --quick --strategies clamp,traverse --msaa 2\n"
+            "  selvage compare scene.ptx --frames 1000 --reference raycast,supersampled \\\n"
             "    --reference-frames 1000 --accumulate 8 --resume\n",
         .options = options,
         .noptions = sizeof options / sizeof *options,
         .min_arguments = 1,
         .max_arguments = 1,
         .positional = o.arguments,
-        .npositional = &o.narguments};
+        .npositional = &o.narguments,
+        .output = &out};
     char word[32] = "";
     int code = cli_parse(&command, argc, argv);
     if (code >= 0)
         return code;
+    o.out = out ? out : "selvage-report";
     report_data *report = calloc(1, sizeof *report);
     if (!report)
         return cli_error("out of memory");

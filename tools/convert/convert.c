@@ -128,21 +128,22 @@ int verb_convert(int argc, char **argv) {
     const char *paths[2] = {NULL, NULL};
     uint32_t narguments = 0;
     const cli_option options[] = {
-        {"--type|-t", CLI_CHOICE, &o.type, "data type (the source's)", CLI_TYPES, 0, 0,
-         &o.type_given},
-        {"--channels|-c", CLI_TEXT, &o.channels,
-         "channels of the result, each one of the source's or a value: 2,1,0,=1", "LIST", 0, 0,
-         NULL},
+        CLI_OUT(&paths[1], "what to write", "OUT"),
+        CLI_TYPE(&o.type, "data type (the source's)", &o.type_given),
+        {"--channels|--channel|-c", CLI_TEXT, &o.channels,
+         "channels of the result, each one of the source's by name or number, or a value: b,g,r "
+         "or 0-2,=1",
+         "LIST", 0, 0, NULL},
         {"--alpha", CLI_TEXT, &o.alpha, "which channel of the result is alpha, or none", "N", 0, 0,
          NULL},
         {"--premultiply", CLI_FLAG, &o.premultiply, "multiply colours by alpha", NULL, 0, 0, NULL},
         {"--unmultiply", CLI_FLAG, &o.unmultiply, "divide colours by alpha", NULL, 0, 0, NULL},
-        {"--scale", CLI_TEXT, &o.scale, "resize every face: 2, 1/2, 1/8", "X", 0, 0, NULL},
+        {"--scale", CLI_TEXT, &o.scale, "resize every face: 2, 1/2 or 0.5, 1/8", "X", 0, 0, NULL},
         {"--max", CLI_SIZE, o.max, "no face larger than this", NULL, 1, 1u << SLV_MAX_LOG2_RES,
          &o.max_given},
         {"--min", CLI_SIZE, o.min, "no face smaller than this", NULL, 1, 1u << SLV_MAX_LOG2_RES,
          &o.min_given},
-        {"--res", CLI_TEXT, &o.res, "sizes of single faces: 12=64x64,13=8", "LIST", 0, 0, NULL},
+        {"--res", CLI_TEXT, &o.res, "sizes of single faces: 12=64x64,13-20=8", "LIST", 0, 0, NULL},
         {"--border", CLI_CHOICE, &o.border, "border mode in u and v", "clamp|black|periodic", 0, 0,
          &o.border_given},
         {"--border-u", CLI_CHOICE, &o.border_u, "border mode in u", "clamp|black|periodic", 0, 0,
@@ -168,7 +169,9 @@ int verb_convert(int argc, char **argv) {
     const cli_command command = {
         .name = "convert",
         .summary = "change type, channels or size of a .ptx; images in and out",
-        .arguments = "IN.ptx|FOLDER|INDEX.json OUT.ptx|FOLDER|SHEET.png|SHEET.exr",
+        .arguments = "IN.ptx|FOLDER|INDEX.json OUT.ptx|FOLDER|SHEET.png|SHEET.exr|-o OUT",
+        .reads = "a texture, or images with their index; a mesh if it is named",
+        .writes = "a texture; or images with their index: a folder, or a sheet, PNG or EXR",
         .examples =
             "  selvage convert teapot.ptx small.ptx --scale 1/2 --max 64 --type half\n"
             "  selvage convert rgba.ptx bgr.ptx --channels 2,1,0\n"
@@ -177,10 +180,12 @@ int verb_convert(int argc, char **argv) {
             "  selvage convert teapot.ptx sheet.exr && selvage convert sheet.json again.ptx\n",
         .options = options,
         .noptions = sizeof options / sizeof *options,
-        .min_arguments = 2,
-        .max_arguments = 2,
+        .min_arguments = 1,
+        .max_arguments = 1,
         .positional = paths,
-        .npositional = &narguments};
+        .npositional = &narguments,
+        .output = &paths[1],
+        .output_needed = true};
     int code = cli_parse(&command, argc, argv);
     if (code >= 0)
         return code;

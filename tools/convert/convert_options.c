@@ -1,6 +1,9 @@
 /* Reads what the options of convert say about channels and sizes, which depends on the source. */
 #include "convert/convert_options.h"
 
+#include "command/lists.h"
+#include "command/numbers.h"
+
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -13,47 +16,40 @@ static int log2_of(unsigned long long size) {
     return -1;
 }
 
-static int parse_channels(const cli_command *command, const char *text, convert_request *request) {
-    uint32_t count = 1, have = request->source->nchannels;
-    for (const char *at = text; *at; at++)
-        count += *at == ',';
-    if (count > 65535)
-        return cli_usage(command, "--channels: more than 65535");
-    request->channels = calloc(count, sizeof *request->channels);
-    if (!request->channels)
-        return cli_error("no memory for %u channels", count);
-    for (uint32_t i = 0; i < count; i++) {
-        bool value = *text == '=';
-        char *end;
-        slv_exchange_channel *channel = &request->channels[i];
-        if (value) {
-            channel->source = -1;
-            channel->value = strtof(text + 1, &end);
-        } else {
-            unsigned long index = strtoul(text, &end, 10);
-            if (*text < '0' || *text > '9' || index >= have)
-                return cli_usage(command, "--channels: '%s': the file has channels 0 to %u", text,
-                                 have - 1);
-            channel->source = (int32_t)index;
-        }
-        if (end == text + value || (*end && *end != ',') || !isfinite(channel->value))
-            return cli_usage(command, "--channels: cannot read '%s'", text);
-        text = end + (*end == ',');
-    }
-    request->params.channels = request->channels;
-    request->params.nchannels = count;
-    return EXIT_OK;
+static value_channels channels_of(const convert_request *request) {
+    return (value_channels){request->source->nchannels, request->source->alpha_channel};
 }
 
+static int parse_channels(const cli_command *command, const char *text, convert_request *request) {
+    value_channel *list = NULL;
+    uint32_t count;
+    int code =
+        value_channel_list(command, "--channels", text, channels_of(request), true, &list, &count);
+    if (!code && !(request->channels = calloc(count, sizeof *request->channels)))
+        code = cli_error("no memory for %u channels", count);
+    for (uint32_t i = 0; i < count && !code; i++)
+        request->channels[i] = (slv_exchange_channel){list[i].source, list[i].value};
+    free(list);
+    request->params.channels = request->channels;
+    request->params.nchannels = count;
+    return code;
+}
+
+/* A channel of the result: its number, or what the source calls the channel that is there. */
 static int parse_alpha(const cli_command *command, const char *text, convert_request *request) {
     char *end;
     uint32_t have = request->channels ? request->params.nchannels : request->source->nchannels;
+    bool number = *text >= '0' && *text <= '9';
     request->params.changes |= SLV_EXCHANGE_ALPHA;
     request->params.alpha_channel = SLV_NO_ALPHA;
     if (strcmp(text, "none") == 0)
         return EXIT_OK;
-    unsigned long index = strtoul(text, &end, 10);
-    if (*text < '0' || *text > '9' || *end || index >= have)
+    unsigned long index = number ? strtoul(text, &end, 10) : have;
+    int32_t named = number ? -1 : value_channel_find(text, strlen(text), channels_of(request));
+    for (uint32_t i = have; i-- > 0 && named >= 0;)
+        if ((request->channels ? request->channels[i].source : (int32_t)i) == named)
+            index = i;
+    if ((number && *end) || index >= have)
         return cli_usage(command, "--alpha: '%s' is neither none nor a channel from 0 to %u", text,
                          have - 1);
     request->params.alpha_channel = (int32_t)index;
@@ -61,14 +57,14 @@ static int parse_alpha(const cli_command *command, const char *text, convert_req
 }
 
 static int parse_scale(const cli_command *command, const char *text, convert_request *request) {
-    char *end;
-    bool smaller = strncmp(text, "1/", 2) == 0;
-    const char *number = text + (smaller ? 2 : 0);
-    int log2 = log2_of(strtoull(number, &end, 10));
-    if (*number < '0' || *number > '9' || *end || log2 < 0)
-        return cli_usage(command, "--scale: '%s' is not a power of two such as 2, 1/2 or 1/8",
+    const char *end;
+    double scale;
+    int exponent;
+    if (!value_ratio(text, &scale, &end) || *end || !(scale > 0) ||
+        frexp(scale, &exponent) != 0.5 || abs(exponent - 1) > SLV_MAX_LOG2_RES)
+        return cli_usage(command, "--scale: '%s' is not a power of two such as 2, 0.5 or 1/8",
                          text);
-    request->params.scale_log2 = smaller ? -log2 : log2;
+    request->params.scale_log2 = exponent - 1;
     return EXIT_OK;
 }
 
@@ -91,37 +87,60 @@ static int compare_faces(const void *left, const void *right) {
     return (a->face > b->face) - (a->face < b->face);
 }
 
-/* FACE=WxH,FACE=W,... */
+/* One item of --res, FACE=WxH or FIRST-LAST=W. */
+typedef struct res_item {
+    uint64_t first, last;
+    slv_res res;
+} res_item;
+
+static int parse_res_item(const cli_command *command, const char **at, const convert_request *r,
+                          res_item *out) {
+    const char *text = *at;
+    char *end;
+    if (!value_range_read(at, &out->first, &out->last) || **at != '=' ||
+        out->last >= r->source->nfaces)
+        return cli_usage(command, "--res: '%s': expected FACE=WxH with faces 0 to %u", text,
+                         r->source->nfaces - 1);
+    int u = log2_of(strtoull(*at + 1, &end, 10)), v = u;
+    if (*end == 'x')
+        v = log2_of(strtoull(end + 1, &end, 10));
+    if (u < 0 || v < 0 || (*end && *end != ','))
+        return cli_usage(command, "--res: '%s': sizes are powers of two up to %u", text,
+                         1u << SLV_MAX_LOG2_RES);
+    if (r->source->mesh_type == SLV_PTX_TRIANGLE && u != v)
+        return cli_usage(command, "--res: face %llu is a triangle, which is square",
+                         (unsigned long long)out->first);
+    out->res = (slv_res){(int8_t)u, (int8_t)v};
+    *at = end + (*end == ',');
+    return EXIT_OK;
+}
+
+/* FACE=WxH,FIRST-LAST=W,...: counted first, then written down. */
 static int parse_res(const cli_command *command, const char *text, convert_request *request) {
-    uint32_t count = 1;
-    for (const char *at = text; *at; at++)
-        count += *at == ',';
-    slv_exchange_face_res *list = request->face_res = calloc(count, sizeof *list);
-    if (!list)
-        return cli_error("no memory for %u sizes", count);
-    for (uint32_t i = 0; i < count; i++) {
-        char *end;
-        unsigned long face = strtoul(text, &end, 10);
-        if (*text < '0' || *text > '9' || *end != '=' || face >= request->source->nfaces)
-            return cli_usage(command, "--res: '%s': expected FACE=WxH with faces 0 to %u", text,
-                             request->source->nfaces - 1);
-        int u = log2_of(strtoull(end + 1, &end, 10)), v = u;
-        if (*end == 'x')
-            v = log2_of(strtoull(end + 1, &end, 10));
-        if (u < 0 || v < 0 || (*end && *end != ','))
-            return cli_usage(command, "--res: '%s': sizes are powers of two up to %u", text,
-                             1u << SLV_MAX_LOG2_RES);
-        if (request->source->mesh_type == SLV_PTX_TRIANGLE && u != v)
-            return cli_usage(command, "--res: face %lu is a triangle, which is square", face);
-        list[i] = (slv_exchange_face_res){(uint32_t)face, {(int8_t)u, (int8_t)v}};
-        text = end + (*end == ',');
+    uint64_t count = 0;
+    res_item item;
+    for (const char *at = text; !count || *at; count += item.last - item.first + 1) {
+        int code = parse_res_item(command, &at, request, &item);
+        if (code)
+            return code;
+        if (count > request->source->nfaces)
+            return cli_usage(command, "--res: '%s': there are faces twice", text);
     }
-    qsort(list, count, sizeof *list, compare_faces);
-    for (uint32_t i = 1; i < count; i++)
+    slv_exchange_face_res *list = request->face_res = calloc((size_t)count, sizeof *list);
+    if (!list)
+        return cli_error("no memory for %llu sizes", (unsigned long long)count);
+    uint32_t n = 0;
+    for (const char *at = text; n < count;) {
+        parse_res_item(command, &at, request, &item);
+        for (uint64_t face = item.first; face <= item.last; face++)
+            list[n++] = (slv_exchange_face_res){(uint32_t)face, item.res};
+    }
+    qsort(list, n, sizeof *list, compare_faces);
+    for (uint32_t i = 1; i < n; i++)
         if (list[i].face == list[i - 1].face)
             return cli_usage(command, "--res: face %u is there twice", list[i].face);
     request->params.face_res = list;
-    request->params.nface_res = count;
+    request->params.nface_res = n;
     return EXIT_OK;
 }
 

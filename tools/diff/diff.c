@@ -119,12 +119,15 @@ failed:
     return NULL;
 }
 
+/* As diff(1) has it. */
+enum { EXIT_DIFFERENT = 1, EXIT_TROUBLE = 2 };
+
 static int run_diff(struct diff *d) {
     slv_env env = cli_env(d->threads);
     cli_progress progress = cli_progress_fleeting("diff", d->progress, d->quiet || d->json);
     slv_ptx_diff_params params = {.tolerance = d->tolerance,
                                   .progress = {cli_progress_report, &progress}};
-    int code = EXIT_FAILED;
+    int code = EXIT_TROUBLE;
     d->largest_face = -1;
     if (d->images && output_try_folder(&env, d->images))
         goto done;
@@ -152,10 +155,11 @@ static int run_diff(struct diff *d) {
         print_diff(d);
     if (d->json && output_print_json(d->paths[0], diff_json(d)))
         goto done;
-    code = d->equal ? EXIT_OK : EXIT_FAILED;
+    /* an answer that cannot be written is no answer */
+    code = fflush(stdout) || ferror(stdout) ? EXIT_TROUBLE : d->equal ? EXIT_OK : EXIT_DIFFERENT;
     for (int i = 0; i < 2; i++)
-        if (salvage_tell(d->files[i]))
-            code = EXIT_FAILED;
+        if (salvage_tell(d->files[i]) && !code)
+            code = EXIT_DIFFERENT;
 done:
     cli_progress_end(&progress);
     for (int i = 0; i < 2; i++)
@@ -175,8 +179,8 @@ int verb_diff(int argc, char **argv) {
          "how far two values may differ, integers as 0..1 (0)", "X", 0, 0, NULL},
         {"--texels", CLI_FLAG, &d.texels,
          "texels only: types, sizes, neighbours and metadata may differ", NULL, 0, 0, NULL},
-        {"--images|-i", CLI_TEXT, &d.images, "a folder for a picture of every face that differs",
-         "FOLDER", 0, 0, NULL},
+        {"--images|-i|--out|-o|--output", CLI_TEXT, &d.images,
+         "a folder for a picture of every face that differs", "FOLDER", 0, 0, NULL},
         {"--format", CLI_CHOICE, &d.format,
          "png (16 bit, the largest difference white) or exr (the differences themselves) (png)",
          "png|exr", 0, 0, NULL},
@@ -190,7 +194,10 @@ int verb_diff(int argc, char **argv) {
     const cli_command command = {
         .name = "diff",
         .summary = "say which faces of two .ptx files differ, how much and where",
-        .arguments = "A.ptx B.ptx",
+        .arguments = "A.ptx B.ptx [FOLDER|-o FOLDER]",
+        .reads = "two textures",
+        .writes = "a folder of pictures if it is named; as an argument it must not exist yet",
+        .exits = "0 equal, 1 different, 2 trouble or wrong usage",
         .examples = "  selvage diff before.ptx after.ptx\n"
                     "  selvage diff teapot.ptx teapot16.ptx --texels --tolerance 0.002\n"
                     "  selvage diff before.ptx after.ptx --images differences --format exr\n"
@@ -200,7 +207,9 @@ int verb_diff(int argc, char **argv) {
         .min_arguments = 2,
         .max_arguments = 2,
         .positional = d.paths,
-        .npositional = &narguments};
+        .npositional = &narguments,
+        .output = &d.images,
+        .output_is_new = true};
     int code = cli_parse(&command, argc, argv);
     if (code >= 0)
         return code;

@@ -51,8 +51,8 @@ int verb_info(int argc, char **argv) {
         {"--faces|-f", CLI_FLAG, &o.faces, "also list every face: size, flags, neighbours", NULL, 0,
          0, NULL},
         {"--meta", CLI_FLAG, &o.meta, "also show the metadata's values (.ptx)", NULL, 0, 0, NULL},
-        {"--sheet|-s", CLI_TEXT, &o.sheet, "also write a picture of all faces, each in a cell",
-         "OUT.png|.exr", 0, 0, NULL},
+        {"--sheet|-s|--out|-o|--output", CLI_TEXT, &o.sheet,
+         "also write a picture of all faces, each in a cell", "OUT.png|.exr", 0, 0, NULL},
         {"--sheet-faces", CLI_TEXT, &o.sheet_faces, "draw these only: 0-99,250", "LIST", 0, 0,
          NULL},
         {"--cell", CLI_UINT, &o.cell, "pixels of a cell's side (so that all faces fit)", NULL, 1,
@@ -60,12 +60,14 @@ int verb_info(int argc, char **argv) {
         {"--encoding", CLI_CHOICE, &o.encoding,
          "of a PNG: values as they stand, or through the sRGB curve (raw, srgb for half and float)",
          "srgb|raw", 0, 0, &o.encoding_given},
-        {"--progress", CLI_FLAG, &o.progress, "say on stderr how far the sheet is, terminal or not",
-         NULL, 0, 0, NULL},
+        CLI_PROGRESS(&o.progress),
     };
     const cli_command command = {.name = "info",
                                  .summary = "say what a .ptx or a mesh holds",
-                                 .arguments = "FILE.ptx|FILE.obj|FILE.ply",
+                                 .arguments = "FILE.ptx|FILE.obj|FILE.ply [SHEET|-o SHEET]",
+                                 .reads = "a texture or a mesh",
+                                 .writes = "a picture of its faces if it is named, PNG or EXR; as "
+                                           "an argument it must not exist yet",
                                  .examples = "  selvage info teapot.ptx\n"
                                              "  selvage info teapot.ptx --meta --faces\n"
                                              "  selvage info teapot.ptx --sheet faces.png\n"
@@ -75,7 +77,9 @@ int verb_info(int argc, char **argv) {
                                  .min_arguments = 1,
                                  .max_arguments = 1,
                                  .positional = &path,
-                                 .npositional = &narguments};
+                                 .npositional = &narguments,
+                                 .output = &o.sheet,
+                                 .output_is_new = true};
     int code = cli_parse(&command, argc, argv);
     if (code >= 0)
         return code;

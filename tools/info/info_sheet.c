@@ -1,24 +1,18 @@
 /* A picture of all faces of a .ptx, each in a cell. */
 #include "info/info.h"
 
+#include "command/lists.h"
+
 #include <stdlib.h>
-#include <string.h>
-#include <strings.h>
 
 /* 4096 x 8192 pixels of four floats are 512 MiB. */
 enum { MAX_WIDTH = 4096, MAX_HEIGHT = 8192, LARGEST_CELL = 256, GAPS_FROM = 8 };
-
-struct range {
-    uint32_t first, last;
-};
 
 struct sheet {
     const slv_ptx *ptx; /* premultiplied */
     const slv_ptx_info *info;
     slv_ptx_reader *reader;
-    struct range *ranges;
-    uint32_t nranges;
-    uint64_t nfaces;          /* in the ranges */
+    value_ranges faces;       /* to be drawn */
     uint32_t cell, gap, log2; /* log2 of the longer side of a face's picture */
     uint32_t columns, rows, shown;
     uint32_t ncolors; /* channels that are drawn as colours */
@@ -27,54 +21,6 @@ struct sheet {
     void *texels;
     float *values;
 };
-
-static bool ends_with(const char *path, const char *extension) {
-    size_t length = strlen(path), wanted = strlen(extension);
-    return length > wanted && strcasecmp(path + length - wanted, extension) == 0;
-}
-
-static bool parse_face(const char **at, uint64_t *out) {
-    bool good = **at >= '0' && **at <= '9';
-    char *end;
-    *out = strtoull(*at, &end, 10);
-    *at = end;
-    return good;
-}
-
-static int parse_ranges(const cli_command *command, const char *text, struct sheet *s) {
-    uint32_t count = 1;
-    for (const char *at = text; at && *at; at++)
-        count += *at == ',';
-    s->ranges = calloc(count, sizeof *s->ranges);
-    if (!s->ranges)
-        return cli_error("no memory for a list of %u faces", count);
-    if (!text) {
-        s->nranges = s->info->nfaces > 0;
-        s->nfaces = s->info->nfaces;
-        s->ranges[0].last = s->info->nfaces - s->nranges;
-        return EXIT_OK;
-    }
-    for (const char *at = text; s->nranges < count; at++) {
-        struct range *range = &s->ranges[s->nranges++];
-        uint64_t first, last;
-        bool good = parse_face(&at, &first);
-        last = first;
-        if (good && *at == '-') {
-            at++;
-            good = parse_face(&at, &last) && last >= first;
-        }
-        if (!good || (*at && *at != ','))
-            return cli_usage(command, "--sheet-faces: '%s' is not a list such as 0-99,250", text);
-        if (!s->info->nfaces)
-            return cli_usage(command, "--sheet-faces: '%s': the file has no faces", text);
-        if (last >= s->info->nfaces)
-            return cli_usage(command, "--sheet-faces: '%s': the file has faces 0 to %u", text,
-                             s->info->nfaces - 1);
-        *range = (struct range){(uint32_t)first, (uint32_t)last};
-        s->nfaces += (uint64_t)range->last - range->first + 1;
-    }
-    return EXIT_OK;
-}
 
 static uint64_t fitting(uint32_t pitch, uint32_t gap, uint32_t length) {
     return (length + gap) / pitch;
@@ -86,19 +32,19 @@ static void lay_out(struct sheet *s, uint32_t cell) {
     for (;;) {
         s->gap = s->cell >= GAPS_FROM ? 2 : 0;
         uint64_t widest = fitting(s->cell + s->gap, s->gap, MAX_WIDTH);
-        if (cell || s->cell == 1 || widest * widest >= s->nfaces)
+        if (cell || s->cell == 1 || widest * widest >= s->faces.nfaces)
             break;
         s->cell /= 2;
     }
     uint64_t widest = fitting(s->cell + s->gap, s->gap, MAX_WIDTH),
              highest = fitting(s->cell + s->gap, s->gap, MAX_HEIGHT), columns = 1;
-    while (columns < widest && columns * columns < s->nfaces)
+    while (columns < widest && columns * columns < s->faces.nfaces)
         columns++;
-    uint64_t rows = (s->nfaces + columns - 1) / columns;
+    uint64_t rows = (s->faces.nfaces + columns - 1) / columns;
     rows = rows > highest ? highest : rows;
     s->columns = (uint32_t)columns;
     s->rows = (uint32_t)(rows ? rows : 1);
-    s->shown = (uint32_t)(s->nfaces < columns * rows ? s->nfaces : columns * rows);
+    s->shown = (uint32_t)(s->faces.nfaces < columns * rows ? s->faces.nfaces : columns * rows);
     while (2u << s->log2 <= s->cell)
         s->log2++;
 }
@@ -195,11 +141,11 @@ static slv_result draw(const slv_env *env, struct sheet *s, cli_progress *progre
                                   s->rows * (s->cell + s->gap) - s->gap, s->ncolors + has_alpha,
                                   &s->image);
     progress->total = s->shown ? s->shown : 1;
-    for (uint32_t i = 0; i < s->nranges && !result; i++)
-        for (uint32_t face = s->ranges[i].first; !result && cell < s->shown; face++) {
+    for (uint32_t i = 0; i < s->faces.count && !result; i++)
+        for (uint32_t face = s->faces.list[i].first; !result && cell < s->shown; face++) {
             result = draw_face(s, face, cell++);
             cli_progress_step(progress);
-            if (face == s->ranges[i].last)
+            if (face == s->faces.list[i].last)
                 break;
         }
     return result;
@@ -218,7 +164,7 @@ static slv_image_params choose_params(const struct sheet *s, const info_options 
 
 int info_sheet(const cli_command *command, const slv_env *env, const info_options *options,
                const char *path, info_sheet_layout *out) {
-    bool exr = ends_with(options->sheet, ".exr");
+    bool exr = cli_ends_with(options->sheet, ".exr");
     struct sheet s = {0};
     slv_ptx *ptx = NULL;
     slv_ptx_open_params params = {.premultiply = true};
@@ -229,7 +175,8 @@ int info_sheet(const cli_command *command, const slv_env *env, const info_option
         goto done;
     s.ptx = ptx;
     s.info = slv_ptx_get_info(ptx);
-    if ((code = parse_ranges(command, options->sheet_faces, &s)))
+    if ((code =
+             value_faces(command, "--sheet-faces", options->sheet_faces, s.info->nfaces, &s.faces)))
         goto done;
     code = EXIT_FAILED;
     lay_out(&s, options->cell);
@@ -240,11 +187,11 @@ int info_sheet(const cli_command *command, const slv_env *env, const info_option
     cli_progress_end(&progress);
     if (output_image(env, options->sheet, &s.image, image, options->progress, options->json))
         goto done;
-    if (s.shown < s.nfaces)
+    if (s.shown < s.faces.nfaces)
         cli_warning("%s: %llu of %llu faces are left out: smaller cells (--cell) or fewer faces "
                     "(--sheet-faces) fit",
-                    options->sheet, (unsigned long long)(s.nfaces - s.shown),
-                    (unsigned long long)s.nfaces);
+                    options->sheet, (unsigned long long)(s.faces.nfaces - s.shown),
+                    (unsigned long long)s.faces.nfaces);
     *out = (info_sheet_layout){.columns = s.columns,
                                .rows = s.rows,
                                .cell = s.cell,
@@ -252,14 +199,14 @@ int info_sheet(const cli_command *command, const slv_env *env, const info_option
                                .width = s.image.width,
                                .height = s.image.height,
                                .shown = s.shown,
-                               .faces = s.nfaces};
+                               .faces = s.faces.nfaces};
     code = EXIT_OK;
 done:
     cli_progress_end(&progress);
     slv_image_free(&s.image);
     slv_ptx_reader_destroy(s.reader);
     slv_ptx_close(ptx);
-    free(s.ranges);
+    free(s.faces.list);
     free(s.texels);
     free(s.values);
     return code;

@@ -12,8 +12,7 @@
 #include <strings.h>
 
 struct reference {
-    const char *arguments[1];
-    uint32_t narguments;
+    const char *ptx;
     scene_options scene;
     const char *out, *error, *convergence;
     int filter;
@@ -33,12 +32,12 @@ static bool is_exr(const char *path) {
     return extension && strcasecmp(extension, ".exr") == 0;
 }
 
-/* out from --out, or the texture's name with .exr */
+/* The picture's name, or the texture's with .exr */
 static const char *output_path(const struct reference *r, char *buffer, size_t size) {
     if (r->out)
         return r->out;
-    const char *name = strrchr(r->arguments[0], '/');
-    name = name ? name + 1 : r->arguments[0];
+    const char *name = strrchr(r->ptx, '/');
+    name = name ? name + 1 : r->ptx;
     const char *dot = strrchr(name, '.');
     snprintf(buffer, size, "%.*s.exr", dot && dot != name ? (int)(dot - name) : (int)strlen(name),
              name);
@@ -51,7 +50,7 @@ static slv_result render(const struct reference *r, const slv_env *env,
                          double *seconds) {
     char what[64];
     snprintf(what, sizeof what, "%u samples per pixel", frame->samples);
-    cli_progress progress = cli_progress_begin(what, 1, r->quiet || r->json);
+    cli_progress progress = cli_progress_begin(what, 1, r->scene.progress, r->quiet || r->json);
     slv_reference_frame watched = *frame;
     double start = cli_now();
     watched.progress = (slv_progress){cli_progress_report, &progress};
@@ -99,18 +98,18 @@ static slv_result study(const struct reference *r, const slv_env *env,
                           convergence_write(env, slv_folder_path(folder), &o->convergence));
 }
 
-static slv_result make(const struct reference *r, const slv_env *env, const char *path,
-                       struct outcome *o) {
+/* Returns an exit code. */
+static int make(const cli_command *command, const struct reference *r, const slv_env *env,
+                const char *path, struct outcome *o) {
     const slv_image_params file = {.bits = r->bits ? r->bits : 32}, wide = {.bits = 32};
     scene_shot shot;
     slv_reference *reference = NULL;
     slv_image image = {0}, error = {0};
-    slv_result result = scene_load_shot(env, r->arguments[0], &r->scene, &shot);
-    if (result)
+    int code = scene_load_shot(command, env, r->ptx, &r->scene, &shot);
+    if (code)
         goto done;
-    const slv_reference_params params = {.segments = shot.segments,
-                                         .first_channel = r->scene.channel,
-                                         .nchannels = r->scene.nchannels};
+    code = EXIT_FAILED;
+    const slv_reference_params params = {.segments = shot.segments};
     slv_reference_frame frame = {.camera = shot.camera,
                                  .width = shot.width,
                                  .height = shot.height,
@@ -125,21 +124,23 @@ static slv_result make(const struct reference *r, const slv_env *env, const char
     o->width = shot.width;
     o->height = shot.height;
     o->segments = shot.segments;
-    if ((result = slv_reference_create(env, shot.scene.mesh, shot.scene.surface, shot.scene.texture,
-                                       shot.scene.adjacency, &params, &reference)) ||
-        (result = render(r, env, reference, &frame, &image, &error, &o->stats, &o->seconds)) ||
-        (result = output_image(env, path, &image, file, false, r->quiet || r->json)) ||
-        (r->error &&
-         (result = output_image(env, r->error, &error, wide, false, r->quiet || r->json))))
+    const bool forced = r->scene.progress, quiet = r->quiet || r->json;
+    if (slv_reference_create(env, shot.scene.mesh, shot.scene.surface, shot.scene.texture,
+                             shot.scene.adjacency, &params, &reference) ||
+        render(r, env, reference, &frame, &image, &error, &o->stats, &o->seconds) ||
+        output_image(env, path, &image, file, forced, quiet) ||
+        (r->error && output_image(env, r->error, &error, wide, forced, quiet)) ||
+        (r->convergence && study(r, env, reference, &frame, &image, o)))
         goto done;
-    if (r->convergence)
-        result = study(r, env, reference, &frame, &image, o);
+    if (!o->stats.ncovered)
+        scene_warn_of_nothing(path);
+    code = EXIT_OK;
 done:
     slv_image_free(&image);
     slv_image_free(&error);
     slv_reference_destroy(reference);
     scene_free(&shot.scene);
-    return result;
+    return code;
 }
 
 static double speed(const struct outcome *o) {
@@ -163,18 +164,18 @@ static json_t *convergence_json(const convergence *c) {
 }
 
 static json_t *outcome_json(const struct reference *r, const char *path, const struct outcome *o) {
-    return json_pack(
-        "{s:i, s:o, s:o, s:I, s:I, s:I, s:s, s:I, s:I, s:o, s:o, s:o, s:o, s:o, s:o}", "schema", 1,
-        "texture", output_json_text(r->arguments[0], strlen(r->arguments[0])), "picture",
-        output_json_text(path, strlen(path)), "width", (json_int_t)o->width, "height",
-        (json_int_t)o->height, "segments", (json_int_t)o->segments, "filter",
-        r->filter == SLV_PIXEL_BOX ? "box" : "mitchell", "samples", (json_int_t)r->samples,
-        "covered_pixels", (json_int_t)o->stats.ncovered, "estimated_rms",
-        output_json_number(o->stats.error), "estimated_worst", output_json_number(o->stats.worst),
-        "seconds", output_json_number(o->seconds), "million_samples_per_second",
-        output_json_number(speed(o)), "convergence", convergence_json(&o->convergence), "order",
-        o->convergence.count ? output_json_number(convergence_order(&o->convergence))
-                             : json_null());
+    return json_pack("{s:i, s:o, s:o, s:I, s:I, s:I, s:s, s:I, s:I, s:o, s:o, s:o, s:o, s:o, s:o}",
+                     "schema", 1, "texture", output_json_text(r->ptx, strlen(r->ptx)), "picture",
+                     output_json_text(path, strlen(path)), "width", (json_int_t)o->width, "height",
+                     (json_int_t)o->height, "segments", (json_int_t)o->segments, "filter",
+                     r->filter == SLV_PIXEL_BOX ? "box" : "mitchell", "samples",
+                     (json_int_t)r->samples, "covered_pixels", (json_int_t)o->stats.ncovered,
+                     "estimated_rms", output_json_number(o->stats.error), "estimated_worst",
+                     output_json_number(o->stats.worst), "seconds", output_json_number(o->seconds),
+                     "million_samples_per_second", output_json_number(speed(o)), "convergence",
+                     convergence_json(&o->convergence), "order",
+                     o->convergence.count ? output_json_number(convergence_order(&o->convergence))
+                                          : json_null());
 }
 
 static void print_outcome(const struct reference *r, const char *path, const struct outcome *o) {
@@ -195,17 +196,18 @@ static void print_outcome(const struct reference *r, const char *path, const str
     printf("the estimated error falls as 1/N^%.2f\n", convergence_order(c));
 }
 
-static int run(const struct reference *r, const char *path) {
+static int run(const cli_command *command, const struct reference *r, const char *path) {
     struct outcome outcome = {.seconds = 0};
     slv_env env = cli_env(r->scene.threads);
-    const char *const inputs[] = {r->arguments[0], r->scene.mesh, r->scene.view};
+    const char *const inputs[] = {r->ptx, r->scene.mesh, r->scene.view};
     /* whether all can be written is known before hours are spent */
     if (output_check(&env, path, inputs, 3) ||
         (r->error && output_check(&env, r->error, inputs, 3)) ||
         (r->convergence && output_try_folder(&env, r->convergence)))
         return EXIT_FAILED;
-    if (make(r, &env, path, &outcome))
-        return EXIT_FAILED;
+    int code = make(command, r, &env, path, &outcome);
+    if (code)
+        return code;
     if (r->json)
         return output_print_json(path, outcome_json(r, path, &outcome));
     if (!r->quiet)
@@ -215,10 +217,10 @@ static int run(const struct reference *r, const char *path) {
 
 int verb_reference(int argc, char **argv) {
     enum { OWN = 9 };
+    uint32_t narguments = 0;
     struct reference r = {.scene = scene_options_default(), .samples = 256};
     cli_option options[OWN + SCENE_OPTION_ROWS] = {
-        {"--out|-o|--output", CLI_TEXT, &r.out, "picture; default: the texture's name with .exr",
-         "FILE.exr", 0, 0, NULL},
+        CLI_OUT(&r.out, "picture (the texture's name with .exr)", "FILE.exr"),
         {"--samples|-n", CLI_UINT, &r.samples, "rays per pixel, best a power of two (256)", NULL, 1,
          SLV_REFERENCE_MAX_SAMPLES, NULL},
         {"--filter", CLI_CHOICE, &r.filter,
@@ -236,7 +238,9 @@ int verb_reference(int argc, char **argv) {
     const cli_command command = {
         .name = "reference",
         .summary = "ray-cast a .ptx: the picture that strategies are measured against",
-        .arguments = "FILE.ptx",
+        .arguments = "FILE.ptx [OUT.exr]",
+        .reads = "a texture of quads; a mesh and a view file if they are named",
+        .writes = "a picture, EXR, linear; another of its error and a folder if they are named",
         .examples =
             "  selvage reference teapot.ptx --samples 1024 -o teapot.exr\n"
             "  selvage reference cow.ptx --mesh cow.obj --view view.json --filter mitchell\n"
@@ -245,8 +249,9 @@ int verb_reference(int argc, char **argv) {
         .noptions = sizeof options / sizeof *options,
         .min_arguments = 1,
         .max_arguments = 1,
-        .positional = r.arguments,
-        .npositional = &r.narguments};
+        .positional = &r.ptx,
+        .npositional = &narguments,
+        .output = &r.out};
     char buffer[512];
     scene_options_rows(&r.scene, options + OWN);
     int code = cli_parse(&command, argc, argv);
@@ -261,6 +266,7 @@ int verb_reference(int argc, char **argv) {
     if (r.error && strcmp(path, r.error) == 0)
         return cli_usage(&command, "--error: %s is where the picture goes", path);
     if (!is_exr(path) || (r.error && !is_exr(r.error)))
-        return cli_error("%s: the picture's name must end in .exr", is_exr(path) ? r.error : path);
-    return run(&r, path);
+        return cli_usage(&command, "%s: the picture's name must end in .exr",
+                         is_exr(path) ? r.error : path);
+    return run(&command, &r, path);
 }

@@ -62,8 +62,7 @@ int verb_sample(int argc, char **argv) {
     const cli_option options[] = {
         {"--queries|-i", CLI_TEXT, &o.queries, "the lookups, a line each (standard input)", "PATH",
          0, 0, NULL},
-        {"--out|-o", CLI_TEXT, &o.out, "write the answers there, whole or not at all", "PATH", 0, 0,
-         NULL},
+        CLI_OUT(&o.out, "write the answers there, whole or not at all", "PATH"),
         {"--json", CLI_FLAG, &o.json, "answer in JSON, for scripts", NULL, 0, 0, NULL},
         {"--premultiply", CLI_FLAG, &o.premultiply, "multiply colours by alpha first", NULL, 0, 0,
          NULL},
@@ -72,40 +71,44 @@ int verb_sample(int argc, char **argv) {
          NULL},
         {"--cache", CLI_UINT, &o.cache_mib, "MiB that texels and tables may take (1024)", NULL, 8,
          65536, NULL},
-        {"--threads", CLI_UINT, &o.threads, "threads at work (one per processor)", NULL, 1, 256,
-         NULL},
+        CLI_THREADS(&o.threads),
         CLI_PROGRESS(&o.progress),
         CLI_QUIET(&o.quiet, "no progress on a terminal either"),
     };
     const cli_command command = {
         .name = "sample",
         .summary = "filtered lookups in a .ptx, a line each",
-        .arguments = "FILE.ptx",
+        .arguments = "FILE.ptx [ANSWERS]",
+        .reads = "a texture; lookups from --queries or standard input",
+        .writes = "answers, to a file if it is named, else to standard output",
         .examples =
-            "  echo 'bicubic 0 0.5 0 1 0 0 3 12 0.25 0.75 0.01 0 0 0.01' | selvage sample "
-            "teapot.ptx\n"
+            "  echo 'bicubic 0 0.5 0 1 0 0 3 12 0.25 0.75 0.01 0 0 0.01' |\n"
+            "    selvage sample teapot.ptx\n"
             "  selvage sample teapot.ptx --queries lookups.txt --out answers.txt\n"
-            "  selvage sample teapot.ptx --queries lookups.txt --json | jq '.lookups[0].values'\n"
+            "  selvage sample teapot.ptx -i lookups.txt --json | jq '.lookups[0].values'\n"
             "  selvage sample teapot.ptx --queries lookups.txt --bench --threads 1\n\n"
             "A line says, in this order:\n"
-            "  FILTER lerp sharpness noedgeblend width blur firstchan nchan faceid u v uw1 vw1 uw2 "
-            "vw2\n"
-            "  FILTER is point, bilinear, box, gaussian, bicubic, bspline, catmullrom, mitchell "
-            "or\n"
-            "  anisotropic.\n"
-            "  lerp and noedgeblend are 0 or 1; sharpness, 0 to 1, is of bicubic only. nchan 0 "
-            "means all.\n"
+            "  FILTER lerp sharpness noedgeblend width blur firstchan nchan\n"
+            "  faceid u v uw1 vw1 uw2 vw2\n"
+            "  FILTER is point, bilinear, box, gaussian, bicubic, bspline, catmullrom,\n"
+            "  mitchell or anisotropic.\n"
+            "  lerp and noedgeblend are 0 or 1; sharpness, 0 to 1, is of bicubic only.\n"
+            "  nchan 0 means all.\n"
             "  uw1 vw1 and uw2 vw2 are the sides of the footprint, in units of the face.\n"
-            "It comes back with ' -> ' and the values after it. What follows a '->' is not read;\n"
-            "blank lines and those that begin with # are passed over.\n",
+            "It comes back with ' -> ' and the values after it. What follows a '->' is not\n"
+            "read; blank lines and those that begin with # are passed over.\n",
         .options = options,
         .noptions = sizeof options / sizeof *options,
         .min_arguments = 1,
         .max_arguments = 1,
         .positional = &path,
-        .npositional = &narguments};
+        .npositional = &narguments,
+        .output = &o.out,
+        .output_is_new = true};
     int code = cli_parse(&command, argc, argv);
     if (code >= 0)
         return code;
+    if (o.out && cli_ends_with(o.out, ".ptx"))
+        return cli_usage(&command, "'%s': answers are text, and no .ptx", o.out);
     return run_sample(&o, path);
 }

@@ -1,6 +1,8 @@
 /* Lookups as text: lines out of a stream, and what they say. */
 #include "sample/sample.h"
 
+#include "command/words.h"
+
 #include <ctype.h>
 #include <errno.h>
 #include <fcntl.h>
@@ -187,6 +189,9 @@ static const char *show(word *w) {
     return w->shown;
 }
 
+static const char filters[] =
+    "point|bilinear|box|gaussian|bicubic|bspline|catmullrom|mitchell|anisotropic";
+
 static bool parse_filter(const word *w, slv_filter *out) {
     char name[32] = {0};
     if (w->length >= sizeof name)
@@ -249,7 +254,10 @@ bool sample_parse(const sample_texture *texture, sample_query *query, char *prob
         }
         if (i == FILTER) {
             if (!parse_filter(&w, &query->params.filter)) {
-                snprintf(problem, size, "'%s' is no filter", show(&w));
+                char hint[WORDS_HINT];
+                const char *shown = show(&w);
+                snprintf(problem, size, "'%s' is no filter%s", shown,
+                         words_hint(shown, filters, hint));
                 return false;
             }
         } else if (i == LERP || i == NO_EDGE_BLEND || (i >= FIRST_CHANNEL && i <= FACE)) {

@@ -1,0 +1,126 @@
+/* What options mean to pictures: colours, channels, views, and what is said of them. */
+#include "kit/command_kit.h"
+#include "kit/cube_kit.h"
+
+#include <selvage/image.h>
+
+static kit_scratch scratch;
+static kit_run run;
+static char ptx[KIT_PATH];
+
+#define ARGUMENTS(...) ((const char *const[]){__VA_ARGS__, NULL})
+#define SMALL "render", ptx, "--size", "24x16", "--msaa", "1", "--tess", "2"
+
+/* The picture `name`, for slv_image_free. */
+static slv_image load(const char *name) {
+    char path[KIT_PATH];
+    slv_image image = {0};
+    REQUIRE(slv_image_load(NULL, kit_join(path, scratch.folder, name), &image) == SLV_OK);
+    return image;
+}
+
+static void draw(const char *const *arguments, const char *warning) {
+    kit_selvage(&scratch, NULL, arguments, &run);
+    CHECK_MSG(run.code == 0, "exit code %d: %s", run.code, run.err);
+    if (warning)
+        CHECK_MSG(strstr(run.err, warning), "no '%s' in: %s", warning, run.err);
+    else
+        CHECK_MSG(!run.err[0], "%s", run.err);
+    REQUIRE(run.code == 0);
+}
+
+/* The background of a picture, at its corner. */
+static void check_colour(const char *word, const float expected[4]) {
+    draw(ARGUMENTS(SMALL, "--background", word, "--bits", "32", "-o", "b.exr"), NULL);
+    slv_image image = load("b.exr");
+    for (int c = 0; c < 4; c++)
+        CHECK_MSG(fabsf(image.pixels[c] - expected[c]) < 1e-4f, "%s: channel %d is %g, not %g",
+                  word, c, (double)image.pixels[c], (double)expected[c]);
+    slv_image_free(&image);
+}
+
+static void check_colours(void) {
+    check_colour("red", (const float[]){1, 0, 0, 1});
+    check_colour("none", (const float[]){0, 0, 0, 0});
+    check_colour("1/2,0.25,0,0.5", (const float[]){0.25f, 0.125f, 0, 0.5f});
+    check_colour("#ff8000", (const float[]){1, 0.215861f, 0, 1});
+    check_colour("#0f0", (const float[]){0, 1, 0, 1});
+}
+
+/* The same list by names, numbers and ranges; and one channel shown as grey. */
+static void check_channels(void) {
+    static const char *const same[] = {"r,g,b", "rgb", "0-2", "R,1,b"};
+    draw(ARGUMENTS(SMALL, "--shading", "unlit", "whole.exr"), NULL);
+    slv_image whole = load("whole.exr");
+    for (size_t i = 0; i < sizeof same / sizeof *same; i++) {
+        draw(ARGUMENTS(SMALL, "--shading", "unlit", "--channels", same[i], "some.exr"), NULL);
+        slv_image some = load("some.exr");
+        CHECK_MSG(memcmp(whole.pixels, some.pixels, sizeof(float) * 4 * 24 * 16) == 0, "%s",
+                  same[i]);
+        slv_image_free(&some);
+    }
+    draw(ARGUMENTS(SMALL, "--shading", "unlit", "--channels", "b,g,r", "-o", "bgr.exr"), NULL);
+    draw(ARGUMENTS(SMALL, "--shading", "unlit", "--channels", "g", "-o", "g.exr"), NULL);
+    slv_image turned = load("bgr.exr"), grey = load("g.exr");
+    bool differs = false;
+    for (size_t i = 0; i < 4 * 24 * 16; i += 4) {
+        const float *a = whole.pixels + i, *b = turned.pixels + i, *g = grey.pixels + i;
+        CHECK(a[0] == b[2] && a[1] == b[1] && a[2] == b[0] && a[3] == b[3]);
+        CHECK(g[0] == a[1] && g[1] == a[1] && g[2] == a[1]);
+        differs |= a[0] != a[2];
+    }
+    CHECK(differs);
+    slv_image_free(&whole);
+    slv_image_free(&turned);
+    slv_image_free(&grey);
+}
+
+/* Fields that nobody reads are named; what the command line says comes first; and a picture of
+ * nothing does not pass for one of something. */
+static void check_views(void) {
+    static const char away[] =
+        "{\"wold_to_camera\": [], \"size\": [24, 16], \"world_to_camera\": "
+        "[[1,0,0,0],[0,1,0,0],[0,0,1,-9],[0,0,0,1]], \"projection\": \"perspective\", "
+        "\"screen_window\": [8, 9, 8, 9], \"shading\": {\"model\": \"unlit\", \"kd2\": 1}}";
+    char path[KIT_PATH];
+    kit_write(kit_join(path, scratch.root, "away.json"), away, sizeof away - 1);
+    draw(ARGUMENTS("render", ptx, "--msaa", "1", "--view", path, "-o", "away.png"),
+         "nothing of the surface is in view");
+    CHECK_MSG(strstr(run.err, "'wold_to_camera' is not used; did you mean 'world_to_camera'?"),
+              "%s", run.err);
+    CHECK_MSG(strstr(run.err, "'kd2' is not used; did you mean 'kd'?"), "%s", run.err);
+    CHECK_MSG(kit_lines(run.err) == 0, "%s", run.err);
+    kit_selvage(&scratch, NULL,
+                ARGUMENTS("reference", ptx, "--samples", "2", "--view", path, "-o", "away.exr"),
+                &run);
+    CHECK_MSG(run.code == 0 && strstr(run.err, "nothing of the surface is in view"), "%s", run.err);
+    static const char *const wins[][2] = {
+        {"--azimuth", "30"}, {"--elevation", "20"}, {"--fov", "35"}};
+    for (size_t i = 0; i < 3; i++) {
+        kit_selvage(&scratch, NULL,
+                    ARGUMENTS("render", ptx, "--msaa", "1", "--view", path, wins[i][0], wins[i][1],
+                              "-o", "near.png"),
+                    &run);
+        CHECK_MSG(run.code == 0 && !strstr(run.err, "in view"), "%s: %s", wins[i][0], run.err);
+    }
+}
+
+/* Nothing is said of progress where nobody watches, unless somebody asks. */
+static void check_progress(void) {
+    kit_selvage(&scratch, NULL, ARGUMENTS("reference", ptx, "--size", "64", "-o", "p.exr"), &run);
+    CHECK_MSG(run.code == 0 && !run.err[0], "%s", run.err);
+    kit_selvage(&scratch, NULL,
+                ARGUMENTS("reference", ptx, "--size", "64", "-o", "p.exr", "--progress"), &run);
+    CHECK_MSG(run.code == 0 && strstr(run.err, "samples per pixel"), "%s", run.err);
+}
+
+int main(void) {
+    kit_scratch_make(&scratch);
+    cube_write(kit_join(ptx, scratch.root, "cube.ptx"));
+    check_colours();
+    check_channels();
+    check_views();
+    check_progress();
+    kit_remove(scratch.root);
+    return test_end();
+}

@@ -1,0 +1,102 @@
+/* Reads ratios, ranges and colours. */
+#include "command/numbers.h"
+
+#include "command/words.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+bool value_ratio(const char *text, double *out, const char **end) {
+    char *after;
+    double value = strtod(text, &after);
+    if (after == text || !isfinite(value))
+        return false;
+    if (*after == '/' && after[1] >= '0' && after[1] <= '9') {
+        double below = strtod(after + 1, &after);
+        if (!(below > 0) || !isfinite(below))
+            return false;
+        value /= below;
+    }
+    *out = value;
+    *end = after;
+    return true;
+}
+
+const char value_color_names[] = "black|white|grey|gray|red|green|blue|yellow|cyan|magenta|orange|"
+                                 "none|transparent";
+
+/* In the order of the names; as the web has them, in linear light. */
+static const float named[][4] = {
+    {0, 0, 0, 1},
+    {1, 1, 1, 1},
+    {0.21586f, 0.21586f, 0.21586f, 1},
+    {0.21586f, 0.21586f, 0.21586f, 1},
+    {1, 0, 0, 1},
+    {0, 0.21586f, 0, 1},
+    {0, 0, 1, 1},
+    {1, 1, 0, 1},
+    {0, 1, 1, 1},
+    {1, 0, 1, 1},
+    {1, 0.37626f, 0, 1},
+    {0, 0, 0, 0},
+    {0, 0, 0, 0},
+};
+
+static float linear_of(unsigned step) {
+    double value = step / 255.0;
+    return (float)(value <= 0.04045 ? value / 12.92 : pow((value + 0.055) / 1.055, 2.4));
+}
+
+/* #rgb or #rrggbb. */
+static bool read_hex(const char *text, float out[4]) {
+    size_t length = strlen(text);
+    if ((length != 3 && length != 6) || strspn(text, "0123456789abcdefABCDEF") != length)
+        return false;
+    for (size_t c = 0; c < 3; c++) {
+        char digits[3] = {text[length == 3 ? c : 2 * c], text[length == 3 ? c : 2 * c + 1], 0};
+        out[c] = linear_of((unsigned)strtoul(digits, NULL, 16));
+    }
+    out[3] = 1;
+    return true;
+}
+
+bool value_color(const char *text, float out[4]) {
+    float color[4] = {0, 0, 0, 1};
+    int name = words_index(value_color_names, text, strlen(text)), count = 0;
+    const char *at = text;
+    if (name >= 0) {
+        memcpy(out, named[name], sizeof named[name]);
+        return true;
+    }
+    if (*text == '#')
+        return read_hex(text + 1, out);
+    do {
+        double value;
+        if (!value_ratio(at + (count > 0), &value, &at) || !isfinite((float)value))
+            return false;
+        color[count] = (float)value;
+    } while (++count < 4 && *at == ',');
+    if (count < 3 || *at)
+        return false;
+    memcpy(out, color, sizeof color);
+    return true;
+}
+
+static bool read_number(const char **at, uint64_t *out) {
+    bool good = **at >= '0' && **at <= '9';
+    char *end;
+    *out = strtoull(*at, &end, 10);
+    *at = end;
+    return good;
+}
+
+bool value_range_read(const char **at, uint64_t *first, uint64_t *last) {
+    if (!read_number(at, first))
+        return false;
+    *last = *first;
+    if (**at != '-')
+        return true;
+    (*at)++;
+    return read_number(at, last) && *last >= *first;
+}

@@ -1,0 +1,17 @@
+/* What numbers and colours look like on the command line. */
+#ifndef SELVAGE_TOOLS_NUMBERS_H
+#define SELVAGE_TOOLS_NUMBERS_H
+
+#include <stdbool.h>
+#include <stdint.h>
+
+/* 0.5 or 1/2; `*end` is what follows it. */
+bool value_ratio(const char *text, double *out, const char **end);
+/* One range off the front of a list: "12" or "12-40". */
+bool value_range_read(const char **at, uint64_t *first, uint64_t *last);
+/* Linear RGBA: r,g,b or r,g,b,a; a name such as red or none; #rgb or #rrggbb, which are sRGB. */
+bool value_color(const char *text, float out[4]);
+/* The names of value_color, "black|white|...". */
+extern const char value_color_names[];
+
+#endif
