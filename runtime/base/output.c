@@ -10,6 +10,7 @@
 #include <errno.h>
 #include <fcntl.h>
 #include <string.h>
+#include <time.h>
 #include <unistd.h>
 
 static bool same_file(const struct stat *a, const struct stat *b) {
@@ -36,9 +37,27 @@ void slvi_output_keep(int descriptor, const struct stat *old) {
  * output is. */
 typedef enum output_kind { PLACE_FILE, PLACE_STREAM, PLACE_STANDARD } output_kind;
 
+/* A pipe waits for who reads it, but not without end. */
+static int open_stream(const char *path) {
+    static const struct timespec moment = {.tv_nsec = 20000000};
+    int descriptor = -1;
+    for (int patience = 100; patience; patience--) {
+        descriptor = open(path, O_WRONLY | O_CLOEXEC | O_NOCTTY | O_NONBLOCK);
+        if (descriptor >= 0 || errno != ENXIO)
+            break;
+        nanosleep(&moment, NULL);
+        errno = ENXIO;
+    }
+    if (descriptor >= 0)
+        fcntl(descriptor, F_SETFL, fcntl(descriptor, F_GETFL) & ~O_NONBLOCK);
+    return descriptor;
+}
+
 static slv_result begin_stream(output_kind place, slv_output *out) {
-    out->descriptor = place == PLACE_STANDARD ? fcntl(STDOUT_FILENO, F_DUPFD_CLOEXEC, 3)
-                                              : open(out->path, O_WRONLY | O_CLOEXEC | O_NOCTTY);
+    out->descriptor =
+        place == PLACE_STANDARD ? fcntl(STDOUT_FILENO, F_DUPFD_CLOEXEC, 3) : open_stream(out->path);
+    if (out->descriptor < 0 && errno == ENXIO)
+        return slvi_fail(&out->env, SLV_ERROR_IO, "%s: a pipe that nobody reads from", out->path);
     return out->descriptor < 0 ? cannot(&out->env, out->path, errno) : SLV_OK;
 }
 

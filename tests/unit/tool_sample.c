@@ -371,7 +371,7 @@ static void check_usage(void) {
     RUNS(1, "sample '%s/cube_u16_rgba.ptx' -i missing.txt", data_folder());
     HAS("selvage: missing.txt: No such file");
     RUNS(1, "sample '%s/cube_u16_rgba.ptx' -i .", data_folder());
-    HAS("selvage: .: Is a directory");
+    HAS("selvage: .: not a regular file");
     RUNS(1, "sample '%s/cube_u16_rgba.ptx' -o none/x.txt < /dev/null", data_folder());
     HAS("none/x.txt");
     RUNS(0, "sample '%s/cube_u16_rgba.ptx' < /dev/null", data_folder());

@@ -9,6 +9,8 @@
 #include <stdio.h>
 #include <string.h>
 
+enum { MAX_BYTES = 64 << 20 };
+
 /* Says what is wrong with a view file. */
 static slv_result bad_view(const slv_env *env, const char *path, const char *format, ...)
     __attribute__((format(printf, 3, 4)));
@@ -175,7 +177,9 @@ slv_result scene_load_view(const slv_env *env, const char *path, scene_view *out
     memset(out, 0, sizeof *out);
     char *text;
     size_t length;
-    if ((result = slv_text_load(env, path, &text, &length)))
+    slv_env small = *env;
+    small.max_bytes = MAX_BYTES; /* a pipe may have no end */
+    if ((result = slv_text_load(&small, path, &text, &length)))
         return result;
     json_t *root = json_loadb(text, length, 0, &error);
     slv_free(text);

@@ -14,6 +14,10 @@ static bool is_folder(const char *path) {
     return stat(path, &status) == 0 && S_ISDIR(status.st_mode);
 }
 
+static bool is_images(const char *path) {
+    return is_folder(path) || cli_ends_with(path, ".json") || cli_ends_with(path, ".json.gz");
+}
+
 /* A new folder of a name with an ending is hardly meant: it is that of a picture of a kind that is
  * not written. */
 static bool may_be_folder(const char *path) {
@@ -82,17 +86,17 @@ static int run_convert(const cli_command *command, conversion *c) {
          to_sheet = cli_ends_with(to, ".png") || cli_ends_with(to, ".exr");
     c->progress = cli_progress_fleeting("convert", o->progress, o->quiet || o->json);
     const char *const inputs[] = {from, o->mesh};
-    if (output_check_in_place(&env, to, inputs, to_ptx ? 2 : 1))
+    if (output_check_in_place(&env, to, inputs, to_ptx ? 2 : 1) ||
+        (to_ptx || to_sheet ? output_try(&env, to) : output_try_folder(&env, to)))
         goto done;
     if (o->mesh && slv_mesh_load(&env, cli_input(o->mesh), &mesh))
         goto done;
     cli_catch_interrupts();
-    if (!to_ptx &&
-        (is_folder(from) || cli_ends_with(from, ".json") || cli_ends_with(from, ".json.gz"))) {
+    if (!to_ptx && is_images(from)) {
         code = cli_usage(command, "from images only a .ptx can be made, not '%s'", to);
         goto done;
     }
-    if (o->salvage && !is_folder(from) && !cli_ends_with(from, ".json")) {
+    if (o->salvage && !is_images(from)) {
         if (salvage_open(&env, from, true, &ptx) || slv_exchange_open_ptx(&env, ptx, &source))
             goto done;
     } else if (slv_exchange_open(&env, from, &source)) {

@@ -25,7 +25,7 @@ static file_kind find_kind(const char *path) {
     if (stat(path, &status) != 0)
         return KIND_UNREADABLE;
     if (!S_ISREG(status.st_mode))
-        return S_ISDIR(status.st_mode) ? KIND_UNKNOWN : KIND_MESH;
+        return KIND_MESH;
     FILE *stream = fopen(path, "rb");
     if (!stream)
         return KIND_UNREADABLE;

@@ -48,20 +48,37 @@ static int skip_mark(sample_reader *reader) {
     return EXIT_OK;
 }
 
+/* A pipe is read as long as somebody has it open; who never comes is not waited for. */
+static int wait_for_writer(sample_reader *out) {
+    struct pollfd poller = {.fd = out->descriptor, .events = POLLIN};
+    bool ready = poll(&poller, 1, 2000) != 0;
+    ssize_t got = ready ? 1 : read(out->descriptor, out->buffer, BUFFER);
+    if (!got)
+        return cli_error("%s: a pipe that nobody writes to", out->name);
+    out->end = !ready && got > 0 ? (size_t)got : 0;
+    fcntl(out->descriptor, F_SETFL, fcntl(out->descriptor, F_GETFL) & ~O_NONBLOCK);
+    return EXIT_OK;
+}
+
 int sample_reader_open(const char *path, sample_reader *out) {
-    bool standard = !path || strcmp(path, "-") == 0;
+    bool standard = !path || strcmp(cli_input(path), "/dev/stdin") == 0;
     struct stat status;
     *out = (sample_reader){.name = standard ? "standard input" : path,
-                           .descriptor = standard ? STDIN_FILENO : open(path, O_RDONLY | O_CLOEXEC),
+                           .descriptor = standard ? STDIN_FILENO
+                                                  : open(path, O_RDONLY | O_CLOEXEC | O_NONBLOCK),
                            .buffer = malloc(BUFFER + 1)};
     if (out->descriptor < 0)
         return cli_error("%s: %s", path, strerror(errno));
     if (!out->buffer)
         return cli_error("%s: no memory to read it", out->name);
-    if (fstat(out->descriptor, &status) != 0 || !S_ISREG(status.st_mode))
-        return EXIT_OK;
-    out->size = (uint64_t)status.st_size;
-    return standard ? EXIT_OK : unpack(path, out);
+    bool known = fstat(out->descriptor, &status) == 0;
+    if (known && S_ISREG(status.st_mode)) {
+        out->size = (uint64_t)status.st_size;
+        return standard ? EXIT_OK : unpack(path, out);
+    }
+    if (!standard && !(known && S_ISFIFO(status.st_mode)))
+        return cli_error("%s: not a regular file", path);
+    return standard ? EXIT_OK : wait_for_writer(out);
 }
 
 void sample_reader_close(sample_reader *reader) {

@@ -33,6 +33,20 @@ done
 mkfifo pipe
 refuses selvage info pipe
 says "pipe: a pipe that nobody writes to"
+refuses selvage sample in.ptx --queries pipe
+says "pipe: a pipe that nobody writes to"
+refuses selvage sample in.ptx --queries queries.txt --out pipe
+says "pipe: a pipe that nobody reads from"
+accepts sh -c '(sleep 0.2; cat queries.txt >pipe) & selvage sample in.ptx --queries pipe'
+[ "$said" = "$plain" ] || fail "lookups from a named pipe give something else: $said"
+accepts sh -c '(sleep 0.2; cat pipe) & selvage sample in.ptx --queries queries.txt --out pipe; wait'
+[ "$said" = "$plain" ] || fail "answers through a named pipe are something else: $said"
 accepts sh -c '(sleep 0.2; cat view.json >pipe) & selvage render in.ptx --view pipe -o a.png'
 refuses selvage render in.ptx --view faces -o a.png
 says "faces: not a regular file"
+for name in faces /dev/null; do
+    refuses selvage info $name
+    says "$name: not a regular file"
+    refuses selvage sample in.ptx --queries $name
+    says "$name: not a regular file"
+done
