@@ -9,8 +9,8 @@
 
 #include <selvage/texture.h>
 
-/* Face f has the levels first[f]..first[f+1]-1; at[] says where each is, in `texels` or, of level 0,
- * in the texture. */
+/* Face f has the levels first[f]..first[f+1]-1; at[] says where each is, in `texels` or, of level
+ * 0, in the texture. */
 struct slv_levels {
     slv_env env; /* its log is serialised: borders are built by many threads at once */
     slv_parallel_log *log;

@@ -4,7 +4,9 @@ cp q.txt queries.txt
 ln a.ptx hard.txt
 ln -s a.ptx soft.png
 ln -s queries.txt lookups.txt
-for out in a.ptx hard.txt soft.png; do
+run selvage sample a.ptx --queries q.txt --out a.ptx
+[ $code != 0 ] || fail "answers in place of the texture"
+for out in hard.txt soft.png; do
     refuses selvage sample a.ptx --queries q.txt --out $out
     says "would be lost"
 done
