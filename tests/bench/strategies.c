@@ -229,6 +229,7 @@ static bool parse(int argc, char **argv, options *o) {
             o->json = true;
         } else if (strcmp(argv[i], "--smoke") == 0) {
             o->frames = 1;
+            o->msaa = 4;
             o->width = 96;
             o->height = 54;
         } else if (strcmp(argv[i], "--frames") == 0 && i + 1 < argc) {

@@ -87,7 +87,8 @@ static void write_shader(const char *name, const char *lookups, const char *rest
     nfiles++;
 }
 
-static void check_text(const char *lookups, const char *name) {
+/* Links for the driver and, if asked, leaves a file for the reference compiler. */
+static void check_text(const char *lookups, const char *name, bool reference) {
     for (int i = 0; i < nseen; i++)
         if (strcmp(seen[i], lookups) == 0)
             return;
@@ -98,7 +99,8 @@ static void check_text(const char *lookups, const char *name) {
     for (int stage = 0; stage < STAGES; stage++) {
         char file[128];
         snprintf(file, sizeof file, "%s_%s.frag", stage_names[stage], name);
-        write_shader(file, lookups, fragment[stage]);
+        if (reference)
+            write_shader(file, lookups, fragment[stage]);
         link_stage(stage, file, lookups);
     }
 }
@@ -115,18 +117,18 @@ static char *flipped(const char *lookups, const char *define) {
 }
 
 /* What the library decides by the driver is checked both ways on every driver. */
-static void check_all_ways(const char *lookups, const char *name) {
+static void check_all_ways(const char *lookups, const char *name, bool reference) {
     char other_name[96];
     char *vectors = flipped(lookups, "#define SLV_VECTORS ");
-    check_text(lookups, name);
+    check_text(lookups, name, reference);
     snprintf(other_name, sizeof other_name, "%s_othervectors", name);
-    check_text(vectors, other_name);
+    check_text(vectors, other_name, reference);
     char *taps = flipped(lookups, "#define SLV_TAPS ");
     char *both = flipped(vectors, "#define SLV_TAPS ");
     snprintf(other_name, sizeof other_name, "%s_othertaps", name);
-    check_text(taps, other_name);
+    check_text(taps, other_name, reference);
     snprintf(other_name, sizeof other_name, "%s_otherboth", name);
-    check_text(both, other_name);
+    check_text(both, other_name, reference);
     free(taps);
     free(both);
     free(vectors);
@@ -185,7 +187,8 @@ static void check_texture(uint32_t nchannels, uint32_t anisotropy) {
             const char *lookups = NULL;
             REQUIRE(slv_gl_texture_glsl(uploaded, slv_strategy_at(s), v, &lookups) == SLV_OK);
             CHECK_MSG(strstr(lookups, "slv_sample_grad") != NULL, "%s: no text", name);
-            check_all_ways(lookups, name);
+            /* in between only the number of pools differs, which the driver sees */
+            check_all_ways(lookups, name, v < 2 || v + 2 >= SLV_GL_MAX_VARIANTS);
             /* one pool and four, with and without two sub-faces */
             if (v == 0 || v == 5)
                 write_both(lookups, slv_strategy_at(s), name);
