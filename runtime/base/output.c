@@ -9,6 +9,7 @@
 
 #include <errno.h>
 #include <fcntl.h>
+#include <limits.h>
 #include <string.h>
 #include <time.h>
 #include <unistd.h>
@@ -61,6 +62,20 @@ static slv_result begin_stream(output_kind place, slv_output *out) {
     return out->descriptor < 0 ? cannot(&out->env, out->path, errno) : SLV_OK;
 }
 
+/* In a folder such as /tmp others may make files, but not replace ours: better known before the
+ * work than after it. */
+static bool is_protected(const char *target, const struct stat *old) {
+    const char *slash = strrchr(target, '/');
+    char folder[PATH_MAX];
+    struct stat status;
+    size_t length = slash ? (size_t)(slash + 1 - target) : 1;
+    if (geteuid() == 0 || old->st_uid == geteuid() || length >= sizeof folder)
+        return false;
+    memcpy(folder, slash ? target : ".", length);
+    folder[length] = 0;
+    return stat(folder, &status) == 0 && (status.st_mode & S_ISVTX) && status.st_uid != geteuid();
+}
+
 /* Finds the target, and what it is now. */
 static slv_result find_target(bool streams, slv_output *out, struct stat *old, bool *exists,
                               output_kind *place) {
@@ -83,6 +98,8 @@ static slv_result find_target(bool streams, slv_output *out, struct stat *old, b
     if (!result && *exists && (stat(out->target, &target) != 0 || !same_file(old, &target)))
         result = slvi_fail(&out->env, SLV_ERROR_IO, "%s: has no name that it could be replaced by",
                            path);
+    if (!result && *exists && is_protected(out->target, old))
+        result = cannot(&out->env, path, EPERM);
     return result;
 }
 

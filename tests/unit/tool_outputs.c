@@ -233,9 +233,16 @@ static void check_refusals(const struct writer *w) {
         CHECK_MSG(lines_of_error() == 1 && strstr(tool_out, closed[i]), "%s: %s", w->command,
                   tool_out);
     }
-    REQUIRE(chmod(tool_path("w"), 0777) == 0);
+    REQUIRE(chmod(tool_path("w"), 01777) == 0);
     CHECK(entries("w") == 0);
     snprintf(at, sizeof at, "w/x%s", w->ending);
+    if (!w->folder && geteuid() == 0) {
+        make_old(w, at, 0666);
+        EXPECT(1, &nobody, "%s %s", w->command, at);
+        CHECK_MSG(lines_of_error() == 1 && strstr(tool_out, "not permitted") && is_old(w, at),
+                  "%s: %s", w->command, tool_out);
+        REQUIRE(remove(tool_path(at)) == 0 && entries("w") == 0);
+    }
     if (w->folder)
         tool_write_file(at, "old", 3);
     else

@@ -16,7 +16,7 @@ static void fit_window(slv_camera *camera, float aspect) {
 slv_result compare_read_views(const slv_env *env, const cli_list *views, report_data *report) {
     for (uint32_t i = 0; i < views->count; i++) {
         scene_view view;
-        slv_result result = scene_load_view(env, views->items[i], &view);
+        slv_result result = scene_load_view(env, cli_input(views->items[i]), &view);
         if (result)
             return result;
         if (!view.has_camera)

@@ -39,6 +39,8 @@ static file_kind find_kind(const char *path) {
         return KIND_UNREADABLE;
     if (got == 4 && memcmp(magic, "Ptex", 4) == 0)
         return KIND_PTX;
+    if (strcmp(path, cli_input("-")) == 0) /* has no ending */
+        return KIND_MESH;
     return ptx_name_is_safe(path) ? KIND_PTX : is_mesh(path) ? KIND_MESH : KIND_UNKNOWN;
 }
 

@@ -30,6 +30,15 @@ for order in FFFE FEFF; do
     refuses selvage info wide.obj
     says "wide.obj: is text in UTF-16"
 done
+printf '\357\273\277ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n' >m.ply
+printf 'element face 1\nproperty list uchar int vertex_indices\nend_header\n0 0 0\n1 0 0\n1 1 0\n3 0 1 2\n' >>m.ply
+for command in 'selvage info m.ply' 'cat m.ply | selvage info -' 'gzip -c m.ply | selvage info -' \
+    'selvage info - <m.ply'; do
+    accepts sh -c "$command"
+    says "control mesh"
+done
+accepts sh -c 'selvage info - <in.ptx'
+says "quad faces"
 mkfifo pipe
 refuses selvage info pipe
 says "pipe: a pipe that nobody writes to"
