@@ -1,4 +1,5 @@
 /* The verb render: one picture. */
+#include "command/ids.h"
 #include "command/output.h"
 #include "command/salvage.h"
 #include "command/scene.h"
@@ -13,7 +14,7 @@ struct render {
     const char *ptx;
     scene_options scene;
     const char *out;
-    int strategy, context;
+    int strategy, context, pass;
     bool raw, quiet, compress;
     uint32_t msaa, aniso, bits;
 };
@@ -28,6 +29,30 @@ static const char *output_path(const struct render *r, char *buffer, size_t size
     snprintf(buffer, size, "%.*s.png", dot && dot != name ? (int)(dot - name) : (int)strlen(name),
              name);
     return buffer;
+}
+
+/* Face numbers in place of colours; no OpenGL is needed for them. */
+static int draw_ids(const slv_env *env, const struct render *r, const scene_shot *shot,
+                    const char *path) {
+    bool exr = cli_ends_with(path, ".exr");
+    const slv_image_params file = {.encoding = SLV_ENCODE_RAW, .bits = exr ? 32 : 8};
+    slv_image image = {0};
+    bool nothing = true;
+    int code = EXIT_FAILED;
+    if (ids_draw(env, shot, exr, &image) ||
+        output_image(env, path, &image, file, r->scene.progress, r->quiet))
+        goto done;
+    size_t n = image.nchannels, count = (size_t)image.width * image.height;
+    for (size_t i = 0; i < count && nothing; i++)
+        nothing = exr ? image.pixels[i] < 0 : image.pixels[n * i + 3] == 0;
+    if (nothing)
+        scene_warn_of_nothing(path);
+    if (!r->quiet)
+        printf("%s: %u x %u, the face of each pixel\n", path, image.width, image.height);
+    code = EXIT_OK;
+done:
+    slv_image_free(&image);
+    return code;
 }
 
 /* Whether a picture is background and nothing else. */
@@ -60,6 +85,10 @@ static int draw(const cli_command *command, const struct render *r, const char *
     int code = scene_load_shot(command, &env, r->ptx, &r->scene, &shot);
     if (code)
         goto done;
+    if (r->pass) {
+        code = draw_ids(&env, r, &shot, path);
+        goto done;
+    }
     code = EXIT_FAILED;
     slv_frame frame = {.camera = shot.camera,
                        .width = shot.width,
@@ -102,7 +131,7 @@ done:
 }
 
 int verb_render(int argc, char **argv) {
-    enum { OWN = 10 };
+    enum { OWN = 11 };
     struct render r = {.scene = scene_options_default(), .msaa = 4, .aniso = 1};
     char strategies[SCENE_STRATEGIES_SIZE];
     uint32_t narguments = 0;
@@ -110,6 +139,10 @@ int verb_render(int argc, char **argv) {
         CLI_OUT(&r.out, "picture, .png or .exr (the texture's name with .png)", "FILE"),
         {"--strategy|-s", CLI_CHOICE, &r.strategy, "how a lookup crosses a seam (traverse)",
          scene_strategies(strategies, sizeof strategies), 0, 0, NULL},
+        {"--pass", CLI_CHOICE, &r.pass,
+         "the picture, or the face of each pixel: EXR its number, -1 for none; PNG a colour that "
+         "stands for it",
+         "color|ids", 0, 0, NULL},
         {"--msaa", CLI_UINT, &r.msaa,
          "samples per pixel: 1, 2, 4, 8, as far as the driver goes (4)", NULL, 1, 64, NULL},
         SCENE_ANISO(&r.aniso, "anisotropy, 1 (trilinear) to 16 (1)"),
@@ -132,7 +165,8 @@ int verb_render(int argc, char **argv) {
         .examples =
             "  selvage render teapot.ptx -o teapot.png\n"
             "  selvage render cow.ptx --mesh cow.obj --azimuth 60 --strategy discard\n"
-            "  selvage render teapot.ptx --view view.json --raw --out linear.exr --bits 32\n",
+            "  selvage render teapot.ptx --view view.json --raw --out linear.exr --bits 32\n"
+            "  selvage render teapot.ptx --pass ids faces.exr\n",
         .options = options,
         .noptions = sizeof options / sizeof *options,
         .min_arguments = 1,

@@ -6,11 +6,13 @@
     VERB(render, "draw a .ptx on its subdivision surface into a PNG or EXR")                       \
     VERB(compare, "measure the seam strategies against each other and write a report")             \
     VERB(reference, "ray-cast a .ptx: the picture that strategies are measured against")           \
+    VERB(pick, "say which face and texel a place in a picture shows")                              \
     VERB(info, "say what a .ptx or a mesh holds")                                                  \
     VERB(check, "say whether a .ptx is sound, naming face and edge of what is not")                \
     VERB(diff, "say which faces of two .ptx files differ, how much and where")                     \
     VERB(convert, "change type, channels or size of a .ptx; images in and out")                    \
     VERB(merge, "join several .ptx files into one")                                                \
+    VERB(split, "take a .ptx apart again: the inverse of merge")                                   \
     VERB(transfer, "carry texels over to a changed model")                                         \
     VERB(sample, "filtered lookups in a .ptx, a line each; how many a second")
 

@@ -38,6 +38,7 @@ typedef struct slvi_exchange_plan {
     int8_t max[2], min[2];
     slv_exchange_face_res *face_res; /* sorted by face */
     uint32_t nface_res;
+    uint32_t *faces; /* of the source that are taken, target.nfaces, sorted; NULL: all */
     slvi_exchange_totals *totals;
 } slvi_exchange_plan;
 
@@ -46,7 +47,16 @@ slv_result slvi_exchange_plan_make(const slv_env *env, const slv_exchange_params
                                    const char *path, const slv_ptx_writer_params *source,
                                    slvi_exchange_totals *totals, slvi_exchange_plan *plan);
 void slvi_exchange_plan_free(slvi_exchange_plan *plan);
+/* The size of a face of the source in the result. */
 slv_res slvi_exchange_plan_res(const slvi_exchange_plan *plan, uint32_t face, slv_res res);
+/* Where a face of the source is in the result, or -1; and the reverse. */
+int32_t slvi_exchange_plan_place(const slvi_exchange_plan *plan, int32_t face);
+uint32_t slvi_exchange_plan_source(const slvi_exchange_plan *plan, uint32_t place);
+/* Neighbours by their numbers in the result; those that are not there become boundary. */
+void slvi_exchange_plan_move(const slvi_exchange_plan *plan, slv_face_adjacency *adjacency);
+/* Visits the faces of the source that are taken. */
+slv_result slvi_exchange_visit(const slv_env *env, const slvi_exchange_plan *plan,
+                               const slv_ptx *ptx, slv_ptx_visit_fn visit, void *user);
 
 void slvi_exchange_begin(slvi_exchange_totals *totals, slv_progress progress, uint64_t nfaces);
 /* Says in one warning how many values were clipped, if any were and `result` is a success; fills
@@ -59,6 +69,9 @@ void slvi_exchange_end(const slv_env *env, slvi_exchange_totals *totals, slv_res
  * SLV_ERROR_CANCELLED is not logged: slvi_exchange_visited does that. */
 slv_result slvi_exchange_face(const slv_env *env, const slvi_exchange_plan *plan, uint32_t face,
                               slv_ptx_face *info, const void **texels, void **own);
+/* All faces that are taken, into the result. */
+slv_result slvi_exchange_write_faces(const slv_env *env, const slvi_exchange_plan *plan,
+                                     const slv_ptx *ptx, slv_ptx_writer *writer);
 /* Passes on what a visit of faces ended with; threads that hear of a cancellation at once make one
  * line of it here. */
 slv_result slvi_exchange_visited(const slv_env *env, const slvi_exchange_plan *plan,

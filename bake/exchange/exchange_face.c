@@ -98,6 +98,13 @@ slv_result slvi_exchange_visited(const slv_env *env, const slvi_exchange_plan *p
                                          : result;
 }
 
+slv_result slvi_exchange_visit(const slv_env *env, const slvi_exchange_plan *plan,
+                               const slv_ptx *ptx, slv_ptx_visit_fn visit, void *user) {
+    return slvi_exchange_visited(
+        env, plan,
+        slv_ptx_visit_some_faces(env, ptx, plan->faces, plan->target.nfaces, visit, user));
+}
+
 /* All values of a face are in memory at once, as floats. */
 static slv_result check_size(const slv_env *env, const slvi_exchange_plan *plan, uint32_t face,
                              slv_res res) {

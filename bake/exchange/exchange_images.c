@@ -56,6 +56,7 @@ static slv_result export_face(void *user, const slv_env *env, uint32_t face,
     void *own;
     float *values = NULL;
     slv_result result = slvi_exchange_face(env, e->plan, face, &changed, &converted, &own);
+    uint32_t place = (uint32_t)slvi_exchange_plan_place(e->plan, (int32_t)face);
     slv_res res = changed.flags & SLV_FACE_CONSTANT ? (slv_res){0, 0} : changed.res;
     size_t count = ((size_t)1 << (res.u + res.v)) * target->nchannels;
     if (!result)
@@ -63,11 +64,11 @@ static slv_result export_face(void *user, const slv_env *env, uint32_t face,
     if (!result) {
         slv_type_to_float(target->type, converted, count, values);
         if (e->folder)
-            result = save_face(e, env, face, res, values);
+            result = save_face(e, env, place, res, values);
         else
             for (uint32_t group = 0; group < slvi_index_groups(target->nchannels); group++)
                 slvi_index_to_image(values, res, target->nchannels, group, &e->sheets[group],
-                                    e->places[face][0], e->places[face][1]);
+                                    e->places[place][0], e->places[place][1]);
     }
     slvi_free(values);
     slvi_free(own);
@@ -109,9 +110,11 @@ static slv_result describe(const slv_env *env, const struct export *e, const cha
     failed |= json_object_set_new(root, "images", images);
     for (uint32_t face = 0; face < plan->target.nfaces && !failed && !result; face++) {
         slv_ptx_face info;
-        if ((result = slv_ptx_get_face(e->ptx, face, &info)))
+        uint32_t from = slvi_exchange_plan_source(plan, face);
+        if ((result = slv_ptx_get_face(e->ptx, from, &info)))
             break;
-        info.res = slvi_exchange_plan_res(plan, face, info.res);
+        info.res = slvi_exchange_plan_res(plan, from, info.res);
+        slvi_exchange_plan_move(plan, &info.adjacency);
         json_t *item = slvi_index_face(&info, nedges);
         failed = describe_place(e, face, item);
         failed |= json_array_append_new(json_object_get(root, "faces"), item);
@@ -132,7 +135,7 @@ static void warn_of_loss(const slv_env *env, const struct export *e) {
 }
 
 static slv_result visit(const slv_env *env, struct export *e) {
-    return slvi_exchange_visited(env, e->plan, slv_ptx_visit_faces(env, e->ptx, export_face, e));
+    return slvi_exchange_visit(env, e->plan, e->ptx, export_face, e);
 }
 
 static slv_result to_folder(const slv_env *env, const slv_exchange_params *params, struct export *e,
@@ -179,11 +182,12 @@ static slv_result place_faces(const slv_env *env, const struct export *e, const 
         return result;
     for (uint32_t face = 0; face < nfaces; face++) {
         slv_ptx_face info;
-        if ((result = slv_ptx_get_face(e->ptx, face, &info)))
+        uint32_t from = slvi_exchange_plan_source(e->plan, face);
+        if ((result = slv_ptx_get_face(e->ptx, from, &info)))
             goto done;
         slv_res res = info.flags & SLV_FACE_CONSTANT
                           ? (slv_res){0, 0}
-                          : slvi_exchange_plan_res(e->plan, face, info.res);
+                          : slvi_exchange_plan_res(e->plan, from, info.res);
         boxes[face] = (struct box){face, 1u << res.u, 1u << res.v};
         area += (uint64_t)1 << (res.u + res.v);
         while (width < boxes[face].width)
@@ -289,9 +293,10 @@ static slv_result export(const slv_env *given, const slv_exchange *source,
                          source->path);
     params = params ? params : &none;
     struct export e = {.ptx = source->ptx, .plan = &plan, .meta = !params->no_meta};
-    slvi_exchange_begin(&totals, params->progress, source->params.nfaces);
+    slvi_exchange_begin(&totals, params->progress, 0);
     slv_result result =
         slvi_exchange_plan_make(&env, params, source->path, &source->params, &totals, &plan);
+    totals.steps.total = plan.target.nfaces;
     if (!result)
         result = sheet ? to_sheet(&env, params, &e, path) : to_folder(&env, params, &e, path);
     slvi_exchange_end(&env, &totals, result, &plan.target, stats);

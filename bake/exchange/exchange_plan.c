@@ -97,6 +97,30 @@ static slv_result choose_sizes(const slv_env *env, const slv_exchange_params *pa
     return params->nface_res ? choose_face_sizes(env, params, plan) : SLV_OK;
 }
 
+static int compare_numbers(const void *left, const void *right) {
+    const uint32_t *a = left, *b = right;
+    return (*a > *b) - (*a < *b);
+}
+
+/* A list may have a face twice; the result does not. */
+static slv_result choose_faces(const slv_env *env, const slv_exchange_params *params,
+                               slvi_exchange_plan *plan) {
+    uint32_t count = params->nfaces, kept = 0;
+    slv_result result = slvi_alloc(env, "faces", count, sizeof *plan->faces, &plan->faces);
+    if (result)
+        return result;
+    memcpy(plan->faces, params->faces, count * sizeof *plan->faces);
+    qsort(plan->faces, count, sizeof *plan->faces, compare_numbers);
+    if (count && plan->faces[count - 1] >= plan->source.nfaces)
+        return slvi_fail(env, SLV_ERROR_ARGUMENT, "%s: there is no face %u", plan->path,
+                         plan->faces[count - 1]);
+    for (uint32_t i = 0; i < count; i++)
+        if (!i || plan->faces[i] != plan->faces[i - 1])
+            plan->faces[kept++] = plan->faces[i];
+    plan->target.nfaces = kept;
+    return SLV_OK;
+}
+
 slv_result slvi_exchange_plan_make(const slv_env *env, const slv_exchange_params *params,
                                    const char *path, const slv_ptx_writer_params *source,
                                    slvi_exchange_totals *totals, slvi_exchange_plan *plan) {
@@ -110,7 +134,8 @@ slv_result slvi_exchange_plan_make(const slv_env *env, const slv_exchange_params
     slv_ptx_writer_params *target = &plan->target;
     slv_result result;
     if ((result = choose_channels(env, params, plan)) ||
-        (result = choose_alpha(env, params, plan)) || (result = choose_sizes(env, params, plan)))
+        (result = choose_alpha(env, params, plan)) || (result = choose_sizes(env, params, plan)) ||
+        (params->faces && (result = choose_faces(env, params, plan))))
         return result;
     if (params->premultiply && params->unmultiply)
         return slvi_fail(env, SLV_ERROR_ARGUMENT, "%s: both multiplied and divided by alpha", path);
@@ -133,6 +158,30 @@ slv_result slvi_exchange_plan_make(const slv_env *env, const slv_exchange_params
 void slvi_exchange_plan_free(slvi_exchange_plan *plan) {
     slvi_free(plan->channels);
     slvi_free(plan->face_res);
+    slvi_free(plan->faces);
+}
+
+int32_t slvi_exchange_plan_place(const slvi_exchange_plan *plan, int32_t face) {
+    uint32_t key = (uint32_t)face;
+    if (!plan->faces || face < 0)
+        return face;
+    const uint32_t *found =
+        bsearch(&key, plan->faces, plan->target.nfaces, sizeof key, compare_numbers);
+    return found ? (int32_t)(found - plan->faces) : -1;
+}
+
+uint32_t slvi_exchange_plan_source(const slvi_exchange_plan *plan, uint32_t place) {
+    return plan->faces ? plan->faces[place] : place;
+}
+
+void slvi_exchange_plan_move(const slvi_exchange_plan *plan, slv_face_adjacency *adjacency) {
+    for (int edge = 0; plan->faces && edge < 4; edge++) {
+        if (adjacency->face[edge] < 0)
+            continue;
+        adjacency->face[edge] = slvi_exchange_plan_place(plan, adjacency->face[edge]);
+        if (adjacency->face[edge] < 0)
+            adjacency->edge[edge] = 0;
+    }
 }
 
 static int8_t resize_side(const slvi_exchange_plan *plan, int axis, int8_t log2) {

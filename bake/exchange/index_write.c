@@ -1,6 +1,8 @@
 /* Writing the index of exported images. */
 #include "exchange/index.h"
 
+#include "exchange/geometry.h"
+
 #include <selvage/file.h>
 
 #include <errno.h>
@@ -119,6 +121,10 @@ slv_result slvi_index_create(const slv_env *env, const slv_ptx *ptx, const slvi_
     for (uint32_t i = 0; meta && i < slv_ptx_get_info(ptx)->nmeta; i++) {
         const slv_ptx_meta *entry;
         slv_result result = slv_ptx_load_meta(ptx, i, &entry);
+        bool of_all = !result && plan->faces &&
+                      (slvi_geometry_key(entry->key) >= 0 || !strcmp(entry->key, SLV_PARTS_KEY));
+        if (of_all) /* and some faces are written */
+            continue;
         if (!result && json_array_append_new(list, meta_json(env, entry)))
             result = slvi_index_no_memory(env, plan);
         if (result) {

@@ -1,25 +1,15 @@
 /* The metadata of several .ptx files as that of one. */
 #include "exchange/merge.h"
+#include "exchange/parts.h"
 
 #include <stdio.h>
 #include <string.h>
 
-/* Positions come first: their number bounds that of the vertices, which indices count. */
-enum { POSITIONS, COUNTS, INDICES, GEOMETRY_KEYS, MAX_KEY = 254 };
-
-static const char *const geometry_keys[GEOMETRY_KEYS] = {"PtexVertPositions", "PtexFaceVertCounts",
-                                                         "PtexFaceVertIndices"};
+enum { MAX_KEY = 254 };
 
 static size_t value_size(slv_meta_type type) {
     static const size_t sizes[] = {1, 1, 2, 4, 4, 8};
     return sizes[type];
-}
-
-static bool is_geometry(const char *key) {
-    for (int i = 0; i < GEOMETRY_KEYS; i++)
-        if (strcmp(key, geometry_keys[i]) == 0)
-            return true;
-    return false;
 }
 
 static bool equal(const slv_ptx_meta *a, const slv_ptx_meta *b) {
@@ -32,24 +22,25 @@ static slv_result join_geometry(const slv_env *env, slvi_merge *m, int which) {
     uint64_t count = 0;
     uint32_t done = 0, first_vertex = 0;
     for (uint32_t i = 0; i < m->npaths; i++)
-        count += slv_ptx_find_meta(m->files[i], geometry_keys[which])->count;
+        count += slv_ptx_find_meta(m->files[i], slvi_geometry_keys[which])->count;
     if (count > INT32_MAX)
         return slvi_fail(env, SLV_ERROR_LIMIT, "%s: %s would have %llu values", m->out,
-                         geometry_keys[which], (unsigned long long)count);
+                         slvi_geometry_keys[which], (unsigned long long)count);
     int32_t *values;
     slv_result result = slvi_alloc_plain(env, m->out, count, sizeof *values, &values);
     if (result)
         return result;
     for (uint32_t i = 0; i < m->npaths; i++) {
-        const slv_ptx_meta *meta = slv_ptx_find_meta(m->files[i], geometry_keys[which]);
+        const slv_ptx_meta *meta = slv_ptx_find_meta(m->files[i], slvi_geometry_keys[which]);
         memcpy(values + done, meta->values, meta->count * sizeof *values);
-        for (uint32_t k = 0; which == INDICES && k < meta->count; k++)
+        for (uint32_t k = 0; which == SLVI_INDICES && k < meta->count; k++)
             values[done + k] += (int32_t)first_vertex;
-        first_vertex += slv_ptx_find_meta(m->files[i], geometry_keys[POSITIONS])->count / 3;
+        first_vertex +=
+            slv_ptx_find_meta(m->files[i], slvi_geometry_keys[SLVI_POSITIONS])->count / 3;
         done += meta->count;
     }
-    slv_ptx_meta joined = {.key = geometry_keys[which],
-                           .type = which == POSITIONS ? SLV_META_FLOAT : SLV_META_INT32,
+    slv_ptx_meta joined = {.key = slvi_geometry_keys[which],
+                           .type = which == SLVI_POSITIONS ? SLV_META_FLOAT : SLV_META_INT32,
                            .count = (uint32_t)count,
                            .values = values};
     result = slv_ptx_writer_set_meta(m->writer, &joined);
@@ -59,17 +50,18 @@ static slv_result join_geometry(const slv_env *env, slvi_merge *m, int which) {
 
 /* Another value under a name that is taken is kept as KEY.2 for the second file, and so on. */
 static slv_result join_entry(const slv_env *env, slvi_merge *m, uint32_t file,
-                             const slv_ptx_meta *meta) {
-    char key[MAX_KEY + 16];
+                             const slv_ptx_meta *meta, char key[MAX_KEY + 16]) {
     slv_ptx_meta renamed = *meta;
     const slv_ptx_meta *before = NULL;
+    bool record = strcmp(meta->key, SLV_PARTS_KEY) == 0; /* the result has one of its own */
+    snprintf(key, MAX_KEY + 16, "%s", meta->key);
     for (uint32_t i = 0; i < file && !before; i++)
         before = slv_ptx_find_meta(m->files[i], meta->key);
-    if (!before)
+    if (!before && !record)
         return slv_ptx_writer_set_meta(m->writer, meta);
-    if (equal(before, meta))
+    if (before && !record && equal(before, meta))
         return SLV_OK;
-    snprintf(key, sizeof key, "%s.%u", meta->key, file + 1);
+    snprintf(key, MAX_KEY + 16, "%s.%u", meta->key, file + 1);
     for (uint32_t i = 0; i < m->npaths; i++)
         if (slv_ptx_find_meta(m->files[i], key))
             return slvi_fail(env, SLV_ERROR_MISMATCH,
@@ -77,6 +69,35 @@ static slv_result join_entry(const slv_env *env, slvi_merge *m, uint32_t file,
                              m->paths[file], meta->key, key);
     renamed.key = key;
     return slv_ptx_writer_set_meta(m->writer, &renamed);
+}
+
+/* All entries of a file, and what it was in the record. */
+static slv_result join_file(const slv_env *env, slvi_merge *m, uint32_t file, json_t *parts) {
+    const slv_ptx *ptx = m->files[file];
+    const slv_ptx_writer_params params = slv_ptx_writer_params_like(ptx);
+    const slv_ptx_meta *positions =
+        m->geometry ? slv_ptx_find_meta(ptx, slvi_geometry_keys[SLVI_POSITIONS]) : NULL;
+    json_t *entries = json_array();
+    slv_result result = SLV_OK;
+    for (uint32_t k = 0; k < slv_ptx_get_info(ptx)->nmeta && !result; k++) {
+        const slv_ptx_meta *meta;
+        char key[MAX_KEY + 16];
+        if ((result = slv_ptx_load_meta(ptx, k, &meta)) || slvi_geometry_key(meta->key) >= 0 ||
+            (result = join_entry(env, m, file, meta, key)))
+            continue;
+        if (json_array_append_new(entries, slvi_parts_entry(env, meta->key, key)))
+            result = slvi_fail(env, SLV_ERROR_MEMORY, "%s: no memory to record its metadata",
+                               m->paths[file]);
+    }
+    if (result) {
+        json_decref(entries);
+        return result;
+    }
+    json_t *part = slvi_parts_describe(env, m->paths[file], &params,
+                                       positions ? positions->count / 3 : 0, entries);
+    return json_array_append_new(parts, part)
+               ? slvi_fail(env, SLV_ERROR_MEMORY, "%s: no memory to record it", m->paths[file])
+               : SLV_OK;
 }
 
 slv_result slvi_merge_meta(const slv_env *env, slvi_merge *m) {
@@ -94,13 +115,13 @@ slv_result slvi_merge_meta(const slv_env *env, slvi_merge *m) {
         slvi_logf(env, SLV_LOG_WARNING,
                   "%u of %u files have no usable geometry inside: none is kept",
                   m->npaths - with_geometry, m->npaths);
-    for (int which = 0; m->geometry && which < GEOMETRY_KEYS && !result; which++)
+    for (int which = 0; m->geometry && which < SLVI_GEOMETRY_KEYS && !result; which++)
         result = join_geometry(env, m, which);
+    json_t *parts = json_array();
     for (uint32_t i = 0; i < m->npaths && !result; i++)
-        for (uint32_t k = 0; k < slv_ptx_get_info(m->files[i])->nmeta && !result; k++) {
-            const slv_ptx_meta *meta;
-            if (!(result = slv_ptx_load_meta(m->files[i], k, &meta)) && !is_geometry(meta->key))
-                result = join_entry(env, m, i, meta);
-        }
+        result = join_file(env, m, i, parts);
+    if (!result && m->npaths > 1) /* one file is its own only part */
+        return slvi_parts_record(env, m->out, &m->target, parts, m->writer);
+    json_decref(parts);
     return result;
 }

@@ -47,7 +47,7 @@ static void check_meta(void) {
     write_named("three.ptx", "first", "a");
     RUNS(0, "merge one.ptx two.ptx three.ptx -o named.ptx");
     slv_ptx *ptx = tool_open("named.ptx");
-    CHECK(slv_ptx_get_info(ptx)->nmeta == 4);
+    CHECK(slv_ptx_get_info(ptx)->nmeta == 5); /* and the record of the parts */
     const slv_ptx_meta *name = slv_ptx_find_meta(ptx, "name"),
                        *second = slv_ptx_find_meta(ptx, "name.2");
     REQUIRE(name && second && slv_ptx_find_meta(ptx, "b"));

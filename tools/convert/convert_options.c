@@ -144,6 +144,24 @@ static int parse_res(const cli_command *command, const char *text, convert_reque
     return EXIT_OK;
 }
 
+/* One after the other, which the library sorts. */
+static int parse_faces(const cli_command *command, const char *text, convert_request *request) {
+    value_ranges ranges;
+    int code = value_faces(command, "--faces", text, request->source->nfaces, &ranges);
+    if (!code && ranges.nfaces > UINT32_MAX)
+        code = cli_usage(command, "--faces: '%s' has faces twice", text);
+    if (!code && !(request->faces = calloc((size_t)ranges.nfaces + 1, sizeof *request->faces)))
+        code = cli_error("no memory for %llu faces", (unsigned long long)ranges.nfaces);
+    uint32_t n = 0;
+    for (uint32_t i = 0; i < ranges.count && !code; i++)
+        for (uint64_t face = ranges.list[i].first; face <= ranges.list[i].last; face++)
+            request->faces[n++] = (uint32_t)face;
+    free(ranges.list);
+    request->params.faces = request->faces;
+    request->params.nfaces = n;
+    return code;
+}
+
 static int choose_sizes(const cli_command *command, const convert_options *options,
                         convert_request *request) {
     slv_res max = {SLV_MAX_LOG2_RES, SLV_MAX_LOG2_RES}, min = {0, 0};
@@ -177,6 +195,8 @@ int convert_request_make(const cli_command *command, const convert_options *o,
     int code = o->channels ? parse_channels(command, o->channels, out) : EXIT_OK;
     if (!code && o->alpha)
         code = parse_alpha(command, o->alpha, out);
+    if (!code && o->faces)
+        code = parse_faces(command, o->faces, out);
     if (code || (code = choose_sizes(command, o, out)))
         return code;
     if ((o->premultiply || o->unmultiply) && source->alpha_channel < 0)
@@ -204,4 +224,5 @@ int convert_request_make(const cli_command *command, const convert_options *o,
 void convert_request_free(convert_request *request) {
     free(request->channels);
     free(request->face_res);
+    free(request->faces);
 }

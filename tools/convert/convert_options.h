@@ -7,7 +7,7 @@
 #include <selvage/exchange.h>
 
 typedef struct convert_options {
-    const char *channels, *scale, *alpha, *res, *mesh;
+    const char *channels, *scale, *alpha, *res, *mesh, *faces;
     int type, border, border_u, border_v, edge_filter, format;
     bool type_given, border_given, border_u_given, border_v_given, edge_filter_given, format_given;
     bool max_given, min_given;
@@ -23,6 +23,7 @@ typedef struct convert_request {
     slv_exchange_params params;
     slv_exchange_channel *channels;
     slv_exchange_face_res *face_res;
+    uint32_t *faces;
 } convert_request;
 
 /* Returns an exit code; a request is freed whatever that is. */

@@ -57,6 +57,8 @@ int verb_info(int argc, char **argv) {
          "also write a picture of all faces, each in a cell", "OUT.png|.exr", 0, 0, NULL},
         {"--sheet-faces", CLI_TEXT, &o.sheet_faces, "draw these only: 0-99,250", "LIST", 0, 0,
          NULL},
+        {"--ids", CLI_FLAG, &o.ids, "write its number into every cell of the sheet", NULL, 0, 0,
+         NULL},
         {"--cell", CLI_UINT, &o.cell, "pixels of a cell's side (so that all faces fit)", NULL, 1,
          4096, NULL},
         {"--encoding", CLI_CHOICE, &o.encoding,
@@ -87,7 +89,7 @@ int verb_info(int argc, char **argv) {
         return code;
     if (o.sheet && !cli_ends_with(o.sheet, ".png") && !cli_ends_with(o.sheet, ".exr"))
         return cli_usage(&command, "--sheet: expected a name that ends in .png or .exr");
-    if (!o.sheet && (o.sheet_faces || o.cell || o.encoding_given))
+    if (!o.sheet && (o.sheet_faces || o.cell || o.ids || o.encoding_given))
         return cli_usage(&command, "--sheet is missing: where does the picture go?");
     slv_env env = cli_env(0);
     path = cli_input(path);

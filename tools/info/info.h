@@ -5,7 +5,7 @@
 #include "command/output.h"
 
 typedef struct info_options {
-    bool json, faces, meta, progress;
+    bool json, faces, meta, progress, ids;
     const char *sheet, *sheet_faces; /* a picture of faces, and of which */
     uint32_t cell;                   /* pixels of a side, 0: as many as fit */
     bool encoding_given;

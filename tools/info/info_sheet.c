@@ -1,6 +1,7 @@
 /* A picture of all faces of a .ptx, each in a cell. */
 #include "info/info.h"
 
+#include "command/ids.h"
 #include "command/lists.h"
 
 #include <stdlib.h>
@@ -27,12 +28,12 @@ static uint64_t fitting(uint32_t pitch, uint32_t gap, uint32_t length) {
 }
 
 /* The largest cells, in powers of two, with which the sheet is about square and not too wide. */
-static void lay_out(struct sheet *s, uint32_t cell) {
+static void lay_out(struct sheet *s, uint32_t cell, uint32_t smallest) {
     s->cell = cell ? cell : LARGEST_CELL;
     for (;;) {
         s->gap = s->cell >= GAPS_FROM ? 2 : 0;
         uint64_t widest = fitting(s->cell + s->gap, s->gap, MAX_WIDTH);
-        if (cell || s->cell == 1 || widest * widest >= s->faces.nfaces)
+        if (cell || s->cell == 1 || s->cell / 2 < smallest || widest * widest >= s->faces.nfaces)
             break;
         s->cell /= 2;
     }
@@ -151,6 +152,33 @@ static slv_result draw(const slv_env *env, struct sheet *s, cli_progress *progre
     return result;
 }
 
+/* The cell that the number of the last face that is drawn fits into. */
+static uint32_t smallest_cell(const struct sheet *s) {
+    uint32_t width, height, last = 0;
+    for (uint32_t i = 0; i < s->faces.count; i++)
+        last = s->faces.list[i].last > last ? s->faces.list[i].last : last;
+    ids_number_size(last, 1, &width, &height);
+    return width > height ? width : height;
+}
+
+/* Each face's number in the upper left of its cell. Returns how many do not fit. */
+static uint32_t write_ids(struct sheet *s) {
+    uint32_t pitch = s->cell + s->gap, cell = 0, left_out = 0;
+    for (uint32_t i = 0; i < s->faces.count; i++)
+        for (uint64_t face = s->faces.list[i].first;
+             face <= s->faces.list[i].last && cell < s->shown; face++, cell++) {
+            uint32_t zoom = s->cell / 64 + 1, width, height;
+            do {
+                ids_number_size((uint32_t)face, zoom, &width, &height);
+            } while ((width > s->cell || height > s->cell) && --zoom);
+            if (zoom)
+                ids_number_draw(&s->image, (uint32_t)face, cell % s->columns * pitch,
+                                cell / s->columns * pitch, zoom);
+            left_out += !zoom;
+        }
+    return left_out;
+}
+
 static slv_image_params choose_params(const struct sheet *s, const info_options *options,
                                       bool exr) {
     bool real = s->info->type == SLV_TYPE_HALF || s->info->type == SLV_TYPE_FLOAT;
@@ -179,12 +207,16 @@ int info_sheet(const cli_command *command, const slv_env *env, const info_option
              value_faces(command, "--sheet-faces", options->sheet_faces, s.info->nfaces, &s.faces)))
         goto done;
     code = EXIT_FAILED;
-    lay_out(&s, options->cell);
+    lay_out(&s, options->cell, options->ids ? smallest_cell(&s) : 1);
     slv_image_params image = choose_params(&s, options, exr);
     s.divided = !exr && image.encoding == SLV_ENCODE_RAW && s.info->alpha_channel >= 0;
     if (draw(env, &s, &progress))
         goto done;
     cli_progress_end(&progress);
+    uint32_t unnumbered = options->ids ? write_ids(&s) : 0;
+    if (unnumbered)
+        cli_warning("%s: %u numbers do not fit into cells of %u pixels (--cell)", options->sheet,
+                    unnumbered, s.cell);
     if (output_image(env, options->sheet, &s.image, image, options->progress, options->json))
         goto done;
     if (s.shown < s.faces.nfaces)

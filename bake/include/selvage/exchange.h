@@ -77,7 +77,13 @@ typedef struct slv_exchange_params {
     slv_exchange_images images;  /* of a folder */
     slv_progress progress;       /* faces */
     slv_progress sheet_progress; /* of a sheet, afterwards: rows of an image, and of the next */
-    uint64_t reserved[8];        /* zero; for what later versions add */
+    /* Of a .ptx only these faces, in the order of their numbers, neighbours that are left out
+     * becoming boundary; NULL means all. Geometry inside goes along with them, unless a polygon of
+     * several faces is torn apart, of which a warning tells. `face_res` has the source's numbers.
+     */
+    const uint32_t *faces;
+    uint32_t nfaces;
+    uint64_t reserved[6]; /* zero; for what later versions add */
 } slv_exchange_params;
 
 /* What was done. */
@@ -128,10 +134,33 @@ typedef struct slv_merge_params {
  * edge filter are the first file's. Geometry is kept if all have it (`*geometry`, which may be
  * NULL); other metadata once if it is equal, else under names of its own, KEY.2 for that of the
  * second file. `first_faces` (may be NULL) has room for `npaths`: where each file's faces begin.
- * `params` and `stats` may be NULL. */
+ * What each file had of its own is recorded under SLV_PARTS_KEY. `params` and `stats` may be NULL.
+ */
+#define SLV_PARTS_KEY "SelvageParts"
 SLV_NODISCARD SLV_API slv_result slv_merge(const slv_env *env, const char *const *paths,
                                            uint32_t npaths, const slv_merge_params *params,
                                            const char *out, uint32_t *first_faces, bool *geometry,
+                                           slv_exchange_stats *stats);
+
+/* Zero means default. */
+typedef struct slv_split_params {
+    const uint32_t *at; /* where parts begin, the first 0, each larger than the one before; NULL: as
+                           the record of slv_merge has it, else SLV_ERROR_UNSUPPORTED */
+    uint32_t nparts;
+    int compression;
+    slv_progress progress; /* faces of all parts */
+    /* Called for each part that is written, before it appears. */
+    void (*each)(void *user, const char *name, uint32_t first_face, uint32_t nfaces);
+    void *user;
+    uint64_t reserved[6];
+} slv_split_params;
+
+/* The inverse of slv_merge: the parts of a .ptx as files of a folder, all of them or none. With the
+ * record of a merge they have their old names, data types, border modes, edge filter, metadata and
+ * geometry again, otherwise the names part_0000.ptx and so on and what the file has. Geometry is
+ * left out as slv_exchange_params.faces has it. `params` and `stats` may be NULL. */
+SLV_NODISCARD SLV_API slv_result slv_split(const slv_env *env, const slv_ptx *ptx,
+                                           const slv_split_params *params, const char *folder,
                                            slv_exchange_stats *stats);
 
 #ifdef __cplusplus

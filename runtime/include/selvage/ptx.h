@@ -182,6 +182,11 @@ typedef slv_result (*slv_ptx_visit_fn)(void *user, const slv_env *env, uint32_t 
                                        const slv_ptx_face *info, void *texels);
 SLV_NODISCARD SLV_API slv_result slv_ptx_visit_faces(const slv_env *env, const slv_ptx *ptx,
                                                      slv_ptx_visit_fn visit, void *user);
+/* The same of some faces: `faces` has `nfaces` numbers, each less than the file's and larger than
+ * the one before. */
+SLV_NODISCARD SLV_API slv_result slv_ptx_visit_some_faces(const slv_env *env, const slv_ptx *ptx,
+                                                          const uint32_t *faces, uint32_t nfaces,
+                                                          slv_ptx_visit_fn visit, void *user);
 
 /* Metadata by index, in the order of the file, or by key. NULL if there is none, or if a large
  * value cannot be read (the log says why). Owned by the file. */

@@ -13,6 +13,8 @@ struct visit {
     const slv_ptx *ptx;
     slv_ptx_visit_fn visit;
     void *user;
+    const uint32_t *faces; /* NULL: all */
+    uint32_t nfaces;
     ptx_errors errors;
 };
 
@@ -25,7 +27,7 @@ static slv_result visit_range(void *user, uint64_t first, uint64_t end) {
     ptx_buffer texels = {0};
     slv_result result = SLV_OK;
     for (uint64_t i = first; i < end && !result; i++) {
-        uint32_t face = (uint32_t)i;
+        uint32_t face = visit->faces ? visit->faces[i] : (uint32_t)i;
         slv_ptx_face f = slvi_ptx_face_at(ptx, face);
         uint64_t count = ptx_is_one_texel(&f) ? 1 : ptx_texel_count(f.res);
         slv_res res = count == 1 ? (slv_res){0, 0} : f.res;
@@ -40,10 +42,13 @@ static slv_result visit_range(void *user, uint64_t first, uint64_t end) {
 
 /* Refuses before any memory is spent on them texels that cannot be there, or are more than allowed:
  * together if `all`, else each for itself. */
-static slv_result check_sizes(const slv_env *env, const slv_ptx *ptx, bool all, uint64_t *total) {
+static slv_result check_sizes(const struct visit *visit, bool all, uint64_t *total) {
+    const slv_env *env = visit->env;
+    const slv_ptx *ptx = visit->ptx;
     uint64_t limit = slvi_env_or_default(env).max_bytes;
     *total = 0;
-    for (uint32_t face = 0; face < ptx->info.nfaces; face++) {
+    for (uint32_t i = 0; i < visit->nfaces; i++) {
+        uint32_t face = visit->faces ? visit->faces[i] : i;
         slv_ptx_face f = slvi_ptx_face_at(ptx, face);
         uint64_t bytes = ptx->pixel_size;
         if (!ptx_is_one_texel(&f)) {
@@ -68,21 +73,31 @@ static uint64_t texel_parts(const slv_ptx *ptx) {
 }
 
 static slv_result visit_all(struct visit *visit, uint64_t total) {
-    uint32_t nfaces = visit->ptx->info.nfaces;
+    uint32_t nfaces = visit->nfaces;
     uint64_t grain = nfaces / (total / (1 << 20) + 1) + 1;
     if (grain > nfaces / 16 + 1)
         grain = nfaces / 16 + 1;
     return slvi_ptx_parallel_for(visit->env, &visit->errors, nfaces, grain, visit_range, visit);
 }
 
-slv_result slv_ptx_visit_faces(const slv_env *env, const slv_ptx *ptx, slv_ptx_visit_fn visit,
-                               void *user) {
+slv_result slv_ptx_visit_some_faces(const slv_env *env, const slv_ptx *ptx, const uint32_t *faces,
+                                    uint32_t nfaces, slv_ptx_visit_fn visit, void *user) {
     uint64_t total;
-    struct visit v = {.env = env, .ptx = ptx, .visit = visit, .user = user};
+    struct visit v = {
+        .env = env, .ptx = ptx, .visit = visit, .user = user, .faces = faces, .nfaces = nfaces};
     slv_result result = ptx_need(ptx, texel_parts(ptx));
-    if (result || (result = check_sizes(env, ptx, false, &total)))
+    for (uint32_t i = 0; faces && i < nfaces && !result; i++)
+        if (faces[i] >= ptx->info.nfaces || (i && faces[i] <= faces[i - 1]))
+            result = slvi_fail(env, SLV_ERROR_ARGUMENT, "%s: face %u is not there, or not in order",
+                               ptx->name, faces[i]);
+    if (result || (result = check_sizes(&v, false, &total)))
         return result;
     return visit_all(&v, total);
+}
+
+slv_result slv_ptx_visit_faces(const slv_env *env, const slv_ptx *ptx, slv_ptx_visit_fn visit,
+                               void *user) {
+    return slv_ptx_visit_some_faces(env, ptx, NULL, ptx->info.nfaces, visit, user);
 }
 
 static slv_result store_face(void *user, const slv_env *env, uint32_t face,
@@ -99,7 +114,8 @@ slv_result slv_ptx_load_texture(const slv_env *env, const slv_ptx *ptx, slv_text
     uint64_t total;
     *out = NULL;
     slv_result result = ptx_need(ptx, texel_parts(ptx));
-    if (result || (result = check_sizes(env, ptx, true, &total)) ||
+    struct visit visit = {.env = env, .ptx = ptx, .visit = store_face, .nfaces = ptx->info.nfaces};
+    if (result || (result = check_sizes(&visit, true, &total)) ||
         (result = slvi_alloc(env, ptx->name, ptx->info.nfaces, sizeof *res, &res)))
         goto done;
     for (uint32_t face = 0; face < ptx->info.nfaces; face++)
@@ -108,7 +124,7 @@ slv_result slv_ptx_load_texture(const slv_env *env, const slv_ptx *ptx, slv_text
                              ptx->info.alpha_channel, res};
     if ((result = slv_texture_create(env, &desc, &texture)))
         goto done;
-    struct visit visit = {.env = env, .ptx = ptx, .visit = store_face, .user = texture};
+    visit.user = texture;
     if ((result = visit_all(&visit, total)))
         goto done;
     *out = texture;
