@@ -308,6 +308,9 @@ int cli_parse(const cli_command *command, int argc, char **argv) {
         } else if (strcmp(argument, "--help") == 0 || strcmp(argument, "-h") == 0) {
             cli_print_help(command);
             return EXIT_OK;
+        } else if (strcmp(argument, CLI_ROW_OPTION) == 0) {
+            cli_print_row(command);
+            return EXIT_OK;
         } else if (strcmp(argument, CLI_TABLE_OPTION) == 0) {
             cli_print_table(command);
             return EXIT_OK;

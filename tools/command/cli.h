@@ -83,9 +83,11 @@ typedef struct cli_command {
 /* Fills the values. Returns -1 to go on, or the exit code: help was asked for, or the usage is
  * wrong. */
 int cli_parse(const cli_command *command, int argc, char **argv);
-/* What `selvage VERB --help` prints, and the verb's part of the table of all verbs. */
+/* What `selvage VERB --help` prints; and for the table of all verbs its row and its options. */
+#define CLI_ROW_OPTION "--help-row"
 #define CLI_TABLE_OPTION "--help-table"
 void cli_print_help(const cli_command *command);
+void cli_print_row(const cli_command *command);
 void cli_print_table(const cli_command *command);
 /* One line about wrong usage; returns EXIT_USAGE. */
 int cli_usage(const cli_command *command, const char *format, ...)

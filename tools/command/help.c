@@ -100,12 +100,20 @@ static void print_cell(const char *text) {
     }
 }
 
+void cli_print_row(const cli_command *command) {
+    const char *exits = exits_of(command);
+    printf("| [`%s`](#selvage-%s) | ", command->name, command->name);
+    print_cell(command->reads ? command->reads : "nothing");
+    fputs(" | ", stdout);
+    print_cell(command->writes ? command->writes : "nothing but its answer");
+    fputs(" | ", stdout);
+    print_cell(exits);
+    puts(" |");
+}
+
 void cli_print_table(const cli_command *command) {
-    printf("### %s\n\n`selvage %s ", command->name, command->name);
-    printf("%s [options]`\n\n", command->arguments);
-    printf("- reads: %s\n- writes: %s\n- exit codes: %s\n\n| option | value | |\n|---|---|---|\n",
-           command->reads ? command->reads : "nothing",
-           command->writes ? command->writes : "nothing but its answer", exits_of(command));
+    printf("### selvage %s\n\n`selvage %s ", command->name, command->name);
+    printf("%s [options]`\n\n| option | value | |\n|---|---|---|\n", command->arguments);
     for (uint32_t i = 0; i < command->noptions; i++) {
         const cli_option *option = &command->options[i];
         const char *name = option->names;
