@@ -1,19 +1,24 @@
 /* The verb transfer: texels of one model on a changed one. */
+#include "command/numbers.h"
 #include "command/output.h"
 #include "command/ptx_name.h"
 #include "command/salvage.h"
 #include "command/scene.h"
 #include "verbs.h"
 
+#include <selvage/cache.h>
 #include <selvage/transfer.h>
 
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
+#define CACHE_BYTES (UINT64_C(256) << 20)
+
 struct transfer {
-    const char *paths[2], *from, *to;
-    float distance;
-    bool distance_given, blank, no_copies, faces, json, progress, quiet, salvage;
+    const char *paths[2], *from, *to, *scale_from;
+    float distance, scale;
+    bool force, distance_given, blank, no_copies, faces, json, progress, quiet, salvage;
     int scheme;
     uint32_t compression, threads;
     slv_transfer_face *list;
@@ -72,48 +77,124 @@ static json_t *transfer_json(const struct transfer *t) {
                      output_json_number((double)t->covered), "face_list", faces);
 }
 
+/* Where faces go: the writer, made once their number and kind are known. */
+struct result {
+    const struct transfer *t;
+    const slv_env *env;
+    const slv_ptx *ptx;
+    const slv_mesh *mesh;
+    const slv_res *res;
+    slv_ptx_writer *writer;
+};
+
 /* Metadata that is not geometry goes along; entries of the source file stay where they are. */
-static slv_result save(const slv_env *env, const struct transfer *t, const slv_ptx *ptx,
-                       const slv_texture *texture, const slv_mesh *mesh) {
-    const slv_ptx_info *info = slv_ptx_get_info(ptx);
-    slv_adjacency *adjacency = NULL;
-    slv_ptx_meta *meta = calloc((size_t)info->nmeta + 1, sizeof *meta);
-    slv_ptx_write_params params = {.border_u = info->border_u,
-                                   .border_v = info->border_v,
-                                   .edge_filter = info->edge_filter,
-                                   .no_reductions = info->nlevels < 2,
-                                   .compression = (int)t->compression,
-                                   .mesh = mesh,
-                                   .meta = meta};
-    slv_result result =
-        meta ? SLV_OK
-             : output_fail(env, SLV_ERROR_MEMORY, "%s: no memory for its metadata", t->paths[1]);
-    for (uint32_t i = 0; i < info->nmeta && !result; i++) {
+static slv_result copy_meta(const struct result *r) {
+    for (uint32_t i = 0; i < slv_ptx_get_info(r->ptx)->nmeta; i++) {
         const slv_ptx_meta *entry;
-        if (!(result = slv_ptx_load_meta(ptx, i, &entry)) &&
-            strcmp(entry->key, "PtexFaceVertCounts") != 0 &&
+        slv_result result = slv_ptx_load_meta(r->ptx, i, &entry);
+        if (!result && strcmp(entry->key, "PtexFaceVertCounts") != 0 &&
             strcmp(entry->key, "PtexFaceVertIndices") != 0 &&
             strcmp(entry->key, "PtexVertPositions") != 0)
-            meta[params.nmeta++] = *entry;
+            result = slv_ptx_writer_set_meta(r->writer, entry);
+        if (result)
+            return result;
     }
-    if (!result && !(result = slv_mesh_adjacency(env, mesh, &adjacency)))
-        result = slv_ptx_save(env, t->paths[1], texture, adjacency, &params);
-    slv_adjacency_destroy(adjacency);
-    free(meta);
+    return SLV_OK;
+}
+
+static slv_result begin(void *user, const slv_texture_desc *desc) {
+    struct result *r = user;
+    slv_ptx_writer_params params = slv_ptx_writer_params_like(r->ptx);
+    params.nfaces = desc->nfaces;
+    params.compression = (int)r->t->compression;
+    r->res = desc->res;
+    slv_result result = slv_ptx_writer_create(r->env, r->t->paths[1], &params, &r->writer);
+    if (!result && !(result = slv_ptx_writer_set_mesh(r->writer, r->mesh)))
+        result = copy_meta(r);
     return result;
+}
+
+static slv_result put(void *user, const slv_env *env, uint32_t face, bool constant,
+                      const void *texels) {
+    const struct result *r = user;
+    const slv_ptx_face info = {
+        .res = r->res[face],
+        .flags = constant ? SLV_FACE_CONSTANT : 0,
+        .adjacency.face = {SLV_BOUNDARY, SLV_BOUNDARY, SLV_BOUNDARY, SLV_BOUNDARY}};
+    (void)env; /* the writer's own log is serialised */
+    return slv_ptx_writer_write_face(r->writer, face, &info, texels);
+}
+
+/* The file behind a cache: of its texels no more than that is in memory. */
+static slv_result open_texels(const slv_env *env, const slv_ptx *ptx, slv_cache **cache,
+                              slv_source *out) {
+    const slv_cache_params params = {.max_bytes = CACHE_BYTES};
+    slv_source texels;
+    slv_file_id file;
+    slv_result result = slv_cache_create(env, &params, cache);
+    if (!result && !(result = slv_ptx_as_source(env, ptx, &texels)) &&
+        !(result = slv_cache_open_source(*cache, &texels, NULL, &file)))
+        result = slv_cache_as_source(*cache, file, out);
+    return result;
+}
+
+static slv_result choose_scale(const slv_env *env, struct transfer *t, const slv_mesh *source,
+                               const slv_mesh *target) {
+    double scale = 1;
+    const char *end = "";
+    if (!t->scale_from)
+        return SLV_OK;
+    if (strcmp(t->scale_from, "auto") == 0) {
+        t->scale = slv_transfer_find_scale(source, target);
+        if (!t->quiet && !t->json)
+            printf("the old model's coordinates times %g\n", (double)t->scale);
+        return SLV_OK;
+    }
+    if (!value_ratio(t->scale_from, &scale, &end) || *end || !(scale > 0) ||
+        !isfinite((float)scale) || !((float)scale > 0))
+        return output_fail(env, SLV_ERROR_ARGUMENT,
+                           "--scale-from: expected auto or a number more than 0, not '%s'",
+                           t->scale_from);
+    t->scale = (float)scale;
+    return SLV_OK;
+}
+
+/* Carries over, and puts the file in its place unless it has nothing of the old one. */
+static int carry_over(const slv_env *env, struct transfer *t, const slv_ptx *ptx,
+                      const slv_mesh *source, const slv_mesh *target) {
+    cli_progress progress = cli_progress_fleeting("transfer", t->progress, t->quiet || t->json);
+    const slv_transfer_params params = {.max_distance = t->distance,
+                                        .blank = t->blank,
+                                        .no_copies = t->no_copies,
+                                        .scheme = (slv_scheme)t->scheme,
+                                        .source_scale = t->scale,
+                                        .progress = {cli_progress_report, &progress}};
+    struct result r = {.t = t, .env = env, .ptx = ptx, .mesh = target};
+    const slv_transfer_sink sink = {begin, put, &r};
+    slv_cache *cache = NULL;
+    slv_source texels = {0};
+    slv_result result = open_texels(env, ptx, &cache, &texels);
+    if (!result)
+        result =
+            slv_transfer_from(env, source, &texels, target, &params, &sink, t->list, &t->covered);
+    cli_progress_end(&progress);
+    if (!result && !(t->covered > 0) && !t->force)
+        result = output_fail(env, SLV_ERROR_MISMATCH,
+                             "%s: nothing of the new surface is near the old one, no file is "
+                             "written: see --scale-from and --distance; --force writes it",
+                             t->paths[1]);
+    if (!result)
+        result = slv_ptx_writer_finish(r.writer);
+    slv_ptx_writer_destroy(r.writer);
+    slv_source_close(&texels);
+    slv_cache_destroy(cache);
+    return result ? EXIT_FAILED : EXIT_OK;
 }
 
 static int run_transfer(struct transfer *t) {
     slv_env env = cli_env(t->threads);
     slv_ptx *ptx = NULL;
     slv_mesh *source = NULL, *target = NULL;
-    slv_texture *texture = NULL, *moved = NULL;
-    cli_progress progress = cli_progress_fleeting("transfer", t->progress, t->quiet || t->json);
-    slv_transfer_params params = {.max_distance = t->distance,
-                                  .blank = t->blank,
-                                  .no_copies = t->no_copies,
-                                  .scheme = (slv_scheme)t->scheme,
-                                  .progress = {cli_progress_report, &progress}};
     int code = EXIT_FAILED;
     const char *const inputs[] = {t->paths[0], t->from, t->to};
     if (output_check_in_place(&env, t->paths[1], inputs, 3) || output_try(&env, t->paths[1]))
@@ -122,14 +203,16 @@ static int run_transfer(struct transfer *t) {
         salvage_open(&env, t->paths[0], t->salvage, &ptx))
         goto done;
     if (slv_ptx_get_info(ptx)->mesh_type != SLV_PTX_QUAD) {
-        cli_error("%s: is of triangles; only quads can be transferred", t->paths[0]);
+        cli_error(
+            "%s: is of triangles: the surfaces that texels are carried over are made of quads",
+            t->paths[0]);
         goto done;
     }
     if (t->from ? slv_mesh_load(&env, cli_input(t->from), &source) ||
                       slv_ptx_match_mesh(&env, ptx, source)
                 : scene_load_geometry(&env, ptx, "--from OLD.obj", &source))
         goto done;
-    if (slv_ptx_load_texture(&env, ptx, &texture))
+    if (choose_scale(&env, t, source, target))
         goto done;
     t->nfaces = slv_mesh_face_count(target);
     t->list = calloc((size_t)t->nfaces + 1, sizeof *t->list);
@@ -138,24 +221,19 @@ static int run_transfer(struct transfer *t) {
         goto done;
     }
     cli_catch_interrupts();
-    if (slv_transfer(&env, source, texture, target, &params, t->list, &t->covered, &moved) ||
-        save(&env, t, ptx, moved, target))
+    code = carry_over(&env, t, ptx, source, target);
+    if (code)
         goto done;
-    cli_progress_end(&progress);
     for (uint32_t face = 0; face < t->nfaces; face++)
         t->counts[t->list[face].kind]++;
-    code = EXIT_OK;
-    if (t->json)
-        code = output_print_json(t->paths[1], transfer_json(t));
-    else if (!t->quiet)
+    if (t->json && output_print_json(t->paths[1], transfer_json(t)))
+        code = EXIT_FAILED;
+    else if (!t->json && !t->quiet)
         print_result(t);
     if (salvage_tell(ptx))
         code = EXIT_FAILED;
 done:
-    cli_progress_end(&progress);
     free(t->list);
-    slv_texture_destroy(texture);
-    slv_texture_destroy(moved);
     slv_mesh_destroy(source);
     slv_mesh_destroy(target);
     slv_ptx_close(ptx);
@@ -175,6 +253,12 @@ int verb_transfer(int argc, char **argv) {
          "how near the old surface a texel must be, in mesh units, more than 0 (1/100 of its "
          "diagonal)",
          "X", 0, 0, &t.distance_given},
+        {"--scale-from", CLI_TEXT, &t.scale_from,
+         "what the old model's coordinates are multiplied by, to be in the new one's units; auto "
+         "finds it from their sizes (1)",
+         "auto|X", 0, 0, NULL},
+        {"--force", CLI_FLAG, &t.force, "write a file of which nothing is covered", NULL, 0, 0,
+         NULL},
         {"--blank", CLI_FLAG, &t.blank,
          "leave texels further away at zero instead of the nearest value", NULL, 0, 0, NULL},
         {"--no-copies", CLI_FLAG, &t.no_copies, "resample faces that match as well", NULL, 0, 0,

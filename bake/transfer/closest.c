@@ -10,6 +10,7 @@
 #include <string.h>
 
 enum { LEAF = 4, MAX_DEPTH = 64 };
+#define MOST_TRIED 4096 /* triangles, in a search for one that faces a certain way */
 #define FAR_AWAY 1024.0 /* diagonals; from there on only the direction matters */
 
 struct triangle {
@@ -21,6 +22,8 @@ struct node {
     uint32_t first, count; /* a leaf: triangles; else count is 0, `first` is the left child, the
                               right one follows it */
     uint32_t lowest_face;
+    float axis[3], spread; /* all normals are within an angle of the axis, of which this is the
+                              cosine; -1: any direction */
 };
 
 struct slv_closest {
@@ -100,6 +103,66 @@ static void split(slv_closest *c, uint32_t first, uint32_t end, uint32_t at, int
     }
 }
 
+/* In double: squares of lengths that float holds need not fit in one. */
+static void subtract(const float *a, const float *b, double *out) {
+    for (int k = 0; k < 3; k++)
+        out[k] = (double)a[k] - (double)b[k];
+}
+static double dot(const double *a, const double *b) {
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+}
+
+static bool normalise(double *v) {
+    double length = sqrt(dot(v, v));
+    for (int k = 0; k < 3 && length > 0; k++)
+        v[k] /= length;
+    return length > 0 && isfinite(length);
+}
+
+/* Which way a triangle faces; false if it has no extent. */
+static bool facing_of(const slv_closest *c, const struct triangle *t, double out[3]) {
+    float uv[2];
+    double ab[3], ac[3];
+    const float *a = corner_of(c, t, 0, uv);
+    subtract(corner_of(c, t, 1, uv), a, ab);
+    subtract(corner_of(c, t, 2, uv), a, ac);
+    if (!normalise(ab) || !normalise(ac))
+        return false;
+    out[0] = ab[1] * ac[2] - ab[2] * ac[1];
+    out[1] = ab[2] * ac[0] - ab[0] * ac[2];
+    out[2] = ab[0] * ac[1] - ab[1] * ac[0];
+    return normalise(out);
+}
+
+static void find_spread(const slv_closest *c, uint32_t first, uint32_t count, struct node *node) {
+    double axis[3] = {0}, facing[3], least = 1;
+    node->spread = -1;
+    for (uint32_t i = first; i < first + count; i++) {
+        if (!facing_of(c, &c->triangles[i], facing))
+            return;
+        for (int k = 0; k < 3; k++)
+            axis[k] += facing[k];
+    }
+    if (!normalise(axis))
+        return;
+    for (uint32_t i = first; i < first + count; i++)
+        if (facing_of(c, &c->triangles[i], facing))
+            least = fmin(least, dot(axis, facing));
+    for (int k = 0; k < 3; k++)
+        node->axis[k] = (float)axis[k];
+    node->spread = (float)least;
+}
+
+/* Whether a triangle of a box may face the same way. */
+static bool may_face(const struct node *node, const float *normal) {
+    double length = sqrt((double)normal[0] * normal[0] + (double)normal[1] * normal[1] +
+                         (double)normal[2] * normal[2]);
+    double along = (double)node->axis[0] * normal[0] + (double)node->axis[1] * normal[1] +
+                   (double)node->axis[2] * normal[2];
+    double spread = (double)node->spread;
+    return spread <= 0 || !(along < -(sqrt(1 - fmin(spread * spread, 1)) + 1e-3) * length);
+}
+
 static void build(slv_closest *c, uint32_t index, uint32_t first, uint32_t count) {
     struct node *node = &c->nodes[index];
     int axis = 0;
@@ -110,6 +173,7 @@ static void build(slv_closest *c, uint32_t index, uint32_t first, uint32_t count
             node->lowest_face = c->triangles[i].face;
     node->first = first;
     node->count = count;
+    find_spread(c, first, count, node);
     if (count <= LEAF)
         return;
     for (int k = 1; k < 3; k++)
@@ -198,15 +262,6 @@ void slvi_closest_destroy(slv_closest *closest) {
     slvi_free(closest);
 }
 
-/* In double: squares of lengths that float holds need not fit in one. */
-static void subtract(const float *a, const float *b, double *out) {
-    for (int k = 0; k < 3; k++)
-        out[k] = (double)a[k] - (double)b[k];
-}
-static double dot(const double *a, const double *b) {
-    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-}
-
 float slvi_closest_diagonal(const slv_closest *closest) {
     const struct node *root = &closest->nodes[0];
     double size[3] = {0};
@@ -255,6 +310,7 @@ struct search {
     const slv_closest *closest;
     double from[3], at[3], best; /* best: squared */
     const float *normal;
+    uint32_t tried; /* triangles, with a normal */
     slv_surface_point point;
 };
 
@@ -294,8 +350,9 @@ static void try_triangle(struct search *s, const struct triangle *t) {
 static double box_distance(const struct node *node, const double *p) {
     double sum = 0;
     for (int k = 0; k < 3; k++) {
-        double outside = fmax(fmax((double)node->low[k] - p[k], p[k] - (double)node->high[k]), 0);
-        sum += outside * outside;
+        double below = (double)node->low[k] - p[k], above = p[k] - (double)node->high[k];
+        double outside = below > above ? below : above;
+        sum += outside > 0 ? outside * outside : 0;
     }
     return sum;
 }
@@ -332,8 +389,12 @@ slv_closest_hit slvi_closest_find(const slv_closest *closest, const float positi
         const struct node *node = &closest->nodes[stack[--depth]];
         double distance = box_distance(node, s.from);
         if (distance > s.best ||
-            (distance == s.best && s.point.face >= 0 && s.point.face <= (int32_t)node->lowest_face))
+            (distance == s.best && s.point.face >= 0 &&
+             s.point.face <= (int32_t)node->lowest_face) ||
+            (normal && !may_face(node, normal)))
             continue;
+        if (normal && (s.tried += node->count) > MOST_TRIED)
+            break;
         if (node->count) {
             for (uint32_t i = node->first; i < node->first + node->count; i++)
                 try_triangle(&s, &closest->triangles[i]);

@@ -15,8 +15,9 @@ typedef struct slv_closest_hit {
 slv_result slvi_closest_create(const slv_env *env, const slv_surface *surface, uint32_t segments,
                                slv_closest **out);
 void slvi_closest_destroy(slv_closest *closest);
-/* If `normal` is not NULL, only triangles that face the same way count. What is further away than
- * `within` (which may be infinite) need not be found. Thread-safe. */
+/* If `normal` is not NULL, only triangles that face the same way count, and after some thousands
+ * that do not no more are looked at. What is further away than `within` (which may be infinite)
+ * need not be found. Thread-safe. */
 slv_closest_hit slvi_closest_find(const slv_closest *closest, const float position[3],
                                   const float *normal, float within);
 /* The length of the diagonal of the box around everything. */

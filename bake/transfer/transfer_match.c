@@ -66,17 +66,11 @@ slv_res slvi_transfer_turned(slv_res res, const slv_transfer_face *match) {
     return swapped ? (slv_res){res.v, res.u} : res;
 }
 
-slv_result slvi_transfer_copy(const slv_env *env, const slv_texture *from,
-                              const slv_transfer_face *match, slv_texture *to, uint32_t face) {
-    const slv_texture_desc *desc = slv_texture_get_desc(from);
-    uint32_t source = (uint32_t)match->source;
-    const uint8_t *in = slv_texture_texels(from, source);
-    slv_res res = slvi_transfer_turned(desc->res[source], match);
+void slvi_transfer_turn(const slv_transfer_face *match, slv_res source, size_t pixel,
+                        const uint8_t *in, uint8_t *out) {
+    slv_res res = slvi_transfer_turned(source, match);
     int64_t w = INT64_C(1) << res.u, h = INT64_C(1) << res.v;
-    int64_t sw = INT64_C(1) << desc->res[source].u, sh = INT64_C(1) << desc->res[source].v;
-    size_t size = slv_type_size(desc->type) * desc->nchannels;
-    if (slv_texture_is_constant(from, source))
-        return slv_texture_set_constant(to, face, in);
+    int64_t sw = INT64_C(1) << source.u, sh = INT64_C(1) << source.v;
     unsigned c0 = source_corner(match, 0), c1 = source_corner(match, 1),
              c3 = source_corner(match, 3);
     /* how the source's (u,v) goes along this face's u (towards corner 1) and v (towards corner 3)
@@ -84,16 +78,9 @@ slv_result slvi_transfer_copy(const slv_env *env, const slv_texture *from,
     int uu = slvi_corner_u(c1) - slvi_corner_u(c0), uv = slvi_corner_u(c3) - slvi_corner_u(c0),
         vu = slvi_corner_v(c1) - slvi_corner_v(c0), vv = slvi_corner_v(c3) - slvi_corner_v(c0);
     int64_t u0 = slvi_corner_u(c0) * (sw - 1), v0 = slvi_corner_v(c0) * (sh - 1);
-    uint8_t *texels = NULL;
-    slv_result result = slvi_alloc(env, "texels", (uint64_t)(w * h), size, &texels);
-    if (result)
-        return result;
     for (int64_t y = 0; y < h; y++)
         for (int64_t x = 0; x < w; x++) {
             int64_t sx = u0 + uu * x + uv * y, sy = v0 + vu * x + vv * y;
-            memcpy(texels + (size_t)(y * w + x) * size, in + (size_t)(sy * sw + sx) * size, size);
+            memcpy(out + (size_t)(y * w + x) * pixel, in + (size_t)(sy * sw + sx) * pixel, pixel);
         }
-    result = slv_texture_set_face(to, face, texels);
-    slvi_free(texels);
-    return result;
 }

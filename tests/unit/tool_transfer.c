@@ -275,6 +275,53 @@ static int finest_side(const char *name) {
     return finest;
 }
 
+/* Models in other units, once that is said or found. */
+static void check_scales(void) {
+    write_positions("units.ptx", (slv_res){5, 5});
+    write_scaled("from.obj", 1);
+    write_scaled("to.obj", 100);
+    RUNS(0, "transfer units.ptx scaled.ptx --from from.obj --to to.obj --scale-from 100");
+    HAS("16 copied");
+    RUNS(0, "transfer units.ptx scaled.ptx --from from.obj --to to.obj --scale-from auto");
+    HAS("the old model's coordinates times 100\n");
+    HAS("16 copied");
+    RUNS(0, "transfer units.ptx scaled.ptx --from to.obj --to from.obj --scale-from 1/100 --faces");
+    HAS("16 copied");
+    write_scaled("to.obj", 2.54);
+    RUNS(0, "transfer units.ptx scaled.ptx --from from.obj --to to.obj --scale-from auto --quiet");
+    write_scaled("to.obj", 1.31);
+    RUNS(0, "transfer units.ptx scaled.ptx --from from.obj --to to.obj --scale-from auto");
+    HAS("times 1.31");
+    RUNS(1, "transfer units.ptx scaled.ptx --from from.obj --to to.obj --scale-from 0");
+    RUNS(1, "transfer units.ptx scaled.ptx --from from.obj --to to.obj --scale-from metres");
+    HAS("expected auto or a number more than 0");
+}
+
+/* Whatever --distance says and however many sides a polygon has, the work stays within bounds: here
+ * it ran for minutes. */
+static void check_work(void) {
+    enum { SIDES = 20000 };
+    char *text = malloc(SIDES * 64);
+    size_t size = 0;
+    REQUIRE(text);
+    for (int i = 0; i < SIDES; i++)
+        size += (size_t)snprintf(text + size, 64, "v %.6f 0 %.6f\n",
+                                 2 + 2 * cos(i * 6.283185307179586 / SIDES),
+                                 2 + 2 * sin(i * 6.283185307179586 / SIDES));
+    size += (size_t)snprintf(text + size, 64, "f");
+    for (int i = 0; i < SIDES; i++)
+        size += (size_t)snprintf(text + size, 16, " %d", SIDES - i);
+    tool_write_file("round.obj", text, size);
+    free(text);
+    write_positions("units.ptx", (slv_res){2, 2});
+    write_scaled("from.obj", 1);
+    write_scaled("to.obj", 1000);
+    RUNS(0, "transfer units.ptx round.ptx --from from.obj --to round.obj --distance 9 --quiet "
+            "--scheme bilinear");
+    RUNS(0, "transfer units.ptx far.ptx --from from.obj --to to.obj --distance 1e9 --quiet");
+    RUNS(0, "transfer units.ptx far.ptx --from to.obj --to from.obj --distance 1e30 --quiet");
+}
+
 /* Models in other units than the texture's own do not grow the result, and are spoken of. */
 static void check_units(void) {
     static const struct {
@@ -292,7 +339,14 @@ static void check_units(void) {
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
         write_scaled("from.obj", cases[i].from);
         write_scaled("to.obj", cases[i].to);
-        RUNS(0, "transfer units.ptx scaled.ptx --from from.obj --to to.obj --threads 2");
+        bool none = strncmp(cases[i].answer, "16 too", 6) == 0;
+        if (none) {
+            unlink(tool_path("scaled.ptx"));
+            RUNS(1, "transfer units.ptx scaled.ptx --from from.obj --to to.obj --threads 2");
+            HAS("nothing of the new surface is near the old one");
+            CHECK(access(tool_path("scaled.ptx"), F_OK) != 0);
+        }
+        RUNS(0, "transfer units.ptx scaled.ptx --from from.obj --to to.obj --threads 2 --force");
         HAS(cases[i].answer);
         if (cases[i].from == cases[i].to)
             LACKS("are their units the same?");
@@ -332,6 +386,8 @@ int main(void) {
     check_resampling();
     check_filtering();
     check_units();
+    check_scales();
+    check_work();
     check_usage();
     tool_end();
     return test_end();

@@ -2,8 +2,8 @@
 #ifndef SELVAGE_TRANSFER_H
 #define SELVAGE_TRANSFER_H
 
+#include <selvage/source.h>
 #include <selvage/surface.h>
-#include <selvage/texture.h>
 
 #ifdef __cplusplus
 extern "C" {
@@ -36,8 +36,25 @@ typedef struct slv_transfer_params {
     bool no_copies;     /* resample matching faces as well */
     slv_scheme scheme;
     slv_progress progress; /* faces */
-    uint64_t reserved[4];
+    float source_scale;    /* what the source's coordinates are multiplied by, so that its units are
+                              the target's; 0: 1 */
+    uint64_t reserved[3];
 } slv_transfer_params;
+
+/* What the source's coordinates would have to be multiplied by for it to be as large as the target:
+ * the ratio of their diagonals, or of two units of length that is within a twentieth of it. 1 if
+ * one of them has no extent. */
+SLV_API float slv_transfer_find_scale(const slv_mesh *source, const slv_mesh *target);
+
+/* Where the faces of a transfer go. `begin` is called once, with the faces' resolutions, before
+ * `face`, which is called for each of them, from several threads at once: with one texel if it is
+ * constant, and with an environment whose log may be called from there. */
+typedef struct slv_transfer_sink {
+    slv_result (*begin)(void *user, const slv_texture_desc *desc);
+    slv_result (*face)(void *user, const slv_env *env, uint32_t face, bool constant,
+                       const void *texels);
+    void *user;
+} slv_transfer_sink;
 
 /* Makes a texture for `target`, in the type and channels of `texture`, which belongs to `source`.
  * Copied faces keep their resolution (turned with them), others have the density of texels of the
@@ -54,6 +71,16 @@ SLV_NODISCARD SLV_API slv_result slv_transfer(const slv_env *env, const slv_mesh
                                               const slv_transfer_params *params,
                                               slv_transfer_face *faces, float *covered,
                                               slv_texture **out);
+
+/* The same from any source of texels, face by face into a sink: a file behind a cache
+ * (slv_cache_as_source) is never in memory as a whole, nor is the result. Texels that
+ * cover more than eight of the source along an axis are made of its reductions. Sources of
+ * triangles are SLV_ERROR_UNSUPPORTED. */
+SLV_NODISCARD SLV_API slv_result slv_transfer_from(const slv_env *env, const slv_mesh *source,
+                                                   const slv_source *texels, const slv_mesh *target,
+                                                   const slv_transfer_params *params,
+                                                   const slv_transfer_sink *sink,
+                                                   slv_transfer_face *faces, float *covered);
 
 #ifdef __cplusplus
 }

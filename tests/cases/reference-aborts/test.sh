@@ -4,6 +4,6 @@ for view in view_window_1e38 view_distance_1e30; do
     says "1e+18"
     [ ! -e r.exr ] || fail "$view: a picture all the same"
 done
-accepts selvage transfer in.ptx o.ptx --to cube_1e18.obj --quiet
+accepts selvage transfer in.ptx o.ptx --to cube_1e18.obj --force --quiet
 refuses selvage reference o.ptx -o r.exr --samples 2 --tess 2 --size 16x16 --quiet
 says "1e+18"
