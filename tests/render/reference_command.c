@@ -178,7 +178,7 @@ int main(void) {
     refuse(2, "power of two", ARGUMENTS("reference", ptx, "--tess", "3"));
     refuse(2, "16 or 32", ARGUMENTS("reference", ptx, "--bits", "24"));
     refuse(2, "170", ARGUMENTS("reference", ptx, "--fov", "175"));
-    refuse(1, "levels", ARGUMENTS("reference", ptx, "--shading", "levels", "-q"));
+    refuse(2, "levels", ARGUMENTS("reference", ptx, "--shading", "levels", "-q"));
     refuse(1, "missing.json", ARGUMENTS("reference", ptx, "--view", "missing.json"));
     refuse(1, "nowhere/", ARGUMENTS("reference", ptx, "-q", "--convergence", "nowhere/study"));
     refuse(1, "nowhere/", ARGUMENTS("reference", ptx, "-q", "--size", "8", "-o", "nowhere/a.exr"));

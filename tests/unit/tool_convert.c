@@ -385,6 +385,75 @@ static void check_usage(void) {
     CHECK(access(tool_path("x.ptx"), F_OK) != 0);
 }
 
+/* The same said in two ways. */
+static void check_spellings(void) {
+    static const char *const same[][2] = {
+        {"--channels 2,1,0", "--channels b,g,r"},
+        {"--channels 2,1,0", "--channels bgr"},
+        {"--channels 2,1,0", "--channel B,1,r"},
+        {"--channels 0,1,2,=0.5", "--channels 0-2,=1/2"},
+        {"--channels 0,1,2,=1 --alpha 3", "--channels rgb,=1 --alpha 3"},
+        {"--scale 1/2", "--scale 0.5"},
+        {"--scale 4", "--scale 4.0"},
+        {"--scale 1/4", "--scale 2/8"},
+        {"--res 0=8,1=8,2=8,3=4x8", "--res 0-2=8,3=4x8"},
+        {"--faces 1,2,3,4,6", "--faces 6,1-4"},
+    };
+    for (size_t i = 0; i < sizeof same / sizeof *same; i++) {
+        RUNS(0, "convert rgb.ptx first.ptx %s", same[i][0]);
+        RUNS(0, "convert rgb.ptx -o second.ptx %s", same[i][1]);
+        RUNS(0, "diff first.ptx second.ptx");
+    }
+    RUNS(0, "convert rgb.ptx rgba.ptx --channels r,g,b,=1 --alpha 3");
+    RUNS(0, "convert rgba.ptx first.ptx --channels a,r");
+    RUNS(0, "convert rgba.ptx second.ptx --channels 3,0 --alpha a");
+    RUNS(0, "diff first.ptx second.ptx");
+    RUNS(2, "convert rgb.ptx x.ptx --channels r,x");
+    HAS("'x': the file has channels 0 to 2, also called r, g, b");
+    RUNS(2, "convert rgb.ptx x.ptx --channels a");
+    RUNS(2, "convert rgb.ptx x.ptx --channels 1-");
+    RUNS(2, "convert rgb.ptx x.ptx --channels 1-3");
+    RUNS(2, "convert rgb.ptx x.ptx --scale 0.3");
+    RUNS(2, "convert rgb.ptx x.ptx --scale 1/0");
+    RUNS(2, "convert rgb.ptx x.ptx --scale -2");
+    RUNS(2, "convert rgb.ptx x.ptx --res 0-3=8,2=4");
+    RUNS(2, "convert rgb.ptx x.ptx --res 3-0=8");
+    RUNS(2, "convert rgb.ptx x.ptx y.ptx");
+    RUNS(2, "convert rgb.ptx x.ptx -o y.ptx");
+    HAS("two names");
+    RUNS(2, "convert rgb.ptx");
+    HAS("the output is missing");
+}
+
+/* The text with `what` before the first `before`, in place of the old one. */
+static char *insert(char *text, const char *before, const char *what) {
+    const char *at = strstr(text, before);
+    REQUIRE(at);
+    char *out = calloc(1, strlen(text) + strlen(what) + 1);
+    REQUIRE(out);
+    memcpy(out, text, (size_t)(at - text));
+    strcat(strcat(out, what), at);
+    free(text);
+    return out;
+}
+
+/* Fields of an index that nobody reads are named, with those that may have been meant. */
+static void check_fields(void) {
+    enum { ROOM = 1 << 20 };
+    RUNS(0, "convert rgb.ptx pictures --res 0=8");
+    FILE *stream = fopen(tool_path("pictures/index.json"), "rb");
+    char *text = calloc(1, ROOM);
+    REQUIRE(stream && text && fread(text, 1, ROOM - 1, stream) > 0);
+    fclose(stream);
+    text = insert(text, "\"border_u\"", "\"boarder_u\": 1, ");
+    text = insert(text, "\"constant\"", "\"widht\": 8, ");
+    tool_write_file("pictures/index.json", text, strlen(text));
+    free(text);
+    RUNS(0, "convert pictures back.ptx");
+    HAS("the field 'boarder_u' is not used; did you mean 'border_u'?");
+    HAS("face 0: the field 'widht' is not used; did you mean 'width'?");
+}
+
 int main(void) {
     tool_begin();
     CHECK(each_sample(there_and_back) > 0);
@@ -399,6 +468,8 @@ int main(void) {
     check_hostile();
     check_kept();
     check_usage();
+    check_spellings();
+    check_fields();
     tool_end();
     return test_end();
 }

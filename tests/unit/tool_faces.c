@@ -71,6 +71,7 @@ static void check_some(void) {
     RUNS(0, "convert a.ptx one.png --faces 2,3 --json");
     HAS("\"faces\": 2,");
     RUNS(0, "convert one.json again.ptx");
+    LACKS("warning");
     RUNS(0, "convert a.ptx two.ptx --faces 2-3 --no-meta");
     RUNS(0, "diff again.ptx two.ptx");
     RUNS(0, "convert a.ptx big.ptx --faces 2-3 --res 2-3=32x8 --scale 0.5");

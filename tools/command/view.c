@@ -1,4 +1,5 @@
 /* Reads view files. */
+#include "command/fields.h"
 #include "command/output.h"
 #include "command/scene.h"
 #include "command/words.h"
@@ -34,22 +35,6 @@ static bool read_floats(const json_t *array, size_t count, float *out) {
         out[i] = (float)json_number_value(value);
     }
     return true;
-}
-
-/* A field that is none of `known` is most likely a slip, and would be missed without a word. */
-static void warn_of_unknown(const slv_env *env, const char *path, const json_t *object,
-                            const char *known) {
-    const char *key;
-    json_t *value;
-    json_object_foreach((json_t *)(uintptr_t)object, key, value) {
-        char hint[WORDS_HINT], line[256];
-        if (words_index(known, key, strlen(key)) >= 0)
-            continue;
-        snprintf(line, sizeof line, "%.100s: the field '%.40s' is not used%s", path, key,
-                 words_hint(key, known, hint));
-        if (env->log)
-            env->log(env->log_user, SLV_LOG_WARNING, line);
-    }
 }
 
 static slv_result read_camera(const slv_env *env, const char *path, const json_t *root,
@@ -186,9 +171,9 @@ slv_result scene_load_view(const slv_env *env, const char *path, scene_view *out
     if (!root)
         return bad_view(env, path, "line %d: %s", error.line, error.text);
     if (json_is_object(root)) {
-        warn_of_unknown(env, path, root,
-                        "size|world_to_camera|projection|screen_window|shading|scheme|boundary");
-        warn_of_unknown(env, path, json_object_get(root, "shading"), "model|ka|kd");
+        fields_warn(env, path, root,
+                    "size|world_to_camera|projection|screen_window|shading|scheme|boundary");
+        fields_warn(env, path, json_object_get(root, "shading"), "model|ka|kd");
     }
     if (!json_is_object(root))
         result = bad_view(env, path, "not a JSON object");

@@ -102,6 +102,8 @@ static int run_convert(const cli_command *command, conversion *c) {
     } else if (slv_exchange_open(&env, from, &source)) {
         goto done;
     }
+    if (is_images(from))
+        convert_warn_of_index(&env, from, is_folder(from));
     if ((code = convert_request_make(command, o, slv_exchange_get_params(source), &request)))
         goto done;
     request.params.mesh = mesh;

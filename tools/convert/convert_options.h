@@ -31,4 +31,7 @@ int convert_request_make(const cli_command *command, const convert_options *opti
                          const slv_ptx_writer_params *source, convert_request *out);
 void convert_request_free(convert_request *request);
 
+/* Warns of fields in the index of images that nobody reads. */
+void convert_warn_of_index(const slv_env *env, const char *path, bool folder);
+
 #endif

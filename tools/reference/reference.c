@@ -260,6 +260,8 @@ int verb_reference(int argc, char **argv) {
     const char *problem = scene_options_problem(&r.scene);
     if (problem)
         return cli_usage(&command, "%s", problem);
+    if (r.scene.shading_given && r.scene.shading == SLV_SHADE_LEVELS)
+        return cli_usage(&command, "--shading: levels are of lookups, and have no reference");
     if (r.bits && r.bits != 16 && r.bits != 32)
         return cli_usage(&command, "--bits: expected 16 or 32");
     const char *path = output_path(&r, buffer, sizeof buffer);
