@@ -8,6 +8,7 @@
 #include <selvage/bake.h>
 #include <selvage/edge_aligned.h>
 #include <selvage/exchange.h>
+#include <selvage/file.h>
 #include <selvage/filter.h>
 #include <selvage/htex.h>
 #include <selvage/image.h>
@@ -429,6 +430,24 @@ static slv_result call_exr(const slv_env *env) {
     return image_through(env, "out.exr", calls.exr);
 }
 
+/* ---- texts ---- */
+
+static slv_result call_text(const slv_env *env) {
+    char *text = NULL;
+    size_t size;
+    slv_output *output = NULL;
+    const char *path = calls_path("out.txt");
+    slv_result result = slv_text_load(env, calls.obj, &text, &size);
+    if (!result && !(result = slv_output_try(env, path)) &&
+        !(result = slv_output_open(env, path, &output))) {
+        size_t written = fwrite(text, 1, size, slv_output_stream(output));
+        result = slv_output_end(output, SLV_OK);
+        CHECK(result || written == size);
+    }
+    slv_free(text);
+    return result;
+}
+
 /* ---- baking ---- */
 
 static slv_result call_bake(const slv_env *env) {
@@ -505,6 +524,7 @@ static const calls_entry calls_all[] = {
     {"sample", call_sample},
     {"png", call_png},
     {"exr", call_exr},
+    {"text", call_text},
     {"bake", call_bake},
     {"transfer", call_transfer},
     {"reference", call_reference},
