@@ -1,6 +1,8 @@
 /* One .ptx as several: the inverse of a merge. */
 #include "exchange/parts.h"
 
+#include "base/file.h"
+
 #include <selvage/folder.h>
 
 #include <stdio.h>
@@ -61,6 +63,23 @@ done:
     return result;
 }
 
+/* A part may have the name that the whole has now. */
+static slv_result check_names(const slv_env *env, const slv_ptx *ptx, const slvi_parts *parts,
+                              const char *folder) {
+    char *path;
+    size_t size = strlen(folder) + sizeof parts->list->name + 2;
+    slv_result result = slvi_alloc(env, folder, size, 1, &path);
+    for (uint32_t i = 0; i < parts->count && !result; i++) {
+        snprintf(path, size, "%s/%s", folder, parts->list[i].name);
+        if (slvi_same_file(path, slv_ptx_name(ptx)))
+            result =
+                slvi_fail(env, SLV_ERROR_ARGUMENT,
+                          "%s: is what is split, and would be lost as the name of a part", path);
+    }
+    slvi_free(path);
+    return result;
+}
+
 static slv_result write_parts(const slv_env *env, const slv_ptx *ptx, const slvi_parts *parts,
                               const slv_split_params *params, slvi_exchange_totals *totals,
                               const char *folder) {
@@ -95,6 +114,8 @@ slv_result slv_split(const slv_env *given, const slv_ptx *ptx, const slv_split_p
     if (!result)
         result = params->at ? slvi_parts_at(&env, ptx, params->at, params->nparts, &parts)
                             : slvi_parts_read(&env, ptx, &parts);
+    if (!result)
+        result = check_names(&env, ptx, &parts, folder);
     if (!result)
         result = write_parts(&env, ptx, &parts, params, &totals, folder);
     slv_ptx_writer_params wrote = slv_ptx_writer_params_like(ptx);

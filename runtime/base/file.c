@@ -20,6 +20,12 @@ slv_result slvi_io_error(int reason) {
     return reason == ENOMEM ? SLV_ERROR_MEMORY : SLV_ERROR_IO;
 }
 
+bool slvi_same_file(const char *a, const char *b) {
+    struct stat one, other;
+    return stat(a, &one) == 0 && stat(b, &other) == 0 && one.st_dev == other.st_dev &&
+           one.st_ino == other.st_ino;
+}
+
 int slvi_read_at(int descriptor, void *data, uint64_t size, uint64_t position) {
     char *to = data;
     while (size) {

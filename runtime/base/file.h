@@ -13,6 +13,9 @@ slv_result slvi_io_error(int reason);
  * *data has a NUL after its `size` bytes and is released with slvi_free. */
 slv_result slvi_file_read(const slv_env *env, const char *path, char **data, size_t *size);
 
+/* Whether two names are of one file that is there. */
+bool slvi_same_file(const char *a, const char *b);
+
 /* Returns 0, or errno; EIO where the file ends too early. */
 int slvi_read_at(int descriptor, void *data, uint64_t size, uint64_t position);
 /* `path` is the file in messages. */

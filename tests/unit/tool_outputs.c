@@ -30,7 +30,9 @@ static const struct writer {
     {"transfer in.ptx --to in.obj", ".ptx", .prints = true},
     {"check in.ptx --repair", ".ptx", .prints = true},
     {"sample in.ptx --queries q.txt --out", ".txt", .streams = true},
+    {"render in.ptx --size 24x24 --pass ids -o", ".PNG", .prints = true},
     {"convert in.ptx", "", .folder = true},
+    {"split merged.ptx --json -o", "", .folder = true, .prints = true},
     {"reference in.ptx --size 24x24 --samples 1 --quiet -o kept.exr --convergence", "",
      .folder = true},
 };
@@ -354,6 +356,8 @@ int main(void) {
     REQUIRE(slv_mesh_save_obj(&env, mesh, tool_path("in.obj")) == SLV_OK);
     slv_mesh_destroy(mesh);
     tool_write_file("q.txt", "point 0 0 0 1 0 0 0 0 .25 .25 0 0 0 0\n", 38);
+    const struct writer *w = &writers[0];
+    EXPECT(0, &none, "merge in.ptx other.ptx -o merged.ptx");
     for (int i = 0; i < WRITERS; i++) {
         check_links(&writers[i]);
         check_modes(&writers[i]);

@@ -8,6 +8,7 @@ loses() {
     esac
 }
 accepts selvage convert in.ptx other.ptx --scale 2
+accepts selvage merge in.ptx in.ptx -o out.ptx
 small="--size 32x32"
 loses "reference in.ptx --samples 1 $small -o a.exr --json"
 loses "reference in.ptx --samples 1 $small -o a.exr"
@@ -19,9 +20,12 @@ loses "diff in.ptx in.ptx"
 loses "diff in.ptx other.ptx"
 loses "convert in.ptx out.ptx --json"
 loses "merge in.ptx in.ptx -o out.ptx"
+loses "split out.ptx -o parts"
+loses "pick in.ptx 256 256"
+loses "help render"
 loses "--help"
 loses "--version"
-for verb in render compare reference info check diff convert merge transfer sample; do
+for verb in $(selvage --help | sed -n "s/^  \([a-z]*\) .*/\1/p"); do
     loses "$verb --help"
 done
 run sh -c 'selvage --version >&-'

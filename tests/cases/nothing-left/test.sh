@@ -11,6 +11,8 @@ limited selvage render in.ptx --size 512x512 -o big.exr
 limited selvage reference in.ptx --size 64x64 --samples 1 -o big.exr --quiet
 limited selvage info in.ptx --cell 1024 --sheet big.exr
 limited selvage convert in.ptx big.ptx --type float
+limited selvage split in.ptx --at 0,20 -o parts
+limited selvage render in.ptx --pass ids -o ids.exr
 limited selvage convert in.ptx faces --format exr
 limited selvage convert in.ptx sheet.exr
 # what a killed run left goes with the next one

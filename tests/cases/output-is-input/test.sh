@@ -24,3 +24,10 @@ cmp -s q.txt queries.txt || fail "queries.txt is another"
 accepts selvage convert a.ptx a.ptx --scale 1/2
 accepts selvage check a.ptx --repair a.ptx
 accepts selvage sample a.ptx --queries q.txt --out answers.txt
+mkdir parts
+accepts selvage merge a.ptx in.ptx -o parts/a.ptx
+cp parts/a.ptx whole.ptx
+refuses selvage split parts/a.ptx -o parts
+says "would be lost"
+cmp -s whole.ptx parts/a.ptx || fail "the whole is lost to a part of its name"
+accepts selvage split whole.ptx -o parts
