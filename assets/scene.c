@@ -149,7 +149,8 @@ slv_result scene_bake(const slv_env *env, const struct scene *scene, const slv_s
                                    .type = SLV_TYPE_U8,
                                    .nchannels = 3,
                                    .alpha_channel = SLV_NO_ALPHA,
-                                   .res = scene->res};
+                                   .res = scene->res,
+                                   .encoding = SLV_TEXTURE_LINEAR};
     uint32_t ncreature = (uint32_t)scene->creature.nquads;
     slv_texture *texture = NULL;
     slv_result result = slv_texture_create(env, &desc, &texture);

@@ -39,8 +39,10 @@ static slv_camera look_at(const scene_shot *shot, const double at[2]) {
     return camera;
 }
 
-static slv_result find(const slv_env *env, const scene_shot *shot, const double at[2], found *out) {
-    const slv_reference_params params = {.segments = shot->segments};
+/* Values are the file's numbers, or the light that they stand for if sRGB is asked for. */
+static slv_result find(const slv_env *env, const scene_shot *shot, bool srgb, const double at[2],
+                       found *out) {
+    const slv_reference_params params = {.segments = shot->segments, .encoding = SLV_TEXTURE_DATA};
     const slv_texture_desc *desc = slv_texture_get_desc(shot->scene.texture);
     slv_camera camera = look_at(shot, at);
     slv_reference *reference = NULL;
@@ -64,6 +66,8 @@ static slv_result find(const slv_env *env, const scene_shot *shot, const double 
         *(k ? &out->y : &out->x) = texel < out->size[k] ? texel : out->size[k] - 1;
     }
     slv_texture_fetch(shot->scene.texture, (uint32_t)out->hit.face, out->x, out->y, out->values);
+    if (srgb)
+        slv_texels_decode(desc->nchannels, desc->alpha_channel, out->values, 1);
     return SLV_OK;
 }
 
@@ -111,7 +115,8 @@ static int run_pick(const cli_command *command, const struct pick *p) {
             at[k] += 0.5;
     }
     if (!code)
-        code = find(&env, &shot, at, &f) ? EXIT_FAILED : EXIT_OK;
+        code = find(&env, &shot, p->scene.encoding == SLV_TEXTURE_SRGB, at, &f) ? EXIT_FAILED
+                                                                                : EXIT_OK;
     scene_free(&shot.scene);
     if (!code && p->json)
         code = output_print_json(p->arguments[0], found_json(p, &f));

@@ -76,9 +76,9 @@ static int draw(const cli_command *command, const struct render *r, const char *
                                     .nstrategies = 1,
                                     .anisotropy = r->aniso,
                                     .compression = r->compress ? SLV_GL_COMPRESSION_BLOCKS
-                                                               : SLV_GL_COMPRESSION_NONE};
-    slv_image_params file = {.encoding = r->raw ? SLV_ENCODE_RAW : SLV_ENCODE_SRGB,
-                             .bits = r->bits};
+                                                               : SLV_GL_COMPRESSION_NONE,
+                                    .encoding = (slv_texture_encoding)r->scene.encoding};
+    slv_image_params file = {.bits = r->bits};
     const char *const inputs[] = {r->ptx, r->scene.mesh, r->scene.view};
     if (output_check(&env, path, inputs, 3))
         return EXIT_FAILED;
@@ -90,6 +90,10 @@ static int draw(const cli_command *command, const struct render *r, const char *
         goto done;
     }
     code = EXIT_FAILED;
+    if (r->raw && !upload.encoding)
+        upload.encoding = SLV_TEXTURE_DATA;
+    if (r->raw || slv_texture_get_encoding(shot.scene.texture, upload.encoding) == SLV_TEXTURE_DATA)
+        file.encoding = SLV_ENCODE_RAW;
     slv_frame frame = {.camera = shot.camera,
                        .width = shot.width,
                        .height = shot.height,
@@ -148,8 +152,9 @@ int verb_render(int argc, char **argv) {
         SCENE_ANISO(&r.aniso, "anisotropy, 1 (trilinear) to 16 (1)"),
         {"--compress", CLI_FLAG, &r.compress,
          "8-bit textures: keep blocks on the GPU (BC1 and its kin)", NULL, 0, 0, NULL},
-        {"--raw", CLI_FLAG, &r.raw, "PNG: shaded values x 255 (or 65535), without display encoding",
-         NULL, 0, 0, NULL},
+        {"--raw", CLI_FLAG, &r.raw,
+         "numbers as they stand: nothing decoded (but by --texture-encoding) or encoded", NULL, 0,
+         0, NULL},
         {"--bits", CLI_UINT, &r.bits, "PNG: 8 or 16 (8). EXR: 16 half or 32 float (16)", NULL, 8,
          32, NULL},
         SCENE_CONTEXT(&r.context),

@@ -20,6 +20,8 @@ struct slv_exchange {
     json_t *index;      /* of images */
     char index_path[SLVI_INDEX_NAME], index_folder[SLVI_INDEX_NAME]; /* the folder with its slash */
     slv_ptx_writer_params params;
+    slv_texture_encoding encoding; /* of its colours; of an index that does not say AUTO, and then
+                                      values are taken as they stand */
 };
 
 /* What was done so far; faces are counted by many threads. */
@@ -34,6 +36,7 @@ typedef struct slvi_exchange_plan {
     slv_ptx_writer_params source, target; /* alike but for what is asked for */
     slv_exchange_channel *channels;       /* target.nchannels */
     bool same_channels, premultiply, unmultiply;
+    slv_texture_encoding encoding; /* of the colours: the source's, unless parameters say so */
     int shift;
     int8_t max[2], min[2];
     slv_exchange_face_res *face_res; /* sorted by face */
@@ -72,6 +75,15 @@ slv_result slvi_exchange_face(const slv_env *env, const slvi_exchange_plan *plan
 /* All faces that are taken, into the result. */
 slv_result slvi_exchange_write_faces(const slv_env *env, const slvi_exchange_plan *plan,
                                      const slv_ptx *ptx, slv_ptx_writer *writer);
+/* Colours on their way into a picture, which has light as EXR and sRGB as PNG, and back. Alpha is a
+ * channel or SLV_NO_ALPHA. */
+void slvi_exchange_to_picture(slv_texture_encoding encoding, bool exr, uint32_t nchannels,
+                              int32_t alpha, float *values, uint64_t count);
+void slvi_exchange_from_picture(slv_texture_encoding encoding, bool exr, uint32_t nchannels,
+                                int32_t alpha, float *values, uint64_t count);
+/* Whether metadata is to say what the colours of the target are, since its type does not. */
+bool slvi_exchange_needs_note(const slvi_exchange_plan *plan);
+slv_result slvi_exchange_note_encoding(const slvi_exchange_plan *plan, slv_ptx_writer *writer);
 /* Passes on what a visit of faces ended with; threads that hear of a cancellation at once make one
  * line of it here. */
 slv_result slvi_exchange_visited(const slv_env *env, const slvi_exchange_plan *plan,

@@ -63,6 +63,8 @@ static slv_result export_face(void *user, const slv_env *env, uint32_t face,
         result = slvi_alloc_plain(env, e->plan->path, count, sizeof *values, &values);
     if (!result) {
         slv_type_to_float(target->type, converted, count, values);
+        slvi_exchange_to_picture(e->plan->encoding, e->exr, target->nchannels,
+                                 target->alpha_channel, values, count / target->nchannels);
         if (e->folder)
             result = save_face(e, env, place, res, values);
         else
@@ -297,6 +299,7 @@ static slv_result export(const slv_env *given, const slv_exchange *source,
     slv_result result =
         slvi_exchange_plan_make(&env, params, source->path, &source->params, &totals, &plan);
     totals.steps.total = plan.target.nfaces;
+    plan.encoding = plan.encoding ? plan.encoding : source->encoding;
     if (!result)
         result = sheet ? to_sheet(&env, params, &e, path) : to_folder(&env, params, &e, path);
     slvi_exchange_end(&env, &totals, result, &plan.target, stats);

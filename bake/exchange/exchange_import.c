@@ -4,6 +4,7 @@
 
 #include <stdio.h>
 #include <string.h>
+#include <strings.h>
 
 struct import {
     const slv_env *env;
@@ -11,6 +12,7 @@ struct import {
     const char *index;
     const json_t *faces;
     const slv_ptx_writer_params *source;
+    slv_texture_encoding encoding;
     slv_image *images; /* one a group */
     bool sheet;
     float *values;
@@ -18,6 +20,17 @@ struct import {
     size_t capacity;
     slvi_import_loss dropped, added; /* alpha */
 };
+
+/* From what a picture of this name holds to what the texture does. */
+static void decode_picture(const struct import *m, const char *path, uint32_t group,
+                           slv_image *image) {
+    size_t length = strlen(path);
+    bool exr = length > 4 && strcasecmp(path + length - 4, ".exr") == 0;
+    int32_t alpha = m->source->alpha_channel - (int32_t)(group * SLVI_INDEX_GROUP);
+    slvi_exchange_from_picture(m->encoding, exr, image->nchannels,
+                               m->source->alpha_channel < 0 ? SLV_NO_ALPHA : alpha, image->pixels,
+                               (uint64_t)image->width * image->height);
+}
 
 static slv_result load_images(struct import *m, const json_t *names, const char *what) {
     uint32_t nchannels = m->source->nchannels;
@@ -38,6 +51,8 @@ static slv_result load_images(struct import *m, const json_t *names, const char 
         if (!result)
             result = slvi_import_fit(m->env, path, slvi_index_group_size(nchannels, group), image,
                                      &m->dropped, &m->added);
+        if (!result)
+            decode_picture(m, path, group, image);
         if (!result && group &&
             (image->width != m->images[0].width || image->height != m->images[0].height))
             result =
@@ -155,7 +170,8 @@ slv_result slvi_exchange_import(const slv_env *env, const slv_exchange *source,
                        .exchange = source,
                        .index = source->index_path,
                        .faces = json_object_get(source->index, "faces"),
-                       .source = &source->params};
+                       .source = &source->params,
+                       .encoding = plan->encoding};
     const json_t *sheets = json_object_get(source->index, "images");
     uint32_t ngroups = slvi_index_groups(source->params.nchannels);
     slv_ptx_writer *writer = NULL;
@@ -165,6 +181,7 @@ slv_result slvi_exchange_import(const slv_env *env, const slv_exchange *source,
         (result = slv_ptx_writer_create(env, path, &plan->target, &writer)) ||
         (!params->no_meta &&
          (result = slvi_index_read_meta(env, m.index, source->index, writer))) ||
+        (slvi_exchange_needs_note(plan) && (result = slvi_exchange_note_encoding(plan, writer))) ||
         (params->mesh && (result = slv_ptx_writer_set_mesh(writer, params->mesh))))
         goto done;
     for (uint32_t face = 0; face < source->params.nfaces; face++)

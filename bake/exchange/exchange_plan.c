@@ -129,6 +129,7 @@ slv_result slvi_exchange_plan_make(const slv_env *env, const slv_exchange_params
                                  .source = *source,
                                  .target = *source,
                                  .totals = totals,
+                                 .encoding = params->encoding,
                                  .premultiply = params->premultiply,
                                  .unmultiply = params->unmultiply};
     slv_ptx_writer_params *target = &plan->target;
@@ -137,6 +138,9 @@ slv_result slvi_exchange_plan_make(const slv_env *env, const slv_exchange_params
         (result = choose_alpha(env, params, plan)) || (result = choose_sizes(env, params, plan)) ||
         (params->faces && (result = choose_faces(env, params, plan))))
         return result;
+    if ((unsigned)params->encoding > SLV_TEXTURE_DATA)
+        return slvi_fail(env, SLV_ERROR_ARGUMENT, "%s: unknown texture encoding %d", path,
+                         (int)params->encoding);
     if (params->premultiply && params->unmultiply)
         return slvi_fail(env, SLV_ERROR_ARGUMENT, "%s: both multiplied and divided by alpha", path);
     if ((params->premultiply || params->unmultiply) && source->alpha_channel < 0)

@@ -28,13 +28,14 @@ static slv_result write_face(void *user, const slv_env *env, uint32_t face,
 
 /* Of some faces geometry is made anew, and a record of parts would be of others. */
 static slv_result copy_meta(const slv_env *env, const slvi_exchange_plan *plan,
-                            slv_ptx_writer *writer, const slv_ptx *ptx) {
+                            slv_ptx_writer *writer, const slv_ptx *ptx, bool notes) {
     slv_result result = SLV_OK;
     for (uint32_t i = 0; i < slv_ptx_get_info(ptx)->nmeta && !result; i++) {
         const slv_ptx_meta *meta;
         result = slv_ptx_load_meta(ptx, i, &meta);
-        if (!result && !(plan->faces && (slvi_geometry_key(meta->key) >= 0 ||
-                                         strcmp(meta->key, SLV_PARTS_KEY) == 0)))
+        if (!result && (notes || strcmp(meta->key, SLV_PTX_ENCODING_KEY) != 0) &&
+            !(plan->faces &&
+              (slvi_geometry_key(meta->key) >= 0 || strcmp(meta->key, SLV_PARTS_KEY) == 0)))
             result = slv_ptx_writer_set_meta(writer, meta);
     }
     return result || !plan->faces
@@ -52,9 +53,14 @@ static slv_result from_ptx(const slv_env *env, const slv_exchange *source,
                            const slv_exchange_params *params, const slvi_exchange_plan *plan,
                            const char *path) {
     slv_ptx_writer *writer = NULL;
+    /* what is noted of the colours may not be so of another type */
+    bool anew = params->encoding ||
+                slv_type_encoding(plan->source.type) != slv_type_encoding(plan->target.type);
     slv_result result;
     if ((result = slv_ptx_writer_create(env, path, &plan->target, &writer)) ||
-        (!params->no_meta && (result = copy_meta(env, plan, writer, source->ptx))) ||
+        (!params->no_meta && (result = copy_meta(env, plan, writer, source->ptx, !anew))) ||
+        (anew && slvi_exchange_needs_note(plan) &&
+         (result = slvi_exchange_note_encoding(plan, writer))) ||
         (params->mesh && (result = slv_ptx_writer_set_mesh(writer, params->mesh))) ||
         (result = slvi_exchange_write_faces(env, plan, source->ptx, writer)))
         goto done;
@@ -79,6 +85,7 @@ slv_result slv_exchange_to_ptx(const slv_env *given, const slv_exchange *source,
     if (!result && params->faces && !source->ptx)
         result = slvi_fail(&env, SLV_ERROR_UNSUPPORTED, "%s: of images all faces are taken",
                            source->path);
+    plan.encoding = plan.encoding ? plan.encoding : source->encoding;
     if (!result)
         result = source->ptx ? from_ptx(&env, source, params, &plan, path)
                              : slvi_exchange_import(&env, source, params, &plan, path);

@@ -36,7 +36,8 @@ slv_result slv_exchange_open(const slv_env *given, const char *path, slv_exchang
     if (slvi_index_is_named(path)) {
         result = slvi_index_open(&env, path, source);
     } else if (!(result = slv_ptx_open(&env, path, &source->own)) &&
-               !(result = slv_ptx_load_tables(source->own))) {
+               !(result = slv_ptx_load_tables(source->own)) &&
+               !(result = slv_ptx_get_encoding(source->own, &source->encoding))) {
         source->ptx = source->own;
         source->params = slv_ptx_writer_params_like(source->ptx);
     }
@@ -56,6 +57,10 @@ slv_result slv_exchange_open_ptx(const slv_env *given, const slv_ptx *ptx, slv_e
         return result;
     source->ptx = ptx;
     source->params = slv_ptx_writer_params_like(ptx);
+    if ((result = slv_ptx_get_encoding(ptx, &source->encoding))) {
+        slv_exchange_close(source);
+        return result;
+    }
     *out = source;
     return SLV_OK;
 }

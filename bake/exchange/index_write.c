@@ -132,16 +132,17 @@ slv_result slvi_index_create(const slv_env *env, const slv_ptx *ptx, const slvi_
             return result;
         }
     }
-    *out = json_pack("{s:i, s:s, s:o, s:s, s:I, s:o, s:o, s:o, s:o, s:b, s:o, s:[]}", "schema", 1,
-                     "kind", SLVI_INDEX_KIND, "mesh_type",
+    *out = json_pack("{s:i, s:s, s:o, s:s, s:I, s:o, s:s, s:o, s:o, s:o, s:b, s:o, s:[]}", "schema",
+                     1, "kind", SLVI_INDEX_KIND, "mesh_type",
                      slvi_index_word(SLVI_INDEX_MESHES, (int)target->mesh_type), "data_type",
                      slv_type_name(target->type), "channels", (json_int_t)target->nchannels,
                      "alpha_channel",
                      target->alpha_channel < 0 ? json_null() : json_integer(target->alpha_channel),
-                     "border_u", slvi_index_word(SLVI_INDEX_BORDERS, (int)target->border_u),
-                     "border_v", slvi_index_word(SLVI_INDEX_BORDERS, (int)target->border_v),
-                     "edge_filter", slvi_index_word(SLVI_INDEX_FILTERS, (int)target->edge_filter),
-                     "reductions", (int)!target->no_reductions, "meta", list, "faces");
+                     "texture_encoding", slv_texture_encoding_name(plan->encoding), "border_u",
+                     slvi_index_word(SLVI_INDEX_BORDERS, (int)target->border_u), "border_v",
+                     slvi_index_word(SLVI_INDEX_BORDERS, (int)target->border_v), "edge_filter",
+                     slvi_index_word(SLVI_INDEX_FILTERS, (int)target->edge_filter), "reductions",
+                     (int)!target->no_reductions, "meta", list, "faces");
     return *out ? SLV_OK : slvi_index_no_memory(env, plan);
 }
 

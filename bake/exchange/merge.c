@@ -43,6 +43,30 @@ static slv_type wider(slv_type a, slv_type b) {
     return low == SLV_TYPE_U16 && high == SLV_TYPE_HALF ? SLV_TYPE_FLOAT : high;
 }
 
+/* Numbers are kept, so one of the two is shown wrongly. */
+static slv_result join_encoding(const slv_env *env, slvi_merge *m, uint32_t index) {
+    slv_texture_encoding encoding;
+    slv_result result = slv_ptx_get_encoding(m->files[index], &encoding);
+    if (result)
+        return result;
+    m->noted |= slv_ptx_find_meta(m->files[index], SLV_PTX_ENCODING_KEY) != NULL;
+    if (index == 0)
+        m->encoding = encoding;
+    else if (encoding != m->encoding)
+        slvi_logf(env, SLV_LOG_WARNING,
+                  "%s: its colours are %s, those of %s are %s, and all will be taken for that",
+                  m->paths[index], slv_texture_encoding_name(encoding), m->paths[0],
+                  slv_texture_encoding_name(m->encoding));
+    return SLV_OK;
+}
+
+static slv_result note_encoding(const slvi_merge *m) {
+    const slvi_exchange_plan plan = {.encoding = m->encoding, .target = m->target};
+    return m->noted || slvi_exchange_needs_note(&plan)
+               ? slvi_exchange_note_encoding(&plan, m->writer)
+               : SLV_OK;
+}
+
 static slv_result plan_result(const slv_env *env, const slv_merge_params *params, slvi_merge *m) {
     uint64_t nfaces = 0;
     m->target = slv_ptx_writer_params_like(m->files[0]);
@@ -61,6 +85,9 @@ static slv_result plan_result(const slv_env *env, const slv_merge_params *params
             slvi_logf(env, SLV_LOG_WARNING,
                       "%s: its border modes or edge filter differ: those of %s are taken",
                       m->paths[i], m->paths[0]);
+        slv_result result = join_encoding(env, m, i);
+        if (result)
+            return result;
         m->target.type = wider(m->target.type, part.type);
         m->first_faces[i] = (uint32_t)nfaces;
         nfaces += part.nfaces;
@@ -85,7 +112,7 @@ static slv_result merge(const slv_env *env, const slv_merge_params *params, slvi
             return result;
     if ((result = plan_result(env, params, m)) ||
         (result = slv_ptx_writer_create(env, m->out, &m->target, &m->writer)) ||
-        (result = slvi_merge_meta(env, m)))
+        (result = slvi_merge_meta(env, m)) || (result = note_encoding(m)))
         return result;
     m->totals.steps.total = m->target.nfaces;
     for (uint32_t i = 0; i < m->npaths && !result; i++)

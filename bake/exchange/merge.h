@@ -13,7 +13,9 @@ typedef struct slvi_merge {
     slv_ptx_writer_params target;
     slv_ptx_writer *writer;
     slvi_exchange_totals totals;
-    bool geometry; /* all files have it, and so has the result */
+    slv_texture_encoding encoding; /* of the first file's colours */
+    bool noted;                    /* some file says what its colours are */
+    bool geometry;                 /* all files have it, and so has the result */
 } slvi_merge;
 
 /* Geometry joined into one mesh, other values kept once if they are equal, else under names of

@@ -106,6 +106,7 @@ static slv_result create(const slv_env *env, const slv_mesh *mesh, const slv_sur
                          const slv_reference_params *given, slv_reference **out) {
     slv_reference_params params = given ? *given : (slv_reference_params){0};
     slv_adjacency *own = NULL;
+    slv_texture *decoded = NULL;
     slv_reference *made = NULL;
     slv_result result;
     *out = NULL;
@@ -114,8 +115,9 @@ static slv_result create(const slv_env *env, const slv_mesh *mesh, const slv_sur
         return result;
     made->env = slvi_env_or_default(env);
     uint32_t shown = params.nchannels < 3 ? params.nchannels : 3;
-    if ((result = slvi_reference_texels_create(env, texture, adjacency, params.first_channel, shown,
-                                               &made->texels)) ||
+    if ((result = slv_texture_decode(env, texture, params.encoding, &decoded)) ||
+        (result = slvi_reference_texels_create(env, decoded ? decoded : texture, adjacency,
+                                               params.first_channel, shown, &made->texels)) ||
         (result = slv_mesh_adjacency(env, mesh, &own)) ||
         (result = slv_tessellate(env, mesh, surface, own, params.segments, &made->mesh)) ||
         (result = make_scene(made)))
@@ -124,6 +126,7 @@ static slv_result create(const slv_env *env, const slv_mesh *mesh, const slv_sur
     made = NULL;
 done:
     slv_adjacency_destroy(own);
+    slv_texture_destroy(decoded);
     slv_reference_destroy(made);
     return result;
 }

@@ -3,8 +3,8 @@
 
 #include "base/log.h"
 #include "base/memory.h"
+#include "base/srgb.h"
 
-#include <math.h>
 #include <png.h>
 #include <stdio.h>
 #include <string.h>
@@ -87,11 +87,6 @@ static slv_result report(struct png_stream *stream, slv_result otherwise) {
                      stream->path, stream->message[0] ? stream->message : "no memory for it");
 }
 
-/* The sRGB curve (IEC 61966-2-1). */
-static float srgb_from_linear(float x) {
-    return x <= 0.0031308f ? 12.92f * x : 1.055f * powf(x, 1.0f / 2.4f) - 0.055f;
-}
-
 static uint32_t quantise(float x, float scale) {
     return x > 0.0f ? (uint32_t)((x < 1.0f ? x : 1.0f) * scale + 0.5f) : 0;
 }
@@ -108,7 +103,7 @@ static void encode_row(const slv_image *image, const float *pixels, slv_image_en
             if (encoding == SLV_ENCODE_SRGB && !(has_alpha && c == n - 1)) {
                 if (has_alpha && pixels[n - 1] > 0.0f)
                     value /= pixels[n - 1];
-                value = srgb_from_linear(value);
+                value = slvi_srgb_from_linear(value);
             }
             uint32_t stored = quantise(value, scale);
             if (bits == 16)

@@ -42,6 +42,9 @@ slv_result slvi_texture_check_desc(const slv_env *env, const slv_texture_desc *d
         (desc->alpha_channel < 0 || (uint32_t)desc->alpha_channel >= desc->nchannels))
         return slvi_fail(env, SLV_ERROR_ARGUMENT, "texture: alpha channel %d of %u channels",
                          (int)desc->alpha_channel, (unsigned)desc->nchannels);
+    if ((unsigned)desc->encoding > SLV_TEXTURE_DATA)
+        return slvi_fail(env, SLV_ERROR_ARGUMENT, "texture: unknown encoding %d",
+                         (int)desc->encoding);
     if (desc->nfaces > INT32_MAX)
         return slvi_fail(env, SLV_ERROR_LIMIT, "texture: %u faces, at most %d can be numbered",
                          (unsigned)desc->nfaces, INT32_MAX);

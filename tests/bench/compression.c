@@ -56,7 +56,7 @@ static slv_result measure(const scene *s, int log2, uint32_t nchannels, bool mix
     static slv_res res[NFACES];
     const slv_procedural noise = {
         .pattern = SLV_PATTERN_NOISE, .frequency = 2, .octaves = 3, .face_tint = tint};
-    slv_texture_desc desc = {NFACES, SLV_TYPE_U8, nchannels, SLV_NO_ALPHA, res};
+    slv_texture_desc desc = {NFACES, SLV_TYPE_U8, nchannels, SLV_NO_ALPHA, res, SLV_TEXTURE_LINEAR};
     slv_texture *texture = NULL;
     slv_gl_texture *textures[2] = {NULL, NULL};
     char name[64];

@@ -30,7 +30,7 @@ static void measure(const slv_env *env, const options *o, const bench_torus *s, 
     slv_edge_aligned *aligned = NULL;
     slv_edge_aligned_error error;
     bench_res(NFACES, o->log2, mixed, res);
-    slv_texture_desc desc = {NFACES, type, 3, SLV_NO_ALPHA, res};
+    slv_texture_desc desc = {NFACES, type, 3, SLV_NO_ALPHA, res, SLV_TEXTURE_LINEAR};
     bench_stop(slv_texture_create(env, &desc, &texture));
     bench_stop(slv_bake_procedural(env, s->surface, pattern, NULL, texture));
     bench_stop(slv_levels_create(env, texture, &levels));

@@ -192,7 +192,8 @@ static void write_scene(const slv_env *env, const char *path, struct scene *s) {
                           .npolys = NFACES,
                           .poly_sizes = sizes,
                           .poly_verts = verts};
-    slv_texture_desc desc = {NFACES, SLV_TYPE_FLOAT, FUNCTIONS, SLV_NO_ALPHA, res};
+    slv_texture_desc desc = {NFACES, SLV_TYPE_FLOAT,    FUNCTIONS, SLV_NO_ALPHA,
+                             res,    SLV_TEXTURE_LINEAR};
     bench_stop(slv_mesh_create(env, &view, &mesh));
     bench_stop(slv_mesh_adjacency(env, mesh, &adjacency));
     bench_stop(slv_texture_create(env, &desc, &texture));

@@ -25,7 +25,7 @@ static void measure(const slv_env *env, const options *o, const bench_torus *s, 
     bench_res(NFACES, o->log2, shape == MIXED, res);
     for (int i = 0; shape == OBLONG && i < NFACES; i++)
         res[i] = (slv_res){(int8_t)(res[i].u + 1), (int8_t)(res[i].v - 1)};
-    slv_texture_desc desc = {NFACES, type, 3, SLV_NO_ALPHA, res};
+    slv_texture_desc desc = {NFACES, type, 3, SLV_NO_ALPHA, res, SLV_TEXTURE_LINEAR};
     bench_stop(slv_texture_create(env, &desc, &texture));
     bench_stop(slv_bake_procedural(env, s->surface, pattern, NULL, texture));
     bench_stop(slv_levels_create(env, texture, &levels));

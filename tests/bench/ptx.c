@@ -81,7 +81,7 @@ static void texel_speed(const struct options *o, const char *path, bool noisy) {
         bench_stop(SLV_ERROR_MEMORY);
     for (uint32_t face = 0; face < o->nfaces; face++)
         res[face] = (slv_res){(int8_t)o->log2, (int8_t)o->log2};
-    slv_texture_desc desc = {o->nfaces, SLV_TYPE_U8, 3, SLV_NO_ALPHA, res};
+    slv_texture_desc desc = {o->nfaces, SLV_TYPE_U8, 3, SLV_NO_ALPHA, res, SLV_TEXTURE_LINEAR};
     bench_stop(slv_texture_create(&env, &desc, &texture));
     for (uint32_t face = 0; face < o->nfaces; face++)
         bench_stop(slv_texture_set_face(texture, face, t.data + face * t.face_size));

@@ -26,7 +26,7 @@ static slv_reference *make_reference(const slv_env *env, const options *o) {
     slv_texture *texture = NULL;
     slv_reference *reference = NULL;
     bench_res(NFACES, o->log2, false, res);
-    slv_texture_desc desc = {NFACES, SLV_TYPE_U8, 3, SLV_NO_ALPHA, res};
+    slv_texture_desc desc = {NFACES, SLV_TYPE_U8, 3, SLV_NO_ALPHA, res, SLV_TEXTURE_LINEAR};
     bench_stop(slv_texture_create(env, &desc, &texture));
     bench_stop(slv_bake_procedural(env, torus.surface, &noise, NULL, texture));
     double start = bench_seconds(CLOCK_MONOTONIC);

@@ -41,7 +41,8 @@ static void write_disc(const slv_env *env, const char *path, int32_t valence) {
                           .poly_verts = verts};
     bench_stop(slv_mesh_create(env, &view, &mesh));
     bench_stop(slv_mesh_adjacency(env, mesh, &adjacency));
-    slv_texture_desc desc = {(uint32_t)valence, SLV_TYPE_FLOAT, 1, SLV_NO_ALPHA, res};
+    slv_texture_desc desc = {(uint32_t)valence, SLV_TYPE_FLOAT, 1, SLV_NO_ALPHA, res,
+                             SLV_TEXTURE_LINEAR};
     bench_stop(slv_texture_create(env, &desc, &texture));
     for (int32_t face = 0; face < valence; face++) {
         for (int i = 0; i < SIZE * SIZE; i++)

@@ -10,7 +10,7 @@
 /* One byte per channel, three channels; `res` and `nfaces` must be those of the mesh's faces. */
 static inline void bake_write(const char *path, const char *obj, slv_scheme scheme, uint32_t nfaces,
                               const slv_res *res, const slv_procedural *pattern) {
-    const slv_texture_desc desc = {nfaces, SLV_TYPE_U8, 3, SLV_NO_ALPHA, res};
+    const slv_texture_desc desc = {nfaces, SLV_TYPE_U8, 3, SLV_NO_ALPHA, res, SLV_TEXTURE_AUTO};
     const slv_surface_params params = {.scheme = scheme};
     slv_env env = test_env();
     slv_mesh *mesh = NULL;

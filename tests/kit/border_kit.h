@@ -138,7 +138,7 @@ static inline size_t kit_texels(slv_res res) {
 static inline void kit_begin_texture(kit *k, slv_type type, uint32_t nchannels) {
     slv_env env = test_env();
     slv_result result;
-    slv_texture_desc desc = {k->nfaces, type, nchannels, SLV_NO_ALPHA, k->res};
+    slv_texture_desc desc = {k->nfaces, type, nchannels, SLV_NO_ALPHA, k->res, SLV_TEXTURE_LINEAR};
     slv_texture_destroy(k->texture);
     slv_levels_destroy(k->levels);
     k->texture = NULL;

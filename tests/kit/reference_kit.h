@@ -34,8 +34,9 @@ static inline model make_model(const char *obj, slv_scheme scheme, const slv_pro
     REQUIRE(slv_mesh_parse_obj(&env, "model", obj, strlen(obj), &m.mesh) == SLV_OK);
     REQUIRE(slv_mesh_adjacency(&env, m.mesh, &m.adjacency) == SLV_OK);
     REQUIRE(slv_surface_create(&env, m.mesh, &params, &m.surface) == SLV_OK);
-    slv_texture_desc desc = {slv_mesh_face_count(m.mesh), SLV_TYPE_FLOAT, nchannels, SLV_NO_ALPHA,
-                             res};
+    slv_texture_desc desc = {
+        slv_mesh_face_count(m.mesh), SLV_TYPE_FLOAT, nchannels, SLV_NO_ALPHA, res,
+        SLV_TEXTURE_LINEAR};
     REQUIRE(desc.nfaces <= 64);
     for (uint32_t f = 0; f < desc.nfaces; f++)
         res[f] = log2 ? (slv_res){(int8_t)log2, (int8_t)log2} : mixed[f % 5];

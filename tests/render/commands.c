@@ -32,7 +32,7 @@ static void make_inputs(void) {
     slv_surface *surface = NULL;
     slv_texture *texture = NULL;
     const slv_res res[6] = {{5, 5}, {5, 4}, {4, 4}, {4, 5}, {5, 5}, {3, 3}};
-    slv_texture_desc desc = {6, SLV_TYPE_U8, 3, SLV_NO_ALPHA, res};
+    slv_texture_desc desc = {6, SLV_TYPE_U8, 3, SLV_NO_ALPHA, res, SLV_TEXTURE_LINEAR};
     slv_procedural noise = {.pattern = SLV_PATTERN_NOISE, .frequency = 2, .face_tint = 0.5f};
     REQUIRE(mkdir(kit_join(inputs, scratch.root, "inputs"), 0777) == 0);
     write_mesh(cube_obj, "cube.obj",

@@ -77,7 +77,7 @@ static slv_texture *make_texture(const slv_surface *surface) {
     slv_env env = test_env();
     slv_res *res = malloc(sizeof *res * NFACES);
     slv_texture *texture = NULL;
-    slv_texture_desc desc = {NFACES, SLV_TYPE_U8, 3, SLV_NO_ALPHA, res};
+    slv_texture_desc desc = {NFACES, SLV_TYPE_U8, 3, SLV_NO_ALPHA, res, SLV_TEXTURE_LINEAR};
     slv_procedural bands = {.pattern = SLV_PATTERN_STRIPES,
                             .frequency = 2,
                             .color0 = {0.9f, 0.3f, 0.1f, 1},

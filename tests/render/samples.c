@@ -94,12 +94,15 @@ static slv_image render(const char *ptx, const char *mesh, const char *view, con
     return image;
 }
 
+/* RenderMan took the texels for light, as they stand. */
 static slv_image cast_rays(const char *ptx, const char *mesh, const char *view) {
     slv_image image = {0};
     char out[KIT_PATH];
     kit_join(out, scratch.folder, "picture.exr");
-    const char *arguments[] = {"reference", ptx,  "--mesh",    mesh, "--view",   view,       "-o",
-                               out,         "-q", "--samples", "64", "--filter", "mitchell", NULL};
+    const char *arguments[] = {
+        "reference", ptx,  "--mesh", mesh, "--view",    view, "--texture-encoding",
+        "linear",    "-o", out,      "-q", "--samples", "64", "--filter",
+        "mitchell",  NULL};
     kit_selvage(&scratch, NULL, arguments, &run);
     REQUIRE(run.code == 0 && kit_lines(run.err) == 0);
     REQUIRE(slv_image_load(NULL, out, &image) == SLV_OK);
@@ -158,7 +161,7 @@ static void make_cube(const char *obj, const char *ptx, const char *view) {
     slv_texture *texture = NULL;
     slv_surface_params bilinear = {.scheme = SLV_SCHEME_BILINEAR};
     const slv_res res[6] = {{6, 6}, {6, 6}, {6, 6}, {6, 6}, {6, 6}, {6, 6}};
-    slv_texture_desc desc = {6, SLV_TYPE_U16, 3, SLV_NO_ALPHA, res};
+    slv_texture_desc desc = {6, SLV_TYPE_U16, 3, SLV_NO_ALPHA, res, SLV_TEXTURE_LINEAR};
     slv_procedural position = {
         .pattern = SLV_PATTERN_POSITION, .frequency = 0.5f, .offset = {-1, -1, -1}};
     char text[1024];

@@ -303,7 +303,7 @@ static void test_hostile(void) {
             links[b].face[eb] = (int32_t)a;
             links[b].edge[eb] = (uint8_t)ea;
         }
-        slv_texture_desc desc = {FACES, SLV_TYPE_U8, 1, SLV_NO_ALPHA, res};
+        slv_texture_desc desc = {FACES, SLV_TYPE_U8, 1, SLV_NO_ALPHA, res, SLV_TEXTURE_AUTO};
         REQUIRE(slv_adjacency_create(&env, FACES, links, flags, &adjacency) == SLV_OK);
         REQUIRE(slv_texture_create(&env, &desc, &texture) == SLV_OK);
         for (uint32_t f = 0; f < FACES; f++) {

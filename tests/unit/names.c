@@ -37,6 +37,7 @@
     }
 
 DEFINE_LEADS_BACK(slv_type, slv_type_from_name)
+DEFINE_LEADS_BACK(slv_texture_encoding, slv_texture_encoding_from_name)
 DEFINE_LEADS_BACK(slv_shading, slv_shading_from_name)
 DEFINE_LEADS_BACK(slv_boundary, slv_boundary_from_name)
 DEFINE_LEADS_BACK(slv_scheme, slv_scheme_from_name)
@@ -58,6 +59,8 @@ int main(void) {
     check_results();
     CHECK_NAMES(slv_log_level, SLV_LOG_ERROR, slv_log_level_name, true);
     CHECK_NAMES(slv_type, SLV_TYPE_FLOAT, slv_type_name, leads_back_slv_type(name, i));
+    CHECK_NAMES(slv_texture_encoding, SLV_TEXTURE_DATA, slv_texture_encoding_name,
+                leads_back_slv_texture_encoding(name, i));
     CHECK_NAMES(slv_shading, SLV_SHADE_LEVELS, slv_shading_name, leads_back_slv_shading(name, i));
     CHECK_NAMES(slv_boundary, SLV_BOUNDARY_EDGE_AND_CORNER, slv_boundary_name,
                 leads_back_slv_boundary(name, i));

@@ -38,7 +38,7 @@ static void make_inputs(void) {
         }
     for (int i = 0; i < NFACES; i++)
         res[i] = (slv_res){3, 3};
-    const slv_texture_desc desc = {NFACES, SLV_TYPE_U8, 3, SLV_NO_ALPHA, res};
+    const slv_texture_desc desc = {NFACES, SLV_TYPE_U8, 3, SLV_NO_ALPHA, res, SLV_TEXTURE_AUTO};
     const slv_procedural noise = {.pattern = SLV_PATTERN_NOISE};
     REQUIRE(!slv_mesh_parse_obj(&env, "mesh", obj, length, &mesh));
     REQUIRE(!slv_mesh_adjacency(&env, mesh, &adjacency));

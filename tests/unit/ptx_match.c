@@ -7,7 +7,7 @@ static void save_grid(const char *path, const slv_mesh *mesh, const slv_face_adj
     slv_adjacency *adjacency = NULL;
     slv_texture *texture = NULL;
     slv_res *res = calloc(nfaces, sizeof *res);
-    slv_texture_desc desc = {nfaces, SLV_TYPE_U8, 1, SLV_NO_ALPHA, res};
+    slv_texture_desc desc = {nfaces, SLV_TYPE_U8, 1, SLV_NO_ALPHA, res, SLV_TEXTURE_AUTO};
     REQUIRE(slv_texture_create(&env, &desc, &texture) == SLV_OK);
     if (faces)
         REQUIRE(slv_adjacency_create(&env, nfaces, faces, flags, &adjacency) == SLV_OK);

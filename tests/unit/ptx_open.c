@@ -100,7 +100,7 @@ static void cut(const uint8_t *bytes, size_t size) {
 static void edits_without_metadata(void) {
     slv_env env = test_env();
     slv_res res = {1, 1};
-    slv_texture_desc desc = {1, SLV_TYPE_U8, 1, SLV_NO_ALPHA, &res};
+    slv_texture_desc desc = {1, SLV_TYPE_U8, 1, SLV_NO_ALPHA, &res, SLV_TEXTURE_AUTO};
     slv_texture *texture = NULL;
     size_t size = 0;
     const char *path = scratch_path("edited.ptx");

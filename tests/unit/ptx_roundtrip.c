@@ -42,8 +42,10 @@ static slv_texture *random_texture(slv_type type, uint32_t nchannels, uint32_t n
         res[face].u = (int8_t)(test_random(&seed) % (uint32_t)(largest + 1));
         res[face].v = (int8_t)(test_random(&seed) % (uint32_t)(largest + 1));
     }
-    slv_texture_desc desc = {nfaces, type, nchannels,
-                             test_random(&seed) % 2 ? SLV_NO_ALPHA : (int32_t)nchannels - 1, res};
+    slv_texture_desc desc = {
+        nfaces,    type,
+        nchannels, test_random(&seed) % 2 ? SLV_NO_ALPHA : (int32_t)nchannels - 1,
+        res,       SLV_TEXTURE_AUTO};
     REQUIRE(slv_texture_create(&env, &desc, &texture) == SLV_OK);
     size_t pixel = slv_type_size(type) * nchannels;
     uint8_t *texels = malloc(pixel << (2 * largest));
@@ -145,7 +147,7 @@ static void round_trip(slv_type type, uint32_t nchannels, int largest, bool with
 static void reductions(void) {
     slv_env env = test_env();
     slv_res res = {3, 4};
-    slv_texture_desc desc = {1, SLV_TYPE_U8, 1, SLV_NO_ALPHA, &res};
+    slv_texture_desc desc = {1, SLV_TYPE_U8, 1, SLV_NO_ALPHA, &res, SLV_TEXTURE_AUTO};
     slv_texture *texture = NULL;
     slv_ptx *ptx = NULL;
     uint8_t texels[128], out[128];
@@ -181,7 +183,7 @@ static void reductions(void) {
 static void refusals(void) {
     slv_env env = test_env();
     slv_res res[2] = {{1, 1}, {1, 1}};
-    slv_texture_desc desc = {2, SLV_TYPE_U8, 1, SLV_NO_ALPHA, res};
+    slv_texture_desc desc = {2, SLV_TYPE_U8, 1, SLV_NO_ALPHA, res, SLV_TEXTURE_AUTO};
     slv_texture *texture = NULL;
     char key[300];
     memset(key, 'k', sizeof key);

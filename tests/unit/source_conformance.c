@@ -48,7 +48,8 @@ static void change_store(void *user, uint64_t *random, uint32_t *face, slv_rect 
     free(texels);
 }
 
-static void try_store(slv_type type, uint32_t nchannels, int32_t alpha, uint64_t seed) {
+static void try_store(slv_type type, uint32_t nchannels, int32_t alpha, uint64_t seed,
+                      bool decoded) {
     slv_env env = suite_env();
     suite_subject subject = {0};
     slv_texture *texture = NULL;
@@ -66,6 +67,11 @@ static void try_store(slv_type type, uint32_t nchannels, int32_t alpha, uint64_t
             CHECK(slv_texture_set_face(texture, face, texels) == SLV_OK);
     }
     REQUIRE(slv_texture_as_source(&env, texture, k.adjacency, NULL, &subject.source) == SLV_OK);
+    if (decoded) {
+        slv_source inner = subject.source;
+        REQUIRE(slv_source_decode(&env, &inner, SLV_TEXTURE_AUTO, &subject.source) == SLV_OK);
+        CHECK(!inner.fns);
+    }
     subject.change = change_store;
     subject.user = texture;
     suite_run(&subject);
@@ -178,7 +184,7 @@ static void test_rectangles(void) {
     slv_texture *texture = NULL;
     const slv_res res = {3, 2};
     uint8_t texels[32] = {0}, some[4] = {7, 7, 7, 7};
-    slv_texture_desc desc = {1, SLV_TYPE_U8, 1, SLV_NO_ALPHA, &res};
+    slv_texture_desc desc = {1, SLV_TYPE_U8, 1, SLV_NO_ALPHA, &res, SLV_TEXTURE_AUTO};
     REQUIRE(slv_texture_create(&env, &desc, &texture) == SLV_OK);
     CHECK(slv_texture_set_rect(texture, 0, (slv_rect){2, 1, 2, 2}, some) == SLV_OK);
     CHECK(!slv_texture_is_constant(texture, 0));
@@ -198,10 +204,13 @@ static void test_rectangles(void) {
 
 int main(void) {
     test_rectangles();
-    try_store(SLV_TYPE_U8, 3, SLV_NO_ALPHA, 1);
-    try_store(SLV_TYPE_U16, 4, 3, 2);
-    try_store(SLV_TYPE_HALF, 2, 0, 3);
-    try_store(SLV_TYPE_FLOAT, 1, SLV_NO_ALPHA, 4);
+    try_store(SLV_TYPE_U8, 3, SLV_NO_ALPHA, 1, false);
+    try_store(SLV_TYPE_U16, 4, 3, 2, false);
+    try_store(SLV_TYPE_HALF, 2, 0, 3, false);
+    try_store(SLV_TYPE_FLOAT, 1, SLV_NO_ALPHA, 4, false);
+    try_store(SLV_TYPE_U8, 3, SLV_NO_ALPHA, 5, true);
+    try_store(SLV_TYPE_U16, 4, 3, 6, true);
+    try_store(SLV_TYPE_HALF, 2, 0, 7, true);
     try_layers();
     try_stranger();
     CHECK(each_sample(try_ptx) > 0);

@@ -56,7 +56,7 @@ static void test_resolutions(void) {
 static void test_store(void) {
     slv_env env = test_env();
     slv_res res[3] = {{2, 1}, {0, 0}, {1, 3}};
-    slv_texture_desc desc = {3, SLV_TYPE_U16, 2, 1, res};
+    slv_texture_desc desc = {3, SLV_TYPE_U16, 2, 1, res, SLV_TEXTURE_AUTO};
     slv_texture *texture = NULL;
     slv_result result = slv_texture_create(&env, &desc, &texture);
     REQUIRE(result == SLV_OK);
@@ -112,21 +112,27 @@ static void expect_refused(slv_texture_desc desc, slv_result expected) {
 
 static void test_refusals(void) {
     slv_res good = {1, 1}, big = {17, 0}, negative = {0, -1};
-    expect_refused((slv_texture_desc){1, SLV_TYPE_U8, 0, SLV_NO_ALPHA, &good}, SLV_ERROR_ARGUMENT);
-    expect_refused((slv_texture_desc){1, SLV_TYPE_U8, 100000, SLV_NO_ALPHA, &good},
+    expect_refused((slv_texture_desc){1, SLV_TYPE_U8, 0, SLV_NO_ALPHA, &good, SLV_TEXTURE_AUTO},
                    SLV_ERROR_ARGUMENT);
-    expect_refused((slv_texture_desc){1, (slv_type)7, 1, SLV_NO_ALPHA, &good}, SLV_ERROR_ARGUMENT);
-    expect_refused((slv_texture_desc){1, SLV_TYPE_U8, 3, 3, &good}, SLV_ERROR_ARGUMENT);
-    expect_refused((slv_texture_desc){1, SLV_TYPE_U8, 3, SLV_NO_ALPHA, &big}, SLV_ERROR_ARGUMENT);
-    expect_refused((slv_texture_desc){1, SLV_TYPE_U8, 3, SLV_NO_ALPHA, &negative},
+    expect_refused(
+        (slv_texture_desc){1, SLV_TYPE_U8, 100000, SLV_NO_ALPHA, &good, SLV_TEXTURE_AUTO},
+        SLV_ERROR_ARGUMENT);
+    expect_refused((slv_texture_desc){1, (slv_type)7, 1, SLV_NO_ALPHA, &good, SLV_TEXTURE_AUTO},
                    SLV_ERROR_ARGUMENT);
-    expect_refused((slv_texture_desc){1, SLV_TYPE_U8, 3, SLV_NO_ALPHA, NULL}, SLV_ERROR_ARGUMENT);
+    expect_refused((slv_texture_desc){1, SLV_TYPE_U8, 3, 3, &good, SLV_TEXTURE_AUTO},
+                   SLV_ERROR_ARGUMENT);
+    expect_refused((slv_texture_desc){1, SLV_TYPE_U8, 3, SLV_NO_ALPHA, &big, SLV_TEXTURE_AUTO},
+                   SLV_ERROR_ARGUMENT);
+    expect_refused((slv_texture_desc){1, SLV_TYPE_U8, 3, SLV_NO_ALPHA, &negative, SLV_TEXTURE_AUTO},
+                   SLV_ERROR_ARGUMENT);
+    expect_refused((slv_texture_desc){1, SLV_TYPE_U8, 3, SLV_NO_ALPHA, NULL, SLV_TEXTURE_AUTO},
+                   SLV_ERROR_ARGUMENT);
 
     /* A constant face is cheap however large it claims to be; its levels are not. */
     slv_env env = test_env();
     env.max_bytes = 1 << 20;
     slv_res huge[2] = {{16, 16}, {10, 10}};
-    slv_texture_desc desc = {2, SLV_TYPE_FLOAT, 4, SLV_NO_ALPHA, huge};
+    slv_texture_desc desc = {2, SLV_TYPE_FLOAT, 4, SLV_NO_ALPHA, huge, SLV_TEXTURE_AUTO};
     slv_texture *texture = NULL;
     slv_levels *levels = NULL;
     slv_result result = slv_texture_create(&env, &desc, &texture);
@@ -243,7 +249,7 @@ static void test_levels(slv_type type, uint32_t nchannels) {
     uint64_t random = 5;
     for (int i = 0; i < FACES; i++)
         res[i] = (slv_res){(int8_t)(test_random(&random) % 6), (int8_t)(test_random(&random) % 6)};
-    slv_texture_desc desc = {FACES, type, nchannels, SLV_NO_ALPHA, res};
+    slv_texture_desc desc = {FACES, type, nchannels, SLV_NO_ALPHA, res, SLV_TEXTURE_AUTO};
     for (int i = 0; i < 2; i++) {
         slv_env env = test_env();
         env.threads = i ? 4 : 1;

@@ -58,6 +58,12 @@ typedef struct cli_option {
     { "--json", CLI_FLAG, value, "print JSON, for scripts", NULL, 0, 0, NULL }
 #define CLI_QUIET(value, help)                                                                     \
     { "--quiet|-q", CLI_FLAG, value, help, NULL, 0, 0, NULL }
+#define CLI_TEXTURE_ENCODING(value)                                                                \
+    {                                                                                              \
+        "--texture-encoding", CLI_CHOICE, value,                                                   \
+            "what colours are (auto: what the file says, else srgb of integers)",                  \
+            "auto|linear|srgb|data", 0, 0, NULL                                                    \
+    }
 #define CLI_COMPRESSION(value)                                                                     \
     { "--compression", CLI_UINT, value, "1 (fast) to 12 (small)", NULL, 1, 12, NULL }
 

@@ -51,7 +51,7 @@ void scene_free(scene_data *scene);
 /* What the verbs that make one picture ask about the scene and the view of it. */
 typedef struct scene_options {
     const char *mesh, *view, *focus, *channels;
-    int scheme, boundary, shading, adjacency;
+    int scheme, boundary, shading, adjacency, encoding; /* encoding: slv_texture_encoding */
     bool scheme_given, boundary_given, shading_given, size_given, orbit_given, progress, salvage;
     uint32_t size[2], tess, threads;
     float azimuth, elevation, fov, background[4];
@@ -96,7 +96,7 @@ typedef struct scene_options {
 #define SCENE_ANISO(value, help)                                                                   \
     { "--aniso", CLI_UINT, value, help, NULL, 1, 16, NULL }
 
-enum { SCENE_OPTION_ROWS = 16 };
+enum { SCENE_OPTION_ROWS = 17 };
 
 scene_options scene_options_default(void);
 /* SCENE_OPTION_ROWS rows for a verb's table. */
@@ -130,5 +130,4 @@ const char *scene_strategies(char *text, size_t size);
 #define SCENE_SHADINGS "headlight|headlight-abs|unlit|faces|levels"
 #define SCENE_CONTEXTS "auto|egl|osmesa"
 #define SCENE_ADJACENCIES "agree|ptx|mesh"
-
 #endif

@@ -35,6 +35,7 @@ void scene_options_rows(scene_options *o, cli_option *out) {
          "to 4)",
          "LIST", 0, 0, NULL},
         SCENE_ADJACENCY(&o->adjacency),
+        CLI_TEXTURE_ENCODING(&o->encoding),
         CLI_PROGRESS(&o->progress),
         CLI_THREADS(&o->threads),
     };

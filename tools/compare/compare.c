@@ -18,7 +18,7 @@ struct compare {
     uint32_t narguments;
     const char *mesh, *out, *strategies, *focus, *msaa, *references;
     cli_list views;
-    int scheme, boundary, shading, context, adjacency;
+    int scheme, boundary, shading, context, adjacency, encoding;
     bool quick, quiet, progress, resume, compress, size_given, frames_given, reference_frames_given,
         samples_given;
     uint32_t size[2], aniso, frames, tess, threads, samples, accumulate, reference_frames;
@@ -167,7 +167,7 @@ static json_t *conditions(const struct session *s) {
     return json_pack(
         "{s:i, s:I, s:o, s:o, s:o, s:o, s:o, s:o, s:[I,I], s:I, s:I, s:I, s:I, s:I, "
         "s:[f,f,f,f,f,f],"
-        " s:o, s:[i,i,i], s:o}",
+        " s:o, s:[i,i,i], s:o, s:s}",
         "schema", 2, "version", (json_int_t)slv_version(), "driver",
         output_json_text(r->gl.renderer, strlen(r->gl.renderer)), "texture", fingerprint(r->ptx),
         "mesh", fingerprint(r->mesh), "strategies", strategies, "msaa", rates, "reference",
@@ -177,7 +177,8 @@ static json_t *conditions(const struct session *s) {
         "tess", (json_int_t)r->segments, "orbit", (double)r->path.azimuth, (double)r->path.turn,
         (double)r->path.elevation, (double)r->path.tilt, (double)r->path.fov, (double)r->path.dolly,
         "focus", o->focus ? output_json_text(o->focus, strlen(o->focus)) : json_null(), "surface",
-        o->scheme, o->boundary, o->shading, "views", views);
+        o->scheme, o->boundary, o->shading, "views", views, "texture-encoding",
+        slv_texture_encoding_name((slv_texture_encoding)o->encoding));
 }
 
 /* Before anything is measured, since textures other than 8-bit are refused. */
@@ -199,7 +200,9 @@ static slv_result prepare(struct session *s) {
                            .scheme = (slv_scheme)o->scheme,
                            .boundary = (slv_boundary)o->boundary};
     const slv_strategy *strategies[REPORT_MAX_STRATEGIES + 1];
-    slv_gl_texture_params upload = {.strategies = strategies, .anisotropy = o->aniso};
+    slv_gl_texture_params upload = {.strategies = strategies,
+                                    .anisotropy = o->aniso,
+                                    .encoding = (slv_texture_encoding)o->encoding};
     slv_result result;
     for (uint32_t k = 0; k < report->nstrategies; k++)
         strategies[upload.nstrategies++] = report->strategies[k].strategy;
@@ -213,6 +216,8 @@ static slv_result prepare(struct session *s) {
     report->gl = *slv_gl_get_info(s->gl);
     report->nfaces = slv_mesh_face_count(s->scene.mesh);
     report->nresolutions = count_resolutions(s->scene.texture);
+    if (slv_texture_get_encoding(s->scene.texture, upload.encoding) == SLV_TEXTURE_DATA)
+        report->pictures = SLV_ENCODE_RAW;
     if (o->aniso > report->gl.max_anisotropy)
         report->anisotropy = report->gl.max_anisotropy;
     orbit *path = &report->path;
@@ -241,6 +246,7 @@ static slv_result prepare(struct session *s) {
                                  .texture = s->texture,
                                  .renderer = s->renderer,
                                  .shading = (slv_shading)o->shading,
+                                 .encoding = upload.encoding,
                                  .report = report};
     return SLV_OK;
 }
@@ -459,6 +465,7 @@ int verb_compare(int argc, char **argv) {
         SCENE_BOUNDARY(&o.boundary, "boundary rule (the mesh's, or edge-and-corner)", NULL),
         SCENE_TESS(&o.tess),
         SCENE_ADJACENCY(&o.adjacency),
+        CLI_TEXTURE_ENCODING(&o.encoding),
         {"--reference", CLI_TEXT, &o.references,
          "what pictures are held against (raycast): none, or some of "
          "raycast,mitchell,supersampled",

@@ -165,6 +165,7 @@ int verb_convert(int argc, char **argv) {
         {"--no-reductions", CLI_FLAG, &o.no_reductions, "store none", NULL, 0, 0, NULL},
         CLI_COMPRESSION(&o.compression),
         CLI_SALVAGE(&o.salvage),
+        CLI_TEXTURE_ENCODING(&o.encoding),
         {"--no-meta", CLI_FLAG, &o.no_meta, "leave metadata out", NULL, 0, 0, NULL},
         {"--mesh|-m", CLI_TEXT, &o.mesh,
          "control mesh whose geometry and adjacency go into OUT.ptx", "FILE.obj", 0, 0, NULL},

@@ -9,8 +9,9 @@
 #include <string.h>
 #include <sys/stat.h>
 
-static const char of_files[] = "schema|kind|mesh_type|data_type|channels|alpha_channel|border_u|"
-                               "border_v|edge_filter|reductions|meta|faces|images",
+static const char of_files[] =
+    "schema|kind|mesh_type|data_type|channels|alpha_channel|"
+    "texture_encoding|border_u|border_v|edge_filter|reductions|meta|faces|images",
                   of_faces[] = "width|height|constant|subface|adjacent_faces|adjacent_edges|images|"
                                "x|y",
                   of_entries[] = "key|type|value|values";

@@ -216,6 +216,7 @@ int convert_request_make(const cli_command *command, const convert_options *o,
     params->unmultiply = o->unmultiply;
     params->no_meta = o->no_meta;
     params->compression = (int)o->compression;
+    params->encoding = (slv_texture_encoding)o->encoding;
     if (o->format_given)
         params->images = o->format == 1 ? SLV_EXCHANGE_EXR : SLV_EXCHANGE_PNG;
     return EXIT_OK;

@@ -9,6 +9,7 @@
 typedef struct convert_options {
     const char *channels, *scale, *alpha, *res, *mesh, *faces;
     int type, border, border_u, border_v, edge_filter, format;
+    int encoding; /* slv_texture_encoding */
     bool type_given, border_given, border_u_given, border_v_given, edge_filter_given, format_given;
     bool max_given, min_given;
     uint32_t max[2], min[2];

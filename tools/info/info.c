@@ -62,8 +62,9 @@ int verb_info(int argc, char **argv) {
         {"--cell", CLI_UINT, &o.cell, "pixels of a cell's side (so that all faces fit)", NULL, 1,
          4096, NULL},
         {"--encoding", CLI_CHOICE, &o.encoding,
-         "of a PNG: values as they stand, or through the sRGB curve (raw, srgb for half and float)",
-         "srgb|raw", 0, 0, &o.encoding_given},
+         "of the sheet: colours, in a PNG as sRGB, or numbers as they stand", "srgb|raw", 0, 0,
+         &o.encoding_given},
+        CLI_TEXTURE_ENCODING(&o.texture_encoding),
         CLI_PROGRESS(&o.progress),
     };
     const cli_command command = {.name = "info",
@@ -89,7 +90,7 @@ int verb_info(int argc, char **argv) {
         return code;
     if (o.sheet && !cli_ends_with(o.sheet, ".png") && !cli_ends_with(o.sheet, ".exr"))
         return cli_usage(&command, "--sheet: expected a name that ends in .png or .exr");
-    if (!o.sheet && (o.sheet_faces || o.cell || o.ids || o.encoding_given))
+    if (!o.sheet && (o.sheet_faces || o.cell || o.ids || o.encoding_given || o.texture_encoding))
         return cli_usage(&command, "--sheet is missing: where does the picture go?");
     slv_env env = cli_env(0);
     path = cli_input(path);

@@ -9,7 +9,8 @@ typedef struct info_options {
     const char *sheet, *sheet_faces; /* a picture of faces, and of which */
     uint32_t cell;                   /* pixels of a side, 0: as many as fit */
     bool encoding_given;
-    int encoding; /* slv_image_encoding */
+    int encoding;         /* slv_image_encoding */
+    int texture_encoding; /* slv_texture_encoding */
 } info_options;
 
 /* What the contact sheet looks like. */

@@ -19,6 +19,7 @@ struct sheet {
     uint32_t ncolors; /* channels that are drawn as colours */
     slv_image image;
     bool divided; /* the file wants colours that are not multiplied by alpha */
+    bool decoded; /* and light, where the texture has sRGB */
     void *texels;
     float *values;
 };
@@ -108,9 +109,14 @@ static slv_result draw_face(struct sheet *s, uint32_t face, uint32_t cell) {
         return result;
     size_t count = (size_t)1 << (res.u + res.v);
     slv_type_to_float(s->info->type, s->texels, count * s->info->nchannels, s->values);
-    if (s->divided)
-        slv_ptx_unmultiply(SLV_TYPE_FLOAT, s->info->nchannels, s->info->alpha_channel, s->values,
-                           count);
+    uint32_t nchannels = s->info->nchannels;
+    int32_t alpha = s->info->alpha_channel;
+    if (alpha >= 0 && (s->divided || s->decoded))
+        slv_ptx_unmultiply(SLV_TYPE_FLOAT, nchannels, alpha, s->values, count);
+    if (s->decoded)
+        slv_texels_decode(nchannels, alpha, s->values, count);
+    if (alpha >= 0 && s->decoded && !s->divided)
+        slv_ptx_premultiply(SLV_TYPE_FLOAT, nchannels, alpha, s->values, count);
     uint32_t pitch = s->cell + s->gap, left = cell % s->columns * pitch,
              bottom = cell / s->columns * pitch + s->cell - 1;
     left += (s->cell - (1u << u)) / 2;
@@ -179,14 +185,23 @@ static uint32_t write_ids(struct sheet *s) {
     return left_out;
 }
 
-static slv_image_params choose_params(const struct sheet *s, const info_options *options,
-                                      bool exr) {
-    bool real = s->info->type == SLV_TYPE_HALF || s->info->type == SLV_TYPE_FLOAT;
-    slv_image_params params = {.encoding = real ? SLV_ENCODE_SRGB : SLV_ENCODE_RAW};
-    if (options->encoding_given)
-        params.encoding = options->encoding ? SLV_ENCODE_RAW : SLV_ENCODE_SRGB;
+/* How the picture is written, and whether colours become light before it: in a PNG sRGB stays what
+ * it is. */
+static slv_image_params choose_params(struct sheet *s, const info_options *options,
+                                      slv_texture_encoding encoding, bool exr) {
+    bool raw = options->encoding_given && options->encoding == SLV_ENCODE_RAW;
+    if (options->texture_encoding)
+        encoding = (slv_texture_encoding)options->texture_encoding;
+    else if (raw)
+        encoding = SLV_TEXTURE_DATA;
+    bool as_it_is = raw || (encoding == SLV_TEXTURE_DATA && !options->encoding_given);
+    s->decoded = encoding == SLV_TEXTURE_SRGB && (exr || raw);
+    if (encoding == SLV_TEXTURE_SRGB && !s->decoded)
+        as_it_is = true;
+    slv_image_params params = {.encoding = as_it_is ? SLV_ENCODE_RAW : SLV_ENCODE_SRGB};
     params.bits = exr ? (s->info->type == SLV_TYPE_FLOAT || s->info->type == SLV_TYPE_U16 ? 32 : 16)
                       : (s->info->type == SLV_TYPE_U16 ? 16 : 8);
+    s->divided = !exr && as_it_is && s->info->alpha_channel >= 0;
     return params;
 }
 
@@ -198,8 +213,10 @@ int info_sheet(const cli_command *command, const slv_env *env, const info_option
     slv_ptx_open_params params = {.premultiply = true};
     cli_progress progress = cli_progress_fleeting("sheet", options->progress, options->json);
     int code = EXIT_FAILED;
+    slv_texture_encoding encoding;
     if (output_check(env, options->sheet, &path, 1) ||
-        slv_ptx_open_with(env, path, &params, &ptx) || slv_ptx_load_tables(ptx))
+        slv_ptx_open_with(env, path, &params, &ptx) || slv_ptx_load_tables(ptx) ||
+        slv_ptx_get_encoding(ptx, &encoding))
         goto done;
     s.ptx = ptx;
     s.info = slv_ptx_get_info(ptx);
@@ -208,8 +225,7 @@ int info_sheet(const cli_command *command, const slv_env *env, const info_option
         goto done;
     code = EXIT_FAILED;
     lay_out(&s, options->cell, options->ids ? smallest_cell(&s) : 1);
-    slv_image_params image = choose_params(&s, options, exr);
-    s.divided = !exr && image.encoding == SLV_ENCODE_RAW && s.info->alpha_channel >= 0;
+    slv_image_params image = choose_params(&s, options, encoding, exr);
     if (draw(env, &s, &progress))
         goto done;
     cli_progress_end(&progress);

@@ -109,7 +109,8 @@ static int make(const cli_command *command, const struct reference *r, const slv
     if (code)
         goto done;
     code = EXIT_FAILED;
-    const slv_reference_params params = {.segments = shot.segments};
+    const slv_reference_params params = {.segments = shot.segments,
+                                         .encoding = (slv_texture_encoding)r->scene.encoding};
     slv_reference_frame frame = {.camera = shot.camera,
                                  .width = shot.width,
                                  .height = shot.height,

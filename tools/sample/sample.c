@@ -14,6 +14,26 @@ static void keep_log(void *user, slv_log_level level, const char *message) {
         cli_warning("%s", message);
 }
 
+/* As they stand unless something else is asked for: these are numbers, and no picture. */
+#define SAMPLE_ENCODINGS "data|linear|srgb|auto"
+
+static slv_result open_texture(const slv_env *env, const sample_options *options,
+                               sample_texture *texture, slv_ptx **ptx) {
+    static const slv_texture_encoding encodings[] = {SLV_TEXTURE_DATA, SLV_TEXTURE_LINEAR,
+                                                     SLV_TEXTURE_SRGB, SLV_TEXTURE_AUTO};
+    slv_texture_encoding encoding = encodings[options->encoding];
+    slv_source stored, light;
+    slv_result result;
+    if (encoding == SLV_TEXTURE_DATA || encoding == SLV_TEXTURE_LINEAR)
+        return slv_cache_open(texture->cache, texture->path, &texture->file);
+    if ((result = slv_ptx_open(env, texture->path, ptx)) ||
+        (encoding == SLV_TEXTURE_AUTO && (result = slv_ptx_get_encoding(*ptx, &encoding))) ||
+        (result = slv_ptx_as_source(env, *ptx, &stored)) ||
+        (result = slv_source_decode(env, &stored, encoding, &light)))
+        return result;
+    return slv_cache_open_source(texture->cache, &light, NULL, &texture->file);
+}
+
 static int run_sample(const sample_options *options, const char *path) {
     sample_log log = {0};
     slv_env env = {.log = keep_log, .log_user = &log, .threads = options->threads};
@@ -22,6 +42,7 @@ static int run_sample(const sample_options *options, const char *path) {
     sample_texture texture = {.path = path, .log = &log};
     sample_reader reader = {.descriptor = -1};
     slv_output *output = NULL;
+    slv_ptx *ptx = NULL;
     const char *const inputs[] = {path, options->queries};
     FILE *stream = stdout;
     uint64_t failed = 0;
@@ -29,7 +50,7 @@ static int run_sample(const sample_options *options, const char *path) {
     if (options->out && output_check_inputs(&env, options->out, inputs, 2))
         goto done;
     if (slv_cache_create(&env, &params, &texture.cache) ||
-        slv_cache_open(texture.cache, path, &texture.file) ||
+        open_texture(&env, options, &texture, &ptx) ||
         slv_cache_get_info(texture.cache, texture.file, &texture.info) ||
         sample_reader_open(options->queries, &reader))
         goto done;
@@ -52,6 +73,7 @@ static int run_sample(const sample_options *options, const char *path) {
 done:
     sample_reader_close(&reader);
     slv_cache_destroy(texture.cache);
+    slv_ptx_close(ptx);
     return code;
 }
 
@@ -66,6 +88,9 @@ int verb_sample(int argc, char **argv) {
         {"--json", CLI_FLAG, &o.json, "answer in JSON, for scripts", NULL, 0, 0, NULL},
         {"--premultiply", CLI_FLAG, &o.premultiply, "multiply colours by alpha first", NULL, 0, 0,
          NULL},
+        {"--texture-encoding", CLI_CHOICE, &o.encoding,
+         "what colours are: srgb is decoded before it is filtered (data: as they stand)",
+         SAMPLE_ENCODINGS, 0, 0, NULL},
         {"--bench", CLI_FLAG, &o.bench,
          "repeat the lookups, and print how many a second there are instead of values", NULL, 0, 0,
          NULL},
@@ -110,5 +135,9 @@ int verb_sample(int argc, char **argv) {
         return code;
     if (o.out && cli_ends_with(o.out, ".ptx"))
         return cli_usage(&command, "'%s': answers are text, and no .ptx", o.out);
+    if (o.premultiply && o.encoding)
+        return cli_usage(&command,
+                         "--premultiply multiplies numbers as they stand: it goes with no "
+                         "--texture-encoding");
     return run_sample(&o, path);
 }

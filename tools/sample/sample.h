@@ -7,6 +7,7 @@
 typedef struct sample_options {
     const char *queries, *out;
     bool json, premultiply, bench, progress, quiet;
+    int encoding; /* a word of its option */
     uint32_t cache_mib, threads;
 } sample_options;
 

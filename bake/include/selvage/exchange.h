@@ -71,7 +71,12 @@ typedef struct slv_exchange_params {
     uint32_t nchannels;
     bool premultiply, unmultiply; /* colours by alpha; not both */
 
-    bool no_meta;                /* leave metadata out */
+    /* What the source's colours are; default: what the .ptx or the index says. A PNG has them as
+     * sRGB, an EXR as light: they are encoded and decoded on their way, but for SLV_TEXTURE_DATA.
+     * Between two .ptx files values stay as they are, and metadata says what they are where the
+     * type does not (slv_ptx_get_encoding). */
+    slv_texture_encoding encoding;
+    bool no_meta;                /* leave metadata out, but for that */
     int compression;             /* of a .ptx, as in slv_ptx_writer_params */
     const slv_mesh *mesh;        /* of a .ptx: its geometry and adjacency go inside */
     slv_exchange_images images;  /* of a folder */

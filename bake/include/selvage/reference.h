@@ -21,6 +21,8 @@ typedef struct slv_reference_params {
     uint32_t segments;      /* as slv_tessellate takes them; default 32 */
     uint32_t first_channel; /* of the texture, shown as red */
     uint32_t nchannels;     /* 1 (shown as grey) to 4; 0 means as many as there are, up to 4 */
+    slv_texture_encoding encoding; /* of the colours, which become light before they are
+                                      interpolated; default: as slv_texture_get_encoding has it */
     uint64_t reserved[4];
 } slv_reference_params;
 

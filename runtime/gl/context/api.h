@@ -15,6 +15,8 @@
 
 #define SLV_GL_RGBA_BC1 0x83F1
 #define SLV_GL_RGBA_BC3 0x83F3
+#define SLV_GL_SRGB_BC1 0x8C4D
+#define SLV_GL_SRGB_BC3 0x8C4F
 
 #define SLV_GL_FUNCTIONS(X)                                                                        \
     X(PFNGLGETSTRINGPROC, GetString)                                                               \

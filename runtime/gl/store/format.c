@@ -2,6 +2,7 @@
 #include "gl/store/format.h"
 
 #include "base/log.h"
+#include "base/srgb.h"
 
 #include <selvage/half.h>
 
@@ -36,6 +37,30 @@ slv_gl_format slvi_gl_format_for(slv_type type, uint32_t first, uint32_t nchanne
     }
     format.texel_bytes = slv_type_size(type) * format.ncomponents;
     return format;
+}
+
+slv_gl_format slvi_gl_format_srgb(const uint8_t *srgb, uint32_t first, uint32_t nchannels,
+                                  bool coverage, bool blocks) {
+    slv_gl_format format = slvi_gl_format_for(SLV_TYPE_U8, first, nchannels, coverage);
+    /* OpenGL has no sRGB format of one or two components */
+    if (format.ncomponents < 4)
+        return blocks ? format : slvi_gl_format_for(SLV_TYPE_HALF, first, nchannels, coverage);
+    format.internal = GL_SRGB8_ALPHA8;
+    format.srgb = srgb;
+    return format;
+}
+
+void slvi_gl_srgb_fill(uint8_t *srgb) {
+    for (uint32_t i = 0; i < SLVI_GL_SRGB; i++)
+        srgb[i] = (uint8_t)(255 * slvi_srgb_from_linear(slv_half_to_float((uint16_t)i)) + 0.5f);
+}
+
+/* Alpha, the fourth component, is never encoded. */
+static void encode_texel(const slv_gl_format *format, const float *texel, uint8_t *out) {
+    for (uint32_t c = 0; c < format->nsource; c++) {
+        float value = texel[c] > 0 ? texel[c] < 1 ? texel[c] : 1 : 0;
+        out[c] = c < 3 ? format->srgb[slv_half_from_float(value)] : (uint8_t)(255 * value + 0.5f);
+    }
 }
 
 static void one_of(slv_type type, void *out) {
@@ -87,22 +112,28 @@ void slvi_gl_convert_float(const slv_gl_format *format, const float *texels, uin
     one_of(format->type, one);
     for (size_t i = 0; i < count; i++, texels += nchannels, to += format->texel_bytes) {
         memset(to, 0, format->texel_bytes);
-        slv_type_from_float(format->type, texels + format->first, format->nsource, to);
+        if (format->srgb)
+            encode_texel(format, texels + format->first, to);
+        else
+            slv_type_from_float(format->type, texels + format->first, format->nsource, to);
         if (format->coverage)
             memcpy(to + last, one, size);
     }
 }
 
-slv_result slvi_gl_format_compress(const slv_gl *gl, const slv_env *env, slv_gl_format *format) {
-    if (format->type != SLV_TYPE_U8)
+slv_result slvi_gl_format_compress(const slv_gl *gl, const slv_env *env, slv_type type,
+                                   slv_gl_format *format) {
+    if (type != SLV_TYPE_U8)
         return slvi_fail(env, SLV_ERROR_UNSUPPORTED,
                          "a texture of %s cannot be compressed, only one of uint8",
-                         slv_type_name(format->type));
+                         slv_type_name(type));
     if (format->ncomponents == 4 && !gl->s3tc)
         return slvi_fail(env, SLV_ERROR_GL, "the driver lacks GL_EXT_texture_compression_s3tc");
     if (format->ncomponents == 4) {
         format->block = format->nsource == 4 ? SLV_GL_BLOCK_BC3 : SLV_GL_BLOCK_BC1;
-        format->internal = format->nsource == 4 ? SLV_GL_RGBA_BC3 : SLV_GL_RGBA_BC1;
+        format->internal = format->srgb ? format->nsource == 4 ? SLV_GL_SRGB_BC3 : SLV_GL_SRGB_BC1
+                           : format->nsource == 4 ? SLV_GL_RGBA_BC3
+                                                  : SLV_GL_RGBA_BC1;
     } else {
         format->block = format->ncomponents == 2 ? SLV_GL_BLOCK_BC5 : SLV_GL_BLOCK_BC4;
         format->internal =

@@ -14,13 +14,22 @@ typedef struct slv_gl_format {
     bool coverage; /* the last component is 1 in every texel */
     GLenum internal, external, data;
     GLint swizzle[4];
-    size_t texel_bytes; /* before compression */
+    const uint8_t *srgb; /* NULL: linear; else the bytes of colours, by halves of 0 to 1 */
+    size_t texel_bytes;  /* before compression */
     slv_gl_block block;
 } slv_gl_format;
 
 slv_gl_format slvi_gl_format_for(slv_type type, uint32_t first, uint32_t nchannels, bool coverage);
-/* Makes a format of 8-bit texels one of blocks. */
-slv_result slvi_gl_format_compress(const slv_gl *gl, const slv_env *env, slv_gl_format *format);
+/* The format of 8-bit colours that were decoded; `srgb` has SLVI_GL_SRGB bytes,
+ * slvi_gl_srgb_fill's.
+ */
+enum { SLVI_GL_SRGB = 0x3c01 }; /* halves from 0 to 1 */
+slv_gl_format slvi_gl_format_srgb(const uint8_t *srgb, uint32_t first, uint32_t nchannels,
+                                  bool coverage, bool blocks);
+void slvi_gl_srgb_fill(uint8_t *srgb);
+/* Makes a format of 8-bit texels one of blocks. `type` is the texture's. */
+slv_result slvi_gl_format_compress(const slv_gl *gl, const slv_env *env, slv_type type,
+                                   slv_gl_format *format);
 
 /* `count` texels with `nchannels` channels of the format's type, to the format. */
 void slvi_gl_convert(const slv_gl_format *format, const void *texels, uint32_t nchannels,

@@ -11,7 +11,9 @@ typedef struct slv_gl_source {
     const slv_env *env;
     slv_env shared; /* the same for what runs on threads: logs one at a time */
     slv_gl *gl;
-    const slv_levels *levels;
+    slv_type type;            /* of the texture */
+    const slv_levels *levels; /* of its colours, decoded */
+    const uint8_t *srgb;      /* NULL, or what encodes them again: 8-bit colours */
     const slv_adjacency *adjacency;
     slv_gl_texture_params params; /* defaults filled in */
     slvi_steps *steps;            /* as many as there are faces for each store */

@@ -48,17 +48,45 @@ done:
 }
 
 struct widen_job {
+    const slv_gl_source *source;
     const slv_form *form;
     const void *made;
     uint8_t *wide;
+    bool bytes; /* colours that were decoded become 8 bits again */
 };
+
+/* Whether a value of an item lies outside of 0..1, which is the range of 8 bits whatever the range
+ * of the colours that were decoded for them. */
+static slv_result leaves_bytes(const struct widen_job *job, uint32_t item, bool *out) {
+    uint32_t border = slvi_gl_border(&job->source->params),
+             nchannels = slv_levels_get_desc(job->source->levels)->nchannels;
+    slv_res res = job->form->res(job->made, item);
+    slv_form_extent extent = slv_form_level_extent(job->form, res, 0, border);
+    float *scratch = NULL;
+    slv_result result =
+        slvi_alloc_plain(&job->source->shared, "border", (uint64_t)extent.width * extent.height,
+                         nchannels * sizeof *scratch, &scratch);
+    for (uint32_t level = 0; !result && !*out && level < slv_res_level_count(res); level++) {
+        slv_form_texels texels;
+        extent = slv_form_level_extent(job->form, res, level, border);
+        result = job->form->read(job->made, item, level, scratch, &texels);
+        if (result || texels.type != SLV_TYPE_FLOAT)
+            break;
+        const float *values = texels.texels;
+        for (size_t i = (size_t)extent.width * extent.height * nchannels; i-- > 0;)
+            *out |= !(values[i] >= -1e-6f && values[i] <= 1 + 1e-6f);
+    }
+    slvi_free(scratch);
+    return result;
+}
 
 static slv_result find_wide(void *user, uint64_t first, uint64_t end) {
     struct widen_job *job = user;
     slv_result result = SLV_OK;
     for (uint64_t item = first; !result && item < end; item++) {
         bool wide = false;
-        result = job->form->leaves_range(job->made, (uint32_t)item, &wide);
+        result = job->bytes ? leaves_bytes(job, (uint32_t)item, &wide)
+                            : job->form->leaves_range(job->made, (uint32_t)item, &wide);
         job->wide[item] = wide;
     }
     return result;
@@ -68,7 +96,11 @@ static slv_result find_wide(void *user, uint64_t first, uint64_t end) {
  * there are only blocks. */
 static slv_result widen(const slv_gl_source *source, const void *made, slv_gl_items *items,
                         slv_gl_store *store) {
-    struct widen_job job = {.form = store->pools.form, .made = made, .wide = items->wide};
+    struct widen_job job = {.source = source,
+                            .form = store->pools.form,
+                            .made = made,
+                            .wide = items->wide,
+                            .bytes = source->srgb && store->pools.format.type == SLV_TYPE_U8};
     bool blocks = store->pools.format.block;
     slv_result result = slvi_parallel_for(&source->shared, items->count, 64, find_wide, &job);
     for (uint32_t i = 0; i < items->count; i++)
@@ -141,11 +173,14 @@ slv_result slvi_gl_store_build(const slv_gl_source *source, const slv_form *form
     slv_gl_store store = {.pools = {.form = form, .packing = packing}, .coverage = coverage};
     slv_gl_pools *pools = &store.pools;
     slv_result result = SLV_OK;
-    pools->format = slvi_gl_format_for(type, first, nchannels, coverage);
-    pools->wide_format = slvi_gl_format_for(type == SLV_TYPE_U8 ? SLV_TYPE_HALF : SLV_TYPE_FLOAT,
-                                            first, nchannels, coverage);
-    if ((source->params.compression == SLV_GL_COMPRESSION_BLOCKS &&
-         (result = slvi_gl_format_compress(source->gl, source->env, &pools->format))) ||
+    bool blocks = source->params.compression == SLV_GL_COMPRESSION_BLOCKS;
+    pools->format = source->srgb
+                        ? slvi_gl_format_srgb(source->srgb, first, nchannels, coverage, blocks)
+                        : slvi_gl_format_for(type, first, nchannels, coverage);
+    pools->wide_format = slvi_gl_format_for(
+        source->type == SLV_TYPE_U8 ? SLV_TYPE_HALF : SLV_TYPE_FLOAT, first, nchannels, coverage);
+    if ((blocks && (result = slvi_gl_format_compress(source->gl, source->env, source->type,
+                                                     &pools->format))) ||
         (result = list_items(source, form, made, &items)) ||
         (form->leaves_range && (result = widen(source, made, &items, &store))) ||
         (result = slvi_gl_pools_assign(source, &items, pools)))

@@ -50,6 +50,9 @@ static slv_result fill_params(slv_gl *gl, const slv_env *env, const slv_texture_
         return slvi_fail(
             env, SLV_ERROR_ARGUMENT, "channels %u to %u cannot be shown, the texture has %u",
             params.first_channel, params.first_channel + params.nchannels - 1, desc->nchannels);
+    if ((unsigned)params.encoding > SLV_TEXTURE_DATA)
+        return slvi_fail(env, SLV_ERROR_ARGUMENT, "unknown texture encoding %d",
+                         (int)params.encoding);
     if (!params.anisotropy)
         params.anisotropy = 1;
     if (params.anisotropy > gl->info.max_anisotropy) {
@@ -196,6 +199,28 @@ static uint64_t texel_bytes(const slv_texture_desc *desc, uint32_t nchannels) {
     return texels * nchannels * slv_type_size(desc->type);
 }
 
+/* The levels of the texture's light: of a copy, which must outlive them, if it is encoded, or its
+ * values are too large. */
+static slv_result make_levels(const slv_env *env, const slv_texture *texture, slv_gl_texture *made,
+                              slv_texture **copy, slv_levels **out) {
+    slv_texture *decoded = NULL, *scaled = NULL;
+    slv_result result = slv_texture_decode(env, texture, made->params.encoding, &decoded);
+    const slv_texture *light = decoded ? decoded : texture;
+    bool bytes = decoded && slv_texture_get_desc(texture)->type == SLV_TYPE_U8;
+    if (result || (result = slvi_gl_scale_down(env, light, &scaled)) ||
+        (bytes && (result = slvi_alloc_plain(env, "sRGB curve", SLVI_GL_SRGB, 1, &made->srgb))) ||
+        (result = slv_levels_create_over(env, scaled ? scaled : light, out)))
+        goto done;
+    made->scaled = scaled != NULL;
+    if (bytes)
+        slvi_gl_srgb_fill(made->srgb);
+done:
+    if (scaled)
+        slv_texture_destroy(decoded);
+    *copy = scaled ? scaled : decoded;
+    return result;
+}
+
 slv_result slv_gl_texture_create(slv_gl *gl, const slv_env *env, const slv_texture *texture,
                                  const slv_adjacency *adjacency,
                                  const slv_gl_texture_params *params, slv_gl_texture **out) {
@@ -203,7 +228,7 @@ slv_result slv_gl_texture_create(slv_gl *gl, const slv_env *env, const slv_textu
     slvi_steps steps;
     slv_gl_source source = {.env = env, .gl = gl, .adjacency = adjacency, .steps = &steps};
     slv_gl_texture *made = NULL;
-    slv_texture *scaled = NULL;
+    slv_texture *copy = NULL;
     slv_levels *levels = NULL;
     slv_parallel_log *log = NULL;
     slv_result result = SLV_OK;
@@ -222,22 +247,22 @@ slv_result slv_gl_texture_create(slv_gl *gl, const slv_env *env, const slv_textu
     if ((result = fill_params(gl, env, desc, params, &made->params)) ||
         (result = list_slots(made, params)) ||
         (result = slvi_alloc(env, "face table", desc->nfaces, sizeof *made->res, &made->res)) ||
-        (result = slvi_gl_scale_down(env, texture, &scaled)) ||
-        (result = slv_levels_create_over(env, scaled ? scaled : texture, &levels)) ||
+        (result = make_levels(env, texture, made, &copy, &levels)) ||
         (result = slvi_parallel_env_begin(env, &log, &source.shared)))
         goto done;
-    made->scaled = scaled != NULL;
     slvi_gl_set_state(gl);
     memcpy(made->res, desc->res, desc->nfaces * sizeof *made->res);
     made->texel_bytes = texel_bytes(desc, made->params.nchannels);
+    source.type = desc->type;
     source.levels = levels;
+    source.srgb = made->srgb;
     source.params = made->params;
     result = build_all(&source, made);
 done:
     slvi_steps_end(&steps);
     slvi_parallel_env_end(log);
     slv_levels_destroy(levels);
-    slv_texture_destroy(scaled);
+    slv_texture_destroy(copy);
     if (result) {
         slv_gl_texture_destroy(made);
         made = NULL;
@@ -267,6 +292,7 @@ void slv_gl_texture_destroy(slv_gl_texture *texture) {
     slvi_free(texture->reaches);
     slvi_free(texture->slots);
     slvi_free(texture->res);
+    slvi_free(texture->srgb);
     slvi_free(texture);
 }
 

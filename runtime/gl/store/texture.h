@@ -31,7 +31,8 @@ struct slv_gl_texture {
     uint32_t nfaces;
     slv_res *res; /* of each face */
     uint64_t texel_bytes;
-    bool scaled; /* see slvi_gl_scale_down */
+    bool scaled;   /* see slvi_gl_scale_down */
+    uint8_t *srgb; /* see slvi_gl_srgb_fill; NULL where nothing is encoded */
     slv_gl_store *stores;
     slv_gl_reach_row *reaches;
     slv_gl_slot *slots;

@@ -35,10 +35,20 @@ static slv_result fill_level(const struct fill_job *job, uint32_t item, uint32_t
     slv_result result = form->read(job->made, item, level, scratch, &from);
     if (result)
         return result;
-    if (from.type != format->type && from.type != SLV_TYPE_FLOAT)
+    slv_type type = slv_levels_get_desc(job->source->levels)->type;
+    if (from.type != type && from.type != SLV_TYPE_FLOAT)
         return slvi_fail(&job->source->shared, SLV_ERROR_ARGUMENT,
                          "form %s: %s of another type than the texture's is not float", form->name,
                          form->item);
+    float *floats = NULL;
+    if (from.type != format->type && from.type != SLV_TYPE_FLOAT) {
+        size_t values = (size_t)extent.width * extent.height * nchannels;
+        if ((result =
+                 slvi_alloc_plain(&job->source->shared, "level", values, sizeof *floats, &floats)))
+            return result;
+        slv_type_to_float(from.type, from.texels, values, floats);
+        from = (slv_form_texels){floats, SLV_TYPE_FLOAT};
+    }
     size_t row = (size_t)extent.width * nchannels * slv_type_size(from.type);
     bool whole = extent.width == job->width;
     uint32_t runs = whole ? 1 : extent.height;
@@ -51,6 +61,7 @@ static slv_result fill_level(const struct fill_job *job, uint32_t item, uint32_t
         else
             slvi_gl_convert_float(format, texels, nchannels, count, to);
     }
+    slvi_free(floats);
     return SLV_OK;
 }
 

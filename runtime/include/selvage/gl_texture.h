@@ -70,6 +70,7 @@ typedef struct slv_gl_texture_params {
     uint32_t pool_layers; /* most layers in one array; 0 means what the driver has */
     slv_gl_branching branching;
     slv_gl_compression compression; /* of textures other than 8-bit: SLV_ERROR_UNSUPPORTED */
+    slv_texture_encoding encoding; /* of the colours; default: as slv_texture_get_encoding has it */
     slv_progress progress; /* faces, once for each form in which they are stored; on this thread */
     uint64_t reserved[4];
 } slv_gl_texture_params;
@@ -93,6 +94,12 @@ typedef struct slv_gl_texture slv_gl_texture;
 
 /* Uploads. Types keep their range: 8 and 16 bit as normalised integers, half and float as such; a
  * face whose border leaves the range goes to a pool of half (8 bit) or float (16 bit, half).
+ *
+ * Colours of SLV_TEXTURE_SRGB are decoded first, so that reductions, borders and lookups are of
+ * light, and lookups return it. 8 bits of three or four channels stay 8 bits, in the GPU's sRGB
+ * formats (also of blocks); one or two channels become half, or blocks of linear values; 16 bits
+ * and others become float.
+ *
  * Neither argument is needed afterwards. `adjacency` must have as many faces as `texture`. Changes
  * GL state as slv_gl_wrap says. */
 SLV_NODISCARD SLV_API slv_result slv_gl_texture_create(slv_gl *gl, const slv_env *env,

@@ -197,6 +197,15 @@ SLV_API const slv_ptx_meta *slv_ptx_find_meta(const slv_ptx *ptx, const char *ke
 SLV_NODISCARD SLV_API slv_result slv_ptx_load_meta(const slv_ptx *ptx, uint32_t index,
                                                    const slv_ptx_meta **out);
 
+/* Text metadata that says what the colours of a file are, linear, srgb or data, where that is not
+ * what its type says; slv_ptx_save writes it. */
+#define SLV_PTX_ENCODING_KEY "TextureEncoding"
+/* What the colours of a file are, never SLV_TEXTURE_AUTO: what this metadata says, or the colour
+ * space that other programs note (ColorSpace, oiio:ColorSpace); else data if its edge filter is for
+ * vectors; else what its type says. */
+SLV_NODISCARD SLV_API slv_result slv_ptx_get_encoding(const slv_ptx *ptx,
+                                                      slv_texture_encoding *out);
+
 /* All faces at full resolution as a store, read in parallel. */
 SLV_NODISCARD SLV_API slv_result slv_ptx_load_texture(const slv_env *env, const slv_ptx *ptx,
                                                       slv_texture **out);

@@ -100,6 +100,14 @@ SLV_NODISCARD SLV_API slv_result slv_source_reduce(const slv_env *env, const slv
                                                    uint32_t face, slv_res res, slv_rect rect,
                                                    void *out);
 
+/* The colours of a source as light, in floats, for lookups that average light: what of `encoding`
+ * is SLV_TEXTURE_SRGB is decoded, and reductions are made of that. SLV_TEXTURE_AUTO goes by the
+ * source's type and edge filter; for a .ptx ask slv_ptx_get_encoding, which also knows what the
+ * file says. Anything else is the source as it is. Takes `inner`, also if it fails, and zeroes it.
+ */
+SLV_NODISCARD SLV_API slv_result slv_source_decode(const slv_env *env, slv_source *inner,
+                                                   slv_texture_encoding encoding, slv_source *out);
+
 /* How a store is looked at. Zero means default. */
 typedef struct slv_texture_source_params {
     const char *name; /* for messages; NULL means "texture" */

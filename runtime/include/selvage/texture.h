@@ -17,6 +17,26 @@ typedef enum slv_type {
     SLV_TYPE_FLOAT = 3
 } slv_type;
 
+/* What the values of colours stand for; alpha is never encoded. */
+typedef enum slv_texture_encoding {
+    SLV_TEXTURE_AUTO = 0, /* what the texture says of itself, else by type: integers are SRGB, half
+                             and float LINEAR */
+    SLV_TEXTURE_LINEAR,   /* light */
+    SLV_TEXTURE_SRGB,     /* light through the sRGB curve (IEC 61966-2-1), which is undone before
+                             anything     is averaged */
+    SLV_TEXTURE_DATA      /* no light but numbers, taken as they stand; pictures show them so */
+} slv_texture_encoding;
+
+SLV_API const char *slv_texture_encoding_name(slv_texture_encoding encoding); /* auto, linear, srgb,
+                                                                                 data */
+SLV_API bool slv_texture_encoding_from_name(const char *name, slv_texture_encoding *out);
+/* SRGB of integers, LINEAR of half and float. */
+SLV_API slv_texture_encoding slv_type_encoding(slv_type type);
+/* Undoes or applies the sRGB curve in `count` texels, but in channel `alpha` (SLV_NO_ALPHA: none).
+ * What lies outside of 0..1 goes on along the curve's ends. */
+SLV_API void slv_texels_decode(uint32_t nchannels, int32_t alpha, float *values, uint64_t count);
+SLV_API void slv_texels_encode(uint32_t nchannels, int32_t alpha, float *values, uint64_t count);
+
 /* log2 of width (u) and height (v). */
 typedef struct slv_res {
     int8_t u, v;
@@ -50,6 +70,7 @@ typedef struct slv_texture_desc {
     int32_t alpha_channel; /* SLV_NO_ALPHA, or the index of the channel that holds coverage of the
                               paint */
     const slv_res *res;    /* nfaces; copied */
+    slv_texture_encoding encoding; /* of the colours; default: by type */
 } slv_texture_desc;
 
 #define SLV_NO_ALPHA (-1)
@@ -87,6 +108,16 @@ SLV_API const void *slv_texture_texels(const slv_texture *texture, uint32_t face
 /* One texel as `nchannels` floats, constant or not; (x,y) must lie inside. */
 SLV_API void slv_texture_fetch(const slv_texture *texture, uint32_t face, uint32_t x, uint32_t y,
                                float *out);
+
+/* What the colours of a texture are, where `wanted` says so, else the description, else the type:
+ * never SLV_TEXTURE_AUTO. */
+SLV_API slv_texture_encoding slv_texture_get_encoding(const slv_texture *texture,
+                                                      slv_texture_encoding wanted);
+/* A copy of a texture whose colours are light: SLV_TYPE_HALF of 8 bits, which loses nothing, else
+ * SLV_TYPE_FLOAT; or NULL where they are to be taken as they stand, which is so for anything but
+ * SLV_TEXTURE_SRGB. On env->threads threads. */
+SLV_NODISCARD SLV_API slv_result slv_texture_decode(const slv_env *env, const slv_texture *texture,
+                                                    slv_texture_encoding wanted, slv_texture **out);
 
 /* Every level of every face, down to 1x1: a 2x2 mean (2x1 where an axis is at 1) of the level
  * above, computed in float and rounded once a level. A snapshot: it does not follow later changes

@@ -179,6 +179,8 @@ uint64_t slvi_ptx_meta_bytes(const slv_ptx *ptx, bool all);
 /* The entry of a key, its value read or not, or NULL. */
 ptx_meta *slvi_ptx_meta_lookup(const slv_ptx *ptx, const char *key);
 /* Its value, read if that was put off. */
+/* What the file says of its colours, SLV_TEXTURE_AUTO if nothing. */
+slv_result slvi_ptx_stated_encoding(const slv_ptx *ptx, slv_texture_encoding *out);
 slv_result slvi_ptx_meta_load(const slv_ptx *ptx, ptx_meta *meta, const slv_ptx_meta **out);
 
 /* Drops large values that cannot be read, of a file opened for salvage; before _finish. */

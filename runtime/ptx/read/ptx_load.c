@@ -120,9 +120,13 @@ slv_result slv_ptx_load_texture(const slv_env *env, const slv_ptx *ptx, slv_text
         goto done;
     for (uint32_t face = 0; face < ptx->info.nfaces; face++)
         res[face] = slvi_ptx_face_at(ptx, face).res;
-    slv_texture_desc desc = {ptx->info.nfaces, ptx->info.type, ptx->info.nchannels,
-                             ptx->info.alpha_channel, res};
-    if ((result = slv_texture_create(env, &desc, &texture)))
+    slv_texture_desc desc = {.nfaces = ptx->info.nfaces,
+                             .type = ptx->info.type,
+                             .nchannels = ptx->info.nchannels,
+                             .alpha_channel = ptx->info.alpha_channel,
+                             .res = res};
+    if ((result = slvi_ptx_stated_encoding(ptx, &desc.encoding)) ||
+        (result = slv_texture_create(env, &desc, &texture)))
         goto done;
     visit.user = texture;
     if ((result = visit_all(&visit, total)))

@@ -33,10 +33,23 @@ static bool is_geometry(const char *key) {
                    !strcmp(key, "PtexVertPositions"));
 }
 
+static slv_result save_encoding(const struct save *save, const slv_ptx_write_params *params) {
+    const slv_texture_desc *desc = slv_texture_get_desc(save->texture);
+    const char *name = slv_texture_encoding_name(desc->encoding);
+    const slv_ptx_meta meta = {.key = SLV_PTX_ENCODING_KEY,
+                               .type = SLV_META_STRING,
+                               .count = (uint32_t)strlen(name),
+                               .values = name};
+    bool follows =
+        desc->encoding == SLV_TEXTURE_AUTO || desc->encoding == slv_type_encoding(desc->type) ||
+        (desc->encoding == SLV_TEXTURE_DATA && params->edge_filter == SLV_EDGE_FILTER_TANVEC);
+    return follows ? SLV_OK : slv_ptx_writer_set_meta(save->writer, &meta);
+}
+
 static slv_result save_rest(const struct save *save, const slv_adjacency *adjacency,
                             const slv_ptx_write_params *params) {
-    slv_result result = SLV_OK;
-    if (adjacency)
+    slv_result result = save_encoding(save, params);
+    if (!result && adjacency)
         result = slv_ptx_writer_set_adjacency(save->writer, adjacency);
     if (!result && params->mesh)
         result = slvi_ptx_writer_set_geometry(save->writer, params->mesh);

@@ -19,6 +19,7 @@ typedef struct experiment {
     slv_gl_renderer *renderer;
     slv_reference *reference; /* made when first needed */
     slv_shading shading;
+    slv_texture_encoding encoding;
     report_data *report;
     slv_progress progress; /* asked between any two pictures; see experiment_begin */
     uint64_t done, total;

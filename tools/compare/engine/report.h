@@ -130,8 +130,9 @@ typedef struct report_data {
     slv_gl_info gl;
     uint32_t nfaces, segments, frames, width, height, anisotropy;
     report_rate rates[REPORT_MAX_RATES];
-    uint32_t nrates, shown; /* `shown` is the rate of the pictures */
-    char left_out[160];     /* rates that the driver does not have, in words; or empty */
+    uint32_t nrates, shown;      /* `shown` is the rate of the pictures */
+    char left_out[160];          /* rates that the driver does not have, in words; or empty */
+    slv_image_encoding pictures; /* of views and seams */
     orbit path;
     report_errors apart[REPORT_MAX_RATES]; /* traverse from discard, if both are there */
     uint32_t nstrategies, nviews, nspots, npairs;

@@ -26,7 +26,7 @@ static void write_base64(FILE *stream, const unsigned char *bytes, size_t size) 
 
 /* The attributes src, width and height of a picture. */
 static slv_result write_source(const page *p, const slv_image *image) {
-    static const slv_image_params params = {.encoding = SLV_ENCODE_SRGB, .bits = 8};
+    const slv_image_params params = {.encoding = p->report->pictures, .bits = 8};
     void *bytes = NULL;
     size_t size = 0;
     slv_result result = slv_image_encode_png(p->env, image, &params, &bytes, &size);

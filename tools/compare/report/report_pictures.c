@@ -5,8 +5,8 @@
 #include <string.h>
 
 static slv_result save(const slv_env *env, const char *folder, const char *name,
-                       const slv_image *image) {
-    static const slv_image_params params = {.encoding = SLV_ENCODE_SRGB, .bits = 8};
+                       const slv_image *image, slv_image_encoding encoding) {
+    const slv_image_params params = {.encoding = encoding, .bits = 8};
     char path[4096];
     if (!image->pixels)
         return SLV_OK;
@@ -28,29 +28,29 @@ slv_result report_write_pictures(const slv_env *env, const char *folder,
         const char *strategy = row->strategy->name;
         for (uint32_t v = 0; !result && v < report->nviews; v++) {
             snprintf(name, sizeof name, "view%u_%s.png", v, strategy);
-            result = save(env, folder, name, &row->views[v]);
+            result = save(env, folder, name, &row->views[v], report->pictures);
         }
         for (uint32_t s = 0; !result && s < report->nspots; s++) {
             snprintf(name, sizeof name, "seam%u_%s.png", s, strategy);
-            result = save(env, folder, name, &row->spots[s]);
+            result = save(env, folder, name, &row->spots[s], report->pictures);
         }
         snprintf(name, sizeof name, "error_%s.png", strategy);
-        result = result ? result : save(env, folder, name, &row->heat);
+        result = result ? result : save(env, folder, name, &row->heat, SLV_ENCODE_SRGB);
     }
     for (uint32_t s = 0; !result && s < report->nspots; s++) {
         snprintf(name, sizeof name, "seam%u_reference.png", s);
-        result = save(env, folder, name, &report->reference.spots[s]);
+        result = save(env, folder, name, &report->reference.spots[s], report->pictures);
     }
     for (uint32_t v = 0; !result && v < report->nviews; v++) {
         snprintf(name, sizeof name, "view%u_reference.png", v);
-        result = save(env, folder, name, &report->reference.views[v]);
+        result = save(env, folder, name, &report->reference.views[v], report->pictures);
     }
     for (uint32_t i = 0; !result && i < report->npairs; i++) {
         const report_pair *pair = &report->pairs[i];
         snprintf(name, sizeof name, "difference_%s_%s.png",
                  report->strategies[pair->a].strategy->name,
                  report->strategies[pair->b].strategy->name);
-        result = save(env, folder, name, &pair->heat);
+        result = save(env, folder, name, &pair->heat, SLV_ENCODE_SRGB);
     }
     return result;
 }

@@ -1,0 +1,114 @@
+/* What the colours of a texture stand for, and copies in which they are light. */
+#include "base/memory.h"
+#include "base/names.h"
+#include "base/parallel.h"
+#include "base/srgb.h"
+
+#include <selvage/half.h>
+#include <selvage/texture.h>
+
+static const char *const encodings[] = {"auto", "linear", "srgb", "data"};
+
+const char *slv_texture_encoding_name(slv_texture_encoding encoding) {
+    return slvi_name_of(encodings, SLVI_COUNT(encodings), (int)encoding);
+}
+
+bool slv_texture_encoding_from_name(const char *name, slv_texture_encoding *out) {
+    int value = 0;
+    bool found = slvi_name_find(encodings, SLVI_COUNT(encodings), name, &value);
+    if (found)
+        *out = (slv_texture_encoding)value;
+    return found;
+}
+
+slv_texture_encoding slv_type_encoding(slv_type type) {
+    return type == SLV_TYPE_U8 || type == SLV_TYPE_U16 ? SLV_TEXTURE_SRGB : SLV_TEXTURE_LINEAR;
+}
+
+slv_texture_encoding slv_texture_get_encoding(const slv_texture *texture,
+                                              slv_texture_encoding wanted) {
+    const slv_texture_desc *desc = slv_texture_get_desc(texture);
+    if (wanted != SLV_TEXTURE_AUTO)
+        return wanted;
+    return desc->encoding != SLV_TEXTURE_AUTO ? desc->encoding : slv_type_encoding(desc->type);
+}
+
+void slv_texels_decode(uint32_t nchannels, int32_t alpha, float *values, uint64_t count) {
+    for (uint64_t i = 0; i < count; i++, values += nchannels)
+        for (uint32_t c = 0; c < nchannels; c++)
+            if ((int32_t)c != alpha)
+                values[c] = slvi_srgb_to_linear(values[c]);
+}
+
+void slv_texels_encode(uint32_t nchannels, int32_t alpha, float *values, uint64_t count) {
+    for (uint64_t i = 0; i < count; i++, values += nchannels)
+        for (uint32_t c = 0; c < nchannels; c++)
+            if ((int32_t)c != alpha)
+                values[c] = slvi_srgb_from_linear(values[c]);
+}
+
+struct decoding {
+    const slv_texture *from;
+    slv_texture *to;
+    slv_env env;      /* logs one at a time */
+    uint16_t u8[256]; /* halves */
+};
+
+static void decode_bytes(const struct decoding *d, const uint8_t *from, uint64_t count,
+                         uint16_t *to) {
+    const slv_texture_desc *desc = slv_texture_get_desc(d->from);
+    for (uint64_t i = 0; i < count; i++)
+        for (uint32_t c = 0; c < desc->nchannels; c++, from++)
+            *to++ = (int32_t)c == desc->alpha_channel ? slv_half_from_float((float)*from / 255)
+                                                      : d->u8[*from];
+}
+
+static slv_result decode_faces(void *user, uint64_t first, uint64_t end) {
+    const struct decoding *d = user;
+    const slv_texture_desc *desc = slv_texture_get_desc(d->from);
+    size_t size = desc->nchannels * slv_type_size(slv_texture_get_desc(d->to)->type);
+    slv_result result = SLV_OK;
+    for (uint32_t face = (uint32_t)first; !result && face < end; face++) {
+        bool constant = slv_texture_is_constant(d->from, face);
+        uint64_t count = constant ? 1 : (uint64_t)1 << (desc->res[face].u + desc->res[face].v);
+        const void *from = slv_texture_texels(d->from, face);
+        void *texels = NULL;
+        if ((result = slvi_alloc_plain(&d->env, "decoded texels", count, size, &texels)))
+            return result;
+        if (desc->type == SLV_TYPE_U8) {
+            decode_bytes(d, from, count, texels);
+        } else {
+            slv_type_to_float(desc->type, from, count * desc->nchannels, texels);
+            slv_texels_decode(desc->nchannels, desc->alpha_channel, texels, count);
+        }
+        result = constant ? slv_texture_set_constant(d->to, face, texels)
+                          : slv_texture_set_face(d->to, face, texels);
+        slvi_free(texels);
+    }
+    return result;
+}
+
+slv_result slv_texture_decode(const slv_env *env, const slv_texture *texture,
+                              slv_texture_encoding wanted, slv_texture **out) {
+    slv_texture_desc desc = *slv_texture_get_desc(texture);
+    struct decoding d = {.from = texture};
+    slv_parallel_log *log = NULL;
+    slv_result result;
+    *out = NULL;
+    if (slv_texture_get_encoding(texture, wanted) != SLV_TEXTURE_SRGB)
+        return SLV_OK;
+    for (uint32_t i = 0; i < 256; i++)
+        d.u8[i] = slv_half_from_float(slvi_srgb_to_linear((float)i / 255));
+    desc.type = desc.type == SLV_TYPE_U8 ? SLV_TYPE_HALF : SLV_TYPE_FLOAT;
+    desc.encoding = SLV_TEXTURE_LINEAR;
+    if (!(result = slv_texture_create(env, &desc, &d.to)) &&
+        !(result = slvi_parallel_env_begin(env, &log, &d.env)))
+        result = slvi_parallel_for(env, desc.nfaces, 16, decode_faces, &d);
+    slvi_parallel_env_end(log);
+    if (result) {
+        slv_texture_destroy(d.to);
+        d.to = NULL;
+    }
+    *out = d.to;
+    return result;
+}
