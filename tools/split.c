@@ -61,6 +61,21 @@ static int parse_beginnings(const cli_command *command, const struct split *s, u
     return code;
 }
 
+/* Whether the file tells of its parts; false with an error line if that cannot be read. */
+static bool has_record(const struct split *s, const slv_ptx *ptx) {
+    for (uint32_t i = 0; i < slv_ptx_get_info(ptx)->nmeta; i++) {
+        const slv_ptx_meta *meta;
+        if (slv_ptx_load_meta(ptx, i, &meta))
+            return false;
+        if (strcmp(meta->key, SLV_PARTS_KEY) == 0)
+            return true;
+    }
+    cli_error("%s: was not made by merge, or has lost the record of its parts: say with --at "
+              "where they begin",
+              s->path);
+    return false;
+}
+
 static int run_split(const cli_command *command, struct split *s) {
     slv_env env = cli_env(s->threads);
     cli_progress progress = cli_progress_fleeting("split", s->progress, s->quiet || s->json);
@@ -72,12 +87,8 @@ static int run_split(const cli_command *command, struct split *s) {
     if (s->at && (code = parse_beginnings(command, s, slv_ptx_get_info(ptx)->nfaces, &at, &nparts)))
         goto done;
     code = EXIT_FAILED;
-    if (!s->at && !slv_ptx_find_meta(ptx, SLV_PARTS_KEY)) {
-        cli_error("%s: was not made by merge, or has lost the record of its parts: say with --at "
-                  "where they begin",
-                  s->path);
+    if (!s->at && !has_record(s, ptx))
         goto done;
-    }
     cli_catch_interrupts();
     const slv_split_params params = {.at = at,
                                      .nparts = nparts,

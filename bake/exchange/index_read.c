@@ -116,7 +116,7 @@ slv_result slvi_index_open(const slv_env *env, const char *path, slv_exchange *s
         return result;
     source->index = json_loadb(text, size, JSON_REJECT_DUPLICATES, &error);
     slv_free(text);
-    if (!source->index && json_error_code(&error) == json_error_out_of_memory)
+    if (!source->index && slvi_index_lacked_memory(&error))
         return slvi_fail(env, SLV_ERROR_MEMORY, "%s: no memory to read it", index);
     if (!source->index)
         return slvi_fail(env, SLV_ERROR_FORMAT, "%s:%d: %s", index, error.line, error.text);

@@ -192,7 +192,7 @@ slv_result slvi_index_may_be(const slv_env *env, const char *path) {
     slv_free(text);
     const char *kind = json_string_value(json_object_get(root, "kind"));
     bool good = kind && strcmp(kind, SLVI_INDEX_KIND) == 0;
-    if (!root && json_error_code(&error) == json_error_out_of_memory)
+    if (!root && slvi_index_lacked_memory(&error))
         result = slvi_fail(env, SLV_ERROR_MEMORY, "%s: no memory to read it", path);
     else if (!good)
         result =

@@ -177,7 +177,10 @@ slv_result slvi_parts_read(const slv_env *env, const slv_ptx *ptx, slvi_parts *o
         out->root =
             meta->type == SLV_META_STRING ? json_loadb(meta->values, meta->count, 0, &error) : NULL;
         if (!out->root)
-            result = bad_record(env, ptx, "it cannot be read");
+            result = meta->type == SLV_META_STRING && slvi_index_lacked_memory(&error)
+                         ? slvi_fail(env, SLV_ERROR_MEMORY, "%s: no memory for the record of parts",
+                                     slv_ptx_name(ptx))
+                         : bad_record(env, ptx, "it cannot be read");
     }
     if (!result && !out->root)
         result =

@@ -8,6 +8,18 @@
 #include <stdio.h>
 #include <string.h>
 
+/* The entry of a key; `*out` is NULL if there is none. */
+static slv_result find_entry(const slv_ptx *ptx, const char *key, const slv_ptx_meta **out) {
+    slv_result result = SLV_OK;
+    *out = NULL;
+    for (uint32_t i = 0; i < slv_ptx_get_info(ptx)->nmeta && !result && !*out; i++) {
+        const slv_ptx_meta *meta;
+        if (!(result = slv_ptx_load_meta(ptx, i, &meta)) && strcmp(meta->key, key) == 0)
+            *out = meta;
+    }
+    return result;
+}
+
 /* The part's own entries, under their old names. */
 static slv_result write_meta(const slv_ptx *ptx, const slvi_part *part, slv_ptx_writer *writer) {
     slv_result result = SLV_OK;
@@ -21,9 +33,9 @@ static slv_result write_meta(const slv_ptx *ptx, const slvi_part *part, slv_ptx_
         const json_t *entry = json_array_get(part->meta, i);
         const char *key = json_string_value(json_array_get(entry, 0)),
                    *merged = json_string_value(json_array_get(entry, 1));
-        const slv_ptx_meta *found = key && merged ? slv_ptx_find_meta(ptx, merged) : NULL;
-        if (!found) /* somebody took it out since */
-            continue;
+        const slv_ptx_meta *found = NULL;
+        if ((key && merged && (result = find_entry(ptx, merged, &found))) || !found)
+            continue; /* an error, or somebody took it out since */
         slv_ptx_meta meta = *found;
         meta.key = key;
         result = slv_ptx_writer_set_meta(writer, &meta);

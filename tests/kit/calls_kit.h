@@ -24,7 +24,7 @@
 
 /* What calls work on. */
 static struct {
-    char folder[64], ptx[96], png[96], exr[96], obj[96], out[96];
+    char folder[64], ptx[96], merged[96], png[96], exr[96], obj[96], out[96];
     slv_mesh *mesh;
     slv_adjacency *adjacency;
     slv_surface *surface;
@@ -70,6 +70,9 @@ static inline void calls_begin(void) {
     REQUIRE(!slv_levels_create(&env, calls.texture, &calls.levels));
     REQUIRE(!slv_ptx_save(&env, calls.ptx, calls.texture, calls.adjacency,
                           &(slv_ptx_write_params){.mesh = calls.mesh, .nmeta = 2, .meta = meta}));
+    snprintf(calls.merged, sizeof calls.merged, "%s/two.ptx", calls.folder);
+    REQUIRE(!slv_merge(&env, (const char *const[]){calls.ptx, calls.ptx}, 2, NULL, calls.merged,
+                       NULL, NULL, NULL));
     REQUIRE(!slv_image_create(&env, 19, 21, 4, &calls.image));
     REQUIRE(!slv_image_save(&env, calls.png, &calls.image, NULL));
     REQUIRE(!slv_image_save(&env, calls.exr, &calls.image, NULL));
@@ -376,6 +379,21 @@ static slv_result call_merge(const slv_env *env) {
     return result;
 }
 
+/* What was merged comes apart; and some faces of it. */
+static slv_result call_split(const slv_env *env) {
+    static const uint32_t faces[] = {0, 1};
+    const slv_exchange_params some = {.faces = faces, .nfaces = 2};
+    slv_exchange *source = NULL;
+    slv_ptx *ptx = NULL;
+    slv_result result = slv_ptx_open(env, calls.merged, &ptx);
+    if (!result && !(result = slv_split(env, ptx, NULL, calls_path("parts"), NULL)) &&
+        !(result = slv_exchange_open_ptx(env, ptx, &source)))
+        result = slv_exchange_to_ptx(env, source, &some, calls_path("some.ptx"), NULL);
+    slv_exchange_close(source);
+    slv_ptx_close(ptx);
+    return result;
+}
+
 /* ---- the cache ---- */
 
 static slv_result call_sample(const slv_env *env) {
@@ -521,6 +539,7 @@ static const calls_entry calls_all[] = {
     {"folder", call_folder},
     {"sheet", call_sheet},
     {"merge", call_merge},
+    {"split", call_split},
     {"sample", call_sample},
     {"png", call_png},
     {"exr", call_exr},

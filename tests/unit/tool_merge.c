@@ -101,6 +101,12 @@ int main(void) {
     RUNS(0, "merge a.ptx b.ptx -o both.ptx --quiet --progress");
     HAS("merge: 100% after");
     RUNS(0, "diff a.ptx alone.ptx");
+    RUNS(0, "merge a.ptx b.ptx behind.ptx");
+    RUNS(0, "diff both.ptx behind.ptx");
+    RUNS(2, "merge a.ptx b.ptx behind.ptx"); /* it is there now, and may be an input */
+    HAS("the output is missing");
+    RUNS(2, "merge a.ptx misspelt.ptx");
+    CHECK(access(tool_path("misspelt.ptx"), F_OK) != 0);
     check_meta();
     check_usage();
     tool_end();

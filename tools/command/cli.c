@@ -270,7 +270,8 @@ static int take_output(const cli_command *command, const char *extra) {
     if (extra && *command->output)
         return cli_usage(command, "two names for what is written: %s and %s", extra,
                          *command->output);
-    if (!extra && !*command->output && many && *count > command->min_arguments &&
+    /* of two names the second is more likely an input that is misspelt */
+    if (!extra && !*command->output && many && *count > command->min_arguments + 1 &&
         !exists(command->positional[*count - 1]))
         extra = command->positional[--*count];
     if (extra && command->output_is_new && exists(extra))
