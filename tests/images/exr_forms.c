@@ -179,6 +179,41 @@ static void check_cut(void) {
     }
 }
 
+/* Bits that are wrong, most of them in the header: an image or a line that says why not, and no
+ * more memory than is allowed. */
+static void check_spoilt(void) {
+    slv_env env = test_env();
+    uint32_t read = 0, rounds = test_effort(600);
+    env.max_bytes = UINT64_C(64) << 20;
+    for (uint32_t round = 0; round < rounds; round++) {
+        static float pixels[32 * 32 * 4];
+        static char bytes[1 << 17];
+        exr_form form = random_form((int)round);
+        slv_image image;
+        form.data[2] = form.data[0] + (int)below(32);
+        form.data[3] = form.data[1] + (int)below(32);
+        memcpy(form.display, form.data, sizeof form.data);
+        fill(pixels, sizeof pixels / sizeof *pixels, &form);
+        REQUIRE(exr_write(path, &form, pixels));
+        FILE *file = fopen(path, "rb");
+        REQUIRE(file);
+        size_t size = fread(bytes, 1, sizeof bytes, file);
+        fclose(file);
+        for (uint32_t flips = 1 + below(4); flips; flips--)
+            bytes[below((uint32_t)(below(3) && size > 400 ? 400 : size))] ^= (char)(1 << below(8));
+        REQUIRE((file = fopen(path, "wb")) && fwrite(bytes, 1, size, file) == size);
+        fclose(file);
+        test_last_log[0] = 0;
+        slv_result result = slv_image_load(&env, path, &image);
+        CHECK_MSG(!result == !!image.pixels && (!result || test_last_log[0]), "round %u: %s, %s",
+                  round, slv_result_string(result), test_last_log);
+        CHECK(!strchr(test_last_log, '\n'));
+        read += result == SLV_OK;
+        slv_image_free(&image);
+    }
+    CHECK(read > 0 && read < rounds);
+}
+
 int main(void) {
     const char *parent = access("/dev/shm", W_OK) == 0 ? "/dev/shm" : "/tmp";
     snprintf(path, sizeof path, "%s/selvage_exr_XXXXXX", parent);
@@ -193,6 +228,7 @@ int main(void) {
     check_small();
     check_refused();
     check_cut();
+    check_spoilt();
     remove(path);
     return test_end();
 }
