@@ -15,6 +15,8 @@
 
 #define SLV_GL_RGBA_BC1 0x83F1
 #define SLV_GL_RGBA_BC3 0x83F3
+#define SLV_GL_SR8 0x8FBD
+#define SLV_GL_SRG8 0x8FBE
 #define SLV_GL_SRGB_BC1 0x8C4D
 #define SLV_GL_SRGB_BC3 0x8C4F
 
@@ -122,6 +124,7 @@ struct slv_gl {
     uint64_t max_storage;     /* bytes of a shader storage block */
     bool ballot;              /* has GL_ARB_shader_ballot */
     bool s3tc;                /* has GL_EXT_texture_compression_s3tc */
+    bool narrow_srgb;         /* has GL_EXT_texture_sRGB_R8 and GL_EXT_texture_sRGB_RG8 */
     uint64_t serial;          /* of the last texture made, so that caches can tell textures apart */
 };
 

@@ -114,6 +114,8 @@ static slv_result fill_info(const slv_env *env, slv_gl *gl, slv_gl_backend backe
     gl->max_storage = storage > 0 ? (uint64_t)storage : UINT64_C(1) << 27;
     gl->ballot = has_extension(api, "GL_ARB_shader_ballot");
     gl->s3tc = has_extension(api, "GL_EXT_texture_compression_s3tc");
+    gl->narrow_srgb = has_extension(api, "GL_EXT_texture_sRGB_R8") &&
+                      has_extension(api, "GL_EXT_texture_sRGB_RG8");
     info->backend = backend;
     info->software = strstr(info->renderer, "llvmpipe") || strstr(info->renderer, "softpipe") ||
                      strstr(info->renderer, "SWR");

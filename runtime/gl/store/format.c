@@ -39,13 +39,16 @@ slv_gl_format slvi_gl_format_for(slv_type type, uint32_t first, uint32_t nchanne
     return format;
 }
 
-slv_gl_format slvi_gl_format_srgb(const uint8_t *srgb, uint32_t first, uint32_t nchannels,
-                                  bool coverage, bool blocks) {
+slv_gl_format slvi_gl_format_srgb(const slv_gl *gl, const uint8_t *srgb, uint32_t first,
+                                  uint32_t nchannels, bool coverage, bool blocks) {
+    static const GLenum internal[] = {0, SLV_GL_SR8, SLV_GL_SRG8, 0, GL_SRGB8_ALPHA8};
     slv_gl_format format = slvi_gl_format_for(SLV_TYPE_U8, first, nchannels, coverage);
-    /* OpenGL has no sRGB format of one or two components */
-    if (format.ncomponents < 4)
-        return blocks ? format : slvi_gl_format_for(SLV_TYPE_HALF, first, nchannels, coverage);
-    format.internal = GL_SRGB8_ALPHA8;
+    /* blocks of one or two components know no sRGB; by itself OpenGL knows none of these */
+    if (format.ncomponents < 4 && blocks)
+        return format;
+    if (format.ncomponents < 4 && !gl->narrow_srgb)
+        return slvi_gl_format_for(SLV_TYPE_HALF, first, nchannels, coverage);
+    format.internal = internal[format.ncomponents];
     format.srgb = srgb;
     return format;
 }

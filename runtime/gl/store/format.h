@@ -24,8 +24,8 @@ slv_gl_format slvi_gl_format_for(slv_type type, uint32_t first, uint32_t nchanne
  * slvi_gl_srgb_fill's.
  */
 enum { SLVI_GL_SRGB = 0x3c01 }; /* halves from 0 to 1 */
-slv_gl_format slvi_gl_format_srgb(const uint8_t *srgb, uint32_t first, uint32_t nchannels,
-                                  bool coverage, bool blocks);
+slv_gl_format slvi_gl_format_srgb(const slv_gl *gl, const uint8_t *srgb, uint32_t first,
+                                  uint32_t nchannels, bool coverage, bool blocks);
 void slvi_gl_srgb_fill(uint8_t *srgb);
 /* Makes a format of 8-bit texels one of blocks. `type` is the texture's. */
 slv_result slvi_gl_format_compress(const slv_gl *gl, const slv_env *env, slv_type type,

@@ -174,9 +174,9 @@ slv_result slvi_gl_store_build(const slv_gl_source *source, const slv_form *form
     slv_gl_pools *pools = &store.pools;
     slv_result result = SLV_OK;
     bool blocks = source->params.compression == SLV_GL_COMPRESSION_BLOCKS;
-    pools->format = source->srgb
-                        ? slvi_gl_format_srgb(source->srgb, first, nchannels, coverage, blocks)
-                        : slvi_gl_format_for(type, first, nchannels, coverage);
+    pools->format = source->srgb ? slvi_gl_format_srgb(source->gl, source->srgb, first, nchannels,
+                                                       coverage, blocks)
+                                 : slvi_gl_format_for(type, first, nchannels, coverage);
     pools->wide_format = slvi_gl_format_for(
         source->type == SLV_TYPE_U8 ? SLV_TYPE_HALF : SLV_TYPE_FLOAT, first, nchannels, coverage);
     if ((blocks && (result = slvi_gl_format_compress(source->gl, source->env, source->type,

@@ -96,9 +96,9 @@ typedef struct slv_gl_texture slv_gl_texture;
  * face whose border leaves the range goes to a pool of half (8 bit) or float (16 bit, half).
  *
  * Colours of SLV_TEXTURE_SRGB are decoded first, so that reductions, borders and lookups are of
- * light, and lookups return it. 8 bits of three or four channels stay 8 bits, in the GPU's sRGB
- * formats (also of blocks); one or two channels become half, or blocks of linear values; 16 bits
- * and others become float.
+ * light, and lookups return it. 8 bits stay 8 bits, in the GPU's sRGB formats, also of
+ * blocks; but one or two channels become half where the driver lacks GL_EXT_texture_sRGB_R8 and its
+ * like for two, and their blocks hold light in 8 bits. 16 bits and others become float.
  *
  * Neither argument is needed afterwards. `adjacency` must have as many faces as `texture`. Changes
  * GL state as slv_gl_wrap says. */
