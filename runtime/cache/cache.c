@@ -28,6 +28,16 @@ static bool needs_fences(void) {
     return true;
 }
 
+/* Where address space is limited the cache is smaller than was asked for. */
+static void make_do(slv_cache *cache) {
+    uint64_t fits = slvi_cache_space(cache->max_bytes, MIN_BYTES);
+    if (fits < cache->max_bytes)
+        slvi_logf(&cache->env, SLV_LOG_WARNING,
+                  "cache: of %llu MiB of address space %llu are to be had: it makes do with those",
+                  (unsigned long long)(cache->max_bytes >> 20), (unsigned long long)(fits >> 20));
+    cache->max_bytes = fits;
+}
+
 static slv_result make_arena(slv_cache *cache) {
     uint64_t slab = MIN_SLAB, buckets = 1;
     while (slab < MAX_SLAB && slab * 64 < cache->max_bytes)
@@ -91,8 +101,11 @@ slv_result slv_cache_create(const slv_env *env, const slv_cache_params *params, 
     pthread_mutex_init(&cache->handle_lock, NULL);
     pthread_cond_init(&cache->changed, NULL);
     pthread_cond_init(&cache->requested, NULL);
-    if ((result = slvi_parallel_env_begin(env, &cache->log, &cache->env)) ||
-        (result = make_arena(cache))) {
+    if (!(result = slvi_parallel_env_begin(env, &cache->log, &cache->env))) {
+        make_do(cache);
+        result = make_arena(cache);
+    }
+    if (result) {
         slv_cache_destroy(cache);
         return result;
     }

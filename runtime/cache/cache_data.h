@@ -156,6 +156,10 @@ uint64_t slvi_cache_begin_epoch(slv_cache *cache);
 /* Waits until no thread can see what was unlinked before that epoch. */
 void slvi_cache_wait_for_readers(slv_cache *cache, uint64_t epoch);
 
+/* cache_space.c: of `wanted` bytes of address space as many as can be reserved with room left for
+ * others, and no fewer than `least`. */
+uint64_t slvi_cache_space(uint64_t wanted, uint64_t least);
+
 /* cache_tables.c */
 /* Throws the tables of a file away; under the lock. */
 void slvi_cache_drop_tables(slv_cache *cache, cache_file *file);
