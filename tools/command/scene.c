@@ -64,36 +64,34 @@ slv_result scene_load_geometry(const slv_env *env, const slv_ptx *ptx, const cha
     return result ? slv_ptx_load_mesh(env, ptx, out) : SLV_OK; /* for its message */
 }
 
-slv_result scene_load(const slv_env *env, const scene_params *params, scene_data *out) {
-    slv_ptx *ptx = NULL;
+slv_result scene_load_model(const slv_env *env, const scene_params *params, slv_ptx **ptx,
+                            scene_data *out) {
     slv_result result;
     memset(out, 0, sizeof *out);
-    if ((result = salvage_open(env, params->ptx, params->salvage, &ptx)))
+    if ((result = salvage_open(env, params->ptx, params->salvage, ptx)))
         goto done;
-    if (slv_ptx_get_info(ptx)->mesh_type != SLV_PTX_QUAD) {
+    if (slv_ptx_get_info(*ptx)->mesh_type != SLV_PTX_QUAD) {
         result = output_fail(env, SLV_ERROR_UNSUPPORTED,
                              "%s: is a texture of triangles, and only those of quads can be drawn",
                              params->ptx);
         goto done;
     }
     result = params->mesh ? slv_mesh_load(env, cli_input(params->mesh), &out->mesh)
-                          : scene_load_geometry(env, ptx, "--mesh FILE.obj", &out->mesh);
-    if (result || (params->adjacency == 0 && (result = slv_ptx_match_mesh(env, ptx, out->mesh))))
+                          : scene_load_geometry(env, *ptx, "--mesh FILE.obj", &out->mesh);
+    if (result || (params->adjacency == 0 && (result = slv_ptx_match_mesh(env, *ptx, out->mesh))))
         goto done;
-    result = params->adjacency == 1 ? slv_ptx_load_adjacency(env, ptx, &out->adjacency)
+    result = params->adjacency == 1 ? slv_ptx_load_adjacency(env, *ptx, &out->adjacency)
                                     : slv_mesh_adjacency(env, out->mesh, &out->adjacency);
     if (result)
         goto done;
-    if (slv_adjacency_face_count(out->adjacency) != slv_ptx_get_info(ptx)->nfaces ||
-        slv_mesh_face_count(out->mesh) != slv_ptx_get_info(ptx)->nfaces) {
-        result = slv_ptx_match_mesh(env, ptx, out->mesh); /* for its message */
+    if (slv_adjacency_face_count(out->adjacency) != slv_ptx_get_info(*ptx)->nfaces ||
+        slv_mesh_face_count(out->mesh) != slv_ptx_get_info(*ptx)->nfaces) {
+        result = slv_ptx_match_mesh(env, *ptx, out->mesh); /* for its message */
         goto done;
     }
     slv_surface_params surface = {.scheme = params->scheme, .boundary = params->boundary};
-    if ((result = slv_surface_create(env, out->mesh, &surface, &out->surface)) ||
-        (result = slv_ptx_load_texture(env, ptx, &out->texture)))
+    if ((result = slv_surface_create(env, out->mesh, &surface, &out->surface)))
         goto done;
-    out->salvaged = salvage_tell(ptx) != EXIT_OK;
     if (!find_bounds(slv_mesh_get_view(out->mesh), params->focus, out->bounds_min,
                      out->bounds_max)) {
         result = output_fail(env, SLV_ERROR_ARGUMENT, "%s: there is no group '%s' to focus on",
@@ -101,9 +99,29 @@ slv_result scene_load(const slv_env *env, const scene_params *params, scene_data
                              params->focus ? params->focus : "");
     }
 done:
-    slv_ptx_close(ptx);
-    if (result)
+    if (result) {
         scene_free(out);
+        slv_ptx_close(*ptx);
+        *ptx = NULL;
+    }
+    return result;
+}
+
+slv_result scene_load_texels(const slv_env *env, const slv_ptx *ptx, const slv_res *res,
+                             scene_data *out) {
+    slv_result result = scene_check_memory(env, ptx, res);
+    if (!result)
+        result = slv_ptx_load_texture_at(env, ptx, res, &out->texture);
+    out->salvaged = !result && salvage_tell(ptx) != EXIT_OK;
+    return result;
+}
+
+slv_result scene_load(const slv_env *env, const scene_params *params, scene_data *out) {
+    slv_ptx *ptx = NULL;
+    slv_result result = scene_load_model(env, params, &ptx, out);
+    if (!result && (result = scene_load_texels(env, ptx, NULL, out)))
+        scene_free(out);
+    slv_ptx_close(ptx);
     return result;
 }
 

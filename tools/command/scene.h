@@ -43,6 +43,12 @@ typedef struct scene {
 } scene_data;
 
 slv_result scene_load(const slv_env *env, const scene_params *params, scene_data *out);
+/* The same in two steps: all but the texels, and then those, at their own resolutions or others.
+ * The file is the caller's; it is NULL after a failure. */
+slv_result scene_load_model(const slv_env *env, const scene_params *params, slv_ptx **ptx,
+                            scene_data *out);
+slv_result scene_load_texels(const slv_env *env, const slv_ptx *ptx, const slv_res *res,
+                             scene_data *out);
 /* The geometry inside a .ptx; if there is none, says that `option`, "--mesh FILE.obj", gives it. */
 slv_result scene_load_geometry(const slv_env *env, const slv_ptx *ptx, const char *option,
                                slv_mesh **out);
@@ -120,6 +126,15 @@ int scene_load_shot(const cli_command *command, const slv_env *env, const char *
                     const scene_options *options, scene_shot *out);
 /* One warning that a picture shows nothing but background. */
 void scene_warn_of_nothing(const char *path);
+
+/* The resolutions that a picture needs of a texture of more than 256 MiB, for free(); NULL for
+ * others. */
+slv_result scene_choose_detail(const slv_env *env, const slv_ptx *ptx, const scene_shot *shot,
+                               slv_res **out);
+
+/* Refuses texels that cannot be in memory, before any of them is read; `res` as in
+ * scene_load_texels. */
+slv_result scene_check_memory(const slv_env *env, const slv_ptx *ptx, const slv_res *res);
 
 /* Words for options: the names of all strategies; returns `text`. */
 #define SCENE_STRATEGIES_SIZE 512

@@ -131,16 +131,24 @@ int scene_load_shot(const cli_command *command, const slv_env *env, const char *
     out->kd = view.kd;
     for (int c = 0; c < 4; c++)
         out->background[c] = c < 3 ? o->background[c] * o->background[3] : o->background[3];
-    if (scene_load(env, &params, &out->scene))
+    slv_ptx *file = NULL;
+    slv_res *res = NULL;
+    if (scene_load_model(env, &params, &file, &out->scene))
         return EXIT_FAILED;
-    int code =
-        o->channels ? choose_channels(command, env, o->channels, &out->scene.texture) : EXIT_OK;
     out->camera = view.has_camera && !o->orbit_given
                       ? scene_view_camera(&view, out->scene.mesh)
                       : slv_camera_orbit(out->scene.bounds_min, out->scene.bounds_max, o->azimuth,
                                          o->elevation, o->fov, (float)size[0] / (float)size[1]);
     out->segments =
         o->tess ? o->tess : slv_tessellation_for(out->scene.mesh, &out->camera, size[0], size[1]);
+    int code =
+        scene_choose_detail(env, file, out, &res) || scene_load_texels(env, file, res, &out->scene)
+            ? EXIT_FAILED
+            : EXIT_OK;
+    if (!code && o->channels)
+        code = choose_channels(command, env, o->channels, &out->scene.texture);
+    free(res);
+    slv_ptx_close(file);
     return code;
 }
 

@@ -209,6 +209,10 @@ SLV_NODISCARD SLV_API slv_result slv_ptx_get_encoding(const slv_ptx *ptx,
 /* All faces at full resolution as a store, read in parallel. */
 SLV_NODISCARD SLV_API slv_result slv_ptx_load_texture(const slv_env *env, const slv_ptx *ptx,
                                                       slv_texture **out);
+/* The same with faces at other resolutions, none finer than the face's own: reductions, as painted.
+ * `res` has one for each face; NULL: their own. No more is read, nor in memory, than that takes. */
+SLV_NODISCARD SLV_API slv_result slv_ptx_load_texture_at(const slv_env *env, const slv_ptx *ptx,
+                                                         const slv_res *res, slv_texture **out);
 /* The file's own adjacency. Triangle files are SLV_ERROR_UNSUPPORTED. */
 SLV_NODISCARD SLV_API slv_result slv_ptx_load_adjacency(const slv_env *env, const slv_ptx *ptx,
                                                         slv_adjacency **out);

@@ -15,8 +15,23 @@ struct visit {
     void *user;
     const uint32_t *faces; /* NULL: all */
     uint32_t nfaces;
+    const slv_res *res; /* at which faces are read; NULL: their own */
     ptx_errors errors;
 };
+
+static slv_res res_of(const struct visit *visit, uint32_t face, const slv_ptx_face *f) {
+    if (ptx_is_one_texel(f))
+        return (slv_res){0, 0};
+    return visit->res ? visit->res[face] : f->res;
+}
+
+/* Reductions of a file are multiplied by alpha, texels and means are not. */
+static void as_painted(const slv_ptx *ptx, const slv_ptx_face *f, slv_res res, void *texels) {
+    bool reduced = res.u != f->res.u || res.v != f->res.v, mean = res.u == 0 && res.v == 0;
+    if (reduced && !mean && !ptx->premultiply)
+        slv_ptx_unmultiply(ptx->info.type, ptx->info.nchannels, ptx->info.alpha_channel, texels,
+                           ptx_texel_count(res));
+}
 
 static slv_result visit_range(void *user, uint64_t first, uint64_t end) {
     struct visit *visit = user;
@@ -29,11 +44,13 @@ static slv_result visit_range(void *user, uint64_t first, uint64_t end) {
     for (uint64_t i = first; i < end && !result; i++) {
         uint32_t face = visit->faces ? visit->faces[i] : (uint32_t)i;
         slv_ptx_face f = slvi_ptx_face_at(ptx, face);
-        uint64_t count = ptx_is_one_texel(&f) ? 1 : ptx_texel_count(f.res);
-        slv_res res = count == 1 ? (slv_res){0, 0} : f.res;
-        if (!(result = slvi_ptx_scratch_reserve(&scratch, ptx, &texels, count * ptx->pixel_size)) &&
-            !(result = slvi_ptx_read_face_with(ptx, &scratch, face, res, texels.bytes)))
-            result = visit->visit(visit->user, &env, face, &f, texels.bytes);
+        slv_res res = res_of(visit, face, &f);
+        if ((result = slvi_ptx_scratch_reserve(&scratch, ptx, &texels,
+                                               ptx_texel_count(res) * ptx->pixel_size)) ||
+            (result = slvi_ptx_read_face_with(ptx, &scratch, face, res, texels.bytes)))
+            break;
+        as_painted(ptx, &f, res, texels.bytes);
+        result = visit->visit(visit->user, &env, face, &f, texels.bytes);
     }
     slvi_free(texels.bytes);
     slvi_ptx_scratch_free(&scratch);
@@ -50,14 +67,12 @@ static slv_result check_sizes(const struct visit *visit, bool all, uint64_t *tot
     for (uint32_t i = 0; i < visit->nfaces; i++) {
         uint32_t face = visit->faces ? visit->faces[i] : i;
         slv_ptx_face f = slvi_ptx_face_at(ptx, face);
-        uint64_t bytes = ptx->pixel_size;
-        if (!ptx_is_one_texel(&f)) {
-            if (!ptx->salvage && !slvi_ptx_face_is_plausible(ptx, face, &f))
-                return slvi_fail(env, SLV_ERROR_FORMAT,
-                                 "%s: face %u: its texels do not fit into the bytes that it has",
-                                 ptx->name, face);
-            bytes = ptx_texel_count(f.res) * ptx->pixel_size;
-        }
+        if (!ptx_is_one_texel(&f) && !ptx->salvage && !visit->res &&
+            !slvi_ptx_face_is_plausible(ptx, face, &f))
+            return slvi_fail(env, SLV_ERROR_FORMAT,
+                             "%s: face %u: its texels do not fit into the bytes that it has",
+                             ptx->name, face);
+        uint64_t bytes = ptx_texel_count(res_of(visit, face, &f)) * ptx->pixel_size;
         if (bytes > limit || (all && *total > limit - bytes))
             return slvi_fail(env, SLV_ERROR_LIMIT,
                              "%s: face %u: with it the texels pass the limit of %llu bytes",
@@ -108,23 +123,39 @@ static slv_result store_face(void *user, const slv_env *env, uint32_t face,
                                   : slv_texture_set_face(texture, face, texels);
 }
 
-slv_result slv_ptx_load_texture(const slv_env *env, const slv_ptx *ptx, slv_texture **out) {
-    slv_res *res = NULL;
+static slv_result check_res(const slv_env *env, const slv_ptx *ptx, const slv_res *res) {
+    bool triangle = ptx->info.mesh_type == SLV_PTX_TRIANGLE;
+    for (uint32_t face = 0; face < ptx->info.nfaces; face++) {
+        slv_res own = slvi_ptx_face_at(ptx, face).res, at = res[face];
+        if (at.u < 0 || at.v < 0 || at.u > own.u || at.v > own.v || (triangle && at.u != at.v))
+            return slvi_fail(env, SLV_ERROR_ARGUMENT,
+                             "%s: face %u: has 2^%d x 2^%d texels, which do not reduce to 2^%d x "
+                             "2^%d",
+                             ptx->name, face, own.u, own.v, at.u, at.v);
+    }
+    return SLV_OK;
+}
+
+slv_result slv_ptx_load_texture_at(const slv_env *env, const slv_ptx *ptx, const slv_res *res,
+                                   slv_texture **out) {
+    slv_res *own = NULL;
     slv_texture *texture = NULL;
     uint64_t total;
     *out = NULL;
     slv_result result = ptx_need(ptx, texel_parts(ptx));
-    struct visit visit = {.env = env, .ptx = ptx, .visit = store_face, .nfaces = ptx->info.nfaces};
-    if (result || (result = check_sizes(&visit, true, &total)) ||
-        (result = slvi_alloc(env, ptx->name, ptx->info.nfaces, sizeof *res, &res)))
+    struct visit visit = {
+        .env = env, .ptx = ptx, .visit = store_face, .nfaces = ptx->info.nfaces, .res = res};
+    if (result || (res && (result = check_res(env, ptx, res))) ||
+        (result = check_sizes(&visit, true, &total)) ||
+        (!res && (result = slvi_alloc(env, ptx->name, ptx->info.nfaces, sizeof *own, &own))))
         goto done;
-    for (uint32_t face = 0; face < ptx->info.nfaces; face++)
-        res[face] = slvi_ptx_face_at(ptx, face).res;
+    for (uint32_t face = 0; own && face < ptx->info.nfaces; face++)
+        own[face] = slvi_ptx_face_at(ptx, face).res;
     slv_texture_desc desc = {.nfaces = ptx->info.nfaces,
                              .type = ptx->info.type,
                              .nchannels = ptx->info.nchannels,
                              .alpha_channel = ptx->info.alpha_channel,
-                             .res = res};
+                             .res = res ? res : own};
     if ((result = slvi_ptx_stated_encoding(ptx, &desc.encoding)) ||
         (result = slv_texture_create(env, &desc, &texture)))
         goto done;
@@ -135,8 +166,12 @@ slv_result slv_ptx_load_texture(const slv_env *env, const slv_ptx *ptx, slv_text
     texture = NULL;
 done:
     slv_texture_destroy(texture);
-    slvi_free(res);
+    slvi_free(own);
     return result;
+}
+
+slv_result slv_ptx_load_texture(const slv_env *env, const slv_ptx *ptx, slv_texture **out) {
+    return slv_ptx_load_texture_at(env, ptx, NULL, out);
 }
 
 slv_result slv_ptx_load_adjacency(const slv_env *env, const slv_ptx *ptx, slv_adjacency **out) {
