@@ -6,12 +6,15 @@
 
 struct store {
     const slv_env *env;
+    const slv_texture *from;
     slv_texture *out;
 };
 
 static slv_result begin(void *user, const slv_texture_desc *desc) {
     struct store *store = user;
-    return slv_texture_create(store->env, desc, &store->out);
+    slv_texture_desc own = *desc;
+    own.encoding = slv_texture_get_desc(store->from)->encoding; /* which sources do not tell */
+    return slv_texture_create(store->env, &own, &store->out);
 }
 
 static slv_result put(void *user, const slv_env *env, uint32_t face, bool constant,
@@ -25,7 +28,7 @@ static slv_result put(void *user, const slv_env *env, uint32_t face, bool consta
 slv_result slv_transfer(const slv_env *env, const slv_mesh *source, const slv_texture *texture,
                         const slv_mesh *target, const slv_transfer_params *params,
                         slv_transfer_face *faces, float *covered, slv_texture **out) {
-    struct store store = {.env = env};
+    struct store store = {.env = env, .from = texture};
     const slv_transfer_sink sink = {begin, put, &store};
     slv_source texels;
     *out = NULL;
