@@ -66,7 +66,9 @@ static void check_channels(void) {
     for (size_t i = 0; i < 4 * 24 * 16; i += 4) {
         const float *a = whole.pixels + i, *b = turned.pixels + i, *g = grey.pixels + i;
         CHECK(a[0] == b[2] && a[1] == b[1] && a[2] == b[0] && a[3] == b[3]);
-        CHECK(g[0] == a[1] && g[1] == a[1] && g[2] == a[1]);
+        /* a driver decodes one channel more exactly than three */
+        CHECK_MSG(g[1] == g[0] && g[2] == g[0] && fabsf(g[0] - a[1]) < 0.005f, "%g, not %g",
+                  (double)g[0], (double)a[1]);
         differs |= a[0] != a[2];
     }
     CHECK(differs);
