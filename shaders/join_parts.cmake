@@ -4,6 +4,9 @@
 # What a strategy's file is made of: its first comment and features, the names of its parts, and the rest.
 foreach(file IN LISTS STRATEGIES)
     get_filename_component(name ${file} NAME_WE)
+    if(NOT name MATCHES "^[a-z0-9_]+$")
+        message(FATAL_ERROR "${file}: a strategy's file has small letters, digits and _ in its name")
+    endif()
     string(TOUPPER "SLV_STRATEGY_${name}" symbol)
     list(APPEND symbols ${symbol})
     file(READ ${file} text)

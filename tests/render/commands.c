@@ -2,6 +2,7 @@
  * right exit code, and leaves nothing behind; what goes right leaves exactly what was asked for. */
 #include "kit/bake_kit.h"
 #include "kit/command_kit.h"
+#include "kit/strategy_kit.h"
 
 #include <selvage/bake.h>
 #include <selvage/image.h>
@@ -84,32 +85,35 @@ static void check_refused(int code, const char *words, const char *const *enviro
 }
 
 static void check_usage(void) {
-    static const char *const bad[][4] = {
-        {"--tess", "3", "power of two", NULL},
-        {"--tess", "0", "2 to 128", NULL},
-        {"--tess", "256", "2 to 128", NULL},
-        {"--msaa", "3", "1, 2, 4 or 8", NULL},
-        {"--msaa", "0", "--msaa", NULL},
-        {"--msaa", "-4", "--msaa", NULL},
-        {"--msaa", "4x", "--msaa", NULL},
-        {"--bits", "12", "8 or 16", NULL},
-        {"--strategy", "best",
-         "clamp|borders|traverse|discard|hybrid|traverse-full|edge-aligned|htex", NULL},
-        {"--context", "glx", "auto|egl|osmesa", NULL},
-        {"--size", "0x5", "--size", NULL},
-        {"--size", "5x", "--size", NULL},
-        {"--size", "99999", "16384", NULL},
-        {"--fov", "nan", "--fov", NULL},
-        {"--fov", "171", "170", NULL},
-        {"--azimuth", "north", "--azimuth", NULL},
-        {"--background", "1,2", "--background", NULL},
-        {"--aniso", "17", "16", NULL},
-        {"--colour", "red", "--colour", NULL},
-        {"--strategi", "clamp", "did you mean '--strategy'", NULL},
-        {"--strat", "clamp", "did you mean '--strategy'", NULL},
-        {"--strategy", "traverze", "did you mean 'traverse'", NULL},
-        {"--background", "blu", "did you mean 'blue'", NULL},
-        {"--channels", "", "--channels", NULL}};
+    char strategies[512] = "";
+    for (uint32_t s = 0; s < slv_strategy_count(); s++) {
+        size_t used = strlen(strategies);
+        snprintf(strategies + used, sizeof strategies - used, "%s|", slv_strategy_at(s)->name);
+    }
+    const char *const bad[][4] = {{"--tess", "3", "power of two", NULL},
+                                  {"--tess", "0", "2 to 128", NULL},
+                                  {"--tess", "256", "2 to 128", NULL},
+                                  {"--msaa", "3", "1, 2, 4 or 8", NULL},
+                                  {"--msaa", "0", "--msaa", NULL},
+                                  {"--msaa", "-4", "--msaa", NULL},
+                                  {"--msaa", "4x", "--msaa", NULL},
+                                  {"--bits", "12", "8 or 16", NULL},
+                                  {"--strategy", "best", strategies, NULL},
+                                  {"--context", "glx", "auto|egl|osmesa", NULL},
+                                  {"--size", "0x5", "--size", NULL},
+                                  {"--size", "5x", "--size", NULL},
+                                  {"--size", "99999", "16384", NULL},
+                                  {"--fov", "nan", "--fov", NULL},
+                                  {"--fov", "171", "170", NULL},
+                                  {"--azimuth", "north", "--azimuth", NULL},
+                                  {"--background", "1,2", "--background", NULL},
+                                  {"--aniso", "17", "16", NULL},
+                                  {"--colour", "red", "--colour", NULL},
+                                  {"--strategi", "clamp", "did you mean '--strategy'", NULL},
+                                  {"--strat", "clamp", "did you mean '--strategy'", NULL},
+                                  {"--strategy", "traverze", "did you mean 'traverse'", NULL},
+                                  {"--background", "blu", "did you mean 'blue'", NULL},
+                                  {"--channels", "", "--channels", NULL}};
     for (size_t i = 0; i < sizeof bad / sizeof *bad; i++)
         check_refused(2, bad[i][2], NULL,
                       ARGUMENTS("render", cube_ptx, "-o", "out.png", bad[i][0], bad[i][1]));

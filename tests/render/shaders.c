@@ -2,6 +2,7 @@
  * must be installed, and for the driver of a real context, linked with the vertex shaders that it
  * is used with. The one file that is installed has the same texts in it. */
 #include "kit/command_kit.h"
+#include "kit/strategy_kit.h"
 
 #include <selvage/gl_texture.h>
 
@@ -22,7 +23,9 @@
     X(PFNGLGETPROGRAMIVPROC, GetProgramiv)                                                         \
     X(PFNGLGETPROGRAMINFOLOGPROC, GetProgramInfoLog)
 
-enum { MAX_FILES = 1024, STAGES = 2 };
+/* each strategy with and without coverage of its own, two anisotropies, taps and vectors either way
+ */
+enum { MAX_TEXTS = KIT_STRATEGIES * 2 * 2 * 2 * 2 * SLV_GL_MAX_VARIANTS, STAGES = 2 };
 
 static const char version[] = "#version 450 core\n";
 static const char *const stage_names[STAGES] = {"surface", "lookup"};
@@ -36,7 +39,7 @@ static struct {
 static slv_gl *gl;
 static kit_scratch scratch;
 static kit_run run;
-static char *seen[MAX_FILES];
+static char *seen[MAX_TEXTS];
 static int nseen, nfiles;
 static char *vertex[STAGES], *fragment[STAGES], *installed;
 static GLuint vertex_shaders[STAGES];
@@ -92,7 +95,7 @@ static void check_text(const char *lookups, const char *name, bool reference) {
     for (int i = 0; i < nseen; i++)
         if (strcmp(seen[i], lookups) == 0)
             return;
-    REQUIRE(nseen < MAX_FILES);
+    REQUIRE(nseen < MAX_TEXTS);
     seen[nseen] = strdup(lookups);
     REQUIRE(seen[nseen]);
     nseen++;

@@ -206,8 +206,13 @@ static const char *show(word *w) {
     return w->shown;
 }
 
-static const char filters[] =
-    "point|bilinear|box|gaussian|bicubic|bspline|catmullrom|mitchell|anisotropic";
+static const char *filter_words(char *text, size_t size) {
+    size_t used = 0;
+    for (int f = 0; f < SLV_FILTER_COUNT && used < size; f++)
+        used += (size_t)snprintf(text + used, size - used, "%s%s", f ? "|" : "",
+                                 slv_filter_name((slv_filter)f));
+    return text;
+}
 
 static bool parse_filter(const word *w, slv_filter *out) {
     char name[32] = {0};
@@ -271,10 +276,10 @@ bool sample_parse(const sample_texture *texture, sample_query *query, char *prob
         }
         if (i == FILTER) {
             if (!parse_filter(&w, &query->params.filter)) {
-                char hint[WORDS_HINT];
+                char hint[WORDS_HINT], words[256];
                 const char *shown = show(&w);
                 snprintf(problem, size, "'%s' is no filter%s", shown,
-                         words_hint(shown, filters, hint));
+                         words_hint(shown, filter_words(words, sizeof words), hint));
                 return false;
             }
         } else if (i == LERP || i == NO_EDGE_BLEND || (i >= FIRST_CHANNEL && i <= FACE)) {

@@ -1,11 +1,21 @@
-/* The strategies of the library, a file each. */
+/* The strategies of the library: a file each, and a row here. */
 #ifndef SLV_GL_STRATEGY_H
 #define SLV_GL_STRATEGY_H
 
 #include <selvage/gl_strategy.h>
 
-extern const slv_strategy slvi_strategy_clamp, slvi_strategy_borders, slvi_strategy_traverse,
-    slvi_strategy_discard, slvi_strategy_hybrid, slvi_strategy_traverse_full,
-    slvi_strategy_edge_aligned, slvi_strategy_htex;
+/* In the order of help texts, reports and colours: a new one goes last. */
+#define SLVI_STRATEGIES(ROW)                                                                       \
+    ROW(clamp)                                                                                     \
+    ROW(borders)                                                                                   \
+    ROW(traverse)                                                                                  \
+    ROW(discard)                                                                                   \
+    ROW(hybrid)                                                                                    \
+    ROW(traverse_full)                                                                             \
+    ROW(edge_aligned)                                                                              \
+    ROW(htex)
+
+#define SLVI_STRATEGY_DECLARE(NAME) extern const slv_strategy slvi_strategy_##NAME;
+SLVI_STRATEGIES(SLVI_STRATEGY_DECLARE)
 
 #endif

@@ -1,13 +1,10 @@
-/* The table of strategies: a row each. */
+/* The strategies of strategy.h as a table. */
 #include "gl/strategy/strategy.h"
 
 #include <string.h>
 
-static const slv_strategy *const table[] = {
-    &slvi_strategy_clamp,        &slvi_strategy_borders, &slvi_strategy_traverse,
-    &slvi_strategy_discard,      &slvi_strategy_hybrid,  &slvi_strategy_traverse_full,
-    &slvi_strategy_edge_aligned, &slvi_strategy_htex,
-};
+#define ADDRESS(NAME) &slvi_strategy_##NAME,
+static const slv_strategy *const table[] = {SLVI_STRATEGIES(ADDRESS)};
 
 uint32_t slv_strategy_count(void) {
     return sizeof table / sizeof *table;

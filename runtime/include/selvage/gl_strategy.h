@@ -36,7 +36,7 @@ typedef enum slv_gl_reach_kind {
 
 /* Zero means default; `name`, `form` and one of `file` and `glsl` are needed. */
 typedef struct slv_strategy {
-    const char *name;  /* one word, as on command lines and in names of files */
+    const char *name;  /* one word, as on command lines; in names of files - is _ */
     const char *title; /* half a sentence, as in reports and help */
     const slv_form *(*form)(void);
     slv_gl_packing packing;

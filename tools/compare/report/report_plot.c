@@ -5,6 +5,11 @@
 
 enum { WIDTH = 480, HEIGHT = 320, LEFT = 74, RIGHT = 470, TOP = 12, BOTTOM = 268, PALETTE = 8 };
 
+/* Colours that come again are dashed. */
+static bool dashed(uint32_t color) {
+    return color / PALETTE % 2;
+}
+
 static double plot_x(double error) {
     return LEFT + (RIGHT - LEFT) * (log2(error) + 10) / 10;
 }
@@ -22,8 +27,9 @@ static void write_curve(FILE *stream, const report_curve *curve, double low, dou
         any = true;
     }
     if (any)
-        fprintf(stream, "\" fill=\"none\" stroke=\"var(--c%u)\" stroke-width=\"%.2f\"/>\n",
-                curve->color % PALETTE, width);
+        fprintf(stream, "\" fill=\"none\" stroke=\"var(--c%u)\" stroke-width=\"%.2f\"%s/>\n",
+                curve->color % PALETTE, width,
+                dashed(curve->color) ? " stroke-dasharray=\"7 4\"" : "");
 }
 
 static void write_axes(FILE *stream, double low) {
@@ -58,7 +64,11 @@ void report_write_plot(FILE *stream, const char *title, const char *label,
         write_curve(stream, &curves[i], low, i + 1 < ncurves ? 4.5 - 3.0 * i / ncurves : 1.5);
     fputs("</svg><p class=\"key\">", stream);
     for (uint32_t i = 0; i < ncurves; i++)
-        fprintf(stream, "<span><i style=\"background:var(--c%u)\"></i>%s</span>",
+        fprintf(stream,
+                dashed(curves[i].color)
+                    ? "<span><i style=\"background:repeating-linear-gradient(90deg,"
+                      "var(--c%u) 0 4px,transparent 4px 7px)\"></i>%s</span>"
+                    : "<span><i style=\"background:var(--c%u)\"></i>%s</span>",
                 curves[i].color % PALETTE, curves[i].name);
     fputs("</p></figure>\n", stream);
 }
