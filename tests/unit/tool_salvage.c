@@ -121,10 +121,10 @@ int main(void) {
     tool_begin();
     tool_write_noise("good.ptx", SLV_TYPE_U8, 3, SLV_NO_ALPHA, 1);
     REQUIRE(!slv_mesh_save_obj(&env, mesh, tool_path("good.obj")));
+    slv_mesh_destroy(mesh); /* forks end with what is there */
     reductions();
     faces();
     cut();
-    slv_mesh_destroy(mesh);
     tool_end();
     return test_end();
 }
