@@ -11,7 +11,8 @@ extern "C" {
 
 /* Zero means default. */
 typedef struct slv_cache_params {
-    uint64_t max_bytes; /* texels and tables together; 0 means 1 GiB, less than 8 MiB means 8 MiB,
+    uint64_t
+        max_bytes;      /* texels and tables together; 0 means 1 GiB, less than 8 MiB means 8 MiB,
                            more than 64 GiB means that. Reserved at once, used when needed; where address
                            space is limited (ulimit -v) it is as much as can be had, with a warning */
     uint32_t max_files; /* file handles open at a time, which lookups that miss at once may exceed
