@@ -268,9 +268,41 @@ slv_result read_file(const Reading &r, const void *bytes) {
 
 } // namespace
 
+/* OpenEXR allocates values of types that it does not know as large as they claim to be, so none may
+ * claim more than the file holds. Of what is cut short OpenEXR tells. */
+static bool attributes_fit(const unsigned char *bytes, size_t size) {
+    bool many_parts = size > 5 && (bytes[5] & 0x10);
+    size_t at = 8, header;
+    do {
+        header = at;
+        while (at < size && bytes[at]) {
+            for (int text = 0; text < 2; text++) { /* name and type */
+                const void *end = at < size ? std::memchr(bytes + at, 0, size - at) : nullptr;
+                if (!end)
+                    return true;
+                at = static_cast<size_t>(static_cast<const unsigned char *>(end) - bytes) + 1;
+            }
+            if (size - at < 4)
+                return true;
+            uint32_t claimed = bytes[at] | static_cast<uint32_t>(bytes[at + 1]) << 8 |
+                               static_cast<uint32_t>(bytes[at + 2]) << 16 |
+                               static_cast<uint32_t>(bytes[at + 3]) << 24;
+            at += 4;
+            if (claimed > size - at)
+                return false;
+            at += claimed;
+        }
+        at++;
+    } while (many_parts && at < size && at > header + 1);
+    return true;
+}
+
 slv_result slvi_image_exr_decode(const slv_env *env, const char *path, const void *bytes,
                                  size_t size, slv_image *out) {
     slv_result result;
+    if (!attributes_fit(static_cast<const unsigned char *>(bytes), size))
+        return slvi_fail(env, SLV_ERROR_FORMAT, "%s: an attribute claims more than the file holds",
+                         path);
     try {
         result = read_file({env, path, size, out}, bytes);
     } catch (const std::bad_alloc &) {

@@ -15,14 +15,12 @@ static bool is_digit(char c) {
     return c >= '0' && c <= '9';
 }
 
-/* How many bytes a backslash and the line end after it take; 0 if there is none. */
+/* How many bytes a backslash and the line end after it take, \n, \r or both; 0 if there is none. */
 static size_t joined_line_end(const slv_scan *scan) {
     size_t left = (size_t)(scan->end - scan->next);
-    if (left >= 2 && scan->next[0] == '\\' && scan->next[1] == '\n')
-        return 2;
-    if (left >= 3 && scan->next[0] == '\\' && scan->next[1] == '\r' && scan->next[2] == '\n')
-        return 3;
-    return 0;
+    if (left < 2 || scan->next[0] != '\\' || !is_line_end(scan->next[1]))
+        return 0;
+    return left > 2 && scan->next[1] == '\r' && scan->next[2] == '\n' ? 3 : 2;
 }
 
 bool slvi_scan_at_break(const slv_scan *scan) {

@@ -240,6 +240,8 @@ static void check_mesh(void) {
     slv_mesh *same = grid_mesh(3, 2, true), *other = grid_mesh(3, 3, false);
     REQUIRE(!slv_mesh_save_obj(&env, same, tool_path("same.obj")));
     REQUIRE(!slv_mesh_save_obj(&env, other, tool_path("other.obj")));
+    slv_mesh_destroy(same);
+    slv_mesh_destroy(other);
     RUNS(0, "check good.ptx --mesh same.obj");
     RUNS(1, "check good.ptx --mesh other.obj");
     HAS("the file has 10 faces, the mesh has 9");
@@ -252,8 +254,6 @@ static void check_mesh(void) {
     LACKS("(--repair can help)");
     RUNS(0, "check bare.ptx --mesh same.obj --repair bare3.ptx");
     RUNS(0, "check --strict bare3.ptx");
-    slv_mesh_destroy(same);
-    slv_mesh_destroy(other);
 }
 
 static void check_threads(void) {
