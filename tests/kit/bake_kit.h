@@ -31,4 +31,26 @@ static inline void bake_write(const char *path, const char *obj, slv_scheme sche
     slv_mesh_destroy(mesh);
 }
 
+enum { BAKE_GRID_MOST = 8 };
+
+/* A texture of noise on a flat grid of side * side faces of 8x8 texels, on y = 0, from 0 to side,
+ * with its geometry; u of a face goes along z, v along x. */
+static inline void bake_write_grid(const char *path, int side) {
+    char obj[8192] = "";
+    size_t length = 0;
+    slv_res res[BAKE_GRID_MOST * BAKE_GRID_MOST];
+    const slv_procedural noise = {.pattern = SLV_PATTERN_NOISE, .frequency = 2, .face_tint = 0.5f};
+    REQUIRE(side <= BAKE_GRID_MOST);
+    for (int i = 0; i < (side + 1) * (side + 1); i++)
+        length += (size_t)snprintf(obj + length, sizeof obj - length, "v %d 0 %d\n", i % (side + 1),
+                                   i / (side + 1));
+    for (int i = 0; i < side * side; i++) {
+        int a = 1 + i / side * (side + 1) + i % side;
+        res[i] = (slv_res){3, 3};
+        length += (size_t)snprintf(obj + length, sizeof obj - length, "f %d %d %d %d\n", a,
+                                   a + side + 1, a + side + 2, a + 1);
+    }
+    bake_write(path, obj, SLV_SCHEME_BILINEAR, (uint32_t)(side * side), res, &noise);
+}
+
 #endif

@@ -557,4 +557,16 @@ static inline void calls_prepare(void) {
     REQUIRE(!slv_ptx_save(&env, calls_path("edited.ptx"), calls.texture, calls.adjacency, NULL));
 }
 
+/* What a call that fails has said: the last error line, and how many there were. */
+static unsigned calls_errors;
+static char calls_message[512];
+
+static inline void calls_log(void *user, slv_log_level level, const char *line) {
+    (void)user;
+    if (level != SLV_LOG_ERROR)
+        return;
+    calls_errors++;
+    snprintf(calls_message, sizeof calls_message, "%s", line);
+}
+
 #endif

@@ -309,24 +309,6 @@ static void check_left_out(void) {
 
 enum { SIDE = 3, TEXELS = 8, PIXELS = 100 };
 
-/* A flat grid of SIDE * SIDE faces with TEXELS * TEXELS texels each, on y = 0, 0 to SIDE. */
-static void write_grid(const char *path) {
-    char obj[4096] = "";
-    size_t length = 0;
-    slv_res res[SIDE * SIDE];
-    const slv_procedural noise = {.pattern = SLV_PATTERN_NOISE, .frequency = 2, .face_tint = 0.5f};
-    for (int i = 0; i < (SIDE + 1) * (SIDE + 1); i++)
-        length += (size_t)snprintf(obj + length, sizeof obj - length, "v %d 0 %d\n", i % (SIDE + 1),
-                                   i / (SIDE + 1));
-    for (int i = 0; i < SIDE * SIDE; i++) {
-        int a = 1 + i / SIDE * (SIDE + 1) + i % SIDE;
-        res[i] = (slv_res){3, 3};
-        length += (size_t)snprintf(obj + length, sizeof obj - length, "f %d %d %d %d\n", a,
-                                   a + SIDE + 1, a + SIDE + 2, a + 1);
-    }
-    bake_write(path, obj, SLV_SCHEME_BILINEAR, SIDE * SIDE, res, &noise);
-}
-
 /* Which kind each pixel is can be told by hand where all is flat and seen from above. */
 static void check_kinds(void) {
     static const char *const labels[] = {"outline", "interior", "edge", "regular", "extraordinary"};
@@ -351,7 +333,8 @@ static void check_kinds(void) {
         expected[outside ? 0 : inner + outer == 2 && inner ? 3 : inner ? 2 : 1]++;
     }
     kit_selvage(&scratch, NULL,
-                ARGUMENTS("compare", (write_grid(kit_join(grid, scratch.root, "grid.ptx")), grid),
+                ARGUMENTS("compare",
+                          (bake_write_grid(kit_join(grid, scratch.root, "grid.ptx"), SIDE), grid),
                           "-q", "--quick", "--scheme", "bilinear", "--size", "100", "--frames", "1",
                           "--orbit", "0", "--azimuth", "0", "--elevation", "90", "--tilt", "0",
                           "--dolly", "1", "--fov", "0", "--msaa", "1", "--tess", "2",

@@ -18,25 +18,6 @@ static char grid[KIT_PATH];
 #define FROM_ABOVE                                                                                 \
     "--scheme", "bilinear", "--size", "100", "--azimuth", "0", "--elevation", "90", "--fov", "0"
 
-/* SIDE * SIDE faces on y = 0, 0 to SIDE; u of a face goes along z, v along x. */
-static void write_grid(void) {
-    char obj[4096] = "";
-    size_t length = 0;
-    slv_res res[SIDE * SIDE];
-    const slv_procedural noise = {.pattern = SLV_PATTERN_NOISE, .frequency = 2, .face_tint = 0.5f};
-    for (int i = 0; i < (SIDE + 1) * (SIDE + 1); i++)
-        length += (size_t)snprintf(obj + length, sizeof obj - length, "v %d 0 %d\n", i % (SIDE + 1),
-                                   i / (SIDE + 1));
-    for (int i = 0; i < SIDE * SIDE; i++) {
-        int a = 1 + i / SIDE * (SIDE + 1) + i % SIDE;
-        res[i] = (slv_res){3, 3};
-        length += (size_t)snprintf(obj + length, sizeof obj - length, "f %d %d %d %d\n", a,
-                                   a + SIDE + 1, a + SIDE + 2, a + 1);
-    }
-    bake_write(kit_join(grid, scratch.root, "grid.ptx"), obj, SLV_SCHEME_BILINEAR, SIDE * SIDE, res,
-               &noise);
-}
-
 /* Where the middle of a pixel meets the grid: its face, or -1, and u and v there. */
 static int expect(int x, int y, double uv[2]) {
     const float low[3] = {0, 0, 0}, high[3] = {SIDE, 0, SIDE};
@@ -119,7 +100,7 @@ static void check_pass(void) {
 
 int main(void) {
     kit_scratch_make(&scratch);
-    write_grid();
+    bake_write_grid(kit_join(grid, scratch.root, "grid.ptx"), SIDE);
     for (int i = 0; i < 10; i++)
         check_pick((i * 37 + 11) % PIXELS, (i * 53 + 29) % PIXELS);
     check_pick(0, 0);

@@ -12,8 +12,6 @@
 
 static bool armed, closing_fails;
 static long asked, fails;
-static unsigned errors;
-static char message[1024];
 
 static bool fails_now(void) {
     if (!armed || ++asked != fails)
@@ -47,19 +45,11 @@ INTERPOSED int close(int file) {
     return -1;
 }
 
-static void count_errors(void *user, slv_log_level level, const char *line) {
-    (void)user;
-    if (level != SLV_LOG_ERROR)
-        return;
-    errors++;
-    snprintf(message, sizeof message, "%s", line);
-}
-
 static slv_result run(const calls_entry *entry, long at) {
-    slv_env env = {.log = count_errors, .threads = 1};
+    slv_env env = {.log = calls_log, .threads = 1};
     calls_prepare();
-    errors = 0;
-    message[0] = 0;
+    calls_errors = 0;
+    calls_message[0] = 0;
     asked = 0;
     fails = at;
     armed = true;
@@ -100,17 +90,17 @@ static void check_closing(void) {
         slv_result (*call)(const slv_env *env);
         const char *out;
     } cases[] = {{call_ptx_save, "out.ptx"}, {call_png, "out.png"}, {call_exr, "out.exr"}};
-    slv_env env = {.log = count_errors, .threads = 1};
+    slv_env env = {.log = calls_log, .threads = 1};
     for (int i = 0; i < 3; i++) {
         char text[8] = "";
         FILE *old = fopen(calls_path(cases[i].out), "w");
         REQUIRE(old && fputs("old", old) >= 0 && fclose(old) == 0);
-        errors = 0;
+        calls_errors = 0;
         closing_fails = true;
         slv_result result = cases[i].call(&env);
         closing_fails = false;
-        CHECK_MSG(result == SLV_ERROR_IO && errors == 1, "%s: %s, %u lines", cases[i].out,
-                  slv_result_string(result), errors);
+        CHECK_MSG(result == SLV_ERROR_IO && calls_errors == 1, "%s: %s, %u lines", cases[i].out,
+                  slv_result_string(result), calls_errors);
         old = fopen(calls_path(cases[i].out), "r");
         REQUIRE(old);
         CHECK_MSG(fgets(text, sizeof text, old) && strcmp(text, "old") == 0, "%s: %s", cases[i].out,
@@ -133,9 +123,9 @@ int main(void) {
             slv_result result = run(entry, at);
             CHECK_MSG(result == SLV_ERROR_IO || (gets_by(entry) && !result),
                       "%s, call %ld of %ld: %s, %s", entry->name, at, most,
-                      slv_result_string(result), message);
-            CHECK_MSG(errors == (result != SLV_OK), "%s, call %ld of %ld: %u lines, %s",
-                      entry->name, at, most, errors, message);
+                      slv_result_string(result), calls_message);
+            CHECK_MSG(calls_errors == (result != SLV_OK), "%s, call %ld of %ld: %u lines, %s",
+                      entry->name, at, most, calls_errors, calls_message);
             look_at_files(entry->name);
         }
         fprintf(stderr, "%-12s %ld calls of the system\n", entry->name, most);

@@ -23,8 +23,6 @@ extern void __libc_free(void *memory);
 
 static bool armed;
 static long asked, fails, live;
-static unsigned errors;
-static char message[1024];
 
 static bool fails_now(void) {
     if (!armed || ++asked != fails)
@@ -68,20 +66,12 @@ INTERPOSED void free(void *memory) {
     __libc_free(memory);
 }
 
-static void count_errors(void *user, slv_log_level level, const char *line) {
-    (void)user;
-    if (level != SLV_LOG_ERROR)
-        return;
-    errors++;
-    snprintf(message, sizeof message, "%s", line);
-}
-
 /* Runs a call of which one allocation fails; 0: none. */
 static slv_result run(const calls_entry *entry, long at) {
-    slv_env env = {.log = count_errors, .threads = 1};
+    slv_env env = {.log = calls_log, .threads = 1};
     calls_prepare();
-    errors = 0;
-    message[0] = 0;
+    calls_errors = 0;
+    calls_message[0] = 0;
     asked = live = 0;
     fails = at;
     armed = true;
@@ -125,9 +115,9 @@ int main(void) {
             result = run(entry, at);
             CHECK_MSG(result == SLV_OK || result == SLV_ERROR_MEMORY || hides_why(entry),
                       "%s, allocation %ld of %ld: %s, %s", entry->name, at, most,
-                      slv_result_string(result), message);
-            CHECK_MSG(errors == (result != SLV_OK), "%s, allocation %ld of %ld: %u lines, %s",
-                      entry->name, at, most, errors, message);
+                      slv_result_string(result), calls_message);
+            CHECK_MSG(calls_errors == (result != SLV_OK), "%s, allocation %ld of %ld: %u lines, %s",
+                      entry->name, at, most, calls_errors, calls_message);
             CHECK_MSG(live == 0 || loses(entry),
                       "%s, allocation %ld of %ld: %ld pieces of memory are left", entry->name, at,
                       most, live);
