@@ -194,7 +194,7 @@ slv_result slvi_gl_store_build(const slv_gl_source *source, const slv_form *form
         result = slvi_gl_level_table(source, pools, &store.rects, &store.bytes);
 done:
     free_items(&items);
-    slvi_free(staging.memory);
+    slvi_gl_staging_free(&staging);
     if (result)
         slvi_gl_store_free(source->gl, &store);
     *out = store;

@@ -10,90 +10,98 @@
 
 #define STAGING_BYTES (UINT64_C(32) << 20)
 
-struct fill_job {
+/* Where texels come from. */
+struct origin {
     const slv_gl_source *source;
     const slv_gl_pools *pools;
-    const slv_gl_pool *pool;
-    const slv_gl_format *format;
     const void *made;
-    uint32_t first_layer, level;
-    uint64_t layer_size, block_size; /* of a layer before and after compression */
-    uint32_t width, height;
-    unsigned char *staging, *blocks;
-    unsigned char *used;        /* NULL: all texels */
-    slv_gl_block_error *errors; /* per layer */
+    const slv_gl_format *format;
 };
 
-static slv_result fill_level(const struct fill_job *job, uint32_t item, uint32_t level,
-                             float *scratch, unsigned char *out) {
-    const slv_form *form = job->pools->form;
-    const slv_gl_format *format = job->format;
-    uint32_t nchannels = slv_levels_get_desc(job->source->levels)->nchannels;
-    slv_form_extent extent =
-        slv_form_level_extent(form, job->pool->res, level, slvi_gl_border(&job->source->params));
-    slv_form_texels from;
-    slv_result result = form->read(job->made, item, level, scratch, &from);
+/* Converts a rectangle of an item's level; rows of `out` are `pitch` texels apart. */
+static slv_result fill_level(const struct origin *from, uint32_t item, uint32_t level,
+                             slv_rect rect, float *scratch, unsigned char *out, size_t pitch) {
+    const slv_form *form = from->pools->form;
+    const slv_gl_format *format = from->format;
+    const slv_texture_desc *desc = slv_levels_get_desc(from->source->levels);
+    slv_form_extent extent = slv_form_level_extent(form, form->res(from->made, item), level,
+                                                   slvi_gl_border(&from->source->params));
+    slv_form_texels read;
+    slv_result result = form->read(from->made, item, level, scratch, &read);
     if (result)
         return result;
-    slv_type type = slv_levels_get_desc(job->source->levels)->type;
-    if (from.type != type && from.type != SLV_TYPE_FLOAT)
-        return slvi_fail(&job->source->shared, SLV_ERROR_ARGUMENT,
+    if (read.type != desc->type && read.type != SLV_TYPE_FLOAT)
+        return slvi_fail(&from->source->shared, SLV_ERROR_ARGUMENT,
                          "form %s: %s of another type than the texture's is not float", form->name,
                          form->item);
     float *floats = NULL;
-    if (from.type != format->type && from.type != SLV_TYPE_FLOAT) {
-        size_t values = (size_t)extent.width * extent.height * nchannels;
-        if ((result =
-                 slvi_alloc_plain(&job->source->shared, "level", values, sizeof *floats, &floats)))
-            return result;
-        slv_type_to_float(from.type, from.texels, values, floats);
-        from = (slv_form_texels){floats, SLV_TYPE_FLOAT};
-    }
-    size_t row = (size_t)extent.width * nchannels * slv_type_size(from.type);
-    bool whole = extent.width == job->width;
-    uint32_t runs = whole ? 1 : extent.height;
-    size_t count = whole ? (size_t)extent.width * extent.height : extent.width;
+    bool widened = read.type != format->type && read.type != SLV_TYPE_FLOAT;
+    size_t values = (size_t)rect.width * desc->nchannels;
+    if (widened && (result = slvi_alloc_plain(&from->source->shared, "level", values,
+                                              sizeof *floats, &floats)))
+        return result;
+    size_t texel = desc->nchannels * slv_type_size(read.type), row = extent.width * texel;
+    bool whole = rect.width == extent.width && rect.width == pitch && !widened;
+    uint32_t runs = whole ? 1 : rect.height;
+    size_t count = whole ? (size_t)rect.width * rect.height : rect.width;
     for (uint32_t y = 0; y < runs; y++) {
-        const void *texels = (const unsigned char *)from.texels + y * row;
-        unsigned char *to = out + (size_t)y * job->width * format->texel_bytes;
-        if (from.type == format->type)
-            slvi_gl_convert(format, texels, nchannels, count, to);
+        const void *texels =
+            (const unsigned char *)read.texels + (rect.y + y) * row + rect.x * texel;
+        unsigned char *to = out + y * pitch * format->texel_bytes;
+        if (widened)
+            slv_type_to_float(read.type, texels, values, floats);
+        if (read.type == format->type)
+            slvi_gl_convert(format, texels, desc->nchannels, count, to);
         else
-            slvi_gl_convert_float(format, texels, nchannels, count, to);
+            slvi_gl_convert_float(format, widened ? floats : texels, desc->nchannels, count, to);
     }
     slvi_free(floats);
     return SLV_OK;
 }
 
+struct fill_job {
+    struct origin from;
+    slv_gl_place place; /* all that one layer gets */
+    uint32_t first_layer, level;
+    uint64_t layer_size, block_size; /* of a layer before and after compression */
+    unsigned char *staging, *blocks;
+    unsigned char *used;        /* NULL: all texels */
+    slv_gl_block_error *errors; /* per layer */
+};
+
 static slv_result fill_layer(const struct fill_job *job, uint32_t layer, float *scratch) {
-    uint32_t item = job->pool->items[job->first_layer + layer];
-    unsigned char *out = job->staging + layer * job->layer_size;
+    const slv_gl_pools *pools = job->from.pools;
+    const slv_gl_pool *pool = job->place.pool;
+    uint32_t item = pool->items[job->first_layer + layer];
+    uint32_t first = pools->packing == SLV_GL_PAGES ? 0 : job->level;
+    uint32_t end = pools->packing == SLV_GL_PAGES ? pool->nlevels : job->level + 1;
     slv_result result = SLV_OK;
-    if (job->pools->packing != SLV_GL_PAGES)
-        return fill_level(job, item, job->level, scratch, out);
-    for (uint32_t level = 0; !result && level < job->pool->nlevels; level++) {
-        const slv_gl_rect *rect = &job->pool->rects[level];
-        size_t at = (size_t)rect->y * job->width + rect->x;
-        result = fill_level(job, item, level, scratch, out + at * job->format->texel_bytes);
+    for (uint32_t level = first; !result && level < end; level++) {
+        slv_gl_place place = slvi_gl_place(pools, item, level);
+        size_t at = (size_t)place.y * job->place.width + place.x;
+        result = fill_level(&job->from, item, level, (slv_rect){0, 0, place.width, place.height},
+                            scratch,
+                            job->staging + layer * job->layer_size + at * place.format->texel_bytes,
+                            job->place.width);
     }
     return result;
 }
 
 static slv_result fill(void *user, uint64_t first, uint64_t end) {
     const struct fill_job *job = user;
-    const slv_env *env = &job->source->shared;
+    const slv_env *env = &job->from.source->shared;
+    const slv_gl_format *format = job->place.format;
     slv_result result = SLV_OK;
     float *scratch = NULL;
-    if (job->pools->form->computed)
-        result = slvi_alloc_plain(env, "level",
-                                  (uint64_t)job->width * job->height *
-                                      slv_levels_get_desc(job->source->levels)->nchannels,
-                                  sizeof *scratch, &scratch);
+    if (job->from.pools->form->computed)
+        result = slvi_alloc_plain(
+            env, "level", (uint64_t)job->place.width * job->place.height,
+            slv_levels_get_desc(job->from.source->levels)->nchannels * sizeof *scratch, &scratch);
     for (uint64_t layer = first; !result && layer < end; layer++) {
         result = fill_layer(job, (uint32_t)layer, scratch);
-        if (!result && job->format->block)
-            result = slvi_gl_compress(env, job->format->block, job->format->ncomponents,
-                                      job->format->nsource, job->width, job->height,
+        if (!result && format->block)
+            result = slvi_gl_compress(env, format->block, format->ncomponents, format->nsource,
+                                      job->place.width, job->place.height,
                                       job->staging + layer * job->layer_size, job->used,
                                       job->blocks + layer * job->block_size, &job->errors[layer]);
     }
@@ -103,22 +111,21 @@ static slv_result fill(void *user, uint64_t first, uint64_t end) {
 
 /* Which texels of a page belong to a level. */
 static void mark_used(const struct fill_job *job) {
-    for (uint32_t level = 0; level < job->pool->nlevels; level++) {
-        slv_form_extent extent = slv_form_level_extent(job->pools->form, job->pool->res, level,
-                                                       slvi_gl_border(&job->source->params));
-        const slv_gl_rect *rect = &job->pool->rects[level];
-        for (uint32_t y = 0; y < extent.height; y++)
-            memset(job->used + (size_t)(rect->y + y) * job->width + rect->x, 1, extent.width);
+    const slv_gl_pool *pool = job->place.pool;
+    for (uint32_t level = 0; level < pool->nlevels; level++) {
+        slv_gl_place place = slvi_gl_place(job->from.pools, pool->items[0], level);
+        for (uint32_t y = 0; y < place.height; y++)
+            memset(job->used + (size_t)(place.y + y) * job->place.width + place.x, 1, place.width);
     }
 }
 
 /* What compressing the layers of one upload takes. */
 static slv_result begin_blocks(uint32_t count, struct fill_job *job) {
-    const slv_env *env = job->source->env;
-    uint64_t texels = (uint64_t)job->width * job->height;
-    bool pages = job->pools->packing == SLV_GL_PAGES;
+    const slv_env *env = job->from.source->env;
+    uint64_t texels = (uint64_t)job->place.width * job->place.height;
+    bool pages = job->from.pools->packing == SLV_GL_PAGES;
     slv_result result;
-    job->block_size = slv_gl_compressed_bytes(job->format->block, job->width, job->height);
+    job->block_size = slvi_gl_place_bytes(&job->place);
     if ((result = slvi_alloc(env, "blocks", job->block_size * count, 1, &job->blocks)) ||
         (result = slvi_alloc(env, "errors of blocks", count, sizeof *job->errors, &job->errors)) ||
         (pages && (result = slvi_alloc(env, "layer", texels, 1, &job->used))))
@@ -134,64 +141,128 @@ static void end_blocks(struct fill_job *job) {
     slvi_free(job->used);
 }
 
-static void send(const slv_gl_api *api, const struct fill_job *job, uint32_t count) {
-    const slv_gl_format *format = job->format;
-    GLuint texture = job->pool->texture;
-    GLint level = (GLint)job->level, first = (GLint)job->first_layer;
-    GLsizei width = (GLsizei)job->width, height = (GLsizei)job->height, depth = (GLsizei)count;
-    if (format->block)
-        api->CompressedTextureSubImage3D(texture, level, 0, 0, first, width, height, depth,
-                                         format->internal, (GLsizei)(job->block_size * count),
-                                         job->blocks);
-    else
-        api->TextureSubImage3D(texture, level, 0, 0, first, width, height, depth, format->external,
-                               format->data, job->staging);
+void slvi_gl_staging_free(slv_gl_staging *staging) {
+    slvi_free(staging->memory);
+    slvi_free(staging->scratch);
+    memset(staging, 0, sizeof *staging);
+}
+
+static slv_result make_room(const slv_env *env, uint64_t bytes, slv_gl_staging *staging) {
+    if (bytes <= staging->capacity)
+        return SLV_OK;
+    slvi_free(staging->memory);
+    staging->memory = NULL;
+    staging->capacity = 0;
+    slv_result result = slvi_alloc_plain(env, "upload", bytes, 1, &staging->memory);
+    if (!result)
+        staging->capacity = bytes;
+    return result;
+}
+
+/* Layers are filled as one rectangle each, whatever lies in them. */
+static slv_gl_place whole_layer(const slv_gl_pools *pools, const slv_gl_pool *pool,
+                                uint32_t level) {
+    slv_gl_place place = {.pool = pool, .format = slv_gl_pool_format(pools, pool)};
+    slv_res res = slv_res_level(pool->res, level);
+    bool pages = pools->packing == SLV_GL_PAGES;
+    place.level = level;
+    place.width = pages ? pool->width : 1u << res.u;
+    place.height = pages ? pool->height : 1u << res.v;
+    return place;
 }
 
 slv_result slvi_gl_upload_level(const slv_gl_source *source, const slv_gl_pools *pools,
                                 const slv_gl_pool *pool, const void *made, uint32_t level,
                                 slv_gl_staging *staging, slv_gl_block_error *error) {
-    const slv_gl_format *format = slv_gl_pool_format(pools, pool);
-    slv_res res = slv_res_level(pool->res, level);
-    bool pages = pools->packing == SLV_GL_PAGES;
-    struct fill_job job = {.source = source,
-                           .pools = pools,
-                           .pool = pool,
-                           .format = format,
-                           .made = made,
-                           .level = level,
-                           .width = pages ? pool->width : 1u << res.u,
-                           .height = pages ? pool->height : 1u << res.v};
-    job.layer_size = (uint64_t)job.width * job.height * format->texel_bytes;
+    slv_gl_place place = whole_layer(pools, pool, level);
+    struct fill_job job = {
+        .from = {source, pools, made, place.format}, .place = place, .level = level};
+    job.layer_size = (uint64_t)place.width * place.height * place.format->texel_bytes;
     uint64_t at_once = STAGING_BYTES / job.layer_size ? STAGING_BYTES / job.layer_size : 1;
-    slv_result result = SLV_OK;
     at_once = at_once < pool->nlayers ? at_once : pool->nlayers;
-    if (job.layer_size * at_once > staging->capacity) {
-        slvi_free(staging->memory);
-        staging->memory = NULL;
-        staging->capacity = job.layer_size * at_once;
-        if ((result = slvi_alloc(source->env, "upload", staging->capacity, 1, &staging->memory)))
-            return result;
-    }
+    slv_result result = make_room(source->env, job.layer_size * at_once, staging);
     job.staging = staging->memory;
     for (uint32_t first = 0; !result && first < pool->nlayers; first += (uint32_t)at_once) {
         uint32_t count =
             pool->nlayers - first < at_once ? pool->nlayers - first : (uint32_t)at_once;
-        job.first_layer = first;
-        if (pages)
+        job.first_layer = job.place.layer = first;
+        if (pools->packing == SLV_GL_PAGES)
             memset(job.staging, 0, job.layer_size * count);
-        if (format->block)
+        if (place.format->block)
             result = begin_blocks(count, &job);
         if (!result)
             result =
                 slvi_parallel_for(source->env, count, count > 512 ? 64 : count / 8 + 1, fill, &job);
         if (!result)
-            send(&source->gl->api, &job, count);
-        for (uint32_t i = 0; !result && format->block && i < count; i++)
+            slvi_gl_place_send(source->gl, &job.place, count,
+                               place.format->block ? job.blocks : job.staging);
+        for (uint32_t i = 0; !result && place.format->block && i < count; i++)
             slvi_gl_block_error_add(error, &job.errors[i]);
         end_blocks(&job);
         job.blocks = job.used = NULL;
         job.errors = NULL;
     }
     return result;
+}
+
+/* Room for a level's floats where the form computes it. */
+static slv_result make_scratch(const struct origin *from, const slv_gl_place *place,
+                               slv_gl_staging *staging) {
+    uint64_t values = (uint64_t)place->width * place->height *
+                      slv_levels_get_desc(from->source->levels)->nchannels;
+    if (!from->pools->form->computed || values <= staging->nscratch)
+        return SLV_OK;
+    slvi_free(staging->scratch);
+    staging->scratch = NULL;
+    staging->nscratch = 0;
+    slv_result result = slvi_alloc_plain(from->source->env, "level", values,
+                                         sizeof *staging->scratch, &staging->scratch);
+    if (!result)
+        staging->nscratch = values;
+    return result;
+}
+
+/* The intersection of a place with the part of it that is sent, seen from the place's corner; and
+ * where that is in the part. */
+static slv_rect inside(const slv_gl_place *place, const slv_gl_place *part, size_t *at) {
+    uint32_t x = part->x > place->x ? part->x : place->x;
+    uint32_t y = part->y > place->y ? part->y : place->y;
+    uint32_t end_x = part->x + part->width, end_y = part->y + part->height;
+    end_x = end_x < place->x + place->width ? end_x : place->x + place->width;
+    end_y = end_y < place->y + place->height ? end_y : place->y + place->height;
+    *at = (size_t)(y - part->y) * part->width + (x - part->x);
+    return (slv_rect){x - place->x, y - place->y, end_x - x, end_y - y};
+}
+
+slv_result slvi_gl_upload_rect(const slv_gl_source *source, const slv_gl_pools *pools,
+                               const void *made, uint32_t item, uint32_t level,
+                               const slv_rect *rect, slv_gl_staging *staging) {
+    slv_gl_place place = slvi_gl_place(pools, item, level);
+    slv_rect all = {0, 0, place.width, place.height};
+    slv_gl_place part = slvi_gl_place_part(&place, rect ? *rect : all);
+    const slv_gl_format *format = place.format;
+    struct origin from = {source, pools, made, format};
+    uint64_t texels = (uint64_t)part.width * part.height, bytes = texels * format->texel_bytes;
+    uint64_t blocks = format->block ? slvi_gl_place_bytes(&part) : 0;
+    size_t at;
+    slv_rect filled = inside(&place, &part, &at);
+    slv_gl_block_error lost = {0};
+    slv_result result = make_room(source->env, bytes + blocks + (blocks ? texels : 0), staging);
+    if (result || (result = make_scratch(&from, &place, staging)))
+        return result;
+    unsigned char *stored = staging->memory, *used = stored + bytes + blocks;
+    if (format->block) {
+        memset(used, 0, texels);
+        for (uint32_t y = 0; y < filled.height; y++)
+            memset(used + at + (size_t)y * part.width, 1, filled.width);
+    }
+    if ((result = fill_level(&from, item, level, filled, staging->scratch,
+                             stored + at * format->texel_bytes, part.width)))
+        return result;
+    if (format->block && (result = slvi_gl_compress(
+                              &source->shared, format->block, format->ncomponents, format->nsource,
+                              part.width, part.height, stored, used, stored + bytes, &lost)))
+        return result;
+    slvi_gl_place_send(source->gl, &part, 1, format->block ? stored + bytes : stored);
+    return SLV_OK;
 }
