@@ -26,9 +26,10 @@ static slv_rect join(slv_rect a, slv_rect b) {
     return (slv_rect){x, y, end_x - x, end_y - y};
 }
 
-void slvi_changes_add(slv_changes *changes, uint32_t face, slv_rect rect, bool constancy) {
+uint64_t slvi_changes_add(slv_changes *changes, uint32_t face, slv_rect rect, bool constancy) {
     pthread_mutex_lock(&changes->lock);
-    slv_change change = {++changes->version, face, constancy, rect};
+    uint64_t version = ++changes->version;
+    slv_change change = {version, face, constancy, rect};
     slv_change *last = changes->count
                            ? &changes->kept[(changes->first + changes->count - 1) % CHANGES_KEPT]
                            : NULL;
@@ -45,6 +46,7 @@ void slvi_changes_add(slv_changes *changes, uint32_t face, slv_rect rect, bool c
         changes->first = (changes->first + 1) % CHANGES_KEPT;
     }
     pthread_mutex_unlock(&changes->lock);
+    return version;
 }
 
 void slvi_changes_add_all(slv_changes *changes) {

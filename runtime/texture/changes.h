@@ -27,7 +27,8 @@ typedef struct slv_changes {
 void slvi_changes_begin(slv_changes *changes);
 void slvi_changes_end(slv_changes *changes);
 uint64_t slvi_changes_version(slv_changes *changes);
-void slvi_changes_add(slv_changes *changes, uint32_t face, slv_rect rect, bool constancy);
+/* Returns the version that it makes. */
+uint64_t slvi_changes_add(slv_changes *changes, uint32_t face, slv_rect rect, bool constancy);
 /* Everything may have changed. */
 void slvi_changes_add_all(slv_changes *changes);
 /* Copies what came after a version to `out`, and returns how many they are; or UINT32_MAX if it is

@@ -1,11 +1,12 @@
 /* What the colours of a texture stand for, and copies in which they are light. */
+#include "base/log.h"
 #include "base/memory.h"
 #include "base/names.h"
 #include "base/parallel.h"
 #include "base/srgb.h"
+#include "texture/texture_data.h"
 
 #include <selvage/half.h>
-#include <selvage/texture.h>
 
 static const char *const encodings[] = {"auto", "linear", "srgb", "data"};
 
@@ -54,6 +55,11 @@ struct decoding {
     uint16_t u8[256]; /* halves */
 };
 
+static void begin_decoding(struct decoding *d) {
+    for (uint32_t i = 0; i < 256; i++)
+        d->u8[i] = slv_half_from_float(slvi_srgb_to_linear((float)i / 255));
+}
+
 static void decode_bytes(const struct decoding *d, const uint8_t *from, uint64_t count,
                          uint16_t *to) {
     const slv_texture_desc *desc = slv_texture_get_desc(d->from);
@@ -63,28 +69,67 @@ static void decode_bytes(const struct decoding *d, const uint8_t *from, uint64_t
                                                       : d->u8[*from];
 }
 
+static void decode_texels(const struct decoding *d, const void *from, uint64_t count, void *to) {
+    const slv_texture_desc *desc = slv_texture_get_desc(d->from);
+    if (desc->type == SLV_TYPE_U8) {
+        decode_bytes(d, from, count, to);
+    } else {
+        slv_type_to_float(desc->type, from, count * desc->nchannels, to);
+        slv_texels_decode(desc->nchannels, desc->alpha_channel, to, count);
+    }
+}
+
+static size_t decoded_size(const struct decoding *d) {
+    const slv_texture_desc *desc = slv_texture_get_desc(d->to);
+    return desc->nchannels * slv_type_size(desc->type);
+}
+
 static slv_result decode_faces(void *user, uint64_t first, uint64_t end) {
     const struct decoding *d = user;
     const slv_texture_desc *desc = slv_texture_get_desc(d->from);
-    size_t size = desc->nchannels * slv_type_size(slv_texture_get_desc(d->to)->type);
     slv_result result = SLV_OK;
     for (uint32_t face = (uint32_t)first; !result && face < end; face++) {
         bool constant = slv_texture_is_constant(d->from, face);
         uint64_t count = constant ? 1 : (uint64_t)1 << (desc->res[face].u + desc->res[face].v);
-        const void *from = slv_texture_texels(d->from, face);
         void *texels = NULL;
-        if ((result = slvi_alloc_plain(&d->env, "decoded texels", count, size, &texels)))
+        if ((result = slvi_alloc_plain(&d->env, "decoded texels", count, decoded_size(d), &texels)))
             return result;
-        if (desc->type == SLV_TYPE_U8) {
-            decode_bytes(d, from, count, texels);
-        } else {
-            slv_type_to_float(desc->type, from, count * desc->nchannels, texels);
-            slv_texels_decode(desc->nchannels, desc->alpha_channel, texels, count);
-        }
+        decode_texels(d, slv_texture_texels(d->from, face), count, texels);
         result = constant ? slv_texture_set_constant(d->to, face, texels)
                           : slv_texture_set_face(d->to, face, texels);
         slvi_free(texels);
     }
+    return result;
+}
+
+slv_result slv_texture_decode_rect(const slv_env *env, const slv_texture *texture, uint32_t face,
+                                   slv_rect rect, slv_texture *decoded) {
+    struct decoding d = {.from = texture, .to = decoded};
+    const slv_texture_desc *desc = slv_texture_get_desc(texture);
+    void *texels = NULL;
+    if (face >= desc->nfaces || !slvi_rect_is_within(rect, desc->res[face]))
+        return slvi_fail(env, SLV_ERROR_ARGUMENT, "decoding: face %u has no such texels", face);
+    bool constant = slv_texture_is_constant(texture, face);
+    uint64_t count = constant ? 1 : (uint64_t)rect.width * rect.height;
+    size_t size = desc->nchannels * slv_type_size(desc->type), to_size = decoded_size(&d);
+    slv_result result = slvi_alloc_plain(env, "decoded texels", count, to_size, &texels);
+    if (result)
+        return result;
+    begin_decoding(&d);
+    const unsigned char *from = slv_texture_texels(texture, face);
+    unsigned char *to = texels;
+    if (constant) {
+        decode_texels(&d, from, 1, texels);
+        result = slv_texture_set_constant(decoded, face, texels);
+    } else {
+        from += (((size_t)rect.y << desc->res[face].u) + rect.x) * size;
+        for (uint32_t y = 0; y < rect.height; y++, to += rect.width * to_size) {
+            decode_texels(&d, from, rect.width, to);
+            from += size << desc->res[face].u;
+        }
+        result = slv_texture_set_rect(decoded, face, rect, texels);
+    }
+    slvi_free(texels);
     return result;
 }
 
@@ -97,8 +142,7 @@ slv_result slv_texture_decode(const slv_env *env, const slv_texture *texture,
     *out = NULL;
     if (slv_texture_get_encoding(texture, wanted) != SLV_TEXTURE_SRGB)
         return SLV_OK;
-    for (uint32_t i = 0; i < 256; i++)
-        d.u8[i] = slv_half_from_float(slvi_srgb_to_linear((float)i / 255));
+    begin_decoding(&d);
     desc.type = desc.type == SLV_TYPE_U8 ? SLV_TYPE_HALF : SLV_TYPE_FLOAT;
     desc.encoding = SLV_TEXTURE_LINEAR;
     if (!(result = slv_texture_create(env, &desc, &d.to)) &&

@@ -1,6 +1,7 @@
 /* Every level of every face, each a mean of the one above. */
 #include "base/log.h"
 #include "base/memory.h"
+#include "texture/reduce.h"
 #include "texture/texture_data.h"
 
 #include <selvage/half.h>
@@ -50,101 +51,127 @@ DEFINE_MEANS(float, float, FLOAT_2, FLOAT_4)
 
 typedef void (*mean_fn)(const void *from, size_t step, size_t count, size_t nchannels, void *to);
 
+/* Fills a rectangle of a level from the level above. */
 static void reduce(const slv_levels *levels, slv_res from_res, const unsigned char *from,
-                   unsigned char *to) {
+                   slv_rect rect, unsigned char *to) {
     static const mean_fn pairs[] = {u8_pairs, u16_pairs, half_pairs, float_pairs};
     static const mean_fn quads[] = {u8_quads, u16_quads, half_quads, float_quads};
-    size_t nchannels = levels->desc.nchannels;
+    size_t nchannels = levels->desc.nchannels, size = levels->texel_size;
     size_t width = (size_t)1 << from_res.u, height = (size_t)1 << from_res.v;
-    size_t pitch = width * nchannels, pitch_bytes = width * levels->texel_size;
     slv_type type = levels->desc.type;
     /* A single row or column is a run of pairs either way. */
     if (height == 1 || width == 1) {
-        pairs[type](from, nchannels, width * height / 2, nchannels, to);
+        size_t first = height == 1 ? rect.x : rect.y;
+        pairs[type](from + 2 * first * size, nchannels, (size_t)rect.width * rect.height, nchannels,
+                    to + first * size);
         return;
     }
-    for (size_t y = 0; y < height; y += 2, from += 2 * pitch_bytes, to += pitch_bytes / 2)
-        quads[type](from, pitch, width / 2, nchannels, to);
+    for (size_t y = rect.y; y < (size_t)rect.y + rect.height; y++)
+        quads[type](from + (2 * y * width + 2 * (size_t)rect.x) * size, width * nchannels,
+                    rect.width, nchannels, to + (y * (width / 2) + rect.x) * size);
+}
+
+/* The texels of the next level that depend on a rectangle of one. */
+static slv_rect halved(slv_rect rect) {
+    uint32_t x = rect.x / 2, y = rect.y / 2;
+    return (slv_rect){x, y, (rect.x + rect.width - 1) / 2 - x + 1,
+                      (rect.y + rect.height - 1) / 2 - y + 1};
+}
+
+static slv_rect whole(slv_res res) {
+    return (slv_rect){0, 0, 1u << res.u, 1u << res.v};
+}
+
+static size_t texels_in(slv_res res, slvi_level_room room) {
+    size_t full = slv_res_texels(res), rest = 0;
+    if (room == SLVI_ROOM_RUN)
+        return full;
+    for (uint32_t level = 1; level < slv_res_level_count(res); level++)
+        rest += slv_res_texels(slv_res_level(res, level));
+    return room == SLVI_ROOM_ALL ? full + rest : rest;
+}
+
+/* What a face takes as its texels are now: level 0 of one that is not constant may be the
+ * texture's own. */
+static slvi_level_room needed(const slv_levels *levels, const slv_texture *texture, uint32_t face) {
+    if (slv_texture_is_constant(texture, face))
+        return SLVI_ROOM_RUN;
+    return levels->borrowed ? SLVI_ROOM_REST : SLVI_ROOM_ALL;
+}
+
+/* Points to where each level of a face is. */
+static void point(const slv_levels *levels, const slv_texture *texture, uint32_t face) {
+    unsigned char **at = levels->at + levels->first[face], *next = levels->own[face];
+    bool constant = slv_texture_is_constant(texture, face);
+    for (uint32_t level = 0; level < slv_res_level_count(levels->res[face]); level++) {
+        if (!level && levels->borrowed && !constant) { /* never written to */
+            at[level] = (unsigned char *)(uintptr_t)slv_texture_texels(texture, face);
+            continue;
+        }
+        at[level] = next;
+        if (!constant)
+            next += slv_res_texels(slv_res_level(levels->res[face], level)) * levels->texel_size;
+    }
+}
+
+/* Fills what depends on a rectangle of level 0, where `point` says. */
+static void fill_face(const slv_levels *levels, const slv_texture *texture, uint32_t face,
+                      slv_rect rect) {
+    slv_res res = levels->res[face];
+    unsigned char *const *at = levels->at + levels->first[face];
+    const unsigned char *texels = slv_texture_texels(texture, face);
+    size_t size = levels->texel_size;
+    if (slv_texture_is_constant(texture, face)) {
+        slvi_fill_texels(at[0], texels, size, slv_res_texels(res));
+        return;
+    }
+    for (size_t y = rect.y; !levels->borrowed && y < (size_t)rect.y + rect.height; y++) {
+        size_t first = ((y << res.u) + rect.x) * size;
+        memcpy(at[0] + first, texels + first, rect.width * size);
+    }
+    for (uint32_t level = 1; level < slv_res_level_count(res); level++) {
+        rect = halved(rect);
+        reduce(levels, slv_res_level(res, level - 1), at[level - 1], rect, at[level]);
+    }
 }
 
 struct fill {
     const slv_texture *texture;
     slv_levels *levels;
-    bool borrowed; /* level 0 is the texture's */
 };
-
-static void repeat(unsigned char *to, const void *texel, size_t texel_size, size_t count) {
-    memcpy(to, texel, texel_size);
-    for (size_t filled = texel_size, total = texel_size * count; filled < total;) {
-        size_t more = filled < total - filled ? filled : total - filled;
-        memcpy(to + filled, to, more);
-        filled += more;
-    }
-}
 
 static slv_result fill_faces(void *user, uint64_t first, uint64_t end) {
     const struct fill *fill = user;
-    slv_levels *levels = fill->levels;
-    for (uint32_t face = (uint32_t)first; face < end; face++) {
-        slv_res res = levels->res[face];
-        unsigned char *const *at = levels->at + levels->first[face];
-        const void *texels = slv_texture_texels(fill->texture, face);
-        if (slv_texture_is_constant(fill->texture, face)) {
-            repeat(at[0], texels, levels->texel_size, slv_res_texels(res));
-            continue;
-        }
-        if (!fill->borrowed)
-            memcpy(at[0], texels, slv_res_texels(res) * levels->texel_size);
-        for (uint32_t level = 1; level < slv_res_level_count(res); level++)
-            reduce(levels, slv_res_level(res, level - 1), at[level - 1], at[level]);
-    }
+    for (uint32_t face = (uint32_t)first; face < end; face++)
+        fill_face(fill->levels, fill->texture, face, whole(fill->levels->res[face]));
     return SLV_OK;
 }
 
-/* Bytes of a face's level that are this object's. All levels of a constant face are one run of
- * equal texels, so they share one. */
-static uint64_t own_bytes(const slv_levels *levels, const struct fill *fill, uint32_t face,
-                          uint32_t level) {
-    bool constant = slv_texture_is_constant(fill->texture, face);
-    if (constant ? level > 0 : fill->borrowed && level == 0)
-        return 0;
-    return (uint64_t)levels->texel_size * slv_res_texels(slv_res_level(levels->res[face], level));
-}
-
-static slv_result count_bytes(const struct fill *fill, uint64_t *bytes) {
-    const slv_levels *levels = fill->levels;
+/* Where every level goes: `own` is first counted from 0, so that memory can be asked for. */
+static slv_result lay_out(slv_levels *levels, const slv_texture *texture, uint64_t *bytes) {
+    size_t next = 0;
     *bytes = 0;
     for (uint32_t face = 0; face < levels->desc.nfaces; face++) {
-        for (uint32_t level = 0; level < slv_res_level_count(levels->res[face]); level++) {
-            uint64_t size = own_bytes(levels, fill, face, level);
-            if (size > UINT64_MAX - *bytes)
-                return slvi_fail(&levels->env, SLV_ERROR_LIMIT, "levels: more than 2^64 bytes");
-            *bytes += size;
-        }
+        slvi_level_room room = needed(levels, texture, face);
+        uint64_t texels = texels_in(levels->res[face], room);
+        levels->first[face] = next;
+        levels->room[face] = (uint8_t)room;
+        next += slv_res_level_count(levels->res[face]);
+        if (texels > (UINT64_MAX - *bytes) / levels->texel_size)
+            return slvi_fail(&levels->env, SLV_ERROR_LIMIT, "levels: more than 2^64 bytes");
+        *bytes += texels * levels->texel_size;
     }
+    levels->first[levels->desc.nfaces] = next;
     return SLV_OK;
 }
 
-/* Where every level goes. */
-static void lay_out(const struct fill *fill) {
-    slv_levels *levels = fill->levels;
-    unsigned char *free_from = levels->texels;
-    size_t next = 0;
+static void point_all(const slv_levels *levels, const slv_texture *texture) {
+    unsigned char *next = levels->texels;
     for (uint32_t face = 0; face < levels->desc.nfaces; face++) {
-        bool constant = slv_texture_is_constant(fill->texture, face);
-        levels->first[face] = next;
-        for (uint32_t level = 0; level < slv_res_level_count(levels->res[face]); level++) {
-            unsigned char **at = &levels->at[next++];
-            if (constant && level)
-                *at = at[-1];
-            else if (fill->borrowed && !constant && !level) /* never written to */
-                *at = (unsigned char *)(uintptr_t)slv_texture_texels(fill->texture, face);
-            else
-                *at = free_from;
-            free_from += own_bytes(levels, fill, face, level);
-        }
+        levels->own[face] = next;
+        next += texels_in(levels->res[face], levels->room[face]) * levels->texel_size;
+        point(levels, texture, face);
     }
-    levels->first[levels->desc.nfaces] = next;
 }
 
 static slv_result create(const slv_env *env, const slv_texture *texture, bool borrowed,
@@ -159,31 +186,70 @@ static slv_result create(const slv_env *env, const slv_texture *texture, bool bo
         return result;
     levels->desc = *desc;
     levels->texel_size = slv_type_size(desc->type) * desc->nchannels;
-    uint64_t nlevels = 0, bytes = 0;
+    levels->borrowed = borrowed;
+    uint64_t nlevels = 0, bytes = 0, n = desc->nfaces;
     for (uint32_t face = 0; face < desc->nfaces; face++)
         nlevels += slv_res_level_count(desc->res[face]);
     if ((result = slvi_parallel_env_begin(env, &levels->log, &levels->env)) ||
-        (result = slvi_alloc(env, "level resolutions", desc->nfaces, sizeof *levels->res,
-                             &levels->res)) ||
-        (result = slvi_alloc(env, "level table", desc->nfaces + (uint64_t)1, sizeof *levels->first,
-                             &levels->first)) ||
+        (result = slvi_alloc(env, "level resolutions", n, sizeof *levels->res, &levels->res)) ||
+        (result = slvi_alloc(env, "level table", n + 1, sizeof *levels->first, &levels->first)) ||
+        (result = slvi_alloc(env, "level table", n, 1, &levels->room)) ||
+        (result = slvi_alloc(env, "level table", n, sizeof *levels->own, &levels->own)) ||
         (result = slvi_alloc(env, "level table", nlevels, sizeof *levels->at, &levels->at)))
         goto done;
-    if (desc->nfaces)
-        memcpy(levels->res, desc->res, desc->nfaces * sizeof *levels->res);
+    if (n)
+        memcpy(levels->res, desc->res, n * sizeof *levels->res);
     levels->desc.res = levels->res;
-    struct fill fill = {texture, levels, borrowed};
-    if ((result = count_bytes(&fill, &bytes)) ||
+    struct fill fill = {texture, levels};
+    if ((result = lay_out(levels, texture, &bytes)) ||
         (result = slvi_alloc_plain(env, "level texels", bytes, 1, &levels->texels)))
         goto done;
-    lay_out(&fill);
-    if ((result = slvi_parallel_for(env, desc->nfaces, FACES_PER_RANGE, fill_faces, &fill)))
+    levels->nbytes = bytes;
+    point_all(levels, texture);
+    if ((result = slvi_parallel_for(env, n, FACES_PER_RANGE, fill_faces, &fill)))
         goto done;
     *out = levels;
     levels = NULL;
 done:
     slv_levels_destroy(levels);
     return result;
+}
+
+/* Whether a face's room is in the one piece that all faces began with. */
+static bool is_first_room(const slv_levels *levels, uint32_t face) {
+    uintptr_t at = (uintptr_t)levels->own[face], first = (uintptr_t)levels->texels;
+    return at >= first && at <= first + levels->nbytes;
+}
+
+slv_result slv_levels_update(slv_levels *levels, const slv_texture *texture, uint32_t face,
+                             slv_rect rect) {
+    const slv_texture_desc *desc = slv_texture_get_desc(texture);
+    if (desc->nfaces != levels->desc.nfaces || desc->type != levels->desc.type ||
+        desc->nchannels != levels->desc.nchannels)
+        return slvi_fail(&levels->env, SLV_ERROR_MISMATCH, "levels: not made from this texture");
+    if (face >= levels->desc.nfaces || !slvi_rect_is_within(rect, levels->res[face]))
+        return slvi_fail(&levels->env, SLV_ERROR_ARGUMENT, "levels: face %u has no such texels",
+                         (unsigned)face);
+    slvi_level_room room = needed(levels, texture, face);
+    if (room > levels->room[face]) {
+        unsigned char *own = NULL;
+        slv_result result =
+            slvi_alloc_plain(&levels->env, "levels of a face", texels_in(levels->res[face], room),
+                             levels->texel_size, &own);
+        if (result)
+            return result;
+        if (!is_first_room(levels, face))
+            slvi_free(levels->own[face]);
+        levels->own[face] = own;
+        levels->room[face] = (uint8_t)room;
+    }
+    /* All levels but a constant face's first lie apart: where they are says which it was. */
+    unsigned char *const *at = levels->at + levels->first[face];
+    bool constant = slv_texture_is_constant(texture, face);
+    bool was_constant = slv_res_level_count(levels->res[face]) > 1 ? at[0] == at[1] : true;
+    point(levels, texture, face);
+    fill_face(levels, texture, face, constant || was_constant ? whole(levels->res[face]) : rect);
+    return SLV_OK;
 }
 
 static slv_result create_within(const slv_env *env, const slv_texture *texture, bool borrowed,
@@ -210,7 +276,12 @@ slv_result slv_levels_create_over(const slv_env *env, const slv_texture *texture
 void slv_levels_destroy(slv_levels *levels) {
     if (!levels)
         return;
+    for (uint32_t face = 0; levels->texels && face < levels->desc.nfaces; face++)
+        if (!is_first_room(levels, face))
+            slvi_free(levels->own[face]);
     slvi_free(levels->texels);
+    slvi_free(levels->own);
+    slvi_free(levels->room);
     slvi_free(levels->at);
     slvi_free(levels->first);
     slvi_free(levels->res);

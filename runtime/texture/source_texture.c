@@ -86,7 +86,7 @@ static slv_result read_rect(void *user, uint32_t index, slv_res res, slv_rect re
 
 static uint64_t version(void *user) {
     const texture_source *source = user;
-    return slvi_changes_version(slvi_texture_changes(source->texture));
+    return slv_texture_version(source->texture);
 }
 
 static slv_result visit_whole(const texture_source *source, uint32_t index, slv_visit_rect visit,
@@ -113,23 +113,25 @@ static slv_result visit_around(const texture_source *source, uint32_t index, slv
     return result;
 }
 
+struct change_visit {
+    const texture_source *source;
+    slv_visit_rect visit;
+    void *visitor;
+};
+
+static slv_result visit_change(void *user, uint32_t index, slv_rect rect, bool constancy) {
+    const struct change_visit *to = user;
+    slv_result result = to->visit(to->visitor, index, rect);
+    /* they may have lost, or got, the flag that says what lies around them */
+    if (!result && constancy && to->source->adjacency)
+        result = visit_around(to->source, index, to->visit, to->visitor);
+    return result;
+}
+
 static slv_result changed(void *user, uint64_t since, slv_visit_rect visit, void *visitor) {
     const texture_source *source = user;
-    slv_change changes[CHANGES_KEPT];
-    slv_result result = SLV_OK;
-    uint32_t count = slvi_changes_since(slvi_texture_changes(source->texture), since, changes);
-    if (count == UINT32_MAX) {
-        for (uint32_t i = 0; !result && i < source->desc.nfaces; i++)
-            result = visit_whole(source, i, visit, visitor);
-        return result;
-    }
-    for (uint32_t i = 0; !result && i < count; i++) {
-        result = visit(visitor, changes[i].face, changes[i].rect);
-        /* they may have lost, or got, the flag that says what lies around them */
-        if (!result && changes[i].constancy && source->adjacency)
-            result = visit_around(source, changes[i].face, visit, visitor);
-    }
-    return result;
+    struct change_visit to = {source, visit, visitor};
+    return slvi_texture_visit_changes(source->texture, since, visit_change, &to);
 }
 
 static void close_source(void *user) {

@@ -22,6 +22,7 @@ struct slv_texture {
     unsigned char *constants; /* one texel a face */
     unsigned char **texels;   /* NULL where the face is constant */
     slv_changes *changes;
+    uint64_t *versions; /* of each face's last change, for when `changes` has forgotten it */
 };
 
 bool slvi_texture_desc_same(const slv_texture_desc *a, const slv_texture_desc *b) {
@@ -86,7 +87,9 @@ static slv_result create(const slv_env *env, const slv_texture_desc *desc, slv_t
         (result =
              slvi_alloc(env, "constant texels", n, texture->texel_size, &texture->constants)) ||
         (result =
-             slvi_alloc(env, "texture changes", 1, sizeof *texture->changes, &texture->changes)))
+             slvi_alloc(env, "texture changes", 1, sizeof *texture->changes, &texture->changes)) ||
+        (result =
+             slvi_alloc(env, "texture changes", n, sizeof *texture->versions, &texture->versions)))
         goto done;
     slvi_changes_begin(texture->changes);
     if (n)
@@ -121,6 +124,7 @@ void slv_texture_destroy(slv_texture *texture) {
     if (texture->changes)
         slvi_changes_end(texture->changes);
     slvi_free(texture->changes);
+    slvi_free(texture->versions);
     slvi_parallel_env_end(texture->log);
     slvi_free(texture);
 }
@@ -171,6 +175,10 @@ static slv_result make_room(slv_texture *texture, uint32_t face) {
     return result;
 }
 
+static void note_change(slv_texture *texture, uint32_t face, slv_rect rect, bool constancy) {
+    texture->versions[face] = slvi_changes_add(texture->changes, face, rect, constancy);
+}
+
 static slv_rect whole_rect(slv_res res) {
     return (slv_rect){0, 0, 1u << res.u, 1u << res.v};
 }
@@ -188,8 +196,7 @@ slv_result slv_texture_set_face(slv_texture *texture, uint32_t face, const void 
         return result;
     else
         memmove(texture->texels[face], texels, count * texture->texel_size);
-    slvi_changes_add(texture->changes, face, whole_rect(texture->res[face]),
-                     constant || was_constant);
+    note_change(texture, face, whole_rect(texture->res[face]), constant || was_constant);
     return SLV_OK;
 }
 
@@ -228,7 +235,7 @@ slv_result slv_texture_set_rect(slv_texture *texture, uint32_t face, slv_rect re
     bool constant = became_constant(texture, face, rect, texels);
     if (constant)
         make_constant(texture, face, texels);
-    slvi_changes_add(texture->changes, face, rect, constant || was_constant);
+    note_change(texture, face, rect, constant || was_constant);
     return SLV_OK;
 }
 
@@ -237,7 +244,7 @@ slv_result slv_texture_set_constant(slv_texture *texture, uint32_t face, const v
     if (result)
         return result;
     make_constant(texture, face, texel);
-    slvi_changes_add(texture->changes, face, whole_rect(texture->res[face]), true);
+    note_change(texture, face, whole_rect(texture->res[face]), true);
     return SLV_OK;
 }
 
@@ -261,6 +268,37 @@ void slv_texture_fetch(const slv_texture *texture, uint32_t face, uint32_t x, ui
     slv_type_to_float(texture->desc.type, texels, texture->desc.nchannels, out);
 }
 
-slv_changes *slvi_texture_changes(const slv_texture *texture) {
-    return texture->changes;
+uint64_t slv_texture_version(const slv_texture *texture) {
+    return slvi_changes_version(texture->changes);
+}
+
+slv_result slvi_texture_visit_changes(const slv_texture *texture, uint64_t since,
+                                      slvi_visit_change visit, void *user) {
+    slv_change changes[CHANGES_KEPT];
+    slv_result result = SLV_OK;
+    uint32_t count = slvi_changes_since(texture->changes, since, changes);
+    bool known = count != UINT32_MAX;
+    for (uint32_t i = 0; known && !result && i < count; i++)
+        result = visit(user, changes[i].face, changes[i].rect, changes[i].constancy);
+    for (uint32_t face = 0; !known && !result && face < texture->desc.nfaces; face++)
+        if (!since || texture->versions[face] > since)
+            result = visit(user, face, whole_rect(texture->res[face]), true);
+    return result;
+}
+
+struct plain_visit {
+    slv_visit_rect visit;
+    void *user;
+};
+
+static slv_result visit_plain(void *user, uint32_t face, slv_rect rect, bool constancy) {
+    const struct plain_visit *plain = user;
+    (void)constancy;
+    return plain->visit(plain->user, face, rect);
+}
+
+slv_result slv_texture_changed(const slv_texture *texture, uint64_t since, slv_visit_rect visit,
+                               void *user) {
+    struct plain_visit plain = {visit, user};
+    return slvi_texture_visit_changes(texture, since, visit_plain, &plain);
 }

@@ -7,7 +7,11 @@
 
 #include "texture/changes.h"
 
-#include <selvage/texture.h>
+#include <selvage/source.h>
+
+/* How much room a face has for levels of its own, each more than the one before: for those below
+ * level 0; for a run of equal texels that all levels of a constant face share; for all levels. */
+typedef enum slvi_level_room { SLVI_ROOM_REST, SLVI_ROOM_RUN, SLVI_ROOM_ALL } slvi_level_room;
 
 /* Face f has the levels first[f]..first[f+1]-1; at[] says where each is, in `texels` or, of level
  * 0, in the texture. */
@@ -20,6 +24,11 @@ struct slv_levels {
     size_t *first;
     unsigned char **at;
     unsigned char *texels;
+    uint64_t nbytes; /* of `texels` */
+    bool borrowed;   /* level 0 of faces that are not constant is the texture's */
+    uint8_t *room;   /* of each face: slvi_level_room */
+    /* where that is: in `texels`, or of its own since an update */
+    unsigned char **own;
 };
 
 /* Checks everything that a description can get wrong; *bytes is the size of all its texels. */
@@ -29,8 +38,10 @@ slv_result slvi_texture_check_desc(const slv_env *env, const slv_texture_desc *d
 /* Whether two textures have the same faces, type and channels. */
 bool slvi_texture_desc_same(const slv_texture_desc *a, const slv_texture_desc *b);
 
-/* What was changed of a texture. */
-slv_changes *slvi_texture_changes(const slv_texture *texture);
+/* slv_texture_changed, and whether the face became constant, ceased to be it, or may have. */
+typedef slv_result (*slvi_visit_change)(void *user, uint32_t face, slv_rect rect, bool constancy);
+slv_result slvi_texture_visit_changes(const slv_texture *texture, uint64_t since,
+                                      slvi_visit_change visit, void *user);
 
 static inline size_t slv_res_texels(slv_res res) {
     return (size_t)1 << (res.u + res.v);

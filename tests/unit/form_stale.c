@@ -1,6 +1,6 @@
 /* Forms: after a change of some texels every item that has become another is among those that were
  * said to be stale, whatever the mesh, the resolutions and the type; and those are few. */
-#include "kit/border_kit.h"
+#include "kit/change_kit.h"
 
 #include <selvage/form.h>
 
@@ -18,34 +18,6 @@ static slv_result visit(void *user, uint32_t item) {
     stale->seen[item] = true;
     stale->count++;
     return SLV_OK;
-}
-
-static void make_mesh(kit *k, uint32_t which, uint64_t *random) {
-    if (which == 0)
-        kit_pentagons(k, random);
-    else if (which == 1)
-        kit_cube(k, random);
-    else if (which < 6)
-        kit_disc(k, (int32_t)which + 1, random);
-    else
-        kit_grid(k, 6, 5, which % 2, which > 7 ? 30 : 0, random, NULL);
-}
-
-static void make_resolutions(kit *k, uint32_t which, uint64_t *random) {
-    if (which == 0)
-        kit_equal(k, 4);
-    else
-        kit_mixed(k, 4, random);
-    for (uint32_t face = 0; which == 2 && face < k->nfaces; face++)
-        k->res[face].v = (int8_t)(test_random(random) % 5);
-}
-
-static slv_rect random_rect(slv_res res, uint64_t *random) {
-    uint32_t width = 1u << res.u, height = 1u << res.v;
-    slv_rect rect = {.x = test_random(random) % width, .y = test_random(random) % height};
-    rect.width = 1 + test_random(random) % (width - rect.x);
-    rect.height = 1 + test_random(random) % (height - rect.y);
-    return rect;
 }
 
 /* The levels of the texture with other texels in a rectangle of a face. */
@@ -126,13 +98,13 @@ static void check_random(const slv_form *form) {
         void *made = NULL;
         slv_env env = test_env();
         uint32_t border = 1 + test_random(&random) % 8;
-        make_mesh(&k, i % 10, &random);
-        make_resolutions(&k, i / 10 % 3, &random);
+        kit_any_mesh(&k, i % 10, &random);
+        kit_any_resolutions(&k, i / 10 % 3, &random);
         kit_noise(&k, types[i / 30 % 4], 1 + i % 3, &random);
         REQUIRE(form->create(&env, k.levels, k.adjacency, border, &made) == SLV_OK);
         for (int n = 0; n < 4; n++) {
             uint32_t face = test_random(&random) % k.nfaces;
-            slv_rect rect = random_rect(k.res[face], &random);
+            slv_rect rect = kit_rect(k.res[face], &random);
             check_change(&k, form, made, border, face, &rect, &random);
         }
         form->destroy(made);
@@ -149,12 +121,12 @@ static void check_local(const slv_form *form) {
         slv_env env = test_env();
         uint32_t most = 0;
         kit_grid(&k, 15, 16, true, which == 3 ? 3 : 0, &random, NULL);
-        make_resolutions(&k, which % 3, &random);
+        kit_any_resolutions(&k, which % 3, &random);
         kit_noise(&k, SLV_TYPE_U8, 3, &random);
         REQUIRE(form->create(&env, k.levels, k.adjacency, 4, &made) == SLV_OK);
         for (int n = 0; n < 24; n++) {
             uint32_t face = test_random(&random) % k.nfaces;
-            slv_rect rect = random_rect(k.res[face], &random);
+            slv_rect rect = kit_rect(k.res[face], &random);
             uint32_t count = check_change(&k, form, made, 4, face, &rect, &random);
             most = count > most ? count : most;
         }

@@ -103,24 +103,43 @@ struct fill {
     slv_edge_aligned *aligned;
 };
 
+/* All levels of a face; `scratch` has room for the largest as floats. */
+static void fill_face(const struct fill *fill, uint32_t face, float *scratch) {
+    slv_edge_aligned *aligned = fill->aligned;
+    const uint64_t *offset = aligned->offset + aligned->first[face];
+    for (uint32_t level = 0; level < slv_res_level_count(aligned->res[face]); level++) {
+        uint64_t count = slv_edge_aligned_count(slv_res_level(aligned->res[face], level));
+        slvi_edge_aligned_fill(fill->levels, fill->adjacency, true, face, level, scratch);
+        slv_type_from_float(aligned->desc.type, scratch, (size_t)count * aligned->desc.nchannels,
+                            aligned->samples + offset[level]);
+    }
+}
+
 static slv_result fill_faces(void *user, uint64_t first, uint64_t end) {
     const struct fill *fill = user;
     slv_edge_aligned *aligned = fill->aligned;
     float *scratch = NULL;
-    slv_result result = slvi_alloc(&aligned->env, "samples", largest(&aligned->desc, first, end),
-                                   sizeof *scratch, &scratch);
-    for (uint64_t face = first; !result && face < end; face++) {
-        const uint64_t *offset = aligned->offset + aligned->first[face];
-        uint32_t nlevels = slv_res_level_count(aligned->res[face]);
-        for (uint32_t level = 0; level < nlevels; level++) {
-            uint64_t count = slv_edge_aligned_count(slv_res_level(aligned->res[face], level));
-            slvi_edge_aligned_fill(fill->levels, fill->adjacency, true, (uint32_t)face, level,
-                                   scratch);
-            slv_type_from_float(aligned->desc.type, scratch,
-                                (size_t)count * aligned->desc.nchannels,
-                                aligned->samples + offset[level]);
-        }
+    slv_result result = slvi_alloc_plain(
+        &aligned->env, "samples", largest(&aligned->desc, first, end), sizeof *scratch, &scratch);
+    for (uint64_t face = first; !result && face < end; face++)
+        fill_face(fill, (uint32_t)face, scratch);
+    slvi_free(scratch);
+    return result;
+}
+
+slv_result slvi_edge_aligned_refresh(const slv_levels *levels, const slv_adjacency *adjacency,
+                                     const uint32_t *faces, uint32_t count,
+                                     slv_edge_aligned *aligned) {
+    struct fill fill = {levels, adjacency, aligned};
+    uint64_t most = 0;
+    float *scratch = NULL;
+    for (uint32_t i = 0; i < count; i++) {
+        uint64_t floats = slv_edge_aligned_floats(&aligned->desc, faces[i]);
+        most = floats > most ? floats : most;
     }
+    slv_result result = slvi_alloc_plain(&aligned->env, "samples", most, sizeof *scratch, &scratch);
+    for (uint32_t i = 0; !result && i < count; i++)
+        fill_face(&fill, faces[i], scratch);
     slvi_free(scratch);
     return result;
 }

@@ -7,6 +7,11 @@
 
 #include <selvage/edge_aligned.h>
 
+/* Makes all levels of some faces anew. */
+slv_result slvi_edge_aligned_refresh(const slv_levels *levels, const slv_adjacency *adjacency,
+                                     const uint32_t *faces, uint32_t count,
+                                     slv_edge_aligned *aligned);
+
 /* The value of a vertex as a face at some level has it. If `rounded`, what is interpolated between
  * samples is interpolated between samples that are rounded to the texture's type, as a lookup will
  * find them. */

@@ -2,8 +2,7 @@
 #include "form/faces.h"
 
 #include "base/memory.h"
-
-#include <selvage/edge_aligned.h>
+#include "form/edge_aligned/edge_aligned_data.h"
 
 struct aligned_faces {
     slv_form_faces faces;
@@ -48,6 +47,12 @@ static slv_result stale(const void *made, uint32_t face, const slv_rect *rect, s
     return slvi_form_faces_stale(made, face, rect, true, visit, user);
 }
 
+static slv_result refresh(void *made, const uint32_t *items, uint32_t count) {
+    struct aligned_faces *form = made;
+    return slvi_edge_aligned_refresh(form->faces.levels, form->faces.adjacency, items, count,
+                                     form->aligned);
+}
+
 const slv_form *slv_form_edge_aligned(void) {
     static const slv_form form = {
         .name = "edge-aligned",
@@ -61,6 +66,7 @@ const slv_form *slv_form_edge_aligned(void) {
         .items = slvi_form_faces_items,
         .read = read_level,
         .stale = stale,
+        .refresh = refresh,
     };
     return &form;
 }

@@ -11,17 +11,6 @@
 #define ITEMS_PER_RANGE 16
 #define MOST_POINTS 16 /* along a side of a texel, where a square is coarser than the face */
 
-struct fill {
-    const slv_levels *levels;
-    const slv_adjacency *adjacency;
-    const slv_htex_mesh *mesh;
-    slv_htex *htex;
-    slv_env env;
-    uint64_t *ends;   /* per edge: where its samples on the edge begin, in texels */
-    float *diagonals; /* per edge and side: samples on the edge, from end to start of the first */
-    float *tops;      /* per node */
-};
-
 /* Which part of a half-edge's triangle lies in a face. */
 typedef enum triangle_part { ALL, START_SIDE, END_SIDE } triangle_part;
 
@@ -69,11 +58,13 @@ static uint32_t points_for(slv_res res, bool part, uint32_t log2) {
 }
 
 /* A face's share of one half-edge's triangle. `row` is scratch. */
-static void fill_triangle(const struct fill *fill, const slv_htex_source *source, uint32_t half,
+static void fill_triangle(const slv_htex_fill *fill, const slv_htex_source *source, uint32_t half,
                           triangle_part part, float *row) {
     slv_htex *htex = fill->htex;
     size_t n = source->nchannels;
     uint32_t edge = fill->mesh->edge[half], log2 = htex->log2[edge], width = 1u << log2;
+    if (fill->wanted && !fill->wanted[edge])
+        return;
     bool second = fill->mesh->half[edge][0] != half;
     slv_htex_map map = slv_htex_to_face(part != ALL, part == ALL ? half % 4 : part == END_SIDE);
     uint32_t npoints = points_for(source->res, part != ALL, log2);
@@ -100,7 +91,7 @@ static void fill_triangle(const struct fill *fill, const slv_htex_source *source
 }
 
 /* The values at the vertices and the centre that this face stands for. */
-static void fill_tops(const struct fill *fill, const slv_htex_source *source, uint32_t face) {
+static void fill_tops(const slv_htex_fill *fill, const slv_htex_source *source, uint32_t face) {
     const slv_htex_mesh *mesh = fill->mesh;
     bool part = slv_htex_is_part(mesh, face);
     for (uint32_t e = 0; e < (part ? 1u : 4u); e++)
@@ -112,10 +103,28 @@ static void fill_tops(const struct fill *fill, const slv_htex_source *source, ui
                             fill->tops + (4 * (size_t)mesh->nfaces + face) * source->nchannels);
 }
 
-static slv_result fill_faces(void *user, uint64_t first, uint64_t end) {
-    const struct fill *fill = user;
-    const slv_htex *htex = fill->htex;
+slv_result slvi_htex_fill_face(const slv_htex_fill *fill, uint32_t face, float *bordered,
+                               float *row) {
     const slv_htex_mesh *mesh = fill->mesh;
+    slv_htex_source source = {fill->htex->res[face], fill->htex->desc.nchannels, bordered};
+    slv_result result =
+        slv_border_build(fill->levels, fill->adjacency, face, 0, 1, 1, bordered, NULL);
+    if (result)
+        return result;
+    fill_tops(fill, &source, face);
+    if (slv_htex_is_part(mesh, face)) {
+        fill_triangle(fill, &source, 4 * face, START_SIDE, row);
+        fill_triangle(fill, &source, 4 * mesh->before[face], END_SIDE, row);
+        return SLV_OK;
+    }
+    for (uint32_t e = 0; e < 4; e++)
+        fill_triangle(fill, &source, 4 * face + e, ALL, row);
+    return SLV_OK;
+}
+
+static slv_result fill_faces(void *user, uint64_t first, uint64_t end) {
+    const slv_htex_fill *fill = user;
+    const slv_htex *htex = fill->htex;
     size_t n = htex->desc.nchannels;
     uint64_t texels = 0, width = 0;
     float *bordered = NULL, *row = NULL;
@@ -132,20 +141,8 @@ static slv_result fill_faces(void *user, uint64_t first, uint64_t end) {
     if ((result = slvi_alloc(&fill->env, "border", texels * n, sizeof *bordered, &bordered)) ||
         (result = slvi_alloc(&fill->env, "texels", (width + 1) * n, sizeof *row, &row)))
         goto done;
-    for (uint32_t face = (uint32_t)first; face < end; face++) {
-        slv_htex_source source = {htex->res[face], n, bordered};
-        if ((result =
-                 slv_border_build(fill->levels, fill->adjacency, face, 0, 1, 1, bordered, NULL)))
-            goto done;
-        fill_tops(fill, &source, face);
-        if (slv_htex_is_part(mesh, face)) {
-            fill_triangle(fill, &source, 4 * face, START_SIDE, row);
-            fill_triangle(fill, &source, 4 * mesh->before[face], END_SIDE, row);
-            continue;
-        }
-        for (uint32_t e = 0; e < 4; e++)
-            fill_triangle(fill, &source, 4 * face + e, ALL, row);
-    }
+    for (uint32_t face = (uint32_t)first; !result && face < end; face++)
+        result = slvi_htex_fill_face(fill, face, bordered, row);
 done:
     slvi_free(bordered);
     slvi_free(row);
@@ -168,38 +165,41 @@ static void reduce(slv_type type, size_t n, uint32_t width, const unsigned char 
     }
 }
 
-/* What needs both faces: the texels on the edge, the missing half at a boundary, and the levels. */
-static slv_result fill_edges(void *user, uint64_t first, uint64_t end) {
-    const struct fill *fill = user;
+void slvi_htex_fill_edge(const slv_htex_fill *fill, uint32_t edge, float *rows) {
     slv_htex *htex = fill->htex;
-    size_t n = htex->desc.nchannels, size = htex->texel_size, most = 0;
+    size_t n = htex->desc.nchannels, size = htex->texel_size;
+    uint32_t log2 = htex->log2[edge], width = 1u << log2;
+    bool boundary = fill->mesh->half[edge][1] == SLV_HTEX_NONE;
+    unsigned char *texels = htex->texels + htex->offset[edge];
+    const float *diagonal = fill->diagonals + fill->ends[edge] * 2 * n,
+                *other = diagonal + (boundary ? 0 : width * n);
+    for (uint32_t i = 0; i < width; i++) {
+        for (size_t c = 0; c < n; c++)
+            rows[c] = 0.5f * (diagonal[i * n + c] + other[i * n + c]);
+        slv_type_from_float(htex->desc.type, rows, n,
+                            texels + ((size_t)(width - 1 - i) * width + i) * size);
+    }
+    for (uint32_t j = 1; boundary && j < width; j++)
+        for (uint32_t i = width - j; i < width; i++)
+            memcpy(texels + ((size_t)j * width + i) * size,
+                   texels + ((size_t)(width - 1 - i) * width + (width - 1 - j)) * size, size);
+    for (uint32_t level = 1; level <= log2; level++) {
+        uint64_t count = slv_htex_level_texels(log2, level - 1);
+        reduce(htex->desc.type, n, width >> (level - 1), texels, rows, texels + count * size);
+        texels += count * size;
+    }
+}
+
+static slv_result fill_edges(void *user, uint64_t first, uint64_t end) {
+    const slv_htex_fill *fill = user;
+    uint64_t n = fill->htex->desc.nchannels, most = 0;
     float *rows = NULL;
     for (uint64_t edge = first; edge < end; edge++)
-        most = htex->log2[edge] > most ? htex->log2[edge] : most;
+        most = fill->htex->log2[edge] > most ? fill->htex->log2[edge] : most;
     slv_result result =
         slvi_alloc(&fill->env, "texels", (UINT64_C(2) << most) * n, sizeof *rows, &rows);
-    for (uint64_t edge = first; !result && edge < end; edge++) {
-        uint32_t log2 = htex->log2[edge], width = 1u << log2;
-        bool boundary = fill->mesh->half[edge][1] == SLV_HTEX_NONE;
-        unsigned char *texels = htex->texels + htex->offset[edge];
-        const float *diagonal = fill->diagonals + fill->ends[edge] * 2 * n,
-                    *other = diagonal + (boundary ? 0 : width * n);
-        for (uint32_t i = 0; i < width; i++) {
-            for (size_t c = 0; c < n; c++)
-                rows[c] = 0.5f * (diagonal[i * n + c] + other[i * n + c]);
-            slv_type_from_float(htex->desc.type, rows, n,
-                                texels + ((size_t)(width - 1 - i) * width + i) * size);
-        }
-        for (uint32_t j = 1; boundary && j < width; j++)
-            for (uint32_t i = width - j; i < width; i++)
-                memcpy(texels + ((size_t)j * width + i) * size,
-                       texels + ((size_t)(width - 1 - i) * width + (width - 1 - j)) * size, size);
-        for (uint32_t level = 1; level <= log2; level++) {
-            uint64_t count = slv_htex_level_texels(log2, level - 1);
-            reduce(htex->desc.type, n, width >> (level - 1), texels, rows, texels + count * size);
-            texels += count * size;
-        }
-    }
+    for (uint64_t edge = first; !result && edge < end; edge++)
+        slvi_htex_fill_edge(fill, (uint32_t)edge, rows);
     slvi_free(rows);
     return result;
 }
@@ -248,7 +248,7 @@ static slv_result lay_out(const slv_env *env, const slv_htex_mesh *mesh, slv_hte
 static slv_result create(const slv_env *env, const slv_levels *levels,
                          const slv_adjacency *adjacency, const slv_htex_mesh *mesh,
                          slv_htex *htex) {
-    struct fill fill = {.levels = levels, .adjacency = adjacency, .mesh = mesh, .htex = htex};
+    slv_htex_fill fill = {.levels = levels, .adjacency = adjacency, .mesh = mesh, .htex = htex};
     uint64_t nedges = mesh->nedges, n = htex->desc.nchannels;
     slv_parallel_log *log = NULL;
     slv_result result;

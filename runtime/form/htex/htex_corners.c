@@ -6,10 +6,8 @@
 
 #include <string.h>
 
-enum { CORNERS = 4 };
-
-/* The nodes at a square's corners: at (0,0), (1,0), (0,1), (1,1). */
-static uint32_t nodes_of(const slv_htex_mesh *mesh, uint32_t edge, uint32_t nodes[CORNERS]) {
+uint32_t slvi_htex_nodes_of(const slv_htex_mesh *mesh, uint32_t edge,
+                            uint32_t nodes[SLV_HTEX_CORNERS]) {
     uint32_t half = mesh->half[edge][0], twin = mesh->half[edge][1];
     nodes[0] = slv_htex_centre(mesh, half);
     nodes[1] = mesh->root[half];
@@ -20,33 +18,73 @@ static uint32_t nodes_of(const slv_htex_mesh *mesh, uint32_t edge, uint32_t node
     return 4;
 }
 
-/* Numbers the nodes that are used, and finds the least resolution around each. */
-static slv_result number_nodes(const slv_env *env, slv_htex *htex, const slv_htex_mesh *mesh,
-                               uint32_t *number, uint32_t *count) {
-    uint64_t nnodes = 5 * (uint64_t)mesh->nfaces, total = 0;
-    slv_result result;
-    memset(number, 0xff, nnodes * sizeof *number);
-    for (uint32_t edge = 0; edge < htex->nedges; edge++) {
-        uint32_t nodes[CORNERS], n = nodes_of(mesh, edge, nodes);
-        for (uint32_t k = 0; k < n; k++)
-            if (number[nodes[k]] == SLV_HTEX_NONE)
-                number[nodes[k]] = htex->ncorners++;
-    }
-    if ((result =
-             slvi_alloc(env, "corners", htex->ncorners, sizeof *htex->corners, &htex->corners)))
-        return result;
-    for (uint32_t edge = 0; edge < htex->nedges; edge++) {
-        uint32_t nodes[CORNERS], n = nodes_of(mesh, edge, nodes);
+/* Numbers the nodes that are used, and counts the squares around each. */
+static void number_nodes(const slv_htex_mesh *mesh, slv_htex_around *out) {
+    uint64_t nnodes = 5 * (uint64_t)mesh->nfaces;
+    memset(out->number, 0xff, nnodes * sizeof *out->number);
+    for (uint32_t edge = 0; edge < mesh->nedges; edge++) {
+        uint32_t nodes[SLV_HTEX_CORNERS], n = slvi_htex_nodes_of(mesh, edge, nodes);
         for (uint32_t k = 0; k < n; k++) {
-            uint32_t at = number[nodes[k]];
-            slv_htex_corner *corner = &htex->corners[at];
-            if (!count[at]++ || htex->log2[edge] < corner->log2)
-                corner->log2 = htex->log2[edge];
+            uint32_t *number = &out->number[nodes[k]];
+            if (*number == SLV_HTEX_NONE) {
+                out->node[out->ncorners] = nodes[k];
+                *number = out->ncorners++;
+            }
+            out->first[*number + 1]++;
         }
     }
-    for (uint32_t i = 0; i < htex->ncorners; i++) {
-        htex->corners[i].first = (uint32_t)total;
-        total += htex->corners[i].log2 + 1u;
+}
+
+slv_result slvi_htex_around_create(const slv_env *env, const slv_htex_mesh *mesh,
+                                   slv_htex_around *out) {
+    uint64_t nnodes = 5 * (uint64_t)mesh->nfaces;
+    slv_result result;
+    *out = (slv_htex_around){0};
+    if ((result = slvi_alloc(env, "corners", nnodes, sizeof *out->number, &out->number)) ||
+        (result = slvi_alloc(env, "corners", nnodes, sizeof *out->node, &out->node)) ||
+        (result = slvi_alloc(env, "corners", nnodes + 2, sizeof *out->first, &out->first)))
+        return result;
+    number_nodes(mesh, out);
+    for (uint32_t i = 0; i < out->ncorners; i++)
+        out->first[i + 1] += out->first[i];
+    if ((result = slvi_alloc(env, "corners", out->first[out->ncorners], sizeof *out->squares,
+                             &out->squares)))
+        return result;
+    for (uint32_t edge = 0; edge < mesh->nedges; edge++) {
+        uint32_t nodes[SLV_HTEX_CORNERS], n = slvi_htex_nodes_of(mesh, edge, nodes);
+        for (uint32_t k = 0; k < n; k++)
+            out->squares[out->first[out->number[nodes[k]]]++] = edge * SLV_HTEX_CORNERS + k;
+    }
+    memmove(out->first + 1, out->first, out->ncorners * sizeof *out->first);
+    out->first[0] = 0;
+    return SLV_OK;
+}
+
+void slvi_htex_around_free(slv_htex_around *around) {
+    slvi_free(around->number);
+    slvi_free(around->node);
+    slvi_free(around->first);
+    slvi_free(around->squares);
+    *around = (slv_htex_around){0};
+}
+
+/* The least resolution around each corner, and where its values are. */
+static slv_result lay_out(const slv_env *env, const slv_htex_around *around, slv_htex *htex) {
+    uint64_t total = 0;
+    slv_result result =
+        slvi_alloc(env, "corners", around->ncorners, sizeof *htex->corners, &htex->corners);
+    if (result)
+        return result;
+    htex->ncorners = around->ncorners;
+    for (uint32_t i = 0; i < around->ncorners; i++) {
+        slv_htex_corner *corner = &htex->corners[i];
+        corner->log2 = UINT8_MAX;
+        for (uint32_t k = around->first[i]; k < around->first[i + 1]; k++) {
+            uint8_t log2 = htex->log2[around->squares[k] / SLV_HTEX_CORNERS];
+            corner->log2 = log2 < corner->log2 ? log2 : corner->log2;
+        }
+        corner->first = (uint32_t)total;
+        total += corner->log2 + 1u;
     }
     if (total > UINT32_MAX)
         return slvi_fail(env, SLV_ERROR_LIMIT, "half-edges: too many corners for 32-bit indices");
@@ -54,71 +92,76 @@ static slv_result number_nodes(const slv_env *env, slv_htex *htex, const slv_hte
     return SLV_OK;
 }
 
-static void add_texels(const slv_htex *htex, const slv_htex_mesh *mesh, const uint32_t *number,
-                       double *sums, float *value) {
+void slvi_htex_corner_values(slv_htex *htex, const slv_htex_around *around, const float *tops,
+                             uint32_t index, double *sums, float *value) {
+    const slv_htex_corner *corner = &htex->corners[index];
+    uint32_t first = around->first[index], end = around->first[index + 1];
     size_t n = htex->desc.nchannels;
-    for (uint32_t edge = 0; edge < htex->nedges; edge++) {
+    float *values = htex->values + corner->first * n;
+    memset(sums, 0, corner->log2 * n * sizeof *sums);
+    for (uint32_t i = first; i < end; i++) {
+        uint32_t edge = around->squares[i] / SLV_HTEX_CORNERS;
+        uint32_t k = around->squares[i] % SLV_HTEX_CORNERS;
         const unsigned char *texels = htex->texels + htex->offset[edge];
-        uint32_t nodes[CORNERS], ncorners = nodes_of(mesh, edge, nodes);
-        for (uint32_t level = 0; level <= htex->log2[edge]; level++) {
-            uint32_t log2 = htex->log2[edge] - level;
-            size_t last = ((size_t)1 << log2) - 1;
-            for (uint32_t k = 0; k < ncorners; k++) {
-                const slv_htex_corner *corner = &htex->corners[number[nodes[k]]];
-                size_t texel = (k / 2 * last << log2) + k % 2 * last;
-                if (log2 >= corner->log2)
-                    continue;
+        for (uint32_t log2 = htex->log2[edge] + 1; log2-- > 0;) {
+            size_t last = ((size_t)1 << log2) - 1, texel = (k / 2 * last << log2) + k % 2 * last;
+            if (log2 < corner->log2) {
                 slv_type_to_float(htex->desc.type, texels + texel * htex->texel_size, n, value);
                 for (size_t c = 0; c < n; c++)
-                    sums[(corner->first + log2) * n + c] += (double)value[c];
+                    sums[log2 * n + c] += (double)value[c];
             }
             texels += htex->texel_size << 2 * log2;
         }
     }
+    for (size_t i = 0; i < corner->log2 * n; i++)
+        values[i] = (float)(sums[i] / (end - first));
+    memcpy(values + corner->log2 * n, tops + around->node[index] * n, n * sizeof *tops);
 }
 
-static void take_means(slv_htex *htex, uint64_t nnodes, const uint32_t *number,
-                       const uint32_t *count, const double *sums, const float *tops) {
-    size_t n = htex->desc.nchannels;
-    for (uint64_t node = 0; node < nnodes; node++) {
-        if (number[node] == SLV_HTEX_NONE)
-            continue;
-        const slv_htex_corner *corner = &htex->corners[number[node]];
-        float *values = htex->values + corner->first * n;
-        for (size_t i = 0; i < corner->log2 * n; i++)
-            values[i] = (float)(sums[corner->first * n + i] / count[number[node]]);
-        memcpy(values + corner->log2 * n, tops + node * n, n * sizeof *tops);
-    }
+struct corner_job {
+    slv_htex *htex;
+    const slv_htex_around *around;
+    const float *tops;
+    const slv_env *env;
+};
+
+static slv_result fill_corners(void *user, uint64_t first, uint64_t end) {
+    const struct corner_job *job = user;
+    uint64_t n = job->htex->desc.nchannels;
+    double *sums = NULL;
+    float *value = NULL;
+    slv_result result;
+    if ((result =
+             slvi_alloc_plain(job->env, "corners", SLV_HTEX_MOST_LOG2 * n, sizeof *sums, &sums)) ||
+        (result = slvi_alloc_plain(job->env, "corners", n, sizeof *value, &value)))
+        goto done;
+    for (uint64_t corner = first; corner < end; corner++)
+        slvi_htex_corner_values(job->htex, job->around, job->tops, (uint32_t)corner, sums, value);
+done:
+    slvi_free(sums);
+    slvi_free(value);
+    return result;
 }
 
 slv_result slvi_htex_find_corners(const slv_env *env, slv_htex *htex, const slv_htex_mesh *mesh,
                                   const float *tops) {
-    uint64_t nnodes = 5 * (uint64_t)mesh->nfaces, n = htex->desc.nchannels;
-    uint32_t *number = NULL, *count = NULL;
-    double *sums = NULL;
-    float *value = NULL;
+    slv_htex_around around = {0};
+    struct corner_job job = {htex, &around, tops, env};
     slv_result result;
-    if ((result = slvi_alloc(env, "corners", nnodes, sizeof *number, &number)) ||
-        (result = slvi_alloc(env, "corners", nnodes, sizeof *count, &count)) ||
-        (result = number_nodes(env, htex, mesh, number, count)) ||
-        (result = slvi_alloc(env, "corners", htex->nvalues * n, sizeof *sums, &sums)) ||
-        (result = slvi_alloc(env, "corners", n, sizeof *value, &value)) ||
-        (result =
-             slvi_alloc(env, "corners", htex->nvalues * n, sizeof *htex->values, &htex->values)))
+    if ((result = slvi_htex_around_create(env, mesh, &around)) ||
+        (result = lay_out(env, &around, htex)) ||
+        (result = slvi_alloc(env, "corners", (uint64_t)htex->nvalues * htex->desc.nchannels,
+                             sizeof *htex->values, &htex->values)) ||
+        (result = slvi_parallel_for(env, htex->ncorners, 512, fill_corners, &job)))
         goto done;
-    add_texels(htex, mesh, number, sums, value);
-    take_means(htex, nnodes, number, count, sums, tops);
     for (uint32_t face = 0; face < mesh->nfaces; face++) {
         slv_htex_face *row = &htex->faces[face];
         uint32_t half = row->part ? 4 * mesh->before[mesh->before[face]] : 4 * face;
-        row->centre = number[slv_htex_centre(mesh, half)];
+        row->centre = around.number[slv_htex_centre(mesh, half)];
         for (uint32_t k = 0; k < 4; k++, half = slv_htex_next(mesh, half))
-            row->start[k] = number[mesh->root[half]];
+            row->start[k] = around.number[mesh->root[half]];
     }
 done:
-    slvi_free(number);
-    slvi_free(count);
-    slvi_free(sums);
-    slvi_free(value);
+    slvi_htex_around_free(&around);
     return result;
 }

@@ -91,8 +91,61 @@ typedef struct slv_htex_source {
 /* Bilinear; (u,v) lies in the face. */
 void slvi_htex_source_at(const slv_htex_source *source, float u, float v, float *out);
 
-/* Finds what the squares at a node agree on, and the corners of each face. `tops` has, per node,
- * the value at the least resolution around it. */
+/* The nodes at a square's corners: at (0,0), (1,0), (0,1), (1,1); returns how many. */
+enum { SLV_HTEX_CORNERS = 4, SLV_HTEX_MOST_LOG2 = SLV_MAX_LOG2_RES + 2 };
+uint32_t slvi_htex_nodes_of(const slv_htex_mesh *mesh, uint32_t edge,
+                            uint32_t nodes[SLV_HTEX_CORNERS]);
+
+/* The nodes that are corners of squares, numbered, and the squares around each: edge times
+ * SLV_HTEX_CORNERS and which of its corners, in the order of edges. */
+typedef struct slv_htex_around {
+    uint32_t ncorners;
+    uint32_t *number; /* per node, or SLV_HTEX_NONE */
+    uint32_t *node;   /* per corner */
+    uint32_t *first;  /* per corner, and where the last ends */
+    uint32_t *squares;
+} slv_htex_around;
+slv_result slvi_htex_around_create(const slv_env *env, const slv_htex_mesh *mesh,
+                                   slv_htex_around *out); /* freed also if it fails */
+void slvi_htex_around_free(slv_htex_around *around);
+
+/* The values of one corner. `tops` has, per node, the value at the least resolution around it;
+ * `sums` room for SLV_HTEX_MOST_LOG2 and `value` for one texel. */
+void slvi_htex_corner_values(slv_htex *htex, const slv_htex_around *around, const float *tops,
+                             uint32_t corner, double *sums, float *value);
+
+/* What squares are filled from. */
+typedef struct slv_htex_fill {
+    const slv_levels *levels;
+    const slv_adjacency *adjacency;
+    const slv_htex_mesh *mesh;
+    slv_htex *htex;
+    slv_env env;
+    const uint8_t *wanted; /* per edge; NULL: all */
+    uint64_t *ends;        /* per edge: where its samples on the edge begin, in texels */
+    float *diagonals; /* per edge and side: samples on the edge, from end to start of the first */
+    float *tops;      /* per node */
+} slv_htex_fill;
+
+/* A face's share of its squares and tops. `bordered` has room for level 0 with a border of one
+ * texel, `row` for a row of the largest square and a texel. */
+slv_result slvi_htex_fill_face(const slv_htex_fill *fill, uint32_t face, float *bordered,
+                               float *row);
+/* What needs both faces: the texels on the edge, the missing half at a boundary, and the levels.
+ * `rows` has room for two rows. */
+void slvi_htex_fill_edge(const slv_htex_fill *fill, uint32_t edge, float *rows);
+
+/* What making squares anew takes beyond the texture itself, found when it is first needed. */
+typedef struct slv_htex_again slv_htex_again;
+slv_result slvi_htex_again_create(const slv_env *env, const slv_adjacency *adjacency,
+                                  const slv_htex *htex, slv_htex_again **out);
+void slvi_htex_again_destroy(slv_htex_again *again);
+/* Makes some squares anew, and the values at their corners. */
+slv_result slvi_htex_refresh(slv_htex_again *again, const slv_levels *levels,
+                             const slv_adjacency *adjacency, const uint32_t *edges, uint32_t count,
+                             slv_htex *htex);
+
+/* Finds what the squares at a node agree on, and the corners of each face. */
 slv_result slvi_htex_find_corners(const slv_env *env, slv_htex *htex, const slv_htex_mesh *mesh,
                                   const float *tops);
 

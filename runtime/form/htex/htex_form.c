@@ -2,18 +2,19 @@
 #include "form/faces.h"
 
 #include "base/memory.h"
-
-#include <selvage/htex.h>
+#include "form/htex/htex_data.h"
 
 struct squares {
     slv_form_faces faces;
     slv_htex *htex;
+    slv_htex_again *again; /* NULL until something is refreshed */
 };
 
 static void destroy(void *made) {
     struct squares *form = made;
     if (!form)
         return;
+    slvi_htex_again_destroy(form->again);
     slv_htex_destroy(form->htex);
     slvi_free(form);
 }
@@ -118,6 +119,17 @@ static slv_result stale(const void *made, uint32_t face, const slv_rect *rect, s
     return result;
 }
 
+static slv_result refresh(void *made, const uint32_t *items, uint32_t nitems) {
+    struct squares *form = made;
+    const slv_form_faces *faces = &form->faces;
+    slv_result result = SLV_OK;
+    if (!form->again)
+        result = slvi_htex_again_create(&faces->env, faces->adjacency, form->htex, &form->again);
+    return result ? result
+                  : slvi_htex_refresh(form->again, faces->levels, faces->adjacency, items, nitems,
+                                      form->htex);
+}
+
 const slv_form *slv_form_htex(void) {
     static const slv_form form = {
         .name = "htex",
@@ -130,6 +142,7 @@ const slv_form *slv_form_htex(void) {
         .items = items_of,
         .read = read_level,
         .stale = stale,
+        .refresh = refresh,
     };
     return &form;
 }

@@ -27,8 +27,9 @@ typedef struct slv_form_texels {
 
 typedef slv_result (*slv_visit_item)(void *user, uint32_t item);
 
-/* The functions of a form. What `create` makes is immutable, so that the others may be called by
- * many threads at once; it refers to the levels and the adjacency, which must outlive it. */
+/* The functions of a form. What `create` makes is immutable but for `refresh`, so that the
+ * others may be called by many threads at once; it refers to the levels and the adjacency, which
+ * must outlive it. */
 typedef struct slv_form {
     const char *name;  /* one word */
     const char *title; /* what is stored, for a reader */
@@ -54,6 +55,10 @@ typedef struct slv_form {
      * of a face's level 0 are. Stops at what `visit` returns other than SLV_OK. */
     slv_result (*stale)(const void *made, uint32_t face, const slv_rect *rect, slv_visit_item visit,
                         void *user);
+    /* Makes `count` items anew from the levels, which were changed (slv_levels_update): all that
+     * `stale` visits for the changes, once each. Nobody else may use the form meanwhile. NULL if
+     * nothing is kept of items. */
+    slv_result (*refresh)(void *made, const uint32_t *items, uint32_t count);
 } slv_form;
 
 /* The extent of a level of an item; `border` is what `create` was given. */

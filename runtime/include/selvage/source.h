@@ -108,6 +108,13 @@ SLV_NODISCARD SLV_API slv_result slv_source_reduce(const slv_env *env, const slv
 SLV_NODISCARD SLV_API slv_result slv_source_decode(const slv_env *env, slv_source *inner,
                                                    slv_texture_encoding encoding, slv_source *out);
 
+/* The version of a store, which grows with every change; it begins as 1. */
+SLV_API uint64_t slv_texture_version(const slv_texture *texture);
+/* Visits what was changed of a store since it had version `since`, and maybe more: of a face, where
+ * too much was changed to remember its rectangles, all texels; every face if `since` is 0. */
+SLV_NODISCARD SLV_API slv_result slv_texture_changed(const slv_texture *texture, uint64_t since,
+                                                     slv_visit_rect visit, void *visitor);
+
 /* How a store is looked at. Zero means default. */
 typedef struct slv_texture_source_params {
     const char *name; /* for messages; NULL means "texture" */

@@ -118,10 +118,14 @@ SLV_API slv_texture_encoding slv_texture_get_encoding(const slv_texture *texture
  * SLV_TEXTURE_SRGB. On env->threads threads. */
 SLV_NODISCARD SLV_API slv_result slv_texture_decode(const slv_env *env, const slv_texture *texture,
                                                     slv_texture_encoding wanted, slv_texture **out);
+/* Brings a rectangle of a face of such a copy up to date. */
+SLV_NODISCARD SLV_API slv_result slv_texture_decode_rect(const slv_env *env,
+                                                         const slv_texture *texture, uint32_t face,
+                                                         slv_rect rect, slv_texture *decoded);
 
 /* Every level of every face, down to 1x1: a 2x2 mean (2x1 where an axis is at 1) of the level
- * above, computed in float and rounded once a level. A snapshot: it does not follow later changes
- * of the texture. Immutable. */
+ * above, computed in float and rounded once a level. A snapshot: it follows later changes of the
+ * texture where slv_levels_update is told of them; else immutable. */
 typedef struct slv_levels slv_levels;
 
 SLV_NODISCARD SLV_API slv_result slv_levels_create(const slv_env *env, const slv_texture *texture,
@@ -131,6 +135,13 @@ SLV_NODISCARD SLV_API slv_result slv_levels_create(const slv_env *env, const slv
 SLV_NODISCARD SLV_API slv_result slv_levels_create_over(const slv_env *env,
                                                         const slv_texture *texture,
                                                         slv_levels **out);
+/* After texels of a rectangle of a face were changed, or the face became constant or ceased to be:
+ * the levels become those that would be made afresh, in time that goes with the rectangle.
+ * `texture` is the one that they were made from. Nobody else may use the levels meanwhile. Memory
+ * is taken only the first time that a face becomes constant, or ceases to be; if there is none, the
+ * face is not to be read until a call succeeds. */
+SLV_NODISCARD SLV_API slv_result slv_levels_update(slv_levels *levels, const slv_texture *texture,
+                                                   uint32_t face, slv_rect rect);
 SLV_API void slv_levels_destroy(slv_levels *levels);
 /* The texels of a level, in the texture's type and tightly packed. Owned by the levels. */
 SLV_API const void *slv_levels_texels(const slv_levels *levels, uint32_t face, uint32_t level);
