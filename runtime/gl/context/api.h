@@ -48,6 +48,8 @@
     X(PFNGLTEXTURESTORAGE3DPROC, TextureStorage3D)                                                 \
     X(PFNGLTEXTURESUBIMAGE3DPROC, TextureSubImage3D)                                               \
     X(PFNGLCOMPRESSEDTEXTURESUBIMAGE3DPROC, CompressedTextureSubImage3D)                           \
+    X(PFNGLGETTEXTURESUBIMAGEPROC, GetTextureSubImage)                                             \
+    X(PFNGLGETCOMPRESSEDTEXTURESUBIMAGEPROC, GetCompressedTextureSubImage)                         \
     X(PFNGLTEXTUREPARAMETERIPROC, TextureParameteri)                                               \
     X(PFNGLTEXTUREPARAMETERIVPROC, TextureParameteriv)                                             \
     X(PFNGLBINDTEXTUREUNITPROC, BindTextureUnit)                                                   \
@@ -59,6 +61,7 @@
     X(PFNGLBINDSAMPLERPROC, BindSampler)                                                           \
     X(PFNGLCREATEBUFFERSPROC, CreateBuffers)                                                       \
     X(PFNGLDELETEBUFFERSPROC, DeleteBuffers)                                                       \
+    X(PFNGLNAMEDBUFFERSUBDATAPROC, NamedBufferSubData)                                             \
     X(PFNGLNAMEDBUFFERSTORAGEPROC, NamedBufferStorage)                                             \
     X(PFNGLBINDBUFFERBASEPROC, BindBufferBase)                                                     \
     X(PFNGLCREATEVERTEXARRAYSPROC, CreateVertexArrays)                                             \

@@ -119,6 +119,18 @@ static void fill_link_row(const slv_gl_source *source, const slv_gl_pools *layer
     }
 }
 
+/* The values at a face's corners: four floats for each level of each corner. `texel` has room for
+ * all channels. */
+static void corner_values(const slv_gl_source *source, uint32_t face, float *texel, float *out) {
+    uint32_t levels = slv_levels_count(source->levels, face);
+    for (unsigned corner = 0; corner < 4; corner++) {
+        for (uint32_t level = 0; level < levels; level++, out += 4) {
+            slv_border_vertex(source->levels, source->adjacency, face, level, corner, texel);
+            slvi_gl_table_value(&source->params, texel, out);
+        }
+    }
+}
+
 struct corner_job {
     const slv_gl_source *source;
     const struct link_row *rows;
@@ -133,20 +145,42 @@ static slv_result fill_corners(void *user, uint64_t first, uint64_t end) {
                    slv_levels_get_desc(job->source->levels)->nchannels, sizeof *values, &values);
     if (result)
         return result;
-    for (uint64_t face = first; face < end; face++) {
-        const struct link_row *row = &job->rows[face];
-        for (unsigned corner = 0; corner < 4; corner++) {
-            for (uint32_t level = 0; level < row->levels; level++) {
-                float *out =
-                    job->corners + 4 * ((size_t)row->corners + corner * row->levels + level);
-                slv_border_vertex(job->source->levels, job->source->adjacency, (uint32_t)face,
-                                  level, corner, values);
-                slvi_gl_table_value(&job->source->params, values, out);
-            }
-        }
-    }
+    for (uint64_t face = first; face < end; face++)
+        corner_values(job->source, (uint32_t)face, values,
+                      job->corners + 4 * (size_t)job->rows[face].corners);
     slvi_free(values);
-    return SLV_OK;
+    return result;
+}
+
+slv_result slvi_gl_links_refresh(const slv_gl_source *source, const slv_gl_pools *pools,
+                                 const void *made, const uint32_t *faces, uint32_t count,
+                                 slv_gl_reach *reach) {
+    float *texel = NULL, values[4 * SLV_GL_LEVELS * 4];
+    slv_result result =
+        slvi_alloc_plain(source->env, "corner", slv_levels_get_desc(source->levels)->nchannels,
+                         sizeof *texel, &texel);
+    (void)pools;
+    (void)made;
+    for (uint32_t i = 0; !result && i < count; i++) {
+        size_t size = 4 * sizeof *values;
+        corner_values(source, faces[i], texel, values);
+        source->gl->api.NamedBufferSubData(
+            reach->values, (GLintptr)(reach->first_value[faces[i]] * size),
+            (GLsizeiptr)(4 * slv_levels_count(source->levels, faces[i]) * size), values);
+    }
+    slvi_free(texel);
+    return result;
+}
+
+/* Where the values of each face are, for those who change them. */
+static slv_result keep_corners(const slv_gl_source *source, const struct link_row *rows,
+                               slv_gl_reach *out) {
+    uint32_t nfaces = slv_levels_get_desc(source->levels)->nfaces;
+    slv_result result = slvi_alloc(source->env, "corner table", nfaces, sizeof *out->first_value,
+                                   &out->first_value);
+    for (uint32_t f = 0; !result && f < nfaces; f++)
+        out->first_value[f] = rows[f].corners;
+    return result;
 }
 
 static slv_result upload_links(const slv_gl_source *source, const slv_gl_pools *layers,
@@ -178,6 +212,8 @@ static slv_result upload_links(const slv_gl_source *source, const slv_gl_pools *
     if (!result)
         result = slvi_gl_table(source, "corner table", values, ncorners * 4 * sizeof *values,
                                &out->values);
+    if (!result && source->params.live)
+        result = keep_corners(source, rows, out);
     out->bytes = (uint64_t)nfaces * sizeof *rows + ncorners * 4 * sizeof *values;
     slvi_free(rows);
     slvi_free(values);

@@ -113,7 +113,7 @@ slv_result slvi_gl_pools_assign(const slv_gl_source *source, const slv_gl_items 
                                 slv_gl_pools *out) {
     const slv_env *env = source->env;
     slv_result result = SLV_OK;
-    uint32_t count_all = items->count, npools = 0, *start = NULL;
+    uint32_t count_all = out->nitems = items->count, npools = 0, *start = NULL;
     slv_gl_pool *templates = NULL;
     if ((result = slvi_alloc(env, "size classes", NCLASSES + 1, sizeof *start, &start)) ||
         (result = slvi_alloc(env, "size classes", NCLASSES, sizeof *templates, &templates)) ||

@@ -37,7 +37,7 @@ typedef struct slv_gl_pools {
     slv_gl_packing packing;
     slv_gl_format format, wide_format;
     slv_gl_pool *pools;
-    uint32_t npools;
+    uint32_t npools, nitems;
     uint32_t *order; /* items in the order of pools and layers */
     uint32_t *pool_of, *layer_of;
 } slv_gl_pools;

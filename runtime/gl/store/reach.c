@@ -2,6 +2,7 @@
 #include "gl/store/reach.h"
 
 #include "base/log.h"
+#include "base/memory.h"
 #include "gl/store/links.h"
 #include "gl/store/squares.h"
 
@@ -16,12 +17,15 @@ static slv_result build_own(const slv_gl_source *source, const slv_gl_pools *poo
 static const struct reach_row {
     slv_result (*build)(const slv_gl_source *source, const slv_gl_pools *pools, const void *made,
                         slv_gl_reach *out);
+    /* after a change; NULL: there are no values of corners */
+    slv_result (*refresh)(const slv_gl_source *source, const slv_gl_pools *pools, const void *made,
+                          const uint32_t *faces, uint32_t count, slv_gl_reach *reach);
     uint32_t items;       /* that a face needs */
     uint32_t least_pools; /* of a batch, however few a host asks for */
 } kinds[SLV_GL_REACH_COUNT] = {
-    [SLV_GL_REACH_OWN] = {build_own, 1, 1},
-    [SLV_GL_REACH_NEIGHBOURS] = {slvi_gl_reach_neighbours, 1, 1},
-    [SLV_GL_REACH_SQUARES] = {slvi_gl_reach_squares, 4, 4},
+    [SLV_GL_REACH_OWN] = {build_own, NULL, 1, 1},
+    [SLV_GL_REACH_NEIGHBOURS] = {slvi_gl_reach_neighbours, slvi_gl_links_refresh, 1, 1},
+    [SLV_GL_REACH_SQUARES] = {slvi_gl_reach_squares, slvi_gl_squares_refresh, 4, 4},
 };
 
 slv_result slvi_gl_reach_build(const slv_gl_source *source, slv_gl_reach_kind kind,
@@ -40,8 +44,18 @@ slv_result slvi_gl_reach_build(const slv_gl_source *source, slv_gl_reach_kind ki
     return result;
 }
 
+/* The parameters say what is read, of what, and what becomes of it. */
+slv_result slvi_gl_reach_refresh(const slv_gl_source *source, slv_gl_reach_kind kind,
+                                 const slv_gl_pools *pools, const void *made, const uint32_t *faces,
+                                 uint32_t count, slv_gl_reach *reach) {
+    return kinds[kind].refresh ? kinds[kind].refresh(source, pools, made, faces, count, reach)
+                               : SLV_OK;
+}
+
 void slvi_gl_reach_free(const slv_gl *gl, slv_gl_reach *reach) {
     slvi_gl_batches_free(&reach->batches);
+    slvi_free(reach->first_value);
+    slvi_gl_marks_end(&reach->corners);
     gl->api.DeleteBuffers(1, &reach->ways);
     gl->api.DeleteBuffers(1, &reach->values);
     memset(reach, 0, sizeof *reach);

@@ -4,16 +4,23 @@
 #define SLV_GL_REACH_H
 
 #include "gl/store/batches.h"
+#include "gl/store/marks.h"
 
 typedef struct slv_gl_reach {
     slv_gl_batches batches;
-    GLuint ways, values; /* 0: none. Bound at SLV_GL_FIRST_STORAGE + 1 and + 3 */
-    uint64_t bytes;      /* of these */
+    GLuint ways, values;   /* 0: none. Bound at SLV_GL_FIRST_STORAGE + 1 and + 3 */
+    uint64_t bytes;        /* of these */
+    uint32_t *first_value; /* per face or corner of what follows changes: where its values are */
+    slv_gl_marks corners;  /* of htex: those at hand */
 } slv_gl_reach;
 
 /* `made` is what the pools' form has made of the source. */
 slv_result slvi_gl_reach_build(const slv_gl_source *source, slv_gl_reach_kind kind,
                                const slv_gl_pools *pools, const void *made, slv_gl_reach *out);
+/* After a change: the values at the corners of some faces, those whose borders may be others. */
+slv_result slvi_gl_reach_refresh(const slv_gl_source *source, slv_gl_reach_kind kind,
+                                 const slv_gl_pools *pools, const void *made, const uint32_t *faces,
+                                 uint32_t count, slv_gl_reach *reach);
 void slvi_gl_reach_free(const slv_gl *gl, slv_gl_reach *reach);
 
 /* The most pools that a batch binds. */

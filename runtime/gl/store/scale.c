@@ -18,6 +18,13 @@ static uint64_t stored_values(const slv_texture *texture, uint32_t face) {
     return texels * desc->nchannels;
 }
 
+bool slvi_gl_is_large(const float *values, uint64_t count) {
+    bool large = false;
+    for (uint64_t i = 0; i < count; i++)
+        large |= fabsf(values[i]) > MOST;
+    return large;
+}
+
 struct scan {
     const slv_texture *texture;
     unsigned char *large; /* of each face */
@@ -27,11 +34,7 @@ static slv_result scan_faces(void *user, uint64_t first, uint64_t end) {
     const struct scan *scan = user;
     for (uint64_t face = first; face < end; face++) {
         const float *values = slv_texture_texels(scan->texture, (uint32_t)face);
-        uint64_t count = stored_values(scan->texture, (uint32_t)face);
-        bool large = false;
-        for (uint64_t i = 0; i < count; i++)
-            large |= fabsf(values[i]) > MOST;
-        scan->large[face] = large;
+        scan->large[face] = slvi_gl_is_large(values, stored_values(scan->texture, (uint32_t)face));
     }
     return SLV_OK;
 }

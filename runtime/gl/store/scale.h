@@ -6,6 +6,7 @@
 
 /* Shaders multiply what they return by this where the texture was divided by it. */
 #define SLV_GL_SCALE 16777216.0f
+bool slvi_gl_is_large(const float *values, uint64_t count);
 /* A copy of a float texture with values so large that sums of a few would overflow, divided by
  * SLV_GL_SCALE; NULL for any other. */
 slv_result slvi_gl_scale_down(const slv_env *env, const slv_texture *texture, slv_texture **out);

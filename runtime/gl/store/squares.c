@@ -90,8 +90,51 @@ slv_result slvi_gl_reach_squares(const slv_gl_source *source, const slv_gl_pools
     }
     slvi_gl_batches_list(batches, order, nfaces, batch_of);
     result = upload_squares(source, htex, batches, batch_of, layers, out);
+    if (!result && source->params.live)
+        result = slvi_gl_marks_begin(source->env, slv_htex_value_count(htex), &out->corners);
 done:
     slvi_free(batch_of);
     slvi_free(order);
     return result;
+}
+
+static void mark_corners(const slv_htex *htex, uint32_t f, slv_gl_marks *corners) {
+    slv_htex_face face = slv_htex_get_face(htex, f);
+    slvi_gl_marks_add(corners, face.centre);
+    for (uint32_t k = 0; k < 4; k++)
+        slvi_gl_marks_add(corners, face.start[k]);
+}
+
+/* All values of a corner, which follow one another. */
+static void send_corner(const slv_gl_source *source, const slv_htex *htex, uint32_t corner,
+                        GLuint table) {
+    uint32_t first, log2, nchannels = slv_htex_get_desc(htex)->nchannels;
+    float values[4 * (SLV_GL_LEVELS + 1)];
+    slv_htex_get_corner(htex, corner, &first, &log2);
+    for (uint32_t i = 0; i <= log2; i++)
+        slvi_gl_table_value(&source->params,
+                            slv_htex_values(htex) + (size_t)(first + i) * nchannels,
+                            values + 4 * i);
+    source->gl->api.NamedBufferSubData(table, (GLintptr)(first * 4 * sizeof *values),
+                                       (GLsizeiptr)((log2 + 1) * 4 * sizeof *values), values);
+}
+
+slv_result slvi_gl_squares_refresh(const slv_gl_source *source, const slv_gl_pools *pools,
+                                   const void *made, const uint32_t *faces, uint32_t count,
+                                   slv_gl_reach *reach) {
+    const slv_htex *htex = slv_form_get_htex(pools->form, made);
+    slv_gl_marks *corners = &reach->corners;
+    slvi_gl_marks_clear(corners);
+    for (uint32_t i = 0; i < count; i++) {
+        mark_corners(htex, faces[i], corners);
+        for (unsigned e = 0; e < 4; e++) {
+            slv_neighbour to[2];
+            uint32_t n = slv_adjacency_neighbours(source->adjacency, (int32_t)faces[i], e, to);
+            while (n-- > 0)
+                mark_corners(htex, (uint32_t)to[n].face, corners);
+        }
+    }
+    for (uint32_t i = 0; i < corners->count; i++)
+        send_corner(source, htex, corners->listed[i], reach->values);
+    return SLV_OK;
 }

@@ -49,27 +49,27 @@ done:
 
 struct widen_job {
     const slv_gl_source *source;
-    const slv_form *form;
-    const void *made;
+    const slv_gl_store *store;
     uint8_t *wide;
-    bool bytes; /* colours that were decoded become 8 bits again */
 };
 
 /* Whether a value of an item lies outside of 0..1, which is the range of 8 bits whatever the range
  * of the colours that were decoded for them. */
-static slv_result leaves_bytes(const struct widen_job *job, uint32_t item, bool *out) {
-    uint32_t border = slvi_gl_border(&job->source->params),
-             nchannels = slv_levels_get_desc(job->source->levels)->nchannels;
-    slv_res res = job->form->res(job->made, item);
-    slv_form_extent extent = slv_form_level_extent(job->form, res, 0, border);
+static slv_result leaves_bytes(const slv_gl_source *source, const slv_gl_store *store,
+                               uint32_t item, bool *out) {
+    const slv_form *form = store->pools.form;
+    uint32_t border = slvi_gl_border(&source->params),
+             nchannels = slv_levels_get_desc(source->levels)->nchannels;
+    slv_res res = form->res(store->made, item);
+    slv_form_extent extent = slv_form_level_extent(form, res, 0, border);
     float *scratch = NULL;
     slv_result result =
-        slvi_alloc_plain(&job->source->shared, "border", (uint64_t)extent.width * extent.height,
+        slvi_alloc_plain(&source->shared, "border", (uint64_t)extent.width * extent.height,
                          nchannels * sizeof *scratch, &scratch);
     for (uint32_t level = 0; !result && !*out && level < slv_res_level_count(res); level++) {
         slv_form_texels texels;
-        extent = slv_form_level_extent(job->form, res, level, border);
-        result = job->form->read(job->made, item, level, scratch, &texels);
+        extent = slv_form_level_extent(form, res, level, border);
+        result = form->read(store->made, item, level, scratch, &texels);
         if (result || texels.type != SLV_TYPE_FLOAT)
             break;
         const float *values = texels.texels;
@@ -80,13 +80,24 @@ static slv_result leaves_bytes(const struct widen_job *job, uint32_t item, bool 
     return result;
 }
 
+slv_result slvi_gl_store_is_wide(const slv_gl_source *source, const slv_gl_store *store,
+                                 uint32_t item, bool *out) {
+    const slv_form *form = store->pools.form;
+    *out = false;
+    if (!form->leaves_range)
+        return SLV_OK;
+    /* colours that were decoded become 8 bits again */
+    return source->srgb && store->pools.format.type == SLV_TYPE_U8
+               ? leaves_bytes(source, store, item, out)
+               : form->leaves_range(store->made, item, out);
+}
+
 static slv_result find_wide(void *user, uint64_t first, uint64_t end) {
     struct widen_job *job = user;
     slv_result result = SLV_OK;
     for (uint64_t item = first; !result && item < end; item++) {
         bool wide = false;
-        result = job->bytes ? leaves_bytes(job, (uint32_t)item, &wide)
-                            : job->form->leaves_range(job->made, (uint32_t)item, &wide);
+        result = slvi_gl_store_is_wide(job->source, job->store, (uint32_t)item, &wide);
         job->wide[item] = wide;
     }
     return result;
@@ -94,17 +105,14 @@ static slv_result find_wide(void *user, uint64_t first, uint64_t end) {
 
 /* Items whose values leave the range of the texture's type get a wider one, or are clipped where
  * there are only blocks. */
-static slv_result widen(const slv_gl_source *source, const void *made, slv_gl_items *items,
-                        slv_gl_store *store) {
-    struct widen_job job = {.source = source,
-                            .form = store->pools.form,
-                            .made = made,
-                            .wide = items->wide,
-                            .bytes = source->srgb && store->pools.format.type == SLV_TYPE_U8};
+static slv_result widen(const slv_gl_source *source, slv_gl_items *items, slv_gl_store *store) {
+    struct widen_job job = {source, store, items->wide};
     bool blocks = store->pools.format.block;
     slv_result result = slvi_parallel_for(&source->shared, items->count, 64, find_wide, &job);
     for (uint32_t i = 0; i < items->count; i++)
         *(blocks ? &store->nclipped : &store->nwide) += items->wide[i];
+    if (store->wide)
+        memcpy(store->wide, items->wide, items->count);
     if (blocks)
         memset(items->wide, 0, items->count);
     return result;
@@ -163,14 +171,21 @@ static slv_result count_pool(const slv_gl_source *source, const slv_gl_pool *poo
                           nfaces * *layers / nitems - nfaces * before / nitems);
 }
 
-slv_result slvi_gl_store_build(const slv_gl_source *source, const slv_form *form, const void *made,
+static slv_result begin_following(const slv_gl_source *source, uint32_t nitems,
+                                  slv_gl_store *store) {
+    slv_result result = slvi_alloc(source->env, "items", nitems, 1, &store->wide);
+    return result ? result : slvi_gl_marks_begin(source->env, nitems, &store->stale);
+}
+
+slv_result slvi_gl_store_build(const slv_gl_source *source, const slv_form *form, void *made,
                                slv_gl_packing packing, bool coverage, slv_gl_store *out) {
     slv_type type = slv_levels_get_desc(source->levels)->type;
     uint32_t first = source->params.first_channel, nchannels = source->params.nchannels;
     slv_gl_staging staging = {0};
     uint64_t layers = 0;
     slv_gl_items items = {0};
-    slv_gl_store store = {.pools = {.form = form, .packing = packing}, .coverage = coverage};
+    slv_gl_store store = {
+        .pools = {.form = form, .packing = packing}, .made = made, .coverage = coverage};
     slv_gl_pools *pools = &store.pools;
     slv_result result = SLV_OK;
     bool blocks = source->params.compression == SLV_GL_COMPRESSION_BLOCKS;
@@ -182,7 +197,8 @@ slv_result slvi_gl_store_build(const slv_gl_source *source, const slv_form *form
     if ((blocks && (result = slvi_gl_format_compress(source->gl, source->env, source->type,
                                                      &pools->format))) ||
         (result = list_items(source, form, made, &items)) ||
-        (form->leaves_range && (result = widen(source, made, &items, &store))) ||
+        (source->params.live && (result = begin_following(source, items.count, &store))) ||
+        (form->leaves_range && (result = widen(source, &items, &store))) ||
         (result = slvi_gl_pools_assign(source, &items, pools)))
         goto done;
     for (uint32_t p = 0; !result && p < pools->npools; p++)
@@ -201,11 +217,21 @@ done:
     return result;
 }
 
+void slvi_gl_store_let_go(slv_gl_store *store) {
+    if (store->pools.form)
+        store->pools.form->destroy(store->made);
+    store->made = NULL;
+    slvi_free(store->wide);
+    store->wide = NULL;
+    slvi_gl_marks_end(&store->stale);
+}
+
 void slvi_gl_store_free(const slv_gl *gl, slv_gl_store *store) {
     for (uint32_t p = 0; p < store->pools.npools; p++) {
         gl->api.DeleteTextures(1, &store->pools.pools[p].texture);
         gl->api.DeleteTextures(1, &store->pools.pools[p].coverage);
     }
+    slvi_gl_store_let_go(store);
     gl->api.DeleteBuffers(1, &store->table);
     gl->api.DeleteBuffers(1, &store->rects);
     slvi_gl_pools_free(&store->pools);

@@ -3,10 +3,14 @@
 #define SLV_GL_STORE_H
 
 #include "gl/store/compress.h"
+#include "gl/store/marks.h"
 #include "gl/store/pools.h"
 
 typedef struct slv_gl_store {
     slv_gl_pools pools;
+    void *made;         /* by the form; NULL where nothing follows changes */
+    uint8_t *wide;      /* per item: whether it needs a wider type; likewise */
+    slv_gl_marks stale; /* items at hand; likewise */
     bool coverage; /* texels have it, in a channel or, beside four channels, in arrays of its own */
     uint32_t nwide, nclipped;
     slv_gl_block_error error;
@@ -15,9 +19,14 @@ typedef struct slv_gl_store {
     uint64_t bytes, coverage_bytes; /* coverage apart, for not every strategy binds it */
 } slv_gl_store;
 
-/* `made` is what the form has made of the source. */
-slv_result slvi_gl_store_build(const slv_gl_source *source, const slv_form *form, const void *made,
+/* `made` is what the form has made of the source, which the store takes, also if it fails. */
+slv_result slvi_gl_store_build(const slv_gl_source *source, const slv_form *form, void *made,
                                slv_gl_packing packing, bool coverage, slv_gl_store *out);
+/* Whether an item needs a wider type than the texture's, as it is now. */
+slv_result slvi_gl_store_is_wide(const slv_gl_source *source, const slv_gl_store *store,
+                                 uint32_t item, bool *out);
+/* Gives back what only following changes takes. */
+void slvi_gl_store_let_go(slv_gl_store *store);
 void slvi_gl_store_free(const slv_gl *gl, slv_gl_store *store);
 
 #endif

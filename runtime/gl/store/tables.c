@@ -10,7 +10,8 @@ slv_result slvi_gl_buffer(const slv_gl *gl, const slv_env *env, const char *what
                           uint64_t bytes, GLuint *out) {
     const slv_gl_api *api = &gl->api;
     api->CreateBuffers(1, out);
-    api->NamedBufferStorage(*out, (GLsizeiptr)(bytes ? bytes : 16), bytes ? data : NULL, 0);
+    api->NamedBufferStorage(*out, (GLsizeiptr)(bytes ? bytes : 16), bytes ? data : NULL,
+                            GL_DYNAMIC_STORAGE_BIT);
     return slvi_gl_check(gl, env, what);
 }
 
@@ -68,6 +69,7 @@ slv_result slvi_gl_level_table(const slv_gl_source *source, const slv_gl_pools *
 }
 
 void slvi_gl_table_value(const slv_gl_texture_params *params, const float *from, float to[4]) {
+    to[1] = to[2] = 0;
     to[3] = 1;
     memcpy(to, from + params->first_channel, params->nchannels * sizeof *to);
     if (params->nchannels == 1)

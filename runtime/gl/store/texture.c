@@ -4,8 +4,8 @@
 
 #include "base/log.h"
 #include "base/memory.h"
-#include "base/parallel.h"
-#include "gl/store/scale.h"
+
+#include <selvage/border.h>
 
 #include <math.h>
 #include <string.h>
@@ -134,7 +134,7 @@ static bool needs_coverage(const slv_gl_texture *texture, const slv_strategy *st
 }
 
 /* The reach of a slot, shared with those before it or built. */
-static slv_result find_reach(const slv_gl_source *source, slv_gl_texture *texture, const void *made,
+static slv_result find_reach(const slv_gl_source *source, slv_gl_texture *texture,
                              slv_gl_slot *slot) {
     slv_gl_reach_kind kind = slot->strategy->reach;
     for (slot->reach = 0; slot->reach < texture->nreaches; slot->reach++) {
@@ -143,8 +143,8 @@ static slv_result find_reach(const slv_gl_source *source, slv_gl_texture *textur
             return SLV_OK;
     }
     slv_gl_reach_row *row = &texture->reaches[texture->nreaches];
-    slv_result result =
-        slvi_gl_reach_build(source, kind, &texture->stores[slot->store].pools, made, &row->reach);
+    const slv_gl_store *store = &texture->stores[slot->store];
+    slv_result result = slvi_gl_reach_build(source, kind, &store->pools, store->made, &row->reach);
     if (result)
         return result;
     row->store = slot->store;
@@ -172,9 +172,8 @@ static slv_result build_store(const slv_gl_source *source, slv_gl_texture *textu
             continue;
         slot->store = store;
         slot->sampler = make_sampler(texture, slot->strategy);
-        result = find_reach(source, texture, made, slot);
+        result = find_reach(source, texture, slot);
     }
-    form->destroy(made);
     return result;
 }
 
@@ -199,26 +198,23 @@ static uint64_t texel_bytes(const slv_texture_desc *desc, uint32_t nchannels) {
     return texels * nchannels * slv_type_size(desc->type);
 }
 
-/* The levels of the texture's light: of a copy, which must outlive them, if it is encoded, or its
- * values are too large. */
-static slv_result make_levels(const slv_env *env, const slv_texture *texture, slv_gl_texture *made,
-                              slv_texture **copy, slv_levels **out) {
-    slv_texture *decoded = NULL, *scaled = NULL;
-    slv_result result = slv_texture_decode(env, texture, made->params.encoding, &decoded);
-    const slv_texture *light = decoded ? decoded : texture;
-    bool bytes = decoded && slv_texture_get_desc(texture)->type == SLV_TYPE_U8;
-    if (result || (result = slvi_gl_scale_down(env, light, &scaled)) ||
-        (bytes && (result = slvi_alloc_plain(env, "sRGB curve", SLVI_GL_SRGB, 1, &made->srgb))) ||
-        (result = slv_levels_create_over(env, scaled ? scaled : light, out)))
-        goto done;
-    made->scaled = scaled != NULL;
-    if (bytes)
-        slvi_gl_srgb_fill(made->srgb);
-done:
-    if (scaled)
-        slv_texture_destroy(decoded);
-    *copy = scaled ? scaled : decoded;
-    return result;
+/* What remains only where changes are followed. */
+static slv_result keep_live(slv_gl_texture *texture) {
+    slv_gl_live *live = texture->live;
+    slv_result result;
+    live->source.steps = NULL;
+    live->source.env = &texture->env;
+    if (texture->params.live) {
+        if ((result = slvi_gl_marks_begin(&texture->env, texture->nfaces, &live->faces)))
+            return result;
+        return slv_form_borders()->create(&live->source.shared, live->levels,
+                                          live->source.adjacency, 1, &live->around);
+    }
+    for (uint32_t k = 0; k < texture->nstores; k++)
+        slvi_gl_store_let_go(&texture->stores[k]);
+    slvi_gl_live_destroy(live);
+    texture->live = NULL;
+    return SLV_OK;
 }
 
 slv_result slv_gl_texture_create(slv_gl *gl, const slv_env *env, const slv_texture *texture,
@@ -226,11 +222,7 @@ slv_result slv_gl_texture_create(slv_gl *gl, const slv_env *env, const slv_textu
                                  const slv_gl_texture_params *params, slv_gl_texture **out) {
     const slv_texture_desc *desc = slv_texture_get_desc(texture);
     slvi_steps steps;
-    slv_gl_source source = {.env = env, .gl = gl, .adjacency = adjacency, .steps = &steps};
     slv_gl_texture *made = NULL;
-    slv_texture *copy = NULL;
-    slv_levels *levels = NULL;
-    slv_parallel_log *log = NULL;
     slv_result result = SLV_OK;
     *out = NULL;
     if (slv_adjacency_face_count(adjacency) != desc->nfaces)
@@ -247,27 +239,50 @@ slv_result slv_gl_texture_create(slv_gl *gl, const slv_env *env, const slv_textu
     if ((result = fill_params(gl, env, desc, params, &made->params)) ||
         (result = list_slots(made, params)) ||
         (result = slvi_alloc(env, "face table", desc->nfaces, sizeof *made->res, &made->res)) ||
-        (result = make_levels(env, texture, made, &copy, &levels)) ||
-        (result = slvi_parallel_env_begin(env, &log, &source.shared)))
+        (result =
+             slvi_gl_live_create(gl, env, texture, adjacency, &made->params, &steps, &made->live)))
         goto done;
     slvi_gl_set_state(gl);
     memcpy(made->res, desc->res, desc->nfaces * sizeof *made->res);
     made->texel_bytes = texel_bytes(desc, made->params.nchannels);
-    source.type = desc->type;
-    source.levels = levels;
-    source.srgb = made->srgb;
-    source.params = made->params;
-    result = build_all(&source, made);
+    made->scaled = made->live->scaled;
+    if (!(result = build_all(&made->live->source, made)))
+        result = keep_live(made);
 done:
     slvi_steps_end(&steps);
-    slvi_parallel_env_end(log);
-    slv_levels_destroy(levels);
-    slv_texture_destroy(copy);
     if (result) {
         slv_gl_texture_destroy(made);
         made = NULL;
     }
     *out = made;
+    return result;
+}
+
+slv_result slvi_gl_texture_renew(slv_gl_texture *texture) {
+    const slv_env *env = &texture->env;
+    slv_gl_texture_params params = texture->params;
+    slv_gl_texture *fresh = NULL, old;
+    const slv_strategy **strategies = NULL;
+    slv_result result =
+        slvi_alloc(env, "strategies", texture->nslots, sizeof *strategies, &strategies);
+    if (result)
+        return result;
+    for (uint32_t i = 0; i < texture->nslots; i++)
+        strategies[i] = texture->slots[i].strategy;
+    params.strategies = strategies;
+    params.nstrategies = texture->nslots;
+    params.progress = (slv_progress){0};
+    result = slv_gl_texture_create(texture->gl, env, texture->live->texture,
+                                   texture->live->source.adjacency, &params, &fresh);
+    if (!result) {
+        old = *texture;
+        *texture = *fresh;
+        *fresh = old;
+        texture->live->source.env = &texture->env;
+        fresh->live->source.env = &fresh->env;
+        slv_gl_texture_destroy(fresh);
+    }
+    slvi_free(strategies);
     return result;
 }
 
@@ -288,11 +303,11 @@ void slv_gl_texture_destroy(slv_gl_texture *texture) {
             api->DeleteProgram(slot->lookup_programs[v]);
         }
     }
+    slvi_gl_live_destroy(texture->live);
     slvi_free(texture->stores);
     slvi_free(texture->reaches);
     slvi_free(texture->slots);
     slvi_free(texture->res);
-    slvi_free(texture->srgb);
     slvi_free(texture);
 }
 

@@ -2,6 +2,7 @@
 #ifndef SLV_GL_TEXTURE_DATA_H
 #define SLV_GL_TEXTURE_DATA_H
 
+#include "gl/live/live.h"
 #include "gl/store/reach.h"
 #include "gl/store/store.h"
 
@@ -31,8 +32,8 @@ struct slv_gl_texture {
     uint32_t nfaces;
     slv_res *res; /* of each face */
     uint64_t texel_bytes;
-    bool scaled;   /* see slvi_gl_scale_down */
-    uint8_t *srgb; /* see slvi_gl_srgb_fill; NULL where nothing is encoded */
+    bool scaled;       /* see slvi_gl_scale_down */
+    slv_gl_live *live; /* NULL where nothing follows changes */
     slv_gl_store *stores;
     slv_gl_reach_row *reaches;
     slv_gl_slot *slots;
@@ -47,6 +48,9 @@ slv_result slvi_gl_texture_need(const slv_gl_texture *texture, const slv_env *en
 /* Empty for a strategy that the texture was not made for. */
 const slv_gl_batches *slvi_gl_texture_batches(const slv_gl_texture *texture,
                                               const slv_strategy *strategy);
+
+/* All of a texture that follows changes anew, in the same place. */
+slv_result slvi_gl_texture_renew(slv_gl_texture *texture);
 
 /* Whether shaders take the taps of a long footprint themselves, where the sampler would not. */
 bool slvi_gl_taps_in_shader(const slv_gl *gl);

@@ -236,7 +236,7 @@ static slv_rect inside(const slv_gl_place *place, const slv_gl_place *part, size
 
 slv_result slvi_gl_upload_rect(const slv_gl_source *source, const slv_gl_pools *pools,
                                const void *made, uint32_t item, uint32_t level,
-                               const slv_rect *rect, slv_gl_staging *staging) {
+                               const slv_rect *rect, slv_gl_staging *staging, uint64_t *sent) {
     slv_gl_place place = slvi_gl_place(pools, item, level);
     slv_rect all = {0, 0, place.width, place.height};
     slv_gl_place part = slvi_gl_place_part(&place, rect ? *rect : all);
@@ -264,5 +264,6 @@ slv_result slvi_gl_upload_rect(const slv_gl_source *source, const slv_gl_pools *
                               part.width, part.height, stored, used, stored + bytes, &lost)))
         return result;
     slvi_gl_place_send(source->gl, &part, 1, format->block ? stored + bytes : stored);
+    *sent += format->block ? blocks : bytes;
     return SLV_OK;
 }

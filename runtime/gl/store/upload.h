@@ -21,9 +21,9 @@ slv_result slvi_gl_upload_level(const slv_gl_source *source, const slv_gl_pools 
                                 slv_gl_staging *staging, slv_gl_block_error *error);
 
 /* Fills and uploads a rectangle of the texels that a level of one item has where it lies; NULL: all
- * of them. On this thread. */
+ * of them. On this thread. *sent grows by the bytes handed to the driver. */
 slv_result slvi_gl_upload_rect(const slv_gl_source *source, const slv_gl_pools *pools,
                                const void *made, uint32_t item, uint32_t level,
-                               const slv_rect *rect, slv_gl_staging *staging);
+                               const slv_rect *rect, slv_gl_staging *staging, uint64_t *sent);
 
 #endif

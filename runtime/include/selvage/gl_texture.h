@@ -71,6 +71,9 @@ typedef struct slv_gl_texture_params {
     slv_gl_branching branching;
     slv_gl_compression compression; /* of textures other than 8-bit: SLV_ERROR_UNSUPPORTED */
     slv_texture_encoding encoding; /* of the colours; default: as slv_texture_get_encoding has it */
+    bool live; /* slv_gl_texture_update (gl_live.h) will be called: the texture and the adjacency
+                  outlive this one, which keeps levels and forms in memory, and a decoded copy of
+                  encoded colours */
     slv_progress progress; /* faces, once for each form in which they are stored; on this thread */
     uint64_t reserved[4];
 } slv_gl_texture_params;
@@ -100,8 +103,8 @@ typedef struct slv_gl_texture slv_gl_texture;
  * blocks; but one or two channels become half where the driver lacks GL_EXT_texture_sRGB_R8 and its
  * like for two, and their blocks hold light in 8 bits. 16 bits and others become float.
  *
- * Neither argument is needed afterwards. `adjacency` must have as many faces as `texture`. Changes
- * GL state as slv_gl_wrap says. */
+ * Neither argument is needed afterwards, but for `live`. `adjacency` must have as many faces as
+ * `texture`. Changes GL state as slv_gl_wrap says. */
 SLV_NODISCARD SLV_API slv_result slv_gl_texture_create(slv_gl *gl, const slv_env *env,
                                                        const slv_texture *texture,
                                                        const slv_adjacency *adjacency,

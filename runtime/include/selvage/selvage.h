@@ -11,6 +11,7 @@
 #include <selvage/filter.h>
 #include <selvage/form.h>
 #include <selvage/gl_context.h>
+#include <selvage/gl_live.h>
 #include <selvage/gl_renderer.h>
 #include <selvage/gl_strategy.h>
 #include <selvage/gl_texture.h>

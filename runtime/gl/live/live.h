@@ -1,0 +1,42 @@
+/* What a texture on the GPU is made from, which one that follows its texels keeps. */
+#ifndef SLV_GL_LIVE_H
+#define SLV_GL_LIVE_H
+
+#include "base/parallel.h"
+#include "gl/store/marks.h"
+#include "gl/store/upload.h"
+
+/* A change of texels. */
+typedef struct slv_gl_change {
+    uint32_t face;
+    slv_rect rect;
+} slv_gl_change;
+
+typedef struct slv_gl_live {
+    slv_gl_source source; /* refers to what follows */
+    slv_parallel_log *log;
+    const slv_texture *texture; /* the host's */
+    slv_texture *copy;          /* its light, where it is encoded or its values are too large */
+    slv_levels *levels;
+    uint8_t *srgb; /* see slvi_gl_srgb_fill; NULL where nothing is encoded */
+    bool scaled;   /* see slvi_gl_scale_down */
+    uint64_t seen; /* the version that the GPU has */
+    slv_gl_change *changes;
+    uint32_t nchanges, capacity;
+    void *around;       /* made of slv_form_borders: which faces depend on which */
+    slv_gl_marks faces; /* that depend on those changed */
+    slv_gl_staging staging;
+} slv_gl_live;
+
+/* The levels of a texture's light, and all else that uploading takes. `env` outlives it, as does
+ * `texture` where the levels are read. */
+slv_result slvi_gl_live_create(slv_gl *gl, const slv_env *env, const slv_texture *texture,
+                               const slv_adjacency *adjacency, const slv_gl_texture_params *params,
+                               slvi_steps *steps, slv_gl_live **out);
+void slvi_gl_live_destroy(slv_gl_live *live);
+
+/* Brings the levels up to date; `changes` then lists what was changed since `seen`. *renew says
+ * that all of the texture has to be uploaded anew, and the levels are not up to date. */
+slv_result slvi_gl_live_follow(slv_gl_live *live, const slv_env *env, bool *renew);
+
+#endif

@@ -1,0 +1,139 @@
+/* What was changed of a texture goes to the GPU: from changes to stale items, from these to layers
+ * and rows of tables. */
+#include "base/log.h"
+#include "gl/live/live.h"
+#include "gl/store/texture.h"
+
+#include <selvage/border.h>
+#include <selvage/gl_live.h>
+#include <selvage/source.h>
+
+struct update {
+    slv_gl_texture *texture;
+    slv_gl_live *live;
+    const slv_env *env;
+    slv_gl_update done;
+};
+
+static slv_result mark(void *user, uint32_t item) {
+    slvi_gl_marks_add(user, item);
+    return SLV_OK;
+}
+
+/* Lists the items of a form that depend on what was changed. */
+static slv_result list_stale(const slv_gl_live *live, const slv_form *form, const void *made,
+                             slv_gl_marks *out) {
+    slv_result result = SLV_OK;
+    slvi_gl_marks_clear(out);
+    for (uint32_t i = 0; !result && i < live->nchanges; i++)
+        result = form->stale(made, live->changes[i].face, &live->changes[i].rect, mark, out);
+    return result;
+}
+
+/* What of a level is another after a change of level 0 of an item that has nothing else in it. */
+static slv_rect part_of_level(slv_rect rect, uint32_t level) {
+    uint32_t end_x = rect.x + rect.width - 1, end_y = rect.y + rect.height - 1;
+    uint32_t x = rect.x >> level, y = rect.y >> level;
+    return (slv_rect){x, y, (end_x >> level) - x + 1, (end_y >> level) - y + 1};
+}
+
+static slv_result upload(struct update *update, slv_gl_store *store, uint32_t item,
+                         const slv_rect *rect) {
+    const slv_gl_source *source = &update->live->source;
+    const slv_gl_pools *pools = &store->pools;
+    uint32_t nlevels = pools->pools[pools->pool_of[item]].nlevels;
+    slv_result result = SLV_OK;
+    for (uint32_t level = 0; !result && level < nlevels; level++) {
+        slv_rect part = rect ? part_of_level(*rect, level) : (slv_rect){0};
+        result = slvi_gl_upload_rect(source, pools, store->made, item, level, rect ? &part : NULL,
+                                     &update->live->staging, &update->done.bytes);
+    }
+    return result;
+}
+
+/* Whether an item needs another type than before. */
+static slv_result widen(struct update *update, slv_gl_store *store, uint32_t item) {
+    bool wide = false;
+    slv_result result = slvi_gl_store_is_wide(&update->live->source, store, item, &wide);
+    if (result || wide == store->wide[item])
+        return result;
+    store->wide[item] = wide;
+    if (store->pools.format.block)
+        store->nclipped += wide ? 1u : UINT32_MAX;
+    else
+        update->done.renewed = true;
+    return SLV_OK;
+}
+
+static slv_result update_store(struct update *update, slv_gl_store *store) {
+    const slv_gl_live *live = update->live;
+    const slv_form *form = store->pools.form;
+    slv_gl_marks *stale = &store->stale;
+    slv_result result;
+    if ((result = list_stale(live, form, store->made, stale)))
+        return result;
+    update->done.items += stale->count;
+    if (form == slv_form_bare()) { /* of these the rectangle is known */
+        for (uint32_t i = 0; !result && i < live->nchanges; i++)
+            result = upload(update, store, live->changes[i].face, &live->changes[i].rect);
+        return result;
+    }
+    if (form->refresh && (result = form->refresh(store->made, stale->listed, stale->count)))
+        return result;
+    for (uint32_t i = 0; !result && i < stale->count; i++)
+        result = widen(update, store, stale->listed[i]);
+    for (uint32_t i = 0; !result && !update->done.renewed && i < stale->count; i++)
+        result = upload(update, store, stale->listed[i], NULL);
+    return result;
+}
+
+static slv_result update_all(struct update *update) {
+    slv_gl_texture *texture = update->texture;
+    slv_gl_live *live = update->live;
+    slv_result result = SLV_OK;
+    for (uint32_t i = 0; !result && !update->done.renewed && i < texture->nstores; i++)
+        result = update_store(update, &texture->stores[i]);
+    if (result || update->done.renewed)
+        return result;
+    if (!result)
+        result = list_stale(live, slv_form_borders(), live->around, &live->faces);
+    for (uint32_t i = 0; !result && i < texture->nreaches; i++) {
+        slv_gl_reach_row *row = &texture->reaches[i];
+        const slv_gl_store *store = &texture->stores[row->store];
+        result = slvi_gl_reach_refresh(&live->source, row->kind, &store->pools, store->made,
+                                       live->faces.listed, live->faces.count, &row->reach);
+    }
+    return result;
+}
+
+static slv_result update_within(struct update *update) {
+    slv_gl_live *live = update->live;
+    uint64_t version = slv_texture_version(live->texture);
+    bool renew = false;
+    slv_result result;
+    if ((result = slvi_gl_live_follow(live, update->env, &renew)))
+        return result;
+    update->done.faces = live->nchanges;
+    if (!live->nchanges)
+        return SLV_OK;
+    slvi_gl_set_state(live->source.gl);
+    update->done.renewed = renew;
+    if ((!renew && (result = update_all(update))) ||
+        (update->done.renewed && (result = slvi_gl_texture_renew(update->texture))) ||
+        (result = slvi_gl_check(update->texture->gl, update->env, "update of a GL texture")))
+        return result;
+    if (!update->done.renewed)
+        live->seen = version;
+    return SLV_OK;
+}
+
+slv_result slv_gl_texture_update(slv_gl_texture *texture, const slv_env *env, slv_gl_update *out) {
+    struct update update = {.texture = texture, .live = texture->live, .env = env};
+    slv_result result = texture->live
+                            ? update_within(&update)
+                            : slvi_fail(env, SLV_ERROR_ARGUMENT,
+                                        "the texture was not made to follow changes (`live`)");
+    if (out)
+        *out = update.done;
+    return result;
+}

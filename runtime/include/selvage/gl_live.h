@@ -1,0 +1,57 @@
+/* Textures on the GPU that follow their texels, for painting and previews:
+ *
+ *     slv_gl_texture_params params = {.live = true};
+ *     slv_gl_texture_create(gl, env, texture, adjacency, &params, &on_gpu);
+ *     ...
+ *     slv_texture_set_rect(texture, face, rect, texels);   any number of changes
+ *     slv_gl_texture_update(on_gpu, env, NULL);            once a frame
+ *
+ * The texture knows what was changed since the last time. Of that and of what depends on it, texels
+ * are made anew and uploaded, and nothing else: levels, borders of the faces around, values of
+ * corners, samples on edges, squares, compressed blocks, for each strategy that the texture was
+ * made for. Afterwards the GPU holds what a texture made afresh would hold, bit for bit. */
+#ifndef SELVAGE_GL_LIVE_H
+#define SELVAGE_GL_LIVE_H
+
+#include <selvage/gl_texture.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/* What an update did. */
+typedef struct slv_gl_update {
+    uint32_t faces; /* whose own texels were changed */
+    uint32_t items; /* faces and squares that were made anew, of all forms together */
+    uint64_t bytes; /* texels uploaded, as the GPU stores them */
+    bool renewed;   /* all was made anew, and batches, variants and shader texts may be others: the
+                       values of a float texture have become so large, or are no longer, that
+                       lookups have to be made otherwise */
+    uint64_t reserved[4];
+} slv_gl_update;
+
+/* Uploads what was changed of the texture since it was uploaded, or updated, last. On the thread of
+ * the context; the texture and its adjacency must not change meanwhile. Takes time that goes with
+ * what was changed and not with the number of faces, but after more changes than a texture
+ * remembers (256 rectangles of other faces than the one before), when each face is asked whether it
+ * was changed. `out` may be NULL. SLV_ERROR_ARGUMENT for a texture that was not made `live`. If it
+ * fails nothing is lost: the next call does what this one did not. Changes GL state as slv_gl_wrap
+ * says. */
+SLV_NODISCARD SLV_API slv_result slv_gl_texture_update(slv_gl_texture *texture, const slv_env *env,
+                                                       slv_gl_update *out);
+
+/* Reads back a level of an item (gl_strategy.h; with most strategies a face) as the GPU holds it:
+ * the texels or blocks of the format that was chosen, what lies around the item's own texels
+ * included, tightly packed. *bytes is how many those are; `out` may be NULL, or has room for
+ * `size`. For tests and for looking into what is drawn: it waits for the driver. */
+SLV_NODISCARD SLV_API slv_result slv_gl_texture_read(const slv_gl_texture *texture,
+                                                     const slv_env *env,
+                                                     const slv_strategy *strategy, uint32_t item,
+                                                     uint32_t level, uint64_t size, void *out,
+                                                     uint64_t *bytes);
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif

@@ -1,0 +1,131 @@
+/* A texture on the GPU that follows changes holds what one made afresh holds, bit for bit, whatever
+ * the mesh, the resolutions, the type, the strategy and the sequence of changes; with
+ * SELVAGE_TEST_BLOCKS also compressed. */
+#include "kit/change_kit.h"
+#include "kit/strategy_kit.h"
+
+#include <selvage/gl_live.h>
+#include <selvage/htex.h>
+
+enum { CASES = TEST_SANITIZED ? 20 : 60, LOOKUPS = 600, MOST_LEVEL = 4 << 20 };
+
+static slv_gl *gl;
+
+static uint32_t item_count(const kit *k, const slv_strategy *strategy) {
+    const slv_form *form = strategy->form();
+    slv_env env = test_env();
+    void *made = NULL;
+    REQUIRE(form->create(&env, k->levels, k->adjacency, 1, &made) == SLV_OK);
+    uint32_t count = form->count(made);
+    form->destroy(made);
+    return count;
+}
+
+/* All stored texels of one strategy. */
+static void compare_texels(const kit *k, const slv_gl_texture *a, const slv_gl_texture *b,
+                           const slv_strategy *strategy, uint32_t which) {
+    static unsigned char held[2][MOST_LEVEL];
+    slv_env env = test_env();
+    uint32_t count = item_count(k, strategy);
+    for (uint32_t item = 0; item < count; item++) {
+        uint64_t sizes[2] = {0};
+        for (uint32_t level = 0;; level++) {
+            slv_env quiet = {0};
+            if (slv_gl_texture_read(b, &quiet, strategy, item, level, 0, NULL, &sizes[1]))
+                break;
+            REQUIRE(slv_gl_texture_read(a, &env, strategy, item, level, MOST_LEVEL, held[0],
+                                        &sizes[0]) == SLV_OK);
+            REQUIRE(slv_gl_texture_read(b, &env, strategy, item, level, MOST_LEVEL, held[1],
+                                        &sizes[1]) == SLV_OK);
+            CHECK_MSG(sizes[0] == sizes[1] && memcmp(held[0], held[1], sizes[0]) == 0,
+                      "case %u, %s: item %u level %u", which, strategy->name, item, level);
+        }
+    }
+}
+
+/* What tables hold shows in lookups only. */
+static void compare_lookups(const kit *k, slv_gl_texture *a, slv_gl_texture *b,
+                            const slv_strategy *strategy, uint32_t which, uint64_t *random) {
+    static int32_t faces[LOOKUPS];
+    static float uv[2 * LOOKUPS], dx[2 * LOOKUPS], dy[2 * LOOKUPS], out[2][4 * LOOKUPS];
+    slv_env env = test_env();
+    for (uint32_t i = 0; i < LOOKUPS; i++) {
+        float width = 1.0f / (float)(1u << test_random(random) % 8);
+        faces[i] = (int32_t)(test_random(random) % k->nfaces);
+        for (uint32_t c = 0; c < 2; c++) {
+            uint32_t at = test_random(random) % 4;
+            uv[2 * i + c] = at == 0 ? 0 : at == 1 ? 1 : (float)(test_random(random) % 1024) / 1023;
+            dx[2 * i + c] = c == 0 ? width : 0;
+            dy[2 * i + c] = c == 1 ? width : 0;
+        }
+    }
+    REQUIRE(slv_gl_texture_lookup(a, &env, strategy, LOOKUPS, faces, uv, dx, dy, out[0]) == SLV_OK);
+    REQUIRE(slv_gl_texture_lookup(b, &env, strategy, LOOKUPS, faces, uv, dx, dy, out[1]) == SLV_OK);
+    for (uint32_t i = 0; i < LOOKUPS; i++)
+        CHECK_MSG(memcmp(&out[0][4 * i], &out[1][4 * i], 4 * sizeof(float)) == 0,
+                  "case %u, %s: face %d at %g,%g, width %g: %g %g %g, afresh %g %g %g", which,
+                  strategy->name, faces[i], uv[2 * i], uv[2 * i + 1], dx[2 * i], out[0][4 * i],
+                  out[0][4 * i + 1], out[0][4 * i + 2], out[1][4 * i], out[1][4 * i + 1],
+                  out[1][4 * i + 2]);
+}
+
+static slv_gl_texture *make(const kit *k, const slv_gl_texture_params *params) {
+    slv_env env = test_env();
+    slv_gl_texture *made = NULL;
+    REQUIRE(slv_gl_texture_create(gl, &env, k->texture, k->adjacency, params, &made) == SLV_OK);
+    return made;
+}
+
+static void check(uint32_t which, bool lookups, uint64_t *random) {
+    static const slv_type types[] = {SLV_TYPE_U8, SLV_TYPE_HALF, SLV_TYPE_FLOAT, SLV_TYPE_U16};
+    static const slv_texture_encoding encodings[] = {SLV_TEXTURE_AUTO, SLV_TEXTURE_DATA};
+    const slv_strategy *strategy = slv_strategy_at(which % slv_strategy_count());
+    slv_env env = test_env();
+    slv_type type = types[test_random(random) % 4];
+    bool blocks = getenv("SELVAGE_TEST_BLOCKS") || which % 5 == 0;
+    slv_gl_texture_params params = {KIT_ONLY(strategy), .anisotropy = 1 + test_random(random) % 3,
+                                    .pool_layers = 1 + test_random(random) % 64,
+                                    .encoding = encodings[test_random(random) % 2]};
+    kit k;
+    kit_any_mesh(&k, test_random(random) % KIT_MESHES, random);
+    kit_any_resolutions(&k, test_random(random) % 3, random);
+    if (blocks)
+        type = SLV_TYPE_U8;
+    if (blocks)
+        params.compression = SLV_GL_COMPRESSION_BLOCKS;
+    kit_noise(&k, type, 1 + test_random(random) % 4, random);
+    params.live = true;
+    slv_gl_texture *followed = make(&k, &params);
+    params.live = false;
+    for (uint32_t round = 0; round < 3; round++) {
+        uint32_t changes = 1 + test_random(random) % 6;
+        /* values that lookups have to be made otherwise for */
+        bool large = type == SLV_TYPE_FLOAT && round < 2 && which % 3 == 0;
+        for (uint32_t i = 0; i < changes; i++)
+            kit_change(&k, test_random(random) % k.nfaces, large ? 1e32f : 1, random);
+        REQUIRE(slv_gl_texture_update(followed, &env, NULL) == SLV_OK);
+        if (round == 1)
+            continue;
+        slv_gl_texture *fresh = make(&k, &params);
+        compare_texels(&k, followed, fresh, strategy, which);
+        if (lookups && round == 2)
+            compare_lookups(&k, followed, fresh, strategy, which, random);
+        slv_gl_texture_stats a = slv_gl_texture_get_stats(followed, strategy);
+        slv_gl_texture_stats b = slv_gl_texture_get_stats(fresh, strategy);
+        CHECK_MSG(a.widened == b.widened && a.clipped == b.clipped, "case %u", which);
+        slv_gl_texture_destroy(fresh);
+    }
+    slv_gl_texture_destroy(followed);
+    kit_free(&k);
+}
+
+int main(void) {
+    slv_env env = test_env();
+    uint64_t random = 97;
+    REQUIRE(slv_gl_create(&env, SLV_GL_AUTO, &gl) == SLV_OK);
+    uint32_t cases = test_effort(CASES);
+    for (uint32_t i = 0; i < cases; i++)
+        check(i, i % 40 < slv_strategy_count(), &random);
+    slv_gl_destroy(gl);
+    return test_end();
+}
