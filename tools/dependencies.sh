@@ -1,16 +1,16 @@
 #!/bin/sh
 # Makes sure that what Selvage is built with is installed: says what is missing, and installs it with apt-get where there
 # is one. Elsewhere it prints the list and leaves the rest to whoever runs it. With the argument `tests` it also sees to
-# what tests take: universal-ctags, ImageMagick, OpenEXR's tools, and a browser, in which one of them opens a report and
+# what tests take: universal-ctags, ImageMagick, OpenEXR's tools, MyPaint's brushes, and a browser, in which one of them opens a report and
 # makes do without where there is none to be had. With `ci` it sees to all that .ci/run takes: that, and clang with its
 # formatter.
 set -eu
 
 packages="cmake ninja-build gcc g++ pkg-config libosd-dev libopenexr-dev libpng-dev libdeflate-dev libjansson-dev
-libembree-dev libsquish-dev libgl-dev libegl-dev libegl1 libegl-mesa0 libgl1-mesa-dri libosmesa6 glslang-tools"
+libembree-dev libmypaint-dev libsquish-dev libgl-dev libegl-dev libegl1 libegl-mesa0 libgl1-mesa-dri libosmesa6 glslang-tools"
 case "${1:-}" in
-tests) packages="$packages universal-ctags imagemagick openexr" ;;
-ci) packages="$packages universal-ctags imagemagick openexr make clang clang-format-14" ;;
+tests) packages="$packages universal-ctags imagemagick openexr mypaint-brushes" ;;
+ci) packages="$packages universal-ctags imagemagick openexr mypaint-brushes make clang clang-format-14" ;;
 "") ;;
 *)
     echo "dependencies.sh: '$1': expected nothing, tests or ci" >&2

@@ -27,7 +27,7 @@ glslangValidator "$scratch"/SLV_STRATEGY_*.frag >"$scratch/shaders.log" || {
 }
 
 export PKG_CONFIG_PATH="$libraries/pkgconfig"
-for package in selvage selvage-gl selvage-bake; do
+for package in selvage selvage-gl selvage-bake selvage-paint; do
     pkg-config --exact-version "$version" "$package"
     test -d "$(pkg-config --variable=includedir "$package")/selvage"
 done
@@ -54,8 +54,8 @@ for components in selvage "gl;bake"; do
 done
 # A component that there is not is missed.
 if cmake -S "$here/consumer" -B "$scratch/missing" -DCMAKE_PREFIX_PATH="$prefix" -DCMAKE_C_COMPILER="$cc" \
-    -DCOMPONENTS="paint" >"$scratch/configure.log" 2>&1; then
-    echo "a component 'paint' was found"
+    -DCOMPONENTS="sculpt" >"$scratch/configure.log" 2>&1; then
+    echo "a component 'sculpt' was found"
     exit 1
 fi
 

@@ -26,7 +26,7 @@ rm -rf "$scratch/tree"
 
 # Shared libraries of the same names may lie where the system looks: a program that ran here without ours needs none.
 export PKG_CONFIG_PATH="$libraries/pkgconfig"
-for package in selvage selvage-gl selvage-bake; do
+for package in selvage selvage-gl selvage-bake selvage-paint; do
     pkg-config --exact-version "$version" "$package"
 done
 # shellcheck disable=SC2046,SC2086

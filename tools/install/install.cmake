@@ -52,6 +52,13 @@ if(SELVAGE_BAKE)
     selvage_install(selvage-bake bake "Making per-face textures" bake/include/selvage PACKAGES jansson
                     LIBS -lembree${EMBREE_VERSION})
     set_target_properties(selvage-bake PROPERTIES INSTALL_RPATH "$ORIGIN")
+    set(PAINT_PACKAGES jansson)
+    if(MYPAINT_FOUND)
+        list(APPEND PAINT_PACKAGES libmypaint)
+    endif()
+    selvage_install(selvage-paint paint "Painting on per-face textures" bake/include/selvage PACKAGES ${PAINT_PACKAGES}
+                    LIBS -lembree${EMBREE_VERSION})
+    set_target_properties(selvage-paint PROPERTIES INSTALL_RPATH "$ORIGIN")
 endif()
 if(SELVAGE_COMMAND)
     install(TARGETS selvage-command RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})

@@ -1,0 +1,99 @@
+/* What paint is put on, and how: blend modes over any channels of any type.
+ *
+ * A canvas is a small interface, so that a store in memory, a layer of a document and whatever else
+ * keeps texels can be painted on alike. */
+#ifndef SELVAGE_CANVAS_H
+#define SELVAGE_CANVAS_H
+
+#include <selvage/paint.h>
+#include <selvage/source.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+typedef struct slv_canvas_desc {
+    uint32_t nfaces;
+    uint32_t nchannels;
+    int32_t alpha_channel; /* SLV_NO_ALPHA or an index; colours are not multiplied by it */
+    const slv_res *res;    /* nfaces. Owned by the canvas, as it is until the next change */
+} slv_canvas_desc;
+
+/* `begin` is called once for a dab or fill, on the caller's thread, before any of its texels is
+ * read: there a canvas makes room, keeps old blocks for its history, and may fail, which leaves
+ * everything as it was. `read` and `write` then have rectangles of the faces that it was told, from
+ * several threads at once but of different faces. `write` must not fail after a `begin` that did
+ * not. */
+typedef struct slv_canvas_fns {
+    slv_result (*describe)(void *user, slv_canvas_desc *out);
+    slv_result (*begin)(void *user, const slv_patches *patches); /* may be NULL */
+    /* width x height texels as floats, tightly packed: integers as 0..1, as the texture stores
+     * them */
+    slv_result (*read)(void *user, uint32_t face, slv_rect rect, float *out);
+    slv_result (*write)(void *user, uint32_t face, slv_rect rect, const float *texels);
+} slv_canvas_fns;
+
+/* Copied as it is; `fns` outlives it. */
+typedef struct slv_canvas {
+    const slv_canvas_fns *fns;
+    void *user;
+} slv_canvas;
+
+/* Paints right on a store: values are rounded to its type at each dab, and nothing can be taken
+ * back. The texture must outlive it. */
+SLV_API slv_canvas slv_texture_as_canvas(slv_texture *texture);
+
+/* How a colour goes over another (W3C Compositing and Blending, level 1, where it has them). In the
+ * values that the canvas has, as programs for images do. */
+typedef enum slv_blend {
+    SLV_BLEND_NORMAL = 0,
+    SLV_BLEND_MULTIPLY,
+    SLV_BLEND_SCREEN,
+    SLV_BLEND_OVERLAY,
+    SLV_BLEND_DARKEN,
+    SLV_BLEND_LIGHTEN,
+    SLV_BLEND_ADD,
+    SLV_BLEND_COLOR,   /* hue and saturation of the paint, luminosity of what is there; of other
+                          than three colours: normal */
+    SLV_BLEND_REPLACE, /* alpha too becomes the paint's */
+    SLV_BLEND_COUNT
+} slv_blend;
+
+/* normal, multiply, screen, overlay, darken, lighten, add, color, replace */
+SLV_API const char *slv_blend_name(slv_blend blend);
+SLV_API bool slv_blend_from_name(const char *name, slv_blend *out);
+
+enum { SLV_PAINT_CHANNELS = 8 };
+
+/* What goes through the patches. Zero means default, but for the colour and opacity. */
+typedef struct slv_paint {
+    float color[SLV_PAINT_CHANNELS];   /* of the channels from first_channel on; where the alpha
+                                          channel is among them, its value counts with
+                                          SLV_BLEND_REPLACE only */
+    uint32_t first_channel, nchannels; /* 0 channels: all from the first on, as many as fit */
+    float opacity;                     /* 0..1, times the coverage */
+    slv_blend blend;
+    bool lock_alpha; /* colour only: alpha stays */
+    /* Takes alpha away, down to `1 - opacity` of it; without an alpha channel colours go to 0. The
+     * colour does not count. */
+    bool erase;
+    uint64_t reserved[4];
+} slv_paint;
+
+/* Puts a paint on a canvas, on the painter's threads. Patches of this painter, or others. Either
+ * all of it is done or (SLV_ERROR_...) nothing. */
+SLV_NODISCARD SLV_API slv_result slv_painter_apply(slv_painter *painter, const slv_canvas *canvas,
+                                                   const slv_patches *patches,
+                                                   const slv_paint *paint);
+/* The mean of a canvas under patches, weighed by coverage and by area, colours by alpha too: what a
+ * brush picks up. `out` has room for the canvas's channels; zeros where nothing is covered, which
+ * returns false in `*any` (may be NULL). */
+SLV_NODISCARD SLV_API slv_result slv_painter_mean(slv_painter *painter, const slv_canvas *canvas,
+                                                  const slv_patches *patches, float *out,
+                                                  bool *any);
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif
