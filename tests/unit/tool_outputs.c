@@ -28,6 +28,7 @@ static const struct writer {
     {"convert in.ptx --json", ".png", .prints = true},
     {"merge in.ptx other.ptx -o", ".ptx", .prints = true},
     {"transfer in.ptx --to in.obj", ".ptx", .prints = true},
+    {"new in.obj --json", ".ptx", .prints = true},
     {"check in.ptx --repair", ".ptx", .prints = true},
     {"sample in.ptx --queries q.txt --out", ".txt", .streams = true},
     {"render in.ptx --size 24x24 --pass ids -o", ".PNG", .prints = true},
