@@ -38,6 +38,34 @@ vec4 slv_square_texel(int pool, vec3 p, float level) {
     case 3:
         return textureLod(slv_pool[3], p, level);
 #endif
+#if SLV_POOLS > 4
+    case 4:
+        return textureLod(slv_pool[4], p, level);
+    case 5:
+        return textureLod(slv_pool[5], p, level);
+    case 6:
+        return textureLod(slv_pool[6], p, level);
+    case 7:
+        return textureLod(slv_pool[7], p, level);
+#endif
+#if SLV_POOLS > 8
+    case 8:
+        return textureLod(slv_pool[8], p, level);
+    case 9:
+        return textureLod(slv_pool[9], p, level);
+    case 10:
+        return textureLod(slv_pool[10], p, level);
+    case 11:
+        return textureLod(slv_pool[11], p, level);
+    case 12:
+        return textureLod(slv_pool[12], p, level);
+    case 13:
+        return textureLod(slv_pool[13], p, level);
+    case 14:
+        return textureLod(slv_pool[14], p, level);
+    case 15:
+        return textureLod(slv_pool[15], p, level);
+#endif
     }
     return vec4(0.0);
 #endif

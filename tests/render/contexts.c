@@ -117,7 +117,7 @@ static void check_many_programs(uint64_t *random) {
     slv_gl_renderer *renderer = NULL;
     slv_surface *surface = NULL;
     kit k;
-    kit_grid(&k, 6, 6, false, 0, random, NULL);
+    kit_grid(&k, 6, 6, false, 20, random, NULL);
     kit_mixed(&k, 3, random);
     kit_noise(&k, SLV_TYPE_U8, 3, random);
     slv_result result = slv_gl_create(&env, SLV_GL_EGL, &gl);

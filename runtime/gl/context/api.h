@@ -52,18 +52,18 @@
     X(PFNGLGETCOMPRESSEDTEXTURESUBIMAGEPROC, GetCompressedTextureSubImage)                         \
     X(PFNGLTEXTUREPARAMETERIPROC, TextureParameteri)                                               \
     X(PFNGLTEXTUREPARAMETERIVPROC, TextureParameteriv)                                             \
-    X(PFNGLBINDTEXTUREUNITPROC, BindTextureUnit)                                                   \
+    X(PFNGLBINDTEXTURESPROC, BindTextures)                                                         \
     X(PFNGLCREATESAMPLERSPROC, CreateSamplers)                                                     \
     X(PFNGLDELETESAMPLERSPROC, DeleteSamplers)                                                     \
     X(PFNGLSAMPLERPARAMETERIPROC, SamplerParameteri)                                               \
     X(PFNGLSAMPLERPARAMETERFPROC, SamplerParameterf)                                               \
     X(PFNGLSAMPLERPARAMETERFVPROC, SamplerParameterfv)                                             \
-    X(PFNGLBINDSAMPLERPROC, BindSampler)                                                           \
+    X(PFNGLBINDSAMPLERSPROC, BindSamplers)                                                         \
     X(PFNGLCREATEBUFFERSPROC, CreateBuffers)                                                       \
     X(PFNGLDELETEBUFFERSPROC, DeleteBuffers)                                                       \
     X(PFNGLNAMEDBUFFERSUBDATAPROC, NamedBufferSubData)                                             \
     X(PFNGLNAMEDBUFFERSTORAGEPROC, NamedBufferStorage)                                             \
-    X(PFNGLBINDBUFFERBASEPROC, BindBufferBase)                                                     \
+    X(PFNGLBINDBUFFERSBASEPROC, BindBuffersBase)                                                   \
     X(PFNGLCREATEVERTEXARRAYSPROC, CreateVertexArrays)                                             \
     X(PFNGLDELETEVERTEXARRAYSPROC, DeleteVertexArrays)                                             \
     X(PFNGLBINDVERTEXARRAYPROC, BindVertexArray)                                                   \

@@ -289,6 +289,7 @@ static void draw_batches(const slv_gl_renderer *renderer, slv_gl_texture *textur
     const slv_gl_batches *batches = slvi_gl_texture_batches(texture, indices->strategy);
     GLuint current = 0;
     api->BindVertexArray(indices->array);
+    slv_gl_texture_bind_shared(texture, indices->strategy);
     for (uint32_t b = 0; b < batches->count; b++) {
         uint32_t count = indices->first[b + 1] - indices->first[b];
         GLuint program = programs[batches->ranges[b].variant];
@@ -297,7 +298,7 @@ static void draw_batches(const slv_gl_renderer *renderer, slv_gl_texture *textur
         if (program != current)
             api->UseProgram(program);
         current = program;
-        slv_gl_texture_bind(texture, indices->strategy, b);
+        slv_gl_texture_bind_batch(texture, indices->strategy, b);
         api->DrawElements(GL_TRIANGLES, (GLsizei)count, GL_UNSIGNED_INT,
                           (const void *)(uintptr_t)(indices->first[b] * sizeof(uint32_t)));
     }

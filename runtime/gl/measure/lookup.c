@@ -103,6 +103,7 @@ static slv_result lookup_chunk(slv_gl_texture *texture, const slv_env *env, slv_
     api->Viewport(0, 0, TARGET_WIDTH, (GLsizei)height);
     api->Disable(GL_DEPTH_TEST);
     api->BindVertexArray(target.array);
+    slv_gl_texture_bind_shared(texture, slot->strategy);
     for (uint32_t b = 0; !result && b < batches->count; b++) {
         GLuint program = 0;
         uint32_t here = first[b + 1] - first[b];
@@ -112,7 +113,7 @@ static slv_result lookup_chunk(slv_gl_texture *texture, const slv_env *env, slv_
             break;
         api->ProgramUniform2f(program, 0, TARGET_WIDTH, (float)height);
         api->UseProgram(program);
-        slv_gl_texture_bind(texture, slot->strategy, b);
+        slv_gl_texture_bind_batch(texture, slot->strategy, b);
         api->DrawElements(GL_POINTS, (GLsizei)here, GL_UNSIGNED_INT,
                           (const void *)(uintptr_t)(first[b] * sizeof *order));
     }

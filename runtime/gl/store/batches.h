@@ -31,13 +31,13 @@ uint32_t slvi_gl_slot_of(const slv_gl_batch_range *range, uint32_t pool);
 /* One batch a pool, of faces that are items. */
 slv_result slvi_gl_batches_by_pool(const slv_env *env, const slv_gl_pools *pools,
                                    slv_gl_batches *out);
-/* Adds a face that needs these pools to one of the batches from `first` on, or to a new one. */
-slv_result slvi_gl_join_batch(const slv_env *env, slv_gl_batches *batches, uint32_t first,
-                              uint32_t variant, const uint32_t *pools, uint32_t npools,
-                              uint32_t *batch);
-/* The faces of each batch, in the order of `order`; batches->faces has room for them. */
-void slvi_gl_batches_list(slv_gl_batches *batches, const uint32_t *order, uint32_t nfaces,
-                          const uint32_t *batch_of);
+/* One more, empty; the pointer holds until the next. */
+slv_result slvi_gl_add_batch(const slv_env *env, slv_gl_batches *batches, slv_gl_batch_range **out);
+/* Sorts batches by variant, so that few draws change the program, and lists the faces of each in
+ * the order of `order`; batches->faces has room for them. `batch_of` has the new numbers
+ * afterwards. */
+slv_result slvi_gl_batches_list(const slv_env *env, slv_gl_batches *batches, const uint32_t *order,
+                                uint32_t nfaces, uint32_t *batch_of);
 void slvi_gl_batches_free(slv_gl_batches *batches);
 
 #endif

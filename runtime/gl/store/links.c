@@ -5,11 +5,10 @@
 #include "base/log.h"
 #include "base/memory.h"
 #include "base/parallel.h"
+#include "gl/store/group.h"
 #include "gl/store/tables.h"
 
 #include <selvage/border.h>
-
-#define MAX_REACH 9 /* a face and two neighbours across each edge */
 
 /* As the shader reads it; see slv_links in shaders/lookup/links.glsl. */
 struct link_row {
@@ -18,55 +17,63 @@ struct link_row {
     uint32_t corners, levels;
 };
 
-/* The pools that a face's lookups can reach, its own first, at most `most`. */
-static uint32_t reach_of(const slv_gl_source *source, const slv_gl_pools *layers, uint32_t face,
-                         uint32_t most, uint32_t pools[MAX_REACH], bool *two_subfaces,
-                         bool *dropped) {
-    uint32_t npools = 0;
-    slvi_gl_add_pool(pools, &npools, layers->pool_of[face]);
+/* The pools that a face's lookups can reach, its own first, as far as a batch has room. */
+static slv_gl_need need_of(const slv_gl_source *source, const slv_gl_pools *layers, uint32_t face,
+                           bool *two_subfaces, bool *dropped) {
+    slv_gl_need need = {.face = face};
+    slvi_gl_add_pool(need.pools, &need.npools, layers->pool_of[face]);
     *two_subfaces = false;
     for (unsigned e = 0; e < 4; e++) {
         slv_neighbour neighbours[2];
         uint32_t count = slv_adjacency_neighbours(source->adjacency, (int32_t)face, e, neighbours);
         *two_subfaces |= count > 0 && neighbours[0].scale > 1;
         for (uint32_t i = 0; i < count; i++) {
-            uint32_t before = npools;
-            slvi_gl_add_pool(pools, &npools, layers->pool_of[neighbours[i].face]);
-            if (npools > most) {
-                npools = before;
+            uint32_t before = need.npools;
+            slvi_gl_add_pool(need.pools, &need.npools, layers->pool_of[neighbours[i].face]);
+            if (need.npools > source->params.batch_pools) {
+                need.npools = before;
                 *dropped = true;
             }
         }
     }
-    return npools;
+    return need;
 }
 
-/* Puts each face into a batch of its own pool whose pools hold its neighbours. Small needs get
- * small batches of their own, so that most faces run the cheapest shader. */
+/* Puts each face into a batch of its own pool whose pools hold its neighbours. Faces beside two
+ * sub-faces, which take another shader, get batches of their own. */
 static slv_result assign_batches(const slv_gl_source *source, const slv_gl_pools *layers,
                                  slv_gl_batches *batches, uint32_t *batch_of) {
-    uint32_t dropped_faces = 0, most = source->params.batch_pools;
-    slv_result result = SLV_OK;
-    for (uint32_t p = 0; p < layers->npools; p++) {
-        uint32_t first = batches->count;
-        for (uint32_t layer = 0; layer < layers->pools[p].nlayers; layer++) {
-            uint32_t face = layers->pools[p].items[layer], pools[MAX_REACH];
-            bool two_subfaces = false, dropped = false;
-            uint32_t npools = reach_of(source, layers, face, most, pools, &two_subfaces, &dropped);
-            uint32_t variant = slvi_gl_variant_for(npools, two_subfaces);
-            dropped_faces += dropped;
-            if ((result = slvi_gl_join_batch(source->env, batches, first, variant, pools, npools,
-                                             &batch_of[face])))
-                return result;
+    uint32_t dropped_faces = 0, most_layers = 0;
+    slv_gl_need *needs = NULL;
+    slv_result result;
+    for (uint32_t p = 0; p < layers->npools; p++)
+        most_layers =
+            layers->pools[p].nlayers > most_layers ? layers->pools[p].nlayers : most_layers;
+    result = slvi_alloc(source->env, "batches", most_layers, sizeof *needs, &needs);
+    for (uint32_t p = 0; !result && p < layers->npools; p++) {
+        const slv_gl_pool *pool = &layers->pools[p];
+        for (int subfaces = 0; !result && subfaces < 2; subfaces++) {
+            uint32_t count = 0;
+            for (uint32_t layer = 0; layer < pool->nlayers; layer++) {
+                bool two_subfaces = false, dropped = false;
+                needs[count] = need_of(source, layers, pool->items[layer], &two_subfaces, &dropped);
+                if (two_subfaces != (subfaces > 0))
+                    continue;
+                count++;
+                dropped_faces += dropped;
+            }
+            result = slvi_gl_group(source->env, batches, needs, count, layers->npools,
+                                   source->params.batch_pools, subfaces > 0, batch_of);
         }
     }
-    if (dropped_faces)
+    slvi_free(needs);
+    if (!result && dropped_faces)
         slvi_logf(source->env, SLV_LOG_WARNING,
                   "%u faces meet more array textures than the driver has units for: some of their "
                   "edges are drawn "
                   "as boundaries",
                   dropped_faces);
-    return SLV_OK;
+    return result;
 }
 
 /* Which half of a whole quad's edge a sub-face touches: where the sub-face's edge starts, seen
@@ -229,9 +236,9 @@ slv_result slvi_gl_reach_neighbours(const slv_gl_source *source, const slv_gl_po
     if ((result =
              slvi_alloc(source->env, "batches", nfaces, sizeof *batches->faces, &batches->faces)) ||
         (result = slvi_alloc(source->env, "batches", nfaces, sizeof *batch_of, &batch_of)) ||
-        (result = assign_batches(source, layers, batches, batch_of)))
+        (result = assign_batches(source, layers, batches, batch_of)) ||
+        (result = slvi_gl_batches_list(source->env, batches, layers->order, nfaces, batch_of)))
         goto done;
-    slvi_gl_batches_list(batches, layers->order, nfaces, batch_of);
     result = upload_links(source, layers, batches, batch_of, out);
 done:
     slvi_free(batch_of);

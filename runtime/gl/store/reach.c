@@ -25,7 +25,8 @@ static const struct reach_row {
 } kinds[SLV_GL_REACH_COUNT] = {
     [SLV_GL_REACH_OWN] = {build_own, NULL, 1, 1},
     [SLV_GL_REACH_NEIGHBOURS] = {slvi_gl_reach_neighbours, slvi_gl_links_refresh, 1, 1},
-    [SLV_GL_REACH_SQUARES] = {slvi_gl_reach_squares, slvi_gl_squares_refresh, 4, 4},
+    [SLV_GL_REACH_SQUARES] = {slvi_gl_reach_squares, slvi_gl_squares_refresh, 4,
+                              SLV_GL_SQUARES_POOLS},
 };
 
 slv_result slvi_gl_reach_build(const slv_gl_source *source, slv_gl_reach_kind kind,

@@ -3,6 +3,7 @@
 
 #include "base/log.h"
 #include "base/memory.h"
+#include "gl/store/group.h"
 #include "gl/store/tables.h"
 
 #include <selvage/htex.h>
@@ -66,7 +67,8 @@ slv_result slvi_gl_reach_squares(const slv_gl_source *source, const slv_gl_pools
                                  const void *made, slv_gl_reach *out) {
     const slv_htex *htex = slv_form_get_htex(layers->form, made);
     uint32_t nfaces = slv_levels_get_desc(source->levels)->nfaces;
-    uint32_t *batch_of = NULL, *order = NULL;
+    uint32_t *batch_of = NULL, *order = NULL, most;
+    slv_gl_need *needs = NULL;
     slv_gl_batches *batches = &out->batches;
     slv_result result;
     if (!htex)
@@ -75,26 +77,29 @@ slv_result slvi_gl_reach_squares(const slv_gl_source *source, const slv_gl_pools
     if ((result =
              slvi_alloc(source->env, "batches", nfaces, sizeof *batches->faces, &batches->faces)) ||
         (result = slvi_alloc(source->env, "batches", nfaces, sizeof *batch_of, &batch_of)) ||
+        (result = slvi_alloc(source->env, "batches", nfaces, sizeof *needs, &needs)) ||
         (result = slvi_alloc(source->env, "face order", nfaces, sizeof *order, &order)) ||
         (result = slvi_gl_face_order(source, order)))
         goto done;
     for (uint32_t i = 0; i < nfaces; i++) {
         slv_htex_face face = slv_htex_get_face(htex, order[i]);
-        uint32_t pools[4], npools = 0;
+        needs[i].face = order[i];
         for (uint32_t k = 0; k < 4; k++)
-            slvi_gl_add_pool(pools, &npools, layers->pool_of[face.edge[k]]);
-        if ((result =
-                 slvi_gl_join_batch(source->env, batches, 0, slvi_gl_variant_for(npools, false),
-                                    pools, npools, &batch_of[order[i]])))
-            goto done;
+            slvi_gl_add_pool(needs[i].pools, &needs[i].npools, layers->pool_of[face.edge[k]]);
     }
-    slvi_gl_batches_list(batches, order, nfaces, batch_of);
+    most = source->params.batch_pools < SLV_GL_SQUARES_POOLS ? SLV_GL_SQUARES_POOLS
+                                                             : source->params.batch_pools;
+    if ((result = slvi_gl_group(source->env, batches, needs, nfaces, layers->npools, most, false,
+                                batch_of)) ||
+        (result = slvi_gl_batches_list(source->env, batches, order, nfaces, batch_of)))
+        goto done;
     result = upload_squares(source, htex, batches, batch_of, layers, out);
     if (!result && source->params.live)
         result = slvi_gl_marks_begin(source->env, slv_htex_value_count(htex), &out->corners);
 done:
     slvi_free(batch_of);
     slvi_free(order);
+    slvi_free(needs);
     return result;
 }
 

@@ -4,6 +4,9 @@
 
 #include "gl/store/reach.h"
 
+/* A face has four squares, which a batch holds however few arrays a host asks for. */
+#define SLV_GL_SQUARES_POOLS 4
+
 /* Batches whose pools hold all squares that their faces look up, the table of these, and the
  * values of corners. */
 slv_result slvi_gl_reach_squares(const slv_gl_source *source, const slv_gl_pools *pools,

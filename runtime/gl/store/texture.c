@@ -360,36 +360,67 @@ slv_gl_batch slv_gl_texture_batch(const slv_gl_texture *texture, const slv_strat
     return batch;
 }
 
-void slv_gl_texture_bind(slv_gl_texture *texture, const slv_strategy *strategy, uint32_t index) {
+/* Units that any batch of a strategy takes. */
+static uint32_t units_of(const slv_gl_texture *texture, const slv_gl_slot *slot) {
+    uint32_t pools = slvi_gl_reach_pools(slot->strategy->reach, &texture->params);
+    return pools * (slot->split_coverage ? 2 : 1);
+}
+
+void slv_gl_texture_bind_shared(slv_gl_texture *texture, const slv_strategy *strategy) {
     const slv_gl_slot *slot = slvi_gl_texture_slot(texture, strategy);
     const slv_gl_api *api = &texture->gl->api;
-    if (!slot || index >= reach_of(texture, slot)->batches.count)
+    GLuint samplers[SLV_GL_MAX_UNITS];
+    if (!slot)
         return;
     const slv_gl_store *store = &texture->stores[slot->store];
     const slv_gl_reach *reach = reach_of(texture, slot);
-    const slv_gl_batch_range *range = &reach->batches.ranges[index];
-    uint32_t npools = slv_gl_variant_pools(range->variant);
-    for (uint32_t k = 0; k < npools; k++) {
-        const slv_gl_pool *pool = &store->pools.pools[range->pools[k < range->npools ? k : 0]];
-        api->BindTextureUnit(SLV_GL_FIRST_UNIT + k, pool->texture);
-        api->BindSampler(SLV_GL_FIRST_UNIT + k, slot->sampler);
-        if (slot->split_coverage) {
-            api->BindTextureUnit(SLV_GL_FIRST_UNIT + npools + k, pool->coverage);
-            api->BindSampler(SLV_GL_FIRST_UNIT + npools + k, slot->sampler);
-        }
-    }
     const GLuint tables[4] = {store->table, reach->ways, store->rects, reach->values};
-    for (uint32_t k = 0; k < 4; k++)
-        if (tables[k])
-            api->BindBufferBase(GL_SHADER_STORAGE_BUFFER, SLV_GL_FIRST_STORAGE + k, tables[k]);
+    uint32_t units = units_of(texture, slot);
+    for (uint32_t k = 0; k < units; k++)
+        samplers[k] = slot->sampler;
+    api->BindSamplers(SLV_GL_FIRST_UNIT, (GLsizei)units, samplers);
+    for (uint32_t first = 0; first < 4; first++) { /* those side by side in one call */
+        uint32_t end = first;
+        while (end < 4 && tables[end])
+            end++;
+        if (end > first)
+            api->BindBuffersBase(GL_SHADER_STORAGE_BUFFER, SLV_GL_FIRST_STORAGE + first,
+                                 (GLsizei)(end - first), tables + first);
+        first = end;
+    }
+}
+
+void slv_gl_texture_bind_batch(slv_gl_texture *texture, const slv_strategy *strategy,
+                               uint32_t index) {
+    const slv_gl_slot *slot = slvi_gl_texture_slot(texture, strategy);
+    GLuint arrays[SLV_GL_MAX_UNITS];
+    if (!slot || index >= reach_of(texture, slot)->batches.count)
+        return;
+    const slv_gl_pools *pools = &texture->stores[slot->store].pools;
+    const slv_gl_batch_range *range = &reach_of(texture, slot)->batches.ranges[index];
+    uint32_t npools = slv_gl_variant_pools(range->variant), units = npools;
+    for (uint32_t k = 0; k < npools; k++) {
+        const slv_gl_pool *pool = &pools->pools[range->pools[k < range->npools ? k : 0]];
+        arrays[k] = pool->texture;
+        if (slot->split_coverage)
+            arrays[npools + k] = pool->coverage;
+    }
+    units *= slot->split_coverage ? 2 : 1;
+    texture->gl->api.BindTextures(SLV_GL_FIRST_UNIT, (GLsizei)units, arrays);
+}
+
+void slv_gl_texture_bind(slv_gl_texture *texture, const slv_strategy *strategy, uint32_t index) {
+    if (index >= slv_gl_texture_batch_count(texture, strategy))
+        return;
+    slv_gl_texture_bind_shared(texture, strategy);
+    slv_gl_texture_bind_batch(texture, strategy, index);
 }
 
 void slv_gl_texture_unbind(slv_gl_texture *texture) {
-    uint32_t units = texture->params.batch_pools * (texture->params.nchannels == 4 ? 2 : 1);
-    for (uint32_t k = 0; k < texture->nreaches; k++) {
-        uint32_t bound = slvi_gl_reach_pools(texture->reaches[k].kind, &texture->params);
+    uint32_t units = 0;
+    for (uint32_t k = 0; k < texture->nslots; k++) {
+        uint32_t bound = units_of(texture, &texture->slots[k]);
         units = units > bound ? units : bound;
     }
-    for (uint32_t unit = 0; unit < units; unit++)
-        texture->gl->api.BindSampler(SLV_GL_FIRST_UNIT + unit, 0);
+    texture->gl->api.BindSamplers(SLV_GL_FIRST_UNIT, (GLsizei)units, NULL);
 }

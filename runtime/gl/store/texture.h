@@ -6,6 +6,9 @@
 #include "gl/store/reach.h"
 #include "gl/store/store.h"
 
+/* Units that a draw can take: 16 pools, each with its coverage. */
+#define SLV_GL_MAX_UNITS 32
+
 /* One strategy of a texture. */
 typedef struct slv_gl_slot {
     const slv_strategy *strategy;

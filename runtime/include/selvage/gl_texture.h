@@ -66,7 +66,7 @@ typedef struct slv_gl_texture_params {
                              anisotropy needs */
     uint32_t batch_pools; /* most array textures that a batch binds, rounded down to a power of two;
                              0 means 16, or what the driver has units for; below 9 a face can have
-                             neighbours that do not fit. htex binds up to 4 at least */
+                             neighbours that do not fit. htex binds 4 at least */
     uint32_t pool_layers; /* most layers in one array; 0 means what the driver has */
     slv_gl_branching branching;
     slv_gl_compression compression; /* of textures other than 8-bit: SLV_ERROR_UNSUPPORTED */
@@ -148,6 +148,11 @@ SLV_NODISCARD SLV_API slv_result slv_gl_texture_glsl(slv_gl_texture *texture,
  * SLV_GL_FIRST_STORAGE. Changes nothing else. A batch that does not exist binds nothing. */
 SLV_API void slv_gl_texture_bind(slv_gl_texture *texture, const slv_strategy *strategy,
                                  uint32_t batch);
+/* The same in two parts, for a frame of many batches: what all batches of a strategy share,
+ * samplers and tables, and then for each batch its array textures, in one call of OpenGL's. */
+SLV_API void slv_gl_texture_bind_shared(slv_gl_texture *texture, const slv_strategy *strategy);
+SLV_API void slv_gl_texture_bind_batch(slv_gl_texture *texture, const slv_strategy *strategy,
+                                       uint32_t batch);
 /* Takes the samplers off again, which would otherwise override the host's own texture parameters.
  */
 SLV_API void slv_gl_texture_unbind(slv_gl_texture *texture);

@@ -1,0 +1,180 @@
+/* How many draws and calls of OpenGL's a frame takes where neighbours seldom have texels of one
+ * size: 100,000 faces of 16 random resolutions, with every strategy. The renderer's context is a
+ * host's whose functions count. */
+#include "kit/mesh_shapes.h"
+#include "kit/strategy_kit.h"
+
+#include "gl/context/api.h"
+
+#include <selvage/gl_renderer.h>
+
+#ifdef __SANITIZE_ADDRESS__
+enum { COLUMNS = 100, ROWS = 100 };
+#else
+enum { COLUMNS = 400, ROWS = 250 };
+#endif
+
+static slv_gl_api real;
+static uint64_t calls, draws;
+
+/* Functions that a frame may call. */
+#define COUNTED(X)                                                                                 \
+    X(BindFramebuffer, (GLenum a, GLuint b), (a, b))                                               \
+    X(Viewport, (GLint a, GLint b, GLsizei c, GLsizei d), (a, b, c, d))                            \
+    X(Enable, (GLenum a), (a))                                                                     \
+    X(Disable, (GLenum a), (a))                                                                    \
+    X(PixelStorei, (GLenum a, GLint b), (a, b))                                                    \
+    X(BindBuffer, (GLenum a, GLuint b), (a, b))                                                    \
+    X(ClipControl, (GLenum a, GLenum b), (a, b))                                                   \
+    X(PolygonMode, (GLenum a, GLenum b), (a, b))                                                   \
+    X(PointSize, (GLfloat a), (a))                                                                 \
+    X(DepthRangef, (GLfloat a, GLfloat b), (a, b))                                                 \
+    X(DepthFunc, (GLenum a), (a))                                                                  \
+    X(DepthMask, (GLboolean a), (a))                                                               \
+    X(ColorMask, (GLboolean a, GLboolean b, GLboolean c, GLboolean d), (a, b, c, d))               \
+    X(ClearNamedFramebufferfv, (GLuint a, GLenum b, GLint c, const GLfloat *d), (a, b, c, d))      \
+    X(BindVertexArray, (GLuint a), (a))                                                            \
+    X(UseProgram, (GLuint a), (a))                                                                 \
+    X(ProgramUniform1i, (GLuint a, GLint b, GLint c), (a, b, c))                                   \
+    X(ProgramUniform2f, (GLuint a, GLint b, GLfloat c, GLfloat d), (a, b, c, d))                   \
+    X(ProgramUniformMatrix3fv, (GLuint a, GLint b, GLsizei c, GLboolean d, const GLfloat *e),      \
+      (a, b, c, d, e))                                                                             \
+    X(ProgramUniformMatrix4fv, (GLuint a, GLint b, GLsizei c, GLboolean d, const GLfloat *e),      \
+      (a, b, c, d, e))                                                                             \
+    X(BindTextures, (GLuint a, GLsizei b, const GLuint *c), (a, b, c))                             \
+    X(BindSamplers, (GLuint a, GLsizei b, const GLuint *c), (a, b, c))                             \
+    X(BindBuffersBase, (GLenum a, GLuint b, GLsizei c, const GLuint *d), (a, b, c, d))
+
+#define COUNT(name, parameters, arguments)                                                         \
+    static void APIENTRY count_##name parameters {                                                 \
+        calls++;                                                                                   \
+        real.name arguments;                                                                       \
+    }
+COUNTED(COUNT)
+
+static void APIENTRY count_DrawElements(GLenum mode, GLsizei count, GLenum type, const void *at) {
+    /* Nothing is drawn: a software driver would compile a program for each set of arrays. */
+    (void)mode, (void)type, (void)at;
+    calls++;
+    draws += count > 0;
+}
+
+static GLenum APIENTRY count_GetError(void) {
+    calls++;
+    return real.GetError();
+}
+
+static void APIENTRY uncounted(void) {
+    REQUIRE(!"a frame calls a function that this test does not count");
+}
+
+static slv_gl_proc counted(const char *name) {
+#define NAMED(function, parameters, arguments)                                                     \
+    if (strcmp(name, "gl" #function) == 0)                                                         \
+        return (slv_gl_proc)count_##function;
+    COUNTED(NAMED)
+#undef NAMED
+    if (strcmp(name, "glDrawElements") == 0)
+        return (slv_gl_proc)count_DrawElements;
+    return strcmp(name, "glGetError") == 0 ? (slv_gl_proc)count_GetError : NULL;
+}
+
+static slv_gl_proc get_proc(void *user, const char *name) {
+    slv_gl_proc function = counted(name);
+    return function ? function : slv_gl_get_function(user, name);
+}
+
+static slv_gl_proc get_trap(void *user, const char *name) {
+    slv_gl_proc function = counted(name);
+    (void)user;
+    return function ? function : (slv_gl_proc)uncounted;
+}
+
+static void load(slv_gl_api *api, slv_gl_get_proc from, void *user) {
+#define LOAD(type, name) api->name = (type)from(user, "gl" #name);
+    SLV_GL_FUNCTIONS(LOAD)
+#undef LOAD
+}
+
+static slv_gl_proc get_real(void *user, const char *name) {
+    return slv_gl_get_function(user, name);
+}
+
+static void count_frame(slv_gl *gl, slv_gl_renderer *renderer, slv_gl_texture *texture,
+                        const slv_strategy *strategy) {
+    const float low[3] = {0, 0, -1}, high[3] = {COLUMNS, ROWS, 1};
+    slv_env env = test_env();
+    slv_frame frame = {.width = 64, .height = 64, .strategy = strategy};
+    slv_gl_api all = gl->api;
+    frame.camera = slv_camera_orbit(low, high, 30, 20, 35, 1);
+    slv_result result = slv_gl_renderer_draw(renderer, &env, texture, &frame, NULL, NULL);
+    REQUIRE(result == SLV_OK); /* makes programs and lists of triangles */
+    load(&gl->api, get_trap, NULL);
+    calls = draws = 0;
+    result = slv_gl_renderer_draw(renderer, &env, texture, &frame, NULL, NULL);
+    REQUIRE(result == SLV_OK);
+    gl->api = all;
+    bool reaches = strategy->reach == SLV_GL_REACH_NEIGHBOURS;
+    fprintf(stderr, "%-14s %4llu draws, %5llu calls\n", strategy->name, (unsigned long long)draws,
+            (unsigned long long)calls);
+    CHECK(draws > 0 && draws == slv_gl_texture_batch_count(texture, strategy));
+    CHECK_MSG(draws <= (reaches ? 500 : 100) && calls <= 6000, "%s: %llu draws, %llu calls",
+              strategy->name, (unsigned long long)draws, (unsigned long long)calls);
+}
+
+static void check(slv_gl *gl) {
+    uint64_t random = 3;
+    slv_env env = test_env();
+    shape s = shape_grid(COLUMNS, ROWS, false, false);
+    slv_surface *surface = NULL;
+    slv_adjacency *adjacency = NULL;
+    slv_texture *texels = NULL;
+    slv_gl_renderer *renderer = NULL;
+    slv_gl_texture *texture = NULL;
+    const slv_strategy *list[KIT_STRATEGIES];
+    slv_mesh *mesh = shape_mesh(&env, &s);
+    uint32_t nfaces = slv_mesh_face_count(mesh);
+    slv_res *res = malloc(nfaces * sizeof *res);
+    REQUIRE(res);
+    for (uint32_t f = 0; f < nfaces; f++)
+        res[f] = (slv_res){(int8_t)(test_random(&random) % 4), (int8_t)(test_random(&random) % 4)};
+    slv_texture_desc desc = {nfaces, SLV_TYPE_U8, 3, SLV_NO_ALPHA, res, SLV_TEXTURE_LINEAR};
+    slv_result result = slv_texture_create(&env, &desc, &texels);
+    REQUIRE(result == SLV_OK);
+    result = slv_mesh_adjacency(&env, mesh, &adjacency);
+    REQUIRE(result == SLV_OK);
+    result = slv_surface_create(&env, mesh, NULL, &surface);
+    REQUIRE(result == SLV_OK);
+    result = slv_gl_renderer_create(gl, &env, mesh, surface, 2, &renderer);
+    REQUIRE(result == SLV_OK);
+    fprintf(stderr, "%u faces\n", nfaces);
+    slv_gl_texture_params params = {.strategies = list};
+    for (uint32_t k = 0; k < slv_strategy_count(); k++)
+        list[params.nstrategies++] = slv_strategy_at(k);
+    result = slv_gl_texture_create(gl, &env, texels, adjacency, &params, &texture);
+    REQUIRE(result == SLV_OK);
+    for (uint32_t k = 0; k < params.nstrategies; k++)
+        count_frame(gl, renderer, texture, list[k]);
+    slv_gl_texture_destroy(texture);
+    slv_gl_renderer_destroy(renderer);
+    slv_surface_destroy(surface);
+    slv_adjacency_destroy(adjacency);
+    slv_texture_destroy(texels);
+    slv_mesh_destroy(mesh);
+    shape_clear(&s);
+    free(res);
+}
+
+int main(void) {
+    slv_env env = test_env();
+    slv_gl *context = NULL, *gl = NULL;
+    slv_result result = slv_gl_create(&env, SLV_GL_AUTO, &context);
+    REQUIRE(result == SLV_OK);
+    load(&real, get_real, context);
+    result = slv_gl_wrap(&env, get_proc, context, &gl);
+    REQUIRE(result == SLV_OK);
+    check(gl);
+    slv_gl_destroy(gl);
+    slv_gl_destroy(context);
+    return test_end();
+}
