@@ -107,6 +107,24 @@ void slvi_gl_convert(const slv_gl_format *format, const void *texels, uint32_t n
     }
 }
 
+void slvi_gl_convert_half(const slv_gl_format *format, const uint16_t *texels, uint32_t nchannels,
+                          size_t count, uint8_t *out) {
+    uint32_t colours = format->nsource < 3 ? format->nsource : 3;
+    for (size_t i = 0; i < count; i++, texels += nchannels, out += format->texel_bytes) {
+        const uint16_t *from = texels + format->first;
+        memset(out, 0, format->texel_bytes);
+        for (uint32_t c = 0; c < colours; c++) /* above 1 up to infinity; negative ones are black */
+            out[c] = format->srgb[from[c] <= 0x3c00 ? from[c] : from[c] <= 0x7c00 ? 0x3c00 : 0];
+        if (format->nsource == 4) {
+            float alpha = slv_half_to_float(from[3]);
+            alpha = alpha > 0 ? alpha < 1 ? alpha : 1 : 0;
+            out[3] = (uint8_t)(255 * alpha + 0.5f);
+        }
+        if (format->coverage)
+            out[format->texel_bytes - 1] = 255;
+    }
+}
+
 void slvi_gl_convert_float(const slv_gl_format *format, const float *texels, uint32_t nchannels,
                            size_t count, void *out) {
     size_t size = slv_type_size(format->type), last = size * (format->ncomponents - 1);

@@ -34,6 +34,9 @@ slv_result slvi_gl_format_compress(const slv_gl *gl, const slv_env *env, slv_typ
 /* `count` texels with `nchannels` channels of the format's type, to the format. */
 void slvi_gl_convert(const slv_gl_format *format, const void *texels, uint32_t nchannels,
                      size_t count, void *out);
+/* The same from halves of decoded colours, to a format that encodes them again. */
+void slvi_gl_convert_half(const slv_gl_format *format, const uint16_t *texels, uint32_t nchannels,
+                          size_t count, uint8_t *out);
 /* The same from floats. */
 void slvi_gl_convert_float(const slv_gl_format *format, const float *texels, uint32_t nchannels,
                            size_t count, void *out);

@@ -35,7 +35,8 @@ static slv_result fill_level(const struct origin *from, uint32_t item, uint32_t 
                          "form %s: %s of another type than the texture's is not float", form->name,
                          form->item);
     float *floats = NULL;
-    bool widened = read.type != format->type && read.type != SLV_TYPE_FLOAT;
+    bool encoded = read.type == SLV_TYPE_HALF && format->srgb;
+    bool widened = !encoded && read.type != format->type && read.type != SLV_TYPE_FLOAT;
     size_t values = (size_t)rect.width * desc->nchannels;
     if (widened && (result = slvi_alloc_plain(&from->source->shared, "level", values,
                                               sizeof *floats, &floats)))
@@ -50,7 +51,9 @@ static slv_result fill_level(const struct origin *from, uint32_t item, uint32_t 
         unsigned char *to = out + y * pitch * format->texel_bytes;
         if (widened)
             slv_type_to_float(read.type, texels, values, floats);
-        if (read.type == format->type)
+        if (encoded)
+            slvi_gl_convert_half(format, texels, desc->nchannels, count, to);
+        else if (read.type == format->type)
             slvi_gl_convert(format, texels, desc->nchannels, count, to);
         else
             slvi_gl_convert_float(format, widened ? floats : texels, desc->nchannels, count, to);

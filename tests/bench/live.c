@@ -1,0 +1,111 @@
+/* Updates of textures on the GPU: CPU time of one changed rectangle, for each strategy, on few
+ * faces and on many. */
+#include "kit/bench_kit.h"
+
+#include <selvage/gl_live.h>
+
+#include <string.h>
+
+enum { ROUNDS = 40, SIDE = 6 };
+
+typedef struct scene {
+    uint32_t nfaces;
+    slv_texture *texture;
+    slv_adjacency *adjacency;
+} scene;
+
+static scene make_scene(const slv_env *env, uint32_t nfaces, int side) {
+    scene s = {.nfaces = nfaces};
+    slv_res *res = calloc(nfaces, sizeof *res);
+    slv_face_adjacency *faces = calloc(nfaces, sizeof *faces);
+    size_t size = ((size_t)3 << 2 * side);
+    unsigned char *texels = malloc(size);
+    uint32_t random = 7, columns = 1;
+    if (!res || !faces || !texels)
+        bench_stop(SLV_ERROR_MEMORY);
+    while (columns * columns < nfaces)
+        columns++;
+    for (uint32_t f = 0; f < nfaces; f++) {
+        res[f] = (slv_res){(int8_t)side, (int8_t)side};
+        faces[f] = bench_grid_adjacency(f, columns, nfaces);
+    }
+    slv_texture_desc desc = {.nfaces = nfaces,
+                             .type = SLV_TYPE_U8,
+                             .nchannels = 3,
+                             .alpha_channel = SLV_NO_ALPHA,
+                             .res = res};
+    bench_stop(slv_adjacency_create(env, nfaces, faces, NULL, &s.adjacency));
+    bench_stop(slv_texture_create(env, &desc, &s.texture));
+    for (uint32_t f = 0; f < nfaces; f++) {
+        for (size_t i = 0; i < size; i++)
+            texels[i] = (unsigned char)bench_random(&random);
+        bench_stop(slv_texture_set_face(s.texture, f, texels));
+    }
+    free(res);
+    free(faces);
+    free(texels);
+    return s;
+}
+
+/* The middle CPU time of an update in ms; *creation is that of making the texture. */
+static double measure(slv_gl *gl, const slv_env *env, const scene *s, const slv_strategy *strategy,
+                      slv_texture_encoding encoding, int side, double *creation) {
+    const slv_strategy *const list[] = {strategy};
+    slv_gl_texture_params params = {
+        .strategies = list, .nstrategies = 1, .live = true, .encoding = encoding};
+    slv_gl_texture *made = NULL;
+    static unsigned char texels[3 << 2 * SIDE];
+    static double times[ROUNDS];
+    uint32_t random = 11;
+    *creation = bench_seconds(CLOCK_PROCESS_CPUTIME_ID);
+    bench_stop(slv_gl_texture_create(gl, env, s->texture, s->adjacency, &params, &made));
+    *creation = 1e3 * (bench_seconds(CLOCK_PROCESS_CPUTIME_ID) - *creation);
+    for (uint32_t i = 0; i < ROUNDS + 2; i++) {
+        uint32_t face = (uint32_t)((uint64_t)bench_random(&random) * s->nfaces >> 32);
+        for (size_t k = 0; k < (size_t)3 << 2 * side; k++)
+            texels[k] = (unsigned char)bench_random(&random);
+        bench_stop(slv_texture_set_rect(s->texture, face, (slv_rect){0, 0, 1u << side, 1u << side},
+                                        texels));
+        double start = bench_seconds(CLOCK_PROCESS_CPUTIME_ID);
+        bench_stop(slv_gl_texture_update(made, env, NULL));
+        if (i >= 2) /* the first make what later ones need */
+            times[i - 2] = 1e3 * (bench_seconds(CLOCK_PROCESS_CPUTIME_ID) - start);
+    }
+    slv_gl_texture_destroy(made);
+    return bench_median(times, ROUNDS);
+}
+
+int main(int argc, char **argv) {
+    bool smoke = argc > 1 && strcmp(argv[1], "--smoke") == 0;
+    int side = smoke ? 3 : SIDE;
+    uint32_t counts[] = {smoke ? 16 : 1000, smoke ? 64 : argc > 2 ? (uint32_t)atoi(argv[2]) : 100000};
+    slv_env env = {.log = bench_log, .max_bytes = UINT64_C(64) << 30};
+    slv_gl *gl = NULL;
+    scene scenes[2];
+    bench_stop(slv_gl_create(&env, SLV_GL_AUTO, &gl));
+    for (uint32_t k = 0; k < 2; k++)
+        scenes[k] = make_scene(&env, counts[k], side);
+    printf("a rectangle of %u x %u texels, ms of CPU; in brackets making the texture\n", 1u << side,
+           1u << side);
+    for (uint32_t i = 0; i < slv_strategy_count(); i++) {
+        const slv_strategy *strategy = slv_strategy_at(i);
+        if (strategy->comparison || (argc > 1 && !smoke && strcmp(argv[1], strategy->name)))
+            continue;
+        for (uint32_t e = 0; e < 2; e++) {
+            slv_texture_encoding encoding = e ? SLV_TEXTURE_SRGB : SLV_TEXTURE_DATA;
+            double creation[2], few, many;
+            few = measure(gl, &env, &scenes[0], strategy, encoding, side, &creation[0]);
+            many = measure(gl, &env, &scenes[1], strategy, encoding, side, &creation[1]);
+            printf("%-14s %-5s %8.3f on %u faces (%.0f), %8.3f on %u (%.0f): %.2f times\n",
+                   strategy->name, slv_texture_encoding_name(encoding), few, counts[0], creation[0],
+                   many, counts[1], creation[1], many / few);
+            fflush(stdout);
+        }
+    }
+    for (uint32_t k = 0; k < 2; k++) {
+        slv_texture_destroy(scenes[k].texture);
+        slv_adjacency_destroy(scenes[k].adjacency);
+    }
+    slv_gl_destroy(gl);
+    return 0;
+}
