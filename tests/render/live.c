@@ -10,6 +10,7 @@
 enum { CASES = TEST_SANITIZED ? 20 : 60, LOOKUPS = 600, MOST_LEVEL = 4 << 20 };
 
 static slv_gl *gl;
+static uint32_t moved, renewed; /* how often */
 
 static uint32_t item_count(const kit *k, const slv_strategy *strategy) {
     const slv_form *form = strategy->form();
@@ -103,7 +104,11 @@ static void check(uint32_t which, bool lookups, uint64_t *random) {
         bool large = type == SLV_TYPE_FLOAT && round < 2 && which % 3 == 0;
         for (uint32_t i = 0; i < changes; i++)
             kit_change(&k, test_random(random) % k.nfaces, large ? 1e32f : 1, random);
-        REQUIRE(slv_gl_texture_update(followed, &env, NULL) == SLV_OK);
+        slv_gl_update update;
+        REQUIRE(slv_gl_texture_update(followed, &env, &update) == SLV_OK);
+        CHECK(update.faces > 0 && (update.bytes > 0 || update.renewed));
+        moved += update.moved;
+        renewed += update.renewed;
         if (round == 1)
             continue;
         slv_gl_texture *fresh = make(&k, &params);
@@ -119,6 +124,28 @@ static void check(uint32_t which, bool lookups, uint64_t *random) {
     kit_free(&k);
 }
 
+/* A texture that was not made to follow changes says so, and one that nothing was changed of does
+ * nothing. */
+static void check_refused(void) {
+    uint64_t random = 3;
+    slv_env env = test_env(), quiet = {0};
+    slv_gl_texture_params params = {KIT_ONLY(slv_strategy_at(0))};
+    slv_gl_update update;
+    kit k;
+    kit_cube(&k, &random);
+    kit_equal(&k, 2);
+    kit_noise(&k, SLV_TYPE_U8, 3, &random);
+    slv_gl_texture *made = make(&k, &params);
+    CHECK(slv_gl_texture_update(made, &quiet, &update) == SLV_ERROR_ARGUMENT);
+    slv_gl_texture_destroy(made);
+    params.live = true;
+    made = make(&k, &params);
+    CHECK(slv_gl_texture_update(made, &env, &update) == SLV_OK);
+    CHECK(update.faces == 0 && update.items == 0 && update.bytes == 0);
+    slv_gl_texture_destroy(made);
+    kit_free(&k);
+}
+
 int main(void) {
     slv_env env = test_env();
     uint64_t random = 97;
@@ -126,6 +153,9 @@ int main(void) {
     uint32_t cases = test_effort(CASES);
     for (uint32_t i = 0; i < cases; i++)
         check(i, i % 40 < slv_strategy_count(), &random);
+    CHECK_MSG(moved > 0 && renewed > 0, "%u items were moved, %u textures made anew", moved,
+              renewed);
+    check_refused();
     slv_gl_destroy(gl);
     return test_end();
 }

@@ -2,6 +2,7 @@
  * and rows of tables. */
 #include "base/log.h"
 #include "gl/live/live.h"
+#include "gl/live/move.h"
 #include "gl/store/texture.h"
 
 #include <selvage/border.h>
@@ -51,17 +52,24 @@ static slv_result upload(struct update *update, slv_gl_store *store, uint32_t it
     return result;
 }
 
-/* Whether an item needs another type than before. */
+/* Moves an item that needs another type than before. */
 static slv_result widen(struct update *update, slv_gl_store *store, uint32_t item) {
-    bool wide = false;
+    bool wide = false, blocks = store->pools.format.block;
+    uint32_t filler = item;
     slv_result result = slvi_gl_store_is_wide(&update->live->source, store, item, &wide);
     if (result || wide == store->wide[item])
         return result;
     store->wide[item] = wide;
-    if (store->pools.format.block)
-        store->nclipped += wide ? 1u : UINT32_MAX;
-    else
-        update->done.renewed = true;
+    *(blocks ? &store->nclipped : &store->nwide) += wide ? 1u : UINT32_MAX;
+    if (blocks)
+        return SLV_OK;
+    if ((result = slvi_gl_move_item(&update->live->source, store, item, &filler)))
+        return result;
+    slvi_gl_move_row(&update->live->source, store, item);
+    slvi_gl_move_row(&update->live->source, store, filler);
+    slvi_gl_marks_add(&store->stale, filler); /* it is uploaded with those that are listed */
+    store->moved = true;
+    update->done.moved++;
     return SLV_OK;
 }
 
@@ -80,29 +88,35 @@ static slv_result update_store(struct update *update, slv_gl_store *store) {
     }
     if (form->refresh && (result = form->refresh(store->made, stale->listed, stale->count)))
         return result;
-    for (uint32_t i = 0; !result && i < stale->count; i++)
+    for (uint32_t i = 0, n = stale->count; !result && i < n; i++)
         result = widen(update, store, stale->listed[i]);
-    for (uint32_t i = 0; !result && !update->done.renewed && i < stale->count; i++)
+    for (uint32_t i = 0; !result && i < stale->count; i++)
         result = upload(update, store, stale->listed[i], NULL);
-    return result;
+    return result || !store->moved ? result : slvi_gl_move_end(&live->source, store);
 }
 
 static slv_result update_all(struct update *update) {
     slv_gl_texture *texture = update->texture;
     slv_gl_live *live = update->live;
     slv_result result = SLV_OK;
-    for (uint32_t i = 0; !result && !update->done.renewed && i < texture->nstores; i++)
+    for (uint32_t i = 0; !result && i < texture->nstores; i++)
         result = update_store(update, &texture->stores[i]);
-    if (result || update->done.renewed)
-        return result;
     if (!result)
         result = list_stale(live, slv_form_borders(), live->around, &live->faces);
     for (uint32_t i = 0; !result && i < texture->nreaches; i++) {
         slv_gl_reach_row *row = &texture->reaches[i];
         const slv_gl_store *store = &texture->stores[row->store];
+        if (store->moved) { /* batches are of pools */
+            slvi_gl_reach_free(texture->gl, &row->reach);
+            result = slvi_gl_reach_build(&live->source, row->kind, &store->pools, store->made,
+                                         &row->reach);
+            continue;
+        }
         result = slvi_gl_reach_refresh(&live->source, row->kind, &store->pools, store->made,
                                        live->faces.listed, live->faces.count, &row->reach);
     }
+    for (uint32_t i = 0; !result && i < texture->nstores; i++)
+        texture->stores[i].moved = false;
     return result;
 }
 
@@ -114,16 +128,18 @@ static slv_result update_within(struct update *update) {
     if ((result = slvi_gl_live_follow(live, update->env, &renew)))
         return result;
     update->done.faces = live->nchanges;
-    if (!live->nchanges)
+    if (!live->nchanges && !live->half_done)
         return SLV_OK;
     slvi_gl_set_state(live->source.gl);
-    update->done.renewed = renew;
-    if ((!renew && (result = update_all(update))) ||
-        (update->done.renewed && (result = slvi_gl_texture_renew(update->texture))) ||
-        (result = slvi_gl_check(update->texture->gl, update->env, "update of a GL texture")))
+    update->done.renewed = renew || live->half_done;
+    live->half_done = true;
+    result = update->done.renewed ? slvi_gl_texture_renew(update->texture) : update_all(update);
+    if (result || (result = slvi_gl_check(update->texture->gl, update->env, "GL texture update")))
         return result;
-    if (!update->done.renewed)
-        live->seen = version;
+    if (update->done.renewed) /* and with it what follows changes */
+        return SLV_OK;
+    live->half_done = false;
+    live->seen = version;
     return SLV_OK;
 }
 

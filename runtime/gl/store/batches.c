@@ -35,6 +35,8 @@ slv_result slvi_gl_batches_by_pool(const slv_env *env, const slv_gl_pools *pools
     slv_result result = slvi_alloc(env, "batches", nfaces, sizeof *batches.faces, &batches.faces);
     for (uint32_t p = 0; !result && p < pools->npools; p++) {
         slv_gl_batch_range *range = NULL;
+        if (!pools->pools[p].nlayers)
+            continue;
         if ((result = slvi_gl_add_batch(env, &batches, &range)))
             break;
         range->first = first;

@@ -9,6 +9,12 @@
 
 #define ARRAY_BYTES (UINT64_C(512) << 20) /* software drivers refuse textures above 1 GiB */
 #define NCLASSES (1u << 11)
+#define MOST_POOLS 0xffffu
+
+static slv_result too_many(const slv_env *env, uint32_t npools) {
+    return slvi_fail(env, SLV_ERROR_LIMIT, "%u array textures are needed, the limit is %u", npools,
+                     MOST_POOLS);
+}
 
 static uint32_t class_of(slv_res res, bool wide) {
     return (uint32_t)wide << 10 | (uint32_t)res.u << 5 | (uint32_t)res.v;
@@ -98,8 +104,8 @@ static void cut_classes(const slv_gl_pool *templates, const uint32_t *start, slv
         for (; first < end; first += most) {
             slv_gl_pool *pool = &out->pools[out->npools];
             *pool = templates[c];
-            pool->items = out->order + first;
-            pool->nlayers = end - first < most ? end - first : most;
+            pool->items = out->items + first;
+            pool->nlayers = pool->capacity = end - first < most ? end - first : most;
             for (uint32_t layer = 0; layer < pool->nlayers; layer++) {
                 out->pool_of[pool->items[layer]] = out->npools;
                 out->layer_of[pool->items[layer]] = layer;
@@ -117,7 +123,7 @@ slv_result slvi_gl_pools_assign(const slv_gl_source *source, const slv_gl_items 
     slv_gl_pool *templates = NULL;
     if ((result = slvi_alloc(env, "size classes", NCLASSES + 1, sizeof *start, &start)) ||
         (result = slvi_alloc(env, "size classes", NCLASSES, sizeof *templates, &templates)) ||
-        (result = slvi_alloc(env, "layers", count_all, sizeof *out->order, &out->order)) ||
+        (result = slvi_alloc(env, "layers", count_all, sizeof *out->items, &out->items)) ||
         (result = slvi_alloc(env, "pools", count_all, sizeof *out->pool_of, &out->pool_of)) ||
         (result = slvi_alloc(env, "layers", count_all, sizeof *out->layer_of, &out->layer_of)))
         goto done;
@@ -135,17 +141,17 @@ slv_result slvi_gl_pools_assign(const slv_gl_source *source, const slv_gl_items 
         }
         start[c + 1] += start[c];
     }
-    if (npools > 0xffff) {
-        result = slvi_fail(env, SLV_ERROR_LIMIT, "%u array textures are needed, the limit is 65535",
-                           npools);
+    if (npools > MOST_POOLS) {
+        result = too_many(env, npools);
         goto done;
     }
     if ((result = slvi_alloc(env, "pools", npools, sizeof *out->pools, &out->pools)))
         goto done;
     for (uint32_t i = 0; i < count_all; i++) {
         uint32_t item = items->order[i];
-        out->order[start[class_of(items->res[item], items->wide[item])]++] = item;
+        out->items[start[class_of(items->res[item], items->wide[item])]++] = item;
     }
+    out->order = out->items;
     /* start[c] is now where class c ends */
     cut_classes(templates, start, out);
 done:
@@ -154,9 +160,64 @@ done:
     return result;
 }
 
+slv_result slvi_gl_pools_add(const slv_gl_source *source, slv_res res, bool wide, uint32_t capacity,
+                             slv_gl_pools *pools, slv_gl_pool **out) {
+    slv_gl_pool pool = {.res = res, .wide = wide, .own_items = true};
+    slv_result result = lay_out_class(source, pools, &pool);
+    if (result)
+        return result;
+    pool.capacity = capacity < pool.nlayers ? capacity : pool.nlayers;
+    pool.nlayers = 0;
+    if (pools->npools == MOST_POOLS)
+        return too_many(source->env, pools->npools + 1);
+    if ((result = slvi_grow(source->env, "pools", pools->npools + (uint64_t)1, sizeof *pools->pools,
+                            &pools->pools)) ||
+        (result =
+             slvi_alloc(source->env, "layers", pool.capacity, sizeof *pool.items, &pool.items)))
+        return result;
+    *out = &pools->pools[pools->npools++];
+    **out = pool;
+    return SLV_OK;
+}
+
+void slvi_gl_pools_take(slv_gl_pools *pools, uint32_t item, uint32_t *filler) {
+    slv_gl_pool *pool = &pools->pools[pools->pool_of[item]];
+    uint32_t layer = pools->layer_of[item], last = pool->items[--pool->nlayers];
+    pool->items[layer] = last;
+    pools->layer_of[last] = layer;
+    *filler = last;
+}
+
+void slvi_gl_pools_give(slv_gl_pools *pools, uint32_t item, uint32_t index) {
+    slv_gl_pool *pool = &pools->pools[index];
+    pools->pool_of[item] = index;
+    pools->layer_of[item] = pool->nlayers;
+    pool->items[pool->nlayers++] = item;
+}
+
+slv_result slvi_gl_pools_list(const slv_env *env, slv_gl_pools *pools) {
+    uint32_t *order = pools->order;
+    slv_result result = SLV_OK;
+    if (order == pools->items)
+        result = slvi_alloc(env, "layers", pools->nitems, sizeof *order, &order);
+    if (result)
+        return result;
+    pools->order = order;
+    for (uint32_t p = 0; p < pools->npools; p++) {
+        memcpy(order, pools->pools[p].items, pools->pools[p].nlayers * sizeof *order);
+        order += pools->pools[p].nlayers;
+    }
+    return SLV_OK;
+}
+
 void slvi_gl_pools_free(slv_gl_pools *pools) {
+    for (uint32_t p = 0; p < pools->npools; p++)
+        if (pools->pools[p].own_items)
+            slvi_free(pools->pools[p].items);
+    if (pools->order != pools->items)
+        slvi_free(pools->order);
+    slvi_free(pools->items);
     slvi_free(pools->pools);
-    slvi_free(pools->order);
     slvi_free(pools->pool_of);
     slvi_free(pools->layer_of);
 }

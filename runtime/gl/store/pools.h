@@ -19,7 +19,9 @@ typedef struct slv_gl_pool {
     slv_res res;
     bool wide;
     uint32_t nlayers, width, height, nlevels;
-    const uint32_t *items;            /* of each layer */
+    uint32_t capacity; /* layers of the array, of which the first nlayers are in use */
+    uint32_t *items;   /* of each layer */
+    bool own_items;    /* no part of slv_gl_pools.items */
     slv_gl_rect rects[SLV_GL_LEVELS]; /* of pages only */
 } slv_gl_pool;
 
@@ -38,7 +40,8 @@ typedef struct slv_gl_pools {
     slv_gl_format format, wide_format;
     slv_gl_pool *pools;
     uint32_t npools, nitems;
-    uint32_t *order; /* items in the order of pools and layers */
+    uint32_t *items; /* of the layers of the first pools */
+    uint32_t *order; /* items in the order of pools and layers; may be `items` */
     uint32_t *pool_of, *layer_of;
 } slv_gl_pools;
 
@@ -46,6 +49,17 @@ typedef struct slv_gl_pools {
  * are still to be made. `out` has form, packing and formats; on failure it is to be freed too. */
 slv_result slvi_gl_pools_assign(const slv_gl_source *source, const slv_gl_items *items,
                                 slv_gl_pools *out);
+/* Adds a pool of a class without layers in use, to be made with `capacity` of them or as many as
+ * one may have; *out holds until the next. */
+slv_result slvi_gl_pools_add(const slv_gl_source *source, slv_res res, bool wide, uint32_t capacity,
+                             slv_gl_pools *pools, slv_gl_pool **out);
+/* Takes an item out of its pool, whose layers in use stay the first: *filler is the item that is
+ * in its place now, and has to be uploaded there; or the item itself. */
+void slvi_gl_pools_take(slv_gl_pools *pools, uint32_t item, uint32_t *filler);
+/* Gives it the next layer of a pool that has one. */
+void slvi_gl_pools_give(slv_gl_pools *pools, uint32_t item, uint32_t pool);
+/* Lists the items in the order of pools and layers again. */
+slv_result slvi_gl_pools_list(const slv_env *env, slv_gl_pools *pools);
 void slvi_gl_pools_free(slv_gl_pools *pools);
 
 static inline const slv_gl_format *slv_gl_pool_format(const slv_gl_pools *pools,

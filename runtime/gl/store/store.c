@@ -141,8 +141,8 @@ static slv_result make_coverage(const slv_gl_source *source, slv_gl_pool *pool, 
     return SLV_OK;
 }
 
-static slv_result upload_pool(const slv_gl_source *source, const void *made, slv_gl_store *store,
-                              slv_gl_pool *pool, slv_gl_staging *staging) {
+slv_result slvi_gl_store_make_pool(const slv_gl_source *source, slv_gl_store *store,
+                                   slv_gl_pool *pool) {
     const slv_gl_api *api = &source->gl->api;
     const slv_gl_pools *pools = &store->pools;
     const slv_gl_format *format = slv_gl_pool_format(pools, pool);
@@ -150,15 +150,22 @@ static slv_result upload_pool(const slv_gl_source *source, const void *made, slv
     slv_result result = SLV_OK;
     api->CreateTextures(GL_TEXTURE_2D_ARRAY, 1, &pool->texture);
     api->TextureStorage3D(pool->texture, (GLsizei)nlevels, format->internal, (GLsizei)pool->width,
-                          (GLsizei)pool->height, (GLsizei)pool->nlayers);
+                          (GLsizei)pool->height, (GLsizei)pool->capacity);
     api->TextureParameteriv(pool->texture, GL_TEXTURE_SWIZZLE_RGBA, format->swizzle);
     if ((result = slvi_gl_check(source->gl, source->env, "array texture")))
         return result;
-    store->bytes += slvi_gl_layer_bytes(pools, pool) * pool->nlayers;
-    for (uint32_t level = 0; !result && level < nlevels; level++)
-        result = slvi_gl_upload_level(source, pools, pool, made, level, staging, &store->error);
-    if (!result && store->coverage && format->nsource == 4)
-        result = make_coverage(source, pool, &store->coverage_bytes);
+    store->bytes += slvi_gl_layer_bytes(pools, pool) * pool->capacity;
+    return store->coverage && format->nsource == 4
+               ? make_coverage(source, pool, &store->coverage_bytes)
+               : SLV_OK;
+}
+
+static slv_result upload_pool(const slv_gl_source *source, const void *made, slv_gl_store *store,
+                              slv_gl_pool *pool, slv_gl_staging *staging) {
+    slv_result result = slvi_gl_store_make_pool(source, store, pool);
+    for (uint32_t level = 0; !result && level < slv_gl_pool_levels(&store->pools, pool); level++)
+        result =
+            slvi_gl_upload_level(source, &store->pools, pool, made, level, staging, &store->error);
     return result ? result : slvi_gl_check(source->gl, source->env, "texture upload");
 }
 
@@ -207,7 +214,8 @@ slv_result slvi_gl_store_build(const slv_gl_source *source, const slv_form *form
     if (!result)
         result = slvi_gl_face_table(source, pools, made, &store.table, &store.bytes);
     if (!result && packing == SLV_GL_PAGES)
-        result = slvi_gl_level_table(source, pools, &store.rects, &store.bytes);
+        result = slvi_gl_level_table(source, pools, &store.rects, &store.rect_bytes);
+    store.bytes += store.rect_bytes;
 done:
     free_items(&items);
     slvi_gl_staging_free(&staging);

@@ -11,11 +11,13 @@ typedef struct slv_gl_store {
     void *made;         /* by the form; NULL where nothing follows changes */
     uint8_t *wide;      /* per item: whether it needs a wider type; likewise */
     slv_gl_marks stale; /* items at hand; likewise */
+    bool moved;         /* an item has got another layer, which batches do not know yet */
     bool coverage; /* texels have it, in a channel or, beside four channels, in arrays of its own */
     uint32_t nwide, nclipped;
     slv_gl_block_error error;
-    GLuint table;                   /* per face: pool | layer << 16, res */
-    GLuint rects;                   /* of pages */
+    GLuint table; /* per face: pool | layer << 16, res */
+    GLuint rects; /* of pages */
+    uint64_t rect_bytes;
     uint64_t bytes, coverage_bytes; /* coverage apart, for not every strategy binds it */
 } slv_gl_store;
 
@@ -25,6 +27,9 @@ slv_result slvi_gl_store_build(const slv_gl_source *source, const slv_form *form
 /* Whether an item needs a wider type than the texture's, as it is now. */
 slv_result slvi_gl_store_is_wide(const slv_gl_source *source, const slv_gl_store *store,
                                  uint32_t item, bool *out);
+/* Makes the array of a pool. */
+slv_result slvi_gl_store_make_pool(const slv_gl_source *source, slv_gl_store *store,
+                                   slv_gl_pool *pool);
 /* Gives back what only following changes takes. */
 void slvi_gl_store_let_go(slv_gl_store *store);
 void slvi_gl_store_free(const slv_gl *gl, slv_gl_store *store);

@@ -25,6 +25,16 @@ slv_result slvi_gl_table(const slv_gl_source *source, const char *what, const vo
     return slvi_gl_buffer(source->gl, source->env, what, data, bytes, out);
 }
 
+void slvi_gl_face_row(const slv_gl_source *source, const slv_gl_pools *pools, const void *made,
+                      uint32_t face, uint32_t row[2]) {
+    slv_res res = slv_levels_get_desc(source->levels)->res[face];
+    uint32_t items[SLV_FORM_ITEMS];
+    row[0] = 0;
+    if (pools->form->items(made, face, items) == 1)
+        row[0] = pools->pool_of[items[0]] | pools->layer_of[items[0]] << 16;
+    row[1] = (uint32_t)res.u | (uint32_t)res.v << 8;
+}
+
 slv_result slvi_gl_face_table(const slv_gl_source *source, const slv_gl_pools *pools,
                               const void *made, GLuint *out, uint64_t *bytes) {
     const slv_texture_desc *desc = slv_levels_get_desc(source->levels);
@@ -32,12 +42,8 @@ slv_result slvi_gl_face_table(const slv_gl_source *source, const slv_gl_pools *p
     slv_result result = slvi_alloc(source->env, "face table", desc->nfaces, 8, &rows);
     if (result)
         return result;
-    for (uint32_t f = 0; f < desc->nfaces; f++) {
-        uint32_t items[SLV_FORM_ITEMS];
-        if (pools->form->items(made, f, items) == 1)
-            rows[2 * f] = pools->pool_of[items[0]] | pools->layer_of[items[0]] << 16;
-        rows[2 * f + 1] = (uint32_t)desc->res[f].u | (uint32_t)desc->res[f].v << 8;
-    }
+    for (uint32_t f = 0; f < desc->nfaces; f++)
+        slvi_gl_face_row(source, pools, made, f, &rows[2 * (size_t)f]);
     *bytes += (uint64_t)desc->nfaces * 8;
     result = slvi_gl_table(source, "face table", rows, (uint64_t)desc->nfaces * 8, out);
     slvi_free(rows);

@@ -13,6 +13,9 @@ slv_result slvi_gl_table(const slv_gl_source *source, const char *what, const vo
 /* Per face its resolution and, where it is an item itself, its pool and layer. */
 slv_result slvi_gl_face_table(const slv_gl_source *source, const slv_gl_pools *pools,
                               const void *made, GLuint *out, uint64_t *bytes);
+/* A row of that table. */
+void slvi_gl_face_row(const slv_gl_source *source, const slv_gl_pools *pools, const void *made,
+                      uint32_t face, uint32_t row[2]);
 /* Of pages: where in a pool's layers each level is. */
 slv_result slvi_gl_level_table(const slv_gl_source *source, const slv_gl_pools *pools, GLuint *out,
                                uint64_t *bytes);

@@ -23,6 +23,7 @@ extern "C" {
 typedef struct slv_gl_update {
     uint32_t faces; /* whose own texels were changed */
     uint32_t items; /* faces and squares that were made anew, of all forms together */
+    uint32_t moved; /* those of them that went to another array: batches may be others */
     uint64_t bytes; /* texels uploaded, as the GPU stores them */
     bool renewed;   /* all was made anew, and batches, variants and shader texts may be others: the
                        values of a float texture have become so large, or are no longer, that
