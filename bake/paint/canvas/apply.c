@@ -3,12 +3,8 @@
 #include "surface/painter_data.h"
 
 #include "base/log.h"
-#include "base/memory.h"
-#include "base/parallel.h"
 
 #include <string.h>
-
-#define SHARED_TEXELS 32768
 
 /* Work on all patches, whose texels are one after the other. */
 typedef struct work {
@@ -87,13 +83,6 @@ static slv_result prepare(work *w, uint64_t extra) {
                              &p->texel_room);
 }
 
-static slv_result share(work *w, slv_range_fn fn) {
-    uint32_t count = w->patches->count;
-    if (w->patches->ntexels < SHARED_TEXELS || count < 2)
-        return fn(w, 0, count);
-    return slvi_parallel_for(&w->p->env, count, 1 + count / 64, fn, w);
-}
-
 slv_result slv_painter_apply(slv_painter *painter, const slv_canvas *canvas,
                              const slv_patches *patches, const slv_paint *paint) {
     work w = {.p = painter, .canvas = canvas, .patches = patches, .paint = paint};
@@ -110,7 +99,7 @@ slv_result slv_painter_apply(slv_painter *painter, const slv_canvas *canvas,
         return SLV_OK;
     if (canvas->fns->begin && (result = canvas->fns->begin(canvas->user, patches)))
         return result;
-    return share(&w, apply_some);
+    return slvi_painter_share(painter, patches, apply_some, &w);
 }
 
 slv_result slv_painter_mean(slv_painter *painter, const slv_canvas *canvas,
@@ -119,7 +108,8 @@ slv_result slv_painter_mean(slv_painter *painter, const slv_canvas *canvas,
     slv_result result = canvas->fns->describe(canvas->user, &w.desc);
     uint32_t n = w.desc.nchannels;
     double weight = 0, colour = 0;
-    if (result || (result = prepare(&w, (uint64_t)n + 2)) || (result = share(&w, sum_some)))
+    if (result || (result = prepare(&w, (uint64_t)n + 2)) ||
+        (result = slvi_painter_share(painter, patches, sum_some, &w)))
         return result;
     for (uint32_t i = 0; i < patches->count; i++) {
         weight += w.sums[i * ((size_t)n + 2) + n];

@@ -8,64 +8,8 @@
 #include "surface/painter_data.h"
 
 #include "base/log.h"
-#include "base/memory.h"
-#include "base/parallel.h"
 
 #include <string.h>
-
-/* From how many texels on work is shared out. */
-#define SHARED_TEXELS 32768
-
-slv_result slv_painter_create(const slv_env *env, const slv_paint_surface *surface,
-                              slv_painter **out) {
-    slv_painter *p = NULL;
-    *out = NULL;
-    slv_result result = slvi_alloc(env, "painter", 1, sizeof *p, &p);
-    if (result)
-        return result;
-    p->env = slvi_env_or_default(env);
-    p->surface = surface;
-    if ((result = slvi_alloc(env, "painter", surface->nverts, sizeof *p->vertices, &p->vertices)) ||
-        (result = slvi_alloc(env, "painter", 2 * (uint64_t)surface->ncells, sizeof *p->tri_round,
-                             &p->tri_round))) {
-        slv_painter_destroy(p);
-        return result;
-    }
-    *out = p;
-    return SLV_OK;
-}
-
-void slv_painter_destroy(slv_painter *painter) {
-    if (!painter)
-        return;
-    slvi_free(painter->vertices);
-    slvi_free(painter->tri_round);
-    slvi_free(painter->heap);
-    slvi_free(painter->touched);
-    slvi_free(painter->patches);
-    slvi_free(painter->parts);
-    slvi_free(painter->coverage);
-    slvi_free(painter->texels);
-    slvi_free(painter->sums);
-    slvi_free(painter);
-}
-
-const slv_paint_surface *slv_painter_get_surface(const slv_painter *painter) {
-    return painter->surface;
-}
-
-/* Shell's sort with Ciura's gaps: lists are short, or nearly in order. */
-void slvi_sort_numbers(uint32_t *list, uint32_t count) {
-    static const uint32_t gaps[] = {463792, 206130, 91613, 40717, 18096, 8043, 3575, 1589,
-                                    701,    301,    132,   57,    23,    10,   4,    1};
-    for (size_t g = 0; g < sizeof gaps / sizeof *gaps; g++)
-        for (uint32_t i = gaps[g]; i < count; i++) {
-            uint32_t one = list[i], j = i;
-            for (; j >= gaps[g] && list[j - gaps[g]] > one; j -= gaps[g])
-                list[j] = list[j - gaps[g]];
-            list[j] = one;
-        }
-}
 
 /* A dab as it is evaluated. */
 typedef struct brush_shape {
@@ -75,43 +19,6 @@ typedef struct brush_shape {
     bool round;
     double edge; /* how wide the rim is at least: a texel where the dab is */
 } brush_shape;
-
-/* What falls off from the middle: see slv_dab. */
-typedef struct profile {
-    double radius2, inner2; /* squared: of all, and of what is within the rim */
-    double hardness, slope; /* down to this at the inner radius; then per square to 0 */
-    double radius, opacity;
-} profile;
-
-/* For a face: dabs that are thinner than its texels are made as wide as these, and thinner. */
-static profile make_profile(const brush_shape *b, double texel) {
-    double r = b->radius, least = 0.75 * texel, rim;
-    profile f = {.hardness = fmax((double)b->hardness, 0.02), .opacity = 1};
-    if (r < least) {
-        f.opacity = r / least * (r / least);
-        r = least;
-    }
-    double width = fmax(fmin(b->edge, 2 * r), 1e-6 * r);
-    rim = r * (1 - sqrt(f.hardness));
-    if (rim < width) { /* the rim grows to both sides */
-        r += (width - rim) / 2;
-        rim = fmin(width, r);
-    }
-    f.radius = r;
-    f.radius2 = r * r;
-    f.inner2 = (r - rim) * (r - rim);
-    f.slope = f.hardness / (f.radius2 - f.inner2);
-    return f;
-}
-
-static float evaluate(const profile *f, double square) {
-    if (square >= f->radius2)
-        return 0;
-    double value = square <= f->inner2
-                       ? 1 - (1 - f->hardness) * (f->inner2 > 0 ? square / f->inner2 : 0)
-                       : f->slope * (f->radius2 - square);
-    return (float)(value * f->opacity);
-}
 
 /* a + b x + c y + d x^2 + e x y + f y^2 over a triangle's half of its cell. */
 typedef struct polynomial {
@@ -174,95 +81,58 @@ static bool find_extent(const polynomial *f, double limit, double out[4]) {
     return out[0] < out[2] && out[1] < out[3];
 }
 
-/* The texels of an axis whose centres lie within low..high of cell `at` of n; each texel is in one
- * cell. */
-static void find_texels(uint32_t at, uint32_t n, uint32_t size, double low, double high,
-                        uint32_t *first, uint32_t *end) {
+/* Of the texels first..end-1, those whose centres lie within low..high of cell `at` of n. */
+static void narrow(uint32_t at, uint32_t n, uint32_t size, double low, double high, uint32_t *first,
+                   uint32_t *end) {
     double scale = (double)size / n;
-    /* those of the cell: texel i has its centre at i + 1/2 */
-    uint32_t begin = (uint32_t)ceil(at * scale - 0.5),
-             stop = (uint32_t)ceil((at + 1) * scale - 0.5);
     double from = floor((at + low) * scale - 0.5), to = ceil((at + high) * scale - 0.5) + 1;
-    *first = from > begin ? (uint32_t)from : begin;
-    *end = to < stop ? (uint32_t)fmax(to, 0) : stop;
-    *end = *end < *first ? *first : *end;
+    *first = from > *first ? (uint32_t)from : *first;
+    *end = to < *end ? (uint32_t)fmax(to, 0) : *end;
 }
 
-typedef struct tri_texels {
-    polynomial f;
-    uint32_t x0, x1, y0, y1; /* texels */
-    uint32_t column, row;    /* of the cell */
-} tri_texels;
+static slvi_profile face_profile(const slv_painter *p, const brush_shape *b, uint32_t face) {
+    return slvi_profile_make(b->radius, b->hardness, b->edge,
+                             (double)slvi_texel_length(p->surface, face, b->res[face]));
+}
 
-static bool find_tri_texels(const slv_painter *p, const brush_shape *b, const profile *f,
-                            uint32_t tri, tri_texels *out) {
+/* Which texels of a triangle may be near enough. */
+static bool find_tri_texels(const slv_painter *p, const void *user, uint32_t tri,
+                            slvi_cell_texels *out) {
     const slv_paint_surface *s = p->surface;
+    const brush_shape *b = user;
     uint32_t face = s->cell_face[tri / 2], n = s->segments[face], local = tri / 2 - s->first[face];
+    polynomial f = make_polynomial(p, b, tri);
     double extent[4];
-    out->f = make_polynomial(p, b, tri);
-    if (!find_extent(&out->f, f->radius2, extent))
+    if (!find_extent(&f, face_profile(p, b, face).radius2, extent))
         return false;
-    out->column = local % n;
-    out->row = local / n;
-    find_texels(out->column, n, 1u << b->res[face].u, extent[0], extent[2], &out->x0, &out->x1);
-    find_texels(out->row, n, 1u << b->res[face].v, extent[1], extent[3], &out->y0, &out->y1);
+    *out = slvi_find_cell_texels(n, local, b->res[face]);
+    narrow(local % n, n, 1u << b->res[face].u, extent[0], extent[2], &out->x0, &out->x1);
+    narrow(local / n, n, 1u << b->res[face].v, extent[1], extent[3], &out->y0, &out->y1);
     return out->x0 < out->x1 && out->y0 < out->y1;
 }
 
 /* Puts the value of each texel of a triangle into its patch. */
-static void fill_tri(const slv_painter *p, const brush_shape *b, const profile *f, uint32_t tri,
-                     const slv_patch *patch, float *coverage) {
-    tri_texels t;
-    if (!find_tri_texels(p, b, f, tri, &t))
+static void fill_tri(const slv_painter *p, const brush_shape *b, const slvi_profile *f,
+                     uint32_t tri, const slv_patch *patch, float *coverage) {
+    slvi_cell_texels t;
+    if (!find_tri_texels(p, b, tri, &t))
         return;
-    uint32_t n = p->surface->segments[patch->face];
+    const polynomial g = make_polynomial(p, b, tri);
+    uint32_t n = p->surface->segments[patch->face],
+             local = tri / 2 - p->surface->first[patch->face];
     bool upper = tri & 1;
     double step_x = (double)n / (double)(1u << b->res[patch->face].u),
            step_y = (double)n / (double)(1u << b->res[patch->face].v);
     for (uint32_t j = t.y0; j < t.y1; j++) {
-        double y = (j + 0.5) * step_y - t.row;
+        double y = (j + 0.5) * step_y - local / n;
         float *row = coverage + (size_t)(j - patch->rect.y) * patch->rect.width - patch->rect.x;
-        double at_y = t.f.a + y * (t.f.c + y * t.f.f), slope = t.f.b + y * t.f.e;
+        double at_y = g.a + y * (g.c + y * g.f), slope = g.b + y * g.e;
         for (uint32_t i = t.x0; i < t.x1; i++) {
-            double x = (i + 0.5) * step_x - t.column;
+            double x = (i + 0.5) * step_x - local % n;
             if ((y > x) == upper)
-                row[i] = evaluate(f, at_y + x * (slope + x * t.f.d));
+                row[i] = slvi_profile_at(f, at_y + x * (slope + x * g.d));
         }
     }
-}
-
-/* Of the touched triangles, which are sorted, those of one face make a patch, unless none of their
- * texels is near enough. */
-static slv_result add_patch(slv_painter *p, const brush_shape *b, uint32_t first, uint32_t end,
-                            slv_patches *out) {
-    const slv_paint_surface *s = p->surface;
-    uint32_t face = s->cell_face[p->touched[first] / 2], low[2] = {UINT32_MAX, UINT32_MAX},
-             high[2] = {0, 0};
-    profile f = make_profile(b, (double)slvi_texel_length(s, face, b->res[face]));
-    for (uint32_t i = first; i < end; i++) {
-        tri_texels t;
-        if (!find_tri_texels(p, b, &f, p->touched[i], &t))
-            continue;
-        low[0] = t.x0 < low[0] ? t.x0 : low[0];
-        low[1] = t.y0 < low[1] ? t.y0 : low[1];
-        high[0] = t.x1 > high[0] ? t.x1 : high[0];
-        high[1] = t.y1 > high[1] ? t.y1 : high[1];
-    }
-    if (high[0] <= low[0])
-        return SLV_OK;
-    slv_result result;
-    uint64_t room = p->patch_room;
-    if ((result = slvi_painter_room(p, (uint64_t)out->count + 1, sizeof *p->patches, &p->patches,
-                                    &room)) ||
-        (result = slvi_painter_room(p, (uint64_t)out->count + 1, sizeof *p->parts, &p->parts,
-                                    &p->patch_room)))
-        return result;
-    slv_rect rect = {low[0], low[1], high[0] - low[0], high[1] - low[1]};
-    p->patches[out->count] =
-        (slv_patch){face, rect, NULL, slv_paint_surface_texel_area(s, face, b->res[face])};
-    p->parts[out->count++] = (slvi_part){first, end - first, out->ntexels};
-    out->ntexels += (uint64_t)rect.width * rect.height;
-    return SLV_OK;
 }
 
 typedef struct filling {
@@ -277,38 +147,12 @@ static slv_result fill_patches(void *user, uint64_t begin, uint64_t end) {
         const slv_patch *patch = &p->patches[i];
         const slvi_part *part = &p->parts[i];
         float *coverage = p->coverage + part->texel;
-        profile f = make_profile(w->shape, (double)slvi_texel_length(p->surface, patch->face,
-                                                                     w->shape->res[patch->face]));
+        slvi_profile f = face_profile(p, w->shape, patch->face);
         memset(coverage, 0, sizeof(float) * (size_t)patch->rect.width * patch->rect.height);
         for (uint32_t k = 0; k < part->count; k++)
             fill_tri(p, w->shape, &f, p->touched[part->first + k], patch, coverage);
     }
     return SLV_OK;
-}
-
-/* Triangles into patches, patches into coverage. */
-static slv_result fill(slv_painter *p, const brush_shape *b, slv_patches *out) {
-    const slv_paint_surface *s = p->surface;
-    slvi_sort_numbers(p->touched, p->ntouched);
-    for (uint32_t first = 0, end; first < p->ntouched; first = end) {
-        uint32_t face = s->cell_face[p->touched[first] / 2];
-        for (end = first; end < p->ntouched && p->touched[end] / 2 < s->first[face + 1];)
-            end++;
-        slv_result result = add_patch(p, b, first, end, out);
-        if (result)
-            return result;
-    }
-    slv_result result =
-        slvi_painter_room(p, out->ntexels, sizeof *p->coverage, &p->coverage, &p->coverage_room);
-    if (result)
-        return result;
-    for (uint32_t i = 0; i < out->count; i++)
-        p->patches[i].coverage = p->coverage + p->parts[i].texel;
-    filling w = {p, b};
-    out->list = p->patches;
-    if (out->ntexels < SHARED_TEXELS || out->count < 2)
-        return fill_patches(&w, 0, out->count);
-    return slvi_parallel_for(&p->env, out->count, 1 + out->count / 64, fill_patches, &w);
 }
 
 static slv_result check(const slv_painter *p, const slv_dab *dab) {
@@ -350,9 +194,11 @@ slv_result slv_painter_cover(slv_painter *painter, const slv_res *res, const slv
                          .round = aspect == 1};
     slv_res here = res[dab->at.face];
     shape.edge = sqrt((double)slv_paint_surface_texel_area(s, (uint32_t)dab->at.face, here));
-    profile f = make_profile(&shape, (double)slvi_texel_length(s, (uint32_t)dab->at.face, here));
+    slvi_profile f = face_profile(painter, &shape, (uint32_t)dab->at.face);
     slvi_reach reach = {.least = (float)(f.radius * 1.0001), .res = res};
-    if ((result = slvi_painter_spread(painter, dab->at, dab->axis, &reach)))
+    if ((result = slvi_painter_spread(painter, dab->at, dab->axis, &reach)) ||
+        (result = slvi_painter_gather(painter, res, find_tri_texels, &shape, out)))
         return result;
-    return fill(painter, &shape, out);
+    filling w = {painter, &shape};
+    return slvi_painter_share(painter, out, fill_patches, &w);
 }

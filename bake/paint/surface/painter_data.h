@@ -4,6 +4,8 @@
 
 #include "surface/surface_data.h"
 
+#include "base/parallel.h"
+
 /* What is known of a vertex, if `round` is that of the painter. */
 typedef struct slvi_front_vertex {
     double distance; /* along the surface */
@@ -19,13 +21,14 @@ typedef struct slvi_crossing {
 
 /* A face under a dab, and which of the touched cells lie in it. */
 typedef struct slvi_part {
-    uint32_t first, count; /* of the triangles */
+    uint32_t first, count; /* of the touched triangles */
     uint64_t texel;        /* where its coverage begins */
 } slvi_part;
 
 struct slv_painter {
     slv_env env;
     const slv_paint_surface *surface;
+    float size; /* the surface's extent */
     slvi_front_vertex *vertices;
     uint32_t *tri_round; /* per triangle: the round in which it was touched */
     uint32_t round;
@@ -50,6 +53,8 @@ struct slv_painter {
 slv_result slvi_painter_room(slv_painter *p, uint64_t count, uint64_t size, void *memory,
                              uint64_t *room);
 
+const slv_env *slvi_painter_env(const slv_painter *p);
+
 /* How far a dab may reach into a face; `user` knows the dab. */
 typedef struct slvi_reach {
     float least;        /* anywhere */
@@ -62,8 +67,48 @@ float slvi_reach_into(const slv_painter *p, const slvi_reach *reach, uint32_t fa
 slv_result slvi_painter_spread(slv_painter *p, slv_surface_point from, const float axis[3],
                                const slvi_reach *reach);
 
-/* Sorts numbers, without memory of its own. */
-void slvi_sort_numbers(uint32_t *list, uint32_t count);
+/* A triangle is touched in this round, and listed. */
+slv_result slvi_painter_touch(slv_painter *p, uint32_t tri);
+
+/* A new round, in which nothing has been touched. */
+void slvi_painter_begin_round(slv_painter *p);
+
+/* The texels whose centres lie in a cell, number `local` of a face of n x n: x0..x1-1, y0..y1-1. */
+typedef struct slvi_cell_texels {
+    uint32_t x0, x1, y0, y1;
+} slvi_cell_texels;
+slvi_cell_texels slvi_find_cell_texels(uint32_t n, uint32_t local, slv_res res);
+
+/* What falls off from the middle: see slv_dab. */
+typedef struct slvi_profile {
+    double radius2, inner2; /* squared: of all, and of what is within the rim */
+    double hardness, slope; /* down to this at the inner radius; then per square to 0 */
+    double radius, opacity;
+} slvi_profile;
+/* `edge` is the least width of the rim. Dabs that are thinner than the texels of a face are made as
+ * wide as these, and paler. */
+slvi_profile slvi_profile_make(double radius, double hardness, double edge, double texel);
+
+static inline float slvi_profile_at(const slvi_profile *f, double square) {
+    if (square >= f->radius2)
+        return 0;
+    double value = square <= f->inner2
+                       ? 1 - (1 - f->hardness) * (f->inner2 > 0 ? square / f->inner2 : 0)
+                       : f->slope * (f->radius2 - square);
+    return (float)(value * f->opacity);
+}
+
+/* The texels of a triangle that may be covered; false if none is. */
+typedef bool (*slvi_texels_fn)(const slv_painter *p, const void *user, uint32_t tri,
+                               slvi_cell_texels *out);
+
+/* Of the touched triangles, a patch for each face that encloses the texels which `fn` says; sorts
+ * them, and makes room for their coverage. */
+slv_result slvi_painter_gather(slv_painter *p, const slv_res *res, slvi_texels_fn fn,
+                               const void *user, slv_patches *out);
+/* Calls `fn` for all patches, on several threads if there is enough to do. */
+slv_result slvi_painter_share(const slv_painter *p, const slv_patches *patches, slv_range_fn fn,
+                              void *user);
 
 /* The longer side of a face's texels. */
 static inline float slvi_texel_length(const slv_paint_surface *s, uint32_t face, slv_res res) {

@@ -8,8 +8,6 @@
  * two sides agrees. */
 #include "surface/painter_data.h"
 
-#include "base/memory.h"
-
 #include <string.h>
 
 static bool before(const slvi_crossing *a, const slvi_crossing *b) {
@@ -34,17 +32,6 @@ static slvi_crossing take_nearest(slv_painter *p) {
     }
     heap[i] = last;
     return top;
-}
-
-slv_result slvi_painter_room(slv_painter *p, uint64_t count, uint64_t size, void *memory,
-                             uint64_t *room) {
-    if (count <= *room)
-        return SLV_OK;
-    uint64_t wanted = count + count / 2 + 64;
-    slv_result result = slvi_grow(&p->env, "painter", wanted, size, memory);
-    if (!result)
-        *room = wanted;
-    return result;
 }
 
 float slvi_reach_into(const slv_painter *p, const slvi_reach *reach, uint32_t face) {
@@ -122,7 +109,7 @@ static slvi_front_vertex unfold(const slv_painter *p, uint32_t tri, unsigned by)
     return c;
 }
 
-static slv_result touch(slv_painter *p, uint32_t tri) {
+slv_result slvi_painter_touch(slv_painter *p, uint32_t tri) {
     slv_result result = slvi_painter_room(p, (uint64_t)p->ntouched + 1, sizeof *p->touched,
                                           &p->touched, &p->touched_room);
     if (result)
@@ -169,7 +156,7 @@ static slv_result cross(slv_painter *p, slvi_crossing crossing, const slvi_reach
     bool first = p->tri_round[to] != p->round;
     if (!first && !nearer)
         return SLV_OK;
-    if (first && (result = touch(p, to)))
+    if (first && (result = slvi_painter_touch(p, to)))
         return result;
     if (!(result = push_edge(p, to, (by + 1) % 3, reach)) &&
         !(result = push_edge(p, to, (by + 2) % 3, reach)) && nearer && !is_new)
@@ -177,8 +164,7 @@ static slv_result cross(slv_painter *p, slvi_crossing crossing, const slvi_reach
     return result;
 }
 
-/* A new round: nothing is known of any vertex. */
-static void begin_round(slv_painter *p) {
+void slvi_painter_begin_round(slv_painter *p) {
     if (++p->round == 0) { /* rounds of old would be taken for this one */
         for (uint32_t v = 0; v < p->surface->nverts; v++)
             p->vertices[v].round = 0;
@@ -193,7 +179,7 @@ slv_result slvi_painter_spread(slv_painter *p, slv_surface_point from, const flo
     const slv_paint_surface *s = p->surface;
     uint32_t tri;
     double x, y, w[3], right[3], up[3], middle[3];
-    begin_round(p);
+    slvi_painter_begin_round(p);
     if (!slvi_surface_place(s, from, &tri, &x, &y))
         return SLV_OK;
     slvi_tri_weights(tri, x, y, w);
@@ -209,7 +195,7 @@ slv_result slvi_painter_spread(slv_painter *p, slv_surface_point from, const flo
         p->vertices[slvi_tri_vertex(s, tri, k)] = (slvi_front_vertex){
             sqrt(slvi_dot(d, d)), (float)slvi_dot(d, right), (float)slvi_dot(d, up), p->round};
     }
-    slv_result result = touch(p, tri);
+    slv_result result = slvi_painter_touch(p, tri);
     for (unsigned k = 0; k < 3 && !result; k++)
         result = push_edge(p, tri, k, reach);
     /* Each crossing makes a vertex nearer by a share of its distance; the bound is for surfaces

@@ -1,0 +1,165 @@
+/* A painter: memory that is used from dab to dab, and what all kinds of dabs do with it. */
+#include "surface/painter_data.h"
+
+#include "base/log.h"
+#include "base/memory.h"
+
+/* From how many texels on work is shared out. */
+#define SHARED_TEXELS 32768
+
+slv_result slvi_painter_room(slv_painter *p, uint64_t count, uint64_t size, void *memory,
+                             uint64_t *room) {
+    if (count <= *room)
+        return SLV_OK;
+    uint64_t wanted = count + count / 2 + 64;
+    slv_result result = slvi_grow(&p->env, "painter", wanted, size, memory);
+    if (!result)
+        *room = wanted;
+    return result;
+}
+
+slv_result slv_painter_create(const slv_env *env, const slv_paint_surface *surface,
+                              slv_painter **out) {
+    slv_painter *p = NULL;
+    *out = NULL;
+    slv_result result = slvi_alloc(env, "painter", 1, sizeof *p, &p);
+    if (result)
+        return result;
+    p->env = slvi_env_or_default(env);
+    p->surface = surface;
+    if ((result = slvi_alloc(env, "painter", surface->nverts, sizeof *p->vertices, &p->vertices)) ||
+        (result = slvi_alloc(env, "painter", 2 * (uint64_t)surface->ncells, sizeof *p->tri_round,
+                             &p->tri_round))) {
+        slv_painter_destroy(p);
+        return result;
+    }
+    for (int k = 0; k < 3 && surface->ncells; k++)
+        p->size = fmaxf(p->size, surface->high[k] - surface->low[k]);
+    *out = p;
+    return SLV_OK;
+}
+
+void slv_painter_destroy(slv_painter *painter) {
+    if (!painter)
+        return;
+    slvi_free(painter->vertices);
+    slvi_free(painter->tri_round);
+    slvi_free(painter->heap);
+    slvi_free(painter->touched);
+    slvi_free(painter->patches);
+    slvi_free(painter->parts);
+    slvi_free(painter->coverage);
+    slvi_free(painter->texels);
+    slvi_free(painter->sums);
+    slvi_free(painter);
+}
+
+const slv_env *slvi_painter_env(const slv_painter *p) {
+    return &p->env;
+}
+
+const slv_paint_surface *slv_painter_get_surface(const slv_painter *painter) {
+    return painter->surface;
+}
+
+slvi_cell_texels slvi_find_cell_texels(uint32_t n, uint32_t local, slv_res res) {
+    double u = ldexp(1, res.u) / n, v = ldexp(1, res.v) / n;
+    uint32_t x = local % n, y = local / n;
+    /* texel i has its centre at i + 1/2 */
+    return (slvi_cell_texels){(uint32_t)ceil(x * u - 0.5), (uint32_t)ceil((x + 1) * u - 0.5),
+                              (uint32_t)ceil(y * v - 0.5), (uint32_t)ceil((y + 1) * v - 0.5)};
+}
+
+slvi_profile slvi_profile_make(double radius, double hardness, double edge, double texel) {
+    double r = radius, least = 0.75 * texel, rim;
+    slvi_profile f = {.hardness = fmax(hardness, 0.02), .opacity = 1};
+    if (r < least) {
+        f.opacity = r / least * (r / least);
+        r = least;
+    }
+    double width = fmax(fmin(edge, 2 * r), 1e-6 * r);
+    rim = r * (1 - sqrt(f.hardness));
+    if (rim < width) { /* the rim grows to both sides */
+        r += (width - rim) / 2;
+        rim = fmin(width, r);
+    }
+    f.radius = r;
+    f.radius2 = r * r;
+    f.inner2 = (r - rim) * (r - rim);
+    f.slope = f.hardness / (f.radius2 - f.inner2);
+    return f;
+}
+
+/* Shell's sort with Ciura's gaps: lists are short, or nearly in order. */
+static void sort_numbers(uint32_t *list, uint32_t count) {
+    static const uint32_t gaps[] = {463792, 206130, 91613, 40717, 18096, 8043, 3575, 1589,
+                                    701,    301,    132,   57,    23,    10,   4,    1};
+    for (size_t g = 0; g < sizeof gaps / sizeof *gaps; g++)
+        for (uint32_t i = gaps[g]; i < count; i++) {
+            uint32_t one = list[i], j = i;
+            for (; j >= gaps[g] && list[j - gaps[g]] > one; j -= gaps[g])
+                list[j] = list[j - gaps[g]];
+            list[j] = one;
+        }
+}
+
+/* Of the touched triangles, which are sorted, those of one face make a patch, unless none of their
+ * texels may be covered. */
+static slv_result add_patch(slv_painter *p, const slv_res *res, slvi_texels_fn fn, const void *user,
+                            slvi_part part, slv_patches *out) {
+    const slv_paint_surface *s = p->surface;
+    uint32_t face = s->cell_face[p->touched[part.first] / 2];
+    slvi_cell_texels all = {UINT32_MAX, 0, UINT32_MAX, 0};
+    for (uint32_t i = part.first; i < part.first + part.count; i++) {
+        slvi_cell_texels t;
+        if (!fn(p, user, p->touched[i], &t) || t.x0 >= t.x1 || t.y0 >= t.y1)
+            continue;
+        all.x0 = t.x0 < all.x0 ? t.x0 : all.x0;
+        all.y0 = t.y0 < all.y0 ? t.y0 : all.y0;
+        all.x1 = t.x1 > all.x1 ? t.x1 : all.x1;
+        all.y1 = t.y1 > all.y1 ? t.y1 : all.y1;
+    }
+    if (all.x1 <= all.x0)
+        return SLV_OK;
+    slv_result result;
+    uint64_t room = p->patch_room;
+    if ((result = slvi_painter_room(p, (uint64_t)out->count + 1, sizeof *p->patches, &p->patches,
+                                    &room)) ||
+        (result = slvi_painter_room(p, (uint64_t)out->count + 1, sizeof *p->parts, &p->parts,
+                                    &p->patch_room)))
+        return result;
+    slv_rect rect = {all.x0, all.y0, all.x1 - all.x0, all.y1 - all.y0};
+    p->patches[out->count] =
+        (slv_patch){face, rect, NULL, slv_paint_surface_texel_area(s, face, res[face])};
+    part.texel = out->ntexels;
+    p->parts[out->count++] = part;
+    out->ntexels += (uint64_t)rect.width * rect.height;
+    return SLV_OK;
+}
+
+slv_result slvi_painter_gather(slv_painter *p, const slv_res *res, slvi_texels_fn fn,
+                               const void *user, slv_patches *out) {
+    const slv_paint_surface *s = p->surface;
+    sort_numbers(p->touched, p->ntouched);
+    for (uint32_t first = 0, end; first < p->ntouched; first = end) {
+        uint32_t face = s->cell_face[p->touched[first] / 2];
+        for (end = first; end < p->ntouched && p->touched[end] / 2 < s->first[face + 1];)
+            end++;
+        slv_result result = add_patch(p, res, fn, user, (slvi_part){first, end - first, 0}, out);
+        if (result)
+            return result;
+    }
+    slv_result result =
+        slvi_painter_room(p, out->ntexels, sizeof *p->coverage, &p->coverage, &p->coverage_room);
+    for (uint32_t i = 0; i < out->count && !result; i++)
+        p->patches[i].coverage = p->coverage + p->parts[i].texel;
+    out->list = p->patches;
+    return result;
+}
+
+slv_result slvi_painter_share(const slv_painter *p, const slv_patches *patches, slv_range_fn fn,
+                              void *user) {
+    if (patches->ntexels < SHARED_TEXELS || patches->count < 2)
+        return fn(user, 0, patches->count);
+    return slvi_parallel_for(&p->env, patches->count, 1 + patches->count / 64, fn, user);
+}
