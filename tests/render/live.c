@@ -7,6 +7,8 @@
 #include <selvage/gl_live.h>
 #include <selvage/htex.h>
 
+#include <pthread.h>
+
 enum { CASES = TEST_SANITIZED ? 20 : 60, LOOKUPS = 600, MOST_LEVEL = 4 << 20 };
 
 static slv_gl *gl;
@@ -124,6 +126,63 @@ static void check(uint32_t which, bool lookups, uint64_t *random) {
     kit_free(&k);
 }
 
+struct preparation {
+    const kit *k;
+    const slv_gl_texture_params *params;
+    slv_gl_texture *made;
+};
+
+static void *prepare(void *user) {
+    struct preparation *p = user;
+    slv_env env = test_env();
+    REQUIRE(slv_gl_texture_prepare(gl, &env, p->k->texture, p->k->adjacency, p->params, &p->made) ==
+            SLV_OK);
+    return NULL;
+}
+
+/* A texture that was prepared on another thread and uploaded bit by bit is one that was made at
+ * once; and may be given up halfway. */
+static void check_steps(uint32_t which, uint64_t *random) {
+    const slv_strategy *strategy = slv_strategy_at(which % slv_strategy_count());
+    slv_gl_texture_params params = {KIT_ONLY(strategy), .pool_layers = 1 + which % 16};
+    slv_env env = test_env();
+    pthread_t thread;
+    kit k;
+    kit_any_mesh(&k, which % KIT_MESHES, random);
+    kit_any_resolutions(&k, which % 3, random);
+    kit_noise(&k, SLV_TYPE_U8, 3, random);
+    struct preparation p = {.k = &k, .params = &params};
+    params.live = which % 2;
+    REQUIRE(pthread_create(&thread, NULL, prepare, &p) == 0);
+    REQUIRE(pthread_join(thread, NULL) == 0);
+    slv_gl_upload upload = {0};
+    uint64_t budget = 1 + test_random(random) % 20000, before = 0;
+    uint32_t calls = 0, last = which % 4 == 3 ? 3 : UINT32_MAX;
+    while (!upload.ready && calls < last) {
+        CHECK(slv_gl_texture_batch_count(p.made, strategy) == 0);
+        REQUIRE(slv_gl_texture_upload(p.made, &env, budget, &upload) == SLV_OK);
+        CHECK(upload.done > before || calls == 0);
+        CHECK(upload.done <= upload.total && upload.total > 0);
+        before = upload.done;
+        calls++;
+    }
+    if (upload.ready) {
+        CHECK_MSG(upload.done == upload.total, "case %u: %llu of %llu", which,
+                  (unsigned long long)upload.done, (unsigned long long)upload.total);
+        slv_gl_texture *fresh = make(&k, &params);
+        compare_texels(&k, p.made, fresh, strategy, which);
+        if (which < slv_strategy_count())
+            compare_lookups(&k, p.made, fresh, strategy, which, random);
+        CHECK(slv_gl_texture_batch_count(p.made, strategy) ==
+              slv_gl_texture_batch_count(fresh, strategy));
+        CHECK(slv_gl_texture_get_stats(p.made, strategy).gpu_bytes ==
+              slv_gl_texture_get_stats(fresh, strategy).gpu_bytes);
+        slv_gl_texture_destroy(fresh);
+    }
+    slv_gl_texture_destroy(p.made);
+    kit_free(&k);
+}
+
 /* A texture that was not made to follow changes says so, and one that nothing was changed of does
  * nothing. */
 static void check_refused(void) {
@@ -156,6 +215,8 @@ int main(void) {
     CHECK_MSG(moved > 0 && renewed > 0, "%u items were moved, %u textures made anew", moved,
               renewed);
     check_refused();
+    for (uint32_t i = 0; i < test_effort(16); i++)
+        check_steps(i, &random);
     slv_gl_destroy(gl);
     return test_end();
 }

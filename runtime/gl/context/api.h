@@ -128,8 +128,15 @@ struct slv_gl {
     bool ballot;              /* has GL_ARB_shader_ballot */
     bool s3tc;                /* has GL_EXT_texture_compression_s3tc */
     bool narrow_srgb;         /* has GL_EXT_texture_sRGB_R8 and GL_EXT_texture_sRGB_RG8 */
-    uint64_t serial;          /* of the last texture made, so that caches can tell textures apart */
+    _Atomic(uint64_t) serial; /* of the last texture made, so that caches can tell textures apart */
 };
+
+/* Deletes an object if there is one: what was never made can go where there is no context. */
+static inline void slvi_gl_delete(void(APIENTRY *of_kind)(GLsizei, const GLuint *),
+                                  const GLuint *name) {
+    if (*name)
+        of_kind(1, name);
+}
 
 /* Each makes a context current and returns how to find functions; the message says why not. */
 slv_result slvi_gl_open_egl(const slv_env *env, bool hardware, char *why, size_t why_size,

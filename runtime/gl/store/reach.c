@@ -57,8 +57,8 @@ void slvi_gl_reach_free(const slv_gl *gl, slv_gl_reach *reach) {
     slvi_gl_batches_free(&reach->batches);
     slvi_free(reach->first_value);
     slvi_gl_marks_end(&reach->corners);
-    gl->api.DeleteBuffers(1, &reach->ways);
-    gl->api.DeleteBuffers(1, &reach->values);
+    slvi_gl_delete(gl->api.DeleteBuffers, &reach->ways);
+    slvi_gl_delete(gl->api.DeleteBuffers, &reach->values);
     memset(reach, 0, sizeof *reach);
 }
 

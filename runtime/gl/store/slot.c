@@ -22,5 +22,5 @@ const slv_gl_batches *slvi_gl_texture_batches(const slv_gl_texture *texture,
                                               const slv_strategy *strategy) {
     static const slv_gl_batches none;
     const slv_gl_slot *slot = slvi_gl_texture_slot(texture, strategy);
-    return slot ? &texture->reaches[slot->reach].reach.batches : &none;
+    return slot && !texture->making ? &texture->reaches[slot->reach].reach.batches : &none;
 }

@@ -7,6 +7,19 @@
 
 #include <selvage/gl_texture.h>
 
+/* Buffers that are still to be made, since there is no context at hand. */
+typedef struct slv_gl_table {
+    const char *what;
+    void *data;
+    uint64_t bytes;
+    GLuint *out;
+} slv_gl_table;
+
+typedef struct slv_gl_tables {
+    slv_gl_table *tables;
+    uint32_t count, capacity;
+} slv_gl_tables;
+
 typedef struct slv_gl_source {
     const slv_env *env;
     slv_env shared; /* the same for what runs on threads: logs one at a time */
@@ -17,6 +30,7 @@ typedef struct slv_gl_source {
     const slv_adjacency *adjacency;
     slv_gl_texture_params params; /* defaults filled in */
     slvi_steps *steps;            /* as many as there are faces for each store */
+    slv_gl_tables *put_off;       /* NULL: buffers are made at once */
 } slv_gl_source;
 
 /* Faces in breadth-first order over the adjacency, so that faces which meet get layers close

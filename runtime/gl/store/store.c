@@ -5,7 +5,6 @@
 #include "base/memory.h"
 #include "base/parallel.h"
 #include "gl/store/tables.h"
-#include "gl/store/upload.h"
 
 #include <string.h>
 
@@ -160,42 +159,22 @@ slv_result slvi_gl_store_make_pool(const slv_gl_source *source, slv_gl_store *st
                : SLV_OK;
 }
 
-static slv_result upload_pool(const slv_gl_source *source, const void *made, slv_gl_store *store,
-                              slv_gl_pool *pool, slv_gl_staging *staging) {
-    slv_result result = slvi_gl_store_make_pool(source, store, pool);
-    for (uint32_t level = 0; !result && level < slv_gl_pool_levels(&store->pools, pool); level++)
-        result =
-            slvi_gl_upload_level(source, &store->pools, pool, made, level, staging, &store->error);
-    return result ? result : slvi_gl_check(source->gl, source->env, "texture upload");
-}
-
-/* The share of the store's steps that a pool stands for; `*layers` are those of pools before it. */
-static slv_result count_pool(const slv_gl_source *source, const slv_gl_pool *pool, uint32_t nitems,
-                             uint64_t *layers) {
-    uint64_t nfaces = slv_levels_get_desc(source->levels)->nfaces, before = *layers;
-    *layers += pool->nlayers;
-    return slvi_steps_add(source->steps, source->env, "GL texture",
-                          nfaces * *layers / nitems - nfaces * before / nitems);
-}
-
 static slv_result begin_following(const slv_gl_source *source, uint32_t nitems,
                                   slv_gl_store *store) {
     slv_result result = slvi_alloc(source->env, "items", nitems, 1, &store->wide);
     return result ? result : slvi_gl_marks_begin(source->env, nitems, &store->stale);
 }
 
-slv_result slvi_gl_store_build(const slv_gl_source *source, const slv_form *form, void *made,
-                               slv_gl_packing packing, bool coverage, slv_gl_store *out) {
+slv_result slvi_gl_store_prepare(const slv_gl_source *source, const slv_form *form, void *made,
+                                 slv_gl_packing packing, bool coverage, slv_gl_store *out) {
     slv_type type = slv_levels_get_desc(source->levels)->type;
     uint32_t first = source->params.first_channel, nchannels = source->params.nchannels;
-    slv_gl_staging staging = {0};
-    uint64_t layers = 0;
     slv_gl_items items = {0};
-    slv_gl_store store = {
-        .pools = {.form = form, .packing = packing}, .made = made, .coverage = coverage};
-    slv_gl_pools *pools = &store.pools;
+    slv_gl_pools *pools = &out->pools;
     slv_result result = SLV_OK;
     bool blocks = source->params.compression == SLV_GL_COMPRESSION_BLOCKS;
+    *out = (slv_gl_store){
+        .pools = {.form = form, .packing = packing}, .made = made, .coverage = coverage};
     pools->format = source->srgb ? slvi_gl_format_srgb(source->gl, source->srgb, first, nchannels,
                                                        coverage, blocks)
                                  : slvi_gl_format_for(type, first, nchannels, coverage);
@@ -204,24 +183,18 @@ slv_result slvi_gl_store_build(const slv_gl_source *source, const slv_form *form
     if ((blocks && (result = slvi_gl_format_compress(source->gl, source->env, source->type,
                                                      &pools->format))) ||
         (result = list_items(source, form, made, &items)) ||
-        (source->params.live && (result = begin_following(source, items.count, &store))) ||
-        (form->leaves_range && (result = widen(source, &items, &store))) ||
-        (result = slvi_gl_pools_assign(source, &items, pools)))
+        (source->params.live && (result = begin_following(source, items.count, out))) ||
+        (form->leaves_range && (result = widen(source, &items, out))) ||
+        (result = slvi_gl_pools_assign(source, &items, pools)) ||
+        (result = slvi_gl_face_table(source, pools, made, &out->table, &out->bytes)))
         goto done;
-    for (uint32_t p = 0; !result && p < pools->npools; p++)
-        if (!(result = upload_pool(source, made, &store, &pools->pools[p], &staging)))
-            result = count_pool(source, &pools->pools[p], items.count, &layers);
-    if (!result)
-        result = slvi_gl_face_table(source, pools, made, &store.table, &store.bytes);
-    if (!result && packing == SLV_GL_PAGES)
-        result = slvi_gl_level_table(source, pools, &store.rects, &store.rect_bytes);
-    store.bytes += store.rect_bytes;
+    if (packing == SLV_GL_PAGES)
+        result = slvi_gl_level_table(source, pools, &out->rects, &out->rect_bytes);
+    out->bytes += out->rect_bytes;
 done:
     free_items(&items);
-    slvi_gl_staging_free(&staging);
     if (result)
-        slvi_gl_store_free(source->gl, &store);
-    *out = store;
+        slvi_gl_store_free(source->gl, out);
     return result;
 }
 
@@ -236,12 +209,12 @@ void slvi_gl_store_let_go(slv_gl_store *store) {
 
 void slvi_gl_store_free(const slv_gl *gl, slv_gl_store *store) {
     for (uint32_t p = 0; p < store->pools.npools; p++) {
-        gl->api.DeleteTextures(1, &store->pools.pools[p].texture);
-        gl->api.DeleteTextures(1, &store->pools.pools[p].coverage);
+        slvi_gl_delete(gl->api.DeleteTextures, &store->pools.pools[p].texture);
+        slvi_gl_delete(gl->api.DeleteTextures, &store->pools.pools[p].coverage);
     }
     slvi_gl_store_let_go(store);
-    gl->api.DeleteBuffers(1, &store->table);
-    gl->api.DeleteBuffers(1, &store->rects);
+    slvi_gl_delete(gl->api.DeleteBuffers, &store->table);
+    slvi_gl_delete(gl->api.DeleteBuffers, &store->rects);
     slvi_gl_pools_free(&store->pools);
     memset(store, 0, sizeof *store);
 }

@@ -21,9 +21,10 @@ typedef struct slv_gl_store {
     uint64_t bytes, coverage_bytes; /* coverage apart, for not every strategy binds it */
 } slv_gl_store;
 
-/* `made` is what the form has made of the source, which the store takes, also if it fails. */
-slv_result slvi_gl_store_build(const slv_gl_source *source, const slv_form *form, void *made,
-                               slv_gl_packing packing, bool coverage, slv_gl_store *out);
+/* All but what takes OpenGL: arrays and texels are still to be made. `made` is what the form has
+ * made of the source, which the store takes, also if it fails. `out` stays where it is. */
+slv_result slvi_gl_store_prepare(const slv_gl_source *source, const slv_form *form, void *made,
+                                 slv_gl_packing packing, bool coverage, slv_gl_store *out);
 /* Whether an item needs a wider type than the texture's, as it is now. */
 slv_result slvi_gl_store_is_wide(const slv_gl_source *source, const slv_gl_store *store,
                                  uint32_t item, bool *out);

@@ -15,6 +15,31 @@ slv_result slvi_gl_buffer(const slv_gl *gl, const slv_env *env, const char *what
     return slvi_gl_check(gl, env, what);
 }
 
+static slv_result put_off(const slv_env *env, const char *what, const void *data, uint64_t bytes,
+                          GLuint *out, slv_gl_tables *tables) {
+    slv_gl_table table = {what, NULL, bytes, out};
+    slv_result result;
+    if (tables->count == tables->capacity) {
+        uint32_t capacity = tables->capacity ? 2 * tables->capacity : 16;
+        if ((result = slvi_grow(env, "tables", capacity, sizeof table, &tables->tables)))
+            return result;
+        tables->capacity = capacity;
+    }
+    if ((result = slvi_alloc_plain(env, what, bytes, 1, &table.data)))
+        return result;
+    if (bytes)
+        memcpy(table.data, data, bytes);
+    tables->tables[tables->count++] = table;
+    return SLV_OK;
+}
+
+void slvi_gl_tables_free(slv_gl_tables *tables) {
+    for (uint32_t i = 0; i < tables->count; i++)
+        slvi_free(tables->tables[i].data);
+    slvi_free(tables->tables);
+    memset(tables, 0, sizeof *tables);
+}
+
 slv_result slvi_gl_table(const slv_gl_source *source, const char *what, const void *data,
                          uint64_t bytes, GLuint *out) {
     uint64_t most = source->gl->max_storage;
@@ -22,7 +47,8 @@ slv_result slvi_gl_table(const slv_gl_source *source, const char *what, const vo
         return slvi_fail(source->env, SLV_ERROR_LIMIT,
                          "the %s takes %llu bytes, the driver's limit is %llu", what,
                          (unsigned long long)bytes, (unsigned long long)most);
-    return slvi_gl_buffer(source->gl, source->env, what, data, bytes, out);
+    return source->put_off ? put_off(source->env, what, data, bytes, out, source->put_off)
+                           : slvi_gl_buffer(source->gl, source->env, what, data, bytes, out);
 }
 
 void slvi_gl_face_row(const slv_gl_source *source, const slv_gl_pools *pools, const void *made,

@@ -4,9 +4,12 @@
 
 #include "gl/store/pools.h"
 
+void slvi_gl_tables_free(slv_gl_tables *tables);
+
 slv_result slvi_gl_buffer(const slv_gl *gl, const slv_env *env, const char *what, const void *data,
                           uint64_t bytes, GLuint *out);
-/* A buffer that shaders read: refused above the driver's limit for storage blocks. */
+/* A buffer that shaders read: refused above the driver's limit for storage blocks. Where buffers
+ * are put off, `data` is copied, and *out is set later. */
 slv_result slvi_gl_table(const slv_gl_source *source, const char *what, const void *data,
                          uint64_t bytes, GLuint *out);
 

@@ -35,8 +35,9 @@ struct slv_gl_texture {
     uint32_t nfaces;
     slv_res *res; /* of each face */
     uint64_t texel_bytes;
-    bool scaled;       /* see slvi_gl_scale_down */
-    slv_gl_live *live; /* NULL where nothing follows changes */
+    bool scaled;                  /* see slvi_gl_scale_down */
+    slv_gl_live *live;            /* NULL where nothing follows changes */
+    struct slv_gl_making *making; /* NULL once all is uploaded */
     slv_gl_store *stores;
     slv_gl_reach_row *reaches;
     slv_gl_slot *slots;

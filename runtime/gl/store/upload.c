@@ -8,8 +8,6 @@
 
 #include <string.h>
 
-#define STAGING_BYTES (UINT64_C(32) << 20)
-
 /* Where texels come from. */
 struct origin {
     const slv_gl_source *source;
@@ -174,37 +172,39 @@ static slv_gl_place whole_layer(const slv_gl_pools *pools, const slv_gl_pool *po
     return place;
 }
 
-slv_result slvi_gl_upload_level(const slv_gl_source *source, const slv_gl_pools *pools,
-                                const slv_gl_pool *pool, const void *made, uint32_t level,
-                                slv_gl_staging *staging, slv_gl_block_error *error) {
-    slv_gl_place place = whole_layer(pools, pool, level);
-    struct fill_job job = {
-        .from = {source, pools, made, place.format}, .place = place, .level = level};
+uint64_t slvi_gl_layers_bytes(const slv_gl_pools *pools, const slv_gl_layers *layers) {
+    slv_gl_place place = whole_layer(pools, layers->pool, layers->level);
+    return slvi_gl_place_bytes(&place);
+}
+
+slv_result slvi_gl_upload_layers(const slv_gl_source *source, const slv_gl_pools *pools,
+                                 const void *made, const slv_gl_layers *layers,
+                                 slv_gl_staging *staging, slv_gl_block_error *error) {
+    slv_gl_place place = whole_layer(pools, layers->pool, layers->level);
+    uint32_t count = layers->count;
+    struct fill_job job = {.from = {source, pools, made, place.format},
+                           .place = place,
+                           .first_layer = layers->first,
+                           .level = layers->level};
+    job.place.layer = layers->first;
     job.layer_size = (uint64_t)place.width * place.height * place.format->texel_bytes;
-    uint64_t at_once = STAGING_BYTES / job.layer_size ? STAGING_BYTES / job.layer_size : 1;
-    at_once = at_once < pool->nlayers ? at_once : pool->nlayers;
-    slv_result result = make_room(source->env, job.layer_size * at_once, staging);
+    slv_result result = make_room(source->env, job.layer_size * count, staging);
+    if (result)
+        return result;
     job.staging = staging->memory;
-    for (uint32_t first = 0; !result && first < pool->nlayers; first += (uint32_t)at_once) {
-        uint32_t count =
-            pool->nlayers - first < at_once ? pool->nlayers - first : (uint32_t)at_once;
-        job.first_layer = job.place.layer = first;
-        if (pools->packing == SLV_GL_PAGES)
-            memset(job.staging, 0, job.layer_size * count);
-        if (place.format->block)
-            result = begin_blocks(count, &job);
-        if (!result)
-            result =
-                slvi_parallel_for(source->env, count, count > 512 ? 64 : count / 8 + 1, fill, &job);
-        if (!result)
-            slvi_gl_place_send(source->gl, &job.place, count,
-                               place.format->block ? job.blocks : job.staging);
-        for (uint32_t i = 0; !result && place.format->block && i < count; i++)
-            slvi_gl_block_error_add(error, &job.errors[i]);
-        end_blocks(&job);
-        job.blocks = job.used = NULL;
-        job.errors = NULL;
-    }
+    if (pools->packing == SLV_GL_PAGES)
+        memset(job.staging, 0, job.layer_size * count);
+    if (place.format->block)
+        result = begin_blocks(count, &job);
+    if (!result)
+        result =
+            slvi_parallel_for(source->env, count, count > 512 ? 64 : count / 8 + 1, fill, &job);
+    if (!result)
+        slvi_gl_place_send(source->gl, &job.place, count,
+                           place.format->block ? job.blocks : job.staging);
+    for (uint32_t i = 0; !result && place.format->block && i < count; i++)
+        slvi_gl_block_error_add(error, &job.errors[i]);
+    end_blocks(&job);
     return result;
 }
 

@@ -14,11 +14,19 @@ typedef struct slv_gl_staging {
 } slv_gl_staging;
 void slvi_gl_staging_free(slv_gl_staging *staging);
 
-/* Fills and uploads one level of every layer (of pages: the whole layer), as many layers at a time
- * as the staging holds. What blocks lose is added to *error. */
-slv_result slvi_gl_upload_level(const slv_gl_source *source, const slv_gl_pools *pools,
-                                const slv_gl_pool *pool, const void *made, uint32_t level,
-                                slv_gl_staging *staging, slv_gl_block_error *error);
+/* A level (of pages: all that there is) of some layers of a pool. */
+typedef struct slv_gl_layers {
+    const slv_gl_pool *pool;
+    uint32_t level, first, count;
+} slv_gl_layers;
+
+/* Bytes of one of them, as the GPU has it. */
+uint64_t slvi_gl_layers_bytes(const slv_gl_pools *pools, const slv_gl_layers *layers);
+
+/* Fills them on threads and uploads them in one call. What blocks lose is added to *error. */
+slv_result slvi_gl_upload_layers(const slv_gl_source *source, const slv_gl_pools *pools,
+                                 const void *made, const slv_gl_layers *layers,
+                                 slv_gl_staging *staging, slv_gl_block_error *error);
 
 /* Fills and uploads a rectangle of the texels that a level of one item has where it lies; NULL: all
  * of them. On this thread. *sent grows by the bytes handed to the driver. */

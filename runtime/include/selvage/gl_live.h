@@ -19,6 +19,34 @@
 extern "C" {
 #endif
 
+/* The first half of slv_gl_texture_create, on any thread and without a context: all that is
+ * computed before anything is uploaded, limits of the driver checked. Until it is uploaded,
+ * texture and adjacency must stay as they are, and there is nothing to draw or look up: no batches.
+ * Its shader texts are there. Destroying it on the thread of the context, or on any if
+ * slv_gl_texture_upload was not called yet, gives up. All strategies' forms are in memory at the
+ * same time, which slv_gl_texture_create does without. */
+SLV_NODISCARD SLV_API slv_result slv_gl_texture_prepare(slv_gl *gl, const slv_env *env,
+                                                        const slv_texture *texture,
+                                                        const slv_adjacency *adjacency,
+                                                        const slv_gl_texture_params *params,
+                                                        slv_gl_texture **out);
+
+/* How far a texture is. */
+typedef struct slv_gl_upload {
+    bool ready;           /* it can be drawn, and is like one of slv_gl_texture_create */
+    uint64_t done, total; /* bytes; 0 when it was ready before */
+    uint64_t reserved[2];
+} slv_gl_upload;
+
+/* The second half, bit by bit, on the thread of the context: uploads at most max_bytes (but for a
+ * single layer, which is uploaded whole), and less if that takes more than 20 ms, since texels are
+ * converted on the way. A call may take longer only where the driver does to make one array.
+ * `out` may be NULL. Once the texture is ready it does nothing. After a failure, or if `progress`
+ * has cancelled it, there is nothing to do but to destroy it. Changes GL state as slv_gl_wrap says.
+ */
+SLV_NODISCARD SLV_API slv_result slv_gl_texture_upload(slv_gl_texture *texture, const slv_env *env,
+                                                       uint64_t max_bytes, slv_gl_upload *out);
+
 /* What an update did. */
 typedef struct slv_gl_update {
     uint32_t faces; /* whose own texels were changed */

@@ -1,0 +1,261 @@
+/* Making textures on the GPU: which stores and reaches a list of strategies needs. */
+#include "gl/live/making.h"
+
+#include "base/log.h"
+#include "base/memory.h"
+
+#include <selvage/gl_live.h>
+
+#include <string.h>
+
+static slv_result fill_params(slv_gl *gl, const slv_env *env, const slv_texture_desc *desc,
+                              const slv_gl_texture_params *given, slv_gl_texture_params *out) {
+    slv_gl_texture_params params = {0};
+    if (given)
+        params = *given;
+    if (!params.nchannels && params.first_channel < desc->nchannels) {
+        params.nchannels = desc->nchannels - params.first_channel;
+        params.nchannels = params.nchannels < 4 ? params.nchannels : 4;
+    }
+    if (params.nchannels < 1 || params.nchannels > 4 || params.first_channel >= desc->nchannels ||
+        params.nchannels > desc->nchannels - params.first_channel)
+        return slvi_fail(
+            env, SLV_ERROR_ARGUMENT, "channels %u to %u cannot be shown, the texture has %u",
+            params.first_channel, params.first_channel + params.nchannels - 1, desc->nchannels);
+    if ((unsigned)params.encoding > SLV_TEXTURE_DATA)
+        return slvi_fail(env, SLV_ERROR_ARGUMENT, "unknown texture encoding %d",
+                         (int)params.encoding);
+    if (!params.anisotropy)
+        params.anisotropy = 1;
+    if (params.anisotropy > gl->info.max_anisotropy) {
+        slvi_logf(env, SLV_LOG_WARNING, "anisotropy %u is cut to the driver's %u",
+                  params.anisotropy, gl->info.max_anisotropy);
+        params.anisotropy = gl->info.max_anisotropy;
+    }
+    if (!params.border)
+        params.border = params.anisotropy;
+    params.border = params.border < 256 ? params.border : 256;
+    uint32_t units = gl->info.texture_units / (params.nchannels == 4 ? 2 : 1), fitting = 16;
+    if (params.batch_pools && params.batch_pools < units)
+        units = params.batch_pools;
+    while (fitting > units)
+        fitting /= 2;
+    params.batch_pools = fitting;
+    uint32_t layers = gl->info.max_layers < 0xffff ? gl->info.max_layers : 0xffff;
+    if (!params.pool_layers || params.pool_layers > layers)
+        params.pool_layers = layers;
+    *out = params;
+    return SLV_OK;
+}
+
+static slv_result check_strategy(const slv_env *env, const slv_strategy *strategy) {
+    if (!strategy || !strategy->name || !strategy->form || !strategy->form() ||
+        (!strategy->file && !strategy->glsl))
+        return slvi_fail(env, SLV_ERROR_ARGUMENT, "a strategy without a name, form or GLSL");
+    const slv_form *form = strategy->form();
+    if ((unsigned)strategy->wrap > SLV_GL_WRAP_MIRROR ||
+        (unsigned)strategy->packing > SLV_GL_PAGES ||
+        (unsigned)strategy->reach >= SLV_GL_REACH_COUNT)
+        return slvi_fail(env, SLV_ERROR_ARGUMENT, "strategy %s: a wrap, packing or reach unknown",
+                         strategy->name);
+    if ((form->borders || form->samples) && strategy->packing != SLV_GL_PAGES)
+        return slvi_fail(env, SLV_ERROR_ARGUMENT, "strategy %s: the form %s needs pages",
+                         strategy->name, form->name);
+    return SLV_OK;
+}
+
+/* One slot for each strategy of the list, or of the table. */
+static slv_result list_slots(slv_gl_texture *texture, const slv_gl_texture_params *given) {
+    bool all = !given || !given->nstrategies;
+    uint32_t count = all ? slv_strategy_count() : given->nstrategies;
+    const slv_env *env = &texture->env;
+    slv_result result =
+        slvi_alloc(env, "strategies", count, sizeof *texture->slots, &texture->slots);
+    if (!result)
+        result = slvi_alloc(env, "strategies", count, sizeof *texture->stores, &texture->stores);
+    if (!result)
+        result = slvi_alloc(env, "strategies", count, sizeof *texture->reaches, &texture->reaches);
+    for (uint32_t i = 0; !result && i < count; i++) {
+        const slv_strategy *strategy = all ? slv_strategy_at(i) : given->strategies[i];
+        if ((result = check_strategy(env, strategy)))
+            break;
+        if (texture->nslots && slvi_gl_texture_slot(texture, strategy))
+            continue;
+        slv_gl_slot *slot = &texture->slots[texture->nslots++];
+        slot->strategy = strategy;
+        slot->split_coverage = texture->params.nchannels == 4 && strategy->coverage;
+        result = slvi_gl_slot_read(env, slot);
+    }
+    return result;
+}
+
+static bool same_store(const slv_strategy *a, const slv_strategy *b) {
+    return a->form() == b->form() && a->packing == b->packing;
+}
+
+/* Whether arrays have coverage: if any strategy that could share them needs it, listed or not, so
+ * that a strategy's pictures and memory do not depend on which others are there. */
+static bool needs_coverage(const slv_gl_texture *texture, const slv_strategy *strategy) {
+    bool needs = false;
+    for (uint32_t i = 0; i < slv_strategy_count(); i++)
+        needs |= slv_strategy_at(i)->coverage && same_store(slv_strategy_at(i), strategy);
+    for (uint32_t i = 0; i < texture->nslots; i++)
+        needs |= texture->slots[i].strategy->coverage &&
+                 same_store(texture->slots[i].strategy, strategy);
+    return needs;
+}
+
+/* The reach of a slot, shared with those before it or built. */
+static slv_result find_reach(const slv_gl_source *source, slv_gl_texture *texture,
+                             slv_gl_slot *slot) {
+    slv_gl_reach_kind kind = slot->strategy->reach;
+    for (slot->reach = 0; slot->reach < texture->nreaches; slot->reach++) {
+        const slv_gl_reach_row *row = &texture->reaches[slot->reach];
+        if (row->store == slot->store && row->kind == kind)
+            return SLV_OK;
+    }
+    slv_gl_reach_row *row = &texture->reaches[texture->nreaches];
+    const slv_gl_store *store = &texture->stores[slot->store];
+    slv_result result = slvi_gl_reach_build(source, kind, &store->pools, store->made, &row->reach);
+    if (result)
+        return result;
+    row->store = slot->store;
+    row->kind = kind;
+    texture->nreaches++;
+    return SLV_OK;
+}
+
+/* The store of one strategy, and of all others that share it, with their reaches. */
+static slv_result prepare_store(const slv_gl_source *source, slv_gl_texture *texture,
+                                const slv_strategy *strategy) {
+    const slv_form *form = strategy->form();
+    uint32_t store = texture->nstores;
+    void *made = NULL;
+    slv_result result = form->create(&source->shared, source->levels, source->adjacency,
+                                     slvi_gl_border(&source->params), &made);
+    if (!result)
+        result = slvi_gl_store_prepare(source, form, made, strategy->packing,
+                                       needs_coverage(texture, strategy), &texture->stores[store]);
+    if (!result)
+        texture->nstores++;
+    for (uint32_t i = 0; !result && i < texture->nslots; i++) {
+        slv_gl_slot *slot = &texture->slots[i];
+        if (!same_store(slot->strategy, strategy))
+            continue;
+        slot->store = store;
+        result = find_reach(source, texture, slot);
+    }
+    return result;
+}
+
+/* Prepares all stores; `at_once` uploads each before the next, so that no more than one form need
+ * be in memory. */
+static slv_result prepare_all(slv_gl_texture *texture, bool at_once) {
+    const slv_gl_source *source = &texture->live->source;
+    slv_result result = SLV_OK;
+    for (uint32_t i = 0; !result && i < texture->nslots; i++) {
+        uint32_t k = 0;
+        while (!same_store(texture->slots[k].strategy, texture->slots[i].strategy))
+            k++;
+        source->steps->total += k == i ? texture->nfaces : 0;
+    }
+    for (uint32_t i = 0; !result && i < texture->nslots; i++) {
+        uint32_t k = 0;
+        while (!same_store(texture->slots[k].strategy, texture->slots[i].strategy))
+            k++;
+        if (k == i && !(result = prepare_store(source, texture, texture->slots[i].strategy)) &&
+            at_once)
+            result = slvi_gl_making_upload(texture, UINT64_MAX);
+    }
+    return result;
+}
+
+static uint64_t texel_bytes(const slv_texture_desc *desc, uint32_t nchannels) {
+    uint64_t texels = 0;
+    for (uint32_t f = 0; f < desc->nfaces; f++)
+        texels += (uint64_t)1 << (desc->res[f].u + desc->res[f].v);
+    return texels * nchannels * slv_type_size(desc->type);
+}
+
+/* The parameters are those of slv_gl_texture_create, and whether it is that. */
+static slv_result prepare(slv_gl *gl, const slv_env *env, const slv_texture *texture,
+                          const slv_adjacency *adjacency, const slv_gl_texture_params *params,
+                          bool at_once, slv_gl_texture **out) {
+    const slv_texture_desc *desc = slv_texture_get_desc(texture);
+    slv_gl_texture *made = NULL;
+    slv_result result = SLV_OK;
+    *out = NULL;
+    if (slv_adjacency_face_count(adjacency) != desc->nfaces)
+        return slvi_fail(env, SLV_ERROR_MISMATCH, "the texture has %u faces, the adjacency %u",
+                         desc->nfaces, slv_adjacency_face_count(adjacency));
+    if ((result = slvi_alloc(env, "GL texture", 1, sizeof *made, &made)))
+        return result;
+    made->gl = gl;
+    if (env)
+        made->env = *env;
+    made->serial = ++gl->serial;
+    made->nfaces = desc->nfaces;
+    if ((result = fill_params(gl, env, desc, params, &made->params)) ||
+        (result = list_slots(made, params)) ||
+        (result = slvi_alloc(env, "face table", desc->nfaces, sizeof *made->res, &made->res)) ||
+        (result = slvi_gl_making_begin(made)) ||
+        (result = slvi_gl_live_create(gl, &made->env, texture, adjacency, &made->params,
+                                      &made->making->steps, &made->live)))
+        goto done;
+    memcpy(made->res, desc->res, desc->nfaces * sizeof *made->res);
+    made->texel_bytes = texel_bytes(desc, made->params.nchannels);
+    made->scaled = made->live->scaled;
+    if (!at_once)
+        made->live->source.put_off = &made->making->tables;
+    else
+        slvi_gl_set_state(gl);
+    if (!(result = prepare_all(made, at_once)) && at_once)
+        result = slvi_gl_making_end(made);
+done:
+    if (result) {
+        slv_gl_texture_destroy(made);
+        made = NULL;
+    }
+    *out = made;
+    return result;
+}
+
+slv_result slv_gl_texture_create(slv_gl *gl, const slv_env *env, const slv_texture *texture,
+                                 const slv_adjacency *adjacency,
+                                 const slv_gl_texture_params *params, slv_gl_texture **out) {
+    return prepare(gl, env, texture, adjacency, params, true, out);
+}
+
+slv_result slv_gl_texture_prepare(slv_gl *gl, const slv_env *env, const slv_texture *texture,
+                                  const slv_adjacency *adjacency,
+                                  const slv_gl_texture_params *params, slv_gl_texture **out) {
+    return prepare(gl, env, texture, adjacency, params, false, out);
+}
+
+slv_result slvi_gl_texture_renew(slv_gl_texture *texture) {
+    const slv_env *env = &texture->env;
+    slv_gl_texture_params params = texture->params;
+    slv_gl_texture *fresh = NULL, old;
+    const slv_strategy **strategies = NULL;
+    slv_result result =
+        slvi_alloc(env, "strategies", texture->nslots, sizeof *strategies, &strategies);
+    if (result)
+        return result;
+    for (uint32_t i = 0; i < texture->nslots; i++)
+        strategies[i] = texture->slots[i].strategy;
+    params.strategies = strategies;
+    params.nstrategies = texture->nslots;
+    params.progress = (slv_progress){0};
+    result = slv_gl_texture_create(texture->gl, env, texture->live->texture,
+                                   texture->live->source.adjacency, &params, &fresh);
+    if (!result) {
+        old = *texture;
+        *texture = *fresh;
+        *fresh = old;
+        texture->live->source.env = &texture->env;
+        fresh->live->source.env = &fresh->env;
+        slv_gl_texture_destroy(fresh);
+    }
+    slvi_free(strategies);
+    return result;
+}
