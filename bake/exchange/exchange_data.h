@@ -75,12 +75,11 @@ slv_result slvi_exchange_face(const slv_env *env, const slvi_exchange_plan *plan
 /* All faces that are taken, into the result. */
 slv_result slvi_exchange_write_faces(const slv_env *env, const slvi_exchange_plan *plan,
                                      const slv_ptx *ptx, slv_ptx_writer *writer);
-/* Colours on their way into a picture, which has light as EXR and sRGB as PNG, and back. Alpha is a
- * channel or SLV_NO_ALPHA. */
-void slvi_exchange_to_picture(slv_texture_encoding encoding, bool exr, uint32_t nchannels,
-                              int32_t alpha, float *values, uint64_t count);
-void slvi_exchange_from_picture(slv_texture_encoding encoding, bool exr, uint32_t nchannels,
-                                int32_t alpha, float *values, uint64_t count);
+/* Colours between a texture and a picture, which has them as LINEAR (OpenEXR) or as SRGB (PNG).
+ * Those that are no light (DATA), and those of which nothing is known (AUTO), stay as they are.
+ * Alpha is a channel or SLV_NO_ALPHA. */
+void slvi_exchange_change(slv_texture_encoding from, slv_texture_encoding to, uint32_t nchannels,
+                          int32_t alpha, float *values, uint64_t count);
 /* Whether metadata is to say what the colours of the target are, since its type does not. */
 bool slvi_exchange_needs_note(const slvi_exchange_plan *plan);
 slv_result slvi_exchange_note_encoding(const slvi_exchange_plan *plan, slv_ptx_writer *writer);

@@ -1,22 +1,14 @@
-/* Colours between a .ptx and pictures: light in EXR, the sRGB curve in PNG. */
+/* Colours between a .ptx and pictures. */
 #include "exchange/exchange_data.h"
 
 #include <string.h>
 
-void slvi_exchange_to_picture(slv_texture_encoding encoding, bool exr, uint32_t nchannels,
-                              int32_t alpha, float *values, uint64_t count) {
-    if (exr && encoding == SLV_TEXTURE_SRGB)
+void slvi_exchange_change(slv_texture_encoding from, slv_texture_encoding to, uint32_t nchannels,
+                          int32_t alpha, float *values, uint64_t count) {
+    if (from == SLV_TEXTURE_SRGB && to == SLV_TEXTURE_LINEAR)
         slv_texels_decode(nchannels, alpha, values, count);
-    else if (!exr && encoding == SLV_TEXTURE_LINEAR)
+    else if (from == SLV_TEXTURE_LINEAR && to == SLV_TEXTURE_SRGB)
         slv_texels_encode(nchannels, alpha, values, count);
-}
-
-void slvi_exchange_from_picture(slv_texture_encoding encoding, bool exr, uint32_t nchannels,
-                                int32_t alpha, float *values, uint64_t count) {
-    if (exr && encoding == SLV_TEXTURE_SRGB)
-        slv_texels_encode(nchannels, alpha, values, count);
-    else if (!exr && encoding == SLV_TEXTURE_LINEAR)
-        slv_texels_decode(nchannels, alpha, values, count);
 }
 
 bool slvi_exchange_needs_note(const slvi_exchange_plan *plan) {

@@ -63,8 +63,9 @@ static slv_result export_face(void *user, const slv_env *env, uint32_t face,
         result = slvi_alloc_plain(env, e->plan->path, count, sizeof *values, &values);
     if (!result) {
         slv_type_to_float(target->type, converted, count, values);
-        slvi_exchange_to_picture(e->plan->encoding, e->exr, target->nchannels,
-                                 target->alpha_channel, values, count / target->nchannels);
+        slvi_exchange_change(e->plan->encoding, e->exr ? SLV_TEXTURE_LINEAR : SLV_TEXTURE_SRGB,
+                             target->nchannels, target->alpha_channel, values,
+                             count / target->nchannels);
         if (e->folder)
             result = save_face(e, env, place, res, values);
         else

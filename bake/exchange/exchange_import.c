@@ -4,7 +4,6 @@
 
 #include <stdio.h>
 #include <string.h>
-#include <strings.h>
 
 struct import {
     const slv_env *env;
@@ -21,15 +20,12 @@ struct import {
     slvi_import_loss dropped, added; /* alpha */
 };
 
-/* From what a picture of this name holds to what the texture does. */
-static void decode_picture(const struct import *m, const char *path, uint32_t group,
-                           slv_image *image) {
-    size_t length = strlen(path);
-    bool exr = length > 4 && strcasecmp(path + length - 4, ".exr") == 0;
+/* From what a picture holds to what the texture does. */
+static void decode_picture(const struct import *m, uint32_t group, slv_image *image) {
     int32_t alpha = m->source->alpha_channel - (int32_t)(group * SLVI_INDEX_GROUP);
-    slvi_exchange_from_picture(m->encoding, exr, image->nchannels,
-                               m->source->alpha_channel < 0 ? SLV_NO_ALPHA : alpha, image->pixels,
-                               (uint64_t)image->width * image->height);
+    slvi_exchange_change(image->encoding, m->encoding, image->nchannels,
+                         m->source->alpha_channel < 0 ? SLV_NO_ALPHA : alpha, image->pixels,
+                         (uint64_t)image->width * image->height);
 }
 
 static slv_result load_images(struct import *m, const json_t *names, const char *what) {
@@ -52,7 +48,7 @@ static slv_result load_images(struct import *m, const json_t *names, const char 
             result = slvi_import_fit(m->env, path, slvi_index_group_size(nchannels, group), image,
                                      &m->dropped, &m->added);
         if (!result)
-            decode_picture(m, path, group, image);
+            decode_picture(m, group, image);
         if (!result && group &&
             (image->width != m->images[0].width || image->height != m->images[0].height))
             result =

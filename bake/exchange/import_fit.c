@@ -47,6 +47,7 @@ slv_result slvi_import_fit(const slv_env *env, const char *path, uint32_t needed
         note(dropped, path);
     if (wanted && !alpha)
         note(added, path);
+    fitted.encoding = image->encoding;
     slv_image_free(image);
     *image = fitted;
     return SLV_OK;

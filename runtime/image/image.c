@@ -59,11 +59,15 @@ slv_result slv_image_encode_png(const slv_env *env, const slv_image *image,
 
 static slv_result decode(const slv_env *env, const char *path, const void *bytes, size_t size,
                          slv_image *out) {
-    if (size >= 4 && !memcmp(bytes, "\x89PNG", 4))
-        return slvi_image_png_decode(env, path, bytes, size, out);
-    if (size >= 4 && !memcmp(bytes, "\x76\x2f\x31\x01", 4))
-        return slvi_image_exr_decode(env, path, bytes, size, out);
-    return slvi_fail(env, SLV_ERROR_UNSUPPORTED, "%s: is neither a PNG nor an OpenEXR image", path);
+    bool png = size >= 4 && !memcmp(bytes, "\x89PNG", 4);
+    if (!png && (size < 4 || memcmp(bytes, "\x76\x2f\x31\x01", 4)))
+        return slvi_fail(env, SLV_ERROR_UNSUPPORTED, "%s: is neither a PNG nor an OpenEXR image",
+                         path);
+    slv_result result = png ? slvi_image_png_decode(env, path, bytes, size, out)
+                            : slvi_image_exr_decode(env, path, bytes, size, out);
+    if (!result)
+        out->encoding = png ? SLV_TEXTURE_SRGB : SLV_TEXTURE_LINEAR;
+    return result;
 }
 
 slv_result slv_image_load(const slv_env *env, const char *path, slv_image *out) {

@@ -95,10 +95,43 @@ static void check_type(slv_type type) {
     }
 }
 
+/* Files of one ending get another, in the index too. */
+static void rename_all(const char *index, const char *from, const char *to) {
+    char line[1024];
+    snprintf(line, sizeof line,
+             "cd $(dirname '%s') && for f in *.%s; do mv $f ${f%%.%s}.%s; done && "
+             "sed -i 's/[.]%s\"/.%s\"/g' $(basename '%s')",
+             tool_path(index), from, from, to, from, to, index);
+    CHECK(system(line) == 0);
+}
+
+/* Pictures under the name of the other format are what their bytes say, colours included: of a
+ * folder, and of a sheet. */
+static void check_name(slv_type type, const char *format, const char *other, const char *close) {
+    tool_write_noise("original.ptx", type, 4, 3, 5);
+    RUNS(0, "convert original.ptx as_%s --format %s", format, format);
+    RUNS(0, "convert as_%s plain.ptx", format);
+    RUNS(0, "diff original.ptx plain.ptx --tolerance %s", close);
+    char index[64];
+    snprintf(index, sizeof index, "as_%s/index.json", format);
+    rename_all(index, format, other);
+    RUNS(0, "convert as_%s renamed.ptx", format);
+    RUNS(0, "diff plain.ptx renamed.ptx");
+    RUNS(0, "convert original.ptx sheet.%s", format);
+    RUNS(0, "convert sheet.json plain.ptx");
+    rename_all("sheet.json", format, other);
+    RUNS(0, "convert sheet.json renamed.ptx");
+    RUNS(0, "diff plain.ptx renamed.ptx");
+}
+
 int main(void) {
     tool_begin();
     check_type(SLV_TYPE_U8);
     check_type(SLV_TYPE_HALF);
+    check_name(SLV_TYPE_U8, "exr", "png", "0.004");
+    check_name(SLV_TYPE_U8, "png", "exr", "0");
+    check_name(SLV_TYPE_HALF, "exr", "png", "0");
+    check_name(SLV_TYPE_HALF, "png", "exr", "0.004");
     tool_end();
     return test_end();
 }

@@ -3,6 +3,7 @@
 #define SELVAGE_IMAGE_H
 
 #include <selvage/stream.h>
+#include <selvage/texture.h>
 
 #ifdef __cplusplus
 extern "C" {
@@ -12,7 +13,10 @@ extern "C" {
  * alpha, 3 RGB, 4 RGBA with colour multiplied by alpha. Values are linear unless said otherwise. */
 typedef struct slv_image {
     uint32_t width, height, nchannels;
-    float *pixels; /* width * height * nchannels; slv_image_free releases it */
+    float *pixels;                 /* width * height * nchannels; slv_image_free releases it */
+    slv_texture_encoding encoding; /* of the colours of a file that was read, whatever its name:
+                                      SRGB of PNG, LINEAR of OpenEXR. AUTO of other images; writers
+                                      do not look at it */
 } slv_image;
 
 typedef enum slv_image_encoding {
@@ -46,13 +50,14 @@ SLV_NODISCARD SLV_API slv_result slv_image_encode_png(const slv_env *env, const 
                                                       const slv_image_params *params, void **bytes,
                                                       size_t *size);
 
-/* Reads a PNG (values / 255 or / 65535 as they stand, alpha not multiplied in; palettes and low
- * depths expanded) or an OpenEXR file: the channels R G B A or Y A, half or float, of the first
- * part that has them, else of the only layer that has them (beauty.R ...), in scanlines or tiles,
- * of which the full resolution is read, of any compression. An OpenEXR image is the display window:
- * what the data window has beyond it is left out, and what it does not cover is zero. Other files
- * are SLV_ERROR_UNSUPPORTED, and a line says why: deep pixels, subsampled channels, luminance and
- * chroma, integers (uint), several layers, a data window outside of the display window. */
+/* Reads what the first bytes say that it is: a PNG (values / 255 or / 65535 as they stand, alpha
+ * not multiplied in; palettes and low depths expanded) or an OpenEXR file: the channels R G B A or
+ * Y A, half or float, of the first part that has them, else of the only layer that has them
+ * (beauty.R ...), in scanlines or tiles, of which the full resolution is read, of any compression.
+ * An OpenEXR image is the display window: what the data window has beyond it is left out, and what
+ * it does not cover is zero. Other files are SLV_ERROR_UNSUPPORTED, and a line says why: deep
+ * pixels, subsampled channels, luminance and chroma, integers (uint), several layers, a data window
+ * outside of the display window. */
 SLV_NODISCARD SLV_API slv_result slv_image_load(const slv_env *env, const char *path,
                                                 slv_image *out);
 /* The same from a stream; `name` is for messages. */
