@@ -288,12 +288,12 @@ static slv_result export(const slv_env *given, const slv_exchange *source,
                          const slv_exchange_params *params, const char *path,
                          slv_exchange_stats *stats, bool sheet) {
     static const slv_exchange_params none = {0};
-    slv_env env = slvi_env_or_default(given);
     slvi_exchange_totals totals;
     slvi_exchange_plan plan;
     if (!source->ptx)
-        return slvi_fail(&env, SLV_ERROR_UNSUPPORTED, "%s: from images only a .ptx can be made",
+        return slvi_fail(given, SLV_ERROR_UNSUPPORTED, "%s: from images only a .ptx can be made",
                          source->path);
+    slv_env env = slvi_budget_begin(given);
     params = params ? params : &none;
     struct export e = {.ptx = source->ptx, .plan = &plan, .meta = !params->no_meta};
     slvi_exchange_begin(&totals, params->progress, 0);
@@ -305,7 +305,7 @@ static slv_result export(const slv_env *given, const slv_exchange *source,
         result = sheet ? to_sheet(&env, params, &e, path) : to_folder(&env, params, &e, path);
     slvi_exchange_end(&env, &totals, result, &plan.target, stats);
     slvi_exchange_plan_free(&plan);
-    return result;
+    return slvi_budget_end(&env, result);
 }
 
 slv_result slv_exchange_to_folder(const slv_env *env, const slv_exchange *source,

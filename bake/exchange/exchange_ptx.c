@@ -74,7 +74,7 @@ slv_result slv_exchange_to_ptx(const slv_env *given, const slv_exchange *source,
                                const slv_exchange_params *params, const char *path,
                                slv_exchange_stats *stats) {
     static const slv_exchange_params none = {0};
-    slv_env env = slvi_env_or_default(given);
+    slv_env env = slvi_budget_begin(given);
     slvi_exchange_totals totals;
     slvi_exchange_plan plan = {0};
     params = params ? params : &none;
@@ -91,5 +91,5 @@ slv_result slv_exchange_to_ptx(const slv_env *given, const slv_exchange *source,
                              : slvi_exchange_import(&env, source, params, &plan, path);
     slvi_exchange_end(&env, &totals, result, &plan.target, stats);
     slvi_exchange_plan_free(&plan);
-    return result;
+    return slvi_budget_end(&env, result);
 }

@@ -135,14 +135,8 @@ slv_result slv_reference_create(const slv_env *env, const slv_mesh *mesh,
                                 const slv_surface *surface, const slv_texture *texture,
                                 const slv_adjacency *adjacency, const slv_reference_params *given,
                                 slv_reference **out) {
-    slv_env own;
-    slv_result result = slvi_budget_begin(env, &own);
-    if (result)
-        *out = NULL;
-    else
-        result = create(&own, mesh, surface, texture, adjacency, given, out);
-    slvi_budget_end(&own);
-    return result;
+    slv_env own = slvi_budget_begin(env);
+    return slvi_budget_end(&own, create(&own, mesh, surface, texture, adjacency, given, out));
 }
 
 void slv_reference_destroy(slv_reference *reference) {

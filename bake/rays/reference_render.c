@@ -2,6 +2,7 @@
 #include "rays/reference_data.h"
 
 #include "base/log.h"
+#include "base/memory.h"
 #include "base/parallel.h"
 #include "base/progress.h"
 
@@ -270,9 +271,9 @@ static slv_reference_stats judge(const work *w) {
     return stats;
 }
 
-slv_result slv_reference_render(const slv_reference *reference, const slv_env *env,
-                                const slv_reference_frame *given, slv_image *image,
-                                slv_image *error, slv_reference_stats *stats) {
+static slv_result render(const slv_reference *reference, const slv_env *env,
+                         const slv_reference_frame *given, slv_image *image, slv_image *error,
+                         slv_reference_stats *stats) {
     slv_reference_frame frame;
     work w = {.env = env, .reference = reference, .frame = &frame};
     slv_result result = prepare(env, given, &frame);
@@ -304,4 +305,11 @@ done:
     slv_image_free(&w.image);
     slv_image_free(&w.error);
     return result;
+}
+
+slv_result slv_reference_render(const slv_reference *reference, const slv_env *env,
+                                const slv_reference_frame *given, slv_image *image,
+                                slv_image *error, slv_reference_stats *stats) {
+    slv_env own = slvi_budget_begin(env);
+    return slvi_budget_end(&own, render(reference, &own, given, image, error, stats));
 }

@@ -365,7 +365,7 @@ static slv_result join(const slv_env *env, const struct transfer *t, const slv_m
     return result;
 }
 
-slv_result slv_transfer_from(const slv_env *env, const slv_mesh *source, const slv_source *texels,
+static slv_result carry_over(const slv_env *env, const slv_mesh *source, const slv_source *texels,
                              const slv_mesh *target, const slv_transfer_params *params,
                              const slv_transfer_sink *sink, slv_transfer_face *faces,
                              float *covered) {
@@ -414,4 +414,13 @@ done:
     slvi_free(t.res);
     slvi_parallel_env_end(log);
     return result;
+}
+
+slv_result slv_transfer_from(const slv_env *env, const slv_mesh *source, const slv_source *texels,
+                             const slv_mesh *target, const slv_transfer_params *params,
+                             const slv_transfer_sink *sink, slv_transfer_face *faces,
+                             float *covered) {
+    slv_env own = slvi_budget_begin(env);
+    return slvi_budget_end(&own,
+                           carry_over(&own, source, texels, target, params, sink, faces, covered));
 }

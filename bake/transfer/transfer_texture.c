@@ -1,6 +1,8 @@
 /* A transfer between textures in memory, and how much larger one model is than the other. */
 #include "transfer/transfer_data.h"
 
+#include "base/memory.h"
+
 #include <math.h>
 #include <stdlib.h>
 
@@ -25,9 +27,9 @@ static slv_result put(void *user, const slv_env *env, uint32_t face, bool consta
                     : slv_texture_set_face(store->out, face, texels);
 }
 
-slv_result slv_transfer(const slv_env *env, const slv_mesh *source, const slv_texture *texture,
-                        const slv_mesh *target, const slv_transfer_params *params,
-                        slv_transfer_face *faces, float *covered, slv_texture **out) {
+static slv_result transfer(const slv_env *env, const slv_mesh *source, const slv_texture *texture,
+                           const slv_mesh *target, const slv_transfer_params *params,
+                           slv_transfer_face *faces, float *covered, slv_texture **out) {
     struct store store = {.env = env, .from = texture};
     const slv_transfer_sink sink = {begin, put, &store};
     slv_source texels;
@@ -41,6 +43,14 @@ slv_result slv_transfer(const slv_env *env, const slv_mesh *source, const slv_te
     else
         *out = store.out;
     return result;
+}
+
+slv_result slv_transfer(const slv_env *env, const slv_mesh *source, const slv_texture *texture,
+                        const slv_mesh *target, const slv_transfer_params *params,
+                        slv_transfer_face *faces, float *covered, slv_texture **out) {
+    slv_env own = slvi_budget_begin(env);
+    return slvi_budget_end(&own,
+                           transfer(&own, source, texture, target, params, faces, covered, out));
 }
 
 static double diagonal_of(const slv_mesh *mesh) {

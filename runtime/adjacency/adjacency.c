@@ -92,14 +92,8 @@ done:
 slv_result slv_adjacency_create(const slv_env *env, uint32_t nfaces,
                                 const slv_face_adjacency *faces, const uint8_t *flags,
                                 slv_adjacency **out) {
-    slv_env own;
-    slv_result result = slvi_budget_begin(env, &own);
-    if (result)
-        *out = NULL;
-    else
-        result = create(&own, nfaces, faces, flags, out);
-    slvi_budget_end(&own);
-    return result;
+    slv_env own = slvi_budget_begin(env);
+    return slvi_budget_end(&own, create(&own, nfaces, faces, flags, out));
 }
 
 void slv_adjacency_destroy(slv_adjacency *a) {

@@ -30,9 +30,13 @@ static header *header_of(void *memory) {
     return (header *)memory - 1;
 }
 
+/* In place of a budget that there was no memory for. */
+#define NO_BUDGET 1
+
 /* Which of its reserved words an environment keeps it in. */
 static budget *budget_of(const slv_env *env) {
-    return (budget *)(uintptr_t)env->reserved[0];
+    uint64_t word = env->reserved[0];
+    return word == NO_BUDGET ? NULL : (budget *)(uintptr_t)word;
 }
 
 static void let_go(budget *from, uint64_t bytes) {
@@ -50,25 +54,30 @@ static bool take(budget *from, uint64_t bytes, uint64_t limit) {
     return false;
 }
 
-slv_result slvi_budget_begin(const slv_env *env, slv_env *out) {
-    budget *made = NULL;
-    slv_env own = slvi_env_or_default(env);
-    own.reserved[0] = 0;
-    slv_result result = slvi_alloc(&own, "memory", 1, sizeof *made, &made);
-    if (!result) {
-        atomic_init(&made->used, 0);
-        atomic_init(&made->holders, 1);
-        own.reserved[0] = (uint64_t)(uintptr_t)made;
+slv_env slvi_budget_begin(const slv_env *env) {
+    slv_env own = slvi_env_or_default(env), quiet = own;
+    budget *made = budget_of(&own);
+    if (made) {
+        atomic_fetch_add_explicit(&made->holders, 1, memory_order_relaxed);
+        return own;
     }
-    *out = own;
-    return result;
+    quiet.log = NULL; /* it is told by the first allocation */
+    if (own.reserved[0] == NO_BUDGET || slvi_alloc(&quiet, "memory", 1, sizeof *made, &made)) {
+        own.reserved[0] = NO_BUDGET;
+        return own;
+    }
+    atomic_init(&made->used, 0);
+    atomic_init(&made->holders, 1);
+    own.reserved[0] = (uint64_t)(uintptr_t)made;
+    return own;
 }
 
-void slvi_budget_end(slv_env *env) {
+slv_result slvi_budget_end(slv_env *env, slv_result result) {
     budget *from = budget_of(env);
     env->reserved[0] = 0;
     if (from)
         let_go(from, 0);
+    return result;
 }
 
 static slv_result allocate(const slv_env *env, const char *what, uint64_t alignment, uint64_t count,
@@ -85,6 +94,8 @@ static slv_result allocate(const slv_env *env, const char *what, uint64_t alignm
                          (unsigned long long)most);
     uint64_t bytes = count * size;
     budget *from = budget_of(&known);
+    if (known.reserved[0] == NO_BUDGET)
+        return slvi_fail(env, SLV_ERROR_MEMORY, "%s: no memory to count what it takes", what);
     if (from && !take(from, bytes, known.max_bytes))
         return slvi_fail(env, SLV_ERROR_LIMIT,
                          "%s: with %llu bytes more it is over the limit of %llu", what,

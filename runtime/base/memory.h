@@ -19,12 +19,13 @@ slv_result slvi_alloc_aligned(const slv_env *env, const char *what, uint64_t ali
  * contents move along; what is new is not zeroed. On failure *memory is as it was. */
 slv_result slvi_grow(const slv_env *env, const char *what, uint64_t count, uint64_t size,
                      void *memory);
-/* In *out (which may be `env`) an environment whose allocations together keep within max_bytes,
- * those that are given back not counted: for all that one object holds, and what it takes to make
- * it. An environment that is such a one already counts no further for what is made with *out. It is
- * ended when no more is to be allocated, whatever this returns; what was allocated may stay. */
-slv_result slvi_budget_begin(const slv_env *env, slv_env *out);
-void slvi_budget_end(slv_env *env);
+/* An environment whose allocations together keep within max_bytes, those that are given back not
+ * counted: for all that one object holds, and what it takes to make it. Of an environment that is
+ * such a one already it is part. It is ended when no more is to be allocated but by objects that
+ * were allocated from it themselves; what was allocated may stay. Without memory for the counter
+ * the first allocation fails. The end passes on what the object's maker returned. */
+slv_env slvi_budget_begin(const slv_env *env);
+slv_result slvi_budget_end(slv_env *env, slv_result result);
 /* Releases any of these; NULL is fine. What a public function hands out goes back through slv_free.
  */
 void slvi_free(void *memory);

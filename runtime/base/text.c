@@ -2,6 +2,7 @@
 #include "base/file.h"
 #include "base/gzip.h"
 #include "base/log.h"
+#include "base/memory.h"
 #include "base/output.h"
 
 #include <string.h>
@@ -20,17 +21,21 @@ static slv_result skip_mark(const slv_env *env, const char *path, char *text, si
     return SLV_OK;
 }
 
-slv_result slv_text_load(const slv_env *given, const char *path, char **text, size_t *size) {
-    slv_env env = slvi_env_or_default(given);
-    slv_result result = slvi_file_read(&env, path, text, size);
-    if (!result && !(result = slvi_gunzip(&env, path, text, size)))
-        result = skip_mark(&env, path, *text, size);
+static slv_result load(const slv_env *env, const char *path, char **text, size_t *size) {
+    slv_result result = slvi_file_read(env, path, text, size);
+    if (!result && !(result = slvi_gunzip(env, path, text, size)))
+        result = skip_mark(env, path, *text, size);
     if (result) {
         slvi_free(*text);
         *text = NULL;
         *size = 0;
     }
     return result;
+}
+
+slv_result slv_text_load(const slv_env *env, const char *path, char **text, size_t *size) {
+    slv_env own = slvi_budget_begin(env);
+    return slvi_budget_end(&own, load(&own, path, text, size));
 }
 
 static slv_result open_output(const slv_env *given, const char *path, bool streams,

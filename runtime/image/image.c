@@ -24,8 +24,8 @@ static slv_result check_image(const slv_env *env, const slv_image *image,
     return result;
 }
 
-slv_result slv_image_save(const slv_env *env, const char *path, const slv_image *image,
-                          const slv_image_params *params) {
+static slv_result save(const slv_env *env, const char *path, const slv_image *image,
+                       const slv_image_params *params) {
     static const slv_image_params defaults = {0};
     void *bytes = NULL;
     size_t size = 0;
@@ -46,8 +46,14 @@ slv_result slv_image_save(const slv_env *env, const char *path, const slv_image 
     return result;
 }
 
-slv_result slv_image_encode_png(const slv_env *env, const slv_image *image,
-                                const slv_image_params *params, void **bytes, size_t *size) {
+slv_result slv_image_save(const slv_env *env, const char *path, const slv_image *image,
+                          const slv_image_params *params) {
+    slv_env own = slvi_budget_begin(env);
+    return slvi_budget_end(&own, save(&own, path, image, params));
+}
+
+static slv_result encode_png(const slv_env *env, const slv_image *image,
+                             const slv_image_params *params, void **bytes, size_t *size) {
     static const slv_image_params defaults = {0};
     *bytes = NULL;
     *size = 0;
@@ -55,6 +61,12 @@ slv_result slv_image_encode_png(const slv_env *env, const slv_image *image,
         params = &defaults;
     slv_result result = check_image(env, image, params);
     return result ? result : slvi_image_png_encode(env, "PNG image", image, params, bytes, size);
+}
+
+slv_result slv_image_encode_png(const slv_env *env, const slv_image *image,
+                                const slv_image_params *params, void **bytes, size_t *size) {
+    slv_env own = slvi_budget_begin(env);
+    return slvi_budget_end(&own, encode_png(&own, image, params, bytes, size));
 }
 
 static slv_result decode(const slv_env *env, const char *path, const void *bytes, size_t size,
@@ -70,7 +82,7 @@ static slv_result decode(const slv_env *env, const char *path, const void *bytes
     return result;
 }
 
-slv_result slv_image_load(const slv_env *env, const char *path, slv_image *out) {
+static slv_result load(const slv_env *env, const char *path, slv_image *out) {
     char *bytes = NULL;
     size_t size = 0;
     memset(out, 0, sizeof *out);
@@ -81,8 +93,13 @@ slv_result slv_image_load(const slv_env *env, const char *path, slv_image *out) 
     return result;
 }
 
-slv_result slv_image_load_stream(const slv_env *env, const char *name, const slv_stream_in *input,
-                                 slv_image *out) {
+slv_result slv_image_load(const slv_env *env, const char *path, slv_image *out) {
+    slv_env own = slvi_budget_begin(env);
+    return slvi_budget_end(&own, load(&own, path, out));
+}
+
+static slv_result load_stream(const slv_env *env, const char *name, const slv_stream_in *input,
+                              slv_image *out) {
     char *bytes = NULL;
     memset(out, 0, sizeof *out);
     slv_result result = slvi_alloc_plain(env, name, input->size, 1, &bytes);
@@ -94,4 +111,10 @@ slv_result slv_image_load_stream(const slv_env *env, const char *name, const slv
         result = decode(env, name, bytes, (size_t)input->size, out);
     slvi_free(bytes);
     return result;
+}
+
+slv_result slv_image_load_stream(const slv_env *env, const char *name, const slv_stream_in *input,
+                                 slv_image *out) {
+    slv_env own = slvi_budget_begin(env);
+    return slvi_budget_end(&own, load_stream(&own, name, input, out));
 }

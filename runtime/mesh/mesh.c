@@ -247,14 +247,8 @@ done:
 }
 
 slv_result slv_mesh_create(const slv_env *env, const slv_mesh_view *view, slv_mesh **out) {
-    slv_env own;
-    slv_result result = slvi_budget_begin(env, &own);
-    if (result)
-        *out = NULL;
-    else
-        result = create(&own, view, out);
-    slvi_budget_end(&own);
-    return result;
+    slv_env own = slvi_budget_begin(env);
+    return slvi_budget_end(&own, create(&own, view, out));
 }
 
 void slv_mesh_destroy(slv_mesh *mesh) {

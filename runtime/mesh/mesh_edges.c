@@ -149,14 +149,8 @@ done:
 }
 
 slv_result slv_mesh_adjacency(const slv_env *env, const slv_mesh *mesh, slv_adjacency **out) {
-    slv_env own;
-    slv_result result = slvi_budget_begin(env, &own);
-    if (result)
-        *out = NULL;
-    else
-        result = link_all(&own, mesh, out);
-    slvi_budget_end(&own);
-    return result;
+    slv_env own = slvi_budget_begin(env);
+    return slvi_budget_end(&own, link_all(&own, mesh, out));
 }
 
 static void add_bounds(const slv_mesh_view *view, slv_mesh_stats *out) {

@@ -6,7 +6,7 @@
 
 #include <string.h>
 
-slv_result slv_mesh_load(const slv_env *env, const char *path, slv_mesh **out) {
+static slv_result load(const slv_env *env, const char *path, slv_mesh **out) {
     char *bytes = NULL;
     size_t size = 0;
     *out = NULL;
@@ -18,4 +18,9 @@ slv_result slv_mesh_load(const slv_env *env, const char *path, slv_mesh **out) {
     }
     slvi_free(bytes);
     return result;
+}
+
+slv_result slv_mesh_load(const slv_env *env, const char *path, slv_mesh **out) {
+    slv_env own = slvi_budget_begin(env);
+    return slvi_budget_end(&own, load(&own, path, out));
 }

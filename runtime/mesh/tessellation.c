@@ -236,14 +236,8 @@ done:
 slv_result slv_tessellate(const slv_env *env, const slv_mesh *mesh, const slv_surface *surface,
                           const slv_adjacency *adjacency, uint32_t segments,
                           slv_tessellation *out) {
-    slv_env own;
-    slv_result result = slvi_budget_begin(env, &own);
-    if (result)
-        memset(out, 0, sizeof *out);
-    else
-        result = tessellate(&own, mesh, surface, adjacency, segments, out);
-    slvi_budget_end(&own);
-    return result;
+    slv_env own = slvi_budget_begin(env);
+    return slvi_budget_end(&own, tessellate(&own, mesh, surface, adjacency, segments, out));
 }
 
 void slv_tessellation_free(slv_tessellation *tessellation) {

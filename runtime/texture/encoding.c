@@ -133,8 +133,8 @@ slv_result slv_texture_decode_rect(const slv_env *env, const slv_texture *textur
     return result;
 }
 
-slv_result slv_texture_decode(const slv_env *env, const slv_texture *texture,
-                              slv_texture_encoding wanted, slv_texture **out) {
+static slv_result decode(const slv_env *env, const slv_texture *texture,
+                         slv_texture_encoding wanted, slv_texture **out) {
     slv_texture_desc desc = *slv_texture_get_desc(texture);
     struct decoding d = {.from = texture};
     slv_parallel_log *log = NULL;
@@ -155,4 +155,10 @@ slv_result slv_texture_decode(const slv_env *env, const slv_texture *texture,
     }
     *out = d.to;
     return result;
+}
+
+slv_result slv_texture_decode(const slv_env *env, const slv_texture *texture,
+                              slv_texture_encoding wanted, slv_texture **out) {
+    slv_env own = slvi_budget_begin(env);
+    return slvi_budget_end(&own, decode(&own, texture, wanted, out));
 }

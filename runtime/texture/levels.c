@@ -254,14 +254,8 @@ slv_result slv_levels_update(slv_levels *levels, const slv_texture *texture, uin
 
 static slv_result create_within(const slv_env *env, const slv_texture *texture, bool borrowed,
                                 slv_levels **out) {
-    slv_env own;
-    slv_result result = slvi_budget_begin(env, &own);
-    if (result)
-        *out = NULL;
-    else
-        result = create(&own, texture, borrowed, out);
-    slvi_budget_end(&own);
-    return result;
+    slv_env own = slvi_budget_begin(env);
+    return slvi_budget_end(&own, create(&own, texture, borrowed, out));
 }
 
 slv_result slv_levels_create(const slv_env *env, const slv_texture *texture, slv_levels **out) {

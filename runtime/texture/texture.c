@@ -103,14 +103,8 @@ done:
 }
 
 slv_result slv_texture_create(const slv_env *env, const slv_texture_desc *desc, slv_texture **out) {
-    slv_env own;
-    slv_result result = slvi_budget_begin(env, &own);
-    if (result)
-        *out = NULL;
-    else
-        result = create(&own, desc, out);
-    slvi_budget_end(&own);
-    return result;
+    slv_env own = slvi_budget_begin(env);
+    return slvi_budget_end(&own, create(&own, desc, out));
 }
 
 void slv_texture_destroy(slv_texture *texture) {

@@ -3,9 +3,15 @@
 #include "kit/ptx_kit.h"
 
 #include <selvage/adjacency.h>
+#include <selvage/exchange.h>
+#include <selvage/file.h>
+#include <selvage/image.h>
 #include <selvage/mesh.h>
 #include <selvage/ptx_writer.h>
 #include <selvage/texture.h>
+#include <selvage/transfer.h>
+
+#include <stddef.h>
 
 enum { MIB = 1 << 20, BOMBS = 12 };
 
@@ -152,7 +158,180 @@ static void textures(void) {
     slv_texture_destroy(texture);
 }
 
+/* ---- what is held at its most, counted by the hooks ---- */
+
+static uint64_t live, peak, pieces;
+
+static void *counted_allocate(void *user, size_t bytes) {
+    max_align_t *memory = malloc(sizeof *memory + bytes);
+    (void)user;
+    REQUIRE(memory);
+    memcpy(memory, &bytes, sizeof bytes);
+    live += bytes;
+    pieces++;
+    peak = live > peak ? live : peak;
+    return memory + 1;
+}
+
+static void counted_release(void *user, void *memory) {
+    size_t bytes;
+    (void)user;
+    memcpy(&bytes, (max_align_t *)memory - 1, sizeof bytes);
+    live -= bytes;
+    free((max_align_t *)memory - 1);
+}
+
+static const char *in_gz, *in_png, *in_exr, *in_ptx;
+static slv_mesh *grid;
+
+static slv_result text_call(const slv_env *env) {
+    char *text = NULL;
+    size_t size;
+    slv_result result = slv_text_load(env, in_gz, &text, &size);
+    slv_free(text);
+    return result;
+}
+
+static slv_result mesh_call(const slv_env *env) {
+    slv_mesh *mesh = NULL;
+    slv_result result = slv_mesh_load(env, in_gz, &mesh);
+    slv_mesh_destroy(mesh);
+    return result;
+}
+
+static slv_result image_call(const slv_env *env, const char *path) {
+    slv_image image = {0};
+    slv_result result = slv_image_load(env, path, &image);
+    slv_image_free(&image);
+    return result;
+}
+
+static slv_result png_call(const slv_env *env) {
+    return image_call(env, in_png);
+}
+
+static slv_result exr_call(const slv_env *env) {
+    return image_call(env, in_exr);
+}
+
+static slv_result adjacency_call(const slv_env *env) {
+    slv_adjacency *adjacency = NULL;
+    slv_result result = slv_mesh_adjacency(env, grid, &adjacency);
+    slv_adjacency_destroy(adjacency);
+    return result;
+}
+
+static slv_result transfer_call(const slv_env *env) {
+    static slv_transfer_face faces[1024];
+    slv_env plain = test_env();
+    slv_ptx *ptx = NULL;
+    slv_texture *texture = NULL, *moved = NULL;
+    REQUIRE(!slv_ptx_open(&plain, in_ptx, &ptx) && !slv_ptx_load_texture(&plain, ptx, &texture));
+    slv_result result = slv_transfer(env, grid, texture, grid, NULL, faces, NULL, &moved);
+    slv_texture_destroy(moved);
+    slv_texture_destroy(texture);
+    slv_ptx_close(ptx);
+    return result;
+}
+
+static slv_result convert_call(const slv_env *env, const char *from, const char *to,
+                               slv_result (*how)(const slv_env *, const slv_exchange *,
+                                                 const slv_exchange_params *, const char *,
+                                                 slv_exchange_stats *)) {
+    slv_env plain = test_env();
+    slv_exchange *source = NULL;
+    char out[256], in[256];
+    snprintf(in, sizeof in, "%s", scratch_path(from));
+    snprintf(out, sizeof out, "%s", scratch_path(to));
+    REQUIRE(!slv_exchange_open(&plain, in, &source));
+    slv_result result = how(env, source, NULL, out, NULL);
+    slv_exchange_close(source);
+    return result;
+}
+
+static slv_result sheet_call(const slv_env *env) {
+    return convert_call(env, "limits.ptx", "limits_sheet.png", slv_exchange_to_sheet);
+}
+
+static slv_result import_call(const slv_env *env) {
+    return convert_call(env, "limits_sheet.json", "limits_back.ptx", slv_exchange_to_ptx);
+}
+
+/* With as much as it takes it succeeds; with less it is refused, and never holds more than allowed
+ * but for what stands in front of each piece. */
+static void within(const char *name, slv_result (*call)(const slv_env *env)) {
+    enum { IN_FRONT = 64 };
+    slv_env env = small_env(0);
+    env.allocate = counted_allocate;
+    env.release = counted_release;
+    live = peak = pieces = 0;
+    CHECK_MSG(!call(&env) && !live, "%s: %s", name, test_last_log);
+    uint64_t most = peak;
+    env.max_bytes = most;
+    CHECK_MSG(!call(&env), "%s within %llu bytes: %s", name, (unsigned long long)most,
+              test_last_log);
+    for (int part = 9; part > 0; part -= 2) {
+        env.max_bytes = most * (unsigned)part / 10;
+        live = peak = pieces = errors = 0;
+        slv_result result = call(&env);
+        CHECK_MSG(result == SLV_ERROR_LIMIT && errors == 1 && !live,
+                  "%s within %d tenths of %llu bytes: %s, %u lines, %s", name, part,
+                  (unsigned long long)most, slv_result_string(result), errors, test_last_log);
+        CHECK_MSG(peak <= env.max_bytes + IN_FRONT * pieces,
+                  "%s within %llu bytes: %llu at its most", name, (unsigned long long)env.max_bytes,
+                  (unsigned long long)peak);
+    }
+}
+
+static void objects(void) {
+    static char paths[4][256];
+    const char *const names[4] = {"limits.obj.gz", "limits.png", "limits.exr", "limits.ptx"};
+    slv_env env = test_env();
+    slv_image image = {0};
+    char line[1024];
+    for (int i = 0; i < 4; i++)
+        snprintf(paths[i], sizeof paths[i], "%s", scratch_path(names[i]));
+    in_gz = paths[0], in_png = paths[1], in_exr = paths[2], in_ptx = paths[3];
+    grid = grid_mesh(30, 30, false);
+    REQUIRE(!slv_mesh_save_obj(&env, grid, scratch_path("limits.obj")));
+    snprintf(line, sizeof line, "gzip -nf '%s'", scratch_path("limits.obj"));
+    REQUIRE(system(line) == 0);
+    REQUIRE(!slv_image_create(&env, 200, 150, 4, &image));
+    REQUIRE(!slv_image_save(&env, in_png, &image, NULL) &&
+            !slv_image_save(&env, in_exr, &image, NULL));
+    slv_image_free(&image);
+
+    slv_ptx_writer *writer = NULL;
+    const slv_ptx_writer_params params = {.mesh_type = SLV_PTX_QUAD,
+                                          .nchannels = 1,
+                                          .alpha_channel = SLV_NO_ALPHA,
+                                          .nfaces = slv_mesh_face_count(grid)};
+    static uint8_t texels[256];
+    REQUIRE(!slv_ptx_writer_create(&env, in_ptx, &params, &writer));
+    REQUIRE(!slv_ptx_writer_set_mesh(writer, grid));
+    for (uint32_t face = 0; face < params.nfaces; face++) {
+        const slv_ptx_face info = {.res = {4, 4}};
+        texels[face % 256]++;
+        REQUIRE(!slv_ptx_writer_write_face(writer, face, &info, texels));
+    }
+    finish(writer);
+
+    within("a text that is packed", text_call);
+    within("a mesh from a file", mesh_call);
+    within("a PNG image", png_call);
+    within("an OpenEXR image", exr_call);
+    within("the adjacency of a mesh", adjacency_call);
+    within("a transfer", transfer_call);
+    within("a sheet", sheet_call);
+    REQUIRE(!sheet_call(&env));
+    within("an import", import_call);
+    slv_mesh_destroy(grid);
+    snprintf(line, sizeof line, "rm -f '%s'*", scratch_path("limits"));
+    CHECK(system(line) == 0);
+}
+
 int main(void) {
+    objects();
     edits();
     large_values();
     meshes();

@@ -242,16 +242,15 @@ slv_result slv_paint_surface_create(const slv_env *env, const slv_mesh *mesh,
                                     slv_paint_surface **out) {
     const slv_paint_surface_params none = {0};
     slv_paint_surface *s = NULL;
-    slv_env budget;
+    slv_env budget = slvi_budget_begin(env);
     *out = NULL;
-    slv_result result = slvi_budget_begin(env, &budget);
-    if (!result && !(result = slvi_alloc(&budget, "paint surface", 1, sizeof *s, &s))) {
+    slv_result result = slvi_alloc(&budget, "paint surface", 1, sizeof *s, &s);
+    if (!result) {
         s->env = budget;
         result = make(s, mesh, params ? params : &none);
         s->env = slvi_env_or_default(env);
     }
-    slvi_budget_end(&budget);
-    if (result) {
+    if (slvi_budget_end(&budget, result)) {
         slv_paint_surface_destroy(s);
         return result;
     }

@@ -204,14 +204,8 @@ done:
 
 slv_result slv_edge_aligned_create(const slv_env *env, const slv_levels *levels,
                                    const slv_adjacency *adjacency, slv_edge_aligned **out) {
-    slv_env own;
-    slv_result result = slvi_budget_begin(env, &own);
-    if (result)
-        *out = NULL;
-    else
-        result = create(&own, levels, adjacency, out);
-    slvi_budget_end(&own);
-    return result;
+    slv_env own = slvi_budget_begin(env);
+    return slvi_budget_end(&own, create(&own, levels, adjacency, out));
 }
 
 void slv_edge_aligned_destroy(slv_edge_aligned *aligned) {
@@ -317,8 +311,8 @@ done:
     return result;
 }
 
-slv_result slv_edge_aligned_to_texture(const slv_env *env, const slv_edge_aligned *aligned,
-                                       slv_texture **out) {
+static slv_result to_texture(const slv_env *env, const slv_edge_aligned *aligned,
+                             slv_texture **out) {
     struct restore restore = {.aligned = aligned};
     slv_parallel_log *log = NULL;
     slv_result result;
@@ -335,4 +329,10 @@ slv_result slv_edge_aligned_to_texture(const slv_env *env, const slv_edge_aligne
     slvi_parallel_env_end(log);
     *out = restore.texture;
     return result;
+}
+
+slv_result slv_edge_aligned_to_texture(const slv_env *env, const slv_edge_aligned *aligned,
+                                       slv_texture **out) {
+    slv_env own = slvi_budget_begin(env);
+    return slvi_budget_end(&own, to_texture(&own, aligned, out));
 }

@@ -309,14 +309,8 @@ done:
 
 slv_result slv_htex_create(const slv_env *env, const slv_levels *levels,
                            const slv_adjacency *adjacency, slv_htex **out) {
-    slv_env own;
-    slv_result result = slvi_budget_begin(env, &own);
-    if (result)
-        *out = NULL;
-    else
-        result = create_whole(&own, levels, adjacency, out);
-    slvi_budget_end(&own);
-    return result;
+    slv_env own = slvi_budget_begin(env);
+    return slvi_budget_end(&own, create_whole(&own, levels, adjacency, out));
 }
 
 void slv_htex_destroy(slv_htex *htex) {

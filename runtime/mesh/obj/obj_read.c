@@ -261,12 +261,6 @@ static slv_result parse(const slv_env *env, const char *name, const char *text, 
 
 slv_result slv_mesh_parse_obj(const slv_env *env, const char *name, const char *text, size_t size,
                               slv_mesh **out) {
-    slv_env own;
-    slv_result result = slvi_budget_begin(env, &own);
-    if (result)
-        *out = NULL;
-    else
-        result = parse(&own, name, text, size, out);
-    slvi_budget_end(&own);
-    return result;
+    slv_env own = slvi_budget_begin(env);
+    return slvi_budget_end(&own, parse(&own, name, text, size, out));
 }

@@ -300,12 +300,6 @@ static slv_result parse(const slv_env *env, const char *name, const char *bytes,
 
 slv_result slv_mesh_parse_ply(const slv_env *env, const char *name, const char *bytes, size_t size,
                               slv_mesh **out) {
-    slv_env own;
-    slv_result result = slvi_budget_begin(env, &own);
-    if (result)
-        *out = NULL;
-    else
-        result = parse(&own, name, bytes, size, out);
-    slvi_budget_end(&own);
-    return result;
+    slv_env own = slvi_budget_begin(env);
+    return slvi_budget_end(&own, parse(&own, name, bytes, size, out));
 }

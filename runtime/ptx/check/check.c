@@ -178,12 +178,6 @@ done:
 
 slv_result slv_ptx_check(const slv_env *env, const char *path, const slv_ptx_check_params *params,
                          slv_ptx_report **out) {
-    slv_env own;
-    slv_result result = slvi_budget_begin(env, &own);
-    if (result)
-        *out = NULL;
-    else
-        result = check_within(&own, path, params, out);
-    slvi_budget_end(&own);
-    return result;
+    slv_env own = slvi_budget_begin(env);
+    return slvi_budget_end(&own, check_within(&own, path, params, out));
 }

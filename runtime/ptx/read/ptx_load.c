@@ -136,8 +136,8 @@ static slv_result check_res(const slv_env *env, const slv_ptx *ptx, const slv_re
     return SLV_OK;
 }
 
-slv_result slv_ptx_load_texture_at(const slv_env *env, const slv_ptx *ptx, const slv_res *res,
-                                   slv_texture **out) {
+static slv_result load_texture(const slv_env *env, const slv_ptx *ptx, const slv_res *res,
+                               slv_texture **out) {
     slv_res *own = NULL;
     slv_texture *texture = NULL;
     uint64_t total;
@@ -170,11 +170,17 @@ done:
     return result;
 }
 
+slv_result slv_ptx_load_texture_at(const slv_env *env, const slv_ptx *ptx, const slv_res *res,
+                                   slv_texture **out) {
+    slv_env own = slvi_budget_begin(env);
+    return slvi_budget_end(&own, load_texture(&own, ptx, res, out));
+}
+
 slv_result slv_ptx_load_texture(const slv_env *env, const slv_ptx *ptx, slv_texture **out) {
     return slv_ptx_load_texture_at(env, ptx, NULL, out);
 }
 
-slv_result slv_ptx_load_adjacency(const slv_env *env, const slv_ptx *ptx, slv_adjacency **out) {
+static slv_result load_adjacency(const slv_env *env, const slv_ptx *ptx, slv_adjacency **out) {
     slv_face_adjacency *records = NULL;
     uint8_t *flags = NULL;
     *out = NULL;
@@ -198,6 +204,11 @@ slv_result slv_ptx_load_adjacency(const slv_env *env, const slv_ptx *ptx, slv_ad
     return result;
 }
 
+slv_result slv_ptx_load_adjacency(const slv_env *env, const slv_ptx *ptx, slv_adjacency **out) {
+    slv_env own = slvi_budget_begin(env);
+    return slvi_budget_end(&own, load_adjacency(&own, ptx, out));
+}
+
 static const char *const geometry_keys[] = {"PtexFaceVertCounts", "PtexFaceVertIndices",
                                             "PtexVertPositions"};
 
@@ -216,7 +227,7 @@ static slv_result find_geometry(const slv_env *env, const slv_ptx *ptx, const ch
     return SLV_OK;
 }
 
-slv_result slv_ptx_load_mesh(const slv_env *env, const slv_ptx *ptx, slv_mesh **out) {
+static slv_result load_mesh(const slv_env *env, const slv_ptx *ptx, slv_mesh **out) {
     const slv_ptx_meta *counts = NULL, *indices = NULL, *positions = NULL;
     slv_result result;
     *out = NULL;
@@ -267,6 +278,11 @@ slv_result slv_ptx_load_mesh(const slv_env *env, const slv_ptx *ptx, slv_mesh **
     result = slv_mesh_create(env, &view, out);
     slvi_free(near);
     return result;
+}
+
+slv_result slv_ptx_load_mesh(const slv_env *env, const slv_ptx *ptx, slv_mesh **out) {
+    slv_env own = slvi_budget_begin(env);
+    return slvi_budget_end(&own, load_mesh(&own, ptx, out));
 }
 
 slv_result slv_ptx_find_mesh(const slv_env *env, const slv_ptx *ptx, slv_mesh **out,

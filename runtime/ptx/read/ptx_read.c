@@ -196,6 +196,7 @@ static slv_result read_all(slv_ptx *ptx) {
 static slv_result open_within(const slv_env *env, const char *name, const slv_stream_in *source,
                               const slv_ptx_open_params *params, slv_ptx **out) {
     slv_ptx *ptx = NULL;
+    *out = NULL;
     slv_result result = slvi_alloc(env, name, 1, sizeof *ptx, &ptx);
     if (result) {
         if (source->close)
@@ -229,15 +230,8 @@ static slv_result open_within(const slv_env *env, const char *name, const slv_st
 
 static slv_result open_params(const slv_env *env, const char *name, const slv_stream_in *source,
                               const slv_ptx_open_params *params, slv_ptx **out) {
-    slv_env own;
-    *out = NULL;
-    slv_result result = slvi_budget_begin(env, &own);
-    if (!result)
-        result = open_within(&own, name, source, params, out);
-    else if (source->close)
-        source->close(source->user);
-    slvi_budget_end(&own); /* the file itself holds it from now on */
-    return result;
+    slv_env own = slvi_budget_begin(env); /* which the file holds from then on */
+    return slvi_budget_end(&own, open_within(&own, name, source, params, out));
 }
 
 slv_result slv_ptx_open_source(const slv_env *env, const char *name, const slv_stream_in *source,

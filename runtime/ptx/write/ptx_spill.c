@@ -16,6 +16,9 @@ slv_result slvi_ptx_spill_begin(ptx_spill *spill, const slv_env *env, const char
     spill->descriptor = -1;
     pthread_mutex_init(&spill->lock, NULL);
     spill->budget = (budget + CHUNK - 1) / CHUNK * CHUNK;
+    uint64_t most = slvi_env_or_default(env).max_bytes / 2 / CHUNK * CHUNK;
+    if (spill->budget > most)
+        spill->budget = most; /* the rest is for what cannot go into a file */
     return slvi_alloc(env, path, spill->budget / CHUNK, sizeof *spill->chunks, &spill->chunks);
 }
 

@@ -91,8 +91,8 @@ static slv_result name_target(slv_ptx_writer *writer, const slv_env *env, const 
     return result ? result : copy_string(env, path, writer->path, &writer->spill_path);
 }
 
-slv_result slvi_ptx_writer_begin(const slv_env *env, const char *path,
-                                 const slv_ptx_writer_params *params, slv_ptx_writer **out) {
+static slv_result begin(const slv_env *env, const char *path, const slv_ptx_writer_params *params,
+                        slv_ptx_writer **out) {
     slv_ptx_writer *writer = NULL;
     uint32_t nfaces = params->nfaces;
     *out = NULL;
@@ -134,6 +134,12 @@ slv_result slvi_ptx_writer_begin(const slv_env *env, const char *path,
 done:
     slv_ptx_writer_destroy(writer);
     return result;
+}
+
+slv_result slvi_ptx_writer_begin(const slv_env *env, const char *path,
+                                 const slv_ptx_writer_params *params, slv_ptx_writer **out) {
+    slv_env own = slvi_budget_begin(env); /* which the writer holds from then on */
+    return slvi_budget_end(&own, begin(&own, path, params, out));
 }
 
 slv_result slv_ptx_writer_create(const slv_env *env, const char *path,
