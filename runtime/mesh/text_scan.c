@@ -134,14 +134,6 @@ static double scale_by_ten(uint64_t digits, int64_t exponent) {
     return exponent < 0 ? value / tens[-exponent] : value * tens[exponent];
 }
 
-bool slvi_scan_float(slv_scan *scan, float *out) {
-    double value;
-    if (!slvi_scan_double(scan, &value))
-        return false;
-    *out = (float)value;
-    return true;
-}
-
 bool slvi_scan_double(slv_scan *scan, double *out) {
     bool negative = take_sign(scan);
     decimal d = {0, 0, false};

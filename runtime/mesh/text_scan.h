@@ -23,8 +23,7 @@ size_t slvi_scan_word(slv_scan *scan, const char **word);
  * where there is no such number or it does not fit its type. What follows the number is the
  * caller's affair. */
 bool slvi_scan_int(slv_scan *scan, int64_t *out);
-bool slvi_scan_float(slv_scan *scan, float *out);
-/* The same number before it is rounded to float, in whose range it is. */
+/* In the range of float. */
 bool slvi_scan_double(slv_scan *scan, double *out);
 
 /* True at the end of a word: blank, line end, joined line end or end of text. */

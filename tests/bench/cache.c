@@ -234,7 +234,7 @@ static void measure(const struct options *o, const char *const *paths, uint32_t 
         scene.random = random;
     }
     for (uint32_t face = 0; !full && face < side * side * files; face++) {
-        slv_cache_prefetch(cache, ids[face % files], face / files);
+        bench_stop(slv_cache_prefetch(cache, ids[face % files], face / files));
         if (face % 1024 == 1023)
             slv_cache_wait(cache);
     }

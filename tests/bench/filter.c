@@ -268,7 +268,7 @@ int main(int argc, char **argv) {
     bench_stop(slv_cache_create(&env, NULL, &cache));
     bench_stop(slv_cache_open(cache, path, &file));
     for (uint32_t face = 0; face < o.faces; face++) {
-        slv_cache_prefetch(cache, file, face);
+        bench_stop(slv_cache_prefetch(cache, file, face));
         if (face % 2048 == 2047)
             slv_cache_wait(cache);
     }

@@ -1,17 +1,16 @@
 /* A call of each public function of libselvage and libselvage-bake that can fail, with all objects
- * that it needs made and destroyed within it: for tests of what every call must do with memory. */
+ * that it needs made and destroyed within it: for tests of what every call must do with memory.
+ * tests/headers/sweep.sh compares these files with the public headers. */
 #ifndef CALLS_KIT_H
 #define CALLS_KIT_H
 
-#include "kit/test.h"
+#include "kit/calls_data.h"
+#include "kit/calls_sources.h"
 
-#include <selvage/bake.h>
 #include <selvage/edge_aligned.h>
-#include <selvage/exchange.h>
 #include <selvage/file.h>
 #include <selvage/filter.h>
 #include <selvage/htex.h>
-#include <selvage/image.h>
 #include <selvage/ptx_check.h>
 #include <selvage/ptx_diff.h>
 #include <selvage/ptx_resize.h>
@@ -20,90 +19,21 @@
 #include <selvage/threads.h>
 #include <selvage/transfer.h>
 
-#include <unistd.h>
-
-/* What calls work on. */
-static struct {
-    char folder[64], ptx[96], merged[96], png[96], exr[96], obj[96], out[96];
-    slv_mesh *mesh;
-    slv_adjacency *adjacency;
-    slv_surface *surface;
-    slv_texture *texture;
-    slv_levels *levels;
-    slv_image image;
-} calls;
-
-enum { CALLS_FACES = 7 };
-/* Two quads and a triangle, tags and all. */
-static const char calls_obj[] =
-    "v 0 0 0\nv 1 0 0\nv 2 0 0\nv 0 1 0\nv 1 1 0\nv 2 1 1\nv 3 1 0\nvt 0 0\nvn 0 0 1\ng one\nf "
-    "1/1/1 2/1/1 5/1/1 4/1/1\n"
-    "f 2 3 6 5\ng two\nf 3 7 6\nt crease 2/1/0 0 1 2.0\nt corner 1/1/0 3 4.0\nusemtl x\n";
-static const char calls_ply[] =
-    "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\nproperty float "
-    "z\nelement face 1\n"
-    "property list uchar int vertex_indices\nend_header\n0 0 0\n1 0 0\n1 1 0\n0 1 0\n4 0 1 2 3\n";
-static const slv_procedural calls_noise = {.pattern = SLV_PATTERN_NOISE, .frequency = 3};
-
-static inline void calls_begin(void) {
-    static const slv_res res[5] = {{4, 4}, {3, 4}, {2, 2}, {3, 3}, {2, 2}};
-    slv_env env = test_env();
-    slv_texture_desc desc = {.type = SLV_TYPE_U8, .nchannels = 4, .alpha_channel = 3, .res = res};
-    const int32_t count[3] = {1, -2, 3};
-    const slv_ptx_meta meta[] = {
-        {.key = "numbers", .type = SLV_META_INT32, .count = 3, .values = count},
-        {.key = "words", .type = SLV_META_STRING, .count = 5, .values = "words"}};
-    snprintf(calls.folder, sizeof calls.folder, "/tmp/selvage_calls_XXXXXX");
-    REQUIRE(mkdtemp(calls.folder));
-    snprintf(calls.ptx, sizeof calls.ptx, "%s/in.ptx", calls.folder);
-    snprintf(calls.png, sizeof calls.png, "%s/in.png", calls.folder);
-    snprintf(calls.exr, sizeof calls.exr, "%s/in.exr", calls.folder);
-    snprintf(calls.obj, sizeof calls.obj, "%s/in.obj", calls.folder);
-    REQUIRE(!slv_mesh_parse_obj(&env, "mesh", calls_obj, sizeof calls_obj - 1, &calls.mesh));
-    desc.nfaces = slv_mesh_face_count(calls.mesh);
-    REQUIRE(desc.nfaces == 5);
-    REQUIRE(!slv_mesh_save_obj(&env, calls.mesh, calls.obj));
-    REQUIRE(!slv_mesh_adjacency(&env, calls.mesh, &calls.adjacency));
-    REQUIRE(!slv_surface_create(&env, calls.mesh, NULL, &calls.surface));
-    REQUIRE(!slv_texture_create(&env, &desc, &calls.texture));
-    REQUIRE(!slv_bake_procedural(&env, calls.surface, &calls_noise, NULL, calls.texture));
-    REQUIRE(!slv_levels_create(&env, calls.texture, &calls.levels));
-    REQUIRE(!slv_ptx_save(&env, calls.ptx, calls.texture, calls.adjacency,
-                          &(slv_ptx_write_params){.mesh = calls.mesh, .nmeta = 2, .meta = meta}));
-    snprintf(calls.merged, sizeof calls.merged, "%s/two.ptx", calls.folder);
-    REQUIRE(!slv_merge(&env, (const char *const[]){calls.ptx, calls.ptx}, 2, NULL, calls.merged,
-                       NULL, NULL, NULL));
-    REQUIRE(!slv_image_create(&env, 19, 21, 4, &calls.image));
-    REQUIRE(!slv_image_save(&env, calls.png, &calls.image, NULL));
-    REQUIRE(!slv_image_save(&env, calls.exr, &calls.image, NULL));
-}
-
-static inline void calls_end(void) {
-    char line[128];
-    slv_image_free(&calls.image);
-    slv_levels_destroy(calls.levels);
-    slv_texture_destroy(calls.texture);
-    slv_surface_destroy(calls.surface);
-    slv_adjacency_destroy(calls.adjacency);
-    slv_mesh_destroy(calls.mesh);
-    snprintf(line, sizeof line, "rm -rf %s", calls.folder);
-    REQUIRE(system(line) == 0);
-}
-
-static const char *calls_path(const char *name) {
-    snprintf(calls.out, sizeof calls.out, "%s/%s", calls.folder, name);
-    return calls.out;
-}
-
 /* ---- meshes and surfaces ---- */
 
 static slv_result call_parse_obj(const slv_env *env) {
     slv_mesh *mesh = NULL;
     slv_mesh_stats stats;
     slv_adjacency *adjacency = NULL;
+    slv_face_match matches[CALLS_FACES];
+    float *corners = NULL;
     slv_result result = slv_mesh_parse_obj(env, "mesh", calls_obj, sizeof calls_obj - 1, &mesh);
-    if (!result && !(result = slv_mesh_get_stats(env, mesh, &stats)))
+    uint32_t n = result ? 0 : slv_mesh_face_count(mesh);
+    if (!result && !(result = slv_mesh_get_stats(env, mesh, &stats)) &&
+        !(result = slv_mesh_corners(env, mesh, NULL, &corners)) &&
+        !(result = slv_mesh_match_corners(env, n, corners, n, corners, 0.1f, matches)))
         result = slv_mesh_adjacency(env, mesh, &adjacency);
+    slv_free(corners);
     slv_adjacency_destroy(adjacency);
     slv_mesh_destroy(mesh);
     return result;
@@ -184,8 +114,11 @@ static slv_result call_edge_aligned(const slv_env *env) {
     slv_edge_aligned *aligned = NULL;
     slv_edge_aligned_error error;
     slv_texture *back = NULL;
+    static float samples[17 * 17 * 4];
     slv_result result = slv_edge_aligned_create(env, calls.levels, calls.adjacency, &aligned);
     if (!result &&
+        !(result = slv_edge_aligned_build(calls.levels, calls.adjacency, 0, 0, samples)) &&
+        !(result = slv_edge_aligned_centred(aligned, 0, 0, samples)) &&
         !(result = slv_edge_aligned_measure(env, aligned, calls.levels, calls.adjacency, &error)))
         result = slv_edge_aligned_to_texture(env, aligned, &back);
     slv_texture_destroy(back);
@@ -401,6 +334,8 @@ static slv_result call_sample(const slv_env *env) {
     slv_file_id file = 0;
     slv_ptx_info info;
     float out[8];
+    static uint64_t workspace[64];
+    CHECK(slv_sample_workspace(2) <= sizeof workspace);
     slv_result result = slv_cache_create(env, NULL, &cache);
     if (!result && !(result = slv_cache_open(cache, calls.ptx, &file)))
         result = slv_cache_get_info(cache, file, &info);
@@ -411,8 +346,9 @@ static slv_result call_sample(const slv_env *env) {
             {.file = file, .face = 2, .u = 0.5f, .v = 0.98f, .uw1 = 0.3f, .vw2 = 0.4f}};
         slv_sampler *sampler = NULL;
         result = slv_sampler_create(cache, &params, &sampler);
-        if (!result && !(result = slv_sample(sampler, &lookups[0], out)))
-            result = slv_sample(sampler, &lookups[1], out);
+        if (!result && !(result = slv_sample(sampler, &lookups[0], out)) &&
+            !(result = slv_sample_batch(sampler, lookups, 2, out, 4, NULL)))
+            result = slv_sample_sorted(sampler, lookups, 2, out, 4, NULL, workspace);
         slv_sampler_destroy(sampler);
         if (!result)
             result = slv_cache_invalidate(cache, file);
@@ -462,6 +398,8 @@ static slv_result call_text(const slv_env *env) {
         result = slv_output_end(output, SLV_OK);
         CHECK(result || written == size);
     }
+    if (!result && !(result = slv_output_open_stream(env, path, &output)))
+        result = slv_output_end(output, SLV_OK);
     slv_free(text);
     return result;
 }
@@ -479,6 +417,33 @@ static slv_result call_transfer(const slv_env *env) {
         slv_transfer(env, calls.mesh, calls.texture, calls.mesh,
                      &(slv_transfer_params){.no_copies = true}, faces, NULL, &moved);
     slv_texture_destroy(moved);
+    return result;
+}
+
+/* From a file behind a cache, into a sink that keeps nothing. */
+static slv_result take_desc(void *user, const slv_texture_desc *desc) {
+    (void)user, (void)desc;
+    return SLV_OK;
+}
+
+static slv_result take_face(void *user, const slv_env *env, uint32_t face, bool constant,
+                            const void *texels) {
+    (void)user, (void)env, (void)face, (void)constant, (void)texels;
+    return SLV_OK;
+}
+
+static slv_result call_transfer_from(const slv_env *env) {
+    static const slv_transfer_sink sink = {take_desc, take_face, NULL};
+    slv_transfer_face faces[CALLS_FACES];
+    slv_cache *cache = NULL;
+    slv_source source = {0};
+    slv_file_id file;
+    slv_result result = slv_cache_create(env, NULL, &cache);
+    if (!result && !(result = slv_cache_open(cache, calls.ptx, &file)) &&
+        !(result = slv_cache_as_source(cache, file, &source)))
+        result = slv_transfer_from(env, calls.mesh, &source, calls.mesh, NULL, &sink, faces, NULL);
+    slv_source_close(&source);
+    slv_cache_destroy(cache);
     return result;
 }
 
@@ -547,7 +512,17 @@ static const calls_entry calls_all[] = {
     {"bake", call_bake},
     {"transfer", call_transfer},
     {"reference", call_reference},
+    {"transfer_from", call_transfer_from},
     {"threads", call_threads},
+    {"store_source", call_store_source},
+    {"decoded", call_decoded},
+    {"ptx_source", call_ptx_source},
+    {"cached_store", call_cached_store},
+    {"cached_ptx", call_cached_ptx},
+    {"ptx_some", call_ptx_some},
+    {"store_rects", call_store_rects},
+    {"streams", call_streams},
+    {"folders", call_folders},
 };
 enum { CALLS_COUNT = sizeof calls_all / sizeof *calls_all };
 

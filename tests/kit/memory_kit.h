@@ -5,28 +5,42 @@
 #include "kit/test.h"
 
 #include <stdatomic.h>
+#include <stddef.h>
 
 typedef struct memory_count {
     atomic_long live, asked;
     long fails; /* at this one, counted from 1; 0: never */
     atomic_uint errors;
     char message[1024];
+    atomic_ullong bytes, peak; /* the latter with one thread */
 } memory_count;
+
+/* In front of each piece: how large it is. */
+#define MEMORY_IN_FRONT sizeof(max_align_t)
 
 static void *memory_allocate(void *user, size_t bytes) {
     memory_count *count = user;
     if (atomic_fetch_add(&count->asked, 1) + 1 == count->fails)
         return NULL;
-    void *memory = malloc(bytes);
-    if (memory)
-        atomic_fetch_add(&count->live, 1);
-    return memory;
+    unsigned char *memory = malloc(MEMORY_IN_FRONT + bytes);
+    if (!memory)
+        return NULL;
+    memcpy(memory, &bytes, sizeof bytes);
+    atomic_fetch_add(&count->live, 1);
+    unsigned long long now = atomic_fetch_add(&count->bytes, bytes) + bytes;
+    if (now > count->peak)
+        count->peak = now;
+    return memory + MEMORY_IN_FRONT;
 }
 
 static void memory_release(void *user, void *memory) {
     memory_count *count = user;
+    unsigned char *start = (unsigned char *)memory - MEMORY_IN_FRONT;
+    size_t bytes;
+    memcpy(&bytes, start, sizeof bytes);
     atomic_fetch_sub(&count->live, 1);
-    free(memory);
+    atomic_fetch_sub(&count->bytes, bytes);
+    free(start);
 }
 
 static void memory_log(void *user, slv_log_level level, const char *message) {
@@ -73,6 +87,31 @@ static inline long memory_sweep(const char *name, slv_result (*call)(const slv_e
                   name, at, most, (long)failing.live);
     }
     return most;
+}
+
+/* With as much as it takes at its most a call succeeds; with less it is refused, and holds no more
+ * than allowed but for what the library puts in front of each piece. */
+static inline void memory_within(const char *name, slv_result (*call)(const slv_env *env)) {
+    enum { IN_FRONT = 64 };
+    memory_count free_of_it = {.fails = 0};
+    slv_env env = memory_env(&free_of_it);
+    CHECK_MSG(!call(&env), "%s: %s", name, free_of_it.message);
+    uint64_t most = free_of_it.peak;
+    for (unsigned tenths = 10; tenths > 0; tenths = tenths == 10 ? 9
+                                                    : tenths < 2 ? 0
+                                                                 : tenths - 2) {
+        memory_count count = {.fails = 0};
+        env = memory_env(&count);
+        env.max_bytes = most * tenths / 10;
+        slv_result result = call(&env);
+        bool good = tenths == 10 ? !result : result == SLV_ERROR_LIMIT && count.errors == 1;
+        CHECK_MSG(good && !count.live, "%s within %u tenths of %llu bytes: %s, %u lines, %s", name,
+                  tenths, (unsigned long long)most, slv_result_string(result),
+                  (unsigned)count.errors, count.message);
+        CHECK_MSG(count.peak <= env.max_bytes + IN_FRONT * (uint64_t)count.asked,
+                  "%s within %llu bytes: %llu at its most", name, (unsigned long long)env.max_bytes,
+                  (unsigned long long)count.peak);
+    }
 }
 
 #endif

@@ -1,11 +1,10 @@
 /* EGL and OSMesa draw the same picture, and a host's own context serves as well. */
 #include "kit/border_kit.h"
+#include "kit/host_kit.h"
 #include "kit/strategy_kit.h"
 
 #include <selvage/bake.h>
 #include <selvage/gl_renderer.h>
-
-#include <dlfcn.h>
 
 static slv_image draw(slv_gl *gl, const kit *k, const slv_strategy *strategy, uint32_t msaa) {
     slv_env env = test_env();
@@ -32,13 +31,6 @@ static slv_image draw(slv_gl *gl, const kit *k, const slv_strategy *strategy, ui
     slv_gl_texture_destroy(texture);
     slv_surface_destroy(surface);
     return image;
-}
-
-static slv_gl_proc host_proc(void *user, const char *name) {
-    slv_gl_proc (*get_proc)(const char *) = NULL;
-    void *symbol = dlsym(user, "eglGetProcAddress");
-    memcpy(&get_proc, &symbol, sizeof symbol);
-    return get_proc ? get_proc(name) : NULL;
 }
 
 /* What a host may have left behind; none of it may show. */

@@ -2,9 +2,11 @@
  * one line in the log. What the driver allocates does not come through the hooks, and Mesa does not
  * survive without it, so that it is left alone. */
 #include "kit/border_kit.h"
+#include "kit/host_kit.h"
 #include "kit/memory_kit.h"
 
 #include <selvage/gl_renderer.h>
+
 
 static slv_gl *gl;
 static kit grid;
@@ -19,10 +21,26 @@ static slv_result call_context(const slv_env *env) {
     return result;
 }
 
+/* Another's context, which is made outside of the call's memory. */
+static slv_result call_wrap(const slv_env *env) {
+    slv_env plain = test_env();
+    slv_gl *host = NULL, *own = NULL;
+    void *library = dlopen("libEGL.so.1", RTLD_NOW);
+    REQUIRE(library && slv_gl_create(&plain, SLV_GL_EGL, &host) == SLV_OK);
+    slv_result result = slv_gl_wrap(env, host_proc, library, &own);
+    slv_gl_destroy(own);
+    slv_gl_destroy(host);
+    dlclose(library);
+    return result;
+}
+
 static slv_result create(const slv_env *env, const slv_gl_texture_params *params) {
     slv_gl_texture *texture = NULL;
     slv_result result =
         slv_gl_texture_create(gl, env, grid.texture, grid.adjacency, params, &texture);
+    const char *text;
+    if (!result)
+        result = slv_gl_texture_glsl(texture, slv_strategy_find("traverse"), 0, &text);
     slv_gl_texture_destroy(texture);
     return result;
 }
@@ -74,7 +92,7 @@ int main(void) {
         slv_result (*call)(const slv_env *env);
     } entries[] = {{"texture", call_texture}, {"blocks", call_blocks}, {"lookup", call_lookup},
                    {"seam", call_seam},       {"draw", call_draw},     {"renderer", call_renderer},
-                   {"context", call_context}};
+                   {"context", call_context}, {"wrap", call_wrap}};
     slv_env env = test_env();
     uint64_t random = 1;
     REQUIRE(slv_gl_create(&env, SLV_GL_AUTO, &gl) == SLV_OK);
@@ -96,6 +114,9 @@ int main(void) {
         failed = memory_sweep(entries[i].name, entries[i].call, NULL);
         fprintf(stderr, "%-12s %ld allocations\n", entries[i].name, failed);
     }
+    REQUIRE(slv_gl_create(&env, SLV_GL_AUTO, &gl) == SLV_OK);
+    memory_within("a texture on the GPU", call_texture);
+    slv_gl_destroy(gl);
     slv_surface_destroy(surface);
     kit_free(&grid);
     return test_end();

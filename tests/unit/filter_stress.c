@@ -117,9 +117,9 @@ static void look(struct worker *w, slv_sampler **samplers, void *workspace) {
         for (size_t i = 0; i < n; i++)
             results[i] = slv_sample(samplers[p], &group[i], out[i]);
     else if (mode == 1)
-        slv_sample_batch(samplers[p], group, n, out[0], ROOM, results);
+        test_ignore(slv_sample_batch(samplers[p], group, n, out[0], ROOM, results));
     else
-        slv_sample_sorted(samplers[p], group, n, out[0], ROOM, results, workspace);
+        test_ignore(slv_sample_sorted(samplers[p], group, n, out[0], ROOM, results, workspace));
     for (size_t i = 0; i < n; i++) {
         static const float zeros[ROOM];
         bool closed = results[i] == SLV_ERROR_ARGUMENT;
@@ -160,7 +160,8 @@ static void *work(void *user) {
         slv_file_id id = (slv_file_id)(held >> 8);
         uint32_t dice = test_random(&w->random) % 256;
         if (dice < 16) {
-            slv_cache_prefetch(s->cache, id, test_random(&w->random) % nfaces[held & 255]);
+            test_ignore(
+                slv_cache_prefetch(s->cache, id, test_random(&w->random) % nfaces[held & 255]));
         } else if (dice < 20) {
             test_ignore(slv_cache_invalidate(s->cache, id));
         } else if (dice == 20) {
@@ -238,7 +239,7 @@ static void *sample_share(void *user) {
     slv_sampler *sampler;
     if (slv_sampler_create(share->cache, &all_params[2], &sampler))
         return NULL;
-    slv_sample_batch(sampler, share->lookups, share->count, share->out[0], ROOM, NULL);
+    CHECK(!slv_sample_batch(sampler, share->lookups, share->count, share->out[0], ROOM, NULL));
     slv_sampler_destroy(sampler);
     return NULL;
 }

@@ -61,7 +61,8 @@ static slv_result run(const calls_entry *entry, long at) {
 /* A folder that cannot be moved to its place as a whole is moved file by file; Embree reads how
  * many processors there are. */
 static bool gets_by(const calls_entry *entry) {
-    return entry->call == call_folder || entry->call == call_split || entry->call == call_reference;
+    return entry->call == call_folder || entry->call == call_folders || entry->call == call_split ||
+           entry->call == call_reference;
 }
 
 /* No temporary file is left, and each .ptx is a whole one. */

@@ -1,5 +1,6 @@
 /* max_bytes holds for all that an object holds together: many small things are no way around it.
  * What is replaced or given back does not count. */
+#include "kit/memory_kit.h"
 #include "kit/ptx_kit.h"
 
 #include <selvage/adjacency.h>
@@ -10,8 +11,6 @@
 #include <selvage/ptx_writer.h>
 #include <selvage/texture.h>
 #include <selvage/transfer.h>
-
-#include <stddef.h>
 
 enum { MIB = 1 << 20, BOMBS = 12 };
 
@@ -158,28 +157,7 @@ static void textures(void) {
     slv_texture_destroy(texture);
 }
 
-/* ---- what is held at its most, counted by the hooks ---- */
-
-static uint64_t live, peak, pieces;
-
-static void *counted_allocate(void *user, size_t bytes) {
-    max_align_t *memory = malloc(sizeof *memory + bytes);
-    (void)user;
-    REQUIRE(memory);
-    memcpy(memory, &bytes, sizeof bytes);
-    live += bytes;
-    pieces++;
-    peak = live > peak ? live : peak;
-    return memory + 1;
-}
-
-static void counted_release(void *user, void *memory) {
-    size_t bytes;
-    (void)user;
-    memcpy(&bytes, (max_align_t *)memory - 1, sizeof bytes);
-    live -= bytes;
-    free((max_align_t *)memory - 1);
-}
+/* ---- objects of which each piece is small ---- */
 
 static const char *in_gz, *in_png, *in_exr, *in_ptx;
 static slv_mesh *grid;
@@ -257,32 +235,6 @@ static slv_result import_call(const slv_env *env) {
     return convert_call(env, "limits_sheet.json", "limits_back.ptx", slv_exchange_to_ptx);
 }
 
-/* With as much as it takes it succeeds; with less it is refused, and never holds more than allowed
- * but for what stands in front of each piece. */
-static void within(const char *name, slv_result (*call)(const slv_env *env)) {
-    enum { IN_FRONT = 64 };
-    slv_env env = small_env(0);
-    env.allocate = counted_allocate;
-    env.release = counted_release;
-    live = peak = pieces = 0;
-    CHECK_MSG(!call(&env) && !live, "%s: %s", name, test_last_log);
-    uint64_t most = peak;
-    env.max_bytes = most;
-    CHECK_MSG(!call(&env), "%s within %llu bytes: %s", name, (unsigned long long)most,
-              test_last_log);
-    for (int part = 9; part > 0; part -= 2) {
-        env.max_bytes = most * (unsigned)part / 10;
-        live = peak = pieces = errors = 0;
-        slv_result result = call(&env);
-        CHECK_MSG(result == SLV_ERROR_LIMIT && errors == 1 && !live,
-                  "%s within %d tenths of %llu bytes: %s, %u lines, %s", name, part,
-                  (unsigned long long)most, slv_result_string(result), errors, test_last_log);
-        CHECK_MSG(peak <= env.max_bytes + IN_FRONT * pieces,
-                  "%s within %llu bytes: %llu at its most", name, (unsigned long long)env.max_bytes,
-                  (unsigned long long)peak);
-    }
-}
-
 static void objects(void) {
     static char paths[4][256];
     const char *const names[4] = {"limits.obj.gz", "limits.png", "limits.exr", "limits.ptx"};
@@ -316,15 +268,15 @@ static void objects(void) {
     }
     finish(writer);
 
-    within("a text that is packed", text_call);
-    within("a mesh from a file", mesh_call);
-    within("a PNG image", png_call);
-    within("an OpenEXR image", exr_call);
-    within("the adjacency of a mesh", adjacency_call);
-    within("a transfer", transfer_call);
-    within("a sheet", sheet_call);
+    memory_within("a text that is packed", text_call);
+    memory_within("a mesh from a file", mesh_call);
+    memory_within("a PNG image", png_call);
+    memory_within("an OpenEXR image", exr_call);
+    memory_within("the adjacency of a mesh", adjacency_call);
+    memory_within("a transfer", transfer_call);
+    memory_within("a sheet", sheet_call);
     REQUIRE(!sheet_call(&env));
-    within("an import", import_call);
+    memory_within("an import", import_call);
     slv_mesh_destroy(grid);
     snprintf(line, sizeof line, "rm -f '%s'*", scratch_path("limits"));
     CHECK(system(line) == 0);

@@ -15,7 +15,7 @@ static void use(const uint8_t *bytes, size_t size) {
     slv_stream_in source = {memory_read, memory_close, &file, size};
     slv_ptx *ptx = NULL;
     error_lines = 0;
-    slv_result result = slv_ptx_open_source(&env, "spoilt", &source, &ptx);
+    slv_result result = slv_ptx_open_stream(&env, "spoilt", &source, &ptx);
     CHECK(error_lines == (result ? 1 : 0));
     if (result) {
         CHECK(!ptx && file.closed == 1);

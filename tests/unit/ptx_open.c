@@ -16,7 +16,7 @@ static slv_result open_bytes(const uint8_t *bytes, size_t size) {
     slv_ptx *ptx = NULL;
     slv_texture *texture = NULL;
     error_lines = 0;
-    slv_result result = slv_ptx_open_source(&env, "bytes.ptx", &source, &ptx);
+    slv_result result = slv_ptx_open_stream(&env, "bytes.ptx", &source, &ptx);
     if (!result)
         result = slv_ptx_load_texture(&env, ptx, &texture);
     slv_texture_destroy(texture);
@@ -128,7 +128,7 @@ static void edits_without_metadata(void) {
         slv_stream_in source = {memory_read, NULL, &memory, total};
         slv_ptx *ptx = NULL;
         slv_ptx_face face;
-        REQUIRE(slv_ptx_open_source(&env, "edited", &source, &ptx) == SLV_OK);
+        REQUIRE(slv_ptx_open_stream(&env, "edited", &source, &ptx) == SLV_OK);
         CHECK(slv_ptx_get_info(ptx)->has_edits);
         REQUIRE(slv_ptx_get_face(ptx, 0, &face) == SLV_OK);
         CHECK(face.res.u == 2 && face.res.v == 1);

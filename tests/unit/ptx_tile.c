@@ -352,7 +352,7 @@ static void little_memory(slv_ptx_mesh_type mesh_type) {
     slv_stream_in source = {counted_read, NULL, &counted, size};
     slv_ptx *ptx = NULL;
     slv_ptx_reader *reader = NULL;
-    REQUIRE(slv_ptx_open_source(&env, path, &source, &ptx) == SLV_OK);
+    REQUIRE(slv_ptx_open_stream(&env, path, &source, &ptx) == SLV_OK);
     REQUIRE(slv_ptx_load_tables(ptx) == SLV_OK);
     size_t heap = heap_bytes();
     env.max_bytes = 200 << 10; /* for each allocation of the reader */

@@ -141,7 +141,7 @@ static void check_ptx(const char *what, slv_result (*write)(const slv_env *env, 
     CHECK(access("stream.ptx", F_OK) != 0);
     spring from = {streamed.bytes, streamed.size, 0, false};
     slv_stream_in input = {spring_read, spring_close, &from, streamed.size};
-    REQUIRE(!slv_ptx_open_source(&env, "stream", &input, &ptx));
+    REQUIRE(!slv_ptx_open_stream(&env, "stream", &input, &ptx));
     CHECK(!slv_ptx_load_tables(ptx));
     slv_ptx_close(ptx);
     CHECK(from.closed == 1);

@@ -80,6 +80,8 @@ static void print_log(void *user, slv_log_level level, const char *message) {
     fprintf(stderr, "selvage: %s%s\n", level == SLV_LOG_WARNING ? "warning: " : "", message);
 }
 
+/* Of the process, as its signals are: a verb runs once, so that there is one, which the first call
+ * makes. It has the threads that this asked for; others may ask for fewer. */
 static slv_threads *pool;
 
 slv_env cli_env(uint32_t threads) {

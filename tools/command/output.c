@@ -74,7 +74,9 @@ slv_result output_try_folder(const slv_env *env, const char *path) {
     hold_signals(&before);
     slv_result result = slv_folder_begin(env, path, &folder);
     if (!result)
-        slv_folder_end(folder, NULL, SLV_ERROR_CANCELLED);
+        result = slv_folder_end(folder, NULL, SLV_ERROR_CANCELLED) == SLV_ERROR_CANCELLED
+                     ? SLV_OK
+                     : SLV_ERROR_IO;
     pthread_sigmask(SIG_SETMASK, &before, NULL);
     return result;
 }

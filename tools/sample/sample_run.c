@@ -128,7 +128,9 @@ static void look_up(worker *w, size_t count) {
         slv_sampler *sampler = find_sampler(w, params);
         if (!sampler)
             return;
-        slv_sample_batch(sampler, w->lookups, end - first, w->rows, j->stride, w->results);
+        slv_result failed =
+            slv_sample_batch(sampler, w->lookups, end - first, w->rows, j->stride, w->results);
+        (void)failed; /* each has a result of its own */
         for (size_t i = first; i < end; i++) {
             size_t at = (size_t)(w->order[i] - j->queries);
             j->results[at] = w->results[i - first];

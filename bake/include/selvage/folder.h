@@ -23,7 +23,8 @@ SLV_API const char *slv_folder_path(const slv_folder *folder);
 /* With `result` SLV_OK moves all into their place, the one named `last` (may be NULL) after all
  * others; with any other removes them. Releases the folder, which may be NULL, and returns `result`
  * or what went wrong. */
-SLV_API slv_result slv_folder_end(slv_folder *folder, const char *last, slv_result result);
+SLV_NODISCARD SLV_API slv_result slv_folder_end(slv_folder *folder, const char *last,
+                                                slv_result result);
 
 #ifdef __cplusplus
 }

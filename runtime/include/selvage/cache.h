@@ -89,7 +89,8 @@ SLV_NODISCARD SLV_API slv_result slv_cache_get_info(slv_cache *cache, slv_file_i
 
 /* Asks for the texels of a face at full resolution, in the background; returns at once. Requests
  * beyond 4096 waiting ones are dropped in silence. */
-SLV_API slv_result slv_cache_prefetch(slv_cache *cache, slv_file_id file, uint32_t face);
+SLV_NODISCARD SLV_API slv_result slv_cache_prefetch(slv_cache *cache, slv_file_id file,
+                                                    uint32_t face);
 /* Waits until all that was asked for before is there. */
 SLV_API void slv_cache_wait(slv_cache *cache);
 

@@ -33,7 +33,7 @@ SLV_NODISCARD SLV_API slv_result slv_output_open_stream(const slv_env *env, cons
 SLV_API FILE *slv_output_stream(slv_output *output);
 /* With `result` SLV_OK puts the file in its place if all of it was written; with any other removes
  * it. Releases the output, which may be NULL, and returns `result` or what went wrong. */
-SLV_API slv_result slv_output_end(slv_output *output, slv_result result);
+SLV_NODISCARD SLV_API slv_result slv_output_end(slv_output *output, slv_result result);
 /* Whether a file could be begun there: for those who write at the end of long work. */
 SLV_NODISCARD SLV_API slv_result slv_output_try(const slv_env *env, const char *path);
 

@@ -97,14 +97,15 @@ SLV_NODISCARD SLV_API slv_result slv_sample(slv_sampler *sampler, const slv_look
  * 0): SLV_ERROR_ARGUMENT for the lookups that have no room. What a row has beyond the file's
  * channels may be set to 0. Returns the error of the first lookup that failed; all others are done.
  * `results` (count, may be NULL) says how each one went. */
-SLV_API slv_result slv_sample_batch(slv_sampler *sampler, const slv_lookup *lookups, size_t count,
-                                    float *out, size_t stride, slv_result *results);
+SLV_NODISCARD SLV_API slv_result slv_sample_batch(slv_sampler *sampler, const slv_lookup *lookups,
+                                                  size_t count, float *out, size_t stride,
+                                                  slv_result *results);
 
 /* The same for lookups in no order: visits them by file and face. `workspace` has room for
  * slv_sample_workspace(count) bytes, aligned as what malloc gives. */
-SLV_API slv_result slv_sample_sorted(slv_sampler *sampler, const slv_lookup *lookups, size_t count,
-                                     float *out, size_t stride, slv_result *results,
-                                     void *workspace);
+SLV_NODISCARD SLV_API slv_result slv_sample_sorted(slv_sampler *sampler, const slv_lookup *lookups,
+                                                   size_t count, float *out, size_t stride,
+                                                   slv_result *results, void *workspace);
 SLV_API size_t slv_sample_workspace(size_t count);
 
 #ifdef __cplusplus

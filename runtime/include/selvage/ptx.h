@@ -81,7 +81,7 @@ typedef struct slv_ptx slv_ptx;
  * needs them: any function that takes a file and returns a result may then say that they are
  * damaged. Every size that the file claims is checked before anything is allocated. */
 SLV_NODISCARD SLV_API slv_result slv_ptx_open(const slv_env *env, const char *path, slv_ptx **out);
-SLV_NODISCARD SLV_API slv_result slv_ptx_open_source(const slv_env *env, const char *name,
+SLV_NODISCARD SLV_API slv_result slv_ptx_open_stream(const slv_env *env, const char *name,
                                                      const slv_stream_in *source, slv_ptx **out);
 SLV_NODISCARD SLV_API slv_result slv_ptx_open_with(const slv_env *env, const char *path,
                                                    const slv_ptx_open_params *params,

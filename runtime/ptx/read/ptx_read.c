@@ -234,7 +234,7 @@ static slv_result open_params(const slv_env *env, const char *name, const slv_st
     return slvi_budget_end(&own, open_within(&own, name, source, params, out));
 }
 
-slv_result slv_ptx_open_source(const slv_env *env, const char *name, const slv_stream_in *source,
+slv_result slv_ptx_open_stream(const slv_env *env, const char *name, const slv_stream_in *source,
                                slv_ptx **out) {
     return open_params(env, name, source, NULL, out);
 }
