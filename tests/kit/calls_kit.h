@@ -5,6 +5,7 @@
 #define CALLS_KIT_H
 
 #include "kit/calls_data.h"
+#include "kit/calls_paint.h"
 #include "kit/calls_sources.h"
 
 #include <selvage/edge_aligned.h>
@@ -523,6 +524,10 @@ static const calls_entry calls_all[] = {
     {"store_rects", call_store_rects},
     {"streams", call_streams},
     {"folders", call_folders},
+    {"blank", call_blank},
+    {"dabs", call_dabs},
+    {"brush", call_brush},
+    {"stroke", call_stroke},
 };
 enum { CALLS_COUNT = sizeof calls_all / sizeof *calls_all };
 

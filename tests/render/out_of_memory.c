@@ -5,8 +5,8 @@
 #include "kit/host_kit.h"
 #include "kit/memory_kit.h"
 
+#include <selvage/gl_live.h>
 #include <selvage/gl_renderer.h>
-
 
 static slv_gl *gl;
 static kit grid;
@@ -53,6 +53,24 @@ static slv_result call_blocks(const slv_env *env) {
     return create(env, &(slv_gl_texture_params){.compression = SLV_GL_COMPRESSION_BLOCKS});
 }
 
+/* What follows changes of its texels. */
+static slv_result call_live(const slv_env *env) {
+    static uint8_t texels[16 * 3];
+    const slv_gl_texture_params params = {.live = true};
+    const slv_strategy *borders = slv_strategy_find("borders");
+    slv_gl_texture *texture = NULL;
+    uint64_t bytes;
+    slv_result result =
+        slv_gl_texture_create(gl, env, grid.texture, grid.adjacency, &params, &texture);
+    texels[0]++;
+    if (!result &&
+        !(result = slv_texture_set_rect(grid.texture, 0, (slv_rect){0, 0, 4, 4}, texels)) &&
+        !(result = slv_gl_texture_update(texture, env, NULL)))
+        result = slv_gl_texture_read(texture, env, borders, 0, 0, 0, NULL, &bytes);
+    slv_gl_texture_destroy(texture);
+    return result;
+}
+
 static slv_result call_lookup(const slv_env *env) {
     const int32_t faces[2] = {0, 3};
     const float uv[4] = {0.5f, 0.5f, 0.1f, 0.9f}, zero[4] = {0};
@@ -90,9 +108,9 @@ int main(void) {
     static const struct {
         const char *name;
         slv_result (*call)(const slv_env *env);
-    } entries[] = {{"texture", call_texture}, {"blocks", call_blocks}, {"lookup", call_lookup},
-                   {"seam", call_seam},       {"draw", call_draw},     {"renderer", call_renderer},
-                   {"context", call_context}, {"wrap", call_wrap}};
+    } entries[] = {{"texture", call_texture},   {"live", call_live},       {"blocks", call_blocks},
+                   {"lookup", call_lookup},     {"seam", call_seam},       {"draw", call_draw},
+                   {"renderer", call_renderer}, {"context", call_context}, {"wrap", call_wrap}};
     slv_env env = test_env();
     uint64_t random = 1;
     REQUIRE(slv_gl_create(&env, SLV_GL_AUTO, &gl) == SLV_OK);

@@ -61,8 +61,12 @@ static slv_result run(const calls_entry *entry, long at) {
 /* A folder that cannot be moved to its place as a whole is moved file by file; Embree reads how
  * many processors there are. */
 static bool gets_by(const calls_entry *entry) {
-    return entry->call == call_folder || entry->call == call_folders || entry->call == call_split ||
-           entry->call == call_reference;
+    slv_result (*const calls_that_do[])(const slv_env *) = {
+        call_folder, call_folders, call_split, call_reference, call_dabs, call_stroke};
+    for (size_t i = 0; i < sizeof calls_that_do / sizeof *calls_that_do; i++)
+        if (entry->call == calls_that_do[i])
+            return true;
+    return false;
 }
 
 /* No temporary file is left, and each .ptx is a whole one. */

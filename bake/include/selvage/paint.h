@@ -133,9 +133,11 @@ SLV_NODISCARD SLV_API slv_result slv_painter_cover_screen(slv_painter *painter, 
                                                           slv_patches *out);
 
 /* Where `to` lies as seen from `from`: the vector in the plane into which the surface around `from`
- * is unfolded, (1,0) being `axis` there (as in slv_dab). False if it is further than `limit`. */
-SLV_API bool slv_painter_locate(slv_painter *painter, slv_surface_point from, const float axis[3],
-                                slv_surface_point to, float limit, float out[2]);
+ * is unfolded, (1,0) being `axis` there (as in slv_dab). `*reached` is false if it is further than
+ * `limit`, or one of the two is no place. */
+SLV_NODISCARD SLV_API slv_result slv_painter_locate(slv_painter *painter, slv_surface_point from,
+                                                    const float axis[3], slv_surface_point to,
+                                                    float limit, float out[2], bool *reached);
 
 #ifdef __cplusplus
 }

@@ -40,25 +40,30 @@ static void begin_axis(const slv_paint_surface *surface, slv_surface_point at, f
     slv_paint_surface_at(surface, at, NULL, NULL, axis);
 }
 
-bool slvi_place_sample(slv_stroke *s, const slv_stroke_sample *sample, double *x, double *y) {
+slv_result slvi_place_sample(slv_stroke *s, const slv_stroke_sample *sample, double *x, double *y,
+                             bool *reached) {
     const slv_paint_surface *surface = slv_painter_get_surface(s->painter);
     if (s->params.in_picture) {
         *x = (double)sample->x * s->scale;
         *y = (double)sample->y * s->scale;
-        return true;
+        *reached = true;
+        return SLV_OK;
     }
     slvi_base base = {.at = sample->at},
               *last = &s->bases[(s->nbases + SLVI_BASES - 1) % SLVI_BASES];
     float a[3], b[3], vector[2];
-    bool reached = s->nbases > 0;
-    if (reached) {
+    *reached = s->nbases > 0;
+    if (*reached) {
         slv_paint_surface_at(surface, last->at, a, NULL, NULL);
         slv_paint_surface_at(surface, sample->at, b, NULL, NULL);
         /* a path that is much longer than the straight line is no stroke but a jump */
         float limit = 3 * (float)slvi_distance(a, b) + 1e-6f * s->params.radius;
-        reached = slv_painter_locate(s->painter, last->at, last->axis, sample->at, limit, vector);
+        slv_result result = slv_painter_locate(s->painter, last->at, last->axis, sample->at, limit,
+                                               vector, reached);
+        if (result)
+            return result;
     }
-    if (reached) {
+    if (*reached) {
         slv_surface_point end;
         base.x = last->x + (double)vector[0];
         base.y = last->y + (double)vector[1];
@@ -70,7 +75,7 @@ bool slvi_place_sample(slv_stroke *s, const slv_stroke_sample *sample, double *x
     s->bases[s->nbases++ % SLVI_BASES] = base;
     *x = base.x * s->scale;
     *y = base.y * s->scale;
-    return reached;
+    return SLV_OK;
 }
 
 static float texel_at(const slv_stroke *s, slv_surface_point at) {

@@ -287,15 +287,17 @@ static slv_result add(slv_stroke *s, const slv_stroke_sample *sample) {
         s->stats.missed++;
         return SLV_OK;
     }
-    bool reached = slvi_place_sample(s, sample, &at.x, &at.y);
+    bool reached;
+    slv_result result = slvi_place_sample(s, sample, &at.x, &at.y, &reached);
+    if (result)
+        return result;
     if (!(fabs(at.x) < FARTHEST && fabs(at.y) < FARTHEST))
         return slvi_fail(&s->env, SLV_ERROR_LIMIT,
                          "stroke: a sample %g radii away is too far for one stroke",
                          hypot(at.x, at.y) / s->radius);
     if (!reached || !s->begun) {
         slvi_path_end(&s->path);
-        slv_result result = begin_path(s, &at);
-        if (result)
+        if ((result = begin_path(s, &at)))
             return result;
     }
     slvi_path_add(&s->path, &at);

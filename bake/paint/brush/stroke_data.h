@@ -38,9 +38,10 @@ struct slv_stroke {
     uint64_t ndabs;
 };
 
-/* A sample's place in the plane. False if it cannot be reached from the one before: then it is the
- * first of a new plane. */
-bool slvi_place_sample(slv_stroke *s, const slv_stroke_sample *sample, double *x, double *y);
+/* A sample's place in the plane. `*reached` is false if it cannot be reached from the one before:
+ * then it is the first of a new plane. */
+slv_result slvi_place_sample(slv_stroke *s, const slv_stroke_sample *sample, double *x, double *y,
+                             bool *reached);
 /* How many units of the plane a unit of length, or a pixel, is: so that the brush has the size that
  * is asked for. `sample` is the first. False if the size cannot be known there. */
 bool slvi_place_scale(slv_stroke *s, const slv_stroke_sample *sample);

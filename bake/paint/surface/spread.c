@@ -206,22 +206,25 @@ slv_result slvi_painter_spread(slv_painter *p, slv_surface_point from, const flo
     return result;
 }
 
-bool slv_painter_locate(slv_painter *painter, slv_surface_point from, const float axis[3],
-                        slv_surface_point to, float limit, float out[2]) {
+slv_result slv_painter_locate(slv_painter *painter, slv_surface_point from, const float axis[3],
+                              slv_surface_point to, float limit, float out[2], bool *reached) {
     const slv_paint_surface *s = painter->surface;
     uint32_t tri, start;
     double x, y, w[3];
     float a[3], b[3];
+    *reached = false;
     if (!slvi_surface_place(s, to, &tri, &x, &y) || !slvi_surface_place(s, from, &start, w, w + 1))
-        return false;
+        return SLV_OK;
     slvi_tri_weights(tri, x, y, w);
     slv_paint_surface_at(s, from, a, NULL, NULL);
     slv_paint_surface_at(s, to, b, NULL, NULL);
     double straight = slvi_distance(a, b);
     for (double far = 1.02 * straight;; far *= 2) {
         const slvi_reach reach = {.least = fminf((float)far, limit)};
-        if (!(straight <= (double)limit) || slvi_painter_spread(painter, from, axis, &reach))
-            return false;
+        slv_result result = SLV_OK;
+        if (!(straight <= (double)limit) ||
+            (result = slvi_painter_spread(painter, from, axis, &reach)))
+            return result;
         double square = 0, px = 0, py = 0;
         if (painter->tri_round[tri] == painter->round) {
             for (unsigned k = 0; k < 3; k++) {
@@ -236,10 +239,11 @@ bool slv_painter_locate(slv_painter *painter, slv_surface_point from, const floa
             if (distance <= (double)reach.least * 1.0001 + 1e-30) {
                 out[0] = (float)(r > 0 ? px * distance / r : 0);
                 out[1] = (float)(r > 0 ? py * distance / r : 0);
-                return true;
+                *reached = true;
+                return SLV_OK;
             }
         }
         if (!(far < (double)limit))
-            return false;
+            return SLV_OK;
     }
 }
