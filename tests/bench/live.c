@@ -78,7 +78,9 @@ static double measure(slv_gl *gl, const slv_env *env, const scene *s, const slv_
 int main(int argc, char **argv) {
     bool smoke = argc > 1 && strcmp(argv[1], "--smoke") == 0;
     int side = smoke ? 3 : SIDE;
-    uint32_t counts[] = {smoke ? 16 : 1000, smoke ? 64 : argc > 2 ? (uint32_t)atoi(argv[2]) : 100000};
+    uint32_t counts[] = {smoke ? 16 : 1000, smoke      ? 64
+                                            : argc > 2 ? (uint32_t)atoi(argv[2])
+                                                       : 100000};
     slv_env env = {.log = bench_log, .max_bytes = UINT64_C(64) << 30};
     slv_gl *gl = NULL;
     scene scenes[2];

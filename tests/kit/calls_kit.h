@@ -531,10 +531,11 @@ static const calls_entry calls_all[] = {
 };
 enum { CALLS_COUNT = sizeof calls_all / sizeof *calls_all };
 
-/* Before each run: a file to edit as it was. */
+/* Before each run: a file to edit as it was, and a brush. */
 static inline void calls_prepare(void) {
     slv_env env = test_env();
     REQUIRE(!slv_ptx_save(&env, calls_path("edited.ptx"), calls.texture, calls.adjacency, NULL));
+    calls_prepare_brush();
 }
 
 /* What a call that fails has said: the last error line, and how many there were. */

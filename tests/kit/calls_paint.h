@@ -78,18 +78,25 @@ static slv_result call_dabs(const slv_env *env) {
 static const char calls_brush[] =
     "{\"version\": 3, \"settings\": {\"opaque\": {\"base_value\": 0.8, \"inputs\": {}}}}";
 
-/* A brush of MyPaint, where there is libmypaint. */
-static slv_result call_brush(const slv_env *env) {
-    slv_env plain = test_env();
-    slv_brush *brush = NULL, *loaded = NULL;
-    bool without = slv_brush_parse(&plain, "brush", calls_brush, sizeof calls_brush - 1, &brush) ==
-                   SLV_ERROR_UNSUPPORTED;
-    slv_brush_destroy(brush);
-    if (without)
-        return slv_brush_create(env, NULL, &brush);
-    const char *path = calls_path("brush.myb");
-    FILE *stream = fopen(path, "w");
+static bool calls_mypaint; /* whether there is libmypaint */
+
+static inline void calls_prepare_brush(void) {
+    slv_env env = test_env();
+    slv_brush *brush = NULL;
+    FILE *stream = fopen(calls_path("brush.myb"), "w");
     REQUIRE(stream && fputs(calls_brush, stream) >= 0 && fclose(stream) == 0);
+    calls_mypaint = slv_brush_load(&env, calls.out, &brush) != SLV_ERROR_UNSUPPORTED;
+    slv_brush_destroy(brush);
+}
+
+static slv_result call_brush(const slv_env *env) {
+    slv_brush *brush = NULL, *loaded = NULL;
+    const char *path = calls_path("brush.myb");
+    if (!calls_mypaint) {
+        slv_result without = slv_brush_create(env, NULL, &brush);
+        slv_brush_destroy(brush);
+        return without;
+    }
     slv_result result = slv_brush_parse(env, "brush", calls_brush, sizeof calls_brush - 1, &brush);
     if (!result)
         result = slv_brush_load(env, path, &loaded);

@@ -60,8 +60,11 @@ static slv_result call_live(const slv_env *env) {
     const slv_strategy *borders = slv_strategy_find("borders");
     slv_gl_texture *texture = NULL;
     uint64_t bytes;
+    slv_gl_upload upload = {.ready = false};
     slv_result result =
-        slv_gl_texture_create(gl, env, grid.texture, grid.adjacency, &params, &texture);
+        slv_gl_texture_prepare(gl, env, grid.texture, grid.adjacency, &params, &texture);
+    while (!result && !upload.ready)
+        result = slv_gl_texture_upload(texture, env, UINT64_C(1) << 40, &upload);
     texels[0]++;
     if (!result &&
         !(result = slv_texture_set_rect(grid.texture, 0, (slv_rect){0, 0, 4, 4}, texels)) &&

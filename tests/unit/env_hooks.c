@@ -107,7 +107,7 @@ static void check_free(void) {
     void *bytes = NULL;
     size_t size;
     REQUIRE(!slv_image_encode_png(&env, &calls.image, NULL, &bytes, &size));
-    CHECK(count.live == 1);
+    CHECK(count.live > 0);
     slv_free(bytes);
     CHECK(count.live == 0);
     slv_free(NULL);

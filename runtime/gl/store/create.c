@@ -223,13 +223,15 @@ done:
 slv_result slv_gl_texture_create(slv_gl *gl, const slv_env *env, const slv_texture *texture,
                                  const slv_adjacency *adjacency,
                                  const slv_gl_texture_params *params, slv_gl_texture **out) {
-    return prepare(gl, env, texture, adjacency, params, true, out);
+    slv_env own = slvi_budget_begin(env);
+    return slvi_budget_end(&own, prepare(gl, &own, texture, adjacency, params, true, out));
 }
 
 slv_result slv_gl_texture_prepare(slv_gl *gl, const slv_env *env, const slv_texture *texture,
                                   const slv_adjacency *adjacency,
                                   const slv_gl_texture_params *params, slv_gl_texture **out) {
-    return prepare(gl, env, texture, adjacency, params, false, out);
+    slv_env own = slvi_budget_begin(env);
+    return slvi_budget_end(&own, prepare(gl, &own, texture, adjacency, params, false, out));
 }
 
 slv_result slvi_gl_texture_renew(slv_gl_texture *texture) {
