@@ -16,11 +16,17 @@ die() {
     exit 1
 }
 
-# pictures TEXTURE TYPE: exports it; the pictures are in faces/
+# pictures TEXTURE TYPE: exports it, once for all that is done to it; the pictures are in faces/
+exported=
 pictures() {
     rm -rf faces
-    "$selvage" convert "$data/$1" original.ptx --type "$2" --max 8x8
-    "$selvage" convert original.ptx faces
+    if [ "$exported" != "$1 $2" ]; then
+        rm -rf untouched
+        "$selvage" convert "$data/$1" original.ptx --type "$2" --max 8x8
+        "$selvage" convert original.ptx untouched
+        exported="$1 $2"
+    fi
+    cp -r untouched faces
 }
 
 # same WHAT [OPTIONS]: faces/ is the original, but for what the options of diff allow

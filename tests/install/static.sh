@@ -7,7 +7,7 @@ source=$1 scratch=$2 version=$3 cc=$4 cxx=$5 nm=$6
 rm -rf "$scratch"
 mkdir -p "$scratch"
 
-cmake -S "$source" -B "$scratch/tree" -G Ninja -DCMAKE_BUILD_TYPE=Debug -DBUILD_SHARED_LIBS=OFF -DSELVAGE_COMMAND=OFF \
+cmake -S "$source" -B "$scratch/tree" -G Ninja -DCMAKE_BUILD_TYPE=None -DCMAKE_C_FLAGS=-O0 -DCMAKE_CXX_FLAGS=-O0 -DBUILD_SHARED_LIBS=OFF -DSELVAGE_COMMAND=OFF \
     -DSELVAGE_AVX2=OFF -DCMAKE_C_COMPILER="$cc" -DCMAKE_CXX_COMPILER="$cxx" >"$scratch/configure.log"
 cmake --build "$scratch/tree" >"$scratch/build.log" || {
     cat "$scratch/build.log"

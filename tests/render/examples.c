@@ -59,6 +59,24 @@ static void check_picture(const char *path, const char *name) {
     slv_image_free(&image);
 }
 
+/* A checked ball under a white sky: dark and light squares, and nothing brighter than the sky. */
+static void check_traced(const char *path) {
+    slv_env env = test_env();
+    slv_image image = {0};
+    uint32_t sky = 0, dark = 0, light = 0;
+    REQUIRE(slv_image_load(&env, path, &image) == SLV_OK);
+    REQUIRE(image.width == 128 && image.height == 128 && image.nchannels == 3);
+    for (uint32_t i = 0; i < 128 * 128; i++) {
+        const float *pixel = image.pixels + 3 * (size_t)i;
+        sky += pixel[0] == 1 && pixel[1] == 1 && pixel[2] == 1;
+        dark += pixel[0] < 0.52f; /* 0.2, as sRGB */
+        light += pixel[0] > 0.7f && pixel[0] < 0.97f;
+    }
+    CHECK_MSG(sky > 8000 && sky < 15000 && dark > 700 && light > 700,
+              "%u pixels of sky, %u dark, %u light", sky, dark, light);
+    slv_image_free(&image);
+}
+
 int main(void) {
     static const char *const strategies[] = {"clamp", "borders", "traverse", "discard", "hybrid"};
     char ptx[KIT_PATH], missing[KIT_PATH], png[KIT_PATH];
@@ -89,6 +107,15 @@ int main(void) {
                   sscanf(run.out, "%*f %*f %f %*f %*f %f", &blue[0], &blue[1]) == 2 &&
                   blue[0] > 0 && blue[1] > 0 && blue[1] != blue[0],
               "source says: %s%s", run.out, run.err);
+
+    char cube[KIT_PATH];
+    kit_join(cube, kit_variable("SELVAGE_TESTS"), "../assets/cube.obj");
+    kit_join(png, scratch.folder, "traced.png");
+    run_example("example_trace", (const char *const[]){cube, png, NULL});
+    CHECK_MSG(run.code == 0 && !run.err[0], "trace ended with %d: %s", run.code, run.err);
+    check_traced(png);
+    run_example("example_trace", (const char *const[]){missing, png, NULL});
+    CHECK(run.code == 1 && kit_lines(run.err) == 1);
 
     for (int s = 0; s < 5; s++) {
         kit_join(png, scratch.folder, strategies[s]);

@@ -66,6 +66,30 @@ typedef struct slv_lookup {
     float uw1, vw1, uw2, vw2;
 } slv_lookup;
 
+/* A ray, and how it changes from one sample of the picture to the next, along x and along y (Igehy
+ * 1999, "Tracing ray differentials"). From the eye of a camera the origins do not change; a
+ * direction need not have length 1. */
+typedef struct slv_ray_differential {
+    float origin[3], direction[3];
+    float origin_dx[3], origin_dy[3];
+    float direction_dx[3], direction_dy[3];
+} slv_ray_differential;
+
+/* Carries a ray on to where it meets a surface, `distance` lengths of its direction away: `origin`
+ * becomes the point, and `origin_dx` and `origin_dy` how that moves on the plane there (equations
+ * 10 to 12). The normal's length and side do not matter; a ray along the plane leaves it as it
+ * were. */
+SLV_API void slv_ray_differential_transfer(slv_ray_differential *ray, float distance,
+                                           const float normal[3]);
+
+/* The footprint, into uw1 to vw2 of a lookup, of a point that moves by `dx` and by `dy` in space
+ * where the surface has the derivatives `du` and `dv` (slv_surface_evaluate gives them): the
+ * changes of (u,v) that come nearest. Where the surface has no two directions, or something is not
+ * finite, it is the whole face, and the answer false. */
+SLV_API bool slv_footprint_from_differentials(const float dx[3], const float dy[3],
+                                              const float du[3], const float dv[3],
+                                              slv_lookup *lookup);
+
 /* Looks texels up by one set of parameters. For one thread at a time; each thread has its own. The
  * cache must outlive it. */
 typedef struct slv_sampler slv_sampler;
