@@ -5,6 +5,7 @@
 #define CALLS_KIT_H
 
 #include "kit/calls_data.h"
+#include "kit/calls_document.h"
 #include "kit/calls_paint.h"
 #include "kit/calls_sources.h"
 
@@ -528,6 +529,7 @@ static const calls_entry calls_all[] = {
     {"dabs", call_dabs},
     {"brush", call_brush},
     {"stroke", call_stroke},
+    {"document", call_document},
 };
 enum { CALLS_COUNT = sizeof calls_all / sizeof *calls_all };
 

@@ -143,3 +143,17 @@ void slvi_blend_texels(const slv_canvas_desc *canvas, const slv_paint *paint, co
             put(&m, amount, texels);
     }
 }
+
+void slvi_blend_layer(const slv_canvas_desc *canvas, slv_blend blend, float opacity,
+                      const float *above, const float *mask, uint64_t count, float *texels) {
+    uint32_t n = canvas->nchannels;
+    slv_paint paint = {.opacity = 1, .blend = blend};
+    mixing m = {&paint, 0, n, canvas->alpha_channel, n - 1};
+    for (uint64_t i = 0; i < count; i++, texels += n, above += n) {
+        float amount = opacity * (mask ? mask[i] : 1) * above[canvas->alpha_channel];
+        if (!(amount > 0))
+            continue;
+        memcpy(paint.color, above, n * sizeof *above);
+        put(&m, amount < 1 ? amount : 1, texels);
+    }
+}

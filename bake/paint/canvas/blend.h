@@ -7,5 +7,9 @@
 /* Mixes a paint into `count` texels of `nchannels` floats, as much of it as `coverage` says. */
 void slvi_blend_texels(const slv_canvas_desc *canvas, const slv_paint *paint, const float *coverage,
                        uint64_t count, float *texels);
+/* Mixes a layer's texels, which have alpha, into others, as much as `opacity` and `mask` (NULL: 1)
+ * say. */
+void slvi_blend_layer(const slv_canvas_desc *canvas, slv_blend blend, float opacity,
+                      const float *above, const float *mask, uint64_t count, float *texels);
 
 #endif

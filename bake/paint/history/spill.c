@@ -1,0 +1,231 @@
+/* Old entries on the disk, in a nameless file: oldest first, in a ring. */
+#include "history/history.h"
+
+#include "base/log.h"
+#include "base/memory.h"
+
+#include <errno.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+static slv_result open_file(slv_document *document) {
+    slvi_history *history = &document->history;
+    const char *temporary = getenv("TMPDIR"), *folder = history->scratch ? history->scratch
+                                                        : temporary      ? temporary
+                                                                         : "/tmp";
+    char path[4096];
+    if (history->file >= 0)
+        return SLV_OK;
+    int length = snprintf(path, sizeof path, "%s/selvage_history_XXXXXX", folder);
+    if (length < 0 || (size_t)length >= sizeof path || (history->file = mkstemp(path)) < 0) {
+        slvi_logf(&document->env, SLV_LOG_WARNING, "%s: no history on the disk: %s", folder,
+                  strerror(errno));
+        return SLV_ERROR_IO;
+    }
+    unlink(path);
+    return SLV_OK;
+}
+
+/* Where `size` bytes have room. */
+static bool find_room(const slvi_history *history, uint64_t size, uint64_t *at) {
+    if (!history->disk) {
+        *at = 0;
+        return size <= history->most_disk;
+    }
+    bool wrapped = history->head <= history->tail;
+    *at = history->head;
+    if (wrapped)
+        return size <= history->tail - history->head;
+    if (size <= history->most_disk - history->head)
+        return true;
+    *at = 0;
+    return size <= history->tail;
+}
+
+static bool put(int file, const void *data, size_t size, uint64_t *at) {
+    const char *bytes = data;
+    while (size) {
+        ssize_t done = pwrite(file, bytes, size, (off_t)*at);
+        if (done < 0 && errno == EINTR)
+            continue;
+        if (done <= 0)
+            return false;
+        bytes += done;
+        size -= (size_t)done;
+        *at += (uint64_t)done;
+    }
+    return true;
+}
+
+static bool get(int file, void *data, size_t size, uint64_t *at) {
+    char *bytes = data;
+    while (size) {
+        ssize_t done = pread(file, bytes, size, (off_t)*at);
+        if (done < 0 && errno == EINTR)
+            continue;
+        if (done <= 0)
+            return false;
+        bytes += done;
+        size -= (size_t)done;
+        *at += (uint64_t)done;
+    }
+    return true;
+}
+
+static bool put_block(int file, const slvi_block *block, uint64_t *at) {
+    uint32_t bytes = block ? block->bytes : 0;
+    return put(file, &bytes, sizeof bytes, at) && (!block || put(file, block->texels, bytes, at));
+}
+
+static bool put_table(int file, const slvi_table *table, uint64_t *at) {
+    uint32_t count = table ? table->count : 0;
+    bool fine = put(file, &count, sizeof count, at);
+    for (uint32_t i = 0; fine && i < count; i++)
+        fine = put_block(file, table->blocks[i], at);
+    return fine;
+}
+
+static uint64_t size_of(const slvi_entry *entry) {
+    uint64_t size = 0;
+    for (uint32_t k = 0; k < entry->nchanges; k++) {
+        const slvi_change *c = &entry->changes[k];
+        for (uint64_t i = 0; c->blocks && i < c->count; i++)
+            size += sizeof *c->blocks + sizeof(uint32_t) +
+                    (c->blocks[i].block ? c->blocks[i].block->bytes : 0);
+        for (uint64_t i = 0; c->faces && i < c->count; i++) {
+            const slvi_table *table = c->faces[i].table;
+            size += sizeof *c->faces + sizeof(uint32_t);
+            for (uint32_t b = 0; table && b < table->count; b++)
+                size += sizeof(uint32_t) + (table->blocks[b] ? table->blocks[b]->bytes : 0);
+        }
+    }
+    return size;
+}
+
+/* What of a change is on the disk is not in memory. */
+static void forget(slvi_change *change) {
+    for (uint64_t i = 0; change->blocks && i < change->count; i++)
+        slvi_block_drop(change->blocks[i].block);
+    for (uint64_t i = 0; change->faces && i < change->count; i++)
+        slvi_table_drop(change->faces[i].table);
+    slvi_free(change->blocks);
+    slvi_free(change->faces);
+    change->blocks = NULL;
+    change->faces = NULL;
+}
+
+static bool is_kept(const slvi_change *change) {
+    return change->kind != SLVI_CHANGE_BLOCKS && change->kind != SLVI_CHANGE_FACES;
+}
+
+slv_result slvi_spill(slv_document *document, slvi_entry *entry) {
+    slvi_history *history = &document->history;
+    uint64_t size = size_of(entry), at;
+    if (open_file(document) || !find_room(history, size, &at))
+        return SLV_ERROR_IO;
+    uint64_t begin = at;
+    bool fine = true;
+    for (uint32_t k = 0; fine && k < entry->nchanges; k++) {
+        const slvi_change *c = &entry->changes[k];
+        for (uint64_t i = 0; fine && c->blocks && i < c->count; i++)
+            fine = put(history->file, &c->blocks[i], sizeof *c->blocks, &at) &&
+                   put_block(history->file, c->blocks[i].block, &at);
+        for (uint64_t i = 0; fine && c->faces && i < c->count; i++)
+            fine = put(history->file, &c->faces[i], sizeof *c->faces, &at) &&
+                   put_table(history->file, c->faces[i].table, &at);
+    }
+    if (!fine) {
+        slvi_logf(&document->env, SLV_LOG_WARNING, "history: old entries are lost: %s",
+                  strerror(errno));
+        return SLV_ERROR_IO;
+    }
+    if (!history->disk)
+        history->tail = begin;
+    entry->at = begin;
+    entry->size = size;
+    entry->spilled = true;
+    history->head = at;
+    history->disk += size;
+    for (uint32_t k = 0; k < entry->nchanges; k++)
+        if (!is_kept(&entry->changes[k]))
+            forget(&entry->changes[k]);
+    return SLV_OK;
+}
+
+typedef struct reading {
+    slv_document *document;
+    slv_result result;
+    uint64_t at;
+} reading;
+
+static void read_bytes(reading *r, void *out, size_t size) {
+    if (!r->result && !get(r->document->history.file, out, size, &r->at))
+        r->result = slvi_fail(&r->document->env, SLV_ERROR_IO,
+                              "history: an entry cannot be read back: %s", strerror(errno));
+}
+
+static slvi_block *read_block(reading *r) {
+    uint32_t bytes = 0;
+    slvi_block *block = NULL;
+    read_bytes(r, &bytes, sizeof bytes);
+    if (r->result || !bytes ||
+        (r->result = slvi_alloc(&r->document->env, "history", 1, sizeof *block + bytes, &block)))
+        return NULL;
+    atomic_init(&block->refs, 1);
+    block->bytes = bytes;
+    read_bytes(r, block->texels, bytes);
+    return block;
+}
+
+static slvi_table *read_table(reading *r) {
+    uint32_t count = 0;
+    slvi_table *table = NULL;
+    read_bytes(r, &count, sizeof count);
+    if (r->result || !count ||
+        (r->result = slvi_alloc(&r->document->env, "history", 1,
+                                sizeof *table + count * sizeof *table->blocks, &table)))
+        return NULL;
+    table->count = count;
+    for (uint32_t i = 0; i < count; i++)
+        table->blocks[i] = read_block(r);
+    return table;
+}
+
+static void read_change(reading *r, slvi_change *c) {
+    const slv_env *env = &r->document->env;
+    if (c->kind == SLVI_CHANGE_BLOCKS) {
+        r->result = slvi_alloc(env, "history", c->count, sizeof *c->blocks, &c->blocks);
+        for (uint64_t i = 0; c->blocks && i < c->count; i++) {
+            slvi_old_block old = {0};
+            read_bytes(r, &old, sizeof old);
+            c->blocks[i] = (slvi_old_block){old.face, old.index, read_block(r)};
+        }
+    } else {
+        r->result = slvi_alloc(env, "history", c->count, sizeof *c->faces, &c->faces);
+        for (uint64_t i = 0; c->faces && i < c->count; i++) {
+            slvi_old_face old = {0};
+            read_bytes(r, &old, sizeof old);
+            c->faces[i] = (slvi_old_face){old.face, old.res, read_table(r)};
+        }
+    }
+}
+
+slv_result slvi_unspill(slv_document *document, slvi_entry *entry) {
+    slvi_history *history = &document->history;
+    reading r = {document, SLV_OK, entry->at};
+    for (uint32_t k = 0; !r.result && k < entry->nchanges; k++)
+        if (!is_kept(&entry->changes[k]))
+            read_change(&r, &entry->changes[k]);
+    if (r.result) {
+        for (uint32_t k = 0; k < entry->nchanges; k++)
+            if (!is_kept(&entry->changes[k]))
+                forget(&entry->changes[k]);
+        return r.result;
+    }
+    entry->spilled = false;
+    history->head = entry->at;
+    history->disk -= entry->size;
+    return SLV_OK;
+}

@@ -1,0 +1,118 @@
+/* The layers of a document put over one another, where something has changed. */
+#include "canvas/blend.h"
+#include "layer/document_data.h"
+
+#include "base/memory.h"
+#include "base/parallel.h"
+
+#include <string.h>
+
+void slvi_layer_over(const slv_document *document, const slvi_layer *layer, uint32_t face,
+                     slv_res res, slv_rect rect, float *texels) {
+    const slvi_plane *plane = layer->colour;
+    float above[SLVI_BLOCK_SIDE * SLVI_BLOCK_SIDE * SLVI_MOST_CHANNELS];
+    float mask[SLVI_BLOCK_SIDE * SLVI_BLOCK_SIDE];
+    slv_canvas_desc desc = {plane->nfaces, plane->nchannels, plane->alpha, NULL};
+    bool same = res.u == plane->res[face].u && res.v == plane->res[face].v;
+    if (!plane->tables[face] && !plane->filled && same)
+        return;
+    slvi_plane_sample(plane, document->adjacency, face, res, rect, above);
+    if (layer->mask)
+        slvi_plane_sample(layer->mask, document->adjacency, face, res, rect, mask);
+    slvi_blend_layer(&desc, layer->props.blend, layer->props.opacity, above,
+                     layer->mask ? mask : NULL, (uint64_t)rect.width * rect.height, texels);
+}
+
+/* A piece of a face, flat, without what layers have beyond the document's channels. */
+static void flatten_piece(const slv_document *document, uint32_t face, slv_rect rect, void *out,
+                          size_t pitch) {
+    uint32_t n = document->nchannels, kept = document->flat.nchannels;
+    float texels[SLVI_BLOCK_SIDE * SLVI_BLOCK_SIDE * SLVI_MOST_CHANNELS];
+    size_t count = (size_t)rect.width * rect.height,
+           size = slv_type_size(document->flat.type) * kept;
+    for (size_t i = 0; i < count; i++)
+        memcpy(texels + i * n, document->background, n * sizeof *texels);
+    for (uint32_t i = 0; i < document->nlayers; i++)
+        if (!document->stack[i]->props.hidden)
+            slvi_layer_over(document, document->stack[i], face, document->res[face], rect, texels);
+    for (size_t i = 0; kept != n && i < count; i++)
+        memmove(texels + i * kept, texels + i * n, kept * sizeof *texels);
+    for (uint32_t y = 0; y < rect.height; y++)
+        slv_type_from_float(document->flat.type, texels + (size_t)y * rect.width * kept,
+                            (size_t)rect.width * kept, (unsigned char *)out + y * pitch * size);
+}
+
+static slv_result flatten_some(void *user, uint64_t first, uint64_t end) {
+    slv_document *document = user;
+    size_t size = slv_type_size(document->flat.type) * document->flat.nchannels;
+    slv_result result = SLV_OK;
+    for (uint64_t i = first; !result && i < end; i++) {
+        uint32_t face = document->dirty_faces[i];
+        slv_rect rect = document->dirty[face];
+        unsigned char *texels = NULL;
+        if ((result = slvi_alloc_plain(&document->env, "document",
+                                       (uint64_t)rect.width * rect.height, size, &texels)))
+            return result;
+        for (uint32_t y = 0; y < rect.height; y += SLVI_BLOCK_SIDE)
+            for (uint32_t x = 0; x < rect.width; x += SLVI_BLOCK_SIDE) {
+                uint32_t width = rect.width - x, height = rect.height - y;
+                slv_rect piece = {rect.x + x, rect.y + y,
+                                  width < SLVI_BLOCK_SIDE ? width : SLVI_BLOCK_SIDE,
+                                  height < SLVI_BLOCK_SIDE ? height : SLVI_BLOCK_SIDE};
+                flatten_piece(document, face, piece, texels + ((size_t)y * rect.width + x) * size,
+                              rect.width);
+            }
+        bool whole = rect.width >> document->res[face].u && rect.height >> document->res[face].v;
+        result = whole ? slv_texture_set_face(document->texture, face, texels)
+                       : slv_texture_set_rect(document->texture, face, rect, texels);
+        slvi_free(texels);
+    }
+    return result;
+}
+
+/* A texture of new resolutions, all of which is to be made. */
+static slv_result remake(slv_document *document) {
+    slv_texture *texture = NULL;
+    slv_result result = slv_texture_create(&document->env, &document->flat, &texture);
+    if (result)
+        return result;
+    slv_texture_destroy(document->texture);
+    document->texture = texture;
+    document->remake = false;
+    while (document->ndirty) /* rectangles may be those of other resolutions */
+        document->dirty[document->dirty_faces[--document->ndirty]] = (slv_rect){0};
+    slvi_document_touch_all(document);
+    return SLV_OK;
+}
+
+slv_result slv_document_flatten(slv_document *document) {
+    slv_env env, shared = document->env;
+    slv_parallel_log *log = NULL;
+    slv_result result = SLV_OK;
+    if ((!document->texture || document->remake) && (result = remake(document)))
+        return result;
+    if (!document->ndirty)
+        return SLV_OK;
+    if ((result = slvi_parallel_env_begin(&shared, &log, &env)))
+        return result;
+    document->env = env;
+    result = slvi_parallel_for(&shared, document->ndirty, 1 + document->ndirty / 64, flatten_some,
+                               document);
+    document->env = shared;
+    slvi_parallel_env_end(log);
+    while (!result && document->ndirty)
+        document->dirty[document->dirty_faces[--document->ndirty]] = (slv_rect){0};
+    return result;
+}
+
+slv_texture *slv_document_texture(const slv_document *document) {
+    return document->texture;
+}
+
+slv_result slv_document_as_source(slv_document *document, const char *name, slv_source *out) {
+    slv_result result = slv_document_flatten(document);
+    *out = (slv_source){0};
+    return result ? result
+                  : slv_texture_as_source(&document->env, document->texture, document->adjacency,
+                                          &(slv_texture_source_params){.name = name}, out);
+}
