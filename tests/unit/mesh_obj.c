@@ -110,6 +110,15 @@ static void test_refused(void) {
         {"\x01\x02\x7f binary\n", 1},
         {"\x89PNG\r\n", 1},
         {TRIANGLE "f 1 2 3 \\\nf 1 2 3\n", 5},
+        {TRIANGLE "f 1 2 3 f 1 2 3\n", 4},
+        {TRIANGLE "vt 0 0 f 1 2 3\nf 1 2 3\n", 4},
+        {TRIANGLE "vt 0 f 1 2 3\nf 1 2 3\n", 4},
+        {TRIANGLE "vn 0 0 1 v 1 1 1\nf 1 2 3\n", 4},
+        {TRIANGLE "v 0 0 1 1 1 1 v 1 1 1\nf 1 2 3\n", 4},
+        {TRIANGLE "v 0 0 \\\nv 1 1 1\nf 1 2 3\n", 5},
+        {TRIANGLE "t hole 1/0/0 1 f 1 2 3\nf 1 2 3\n", 4},
+        {TRIANGLE "s off f 1 2 3\nf 1 2 3\n", 4},
+        {TRIANGLE "l 1 2 f 1 2 3\nf 1 2 3\n", 4},
         {TRIANGLE "f 1 2 3\nt\n", 5},
         {TRIANGLE "f 1 2 3\nt crease\n", 5},
         {TRIANGLE "f 1 2 3\nt crease 2\n", 5},
@@ -353,16 +362,33 @@ static void test_tolerated(void) {
     check_read(QUADS "f 1/0 2/0 3/0 4/0\n", 1, "t.obj:7: 4 indices of texture");
     check_read(QUADS "f 1 2\nf 1 2 3 4\nf 3\nf\n", 1, "t.obj:7: 3 faces of fewer");
     check_read(QUADS "hair 1\nf 1 2 3 4\nfur 2\n", 1, "t.obj:7: 2 statements not known");
-    check_read(QUADS "# C:\\rocks\\\nf 1 2 3 4\nf 2 5 6 3\n", 2, "t.obj:7: 1 comments or names");
-    check_read(QUADS "mtllib C:\\rocks\\\nf 1 2 3 4\nf 2 5 6 3\n", 2, "t.obj:7: 1 comments or");
-    check_read(QUADS "usemtl C:\\rocks\\\r\nf 1 2 3 4\r\nf 2 5 6 3\r\n", 2, "1 comments or names");
-    check_read(QUADS "g a\\\nf 1 2 3 4\ng b\nf 2 5 6 3\n", 2, "1 comments or names");
-    check_read(QUADS "o a\\\nf 1 2 3 4\no b\nf 2 5 6 3\n", 2, "1 comments or names");
-    check_read(QUADS "f 1 2 3 4 # \\\nf 2 5 6 3\n", 2, "1 comments or names");
+    check_read(QUADS "# C:\\rocks\\\nf 1 2 3 4\nf 2 5 6 3\n", 2,
+               "t.obj:7: 1 lines end in a backslash");
+    check_read(QUADS "mtllib C:\\rocks\\\nf 1 2 3 4\nf 2 5 6 3\n", 2, "t.obj:7: 1 lines end in");
+    check_read(QUADS "usemtl C:\\rocks\\\r\nf 1 2 3 4\r\nf 2 5 6 3\r\n", 2,
+               "1 lines end in a backslash");
+    check_read(QUADS "g a\\\nf 1 2 3 4\ng b\nf 2 5 6 3\n", 2, "1 lines end in a backslash");
+    check_read(QUADS "o a\\\nf 1 2 3 4\no b\nf 2 5 6 3\n", 2, "1 lines end in a backslash");
+    check_read(QUADS "f 1 2 3 4 # \\\nf 2 5 6 3\n", 2, "1 lines end in a backslash");
     check_read(QUADS "l 1 2 \\\n3 4\nf 1 2 3 4\n", 1, NULL);
-    check_read(QUADS "l 1 2 \\\nf 1 2 3 4\n", 1, "1 comments or names");
+    check_read(QUADS "l 1 2 \\\nf 1 2 3 4\n", 1, "1 lines end in a backslash");
     check_read(QUADS "f 1 2 \\\n3 4\nf 2 \\\r\n5 6 3\n", 2, NULL);
     check_read(QUADS "s 1\nusemtl a\nf 1 2 3 4\ns off\n", 1, NULL);
+    static const char *const joining[] = {
+        "vn 0 0 1",          "vt 0 0", "v 9 9 9", "t hole 1/0/0 1", "v 9 9 9 0.5 0.5 0.5", "vt 0",
+        "v 9 9 9 1 \\\n 2 3"};
+    for (size_t i = 0; i < sizeof joining / sizeof *joining; i++) {
+        char text[256];
+        snprintf(text, sizeof text, QUADS "%s\\\nf 1 2 3 4\nf 2 5 6 3\n", joining[i]);
+        check_read(text, 2,
+                   strstr(joining[i], "2 3") ? "t.obj:8: 1 lines end in a b"
+                                             : "t.obj:7: 1 lines end in a b");
+    }
+    check_read("v 9 9 9\\\r\n" QUADS "f -6 -5 -4 -3\n", 1, "t.obj:1: 1 lines end in a backslash");
+    check_read(QUADS "vn 0 0 1 1 hair\nvt 0 0 x\nf 1 2 3 4\n", 1, "t.obj:7: 3 words");
+    check_read(QUADS "v 0 0 0 9 9 9 9 9 9\nf 1 2 3 4\n", 1, "t.obj:7: 1 words");
+    check_read("v 9 9 9 1 1 1\nv 9 9 9 1\nv 9 9 9 1 1 1 1 # f\n" QUADS "f 1 2 3 4\n", 1, NULL);
+    check_read(QUADS "vt 0 0 0\nt hole 1/1/1 1 0.5 x\nf 1 2 3 4\nf 2 5 6 3\n", 2, NULL);
     slv_mesh *mesh = NULL;
     CHECK(parse("\xff\xfev\0", &mesh) == SLV_ERROR_FORMAT && strstr(test_last_log, "UTF-16"));
 }

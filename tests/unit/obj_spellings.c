@@ -13,6 +13,7 @@ static char text[ROOM];
 static size_t used;
 static uint64_t random_state = 29;
 static const char *line_end;
+static uint32_t backslashes;
 
 static uint32_t dice(uint32_t sides) {
     return test_random(&random_state) % sides;
@@ -58,7 +59,11 @@ static void put_values(const char *word, uint32_t count) {
         blank();
         put_number();
     }
-    end_line();
+    if (dice(30) == 0) { /* joins nothing, where what follows is a statement */
+        put("\\%s", line_end);
+        backslashes++;
+    } else
+        end_line();
 }
 
 static void put_index(uint32_t zero_based, uint32_t so_far) {
@@ -112,7 +117,7 @@ static void write_file(void) {
         }
     }
     if (dice(3) == 0) /* the last line may lack its end */
-        while (used && isspace((unsigned char)text[used - 1]))
+        while (used && (isspace((unsigned char)text[used - 1]) || text[used - 1] == '\\'))
             used--;
 }
 
@@ -156,6 +161,18 @@ static void read_line(char *line) {
         }
 }
 
+static bool begins_statement(const char *at, const char *end) {
+    static const char *const words[] = {"v", "vt", "vn", "f", "s", "usemtl"};
+    while (at < end && (*at == ' ' || *at == '\t'))
+        at++;
+    for (size_t i = 0; i < sizeof words / sizeof *words; i++) {
+        size_t length = strlen(words[i]);
+        if ((size_t)(end - at) > length && !memcmp(at, words[i], length) && isblank(at[length]))
+            return true;
+    }
+    return false;
+}
+
 static void read_file(void) {
     static char copy[ROOM], line[ROOM];
     const char *at = text, *end = text + used;
@@ -163,13 +180,13 @@ static void read_file(void) {
     memset(&found, 0, sizeof found);
     if (used >= 3 && memcmp(at, "\xEF\xBB\xBF", 3) == 0)
         at += 3;
-    for (; at < end; at++) { /* every end of a line becomes one \n, and joined lines a blank */
+    for (; at < end; at++) { /* every end of a line becomes one \n, and what joins lines a blank */
         bool two = *at == '\r' && at + 1 < end && at[1] == '\n';
         copy[length++] = *at == '\r' ? '\n' : *at;
         at += two;
         if (length > 1 && copy[length - 1] == '\n' && copy[length - 2] == '\\') {
             length--;
-            copy[length - 1] = ' ';
+            copy[length - 1] = begins_statement(at + 1, end) ? '\n' : ' ';
         }
     }
     for (size_t i = 0; i <= length; i++)
@@ -216,6 +233,6 @@ int main(void) {
         if (!good)
             break;
     }
-    CHECK(corners > rounds * 10);
+    CHECK(corners > rounds * 10 && backslashes > rounds / 10);
     return test_end();
 }

@@ -52,7 +52,9 @@ typedef struct obj {
     obj_list creases, corners, holes; /* obj_tag */
     obj_list groups, letters;         /* obj_group, char */
     slv_boundary boundary;
-    obj_tally dangling[OBJ_KINDS], not_polygons, other_tags, other_statements, backslashes;
+    obj_tally dangling[OBJ_KINDS], not_polygons, other_tags, other_statements, backslashes,
+        extra_words;
+    bool at_statement; /* the scan is where the next one begins, not at the end of this one */
 } obj;
 
 extern const unsigned slvi_obj_kind_floats[OBJ_KINDS];
@@ -71,6 +73,16 @@ slv_result slvi_obj_read_float(obj *o, const char *what, float *out);
 slv_result slvi_obj_read_double(obj *o, const char *what, double *out);
 slv_result slvi_obj_read_int(obj *o, const char *what, int32_t *out);
 bool slvi_obj_take_slash(obj *o);
+/* A word that would be taken for a statement where one can begin. */
+bool slvi_obj_begins_statement(slv_scan scan);
+/* True if a word of this statement follows: a line that a backslash joins to it is the next
+ * statement all the same if it begins like one, which is told. */
+bool slvi_obj_more(obj *o);
+slv_result slvi_obj_fail_joined(const obj *o, const char *what, size_t length, const char *word,
+                                size_t size);
+/* The end of a statement, after up to `most` numbers that have no use here: other words are told
+ * of, and those that begin a statement refused. */
+slv_result slvi_obj_end(obj *o, const char *what, uint64_t most);
 bool slvi_obj_word_is(const char *word, size_t length, const char *expected);
 
 /* obj_tags.c: the rest of a line that begins with t. */

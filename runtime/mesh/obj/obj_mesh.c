@@ -103,8 +103,8 @@ static void tell_all(const obj *o) {
     tell(o, &o->dangling[OBJ_NORMAL],
          "indices of normals that the file does not hold are left out");
     tell(o, &o->not_polygons, "faces of fewer than three vertices are left out");
-    tell(o, &o->backslashes,
-         "comments or names end in a backslash, which is not taken to join the next line");
+    tell(o, &o->backslashes, "lines end in a backslash, which is not taken to join the next line");
+    tell(o, &o->extra_words, "words that follow the numbers of v, vt, vn or t are not read");
     tell(o, &o->other_tags, "tags not known are skipped");
     tell(o, &o->other_statements, "statements not known are skipped");
 }

@@ -7,12 +7,19 @@
 
 static const char *const kind_names[OBJ_KINDS] = {"vertex", "texture", "normal"};
 
+static const char *const keywords[OBJ_KINDS] = {"v", "vt", "vn"};
+
+/* A vertex may have a weight, a colour of three or four, or both; texture coordinates a depth. */
+static slv_result end_values(obj *o, int kind) {
+    static const uint64_t most[OBJ_KINDS] = {5, 1, 0};
+    return slvi_obj_end(o, keywords[kind], most[kind]);
+}
+
 static slv_result read_value(obj *o, int kind) {
-    static const char *const keywords[OBJ_KINDS] = {"v", "vt", "vn"};
     float values[3] = {0, 0, 0}, rests[3];
     slv_result result = SLV_OK;
     for (unsigned i = 0; i < slvi_obj_kind_floats[kind]; i++) {
-        if (kind == OBJ_TEXCOORD && i == 1 && !slvi_scan_more(&o->scan))
+        if (kind == OBJ_TEXCOORD && i == 1 && !slvi_obj_more(o))
             break; /* a one-dimensional texture coordinate */
         double value = 0;
         if ((result = slvi_obj_read_double(o, keywords[kind], &value)))
@@ -20,7 +27,8 @@ static slv_result read_value(obj *o, int kind) {
         values[i] = (float)value;
         rests[i] = (float)(value - (double)values[i]);
     }
-    if (kind == OBJ_VERTEX && (result = slvi_obj_append(o, &o->rests, rests, 3, sizeof *rests)))
+    if ((result = end_values(o, kind)) ||
+        (kind == OBJ_VERTEX && (result = slvi_obj_append(o, &o->rests, rests, 3, sizeof *rests))))
         return result;
     return slvi_obj_append(o, &o->values[kind], values, slvi_obj_kind_floats[kind], sizeof *values);
 }
@@ -99,20 +107,6 @@ static slv_result begin_group(obj *o, bool object, const char *name, size_t leng
     return slvi_obj_append(o, &o->groups, &group, 1, sizeof group);
 }
 
-/* The statements that a line joined by a backslash would be missed as. */
-static bool begins_statement(slv_scan scan) {
-    static const char *const known[] = {"v", "vt", "vn", "f", "fo", "g",     "o",
-                                        "s", "t",  "l",  "p", "#",  "usemtl"};
-    const char *word;
-    if (!slvi_scan_more(&scan))
-        return false;
-    size_t length = slvi_scan_word(&scan, &word);
-    for (size_t i = 0; i < sizeof known / sizeof *known; i++)
-        if (slvi_obj_word_is(word, length, known[i]))
-            return true;
-    return false;
-}
-
 /* What follows on the line as it stands, blanks at both ends removed. Names and comments end where
  * their line does: a backslash there is the end of a folder's name, not a line to be continued. */
 static size_t rest_of_line(obj *o, const char **text) {
@@ -176,11 +170,27 @@ static void skip_statement(obj *o) {
         slv_scan following = *scan;
         slvi_scan_next_line(&following);
         if (!length || text[length - 1] != '\\' || following.next == scan->end ||
-            begins_statement(following))
+            slvi_obj_begins_statement(following))
             return;
         o->backslashes.count = before;
         *scan = following;
     }
+}
+
+/* Of the statements that only numbers follow, a face behind them would be lost. */
+static slv_result check_numbers(const obj *o, const char *word, size_t length) {
+    static const char *const numeric[] = {"s", "p", "l", "vp", "lod", "mg"};
+    bool check = false;
+    for (size_t i = 0; i < sizeof numeric / sizeof *numeric; i++)
+        check = check || slvi_obj_word_is(word, length, numeric[i]);
+    for (slv_scan scan = o->scan; check && slvi_scan_more(&scan) && scan.line == o->line;) {
+        bool statement = slvi_obj_begins_statement(scan);
+        const char *text;
+        size_t size = slvi_scan_word(&scan, &text);
+        if (statement)
+            return slvi_obj_fail_joined(o, word, length, text, size);
+    }
+    return SLV_OK;
 }
 
 static bool is_name(const char *word, size_t length) {
@@ -199,6 +209,9 @@ static slv_result read_other(obj *o, const char *word, size_t length) {
             return slvi_obj_fail(o, o->line, "not a text of the OBJ format");
     if (!is_ignored(word, length))
         slvi_obj_tally(&o->other_statements, o->line, word, length);
+    slv_result result = check_numbers(o, word, length);
+    if (result)
+        return result;
     if (is_name(word, length))
         rest_of_line(o, &text);
     else
@@ -240,8 +253,11 @@ static slv_result parse(const slv_env *env, const char *name, const char *text, 
         o.scan.next += 3;
     while (!result && o.scan.next < o.scan.end) {
         const char *comment;
+        o.at_statement = false;
         if ((result = read_statement(&o)))
             break;
+        if (o.at_statement)
+            continue;
         if (!slvi_scan_more(&o.scan) && o.scan.next < o.scan.end && *o.scan.next == '#')
             rest_of_line(&o, &comment);
         slvi_scan_next_line(&o.scan);

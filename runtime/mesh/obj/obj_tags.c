@@ -9,7 +9,7 @@ static slv_result read_tag_counts(obj *o, int64_t counts[3]) {
     bool good = slvi_scan_more(&o->scan);
     for (int i = 0; good && i < 3; i++) {
         good = (i == 0 || slvi_obj_take_slash(o)) && slvi_scan_int(&o->scan, &counts[i]) &&
-               counts[i] >= 0;
+               counts[i] >= 0 && counts[i] <= INT32_MAX;
         if (good && i && slvi_scan_at_break(&o->scan))
             break;
     }
@@ -77,19 +77,26 @@ slv_result slvi_obj_read_tag(obj *o) {
     const char *word;
     int64_t counts[3];
     if (!slvi_scan_more(&o->scan))
-        return slvi_obj_fail(o, o->line, "t: expected the name of a obj_tag");
+        return slvi_obj_fail(o, o->line, "t: expected the name of a tag");
     size_t length = slvi_scan_word(&o->scan, &word);
     slv_result result = read_tag_counts(o, counts);
     if (result)
         return result;
-    if (slvi_obj_word_is(word, length, "crease"))
-        return read_sharp_tag(o, &o->creases, counts, 2);
-    if (slvi_obj_word_is(word, length, "corner"))
-        return read_sharp_tag(o, &o->corners, counts, 1);
-    if (slvi_obj_word_is(word, length, "interpolateboundary"))
-        return read_boundary_tag(o, counts);
-    if (slvi_obj_word_is(word, length, "hole"))
-        return read_hole_tag(o, counts);
-    slvi_obj_tally(&o->other_tags, o->line, word, length);
-    return SLV_OK;
+    bool crease = slvi_obj_word_is(word, length, "crease");
+    int64_t unread = counts[2];
+    if (crease || slvi_obj_word_is(word, length, "corner")) {
+        result = read_sharp_tag(o, crease ? &o->creases : &o->corners, counts, crease ? 2 : 1);
+    } else if (slvi_obj_word_is(word, length, "interpolateboundary")) {
+        result = read_boundary_tag(o, counts);
+        unread += counts[1];
+    } else if (slvi_obj_word_is(word, length, "hole")) {
+        result = read_hole_tag(o, counts);
+        unread += counts[1];
+    } else {
+        slvi_obj_tally(&o->other_tags, o->line, word, length);
+        unread += counts[0] + counts[1];
+    }
+    for (; !result && unread > 0 && slvi_obj_more(o); unread--)
+        slvi_scan_word(&o->scan, &word);
+    return result ? result : slvi_obj_end(o, "t", 0);
 }

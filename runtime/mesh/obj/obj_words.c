@@ -92,3 +92,55 @@ bool slvi_obj_take_slash(obj *o) {
 bool slvi_obj_word_is(const char *word, size_t length, const char *expected) {
     return strlen(expected) == length && memcmp(word, expected, length) == 0;
 }
+
+bool slvi_obj_begins_statement(slv_scan scan) {
+    static const char *const known[] = {"v", "vt", "vn", "f", "fo", "g",     "o",
+                                        "s", "t",  "l",  "p", "#",  "usemtl"};
+    const char *word;
+    if (!slvi_scan_more(&scan))
+        return false;
+    size_t length = slvi_scan_word(&scan, &word);
+    for (size_t i = 0; i < sizeof known / sizeof *known; i++)
+        if (slvi_obj_word_is(word, length, known[i]))
+            return true;
+    return false;
+}
+
+bool slvi_obj_more(obj *o) {
+    uint32_t line = o->scan.line;
+    if (o->at_statement || !slvi_scan_more(&o->scan))
+        return false;
+    if (o->scan.line == line || !slvi_obj_begins_statement(o->scan))
+        return true;
+    slvi_obj_tally(&o->backslashes, line, NULL, 0);
+    o->at_statement = true;
+    return false;
+}
+
+slv_result slvi_obj_fail_joined(const obj *o, const char *what, size_t length, const char *word,
+                                size_t size) {
+    return slvi_obj_fail(o, o->scan.line,
+                         "%.*s: '%.*s' stands on the same line, and would be lost; every statement "
+                         "begins a line",
+                         (int)length, what, (int)size, word);
+}
+
+slv_result slvi_obj_end(obj *o, const char *what, uint64_t most) {
+    while (slvi_obj_more(o)) {
+        slv_scan word = o->scan;
+        const char *text;
+        double number;
+        bool good = slvi_scan_double(&o->scan, &number) && slvi_scan_at_break(&o->scan);
+        if (good && most) {
+            most--;
+            continue;
+        }
+        bool statement = slvi_obj_begins_statement(word);
+        size_t length = slvi_scan_word(&word, &text);
+        if (statement)
+            return slvi_obj_fail_joined(o, what, strlen(what), text, length);
+        o->scan = word;
+        slvi_obj_tally(&o->extra_words, o->line, text, length);
+    }
+    return SLV_OK;
+}
