@@ -65,6 +65,18 @@ struct Reading {
     slv_image *image;
 };
 
+/* Y is luminance where it stands alone or with A, but one of several coordinates or vectors'
+ * components where its layer has other letters beside it (X and Z, or a colour's). */
+bool has_other_letters(const Imf::ChannelList &list, const std::string &layer) {
+    for (auto i = list.begin(); i != list.end(); ++i) {
+        std::string name = i.name();
+        if (name.size() == layer.size() + 1 && name.compare(0, layer.size(), layer) == 0 &&
+            name.back() != 'Y' && name.back() != 'A')
+            return true;
+    }
+    return false;
+}
+
 bool pick(const Imf::ChannelList &list, int part, const std::string &layer, Choice &out) {
     for (const char *kind : {"RGBA", "RGB", "YA", "Y"}) {
         out = {part, layer, {}};
@@ -72,7 +84,7 @@ bool pick(const Imf::ChannelList &list, int part, const std::string &layer, Choi
             if (list.findChannel(layer + *letter))
                 out.names.push_back(layer + *letter);
         if (out.names.size() == std::strlen(kind))
-            return true;
+            return kind[0] != 'Y' || !has_other_letters(list, layer);
     }
     return false;
 }
@@ -123,8 +135,8 @@ slv_result choose(const Reading &r, const Imf::MultiPartInputFile &file, Choice 
                          "read",
                          r.path, nlayers, layers.c_str());
     return slvi_fail(r.env, SLV_ERROR_UNSUPPORTED,
-                     "%s: an EXR must have channels R G B (A) or Y (A); this has %s", r.path,
-                     channels.empty() ? "none" : channels.c_str());
+                     "%s: an EXR must have channels R G B (A), or Y (A) and no X or Z; this has %s",
+                     r.path, channels.empty() ? "none" : channels.c_str());
 }
 
 /* What of the kinds of OpenEXR files cannot become an image is refused by name. */

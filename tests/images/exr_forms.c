@@ -141,9 +141,24 @@ static void check_refused(void) {
         CHECK_MSG(strstr(test_last_log, words[kind]) && strstr(test_last_log, path), "kind %d: %s",
                   kind, test_last_log);
     }
+    /* the components of vectors and coordinates, which no picture has */
+    static const char *const letters[] = {"XYZ", "XY", "YZ", "ZY", "YXA", "RGY", "UVY", "YRA"};
+    static const char *const layers[] = {"", "ViewLayer.Normal."};
+    static const float zeros[16 * 3];
+    for (int i = 0; i < 16; i++) {
+        const exr_form form = {.channels = letters[i / 2],
+                               .layer = layers[i % 2],
+                               .display = {0, 0, 3, 3},
+                               .data = {0, 0, 3, 3}};
+        char name[64];
+        snprintf(name, sizeof name, "%sY", layers[i % 2]);
+        REQUIRE(exr_write(path, &form, zeros));
+        CHECK(slv_image_load(&env, path, &image) == SLV_ERROR_UNSUPPORTED && !image.pixels);
+        CHECK_MSG(strstr(test_last_log, "this has") && strstr(test_last_log, name), "%s: %s",
+                  letters[i / 2], test_last_log);
+    }
     static const exr_form apart = {
         .channels = "Y", .layer = "", .display = {0, 0, 3, 3}, .data = {4, 0, 7, 3}};
-    static const float zeros[16];
     REQUIRE(exr_write(path, &apart, zeros));
     CHECK(slv_image_load(&env, path, &image) == SLV_ERROR_UNSUPPORTED);
     CHECK(strstr(test_last_log, "outside of the display window"));

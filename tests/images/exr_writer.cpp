@@ -66,6 +66,11 @@ size_t area(const Box2i &window) {
     return size_t(window.max.x - window.min.x + 1) * size_t(window.max.y - window.min.y + 1);
 }
 
+/* Letters beside Y would make another thing of it. */
+std::string extra_name(const exr_form &form, const char *letter) {
+    return std::string(form.channels[0] == 'Y' ? "extra." : "") + letter;
+}
+
 Imf::Header header_of(const exr_form &form) {
     Imf::Header header(box(form.display), box(form.data), 1, V2i(0, 0), 1,
                        Imf::LineOrder(form.line_order), Imf::Compression(form.compression));
@@ -73,8 +78,8 @@ Imf::Header header_of(const exr_form &form) {
     for (const char *letter = form.channels; *letter; letter++)
         header.channels().insert(form.layer + std::string(1, *letter), Imf::Channel(type));
     if (form.extra) {
-        header.channels().insert("Z", Imf::Channel(Imf::FLOAT));
-        header.channels().insert("H", Imf::Channel(Imf::HALF));
+        header.channels().insert(extra_name(form, "Z"), Imf::Channel(Imf::FLOAT));
+        header.channels().insert(extra_name(form, "H"), Imf::Channel(Imf::HALF));
     }
     if (form.tile)
         header.setTileDescription(Imf::TileDescription(unsigned(form.tile), unsigned(form.tile),
@@ -88,8 +93,8 @@ Planes planes_of(const exr_form &form, const Box2i &window, const float *pixels)
     for (size_t c = 0; c < n; c++)
         planes.add(form.layer + std::string(1, form.channels[c]), form.floats, count);
     if (form.extra) {
-        planes.add("Z", true, count);
-        planes.add("H", false, count);
+        planes.add(extra_name(form, "Z"), true, count);
+        planes.add(extra_name(form, "H"), false, count);
     }
     for (size_t c = 0; c < planes.names.size(); c++)
         for (size_t i = 0; i < count; i++)

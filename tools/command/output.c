@@ -42,14 +42,15 @@ slv_result output_check_inputs(const slv_env *env, const char *path, const char 
                                size_t ninputs) {
     struct stat there, input;
     for (size_t i = 0; i < ninputs && stat(path, &there) == 0; i++)
-        if (inputs[i] && stat(inputs[i], &input) == 0 && S_ISREG(input.st_mode) &&
+        if (inputs[i] && stat(cli_input(inputs[i]), &input) == 0 && S_ISREG(input.st_mode) &&
             there.st_dev == input.st_dev && there.st_ino == input.st_ino)
             return strcmp(path, inputs[i]) == 0
                        ? output_fail(env, SLV_ERROR_ARGUMENT,
                                      "%s: is read, and would be lost if it were written", path)
                        : output_fail(env, SLV_ERROR_ARGUMENT,
                                      "%s: is the same file as %s, which would be lost", path,
-                                     inputs[i]);
+                                     strcmp(inputs[i], "-") == 0 ? "the standard input"
+                                                                 : inputs[i]);
     return SLV_OK;
 }
 

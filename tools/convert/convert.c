@@ -86,7 +86,8 @@ static int run_convert(const cli_command *command, conversion *c) {
          to_sheet = cli_ends_with(to, ".png") || cli_ends_with(to, ".exr");
     c->progress = cli_progress_fleeting("convert", o->progress, o->quiet || o->json);
     const char *const inputs[] = {from, o->mesh};
-    if (output_check_in_place(&env, to, inputs, to_ptx ? 2 : 1) ||
+    if ((to_ptx ? output_check_in_place(&env, to, inputs, 2)
+                : output_check_inputs(&env, to, inputs, 1)) ||
         (to_ptx || to_sheet ? output_try(&env, to) : output_try_folder(&env, to)))
         goto done;
     if (o->mesh && slv_mesh_load(&env, cli_input(o->mesh), &mesh))

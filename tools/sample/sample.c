@@ -43,7 +43,7 @@ static int run_sample(const sample_options *options, const char *path) {
     sample_reader reader = {.descriptor = -1};
     slv_output *output = NULL;
     slv_ptx *ptx = NULL;
-    const char *const inputs[] = {path, options->queries};
+    const char *const inputs[] = {path, options->queries ? options->queries : "-"};
     FILE *stream = stdout;
     uint64_t failed = 0;
     int code = EXIT_FAILED;

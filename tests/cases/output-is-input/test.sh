@@ -19,6 +19,31 @@ refuses selvage merge a.ptx in.ptx -o a.ptx
 ln -s a.ptx b.ptx
 refuses selvage merge in.ptx b.ptx -o a.ptx
 refuses selvage convert a.ptx b.ptx
+cp a.ptx whole.png
+refuses selvage convert whole.png whole.png
+says "would be lost"
+cmp -s in.ptx whole.png || fail "whole.png is another"
+# Standard input is an input like others.
+printf '{"azimuth": 30}\n' >v.png
+cp v.png view.json
+cp mesh.obj m.ptx
+ln -s queries.txt soft.txt
+try() { # COMMAND FILE: the file is both
+    run sh -c "$1 <$2"
+    [ $code = 1 ] || fail "$1 <$2: exit code $code: $said"
+    says "would be lost"
+}
+try "selvage sample a.ptx --out queries.txt" queries.txt
+try "selvage sample a.ptx -i - --out queries.txt" queries.txt
+try "selvage sample a.ptx -i /dev/stdin --out soft.txt" queries.txt
+try "selvage sample a.ptx --out queries.txt" soft.txt
+try "selvage render a.ptx --size 16x16 --view - -o v.png" v.png
+try "selvage transfer a.ptx m.ptx --to -" m.ptx
+try "selvage new - m.ptx --size 2" m.ptx
+try "selvage convert a.ptx m.ptx --mesh -" m.ptx
+try "selvage check a.ptx --mesh - --repair m.ptx" m.ptx
+cmp -s v.png view.json || fail "the view is lost"
+cmp -s mesh.obj m.ptx || fail "the mesh is lost"
 cmp -s in.ptx a.ptx || fail "a.ptx is another"
 cmp -s q.txt queries.txt || fail "queries.txt is another"
 accepts selvage convert a.ptx a.ptx --scale 1/2
