@@ -22,6 +22,7 @@ struct slv_exchange {
     slv_ptx_writer_params params;
     slv_texture_encoding encoding; /* of its colours; of an index that does not say AUTO, and then
                                       values are taken as they stand */
+    slv_texture_encoding images_encoding; /* of PNGs that do not say it */
 };
 
 /* What was done so far; faces are counted by many threads. */

@@ -28,7 +28,7 @@ static bool is_lossy(slv_type type, bool exr) {
 static slv_result save_face(const struct export *e, const slv_env *env, uint32_t face, slv_res res,
                             const float *values) {
     uint32_t nchannels = e->plan->target.nchannels;
-    slv_image_params params = slvi_index_image_params(e->plan->target.type, e->exr);
+    slv_image_params params = slvi_index_image_params(e->plan, e->exr);
     slv_result result = SLV_OK;
     for (uint32_t group = 0; group < slvi_index_groups(nchannels) && !result; group++) {
         char stem[32], name[64], path[1400];
@@ -63,7 +63,7 @@ static slv_result export_face(void *user, const slv_env *env, uint32_t face,
         result = slvi_alloc_plain(env, e->plan->path, count, sizeof *values, &values);
     if (!result) {
         slv_type_to_float(target->type, converted, count, values);
-        slvi_exchange_change(e->plan->encoding, e->exr ? SLV_TEXTURE_LINEAR : SLV_TEXTURE_SRGB,
+        slvi_exchange_change(e->plan->encoding, slvi_index_pictures(e->plan, e->exr),
                              target->nchannels, target->alpha_channel, values,
                              count / target->nchannels);
         if (e->folder)
@@ -111,6 +111,10 @@ static slv_result describe(const slv_env *env, const struct export *e, const cha
         failed |= json_array_append_new(images, slvi_index_text(env, name));
     }
     failed |= json_object_set_new(root, "images", images);
+    if (plan->encoding == SLV_TEXTURE_LINEAR || plan->encoding == SLV_TEXTURE_SRGB)
+        failed |= json_object_set_new(
+            root, "images_encoding",
+            json_string(slv_texture_encoding_name(slvi_index_pictures(plan, e->exr))));
     for (uint32_t face = 0; face < plan->target.nfaces && !failed && !result; face++) {
         slv_ptx_face info;
         uint32_t from = slvi_exchange_plan_source(plan, face);
@@ -224,7 +228,7 @@ done:
 static slv_result save_sheets(const slv_env *env, const struct export *e, slv_progress progress,
                               const char *stem, const char *made) {
     const slv_ptx_writer_params *target = &e->plan->target;
-    slv_image_params params = slvi_index_image_params(target->type, e->exr);
+    slv_image_params params = slvi_index_image_params(e->plan, e->exr);
     const char *slash = strrchr(stem, '/'), *base = slash ? slash + 1 : stem;
     char name[1100], path[2400];
     slv_result result = SLV_OK;

@@ -18,12 +18,18 @@ struct import {
     void *texels;
     size_t capacity;
     slvi_import_loss dropped, added; /* alpha */
+    slvi_import_loss unsaid;         /* what the colours are */
 };
 
 /* From what a picture holds to what the texture does. */
-static void decode_picture(const struct import *m, uint32_t group, slv_image *image) {
+static void decode_picture(struct import *m, const char *path, uint32_t group, slv_image *image) {
     int32_t alpha = m->source->alpha_channel - (int32_t)(group * SLVI_INDEX_GROUP);
-    slvi_exchange_change(image->encoding, m->encoding, image->nchannels,
+    slv_texture_encoding encoding = image->encoding;
+    if (image->encoding_is_assumed && m->exchange->images_encoding == SLV_TEXTURE_LINEAR) {
+        encoding = SLV_TEXTURE_LINEAR;
+        slvi_import_note(&m->unsaid, path);
+    }
+    slvi_exchange_change(encoding, m->encoding, image->nchannels,
                          m->source->alpha_channel < 0 ? SLV_NO_ALPHA : alpha, image->pixels,
                          (uint64_t)image->width * image->height);
 }
@@ -48,7 +54,7 @@ static slv_result load_images(struct import *m, const json_t *names, const char 
             result = slvi_import_fit(m->env, path, slvi_index_group_size(nchannels, group), image,
                                      &m->dropped, &m->added);
         if (!result)
-            decode_picture(m, group, image);
+            decode_picture(m, path, group, image);
         if (!result && group &&
             (image->width != m->images[0].width || image->height != m->images[0].height))
             result =
@@ -184,7 +190,7 @@ slv_result slvi_exchange_import(const slv_env *env, const slv_exchange *source,
         if ((result = slvi_exchange_visited(env, plan, import_face(&m, plan, writer, face))))
             goto done;
     if (!(result = slv_ptx_writer_finish(writer)))
-        slvi_import_warn(env, &m.dropped, &m.added);
+        slvi_import_warn(env, &m.dropped, &m.added, &m.unsaid);
 done:
     slv_ptx_writer_destroy(writer);
     for (uint32_t group = 0; m.images && group < ngroups; group++)

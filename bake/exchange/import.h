@@ -21,7 +21,8 @@ slv_result slvi_exchange_import(const slv_env *env, const slv_exchange *source,
  * and R G B that are alike are grey. SLV_ERROR_MISMATCH: a colour where grey is needed. */
 slv_result slvi_import_fit(const slv_env *env, const char *path, uint32_t needed, slv_image *image,
                            slvi_import_loss *dropped, slvi_import_loss *added);
+void slvi_import_note(slvi_import_loss *loss, const char *path);
 void slvi_import_warn(const slv_env *env, const slvi_import_loss *dropped,
-                      const slvi_import_loss *added);
+                      const slvi_import_loss *added, const slvi_import_loss *unsaid);
 
 #endif

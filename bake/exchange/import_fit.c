@@ -4,7 +4,7 @@
 #include <stdio.h>
 #include <string.h>
 
-static void note(slvi_import_loss *loss, const char *path) {
+void slvi_import_note(slvi_import_loss *loss, const char *path) {
     if (loss->count++ == 0)
         snprintf(loss->first, sizeof loss->first, "%s", path);
 }
@@ -44,10 +44,11 @@ slv_result slvi_import_fit(const slv_env *env, const char *path, uint32_t needed
         lost |= alpha && !wanted && from[have - 1] != 1.0f;
     }
     if (lost)
-        note(dropped, path);
+        slvi_import_note(dropped, path);
     if (wanted && !alpha)
-        note(added, path);
+        slvi_import_note(added, path);
     fitted.encoding = image->encoding;
+    fitted.encoding_is_assumed = image->encoding_is_assumed;
     slv_image_free(image);
     *image = fitted;
     return SLV_OK;
@@ -62,7 +63,10 @@ static void warn(const slv_env *env, const slvi_import_loss *loss, const char *w
 }
 
 void slvi_import_warn(const slv_env *env, const slvi_import_loss *dropped,
-                      const slvi_import_loss *added) {
+                      const slvi_import_loss *added, const slvi_import_loss *unsaid) {
     warn(env, dropped, "its alpha is not 1 everywhere and is lost, since the texture has none");
     warn(env, added, "has no alpha, and the texture has: it becomes 1");
+    warn(env, unsaid,
+         "does not say any more that its numbers are light (gAMA), which the index says: they are "
+         "taken as they stand");
 }

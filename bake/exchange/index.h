@@ -31,8 +31,11 @@ static inline uint32_t slvi_index_group_size(uint32_t nchannels, uint32_t group)
  * for others. */
 void slvi_index_image_name(char *out, size_t size, const char *stem, uint32_t group,
                            const char *extension);
-/* Half goes into EXR as it is; PNG holds 8 or 16 bits. */
-slv_image_params slvi_index_image_params(slv_type type, bool exr);
+/* What colours are in the pictures, where they are any: sRGB in a PNG, but light where 16 bits of
+ * light would be rounded; light in an EXR. */
+slv_texture_encoding slvi_index_pictures(const slvi_exchange_plan *plan, bool exr);
+/* Half goes into EXR as it is; PNG holds 8 or 16 bits, and 16 of sRGB hold 8 of light. */
+slv_image_params slvi_index_image_params(const slvi_exchange_plan *plan, bool exr);
 /* Between a face's texels, row 0 at v=0, and a rectangle of an image, its top at v=1. */
 void slvi_index_to_image(const float *values, slv_res res, uint32_t nchannels, uint32_t group,
                          slv_image *image, uint32_t x, uint32_t y);

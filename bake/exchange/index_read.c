@@ -35,12 +35,12 @@ static bool read_integer(const json_t *item, json_int_t low, json_int_t high, js
 
 /* What an index says of the colours; older ones say nothing. */
 static slv_result read_encoding(const slv_env *env, const char *path, const json_t *root,
-                                slv_texture_encoding *out) {
-    const json_t *item = json_object_get(root, "texture_encoding");
+                                const char *key, slv_texture_encoding *out) {
+    const json_t *item = json_object_get(root, key);
     *out = SLV_TEXTURE_AUTO;
     if (!item || slv_texture_encoding_from_name(json_string_value(item), out))
         return SLV_OK;
-    return slvi_fail(env, SLV_ERROR_FORMAT, "%s: texture_encoding is nothing that it can be", path);
+    return slvi_fail(env, SLV_ERROR_FORMAT, "%s: %s is nothing that it can be", path, key);
 }
 
 static slv_result read_params(const slv_env *env, const char *path, const json_t *root,
@@ -120,7 +120,10 @@ slv_result slvi_index_open(const slv_env *env, const char *path, slv_exchange *s
         return slvi_fail(env, SLV_ERROR_MEMORY, "%s: no memory to read it", index);
     if (!source->index)
         return slvi_fail(env, SLV_ERROR_FORMAT, "%s:%d: %s", index, error.line, error.text);
-    if ((result = read_encoding(env, index, source->index, &source->encoding)))
+    if ((result =
+             read_encoding(env, index, source->index, "texture_encoding", &source->encoding)) ||
+        (result =
+             read_encoding(env, index, source->index, "images_encoding", &source->images_encoding)))
         return result;
     return read_params(env, index, source->index, &source->params);
 }

@@ -47,8 +47,17 @@ void slvi_index_image_name(char *out, size_t size, const char *stem, uint32_t gr
         snprintf(out, size, "%s%s", stem, extension);
 }
 
-slv_image_params slvi_index_image_params(slv_type type, bool exr) {
-    slv_image_params params = {.encoding = SLV_ENCODE_RAW, .bits = type == SLV_TYPE_U8 ? 8 : 16};
+slv_texture_encoding slvi_index_pictures(const slvi_exchange_plan *plan, bool exr) {
+    bool linear = plan->target.type == SLV_TYPE_U16 && plan->encoding == SLV_TEXTURE_LINEAR;
+    return exr || linear ? SLV_TEXTURE_LINEAR : SLV_TEXTURE_SRGB;
+}
+
+slv_image_params slvi_index_image_params(const slvi_exchange_plan *plan, bool exr) {
+    slv_type type = plan->target.type;
+    bool linear = slvi_index_pictures(plan, exr) == SLV_TEXTURE_LINEAR;
+    slv_image_params params = {.encoding = linear ? SLV_ENCODE_LINEAR : SLV_ENCODE_RAW, .bits = 16};
+    if (type == SLV_TYPE_U8 && plan->encoding != SLV_TEXTURE_LINEAR)
+        params.bits = 8;
     if (exr)
         params.bits = type == SLV_TYPE_HALF || type == SLV_TYPE_U8 ? 16 : 32;
     return params;

@@ -19,7 +19,7 @@ static slv_result check_image(const slv_env *env, const slv_image *image,
     slv_result result = slvi_image_check_size(env, image->width, image->height, image->nchannels);
     if (!result && !image->pixels)
         result = slvi_fail(env, SLV_ERROR_ARGUMENT, "an image without pixels");
-    if (!result && (unsigned)params->encoding > SLV_ENCODE_RAW)
+    if (!result && (unsigned)params->encoding > SLV_ENCODE_LINEAR)
         result = slvi_fail(env, SLV_ERROR_ARGUMENT, "unknown image encoding %d", params->encoding);
     return result;
 }
@@ -77,8 +77,8 @@ static slv_result decode(const slv_env *env, const char *path, const void *bytes
                          path);
     slv_result result = png ? slvi_image_png_decode(env, path, bytes, size, out)
                             : slvi_image_exr_decode(env, path, bytes, size, out);
-    if (!result)
-        out->encoding = png ? SLV_TEXTURE_SRGB : SLV_TEXTURE_LINEAR;
+    if (!result && !png)
+        out->encoding = SLV_TEXTURE_LINEAR;
     return result;
 }
 

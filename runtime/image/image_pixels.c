@@ -18,7 +18,7 @@ slv_result slvi_image_check_size(const slv_env *env, uint32_t width, uint32_t he
 }
 
 const char *slv_image_encoding_name(slv_image_encoding encoding) {
-    static const char *const names[] = {"srgb", "raw"};
+    static const char *const names[] = {"srgb", "raw", "linear"};
     return slvi_name_of(names, SLVI_COUNT(names), (int)encoding);
 }
 

@@ -125,6 +125,8 @@ static bool write_png(png_structp png, png_infop info, const slv_image *image,
                  PNG_COMPRESSION_TYPE_DEFAULT, PNG_FILTER_TYPE_DEFAULT);
     if (params->encoding == SLV_ENCODE_SRGB)
         png_set_sRGB(png, info, PNG_sRGB_INTENT_PERCEPTUAL);
+    else if (params->encoding == SLV_ENCODE_LINEAR)
+        png_set_gAMA_fixed(png, info, PNG_FP_1);
     png_write_info(png, info);
     for (uint32_t y = 0; y < image->height; y++) {
         encode_row(image, image->pixels + (size_t)y * image->width * image->nchannels,
@@ -172,13 +174,26 @@ static bool read_png_header(png_structp png, png_infop info, struct png_stream *
     png_set_read_fn(png, stream, on_read);
     png_set_user_limits(png, IMAGE_MAX_SIDE, IMAGE_MAX_SIDE);
     /* comments and profiles are of no use here, and libpng reserves what their lengths claim */
+    static const png_byte colour_chunks[] = "gAMA\0sRGB";
     png_set_keep_unknown_chunks(png, PNG_HANDLE_CHUNK_NEVER, NULL, -1);
+    png_set_keep_unknown_chunks(png, PNG_HANDLE_CHUNK_AS_DEFAULT, colour_chunks, 2);
     png_set_chunk_malloc_max(png, 1 << 24);
     png_read_info(png, info);
     png_set_expand(png);
     png_set_interlace_handling(png);
     png_read_update_info(png, info);
     return true;
+}
+
+/* By what most files have and programs go by; the curves of other gammas are taken for sRGB's. */
+static void find_encoding(png_structp png, png_infop info, slv_image *image) {
+    png_fixed_point gamma = 0;
+    int intent;
+    bool srgb = png_get_sRGB(png, info, &intent) != 0,
+         some = png_get_gAMA_fixed(png, info, &gamma) != 0;
+    bool linear = !srgb && some && gamma > PNG_FP_1 * 95 / 100 && gamma < PNG_FP_1 * 105 / 100;
+    image->encoding = linear ? SLV_TEXTURE_LINEAR : SLV_TEXTURE_SRGB;
+    image->encoding_is_assumed = !srgb && !some;
 }
 
 static bool read_png_rows(png_structp png, struct png_stream *stream) {
@@ -210,6 +225,7 @@ static slv_result decode(png_structp png, png_infop info, struct png_stream *str
                              &stream->row_pointers)) ||
         (result = slv_image_create(stream->env, width, height, n, out)))
         return result;
+    find_encoding(png, info, out);
     for (uint32_t y = 0; y < height; y++)
         stream->row_pointers[y] = stream->rows + y * row;
     if (!read_png_rows(png, stream))

@@ -17,6 +17,8 @@ static float shown(const char *name) {
     if (image.nchannels == 3) /* a sheet, between whose cells there is black */
         pixel = image.pixels + (image.width + 1) * 3;
     float value = pixel[0];
+    if (strstr(name, ".png") && image.encoding == SLV_TEXTURE_LINEAR)
+        slv_texels_encode(1, SLV_NO_ALPHA, &value, 1); /* what it says of itself */
     slv_image_free(&image);
     return value;
 }

@@ -72,7 +72,7 @@ int main(void) {
     CHECK_NAMES(slv_meta_type, SLV_META_DOUBLE, slv_meta_type_name, true);
     CHECK_NAMES(slv_ptx_encoding, SLV_PTX_TILED, slv_ptx_encoding_name, true);
     CHECK_NAMES(slv_check_kind, SLV_CHECK_KINDS - 1, slv_check_kind_name, true);
-    CHECK_NAMES(slv_image_encoding, SLV_ENCODE_RAW, slv_image_encoding_name, true);
+    CHECK_NAMES(slv_image_encoding, SLV_ENCODE_LINEAR, slv_image_encoding_name, true);
     CHECK_NAMES(slv_pattern, SLV_PATTERN_POSITION, slv_pattern_name,
                 leads_back_slv_pattern(name, i));
     CHECK_NAMES(slv_pixel_filter, SLV_PIXEL_MITCHELL, slv_pixel_filter_name,

@@ -188,6 +188,43 @@ static void check_images(void) {
     CHECK(info_of("grey.ptx").nchannels == 1);
 }
 
+/* Integers that are light in the texture go through PNG as they stand, and the PNG says what they
+ * are; if a program drops that, the index says it, and if it makes sRGB of them, they are decoded.
+ */
+static void check_light(void) {
+    static const char *const types[] = {"uint8", "uint16"};
+    slv_env env = test_env();
+    for (int i = 0; i < 2; i++) {
+        slv_image image = {0};
+        RUNS(0, "convert rgb.ptx light.ptx --scale 2 --type %s --texture-encoding linear",
+             types[i]);
+        RUNS(0, "convert light.ptx light_%d", i);
+        RUNS(0, "convert light_%d again.ptx", i);
+        LACKS("warning");
+        RUNS(0, "diff light.ptx again.ptx");
+        RUNS(0, "convert light.ptx light.png");
+        RUNS(0, "convert light.json again.ptx");
+        RUNS(0, "diff light.ptx again.ptx");
+        RUNS(0, "convert rgb.ptx same.ptx --scale 2 --type %s", types[i]);
+        RUNS(0, "convert same.ptx numbers --texture-encoding linear");
+        RUNS(0, "convert numbers again.ptx --texture-encoding linear");
+        RUNS(0, "diff light.ptx again.ptx");
+        REQUIRE(!slv_image_load(&env, tool_path("light.png"), &image));
+        CHECK(image.encoding == SLV_TEXTURE_LINEAR && !image.encoding_is_assumed);
+        slv_image_params form = {.encoding = SLV_ENCODE_RAW, .bits = 8u << i};
+        REQUIRE(!slv_image_save(&env, tool_path("light.png"), &image, &form));
+        RUNS(0, "convert light.json again.ptx");
+        HAS("light.png: does not say any more that its numbers are light");
+        RUNS(0, "diff light.ptx again.ptx");
+        form = (slv_image_params){.encoding = SLV_ENCODE_SRGB, .bits = 16};
+        REQUIRE(!slv_image_save(&env, tool_path("light.png"), &image, &form));
+        slv_image_free(&image);
+        RUNS(0, "convert light.json again.ptx");
+        LACKS("warning");
+        RUNS(0, "diff light.ptx again.ptx --texels --tolerance 0.00003");
+    }
+}
+
 #define INDEX_TOP "{\"schema\":1,\"kind\":\"faces\","
 #define INDEX_FORM                                                                                 \
     "\"mesh_type\":\"quad\",\"data_type\":\"uint8\",\"border_u\":\"clamp\",\"border_v\":"          \
@@ -464,6 +501,7 @@ int main(void) {
     check_sizes();
     check_resize();
     check_images();
+    check_light();
     check_summary();
     check_hostile();
     check_kept();

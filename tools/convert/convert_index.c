@@ -11,7 +11,7 @@
 
 static const char of_files[] =
     "schema|kind|mesh_type|data_type|channels|alpha_channel|"
-    "texture_encoding|border_u|border_v|edge_filter|reductions|meta|faces|images",
+    "texture_encoding|border_u|border_v|edge_filter|reductions|meta|faces|images|images_encoding",
                   of_faces[] = "width|height|constant|subface|adjacent_faces|adjacent_edges|images|"
                                "x|y",
                   of_entries[] = "key|type|value|values";

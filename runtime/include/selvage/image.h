@@ -15,17 +15,20 @@ typedef struct slv_image {
     uint32_t width, height, nchannels;
     float *pixels;                 /* width * height * nchannels; slv_image_free releases it */
     slv_texture_encoding encoding; /* of the colours of a file that was read, whatever its name:
-                                      SRGB of PNG, LINEAR of OpenEXR. AUTO of other images; writers
-                                      do not look at it */
+                                      LINEAR of OpenEXR and of a PNG that says so (gAMA of 1), SRGB
+                                      of other PNGs. AUTO of other images; writers do not look at
+                                      it */
+    bool encoding_is_assumed;      /* the PNG has neither gAMA nor sRGB */
 } slv_image;
 
 typedef enum slv_image_encoding {
     SLV_ENCODE_SRGB =
         0, /* PNG: colour divided by alpha, then the sRGB curve. EXR: linear, multiplied by alpha */
-    SLV_ENCODE_RAW /* PNG: each value as it stands, times 255 (or 65535). EXR: the same as above */
+    SLV_ENCODE_RAW, /* PNG: each value as it stands, times 255 (or 65535). EXR: the same as above */
+    SLV_ENCODE_LINEAR /* the same, and a PNG says that its colours are light (gAMA of 1) */
 } slv_image_encoding;
 
-SLV_API const char *slv_image_encoding_name(slv_image_encoding encoding); /* srgb, raw */
+SLV_API const char *slv_image_encoding_name(slv_image_encoding encoding); /* srgb, raw, linear */
 
 typedef struct slv_image_params {
     slv_image_encoding encoding;
