@@ -56,8 +56,10 @@ slv_res slvi_exchange_plan_res(const slvi_exchange_plan *plan, uint32_t face, sl
 /* Where a face of the source is in the result, or -1; and the reverse. */
 int32_t slvi_exchange_plan_place(const slvi_exchange_plan *plan, int32_t face);
 uint32_t slvi_exchange_plan_source(const slvi_exchange_plan *plan, uint32_t place);
-/* Neighbours by their numbers in the result; those that are not there become boundary. */
-void slvi_exchange_plan_move(const slvi_exchange_plan *plan, slv_face_adjacency *adjacency);
+/* Neighbours of a face of the source by their numbers in the result; those that are not there
+ * become boundary, and where one of two sub-faces along an edge is not, both and the edge do. */
+slv_result slvi_exchange_plan_move(const slvi_exchange_plan *plan, const slv_ptx *ptx,
+                                   slv_ptx_face *face);
 /* Visits the faces of the source that are taken. */
 slv_result slvi_exchange_visit(const slv_env *env, const slvi_exchange_plan *plan,
                                const slv_ptx *ptx, slv_ptx_visit_fn visit, void *user);

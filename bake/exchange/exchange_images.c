@@ -118,10 +118,10 @@ static slv_result describe(const slv_env *env, const struct export *e, const cha
     for (uint32_t face = 0; face < plan->target.nfaces && !failed && !result; face++) {
         slv_ptx_face info;
         uint32_t from = slvi_exchange_plan_source(plan, face);
-        if ((result = slv_ptx_get_face(e->ptx, from, &info)))
+        if ((result = slv_ptx_get_face(e->ptx, from, &info)) ||
+            (result = slvi_exchange_plan_move(plan, e->ptx, &info)))
             break;
         info.res = slvi_exchange_plan_res(plan, from, info.res);
-        slvi_exchange_plan_move(plan, &info.adjacency);
         json_t *item = slvi_index_face(&info, nedges);
         failed = describe_place(e, face, item);
         failed |= json_array_append_new(json_object_get(root, "faces"), item);

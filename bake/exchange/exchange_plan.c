@@ -1,6 +1,8 @@
 /* What becomes of a source's faces: parameters are checked against the source, once for all. */
 #include "exchange/exchange_data.h"
 
+#include "adjacency/edge.h"
+
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -178,14 +180,45 @@ uint32_t slvi_exchange_plan_source(const slvi_exchange_plan *plan, uint32_t plac
     return plan->faces ? plan->faces[place] : place;
 }
 
-void slvi_exchange_plan_move(const slvi_exchange_plan *plan, slv_face_adjacency *adjacency) {
-    for (int edge = 0; plan->faces && edge < 4; edge++) {
-        if (adjacency->face[edge] < 0)
-            continue;
-        adjacency->face[edge] = slvi_exchange_plan_place(plan, adjacency->face[edge]);
-        if (adjacency->face[edge] < 0)
+static bool is_taken(const slvi_exchange_plan *plan, int32_t face) {
+    return face >= 0 && slvi_exchange_plan_place(plan, face) >= 0;
+}
+
+/* An edge of a whole quad may meet two sub-faces, of which it names the first and the second is
+ * over that one's edge before: it stays only where both do. */
+static slv_result meets_both(const slvi_exchange_plan *plan, const slv_ptx *ptx,
+                             const slv_face_adjacency *quad, int edge, bool *out) {
+    slv_ptx_face first;
+    int32_t named = quad->face[edge];
+    *out = true;
+    if (named < 0 || (uint32_t)named >= plan->source.nfaces)
+        return SLV_OK;
+    slv_result result = slv_ptx_get_face(ptx, (uint32_t)named, &first);
+    if (!result && (first.flags & SLV_FACE_SUBFACE))
+        *out = is_taken(plan, named) &&
+               is_taken(plan, first.adjacency.face[slvi_edge_before(quad->edge[edge] & 3)]);
+    return result;
+}
+
+slv_result slvi_exchange_plan_move(const slvi_exchange_plan *plan, const slv_ptx *ptx,
+                                   slv_ptx_face *face) {
+    slv_face_adjacency *adjacency = &face->adjacency;
+    const slv_face_adjacency before = *adjacency;
+    slv_result result = SLV_OK;
+    for (int edge = 0; plan->faces && edge < 4 && !result; edge++) {
+        int32_t there = before.face[edge];
+        bool stays = is_taken(plan, there);
+        slv_ptx_face other;
+        if (stays && !(result = slv_ptx_get_face(ptx, (uint32_t)there, &other)) &&
+            (face->flags ^ other.flags) & SLV_FACE_SUBFACE)
+            result = face->flags & SLV_FACE_SUBFACE
+                         ? meets_both(plan, ptx, &other.adjacency, before.edge[edge] & 3, &stays)
+                         : meets_both(plan, ptx, &before, edge, &stays);
+        adjacency->face[edge] = stays ? slvi_exchange_plan_place(plan, there) : -1;
+        if (!stays)
             adjacency->edge[edge] = 0;
     }
+    return result;
 }
 
 static int8_t resize_side(const slvi_exchange_plan *plan, int axis, int8_t log2) {

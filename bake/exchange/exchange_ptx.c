@@ -7,6 +7,7 @@
 
 struct conversion {
     const slvi_exchange_plan *plan;
+    const slv_ptx *ptx;
     slv_ptx_writer *writer;
 };
 
@@ -17,7 +18,8 @@ static slv_result write_face(void *user, const slv_env *env, uint32_t face,
     const void *values = texels;
     void *own;
     slv_result result = slvi_exchange_face(env, conversion->plan, face, &changed, &values, &own);
-    slvi_exchange_plan_move(conversion->plan, &changed.adjacency);
+    if (!result)
+        result = slvi_exchange_plan_move(conversion->plan, conversion->ptx, &changed);
     if (!result)
         result = slv_ptx_writer_write_face(
             conversion->writer, (uint32_t)slvi_exchange_plan_place(conversion->plan, (int32_t)face),
@@ -45,7 +47,7 @@ static slv_result copy_meta(const slv_env *env, const slvi_exchange_plan *plan,
 
 slv_result slvi_exchange_write_faces(const slv_env *env, const slvi_exchange_plan *plan,
                                      const slv_ptx *ptx, slv_ptx_writer *writer) {
-    struct conversion conversion = {.plan = plan, .writer = writer};
+    struct conversion conversion = {.plan = plan, .ptx = ptx, .writer = writer};
     return slvi_exchange_visit(env, plan, ptx, write_face, &conversion);
 }
 

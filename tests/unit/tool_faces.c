@@ -3,6 +3,7 @@
 
 #include "kit/ptx_same.h"
 
+#include <selvage/exchange.h>
 #include <selvage/image.h>
 
 /* Face `face` of one file is face `place` of another, but for its neighbours. */
@@ -79,6 +80,35 @@ static void check_some(void) {
     RUNS(2, "convert a.ptx x.ptx --faces 3-2");
     RUNS(1, "convert one.json x.ptx --faces 0");
     HAS("of images all faces are taken");
+}
+
+/* Any faces of a sound file are a sound file, wherever that cuts polygons. */
+static void check_subsets(const char *path) {
+    static uint64_t state = 11;
+    slv_env env = test_env();
+    slv_ptx *ptx = NULL;
+    slv_exchange *source = NULL;
+    char first[512], part[512];
+    uint32_t rounds = test_effort(4), kept[4096];
+    snprintf(part, sizeof part, "%s", tool_path("subset.ptx"));
+    if (count_findings(path, first, sizeof first))
+        return;
+    REQUIRE(!slv_ptx_open(&env, path, &ptx) && !slv_exchange_open_ptx(&env, ptx, &source));
+    uint32_t nfaces = slv_ptx_get_info(ptx)->nfaces;
+    for (uint32_t round = 0; round < rounds && nfaces <= 4096; round++) {
+        uint32_t count = 0, odds = 2 + test_random(&state) % 12;
+        for (uint32_t f = 0; f < nfaces; f++)
+            if ((test_random(&state) % odds != 0) == (round % 4 != 0))
+                kept[count++] = f;
+        if (!count)
+            kept[count++] = test_random(&state) % nfaces;
+        const slv_exchange_params params = {.faces = kept, .nfaces = count, .no_meta = true};
+        REQUIRE(!slv_exchange_to_ptx(&env, source, &params, part, NULL));
+        CHECK_MSG(!count_findings(part, first, sizeof first), "%s, %u of %u faces: %s", path, count,
+                  nfaces, first);
+    }
+    slv_exchange_close(source);
+    slv_ptx_close(ptx);
 }
 
 /* Types, border modes and metadata that a merge makes one of come apart again. */
@@ -180,6 +210,7 @@ int main(void) {
     tool_write_noise("a.ptx", SLV_TYPE_U8, 3, SLV_NO_ALPHA, 1);
     tool_write_noise("b.ptx", SLV_TYPE_U8, 3, SLV_NO_ALPHA, 2);
     check_some();
+    CHECK(each_sample(check_subsets) >= 10);
     check_split();
     check_split_refused();
     check_sheet();

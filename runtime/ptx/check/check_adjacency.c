@@ -119,20 +119,37 @@ static void check_second(check_context *check, int32_t face, unsigned edge) {
             face, edge, a->face[edge], second, second_edge);
 }
 
-/* The sub-faces of a polygon go round its middle, each one's edge 1 at the next one's edge 2. */
+/* Where the polygon of a sub-face begins: at any, or at the first of what is left of it. */
+static int32_t find_first(const check_context *check, int32_t start) {
+    int32_t face = start;
+    for (uint32_t count = 0; count < MAX_POLYGON; count++) {
+        int32_t before = face;
+        unsigned edge = 2;
+        if (!step_inside(check, &face, &edge))
+            return face < 0 ? before : start;
+        if (edge != 1 || face == start)
+            break;
+    }
+    return start;
+}
+
+/* The sub-faces of a polygon go round its middle, each one's edge 1 at the next one's edge 2. Those
+ * of a part of a file may lack some, with boundaries there. */
 static void check_polygon(check_context *check, int32_t start, uint8_t *seen) {
     slv_check_finding finding = {
         .kind = SLV_CHECK_SUBFACES, .warning = true, .face = start, .edge = 1, .level = -1};
-    int32_t face = start;
     uint32_t count = 0;
     if (seen[start])
         return;
+    int32_t face = start = find_first(check, start);
     do {
         unsigned edge = 1;
         int32_t from = face;
         seen[face] = 1;
         finding.face = from;
         if (!step_inside(check, &face, &edge) || edge != 2) {
+            if (face < 0 && check->faces[start].adjacency.face[2] < 0)
+                return;
             slvi_check_find(check->findings, &finding,
                             "face %d edge 1: is a sub-face, but no other's edge 2 follows it",
                             from);
