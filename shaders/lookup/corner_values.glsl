@@ -4,3 +4,8 @@
 layout(std430, binding = SLV_FIRST_STORAGE + 3) readonly buffer slv_corner_block {
     vec4 slv_corner[];
 };
+
+// Where a corner's values are: the number of the first in 27 bits, and 5 bits that say what the strategy needs.
+uint slv_corner_first(uint where) {
+    return where & 0x7ffffffu;
+}

@@ -48,7 +48,7 @@ slv_tap slv_scaled(slv_tap tap, float scale) {
 #endif
 
 slv_tap slv_own(int face, vec2 uv, slv_footprint f) {
-    vec3 p = vec3(uv, float(slv_store[face].x >> 16));
+    vec3 p = vec3(uv, float(slv_store[SLV_ROW(face)].x >> 16));
 #define SLV_OWN_LOOKUP(p, f) SLV_LOOKUP(0, p, f)
 #if SLV_ANISOTROPY > 1 && !SLV_TAPS
     slv_tap tap = SLV_OWN_LOOKUP(p, f);

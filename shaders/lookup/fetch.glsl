@@ -2,7 +2,8 @@
 
 // One lookup of those that make up a value.
 struct slv_site {
-    int pool, face;
+    int pool;
+    float layer;
     vec2 uv;
     slv_footprint f;
     float along; // how far along the shared edge its filter reaches, the edge's length being 1; 2 if it is not beside the point
@@ -21,7 +22,7 @@ float slv_spread(slv_footprint f) {
 // An index that is the same for a whole vector may select any array: one round for each that occurs among its fragments, which
 // for neighbours across one edge is one.
 slv_tap slv_fetch(slv_site site) {
-    vec3 p = vec3(site.uv, float(slv_store[site.face].x >> 16));
+    vec3 p = vec3(site.uv, site.layer);
     slv_tap sum = slv_tap(vec4(0.0), 0.0);
     bool waiting = !gl_HelperInvocation;
     do {
@@ -92,7 +93,7 @@ slv_tap slv_fetch_one(int pool, vec3 p, slv_footprint f) {
 }
 
 slv_tap slv_fetch(slv_site site) {
-    vec3 p = vec3(site.uv, float(slv_store[site.face].x >> 16));
+    vec3 p = vec3(site.uv, site.layer);
 #define SLV_POOL_LOOKUP(p, f) slv_fetch_one(site.pool, p, f)
     SLV_GATHER(SLV_POOL_LOOKUP, p, site.f);
 }

@@ -11,11 +11,13 @@
 // Each strategy is a file in strategy/ that begins with the features it chooses, names the parts that it is made of, and defines
 // slv_sample_grad. Parts depend on two kinds of definitions. The library defines for each program, as numbers:
 //   SLV_POOLS           array textures bound; the batch's own is number 0, but for squares of edges
-//   SLV_SUBFACES        1 if a face of the batch has two sub-faces across one edge
+//   SLV_SUBFACES        1 if faces of the batch are sub-faces or meet some
 //   SLV_SPLIT_COVERAGE  1 if coverage has textures of its own (four-channel data)
 //   SLV_ANISOTROPY      the most taps of a footprint
 //   SLV_BORDER          texels of a border
 //   SLV_FIRST_UNIT, SLV_FIRST_STORAGE    the first texture unit and the first storage buffer
+//   SLV_CHUNK           0, or how many faces have their rows in what is bound of tables that are longer than a block may be:
+//                       those whose ids agree above that power of two
 //   SLV_TAPS            1 if anisotropic taps are made here and not by the sampler: software drivers take the long axis of a
 //                       footprint from the coordinates of neighbouring fragments, whatever derivatives they are given
 //   SLV_VECTORS         1 if fragments run in vectors that only a loop's end can leave early (llvmpipe). Both sides of an `if` run
@@ -27,13 +29,19 @@
 
 layout(binding = SLV_FIRST_UNIT) uniform sampler2DArray slv_pool[SLV_POOLS];
 
+#if SLV_CHUNK
+#define SLV_ROW(face) ((face) & (SLV_CHUNK - 1))
+#else
+#define SLV_ROW(face) (face)
+#endif
+
 // Per face: pool | layer << 16, and log2 width | log2 height << 8.
 layout(std430, binding = SLV_FIRST_STORAGE) readonly buffer slv_store_block {
     uvec2 slv_store[];
 };
 
 vec2 slv_face_size(int face) {
-    uint res = slv_store[face].y;
+    uint res = slv_store[SLV_ROW(face)].y;
     return vec2(float(1u << (res & 255u)), float(1u << (res >> 8)));
 }
 

@@ -74,7 +74,17 @@ float slv_part(slv_tap own, slv_tap other) {
     return other.coverage / max(own.coverage + other.coverage, 1e-6);
 }
 
-vec4 slv_total(int face, slv_sums sum, uvec2 links, slv_reach reach, vec2 uv, slv_footprint f) {
+// The value that the faces around a corner agree on at a level. The finest levels of a face can all have the first one.
+vec4 slv_vertex_value(uint where, float level, vec2 size) {
+    float coarsest = log2(max(size.x, size.y));
+    level = clamp(level, 0.0, coarsest);
+    int first = int(slv_corner_first(where)), skip = int(where >> 27), fine = int(level);
+    vec4 a = slv_corner[first + max(fine - skip, 0)];
+    vec4 b = slv_corner[first + max(min(fine + 1, int(coarsest)) - skip, 0)];
+    return mix(a, b, fract(level));
+}
+
+vec4 slv_total(int face, uvec2 links, vec2 size, slv_sums sum, slv_reach reach, vec2 uv, slv_footprint f) {
     int after = reach.corner, before = (reach.corner + 3) & 3;
     // the distance to the edge after the corner, and to that before it
     vec2 inside = min(uv, 1.0 - uv), extent = reach.extent;
@@ -95,12 +105,17 @@ vec4 slv_total(int face, slv_sums sum, uvec2 links, slv_reach reach, vec2 uv, sl
     // Neighbours with larger texels reach further into this face than its own filter reaches out: they get no more weight than is
     // missing, and none where the filter lies inside.
     bool same_first = slv_same_texels(links, after), same_second = slv_same_texels(links, before);
+#if SLV_SUBFACES
     bool passed = (slv_link(links, reach.corner) & 0x4000u) != 0u;
     if (passed)
         same_first = same_second = same_first && same_second; // three faces meet here, not twice two
+#else
+    const bool passed = false;
+#endif
     float exact = sum.own.coverage + sum.others.coverage + (same_first ? sum.first.coverage : 0.0) +
                   (same_second ? sum.second.coverage : 0.0);
     vec2 most = 0.5 * near;
+#if SLV_SUBFACES
     if (passed) {
         // beside the middle of a whole quad's edge the quad lies across one edge, the other sub-face across the other: on that
         // one both take the same from the quad, and on the quad's edge each what the other leaves
@@ -108,6 +123,7 @@ vec4 slv_total(int face, slv_sums sum, uvec2 links, slv_reach reach, vec2 uv, sl
         float quad = quad_first ? mix(most.x, smaller.x, near.y) : mix(most.y, smaller.y, near.x);
         most = quad_first ? vec2(quad, most.y * (1.0 - quad)) : vec2(most.x * (1.0 - quad), quad);
     }
+#endif
     most = min(most, vec2(1.0 - exact));
     sum.first = same_first ? sum.first : slv_at_most(sum.first, most.x);
     sum.second = same_second ? sum.second : slv_at_most(sum.second, most.y);
@@ -118,10 +134,7 @@ vec4 slv_total(int face, slv_sums sum, uvec2 links, slv_reach reach, vec2 uv, sl
     float rest = 1.0 - sum.others.coverage;
     bool has_after = slv_linked(links, after), has_before = slv_linked(links, before);
     if (reach.edges[after] && reach.edges[before] && (has_after || has_before) && rest > 1e-3 && !passed) {
-        uint levels = slv_adjacent[face].levels, start = slv_adjacent[face].corners + uint(reach.corner) * levels;
-        float level = clamp(f.level, 0.0, float(levels - 1u));
-        vec4 vertex = mix(slv_corner[start + uint(level)], slv_corner[start + min(uint(level) + 1u, levels - 1u)],
-                          fract(level));
+        vec4 vertex = slv_vertex_value(slv_adjacent[SLV_ROW(face)].corners[reach.corner], f.level, size);
         // what two filters that are alike lack on their edge; where there is no neighbour, the same stands for the face's own part
         vec2 lacking = clamp(1.0 - (sum.own.coverage + vec2(sum.second.coverage, sum.first.coverage)) / rest, 0.0, 0.5);
         vec2 weights = vec2(slv_part(sum.own, sum.first), slv_part(sum.own, sum.second));

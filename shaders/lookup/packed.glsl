@@ -11,7 +11,7 @@ layout(std430, binding = SLV_FIRST_STORAGE + 2) readonly buffer slv_rect_block {
 vec4 slv_packed_level(uint pool, float layer, int level, vec2 size, vec2 uv, slv_footprint f); // the strategy's own
 
 vec4 slv_sample_grad(int face, vec2 uv, vec2 dx, vec2 dy) {
-    uvec2 store = slv_store[face];
+    uvec2 store = slv_store[SLV_ROW(face)];
     uint pool = store.x & 0xffffu;
     float layer = float(store.x >> 16);
     vec2 size = slv_face_size(face);

@@ -6,16 +6,14 @@ vec4 slv_visit(int face, vec2 size, vec2 uv, slv_footprint f, bvec4 edges, inout
     // the face itself is the first round of the loop, so that fragments away from edges make no other
     uvec2 links = uvec2(0u);
     if (any(edges))
-        links = slv_adjacent[face].links;
+        links = slv_adjacent[SLV_ROW(face)].links;
     slv_reach reach = slv_reach_of(links, edges, uv, slv_extent(size, f));
     reach.pending = gl_HelperInvocation ? 0u : reach.pending;
-    slv_site site = slv_site(0, face, uv, f, 1.0);
+    slv_site site = slv_site(0, float(slv_store[SLV_ROW(face)].x >> 16), uv, f, 1.0);
     int edge = -1;
     bool more;
     do {
-        slv_tap tap = slv_tap(vec4(0.0), 0.0);
-        if (site.pool >= 0)
-            tap = slv_fetch(site);
+        slv_tap tap = slv_fetch(site);
         if (edge < 0)
             sum.own = tap;
         else
@@ -26,22 +24,21 @@ vec4 slv_visit(int face, vec2 size, vec2 uv, slv_footprint f, bvec4 edges, inout
         reach.pending &= reach.pending - 1u;
         site = slv_neighbour(face, links, edge, visit > 3, uv, f);
     } while (more);
-    return slv_total(face, sum, links, reach, uv, f);
+    return slv_total(face, links, size, sum, reach, uv, f);
 #else
     sum.own = slv_own(face, uv, f);
     vec4 value = slv_resolve(sum.own);
     if (any(edges)) {
-        uvec2 links = slv_adjacent[face].links;
+        uvec2 links = slv_adjacent[SLV_ROW(face)].links;
         slv_reach reach = slv_reach_of(links, edges, uv, slv_extent(size, f));
         if (reach.pending != 0u) {
             do {
                 int visit = findLSB(reach.pending), edge = visit & 3;
                 reach.pending &= reach.pending - 1u;
                 slv_site site = slv_neighbour(face, links, edge, visit > 3, uv, f);
-                if (site.pool >= 0)
-                    slv_place(sum, links, reach.corner, edge, slv_fetch(site), site.along);
+                slv_place(sum, links, reach.corner, edge, slv_fetch(site), site.along);
             } while (reach.pending != 0u);
-            value = slv_total(face, sum, links, reach, uv, f);
+            value = slv_total(face, links, size, sum, reach, uv, f);
         }
     }
     return value;

@@ -4,7 +4,7 @@
 
 vec4 slv_sample_grad(int face, vec2 uv, vec2 dx, vec2 dy) {
     slv_footprint f = slv_footprint_of(slv_face_size(face), dx, dy);
-    vec3 p = vec3(slv_inside(uv), float(slv_store[face].x >> 16));
+    vec3 p = vec3(slv_inside(uv), float(slv_store[SLV_ROW(face)].x >> 16));
 #if SLV_TAPS
     vec4 sum = vec4(0.0);
     int k = 1;

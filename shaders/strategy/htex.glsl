@@ -136,7 +136,7 @@ slv_place slv_place_of(bool part, vec2 uv) {
 }
 
 vec4 slv_sample_grad(int face, vec2 uv, vec2 dx, vec2 dy) {
-    uvec4 squares = slv_squares[face].squares;
+    uvec4 squares = slv_squares[SLV_ROW(face)].squares;
     slv_place place = slv_place_of((squares.x & 0x4000000u) != 0u, slv_inside(uv));
     int after = (place.own + 1) & 3, before = (place.own + 3) & 3;
     slv_footprint f = slv_footprint_of(vec2(1.0), place.to * slv_bounded(dx), place.to * slv_bounded(dy));
@@ -162,9 +162,9 @@ vec4 slv_sample_grad(int face, vec2 uv, vec2 dx, vec2 dy) {
         value += slv_square_value(squares[(place.own + turn) & 3], turn, place.st, texel, f);
     } while (pending != 0u);
     // Around a corner the squares at hand differ from triangle to triangle: towards it the value becomes the one that all share.
-    uint corner = most < 0.5 ? slv_squares[face].centre.x
-                             : slv_squares[face].corners[place.st.x >= place.st.y ? place.own : after];
-    uint first = corner & 0x7ffffffu, least = corner >> 27;
+    uint corner = most < 0.5 ? slv_squares[SLV_ROW(face)].centre.x
+                             : slv_squares[SLV_ROW(face)].corners[place.st.x >= place.st.y ? place.own : after];
+    uint first = slv_corner_first(corner), least = corner >> 27;
     float log2_side = clamp(-f.level, 0.0, float(least));
     float share = clamp(min(most, 1.0 - most) * 2.0 * exp2(log2_side), 0.0, 1.0);
     vec4 shared_value = mix(slv_corner[first + uint(log2_side)], slv_corner[first + min(uint(log2_side) + 1u, least)],

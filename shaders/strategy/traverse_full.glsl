@@ -1,6 +1,5 @@
 // The same values as traverse from the plain form of it, which traverse is measured against.
-#undef SLV_VECTORS
-#define SLV_VECTORS 0
+#include "lookup/vectors.glsl"
 #include "lookup/interface.glsl"
 #include "lookup/footprint.glsl"
 #include "lookup/coverage.glsl"
@@ -12,19 +11,18 @@
 #include "lookup/join.glsl"
 
 vec4 slv_sample_grad(int face, vec2 uv, vec2 dx, vec2 dy) {
+    uvec2 links = slv_adjacent[SLV_ROW(face)].links;
     vec2 size = slv_face_size(face);
     uv = slv_inside(uv);
     slv_footprint f = slv_footprint_of(size, dx, dy);
     slv_sums sum = slv_no_sums();
-    uvec2 links = slv_adjacent[face].links;
     sum.own = slv_own(face, uv, f);
     slv_reach reach = slv_reach_of(links, slv_reached_edges(size, uv, f), uv, slv_extent(size, f));
     while (reach.pending != 0u) {
         int visit = findLSB(reach.pending), edge = visit & 3;
         reach.pending &= reach.pending - 1u;
         slv_site site = slv_neighbour(face, links, edge, visit > 3, uv, f);
-        if (site.pool >= 0)
-            slv_place(sum, links, reach.corner, edge, slv_fetch(site), site.along);
+        slv_place(sum, links, reach.corner, edge, slv_fetch(site), site.along);
     }
-    return slv_value(slv_total(face, sum, links, reach, uv, f));
+    return slv_value(slv_total(face, links, size, sum, reach, uv, f));
 }

@@ -43,7 +43,9 @@ static uint64_t calls, draws;
       (a, b, c, d, e))                                                                             \
     X(BindTextures, (GLuint a, GLsizei b, const GLuint *c), (a, b, c))                             \
     X(BindSamplers, (GLuint a, GLsizei b, const GLuint *c), (a, b, c))                             \
-    X(BindBuffersBase, (GLenum a, GLuint b, GLsizei c, const GLuint *d), (a, b, c, d))
+    X(BindBuffersRange,                                                                            \
+      (GLenum a, GLuint b, GLsizei c, const GLuint *d, const GLintptr *e, const GLsizeiptr *f),    \
+      (a, b, c, d, e, f))
 
 #define COUNT(name, parameters, arguments)                                                         \
     static void APIENTRY count_##name parameters {                                                 \

@@ -14,8 +14,9 @@ typedef struct ring_levels {
     uint32_t
         stride; /* above 1 around the pole of very many faces: every stride-th stands for all */
     bool by_edges;
-    int32_t meeting; /* offset - 2 level of the levels that meet */
-    int32_t quad;    /* the face whose edge this vertex is the middle of, or SLV_BOUNDARY */
+    int32_t meeting;    /* offset - 2 level of the levels that meet */
+    int32_t own, least; /* the offset of the face that asks, and the least of all */
+    int32_t quad;       /* the face whose edge this vertex is the middle of, or SLV_BOUNDARY */
     uint32_t quad_edge;
     bool quad_meets_first, quad_meets_last;
     int32_t quad_offset;
@@ -120,6 +121,8 @@ static ring_levels ring_levels_at(const slv_border_view *view, uint32_t face, ui
                 out.quad_offset = density(view, out.quad);
             least = out.quad_offset < least ? out.quad_offset : least;
         }
+        out.own = own;
+        out.least = least;
         own -= 2 * (int32_t)level;
         out.meeting = own < least ? own : least;
         if (fits || !out.by_edges)
@@ -287,4 +290,16 @@ void slv_border_vertex(const slv_levels *levels, const slv_adjacency *adjacency,
         for (uint32_t c = 0; c < view.count; c++)
             out[view.first + c] = value[c] / view.one;
     }
+}
+
+slv_vertex_share slv_border_vertex_share(const slv_levels *levels, const slv_adjacency *adjacency,
+                                         uint32_t face, unsigned corner) {
+    assert(face < levels->desc.nfaces && face < slv_adjacency_face_count(adjacency));
+    slv_border_view view = slvi_border_view_begin(levels, adjacency);
+    uint32_t position = 0;
+    ring_levels ring = ring_levels_at(&view, face, 0, corner % 4, &position);
+    if (ring.stride > 1)
+        return (slv_vertex_share){.alone = true};
+    uint32_t ahead = (uint32_t)(ring.own - ring.least);
+    return (slv_vertex_share){.skip = ahead / 2, .half = ahead & 1};
 }

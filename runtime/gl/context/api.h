@@ -63,7 +63,7 @@
     X(PFNGLDELETEBUFFERSPROC, DeleteBuffers)                                                       \
     X(PFNGLNAMEDBUFFERSUBDATAPROC, NamedBufferSubData)                                             \
     X(PFNGLNAMEDBUFFERSTORAGEPROC, NamedBufferStorage)                                             \
-    X(PFNGLBINDBUFFERSBASEPROC, BindBuffersBase)                                                   \
+    X(PFNGLBINDBUFFERSRANGEPROC, BindBuffersRange)                                                 \
     X(PFNGLCREATEVERTEXARRAYSPROC, CreateVertexArrays)                                             \
     X(PFNGLDELETEVERTEXARRAYSPROC, DeleteVertexArrays)                                             \
     X(PFNGLBINDVERTEXARRAYPROC, BindVertexArray)                                                   \

@@ -27,25 +27,29 @@ slv_result slvi_gl_add_batch(const slv_env *env, slv_gl_batches *batches,
 }
 
 slv_result slvi_gl_batches_by_pool(const slv_env *env, const slv_gl_pools *pools,
-                                   slv_gl_batches *out) {
-    uint32_t nfaces = 0, first = 0;
+                                   slv_gl_chunks chunks, slv_gl_batches *out) {
+    uint32_t *batch_of = NULL;
     slv_gl_batches batches = {0};
-    for (uint32_t p = 0; p < pools->npools; p++)
-        nfaces += pools->pools[p].nlayers;
-    slv_result result = slvi_alloc(env, "batches", nfaces, sizeof *batches.faces, &batches.faces);
+    slv_result result;
+    if ((result =
+             slvi_alloc(env, "batches", pools->nitems, sizeof *batches.faces, &batches.faces)) ||
+        (result = slvi_alloc(env, "batches", pools->nitems, sizeof *batch_of, &batch_of)))
+        goto done;
     for (uint32_t p = 0; !result && p < pools->npools; p++) {
         slv_gl_batch_range *range = NULL;
         if (!pools->pools[p].nlayers)
             continue;
         if ((result = slvi_gl_add_batch(env, &batches, &range)))
-            break;
-        range->first = first;
+            goto done;
         range->count = pools->pools[p].nlayers;
         range->npools = 1;
         range->pools[0] = p;
-        memcpy(batches.faces + first, pools->pools[p].items, range->count * sizeof *batches.faces);
-        first += range->count;
+        for (uint32_t layer = 0; layer < range->count; layer++)
+            batch_of[pools->pools[p].items[layer]] = batches.count - 1;
     }
+    result = slvi_gl_batches_list(env, &batches, pools->order, pools->nitems, chunks, batch_of);
+done:
+    slvi_free(batch_of);
     if (result)
         slvi_gl_batches_free(&batches);
     *out = batches;
@@ -67,19 +71,53 @@ uint32_t slvi_gl_slot_of(const slv_gl_batch_range *range, uint32_t pool) {
     return slot;
 }
 
-uint32_t slvi_gl_variant_for(uint32_t npools, bool two_subfaces) {
+uint32_t slvi_gl_variant_for(uint32_t npools, bool subfaces) {
     uint32_t log2 = 0;
     while (1u << log2 < npools)
         log2++;
-    return log2 << 1 | two_subfaces;
+    return log2 << 1 | subfaces;
+}
+
+/* The number of each batch of a chunk: *batches has the batches of all chunks afterwards, those
+ * without faces left out. */
+static slv_result split(const slv_env *env, slv_gl_chunks chunks, const uint32_t *order,
+                        uint32_t nfaces, slv_gl_batches *batches, uint32_t *batch_of) {
+    uint64_t whole = batches->count, all = whole * chunks.count;
+    uint32_t *number = NULL;
+    slv_gl_batch_range *range;
+    slv_result result;
+    if (chunks.count == 1)
+        return SLV_OK;
+    if ((result = slvi_alloc(env, "batches", all, sizeof *number, &number)))
+        return result;
+    for (uint32_t b = 0; b < whole; b++)
+        batches->ranges[b].count = 0;
+    for (uint32_t i = 0; !result && i < nfaces; i++) {
+        uint32_t *batch = &batch_of[order[i]], chunk = slv_gl_chunk_of(chunks, order[i]);
+        uint32_t *its = &number[*batch * (uint64_t)chunks.count + chunk];
+        if (!*its) {
+            if (batches->ranges[*batch].count && (result = slvi_gl_add_batch(env, batches, &range)))
+                break;
+            *its = batches->ranges[*batch].count ? batches->count : *batch + 1;
+            if (*its > whole)
+                batches->ranges[*its - 1] = batches->ranges[*batch];
+            batches->ranges[*its - 1].count = 0;
+            batches->ranges[*its - 1].chunk = chunk;
+        }
+        *batch = *its - 1;
+        batches->ranges[*batch].count++;
+    }
+    slvi_free(number);
+    return result;
 }
 
 slv_result slvi_gl_batches_list(const slv_env *env, slv_gl_batches *batches, const uint32_t *order,
-                                uint32_t nfaces, uint32_t *batch_of) {
+                                uint32_t nfaces, slv_gl_chunks chunks, uint32_t *batch_of) {
     uint32_t first = 0, *place = NULL;
     slv_gl_batch_range *sorted = NULL;
-    slv_result result = slvi_alloc(env, "batches", batches->count, sizeof *place, &place);
-    if (result || (result = slvi_alloc(env, "batches", batches->count, sizeof *sorted, &sorted)))
+    slv_result result = split(env, chunks, order, nfaces, batches, batch_of);
+    if (result || (result = slvi_alloc(env, "batches", batches->count, sizeof *place, &place)) ||
+        (result = slvi_alloc(env, "batches", batches->count, sizeof *sorted, &sorted)))
         goto done;
     for (uint32_t variant = 0, at = 0; variant < SLV_GL_MAX_VARIANTS; variant++) {
         for (uint32_t b = 0; b < batches->count; b++) {

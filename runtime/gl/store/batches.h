@@ -2,11 +2,12 @@
 #ifndef SLV_GL_BATCHES_H
 #define SLV_GL_BATCHES_H
 
+#include "gl/store/chunks.h"
 #include "gl/store/pools.h"
 
 typedef struct slv_gl_batch_range {
     uint32_t first, count; /* in the batch list's faces */
-    uint32_t variant, npools;
+    uint32_t variant, npools, chunk;
     uint32_t pools[16]; /* number 0 is the batch's own */
 } slv_gl_batch_range;
 
@@ -16,28 +17,28 @@ typedef struct slv_gl_batches {
     uint32_t *faces;
 } slv_gl_batches;
 
-/* Variants: the number of pools a shader can reach, 1 << (variant >> 1), and whether a link to two
- * sub-faces occurs. */
+/* Variants: the number of pools a shader can reach, 1 << (variant >> 1), and whether there are
+ * sub-faces among them or their neighbours. */
 static inline uint32_t slv_gl_variant_pools(uint32_t variant) {
     return 1u << (variant >> 1);
 }
-uint32_t slvi_gl_variant_for(uint32_t npools, bool two_subfaces);
+uint32_t slvi_gl_variant_for(uint32_t npools, bool subfaces);
 
 /* Adds a pool to a set if it is not there; returns its place. */
 uint32_t slvi_gl_add_pool(uint32_t *pools, uint32_t *npools, uint32_t pool);
 /* The place of a pool in a batch, or its number of pools. */
 uint32_t slvi_gl_slot_of(const slv_gl_batch_range *range, uint32_t pool);
 
-/* One batch a pool, of faces that are items. */
+/* One batch a pool and chunk, of faces that are items. */
 slv_result slvi_gl_batches_by_pool(const slv_env *env, const slv_gl_pools *pools,
-                                   slv_gl_batches *out);
+                                   slv_gl_chunks chunks, slv_gl_batches *out);
 /* One more, empty; the pointer holds until the next. */
 slv_result slvi_gl_add_batch(const slv_env *env, slv_gl_batches *batches, slv_gl_batch_range **out);
 /* Sorts batches by variant, so that few draws change the program, and lists the faces of each in
- * the order of `order`; batches->faces has room for them. `batch_of` has the new numbers
- * afterwards. */
+ * the order of `order`, a batch for each chunk; batches->faces has room for them. `batch_of` has
+ * the new numbers afterwards. */
 slv_result slvi_gl_batches_list(const slv_env *env, slv_gl_batches *batches, const uint32_t *order,
-                                uint32_t nfaces, uint32_t *batch_of);
+                                uint32_t nfaces, slv_gl_chunks chunks, uint32_t *batch_of);
 void slvi_gl_batches_free(slv_gl_batches *batches);
 
 #endif

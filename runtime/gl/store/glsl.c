@@ -26,6 +26,12 @@ slv_result slvi_gl_slot_read(const slv_env *env, slv_gl_slot *slot) {
                                      strategy->glsl, &slot->lookups);
 }
 
+/* How many faces the rows that a draw is shown belong to; 0 means all. */
+static uint32_t chunk_of(const slv_gl_texture *texture, const slv_gl_slot *slot) {
+    slv_gl_chunks chunks = texture->reaches[slot->reach].reach.chunks;
+    return chunks.count > 1 ? 1u << chunks.log2 : 0;
+}
+
 static slv_result write_variant(const slv_gl_texture *texture, const slv_gl_slot *slot,
                                 uint32_t variant, char **out) {
     const slv_gl_texture_params *params = &texture->params;
@@ -39,12 +45,13 @@ static slv_result write_variant(const slv_gl_texture *texture, const slv_gl_slot
              "#define SLV_POOLS %u\n#define SLV_SUBFACES %u\n"
              "#define SLV_SPLIT_COVERAGE %d\n#define SLV_ANISOTROPY %u\n#define SLV_BORDER %u\n"
              "#define SLV_TAPS %d\n#define SLV_VECTORS %d\n#define SLV_FIRST_UNIT %d\n#define "
-             "SLV_FIRST_STORAGE %d\n#define SLV_SCALED %d\n#define SLV_SCALE vec4(vec3(%.1f), "
+             "SLV_FIRST_STORAGE %d\n#define SLV_CHUNK %u\n#define SLV_SCALED %d\n#define SLV_SCALE "
+             "vec4(vec3(%.1f), "
              "%.1f)\n%s\n",
              slv_gl_variant_pools(variant), variant & 1, slot->split_coverage, params->anisotropy,
              params->border, slvi_gl_taps_in_shader(texture->gl), in_vectors(texture),
-             SLV_GL_FIRST_UNIT, SLV_GL_FIRST_STORAGE, texture->scaled, (double)scale,
-             (double)(params->nchannels == 4 ? scale : 1), slot->lookups);
+             SLV_GL_FIRST_UNIT, SLV_GL_FIRST_STORAGE, chunk_of(texture, slot), texture->scaled,
+             (double)scale, (double)(params->nchannels == 4 ? scale : 1), slot->lookups);
     return SLV_OK;
 }
 

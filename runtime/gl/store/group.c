@@ -155,7 +155,7 @@ static void take_faces(struct group *group, slv_gl_batch_range *range, uint32_t 
 
 /* The parameters are what a group of faces is, and where its batches go. */
 slv_result slvi_gl_group(const slv_env *env, slv_gl_batches *batches, const slv_gl_need *needs,
-                         uint32_t count, uint32_t npools, uint32_t most, bool two_subfaces,
+                         uint32_t count, uint32_t npools, uint32_t most, bool subfaces,
                          uint32_t *batch_of) {
     struct group group;
     slv_result result = begin(env, needs, count, npools, &group);
@@ -167,7 +167,7 @@ slv_result slvi_gl_group(const slv_env *env, slv_gl_batches *batches, const slv_
         if (choose_pools(&group, range, npools, most, true) < of_pool)
             choose_pools(&group, range, npools, most, false);
         take_faces(&group, range, batches->count - 1, batch_of);
-        range->variant = slvi_gl_variant_for(range->npools, two_subfaces);
+        range->variant = slvi_gl_variant_for(range->npools, subfaces);
     }
     end(&group);
     return result;

@@ -17,7 +17,7 @@ typedef struct slv_gl_need {
  * should be close together. The first pool of all faces, if it is the same, is number 0 in every
  * batch. Batches get the narrowest variant that reaches their pools. */
 slv_result slvi_gl_group(const slv_env *env, slv_gl_batches *batches, const slv_gl_need *needs,
-                         uint32_t count, uint32_t npools, uint32_t most, bool two_subfaces,
+                         uint32_t count, uint32_t npools, uint32_t most, bool subfaces,
                          uint32_t *batch_of);
 
 #endif

@@ -10,8 +10,12 @@
 
 static slv_result build_own(const slv_gl_source *source, const slv_gl_pools *pools,
                             const void *made, slv_gl_reach *out) {
+    uint32_t nfaces = slv_levels_get_desc(source->levels)->nfaces, log2 = 32;
     (void)made;
-    return slvi_gl_batches_by_pool(source->env, pools, &out->batches);
+    while (log2 > 0 && ((uint64_t)8 << log2) > source->gl->max_storage)
+        log2--;
+    out->chunks = slv_gl_chunks_of(nfaces, log2);
+    return slvi_gl_batches_by_pool(source->env, pools, out->chunks, &out->batches);
 }
 
 static const struct reach_row {
@@ -34,6 +38,7 @@ slv_result slvi_gl_reach_build(const slv_gl_source *source, slv_gl_reach_kind ki
     uint32_t items[SLV_FORM_ITEMS];
     slv_result result = SLV_OK;
     memset(out, 0, sizeof *out);
+    out->chunks = slv_gl_chunks_of(0, 32);
     if (slv_levels_get_desc(source->levels)->nfaces &&
         pools->form->items(made, 0, items) != kinds[kind].items)
         return slvi_fail(source->env, SLV_ERROR_ARGUMENT,
@@ -42,6 +47,10 @@ slv_result slvi_gl_reach_build(const slv_gl_source *source, slv_gl_reach_kind ki
     result = kinds[kind].build(source, pools, made, out);
     if (result)
         slvi_gl_reach_free(source->gl, out);
+    if (!result && !source->params.live) {
+        slvi_free(out->corners.where);
+        out->corners.where = NULL;
+    }
     return result;
 }
 
@@ -55,8 +64,8 @@ slv_result slvi_gl_reach_refresh(const slv_gl_source *source, slv_gl_reach_kind 
 
 void slvi_gl_reach_free(const slv_gl *gl, slv_gl_reach *reach) {
     slvi_gl_batches_free(&reach->batches);
-    slvi_free(reach->first_value);
-    slvi_gl_marks_end(&reach->corners);
+    slvi_gl_corners_free(&reach->corners);
+    slvi_gl_marks_end(&reach->at_hand);
     slvi_gl_delete(gl->api.DeleteBuffers, &reach->ways);
     slvi_gl_delete(gl->api.DeleteBuffers, &reach->values);
     memset(reach, 0, sizeof *reach);

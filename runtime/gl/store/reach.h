@@ -4,14 +4,17 @@
 #define SLV_GL_REACH_H
 
 #include "gl/store/batches.h"
+#include "gl/store/corners.h"
 #include "gl/store/marks.h"
 
 typedef struct slv_gl_reach {
     slv_gl_batches batches;
-    GLuint ways, values;   /* 0: none. Bound at SLV_GL_FIRST_STORAGE + 1 and + 3 */
-    uint64_t bytes;        /* of these */
-    uint32_t *first_value; /* per face or corner of what follows changes: where its values are */
-    slv_gl_marks corners;  /* of htex: those at hand */
+    slv_gl_chunks chunks;   /* which draws are shown which rows of tables */
+    GLuint ways, values;    /* 0: none. Bound at SLV_GL_FIRST_STORAGE + 1 and + 3 */
+    uint32_t way_bytes;     /* of a row of `ways` */
+    uint64_t bytes;         /* of all tables */
+    slv_gl_corners corners; /* where values are; which corner has which for `live` only */
+    slv_gl_marks at_hand;   /* of htex: corners that are being changed */
 } slv_gl_reach;
 
 /* `made` is what the pools' form has made of the source. */

@@ -47,6 +47,11 @@ slv_result slvi_gl_table(const slv_gl_source *source, const char *what, const vo
         return slvi_fail(source->env, SLV_ERROR_LIMIT,
                          "the %s takes %llu bytes, the driver's limit is %llu", what,
                          (unsigned long long)bytes, (unsigned long long)most);
+    return slvi_gl_long_table(source, what, data, bytes, out);
+}
+
+slv_result slvi_gl_long_table(const slv_gl_source *source, const char *what, const void *data,
+                              uint64_t bytes, GLuint *out) {
     return source->put_off ? put_off(source->env, what, data, bytes, out, source->put_off)
                            : slvi_gl_buffer(source->gl, source->env, what, data, bytes, out);
 }
@@ -71,7 +76,7 @@ slv_result slvi_gl_face_table(const slv_gl_source *source, const slv_gl_pools *p
     for (uint32_t f = 0; f < desc->nfaces; f++)
         slvi_gl_face_row(source, pools, made, f, &rows[2 * (size_t)f]);
     *bytes += (uint64_t)desc->nfaces * 8;
-    result = slvi_gl_table(source, "face table", rows, (uint64_t)desc->nfaces * 8, out);
+    result = slvi_gl_long_table(source, "face table", rows, (uint64_t)desc->nfaces * 8, out);
     slvi_free(rows);
     return result;
 }

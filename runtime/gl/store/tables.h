@@ -13,6 +13,10 @@ slv_result slvi_gl_buffer(const slv_gl *gl, const slv_env *env, const char *what
 slv_result slvi_gl_table(const slv_gl_source *source, const char *what, const void *data,
                          uint64_t bytes, GLuint *out);
 
+/* The same for one that draws are shown parts of. */
+slv_result slvi_gl_long_table(const slv_gl_source *source, const char *what, const void *data,
+                              uint64_t bytes, GLuint *out);
+
 /* Per face its resolution and, where it is an item itself, its pool and layer. */
 slv_result slvi_gl_face_table(const slv_gl_source *source, const slv_gl_pools *pools,
                               const void *made, GLuint *out, uint64_t *bytes);

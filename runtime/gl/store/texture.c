@@ -95,28 +95,47 @@ static uint32_t units_of(const slv_gl_texture *texture, const slv_gl_slot *slot)
     return pools * (slot->split_coverage ? 2 : 1);
 }
 
-void slv_gl_texture_bind_shared(slv_gl_texture *texture, const slv_strategy *strategy) {
-    const slv_gl_slot *slot = slvi_gl_texture_slot(texture, strategy);
-    const slv_gl_api *api = &texture->gl->api;
-    GLuint samplers[SLV_GL_MAX_UNITS];
-    if (!slot)
-        return;
+/* Shows draws the rows of one chunk, in one call for tables side by side. */
+static void bind_tables(const slv_gl_texture *texture, const slv_gl_slot *slot, uint32_t chunk) {
     const slv_gl_store *store = &texture->stores[slot->store];
     const slv_gl_reach *reach = reach_of(texture, slot);
     const GLuint tables[4] = {store->table, reach->ways, store->rects, reach->values};
+    uint64_t face = chunk ? (uint64_t)chunk << reach->chunks.log2 : 0, end = texture->nfaces;
+    GLintptr at[4] = {0};
+    GLsizeiptr size[4] = {0};
+    if (reach->chunks.count > 1 && chunk + 1 < reach->chunks.count)
+        end = (uint64_t)(chunk + 1) << reach->chunks.log2;
+    at[0] = (GLintptr)(8 * face);
+    size[0] = (GLsizeiptr)(8 * (end - face));
+    at[1] = (GLintptr)(reach->way_bytes * face);
+    size[1] = (GLsizeiptr)(reach->way_bytes * (end - face));
+    size[2] = (GLsizeiptr)store->rect_bytes;
+    if (reach->corners.first) {
+        at[3] = (GLintptr)(16 * reach->corners.first[chunk]);
+        size[3] = (GLsizeiptr)(16 * reach->corners.first[chunk + 1]) - at[3];
+    }
+    for (uint32_t first = 0; first < 4; first++) {
+        uint32_t last = first;
+        while (last < 4 && tables[last] && size[last])
+            last++;
+        if (last > first)
+            texture->gl->api.BindBuffersRange(GL_SHADER_STORAGE_BUFFER,
+                                              SLV_GL_FIRST_STORAGE + first, (GLsizei)(last - first),
+                                              tables + first, at + first, size + first);
+        first = last;
+    }
+}
+
+void slv_gl_texture_bind_shared(slv_gl_texture *texture, const slv_strategy *strategy) {
+    const slv_gl_slot *slot = slvi_gl_texture_slot(texture, strategy);
+    GLuint samplers[SLV_GL_MAX_UNITS];
+    if (!slot)
+        return;
     uint32_t units = units_of(texture, slot);
     for (uint32_t k = 0; k < units; k++)
         samplers[k] = slot->sampler;
-    api->BindSamplers(SLV_GL_FIRST_UNIT, (GLsizei)units, samplers);
-    for (uint32_t first = 0; first < 4; first++) { /* those side by side in one call */
-        uint32_t end = first;
-        while (end < 4 && tables[end])
-            end++;
-        if (end > first)
-            api->BindBuffersBase(GL_SHADER_STORAGE_BUFFER, SLV_GL_FIRST_STORAGE + first,
-                                 (GLsizei)(end - first), tables + first);
-        first = end;
-    }
+    texture->gl->api.BindSamplers(SLV_GL_FIRST_UNIT, (GLsizei)units, samplers);
+    bind_tables(texture, slot, 0);
 }
 
 void slv_gl_texture_bind_batch(slv_gl_texture *texture, const slv_strategy *strategy,
@@ -136,6 +155,8 @@ void slv_gl_texture_bind_batch(slv_gl_texture *texture, const slv_strategy *stra
     }
     units *= slot->split_coverage ? 2 : 1;
     texture->gl->api.BindTextures(SLV_GL_FIRST_UNIT, (GLsizei)units, arrays);
+    if (reach_of(texture, slot)->chunks.count > 1)
+        bind_tables(texture, slot, range->chunk);
 }
 
 void slv_gl_texture_bind(slv_gl_texture *texture, const slv_strategy *strategy, uint32_t index) {

@@ -43,6 +43,19 @@ SLV_NODISCARD SLV_API slv_result slv_border_build(const slv_levels *levels,
 SLV_API void slv_border_vertex(const slv_levels *levels, const slv_adjacency *adjacency,
                                uint32_t face, uint32_t level, unsigned corner, float *out);
 
+/* How a face shares a corner's values with the others around it, level to level: each ring
+ * (slv_adjacency_ring) has one list of values, or two where densities differ by half a level, and
+ * the value at a face's level is number max(level - skip, 0) of it. Around a pole of more than 256
+ * faces each has a list of its own. */
+typedef struct slv_vertex_share {
+    uint32_t skip; /* levels of the face that all have the first value */
+    bool half;     /* the second of the two lists */
+    bool alone;
+} slv_vertex_share;
+SLV_API slv_vertex_share slv_border_vertex_share(const slv_levels *levels,
+                                                 const slv_adjacency *adjacency, uint32_t face,
+                                                 unsigned corner);
+
 /* Every level of every face with a border from its neighbours, as a form (form.h). */
 SLV_API const slv_form *slv_form_borders(void);
 

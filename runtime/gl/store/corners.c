@@ -1,0 +1,226 @@
+/* Values at vertices: which corners of which faces share them, and what they are. */
+#include "gl/store/corners.h"
+
+#include "base/log.h"
+#include "base/memory.h"
+#include "base/parallel.h"
+#include "gl/store/tables.h"
+
+#include <selvage/border.h>
+
+#include <string.h>
+
+enum {
+    SKIP_SHIFT = 27, /* in `where` */
+    ALIGNMENT = 16,  /* values: what any driver lets a range of a buffer begin at */
+    LEAST_CHUNK = 5, /* log2 of the same in faces, 8 bytes each */
+    MOST_VALUES = SLV_GL_LEVELS + 1
+};
+
+/* As found for each corner, before values have numbers. */
+enum { SHARE_HALF = 32, SHARE_ALONE = 64 };
+
+struct list_job {
+    const slv_gl_source *source;
+    uint8_t *shares;
+};
+
+static slv_result find_shares(void *user, uint64_t first, uint64_t end) {
+    const struct list_job *job = user;
+    for (uint64_t i = first; i < end; i++) {
+        slv_vertex_share share = slv_border_vertex_share(
+            job->source->levels, job->source->adjacency, (uint32_t)(i / 4), i % 4);
+        job->shares[i] = (uint8_t)((share.skip < 31 ? share.skip : 31) |
+                                   (share.half ? SHARE_HALF : 0) | (share.alone ? SHARE_ALONE : 0));
+    }
+    return SLV_OK;
+}
+
+static uint32_t corner_id(slv_corner corner) {
+    return 4 * (uint32_t)corner.face + corner.corner;
+}
+
+/* How many values of its list a face has levels for. */
+static uint32_t values_of(const slv_gl_source *source, uint32_t face, uint32_t skip) {
+    uint32_t levels = slv_levels_count(source->levels, face);
+    return levels > skip ? levels - skip : 1;
+}
+
+/* Numbers the values of one ring: a list for those corners that are alike and in one part. */
+static void number_ring(const struct list_job *job, slv_gl_chunks chunks, slv_ring ring,
+                        slv_gl_corners *out) {
+    for (uint32_t i = 0; i < ring.count; i++) {
+        uint32_t id = corner_id(ring.corners[i]), chunk = slv_gl_chunk_of(chunks, id / 4);
+        uint32_t share = job->shares[id], skip = share & 31, nvalues = 0;
+        uint32_t end = share & SHARE_ALONE ? i + 1 : ring.count;
+        if (out->where[id] != UINT32_MAX)
+            continue;
+        for (uint32_t k = i; k < end; k++) {
+            uint32_t other = corner_id(ring.corners[k]), its = job->shares[other];
+            if (((its ^ share) & SHARE_HALF) || slv_gl_chunk_of(chunks, other / 4) != chunk)
+                continue;
+            skip = its & 31;
+            out->where[other] = (uint32_t)out->first[chunk + 1] | skip << SKIP_SHIFT;
+            uint32_t count = values_of(job->source, other / 4, skip);
+            nvalues = count > nvalues ? count : nvalues;
+        }
+        out->first[chunk + 1] += nvalues;
+    }
+}
+
+/* Numbers all values; false if a part has more than fit. */
+static bool number_values(const struct list_job *job, slv_gl_chunks chunks, slv_gl_corners *out) {
+    uint32_t nfaces = slv_levels_get_desc(job->source->levels)->nfaces;
+    uint64_t most = job->source->gl->max_storage / (4 * sizeof(float));
+    most = most < 1u << SKIP_SHIFT ? most : 1u << SKIP_SHIFT;
+    memset(out->where, 0xff, (size_t)nfaces * 4 * sizeof *out->where);
+    memset(out->first, 0, (chunks.count + 1) * sizeof *out->first);
+    for (uint32_t face = 0; face < nfaces; face++) {
+        for (unsigned corner = 0; corner < 4; corner++) {
+            uint32_t position;
+            slv_ring ring =
+                slv_adjacency_ring(job->source->adjacency, (int32_t)face, corner, &position);
+            if (position == 0)
+                number_ring(job, chunks, ring, out);
+            if (out->first[slv_gl_chunk_of(chunks, face) + 1] + MOST_VALUES > most)
+                return false;
+        }
+    }
+    for (uint32_t chunk = 0; chunk < chunks.count; chunk++) {
+        if (out->first[chunk + 1] > most)
+            return false;
+        out->first[chunk + 1] +=
+            out->first[chunk] + (ALIGNMENT - out->first[chunk + 1] % ALIGNMENT) % ALIGNMENT;
+    }
+    return true;
+}
+
+slv_result slvi_gl_corners_list(const slv_gl_source *source, uint64_t row, slv_gl_chunks *chunks,
+                                slv_gl_corners *out) {
+    uint32_t nfaces = slv_levels_get_desc(source->levels)->nfaces, log2 = 32;
+    uint64_t ncorners = 4 * (uint64_t)nfaces;
+    struct list_job job = {.source = source};
+    bool fits = false;
+    slv_result result;
+    if ((result = slvi_alloc(source->env, "corner table", ncorners, 1, &job.shares)) ||
+        (result =
+             slvi_alloc(source->env, "corner table", ncorners, sizeof *out->where, &out->where)) ||
+        (result = slvi_parallel_for(source->env, ncorners, 4096, find_shares, &job)))
+        goto done;
+    while (log2 > LEAST_CHUNK &&
+           (log2 == 32 ? nfaces : UINT64_C(1) << log2) * row > source->gl->max_storage)
+        log2 = log2 == 32 ? 31 : log2 - 1;
+    for (; !result && !fits && log2 >= LEAST_CHUNK; log2--) {
+        *chunks = slv_gl_chunks_of(nfaces, log2);
+        if (chunks->log2 < 32 || log2 == 32 || nfaces == 0) {
+            slvi_free(out->first);
+            out->first = NULL;
+            result = slvi_alloc(source->env, "corner table", chunks->count + 1, sizeof *out->first,
+                                &out->first);
+            fits = !result && number_values(&job, *chunks, out);
+        }
+    }
+    if (!result && !fits)
+        result = slvi_fail(source->env, SLV_ERROR_LIMIT,
+                           "the corner table does not fit the driver's limit of %llu bytes",
+                           (unsigned long long)source->gl->max_storage);
+done:
+    slvi_free(job.shares);
+    return result;
+}
+
+/* Whether two corners of a ring have one list. */
+static bool same_list(const slv_gl_corners *corners, slv_gl_chunks chunks, uint32_t a, uint32_t b) {
+    return (corners->where[a] << (32 - SKIP_SHIFT)) == (corners->where[b] << (32 - SKIP_SHIFT)) &&
+           slv_gl_chunk_of(chunks, a / 4) == slv_gl_chunk_of(chunks, b / 4);
+}
+
+/* The list of a corner: a value from whichever face has a level for it. Returns how many.
+ * `texel` has room for all channels. */
+static uint32_t list_values(const slv_gl_source *source, slv_gl_chunks chunks,
+                            const slv_gl_corners *corners, uint32_t id, float *texel,
+                            float out[4 * MOST_VALUES]) {
+    slv_ring ring = slv_adjacency_ring(source->adjacency, (int32_t)(id / 4), id % 4, NULL);
+    uint32_t done = 0;
+    for (uint32_t i = 0; i < ring.count; i++) {
+        uint32_t other = corner_id(ring.corners[i]), face = other / 4;
+        if (!same_list(corners, chunks, id, other))
+            continue;
+        uint32_t skip = corners->where[other] >> SKIP_SHIFT, count = values_of(source, face, skip);
+        uint32_t last = slv_levels_count(source->levels, face) - 1;
+        for (; done < count; done++) {
+            uint32_t level = skip + done < last ? skip + done : last;
+            slv_border_vertex(source->levels, source->adjacency, face, level, other % 4, texel);
+            slvi_gl_table_value(&source->params, texel, out + 4 * done);
+        }
+    }
+    return done;
+}
+
+static uint64_t first_value(const slv_gl_corners *corners, slv_gl_chunks chunks, uint32_t id) {
+    return corners->first[slv_gl_chunk_of(chunks, id / 4)] +
+           (corners->where[id] & ((1u << SKIP_SHIFT) - 1));
+}
+
+struct fill_job {
+    const slv_gl_source *source;
+    slv_gl_chunks chunks;
+    const slv_gl_corners *corners;
+    float *values;
+};
+
+static slv_result fill(void *user, uint64_t first, uint64_t end) {
+    const struct fill_job *job = user;
+    const slv_gl_source *source = job->source;
+    float *texel = NULL, values[4 * MOST_VALUES];
+    slv_result result =
+        slvi_alloc(&source->shared, "corner", slv_levels_get_desc(source->levels)->nchannels,
+                   sizeof *texel, &texel);
+    for (uint64_t i = first; !result && i < end; i++) {
+        uint32_t id = (uint32_t)i, position, k = 0;
+        slv_ring ring = slv_adjacency_ring(source->adjacency, (int32_t)(id / 4), id % 4, &position);
+        while (k < position &&
+               !same_list(job->corners, job->chunks, id, corner_id(ring.corners[k])))
+            k++;
+        if (k < position) /* that one does it */
+            continue;
+        uint32_t count = list_values(source, job->chunks, job->corners, id, texel, values);
+        memcpy(job->values + 4 * first_value(job->corners, job->chunks, id), values,
+               4 * count * sizeof *values);
+    }
+    slvi_free(texel);
+    return result;
+}
+
+slv_result slvi_gl_corners_fill(const slv_gl_source *source, slv_gl_chunks chunks,
+                                const slv_gl_corners *corners, float *values) {
+    struct fill_job job = {source, chunks, corners, values};
+    uint64_t ncorners = 4 * (uint64_t)slv_levels_get_desc(source->levels)->nfaces;
+    return slvi_parallel_for(&source->shared, ncorners, 1024, fill, &job);
+}
+
+/* The parameters say what is read, where it goes, and for which faces. */
+slv_result slvi_gl_corners_refresh(const slv_gl_source *source, slv_gl_chunks chunks,
+                                   const slv_gl_corners *corners, const uint32_t *faces,
+                                   uint32_t count, GLuint buffer) {
+    float *texel = NULL, values[4 * MOST_VALUES];
+    size_t size = 4 * sizeof *values;
+    slv_result result =
+        slvi_alloc_plain(source->env, "corner", slv_levels_get_desc(source->levels)->nchannels,
+                         sizeof *texel, &texel);
+    for (uint32_t i = 0; !result && i < 4 * count; i++) {
+        uint32_t id = 4 * faces[i / 4] + i % 4;
+        uint32_t nvalues = list_values(source, chunks, corners, id, texel, values);
+        source->gl->api.NamedBufferSubData(buffer,
+                                           (GLintptr)(first_value(corners, chunks, id) * size),
+                                           (GLsizeiptr)(nvalues * size), values);
+    }
+    slvi_free(texel);
+    return result;
+}
+
+void slvi_gl_corners_free(slv_gl_corners *corners) {
+    slvi_free(corners->where);
+    slvi_free(corners->first);
+    memset(corners, 0, sizeof *corners);
+}

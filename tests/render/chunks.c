@@ -1,0 +1,116 @@
+/* Tables that are longer than a storage block may be: lookups are the same bits whatever the limit,
+ * and values that faces share around a vertex are there once. The limit is a made-up one. */
+#include "kit/border_kit.h"
+#include "kit/strategy_kit.h"
+
+#include "gl/context/api.h"
+
+#include <selvage/gl_texture.h>
+
+static slv_gl *gl;
+
+enum { NPOINTS = 4096 };
+
+static int32_t faces[NPOINTS];
+static float uv[2 * NPOINTS], dx[2 * NPOINTS], dy[2 * NPOINTS];
+
+static void random_points(const kit *k, uint64_t *random) {
+    for (int i = 0; i < NPOINTS; i++) {
+        float texels = exp2f((float)(test_random(random) % 1000) / 100 - 4);
+        faces[i] = (int32_t)(test_random(random) % k->nfaces);
+        slv_res res = k->res[faces[i]];
+        for (int c = 0; c < 2; c++) /* often on an edge or in a corner */
+            uv[2 * i + c] = test_random(random) % 3 ? (float)(test_random(random) % 1025) / 1024
+                                                    : (float)(test_random(random) % 2);
+        dx[2 * i] = texels / (float)(1u << res.u);
+        dy[2 * i + 1] = texels / (float)(1u << res.v);
+    }
+}
+
+static uint32_t look_up(const kit *k, const slv_strategy *strategy, float *out) {
+    slv_env env = test_env();
+    slv_gl_texture *texture = NULL;
+    slv_gl_texture_params params = {KIT_ONLY(strategy)};
+    slv_result result =
+        slv_gl_texture_create(gl, &env, k->texture, k->adjacency, &params, &texture);
+    REQUIRE(result == SLV_OK);
+    result = slv_gl_texture_lookup(texture, &env, strategy, NPOINTS, faces, uv, dx, dy, out);
+    REQUIRE(result == SLV_OK);
+    uint32_t batches = slv_gl_texture_batch_count(texture, strategy);
+    slv_gl_texture_destroy(texture);
+    return batches;
+}
+
+static void check_limits(const kit *k) {
+    static float whole[4 * NPOINTS], parts[4 * NPOINTS];
+    uint64_t unlimited = gl->max_storage;
+    for (uint32_t s = 0; s < slv_strategy_count(); s++) {
+        const slv_strategy *strategy = slv_strategy_at(s);
+        uint32_t few = look_up(k, strategy, whole);
+        gl->max_storage = 8192;
+        uint32_t many = look_up(k, strategy, parts);
+        gl->max_storage = unlimited;
+        CHECK(strategy->reach == SLV_GL_REACH_OWN ? many == few : many > few);
+        int differ = 0;
+        for (int i = 0; i < 4 * NPOINTS; i++)
+            differ += memcmp(&whole[i], &parts[i], sizeof whole[i]) != 0;
+        CHECK_MSG(differ == 0, "%s: %d values differ", strategy->name, differ);
+    }
+}
+
+/* A limit below what one chunk takes is said before anything is drawn. */
+static void check_refusal(const kit *k) {
+    slv_env env = test_env();
+    slv_gl_texture *texture = NULL;
+    uint64_t unlimited = gl->max_storage;
+    slv_gl_texture_params params = {KIT_ONLY(kit_strategy("traverse"))};
+    gl->max_storage = 256;
+    CHECK(slv_gl_texture_create(gl, &env, k->texture, k->adjacency, &params, &texture) ==
+          SLV_ERROR_LIMIT);
+    gl->max_storage = unlimited;
+    CHECK(texture == NULL && strstr(test_last_log, "limit"));
+}
+
+static uint64_t bytes_of(const kit *k, const char *name) {
+    slv_env env = test_env();
+    slv_gl_texture *texture = NULL;
+    slv_gl_texture_params params = {KIT_ONLY(kit_strategy(name))};
+    slv_result result =
+        slv_gl_texture_create(gl, &env, k->texture, k->adjacency, &params, &texture);
+    REQUIRE(result == SLV_OK);
+    uint64_t bytes = slv_gl_texture_get_stats(texture, kit_strategy(name)).gpu_bytes;
+    slv_gl_texture_destroy(texture);
+    return bytes;
+}
+
+/* On a torus there are as many vertices as faces. */
+static void check_sharing(uint64_t *random) {
+    kit k;
+    kit_grid(&k, 16, 16, true, 0, random, NULL);
+    kit_equal(&k, 5);
+    kit_noise(&k, SLV_TYPE_U8, 3, random);
+    uint64_t tables = bytes_of(&k, "traverse") - bytes_of(&k, "discard");
+    CHECK_MSG(tables <= k.nfaces * (64 + 6 * 16), "%llu bytes of tables",
+              (unsigned long long)tables);
+    kit_free(&k);
+}
+
+int main(void) {
+    uint64_t random = 5;
+    slv_env env = test_env();
+    kit k;
+    slv_result result = slv_gl_create(&env, SLV_GL_AUTO, &gl);
+    REQUIRE(result == SLV_OK);
+    kit_grid(&k, 14, 14, false, 20, &random, NULL);
+    for (uint32_t f = 0; f < k.nfaces; f++)
+        k.res[f] =
+            (slv_res){(int8_t)(test_random(&random) % 4), (int8_t)(1 + test_random(&random) % 4)};
+    kit_noise(&k, SLV_TYPE_HALF, 3, &random);
+    random_points(&k, &random);
+    check_limits(&k);
+    check_refusal(&k);
+    kit_free(&k);
+    check_sharing(&random);
+    slv_gl_destroy(gl);
+    return test_end();
+}
