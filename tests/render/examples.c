@@ -15,18 +15,25 @@ static void run_example(const char *name, const char *const *arguments) {
     kit_run_program(&scratch, NULL, argv, &run);
 }
 
-/* A closed shape with a pentagon on either side, coloured by position. */
+/* A closed shape with a pentagon on either side. */
+static const char prism[] =
+    "v 1 0 -0.6\nv 0.31 0.95 -0.6\nv -0.81 0.59 -0.6\nv -0.81 -0.59 -0.6\nv 0.31 -0.95 -0.6\n"
+    "v 1 0 0.6\nv 0.31 0.95 0.6\nv -0.81 0.59 0.6\nv -0.81 -0.59 0.6\nv 0.31 -0.95 0.6\n"
+    "f 5 4 3 2 1\nf 6 7 8 9 10\nf 1 2 7 6\nf 2 3 8 7\nf 3 4 9 8\nf 4 5 10 9\nf 5 1 6 10\n";
+
+static void write_prism(const char *path) {
+    FILE *stream = fopen(path, "w");
+    REQUIRE(stream && fputs(prism, stream) >= 0 && fclose(stream) == 0);
+}
+
+/* Coloured by position. */
 static void make_texture(const char *path) {
-    static const char obj[] =
-        "v 1 0 -0.6\nv 0.31 0.95 -0.6\nv -0.81 0.59 -0.6\nv -0.81 -0.59 -0.6\nv 0.31 -0.95 -0.6\n"
-        "v 1 0 0.6\nv 0.31 0.95 0.6\nv -0.81 0.59 0.6\nv -0.81 -0.59 0.6\nv 0.31 -0.95 0.6\n"
-        "f 5 4 3 2 1\nf 6 7 8 9 10\nf 1 2 7 6\nf 2 3 8 7\nf 3 4 9 8\nf 4 5 10 9\nf 5 1 6 10\n";
     const slv_procedural position = {
         .pattern = SLV_PATTERN_POSITION, .frequency = 0.5f, .offset = {-1, -1, -1}};
     slv_res res[15];
     for (int f = 0; f < 15; f++)
         res[f] = f < 10 ? (slv_res){3, 3} : (slv_res){4, 5};
-    bake_write(path, obj, SLV_SCHEME_CATMARK, 15, res, &position);
+    bake_write(path, prism, SLV_SCHEME_CATMARK, 15, res, &position);
 }
 
 /* Red grows to the right and green upwards, as the positions do. */
@@ -116,6 +123,19 @@ int main(void) {
     check_traced(png);
     run_example("example_trace", (const char *const[]){missing, png, NULL});
     CHECK(run.code == 1 && kit_lines(run.err) == 1);
+
+    char obj[KIT_PATH], painted[KIT_PATH];
+    float apart = 1;
+    kit_join(obj, scratch.folder, "prism.obj");
+    write_prism(obj);
+    kit_join(painted, scratch.folder, "painted.ptx");
+    run_example("example_paint", (const char *const[]){obj, painted, NULL});
+    CHECK_MSG(run.code == 0 && !run.err[0] && strstr(run.out, " dabs, ") &&
+                  sscanf(strstr(run.out, "edges"), "edges differ by %f", &apart) == 1 &&
+                  apart < 0.1f,
+              "paint says: %s%s", run.out, run.err);
+    run_example("example_hello", (const char *const[]){painted, NULL});
+    CHECK(run.code == 0 && strstr(run.out, "15 faces"));
 
     for (int s = 0; s < 5; s++) {
         kit_join(png, scratch.folder, strategies[s]);

@@ -29,6 +29,7 @@ static const struct writer {
     {"merge in.ptx other.ptx -o", ".ptx", .prints = true},
     {"transfer in.ptx --to in.obj", ".ptx", .prints = true},
     {"new in.obj --json", ".ptx", .prints = true},
+    {"paint in.ptx s.jsonl --json", ".ptx", .prints = true},
     {"check in.ptx --repair", ".ptx", .prints = true},
     {"sample in.ptx --queries q.txt --out", ".txt", .streams = true},
     {"render in.ptx --size 24x24 --pass ids -o", ".PNG", .prints = true},
@@ -359,6 +360,8 @@ int main(void) {
     REQUIRE(slv_mesh_save_obj(&env, mesh, tool_path("in.obj")) == SLV_OK);
     slv_mesh_destroy(mesh);
     tool_write_file("q.txt", "point 0 0 0 1 0 0 0 0 .25 .25 0 0 0 0\n", 38);
+    static const char fill[] = "{\"op\": \"fill\", \"face\": 0, \"color\": [1]}\n";
+    tool_write_file("s.jsonl", fill, sizeof fill - 1);
     const struct writer *w = &writers[0];
     EXPECT(0, &none, "merge in.ptx other.ptx -o merged.ptx");
     for (int i = 0; i < WRITERS; i++) {

@@ -92,6 +92,43 @@ SLV_NODISCARD SLV_API slv_result slv_painter_mean(slv_painter *painter, const sl
                                                   const slv_patches *patches, float *out,
                                                   bool *any);
 
+/* Which faces a fill takes, from one of them on. */
+typedef enum slv_select {
+    SLV_SELECT_FACE = 0,  /* that face; of an n-gon, that sub-face */
+    SLV_SELECT_CONNECTED, /* all that hang together with it over edges */
+    SLV_SELECT_ANGLE      /* the same, but over edges only where the surface bends by less */
+} slv_select;
+SLV_API const char *slv_select_name(slv_select select); /* face, connected, angle */
+SLV_API bool slv_select_from_name(const char *name, slv_select *out);
+
+/* Sets selected[f] (one byte for each face) to 1 for the faces that are taken, and leaves others.
+ * `degrees` is for SLV_SELECT_ANGLE. */
+SLV_NODISCARD SLV_API slv_result slv_painter_select(slv_painter *painter, uint32_t face,
+                                                    slv_select select, float degrees,
+                                                    uint8_t *selected);
+/* Puts a paint all over the selected faces, a batch of them after the other, each of which is done
+ * or not: `begin` is called for each batch. `faces` (may be NULL) is how many there were. */
+SLV_NODISCARD SLV_API slv_result slv_painter_fill(slv_painter *painter, const slv_canvas *canvas,
+                                                  const uint8_t *selected, const slv_paint *paint,
+                                                  uint32_t *faces);
+
+/* How well a canvas holds together. At each texel centre along each shared edge (of the side that
+ * has more of them) both sides say what is on the edge: something between their outermost
+ * texels there and what these and the ones behind them lead to. Where these two ranges overlap the
+ * sides agree; else they differ by what is between. */
+typedef struct slv_seam_certificate {
+    double largest, mean; /* of all places and channels */
+    uint64_t places;      /* along edges */
+    int32_t face;         /* where the largest is; -1: the sides agree everywhere */
+    uint8_t edge;
+    uint32_t channel;
+    float t; /* along the edge, counter-clockwise */
+    uint64_t reserved[4];
+} slv_seam_certificate;
+SLV_NODISCARD SLV_API slv_result slv_seam_certify(const slv_env *env, const slv_canvas *canvas,
+                                                  const slv_adjacency *adjacency,
+                                                  slv_seam_certificate *out);
+
 #ifdef __cplusplus
 }
 #endif

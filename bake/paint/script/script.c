@@ -1,0 +1,163 @@
+/* Scripts: lines that are run on a canvas, which notes what they touch. */
+#include "script/script_data.h"
+#include "surface/painter_data.h"
+
+#include "base/log.h"
+#include "base/memory.h"
+
+#include <string.h>
+
+static slv_result describe(void *user, slv_canvas_desc *out) {
+    const slv_script *s = user;
+    return s->inner.fns->describe(s->inner.user, out);
+}
+
+static slv_result begin(void *user, const slv_patches *patches) {
+    slv_script *s = user;
+    slv_result result = s->inner.fns->begin ? s->inner.fns->begin(s->inner.user, patches) : SLV_OK;
+    for (uint32_t i = 0; i < patches->count && !result; i++) {
+        uint8_t *touched = &s->touched[patches->list[i].face];
+        s->stats.faces += !*touched;
+        *touched = 1;
+    }
+    return result;
+}
+
+static slv_result read_rect(void *user, uint32_t face, slv_rect rect, float *out) {
+    const slv_script *s = user;
+    return s->inner.fns->read(s->inner.user, face, rect, out);
+}
+
+static slv_result write_rect(void *user, uint32_t face, slv_rect rect, const float *texels) {
+    const slv_script *s = user;
+    return s->inner.fns->write(s->inner.user, face, rect, texels);
+}
+
+static void set_defaults(slvi_line *set) {
+    set->stroke.paint.opacity = 1;
+    set->stroke.unit = SLV_SIZE_WORLD;
+    set->degrees = 30;
+    for (int c = 3; c < SLV_PAINT_CHANNELS; c++)
+        set->stroke.paint.color[c] = 1;
+}
+
+slv_result slv_script_create(slv_painter *painter, const slv_canvas *canvas,
+                             const slv_script_params *params, slv_script **out) {
+    static const slv_canvas_fns fns = {describe, begin, read_rect, write_rect};
+    const slv_script_params none = {0};
+    const slv_env *env = slvi_painter_env(painter);
+    slv_canvas_desc desc;
+    slv_script *s = NULL;
+    *out = NULL;
+    params = params ? params : &none;
+    slv_result result = canvas->fns->describe(canvas->user, &desc);
+    if (result || (result = slvi_alloc(env, "script", 1, sizeof *s, &s)))
+        return result;
+    s->env = *env;
+    s->painter = painter;
+    s->inner = *canvas;
+    s->canvas = (slv_canvas){&fns, s};
+    s->params = *params;
+    s->nfaces = desc.nfaces;
+    set_defaults(&s->set);
+    if ((result = slvi_script_copy(env, params->name ? params->name : "script", &s->name)) ||
+        (result = slvi_script_copy(env, params->folder ? params->folder : "", &s->folder)) ||
+        (result = slvi_alloc(env, "script", desc.nfaces, 1, &s->touched)) ||
+        (result = slvi_alloc(env, "script", desc.nfaces, 1, &s->selected))) {
+        slv_script_destroy(s);
+        return result;
+    }
+    *out = s;
+    return SLV_OK;
+}
+
+void slv_script_destroy(slv_script *script) {
+    if (!script)
+        return;
+    for (uint32_t i = 0; i < script->nbrushes; i++) {
+        slvi_free(script->brushes[i].key);
+        slv_brush_destroy(script->brushes[i].brush);
+    }
+    slvi_free(script->brushes);
+    slvi_free(script->name);
+    slvi_free(script->folder);
+    slvi_free(script->touched);
+    slvi_free(script->selected);
+    slvi_free(script);
+}
+
+void slv_script_get_stats(const slv_script *script, slv_script_stats *out) {
+    *out = script->stats;
+}
+
+bool slv_script_touched(const slv_script *script, uint32_t face) {
+    return face < script->nfaces && script->touched[face];
+}
+
+static slv_result run_stroke(slv_script *s, uint64_t number, slvi_line *line) {
+    slv_stroke *stroke = NULL;
+    slv_stroke_stats stats = {0};
+    slv_stroke_sample sample;
+    slv_result result = SLV_OK;
+    line->stroke.mirrors = line->mirrors;
+    if (!line->stroke.brush) {
+        json_t *standard = json_object();
+        result = slvi_script_brush_of(s, number, standard, &line->stroke.brush);
+        json_decref(standard);
+    }
+    /* all of it is looked at before any of it is painted */
+    for (size_t i = 0; !result && i < json_array_size(line->samples); i++)
+        result = slvi_script_sample(s, number, line, i, &sample);
+    if (!result)
+        result = slv_stroke_begin(s->painter, &s->canvas, &line->stroke, &stroke);
+    for (size_t i = 0; !result && i < json_array_size(line->samples); i++)
+        if (!(result = slvi_script_sample(s, number, line, i, &sample)))
+            result = slv_stroke_add(stroke, &sample, 1);
+    if (stroke && !result)
+        result = slv_stroke_end(stroke, &stats);
+    slv_stroke_destroy(stroke);
+    s->stats.dabs += stats.dabs;
+    s->stats.missed += stats.missed;
+    s->stats.texels += stats.texels;
+    return result;
+}
+
+static slv_result run_fill(slv_script *s, const slvi_line *line) {
+    slv_canvas_desc desc;
+    memset(s->selected, 0, s->nfaces);
+    slv_result result = slv_painter_select(s->painter, (uint32_t)line->face, line->select,
+                                           line->degrees, s->selected);
+    if (!result)
+        result = slv_painter_fill(s->painter, &s->canvas, s->selected, &line->stroke.paint, NULL);
+    if (!result && !(result = describe(s, &desc)))
+        for (uint32_t f = 0; f < s->nfaces; f++)
+            if (s->selected[f])
+                s->stats.texels += UINT64_C(1) << (desc.res[f].u + desc.res[f].v);
+    return result;
+}
+
+slv_result slv_script_run(slv_script *script, uint64_t number, const char *line, size_t size) {
+    json_error_t error;
+    slvi_line all = script->set;
+    slv_result result;
+    size_t blank = 0;
+    while (blank < size && strchr(" \t\r\n", line[blank]))
+        blank++;
+    if (blank == size || line[blank] == '#')
+        return SLV_OK;
+    json_t *root = json_loadb(line, size, JSON_REJECT_DUPLICATES, &error);
+    if (!root)
+        return slvi_fail(&script->env, SLV_ERROR_FORMAT, "%s: line %llu: %s", script->name,
+                         (unsigned long long)number, error.text);
+    if (!(result = slvi_script_read(script, number, root, &all))) {
+        if (all.op == SLVI_OP_SET)
+            script->set = all;
+        else
+            result =
+                all.op == SLVI_OP_FILL ? run_fill(script, &all) : run_stroke(script, number, &all);
+        script->stats.operations += !result && all.op != SLVI_OP_SET;
+    }
+    script->set.camera = script->set.samples = NULL;
+    json_decref(root);
+    return result;
+}

@@ -1,0 +1,112 @@
+/* selvage paint: scripts that paint, and scripts that are wrong. */
+#include "kit/mesh_shapes.h"
+#include "kit/tool_kit.h"
+
+static const char box[] = "v 0 0 0\nv 2 0 0\nv 2 2 0\nv 0 2 0\nv 0 0 2\nv 2 0 2\nv 2 2 2\nv 0 2 2\n"
+                          "f 4 3 2 1\nf 5 6 7 8\nf 1 2 6 5\nf 2 3 7 6\nf 3 4 8 7\nf 4 1 5 8\n";
+
+static void write_script(const char *text) {
+    tool_write_file("s.jsonl", text, strlen(text));
+}
+
+static void texel(uint32_t face, float u, float v, float out[3]) {
+    slv_env env = test_env();
+    slv_ptx *ptx = tool_open("out.ptx");
+    slv_texture *texture = NULL;
+    MUST(slv_ptx_load_texture(&env, ptx, &texture));
+    slv_res res = slv_texture_get_desc(texture)->res[face];
+    slv_texture_fetch(texture, face, (uint32_t)(u * (float)(1 << res.u)),
+                      (uint32_t)(v * (float)(1 << res.v)), out);
+    slv_texture_destroy(texture);
+    slv_ptx_close(ptx);
+}
+
+static void paints(void) {
+    float c[3];
+    write_script("# red over an edge, then a fill\n"
+                 "{\"op\": \"set\", \"radius\": 0.4, \"color\": [1, 0, 0]}\n\n"
+                 "{\"brush\": {\"hardness\": 1, \"spacing\": 0.2}, \"samples\": "
+                 "[[1, 0.5, 0.5], [1, 0.95, 0.5], [3, 0.5, 0.9]]}\n"
+                 "{\"op\": \"fill\", \"face\": 0, \"color\": [0, 0, 1]}");
+    RUNS(0, "paint box.ptx s.jsonl out.ptx --scheme bilinear --faces");
+    HAS("2 operations");
+    HAS("seams after");
+    HAS("  face 3\n");
+    LACKS("  face 5\n");
+    texel(1, 0.97f, 0.5f, c);
+    CHECK(c[0] > 0.99f && c[1] < 0.01f);
+    texel(3, 0.5f, 0.95f, c);
+    CHECK(c[0] > 0.99f && c[1] < 0.01f);
+    texel(0, 0.5f, 0.5f, c);
+    CHECK(c[2] > 0.99f && c[0] < 0.01f);
+    texel(5, 0.5f, 0.5f, c);
+    CHECK(fabsf(c[0] - 192.0f / 255) < 1e-6f);
+    RUNS(0, "check out.ptx");
+    /* the same on a mesh, on one thread and on four */
+    RUNS(0, "paint box.obj s.jsonl a.ptx --threads 1 --json");
+    HAS("\"touched\"");
+    RUNS(0, "paint box.obj s.jsonl b.ptx --threads 4 --quiet");
+    RUNS(0, "diff a.ptx b.ptx");
+    RUNS(0, "paint box.ptx s.jsonl box.ptx --quiet");
+}
+
+/* A thin paint put on a hundred times adds up, though 8 bits would lose each of them. */
+static void thin_paint(void) {
+    static char text[16384];
+    float c[3];
+    size_t used = 0;
+    for (int i = 0; i < 100; i++)
+        used += (size_t)snprintf(text + used, sizeof text - used,
+                                 "{\"op\": \"fill\", \"face\": 5, \"select\": \"connected\", "
+                                 "\"color\": [0, 0, 0], \"opacity\": 0.001}\n");
+    write_script(text);
+    RUNS(0, "new box.obj box.ptx --size 64 --quiet");
+    RUNS(0, "paint box.ptx s.jsonl out.ptx --quiet");
+    texel(2, 0.5f, 0.5f, c);
+    CHECK_MSG(fabs((double)c[0] - 192.0 / 255 * pow(0.999, 100)) < 1.0 / 255, "%g", (double)c[0]);
+}
+
+static void wrong_scripts(void) {
+    static const struct {
+        const char *text, *says;
+    } scripts[] = {{"{", "line 1"},
+                   {"\n\n[]", "line 3"},
+                   {"{\"op\": \"dance\"}", "op: expected"},
+                   {"{\"radious\": 1, \"samples\": [[0, 0, 0]]}", "unknown key 'radious'"},
+                   {"{\"samples\": [[0, 0, 0]]}", "radius"},
+                   {"{\"radius\": 1}", "samples"},
+                   {"{\"radius\": -1, \"samples\": [[0, 0, 0]]}", "radius"},
+                   {"{\"radius\": 1, \"samples\": [[6, 0, 0]]}", "sample 0"},
+                   {"{\"radius\": 1, \"samples\": [[0, 0, 0], [0, 2, 0]]}", "sample 1"},
+                   {"{\"radius\": 1, \"samples\": [[0, 0]]}", "sample 0"},
+                   {"{\"op\": \"fill\"}", "face"},
+                   {"{\"op\": \"fill\", \"face\": 6}", "face"},
+                   {"{\"op\": \"fill\", \"face\": 1, \"opacity\": 2}", "opacity"},
+                   {"{\"radius\": 1, \"brush\": 7, \"samples\": [[0, 0, 0]]}", "brush"},
+                   {"{\"radius\": 1, \"brush\": \"no.myb\", \"samples\": [[0, 0, 0]]}", "no.myb"},
+                   {"{\"radius\": 1, \"brush\": {\"hard\": 1}, \"samples\": [[0, 0, 0]]}", "hard"},
+                   {"{\"radius\": 1, \"camera\": {}, \"samples\": [[0, 0]]}", "size"},
+                   {"{\"radius\": 1, \"unit\": \"pixels\", \"samples\": [[0, 0, 0]]}", "radius"}};
+    for (size_t i = 0; i < sizeof scripts / sizeof *scripts; i++) {
+        write_script(scripts[i].text);
+        unlink(tool_path("out.ptx"));
+        RUNS(1, "paint box.ptx s.jsonl out.ptx");
+        HAS(scripts[i].says);
+        CHECK(access(tool_path("out.ptx"), F_OK) != 0);
+        CHECK_MSG(strchr(tool_out, '\n') == tool_out + strlen(tool_out) - 1, "%s", tool_out);
+    }
+    RUNS(2, "paint box.ptx s.jsonl out.obj");
+    RUNS(2, "paint box.ptx");
+    RUNS(1, "paint box.ptx missing.jsonl out.ptx");
+}
+
+int main(void) {
+    tool_begin();
+    tool_write_file("box.obj", box, sizeof box - 1);
+    RUNS(0, "new box.obj box.ptx --size 64 --quiet");
+    paints();
+    thin_paint();
+    wrong_scripts();
+    tool_end();
+    return test_end();
+}
