@@ -15,8 +15,8 @@
 /* Of pens that tell no time: units of the plane in a second. */
 #define SPEED 1000.0
 /* Further from the first sample libmypaint counts no more. */
-#define FARTHEST 1e6
-#define MOST_DABS (UINT64_C(1) << 24)
+#define FARTHEST 2e5
+#define MOST_DABS (UINT64_C(1) << 20)
 enum { TAP_TRIES = 24 };
 
 static const char *const unit_names[] = {"world", "pixels", "texels"};
@@ -72,8 +72,13 @@ static void put_plane_dab(void *user, const slvi_plane_dab *dab) {
     slv_stroke *s = user;
     slvi_plane_dab placed = *dab;
     slv_stroke_dab out;
-    if (s->result || s->ndabs++ >= MOST_DABS)
+    if (s->result)
         return;
+    if (s->ndabs++ >= MOST_DABS) {
+        s->result = slvi_fail(&s->env, SLV_ERROR_LIMIT, "stroke: more than %llu dabs",
+                              (unsigned long long)MOST_DABS);
+        return;
+    }
     if (s->tap) {
         placed.x = s->first.x;
         placed.y = s->first.y;
@@ -176,7 +181,7 @@ static void walk_piece(void *user, const slvi_path_point *from, const slvi_path_
             move_mypaint(s, to);
         return;
     }
-    while (s->next <= begin + length && !s->result && s->ndabs < MOST_DABS) {
+    while (s->next <= begin + length && !s->result) {
         s->walked = s->next;
         slvi_path_point at = between(from, to, (s->walked - begin) / length);
         if (s->engine)

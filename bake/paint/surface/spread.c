@@ -206,6 +206,23 @@ slv_result slvi_painter_spread(slv_painter *p, slv_surface_point from, const flo
     return result;
 }
 
+/* The place in the unfolded plane of weights of a triangle's corners. */
+static double find_place(const slv_painter *p, uint32_t tri, const double w[3], float out[2]) {
+    double square = 0, x = 0, y = 0;
+    for (unsigned k = 0; k < 3; k++) {
+        const slvi_front_vertex *v = &p->vertices[slvi_tri_vertex(p->surface, tri, k)];
+        double l = slvi_distance(slvi_tri_point(p->surface, tri, k),
+                                 slvi_tri_point(p->surface, tri, (k + 1) % 3));
+        square += w[k] * v->distance * v->distance - w[k] * w[(k + 1) % 3] * l * l;
+        x += w[k] * (double)v->x;
+        y += w[k] * (double)v->y;
+    }
+    double distance = sqrt(fmax(square, 0)), r = sqrt(x * x + y * y);
+    out[0] = (float)(r > 0 ? x * distance / r : 0);
+    out[1] = (float)(r > 0 ? y * distance / r : 0);
+    return distance;
+}
+
 slv_result slv_painter_locate(slv_painter *painter, slv_surface_point from, const float axis[3],
                               slv_surface_point to, float limit, float out[2], bool *reached) {
     const slv_paint_surface *s = painter->surface;
@@ -219,31 +236,16 @@ slv_result slv_painter_locate(slv_painter *painter, slv_surface_point from, cons
     slv_paint_surface_at(s, from, a, NULL, NULL);
     slv_paint_surface_at(s, to, b, NULL, NULL);
     double straight = slvi_distance(a, b);
+    if (!(straight <= (double)limit))
+        return SLV_OK;
     for (double far = 1.02 * straight;; far *= 2) {
         const slvi_reach reach = {.least = fminf((float)far, limit)};
-        slv_result result = SLV_OK;
-        if (!(straight <= (double)limit) ||
-            (result = slvi_painter_spread(painter, from, axis, &reach)))
+        slv_result result = slvi_painter_spread(painter, from, axis, &reach);
+        if (result)
             return result;
-        double square = 0, px = 0, py = 0;
-        if (painter->tri_round[tri] == painter->round) {
-            for (unsigned k = 0; k < 3; k++) {
-                const slvi_front_vertex *v = &painter->vertices[slvi_tri_vertex(s, tri, k)];
-                double l =
-                    slvi_distance(slvi_tri_point(s, tri, k), slvi_tri_point(s, tri, (k + 1) % 3));
-                square += w[k] * v->distance * v->distance - w[k] * w[(k + 1) % 3] * l * l;
-                px += w[k] * (double)v->x;
-                py += w[k] * (double)v->y;
-            }
-            double distance = sqrt(fmax(square, 0)), r = sqrt(px * px + py * py);
-            if (distance <= (double)reach.least * 1.0001 + 1e-30) {
-                out[0] = (float)(r > 0 ? px * distance / r : 0);
-                out[1] = (float)(r > 0 ? py * distance / r : 0);
-                *reached = true;
-                return SLV_OK;
-            }
-        }
-        if (!(far < (double)limit))
+        *reached = painter->tri_round[tri] == painter->round &&
+                   find_place(painter, tri, w, out) <= (double)reach.least * 1.0001 + 1e-30;
+        if (*reached || !(far < (double)limit))
             return SLV_OK;
     }
 }
