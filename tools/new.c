@@ -219,8 +219,7 @@ int verb_new(int argc, char **argv) {
         .writes = "a texture of one colour with the mesh inside",
         .examples = "  selvage new cow.obj cow.ptx\n"
                     "  selvage new cow.obj cow.ptx --density 40 --fill '#c0b090'\n"
-                    "  selvage new cow.obj rough.ptx --size 64x64 --channels 1 --fill 0.5 "
-                    "--texture-encoding data\n"
+                    "  selvage new cow.obj rough.ptx --size 64 --channels 1 --fill 0.5\n"
                     "  selvage new cow.obj height.ptx --bytes 64M --type half --channels 1\n",
         .options = options,
         .noptions = sizeof options / sizeof *options,

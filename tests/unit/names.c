@@ -10,6 +10,7 @@
 #include <selvage/image.h>
 #include <selvage/ptx_check.h>
 #include <selvage/reference.h>
+#include <selvage/stroke.h>
 #include <selvage/surface.h>
 #include <selvage/transfer.h>
 
@@ -43,6 +44,9 @@ DEFINE_LEADS_BACK(slv_boundary, slv_boundary_from_name)
 DEFINE_LEADS_BACK(slv_scheme, slv_scheme_from_name)
 DEFINE_LEADS_BACK(slv_filter, slv_filter_from_name)
 DEFINE_LEADS_BACK(slv_pattern, slv_pattern_from_name)
+DEFINE_LEADS_BACK(slv_blend, slv_blend_from_name)
+DEFINE_LEADS_BACK(slv_select, slv_select_from_name)
+DEFINE_LEADS_BACK(slv_size_unit, slv_size_unit_from_name)
 DEFINE_LEADS_BACK(slv_pixel_filter, slv_pixel_filter_from_name)
 DEFINE_LEADS_BACK(slv_gl_backend, slv_gl_backend_from_name)
 
@@ -57,6 +61,10 @@ static void check_results(void) {
 
 int main(void) {
     check_results();
+    CHECK_NAMES(slv_blend, SLV_BLEND_REPLACE, slv_blend_name, leads_back_slv_blend(name, i));
+    CHECK_NAMES(slv_select, SLV_SELECT_ANGLE, slv_select_name, leads_back_slv_select(name, i));
+    CHECK_NAMES(slv_size_unit, SLV_SIZE_TEXELS, slv_size_unit_name,
+                leads_back_slv_size_unit(name, i));
     CHECK_NAMES(slv_log_level, SLV_LOG_ERROR, slv_log_level_name, true);
     CHECK_NAMES(slv_type, SLV_TYPE_FLOAT, slv_type_name, leads_back_slv_type(name, i));
     CHECK_NAMES(slv_texture_encoding, SLV_TEXTURE_DATA, slv_texture_encoding_name,

@@ -40,8 +40,7 @@ static polynomial make_polynomial(const slv_painter *p, const brush_shape *b, ui
     }
     for (unsigned k = 0; k < 3; k++) {
         const slvi_front_vertex *from = v[k], *to = v[(k + 1) % 3];
-        double l = slvi_distance(slvi_tri_point(p->surface, tri, k),
-                                 slvi_tri_point(p->surface, tri, (k + 1) % 3));
+        double l = slvi_tri_length(p->surface, tri, k);
         side[k] = l * l;
         double x = (double)to->x - (double)from->x, y = (double)to->y - (double)from->y,
                n = x * x + y * y;
@@ -95,32 +94,38 @@ static slvi_profile face_profile(const slv_painter *p, const brush_shape *b, uin
                              (double)slvi_texel_length(p->surface, face, b->res[face]));
 }
 
+/* So many texels of a cell are not looked at more closely before they are filled. */
+#define FEW_TEXELS 32
+
 /* Which texels of a triangle may be near enough. */
 static bool find_tri_texels(const slv_painter *p, const void *user, uint32_t tri,
                             slvi_cell_texels *out) {
     const slv_paint_surface *s = p->surface;
     const brush_shape *b = user;
     uint32_t face = s->cell_face[tri / 2], n = s->segments[face], local = tri / 2 - s->first[face];
-    polynomial f = make_polynomial(p, b, tri);
     double extent[4];
+    *out = slvi_find_cell_texels(n, local, b->res[face]);
+    uint64_t count = (uint64_t)(out->x1 - out->x0) * (out->y1 - out->y0);
+    if (count <= FEW_TEXELS)
+        return count > 0;
+    polynomial f = make_polynomial(p, b, tri);
     if (!find_extent(&f, face_profile(p, b, face).radius2, extent))
         return false;
-    *out = slvi_find_cell_texels(n, local, b->res[face]);
     narrow(local % n, n, 1u << b->res[face].u, extent[0], extent[2], &out->x0, &out->x1);
     narrow(local / n, n, 1u << b->res[face].v, extent[1], extent[3], &out->y0, &out->y1);
     return out->x0 < out->x1 && out->y0 < out->y1;
 }
 
 /* Puts the value of each texel of a triangle into its patch. */
-static void fill_tri(const slv_painter *p, const brush_shape *b, const slvi_profile *f,
+static bool fill_tri(const slv_painter *p, const brush_shape *b, const slvi_profile *f,
                      uint32_t tri, const slv_patch *patch, float *coverage) {
     slvi_cell_texels t;
     if (!find_tri_texels(p, b, tri, &t))
-        return;
+        return false;
     const polynomial g = make_polynomial(p, b, tri);
     uint32_t n = p->surface->segments[patch->face],
              local = tri / 2 - p->surface->first[patch->face];
-    bool upper = tri & 1;
+    bool upper = tri & 1, covered = false;
     double step_x = (double)n / (double)(1u << b->res[patch->face].u),
            step_y = (double)n / (double)(1u << b->res[patch->face].v);
     for (uint32_t j = t.y0; j < t.y1; j++) {
@@ -129,10 +134,13 @@ static void fill_tri(const slv_painter *p, const brush_shape *b, const slvi_prof
         double at_y = g.a + y * (g.c + y * g.f), slope = g.b + y * g.e;
         for (uint32_t i = t.x0; i < t.x1; i++) {
             double x = (i + 0.5) * step_x - local % n;
-            if ((y > x) == upper)
+            if ((y > x) == upper) {
                 row[i] = slvi_profile_at(f, at_y + x * (slope + x * g.d));
+                covered |= row[i] > 0;
+            }
         }
     }
+    return covered;
 }
 
 typedef struct filling {
@@ -145,12 +153,13 @@ static slv_result fill_patches(void *user, uint64_t begin, uint64_t end) {
     slv_painter *p = w->p;
     for (uint64_t i = begin; i < end; i++) {
         const slv_patch *patch = &p->patches[i];
-        const slvi_part *part = &p->parts[i];
+        slvi_part *part = &p->parts[i];
         float *coverage = p->coverage + part->texel;
         slvi_profile f = face_profile(p, w->shape, patch->face);
         memset(coverage, 0, sizeof(float) * (size_t)patch->rect.width * patch->rect.height);
         for (uint32_t k = 0; k < part->count; k++)
-            fill_tri(p, w->shape, &f, p->touched[part->first + k], patch, coverage);
+            part->covered |=
+                fill_tri(p, w->shape, &f, p->touched[part->first + k], patch, coverage);
     }
     return SLV_OK;
 }
@@ -195,10 +204,12 @@ slv_result slv_painter_cover(slv_painter *painter, const slv_res *res, const slv
     slv_res here = res[dab->at.face];
     shape.edge = sqrt((double)slv_paint_surface_texel_area(s, (uint32_t)dab->at.face, here));
     slvi_profile f = face_profile(painter, &shape, (uint32_t)dab->at.face);
-    slvi_reach reach = {.least = (float)(f.radius * 1.0001), .res = res};
+    slvi_reach reach = {.least = (float)(f.radius * 1.0001), .res = res, .places = !shape.round};
     if ((result = slvi_painter_spread(painter, dab->at, dab->axis, &reach)) ||
         (result = slvi_painter_gather(painter, res, find_tri_texels, &shape, out)))
         return result;
     filling w = {painter, &shape};
-    return slvi_painter_share(painter, out, fill_patches, &w);
+    if (!(result = slvi_painter_share(painter, out, fill_patches, &w)))
+        slvi_painter_keep_covered(painter, out);
+    return result;
 }

@@ -62,12 +62,27 @@ const slv_paint_surface *slv_painter_get_surface(const slv_painter *painter) {
     return painter->surface;
 }
 
+/* Which of 2^size texels have their centres in part `at` of 2^parts. */
+static void find_part(uint32_t at, int parts, int size, uint32_t *first, uint32_t *end) {
+    if (size >= parts) {
+        *first = at << (size - parts);
+        *end = (at + 1) << (size - parts);
+        return;
+    }
+    /* texels are wider than parts: one has its centre where the second half of its parts begins */
+    uint32_t wide = 1u << (parts - size);
+    *first = at >> (parts - size);
+    *end = *first + ((at & (wide - 1)) == wide / 2);
+}
+
 slvi_cell_texels slvi_find_cell_texels(uint32_t n, uint32_t local, slv_res res) {
-    double u = ldexp(1, res.u) / n, v = ldexp(1, res.v) / n;
-    uint32_t x = local % n, y = local / n;
-    /* texel i has its centre at i + 1/2 */
-    return (slvi_cell_texels){(uint32_t)ceil(x * u - 0.5), (uint32_t)ceil((x + 1) * u - 0.5),
-                              (uint32_t)ceil(y * v - 0.5), (uint32_t)ceil((y + 1) * v - 0.5)};
+    slvi_cell_texels out;
+    int parts = 0;
+    while (n >> parts > 1) /* a power of two */
+        parts++;
+    find_part(local & (n - 1), parts, res.u, &out.x0, &out.x1);
+    find_part(local >> parts, parts, res.v, &out.y0, &out.y1);
+    return out;
 }
 
 slvi_profile slvi_profile_make(double radius, double hardness, double edge, double texel) {
@@ -145,7 +160,8 @@ slv_result slvi_painter_gather(slv_painter *p, const slv_res *res, slvi_texels_f
         uint32_t face = s->cell_face[p->touched[first] / 2];
         for (end = first; end < p->ntouched && p->touched[end] / 2 < s->first[face + 1];)
             end++;
-        slv_result result = add_patch(p, res, fn, user, (slvi_part){first, end - first, 0}, out);
+        const slvi_part part = {.first = first, .count = end - first};
+        slv_result result = add_patch(p, res, fn, user, part, out);
         if (result)
             return result;
     }
@@ -162,4 +178,16 @@ slv_result slvi_painter_share(const slv_painter *p, const slv_patches *patches, 
     if (patches->ntexels < SHARED_TEXELS || patches->count < 2)
         return fn(user, 0, patches->count);
     return slvi_parallel_for(&p->env, patches->count, 1 + patches->count / 64, fn, user);
+}
+
+void slvi_painter_keep_covered(slv_painter *p, slv_patches *patches) {
+    uint32_t kept = 0;
+    patches->ntexels = 0;
+    for (uint32_t i = 0; i < patches->count; i++) {
+        if (!p->parts[i].covered)
+            continue;
+        patches->ntexels += (uint64_t)p->patches[i].rect.width * p->patches[i].rect.height;
+        p->patches[kept++] = p->patches[i];
+    }
+    patches->count = kept;
 }

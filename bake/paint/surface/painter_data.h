@@ -23,6 +23,7 @@ typedef struct slvi_crossing {
 typedef struct slvi_part {
     uint32_t first, count; /* of the touched triangles */
     uint64_t texel;        /* where its coverage begins */
+    bool covered;          /* some of it is more than 0 */
 } slvi_part;
 
 struct slv_painter {
@@ -59,6 +60,7 @@ const slv_env *slvi_painter_env(const slv_painter *p);
 typedef struct slvi_reach {
     float least;        /* anywhere */
     const slv_res *res; /* NULL: the same everywhere */
+    bool places;        /* of vertices are wanted, not only distances */
 } slvi_reach;
 float slvi_reach_into(const slv_painter *p, const slvi_reach *reach, uint32_t face);
 
@@ -109,6 +111,9 @@ slv_result slvi_painter_gather(slv_painter *p, const slv_res *res, slvi_texels_f
 /* Calls `fn` for all patches, on several threads if there is enough to do. */
 slv_result slvi_painter_share(const slv_painter *p, const slv_patches *patches, slv_range_fn fn,
                               void *user);
+
+/* Leaves patches out of which nothing is covered, once that is known of their parts. */
+void slvi_painter_keep_covered(slv_painter *p, slv_patches *patches);
 
 /* The longer side of a face's texels. */
 static inline float slvi_texel_length(const slv_paint_surface *s, uint32_t face, slv_res res) {

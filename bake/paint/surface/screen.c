@@ -175,7 +175,7 @@ static slv_result look_at_patches(void *user, uint64_t begin, uint64_t end) {
     slv_painter *p = w->p;
     for (uint64_t i = begin; i < end; i++) {
         const slv_patch *patch = &p->patches[i];
-        const slvi_part *part = &p->parts[i];
+        slvi_part *part = &p->parts[i];
         float *coverage = p->coverage + part->texel;
         uint32_t n = p->surface->segments[patch->face];
         memset(coverage, 0, sizeof(float) * (size_t)patch->rect.width * patch->rect.height);
@@ -187,9 +187,12 @@ static slv_result look_at_patches(void *user, uint64_t begin, uint64_t end) {
                 for (uint32_t x = t.x0; x < t.x1; x++) {
                     double cx = ldexp(x + 0.5, -w->res[patch->face].u) * n - local % n,
                            cy = ldexp(y + 0.5, -w->res[patch->face].v) * n - local / n;
-                    if ((cy > cx) == (tri & 1))
-                        coverage[(size_t)(y - patch->rect.y) * patch->rect.width + x -
-                                 patch->rect.x] = look_at(p, w->view, tri, cx, cy);
+                    if ((cy > cx) != (tri & 1))
+                        continue;
+                    float value = look_at(p, w->view, tri, cx, cy);
+                    coverage[(size_t)(y - patch->rect.y) * patch->rect.width + x - patch->rect.x] =
+                        value;
+                    part->covered |= value > 0;
                 }
         }
     }
@@ -223,5 +226,7 @@ slv_result slv_painter_cover_screen(slv_painter *painter, const slv_res *res,
         (result = slvi_painter_gather(painter, res, cell_texels, res, out)))
         return result;
     looking w = {painter, &v, res};
-    return slvi_painter_share(painter, out, look_at_patches, &w);
+    if (!(result = slvi_painter_share(painter, out, look_at_patches, &w)))
+        slvi_painter_keep_covered(painter, out);
+    return result;
 }

@@ -47,23 +47,27 @@ static void find_source(double a, double b, double l, double *x, double *y) {
     *y = sqrt(fmax(a * a - *x * *x, 0));
 }
 
-/* The least distance of a point of an edge. */
+/* The least distance of a point of an edge that is beyond `reach` at both ends. */
 static double edge_distance(double a, double b, double l) {
     double x, y;
     find_source(a, b, l, &x, &y);
-    return x > 0 && x < l ? fmin(y, fmin(a, b)) : fmin(a, b);
+    return x > 0 && x < l ? y : fmin(a, b);
 }
 
+/* Puts an edge among those that are to be crossed, by its nearer end, unless it is out of reach. */
 static slv_result push_edge(slv_painter *p, uint32_t tri, unsigned edge, const slvi_reach *reach) {
     const slv_paint_surface *s = p->surface;
-    uint32_t a = slvi_tri_vertex(s, tri, edge), b = slvi_tri_vertex(s, tri, (edge + 1) % 3), to;
+    double a = p->vertices[slvi_tri_vertex(s, tri, edge)].distance,
+           b = p->vertices[slvi_tri_vertex(s, tri, (edge + 1) % 3)].distance, key = fmin(a, b);
+    uint32_t to;
     unsigned by;
     if (!slvi_tri_across(s, tri, edge, &to, &by))
         return SLV_OK;
-    double l = slvi_distance(s->positions + 3 * (size_t)a, s->positions + 3 * (size_t)b);
-    double key = edge_distance(p->vertices[a].distance, p->vertices[b].distance, l);
-    if (!(key <= (double)slvi_reach_into(p, reach, s->cell_face[to / 2])))
-        return SLV_OK;
+    if (!(key <= (double)reach->least)) {
+        key = edge_distance(a, b, slvi_tri_length(s, tri, edge));
+        if (!(key <= (double)slvi_reach_into(p, reach, s->cell_face[to / 2])))
+            return SLV_OK;
+    }
     slv_result result =
         slvi_painter_room(p, (uint64_t)p->nheap + 1, sizeof *p->heap, &p->heap, &p->heap_room);
     if (result)
@@ -74,38 +78,33 @@ static slv_result push_edge(slv_painter *p, uint32_t tri, unsigned edge, const s
 }
 
 /* The vertex opposite of edge `by` of a triangle, unfolded over it. */
-static slvi_front_vertex unfold(const slv_painter *p, uint32_t tri, unsigned by) {
+static slvi_front_vertex unfold(const slv_painter *p, uint32_t tri, unsigned by, bool places) {
     const slv_paint_surface *s = p->surface;
-    uint32_t va = slvi_tri_vertex(s, tri, by), vb = slvi_tri_vertex(s, tri, (by + 1) % 3),
-             vc = slvi_tri_vertex(s, tri, (by + 2) % 3);
-    const float *pa = s->positions + 3 * (size_t)va, *pb = s->positions + 3 * (size_t)vb,
-                *pc = s->positions + 3 * (size_t)vc;
+    uint32_t va = slvi_tri_vertex(s, tri, by), vb = slvi_tri_vertex(s, tri, (by + 1) % 3);
     const slvi_front_vertex *a = &p->vertices[va], *b = &p->vertices[vb];
-    double l = slvi_distance(pa, pb), ac = slvi_distance(pa, pc), bc = slvi_distance(pb, pc);
-    double sx, sy, cx, cy, ex = (double)b->x - (double)a->x, ey = (double)b->y - (double)a->y,
-                           e = sqrt(ex * ex + ey * ey);
+    double l = slvi_tri_length(s, tri, by), ac = slvi_tri_length(s, tri, (by + 2) % 3),
+           bc = slvi_tri_length(s, tri, (by + 1) % 3);
+    double sx, sy, cx, cy;
     slvi_front_vertex c = {.round = p->round};
     find_source(a->distance, b->distance, l, &sx, &sy);
     find_source(ac, bc, l, &cx, &cy);
-    double dx = cx - sx, dy = cy + sy;
-    double crossing = dy > 0 ? sx + dx * sy / dy : sx;
+    double dx = cx - sx, dy = cy + sy, leads = sx * dy + dx * sy; /* dy times where it crosses */
     c.distance = sqrt(dx * dx + dy * dy);
-    if ((crossing < 0 && s->bent[va]) || !(l > 0))
+    if ((leads < 0 && s->bent[va]) || !(l > 0))
         c.distance = a->distance + ac; /* around the corner */
-    else if (crossing > l && s->bent[vb])
+    else if (leads > l * dy && s->bent[vb])
         c.distance = b->distance + bc;
+    if (!places)
+        return c;
+    double ex = (double)b->x - (double)a->x, ey = (double)b->y - (double)a->y,
+           e = sqrt(ex * ex + ey * ey), x = (double)a->x, y = (double)a->y;
     if (e > 0) {
-        c.x = (float)((double)a->x + (cx * ex - cy * ey) / e);
-        c.y = (float)((double)a->y + (cx * ey + cy * ex) / e);
-    } else {
-        c.x = a->x;
-        c.y = a->y;
+        x += (cx * ex - cy * ey) / e;
+        y += (cx * ey + cy * ex) / e;
     }
-    double r = sqrt((double)c.x * (double)c.x + (double)c.y * (double)c.y);
-    if (r > 0) {
-        c.x = (float)((double)c.x * c.distance / r);
-        c.y = (float)((double)c.y * c.distance / r);
-    }
+    double r = sqrt(x * x + y * y), scale = r > 0 ? c.distance / r : 1;
+    c.x = (float)(x * scale);
+    c.y = (float)(y * scale);
     return c;
 }
 
@@ -147,7 +146,7 @@ static slv_result cross(slv_painter *p, slvi_crossing crossing, const slvi_reach
     if (!slvi_tri_across(p->surface, crossing.side / 4, crossing.side & 3, &to, &by))
         return SLV_OK;
     uint32_t vertex = slvi_tri_vertex(p->surface, to, (by + 2) % 3);
-    slvi_front_vertex c = unfold(p, to, by), *known = &p->vertices[vertex];
+    slvi_front_vertex c = unfold(p, to, by, reach->places), *known = &p->vertices[vertex];
     bool is_new = known->round != p->round;
     /* nearer by less than this is what rounding makes of the same */
     bool nearer = is_new || c.distance < known->distance * (1 - 1e-5) - 1e-6 * (double)reach->least;
@@ -211,8 +210,7 @@ static double find_place(const slv_painter *p, uint32_t tri, const double w[3], 
     double square = 0, x = 0, y = 0;
     for (unsigned k = 0; k < 3; k++) {
         const slvi_front_vertex *v = &p->vertices[slvi_tri_vertex(p->surface, tri, k)];
-        double l = slvi_distance(slvi_tri_point(p->surface, tri, k),
-                                 slvi_tri_point(p->surface, tri, (k + 1) % 3));
+        double l = slvi_tri_length(p->surface, tri, k);
         square += w[k] * v->distance * v->distance - w[k] * w[(k + 1) % 3] * l * l;
         x += w[k] * (double)v->x;
         y += w[k] * (double)v->y;
@@ -239,7 +237,7 @@ slv_result slv_painter_locate(slv_painter *painter, slv_surface_point from, cons
     if (!(straight <= (double)limit))
         return SLV_OK;
     for (double far = 1.02 * straight;; far *= 2) {
-        const slvi_reach reach = {.least = fminf((float)far, limit)};
+        const slvi_reach reach = {.least = fminf((float)far, limit), .places = true};
         slv_result result = slvi_painter_spread(painter, from, axis, &reach);
         if (result)
             return result;

@@ -148,6 +148,14 @@ static slv_result find_bent(slv_paint_surface *s) {
     return result;
 }
 
+static void measure_cell(slv_paint_surface *s, uint32_t cell) {
+    const uint32_t *c = s->corners + 4 * (size_t)cell;
+    for (unsigned k = 0; k < 5; k++)
+        s->lengths[5 * (size_t)cell + k] =
+            (float)slvi_distance(s->positions + 3 * (size_t)c[k & 3],
+                                 s->positions + 3 * (size_t)c[k < 4 ? (k + 1) & 3 : 2]);
+}
+
 static void measure(slv_paint_surface *s, uint32_t face) {
     double u = 0, v = 0, area = 0, n = s->segments[face];
     for (uint32_t cell = s->first[face]; cell < s->first[face + 1]; cell++) {
@@ -186,6 +194,7 @@ static slv_result sew(slv_paint_surface *s, const slv_tessellation *grids) {
                          (unsigned long long)cells);
     s->ncells = (uint32_t)cells;
     if ((result = slvi_alloc(&s->env, "paint surface", (uint64_t)s->nfaces + 1, 4, &s->first)) ||
+        (result = slvi_alloc(&s->env, "paint surface", cells, 5 * sizeof(float), &s->lengths)) ||
         (result = slvi_alloc(&s->env, "paint surface", s->nfaces, 1, &s->segments)) ||
         (result = slvi_alloc(&s->env, "paint surface", s->nfaces, 3 * sizeof(float), &s->sides)) ||
         (result = slvi_alloc(&s->env, "paint surface", cells, 4 * 4, &s->corners)) ||
@@ -207,6 +216,8 @@ static slv_result sew(slv_paint_surface *s, const slv_tessellation *grids) {
             sew_edge(&w, face, edge);
     result = number_vertices(&w);
     slvi_free(w.root);
+    for (uint32_t cell = 0; !result && cell < s->ncells; cell++)
+        measure_cell(s, cell);
     for (uint32_t face = 0; !result && face < s->nfaces; face++)
         measure(s, face);
     return result ? result : find_bent(s);
@@ -269,6 +280,7 @@ void slv_paint_surface_destroy(slv_paint_surface *s) {
     slvi_free(s->positions);
     slvi_free(s->bent);
     slvi_free(s->corners);
+    slvi_free(s->lengths);
     slvi_free(s->across);
     slvi_free(s->cell_face);
     slvi_free(s);

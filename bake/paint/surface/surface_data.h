@@ -27,6 +27,7 @@ struct slv_paint_surface {
     float *positions;  /* 3 per vertex */
     uint8_t *bent;     /* per vertex: straight lines past it do not meet again behind it */
     uint32_t *corners; /* 4 per cell: vertices */
+    float *lengths;    /* 5 per cell: of its edges, and of its diagonal */
     uint32_t *across;  /* 4 per cell: 4 * the cell beyond the edge + its edge, or SLVI_NONE */
     uint32_t *cell_face;
     float low[3], high[3];
@@ -44,6 +45,13 @@ static inline uint32_t slvi_tri_vertex(const slv_paint_surface *s, uint32_t tri,
 
 static inline const float *slvi_tri_point(const slv_paint_surface *s, uint32_t tri, unsigned k) {
     return s->positions + 3 * (size_t)slvi_tri_vertex(s, tri, k);
+}
+
+/* The length of edge k, from its corner k to the next. */
+static inline double slvi_tri_length(const slv_paint_surface *s, uint32_t tri, unsigned k) {
+    /* lower: edges 0 and 1 of the cell, then the diagonal; upper: the diagonal, then 2 and 3 */
+    unsigned which = tri & 1 ? (k ? k + 1 : 4) : k == 2 ? 4 : k;
+    return (double)s->lengths[5 * (size_t)(tri / 2) + which];
 }
 
 /* The triangle across edge k (from its corner k to k + 1), and which of its edges that is; false at
