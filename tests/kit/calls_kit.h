@@ -530,6 +530,8 @@ static const calls_entry calls_all[] = {
     {"brush", call_brush},
     {"stroke", call_stroke},
     {"document", call_document},
+    {"fill", call_fill},
+    {"script", call_script},
 };
 enum { CALLS_COUNT = sizeof calls_all / sizeof *calls_all };
 

@@ -6,7 +6,7 @@
 
 #include <selvage/blank.h>
 #include <selvage/brush.h>
-#include <selvage/stroke.h>
+#include <selvage/script.h>
 
 static slv_result call_blank(const slv_env *env) {
     const slv_blank_params params = {.max_texels = 1000};
@@ -133,6 +133,42 @@ static slv_result call_stroke(const slv_env *env) {
         result = slv_stroke_dab_apply(easel.painter, &easel.canvas, &again, NULL);
     slv_stroke_destroy(stroke);
     slv_brush_destroy(brush);
+    easel_end(&easel);
+    return result;
+}
+
+static slv_result call_fill(const slv_env *env) {
+    const slv_paint paint = {.color = {1, 0.5f, 0}, .opacity = 0.7f};
+    const slv_dab dab = {.at = {0, 0.9f, 0.5f}, .radius = 0.4f, .hardness = 0.5f};
+    slv_seam_certificate seams;
+    slv_patches patches;
+    uint8_t selected[CALLS_FACES] = {0};
+    calls_easel easel;
+    slv_result result = easel_begin(env, &easel);
+    const slv_res *res = result ? NULL : slv_texture_get_desc(easel.texture)->res;
+    if (!result &&
+        !(result = slv_painter_select(easel.painter, 1, SLV_SELECT_CONNECTED, 0, selected)) &&
+        !(result = slv_painter_fill(easel.painter, &easel.canvas, selected, &paint, NULL)) &&
+        !(result = slv_painter_cover(easel.painter, res, &dab, &patches)) &&
+        !(result = slv_painter_blur(easel.painter, &easel.canvas, &patches, 0.2f, 1)))
+        result = slv_seam_certify(env, &easel.canvas, slv_paint_surface_adjacency(easel.surface),
+                                  &seams);
+    easel_end(&easel);
+    return result;
+}
+
+static const char calls_script[] =
+    "{\"radius\": 0.3, \"brush\": {\"hardness\": 0.7}, \"color\": [1, 0, 0], \"samples\": "
+    "[[0, 0.2, 0.4], [0, 0.5, 0.6], [1, 0.4, 0.4]], \"mirror\": [{\"point\": [1, 0, 0], "
+    "\"normal\": [1, 0, 0]}]}";
+
+static slv_result call_script(const slv_env *env) {
+    calls_easel easel;
+    slv_script *script = NULL;
+    slv_result result = easel_begin(env, &easel);
+    if (!result && !(result = slv_script_create(easel.painter, &easel.canvas, NULL, &script)))
+        result = slv_script_run(script, 1, calls_script, sizeof calls_script - 1);
+    slv_script_destroy(script);
     easel_end(&easel);
     return result;
 }

@@ -192,6 +192,35 @@ static void fills_and_seams(const slv_env *env) {
     paint_scene_end(&s);
 }
 
+/* A step of paint right along an edge is no step once it was blurred, and means stay. */
+static void blurs(const slv_env *env) {
+    shape p = paint_plane(2, 2);
+    paint_scene s = paint_scene_of(env, &p, SLV_SCHEME_BILINEAR, 6, SLV_TYPE_FLOAT, 1, -1);
+    slv_seam_certificate seams;
+    slv_patches patches;
+    const float one = 1;
+    double sums[2] = {0, 0};
+    MUST(slv_texture_set_constant(s.texture, 0, &one));
+    MUST(slv_texture_set_constant(s.texture, 2, &one));
+    const slv_dab dab = {.at = paint_below(&s, 1, 1), .radius = 3, .hardness = 1};
+    for (int i = 0; i < 2; i++) {
+        MUST(slv_painter_cover(s.painter, slv_texture_get_desc(s.texture)->res, &dab, &patches));
+        MUST(slv_painter_blur(s.painter, &s.canvas, &patches, 0.2f, 1));
+    }
+    for (uint32_t face = 0; face < 4; face++)
+        for (uint32_t t = 0; t < 64 * 64; t++) {
+            float texel;
+            slv_texture_fetch(s.texture, face, t % 64, t / 64, &texel);
+            sums[face % 2] += (double)texel / (2 * 64 * 64);
+        }
+    CHECK_MSG(sums[0] < 0.97 && fabs(sums[0] + sums[1] - 1) < 1e-3, "means of %g and %g", sums[0],
+              sums[1]);
+    MUST(slv_seam_certify(env, &s.canvas, slv_paint_surface_adjacency(s.surface), &seams));
+    CHECK_MSG(seams.largest < 2.0 / 255, "edges differ by %g/255", 255 * seams.largest);
+    CHECK(slv_painter_blur(s.painter, &s.canvas, &patches, NAN, 1) == SLV_ERROR_ARGUMENT);
+    paint_scene_end(&s);
+}
+
 /* Two squares, one behind the other, the front one half as wide; and a third that turns away. */
 static void seen(const slv_env *env) {
     shape q = {0};
@@ -278,6 +307,7 @@ int main(void) {
     once(&env);
     threads();
     fills_and_seams(&env);
+    blurs(&env);
     seen(&env);
     refused(&env);
     return test_end();

@@ -42,6 +42,9 @@ static void paints(void) {
     texel(5, 0.5f, 0.5f, c);
     CHECK(fabsf(c[0] - 192.0f / 255) < 1e-6f);
     RUNS(0, "check out.ptx");
+    write_script("{\"blur\": 0.5, \"radius\": 0.5, \"samples\": [[1, 0.8, 0.5]]}");
+    RUNS(0, "paint out.ptx s.jsonl blurred.ptx --scheme bilinear");
+    RUNS(1, "diff out.ptx blurred.ptx");
     /* the same on a mesh, on one thread and on four */
     RUNS(0, "paint box.obj s.jsonl a.ptx --threads 1 --json");
     HAS("\"touched\"");

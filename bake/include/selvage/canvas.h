@@ -91,6 +91,12 @@ SLV_NODISCARD SLV_API slv_result slv_painter_apply(slv_painter *painter, const s
 SLV_NODISCARD SLV_API slv_result slv_painter_mean(slv_painter *painter, const slv_canvas *canvas,
                                                   const slv_patches *patches, float *out,
                                                   bool *any);
+/* Blurs a canvas under patches: each texel goes towards the mean of what lies around it, across
+ * seams, by a gaussian as wide as `width` mesh units (SLV_FILTER_ANISOTROPIC of filter.h), as far
+ * as `opacity` times the coverage says. All channels. */
+SLV_NODISCARD SLV_API slv_result slv_painter_blur(slv_painter *painter, const slv_canvas *canvas,
+                                                  const slv_patches *patches, float width,
+                                                  float opacity);
 
 /* Which faces a fill takes, from one of them on. */
 typedef enum slv_select {

@@ -33,6 +33,7 @@ enum { SLV_MIRRORS = 3 };
 /* A dab that was made of a stroke, with all that it takes to make it again. */
 typedef struct slv_stroke_dab {
     bool on_screen;
+    float blur;  /* more than 0: blurs, so wide in mesh units, by the paint's opacity */
     slv_dab dab; /* unless on_screen */
     slv_screen_dab screen;
     slv_paint paint;
@@ -50,6 +51,9 @@ typedef struct slv_stroke_params {
     slv_camera camera;
     uint32_t width, height;
     bool project; /* of a picture: dabs are discs of it (slv_screen_dab), not of the surface */
+    /* More than 0: dabs blur what is there, by so many radii, and the paint's colour does not
+     * count. Not with `project`. */
+    float blur;
     const slv_mirror *mirrors; /* nmirrors of them, at most SLV_MIRRORS; copied */
     uint32_t nmirrors;
     /* May be NULL. Is told each dab before it is applied; a failure ends the stroke. */

@@ -99,6 +99,7 @@ static void put_plane_dab(void *user, const slvi_plane_dab *dab) {
         out.paint.lock_alpha |= pass == 2;
         if (pass == 3)
             out.paint.blend = SLV_BLEND_COLOR;
+        out.blur = s->params.blur * out.dab.radius;
         if (out.paint.opacity > 0)
             put_all(s, &out);
     }
@@ -193,7 +194,8 @@ static void walk_piece(void *user, const slvi_path_point *from, const slvi_path_
 }
 
 static slv_result check(const slv_env *env, const slv_stroke_params *p) {
-    bool fine = isfinite(p->radius) && p->radius >= 0 && p->nmirrors <= SLV_MIRRORS &&
+    bool fine = isfinite(p->radius) && p->radius >= 0 && p->blur >= 0 && p->blur <= 16 &&
+                !(p->blur > 0 && p->project) && p->nmirrors <= SLV_MIRRORS &&
                 (unsigned)p->unit < SLVI_COUNT(unit_names) && p->paint.opacity >= 0 &&
                 p->paint.opacity <= 1;
     for (int c = 0; c < SLV_PAINT_CHANNELS; c++)
@@ -209,7 +211,7 @@ static slv_result check(const slv_env *env, const slv_stroke_params *p) {
     }
     if (!fine || !p->brush)
         return slvi_fail(env, SLV_ERROR_ARGUMENT,
-                         "stroke: radius, opacity, colour or mirrors are out of range");
+                         "stroke: radius, opacity, colour, blur or mirrors are out of range");
     if (!p->in_picture && (p->unit == SLV_SIZE_PIXELS || !(p->radius > 0)))
         return slvi_fail(env, SLV_ERROR_ARGUMENT,
                          "stroke: on the surface a radius is in mesh units or texels, more than 0");
@@ -365,5 +367,8 @@ slv_result slv_stroke_dab_apply(slv_painter *painter, const slv_canvas *canvas,
     if (!result)
         result = dab->on_screen ? slv_painter_cover_screen(painter, desc.res, &dab->screen, patches)
                                 : slv_painter_cover(painter, desc.res, &dab->dab, patches);
-    return result ? result : slv_painter_apply(painter, canvas, patches, &dab->paint);
+    if (result)
+        return result;
+    return dab->blur > 0 ? slv_painter_blur(painter, canvas, patches, dab->blur, dab->paint.opacity)
+                         : slv_painter_apply(painter, canvas, patches, &dab->paint);
 }

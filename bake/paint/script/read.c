@@ -135,6 +135,11 @@ static slv_result read_project(reading *r, const char *key, json_t *value) {
     return read_flag(value, &r->line->stroke.project) ? SLV_OK : wrong(r, key, "true or false");
 }
 
+static slv_result read_blur(reading *r, const char *key, json_t *value) {
+    return read_number(value, 0, 16, &r->line->stroke.blur) ? SLV_OK
+                                                            : wrong(r, key, "0 to 16 radii");
+}
+
 static slv_result read_mirror(reading *r, const char *key, json_t *value) {
     slvi_line *line = r->line;
     size_t count = json_array_size(value);
@@ -184,9 +189,10 @@ static const struct {
             {"blend", read_blend},     {"erase", read_erase},
             {"lock_alpha", read_lock}, {"channels", read_channels},
             {"size", read_size},       {"camera", read_camera},
-            {"project", read_project}, {"mirror", read_mirror},
-            {"samples", read_samples}, {"face", read_face},
-            {"select", read_select},   {"degrees", read_degrees}};
+            {"project", read_project}, {"blur", read_blur},
+            {"mirror", read_mirror},   {"samples", read_samples},
+            {"face", read_face},       {"select", read_select},
+            {"degrees", read_degrees}};
 
 /* A matrix and a window, as in slv_camera; or an orbit around the surface. */
 static slv_result make_camera(const reading *r) {

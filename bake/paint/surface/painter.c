@@ -42,6 +42,7 @@ slv_result slv_painter_create(const slv_env *env, const slv_paint_surface *surfa
 void slv_painter_destroy(slv_painter *painter) {
     if (!painter)
         return;
+    slvi_blur_destroy(painter->blur);
     slvi_free(painter->vertices);
     slvi_free(painter->tri_round);
     slvi_free(painter->heap);

@@ -26,6 +26,9 @@ typedef struct slvi_part {
     bool covered;          /* some of it is more than 0 */
 } slvi_part;
 
+struct slvi_blur; /* canvas/blur.c */
+void slvi_blur_destroy(struct slvi_blur *blur);
+
 struct slv_painter {
     slv_env env;
     const slv_paint_surface *surface;
@@ -48,6 +51,7 @@ struct slv_painter {
     uint64_t texel_room;
     double *sums; /* of patches, for means; and where their texels begin */
     uint64_t sum_room;
+    struct slvi_blur *blur; /* of the canvas that was blurred last, or NULL */
 };
 
 /* Makes room for `count` elements, and for more than that, so that it is seldom asked again. */
