@@ -66,8 +66,9 @@ static slv_result prepare(work *w, uint64_t extra) {
     slv_result result = w->canvas->fns->describe(w->canvas->user, &w->desc);
     if (result)
         return result;
-    if ((result =
-             slvi_painter_room(p, count * (extra + 1), sizeof *p->sums, &p->sums, &p->sum_room)))
+    /* one more than is needed: of none there is a first one, too */
+    if ((result = slvi_painter_room(p, count * (extra + 1) + 1, sizeof *p->sums, &p->sums,
+                                    &p->sum_room)))
         return result;
     w->sums = p->sums + count;
     w->starts = (uint64_t *)(void *)p->sums;
@@ -79,7 +80,7 @@ static slv_result prepare(work *w, uint64_t extra) {
         w->starts[i] = total;
         total += texels_of(patch);
     }
-    return slvi_painter_room(p, total * w->desc.nchannels, sizeof *p->texels, &p->texels,
+    return slvi_painter_room(p, total * w->desc.nchannels + 1, sizeof *p->texels, &p->texels,
                              &p->texel_room);
 }
 

@@ -176,7 +176,7 @@ slv_result slv_painter_blur(slv_painter *painter, const slv_canvas *canvas,
         largest = n > largest ? n : largest;
     }
     if (!result)
-        result = slvi_painter_room(p, (total + largest) * desc.nchannels, sizeof *p->texels,
+        result = slvi_painter_room(p, (total + largest) * desc.nchannels + 1, sizeof *p->texels,
                                    &p->texels, &p->texel_room);
     /* all is looked up before any of it changes */
     float *at = p->texels;
