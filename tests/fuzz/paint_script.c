@@ -10,6 +10,11 @@ enum { FACES = 2, MOST_LINES = 8 };
 static slv_mesh *mesh;
 static slv_paint_surface *surface;
 
+static void drop_surface(void) {
+    slv_paint_surface_destroy(surface);
+    slv_mesh_destroy(mesh);
+}
+
 /* Two squares that meet, made once. */
 static void make_surface(void) {
     static const float positions[] = {0, 0, 0, 1, 0, 0, 2, 0, 0.5f, 0, 1, 0, 1, 1, 0, 2, 1, 0.5f};
@@ -24,6 +29,7 @@ static void make_surface(void) {
     FUZZ_REQUIRE(!slv_mesh_create(&env, &view, &mesh) &&
                      !slv_paint_surface_create(&env, mesh, &params, &surface),
                  "no surface: %s", fuzz_last);
+    atexit(drop_surface);
 }
 
 static void try_brush(const uint8_t *data, size_t size) {
