@@ -83,20 +83,23 @@ static slv_result run(const calls_entry *entry, long at) {
 /* Embree ends the process when it gets no memory (std::terminate, out of a destructor of its own).
  */
 static bool is_left_out(const calls_entry *entry) {
-    return entry->call == call_reference || entry->call == call_transfer;
+    return entry->call == call_reference || entry->call == call_transfer ||
+           entry->call == call_dabs || entry->call == call_stroke || entry->call == call_fill ||
+           entry->call == call_script || entry->call == call_document;
 }
 
 /* OpenSubdiv's factory of refiners, which holds them by a plain pointer, loses one that it cannot
  * finish; OpenEXR's C++ library what it had of a file's parts. */
 static bool loses(const calls_entry *entry) {
-    return entry->call == call_catmark || entry->call == call_bilinear || entry->call == call_exr;
+    return entry->call == call_catmark || entry->call == call_bilinear || entry->call == call_exr ||
+           entry->call == call_transfer_from;
 }
 
 /* OpenEXRCore tells want of memory as damage where it packs, libpng as a failure of any kind,
  * jansson at times as a text that ends too early. */
 static bool hides_why(const calls_entry *entry) {
     return entry->call == call_exr || entry->call == call_png || entry->call == call_folder ||
-           entry->call == call_sheet || entry->call == call_split;
+           entry->call == call_sheet || entry->call == call_split || entry->call == call_brush;
 }
 
 int main(void) {

@@ -62,7 +62,7 @@ static slv_result read_rect(void *user, uint32_t face, slv_res res, slv_rect rec
 
 static const slv_source_fns source_fns = {describe, get_face, read_rect, NULL, NULL, NULL};
 
-void slvi_blur_destroy(struct slvi_blur *blur) {
+static void destroy_blur(struct slvi_blur *blur) {
     if (!blur)
         return;
     slv_sampler_destroy(blur->sampler);
@@ -82,7 +82,7 @@ static slv_result make_blur(slv_painter *p, const slv_canvas *canvas, const slv_
     b->desc = *desc;
     b->adjacency = p->surface->adjacency;
     if ((result = slvi_alloc(&p->env, "blur", desc->nfaces, sizeof *b->res, &b->res))) {
-        slvi_blur_destroy(b);
+        destroy_blur(b);
         return result;
     }
     memcpy(b->res, desc->res, desc->nfaces * sizeof *b->res);
@@ -92,11 +92,12 @@ static slv_result make_blur(slv_painter *p, const slv_canvas *canvas, const slv_
     if ((result = slv_cache_create(&p->env, &small, &b->cache)) ||
         (result = slv_cache_open_source(b->cache, &source, NULL, &b->file)) ||
         (result = slv_sampler_create(b->cache, &filter, &b->sampler))) {
-        slvi_blur_destroy(b);
+        destroy_blur(b);
         return result;
     }
-    slvi_blur_destroy(p->blur);
+    destroy_blur(p->blur);
     p->blur = b;
+    p->end_blur = destroy_blur;
     return SLV_OK;
 }
 

@@ -42,7 +42,8 @@ slv_result slv_painter_create(const slv_env *env, const slv_paint_surface *surfa
 void slv_painter_destroy(slv_painter *painter) {
     if (!painter)
         return;
-    slvi_blur_destroy(painter->blur);
+    if (painter->blur)
+        painter->end_blur(painter->blur);
     slvi_free(painter->vertices);
     slvi_free(painter->tri_round);
     slvi_free(painter->heap);

@@ -27,7 +27,6 @@ typedef struct slvi_part {
 } slvi_part;
 
 struct slvi_blur; /* canvas/blur.c */
-void slvi_blur_destroy(struct slvi_blur *blur);
 
 struct slv_painter {
     slv_env env;
@@ -51,7 +50,8 @@ struct slv_painter {
     uint64_t texel_room;
     double *sums; /* of patches, for means; and where their texels begin */
     uint64_t sum_room;
-    struct slvi_blur *blur; /* of the canvas that was blurred last, or NULL */
+    struct slvi_blur *blur; /* of the canvas that was blurred last, or NULL; and what ends it */
+    void (*end_blur)(struct slvi_blur *blur);
 };
 
 /* Makes room for `count` elements, and for more than that, so that it is seldom asked again. */
