@@ -128,6 +128,17 @@ static uint32_t choose_pools(struct group *group, slv_gl_batch_range *range, uin
     return fitting;
 }
 
+/* All but the first in one order: a software driver compiles a program for each sequence of pools
+ * that are unlike to it, such as those of one texel. */
+static void sort_pools(slv_gl_batch_range *range) {
+    for (uint32_t i = 2; i < range->npools; i++) {
+        uint32_t pool = range->pools[i], at = i;
+        for (; at > 1 && range->pools[at - 1] > pool; at--)
+            range->pools[at] = range->pools[at - 1];
+        range->pools[at] = pool;
+    }
+}
+
 /* Gives the batch the faces that fit in, and takes pools away again that none of them needs. */
 static void take_faces(struct group *group, slv_gl_batch_range *range, uint32_t batch,
                        uint32_t *batch_of) {
@@ -151,6 +162,7 @@ static void take_faces(struct group *group, slv_gl_batch_range *range, uint32_t 
         if (used[k])
             range->pools[npools++] = range->pools[k];
     range->npools = npools;
+    sort_pools(range);
 }
 
 /* The parameters are what a group of faces is, and where its batches go. */
