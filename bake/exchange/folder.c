@@ -1,6 +1,7 @@
 /* Files that appear together: written into a folder beside their place, and moved when all are
  * there. */
 #include "base/beside.h"
+#include "base/file.h"
 #include "base/log.h"
 #include "base/memory.h"
 #include "base/output.h"
@@ -144,8 +145,8 @@ static slv_result move_files(const slv_folder *folder, const char *last) {
     slv_result result = SLV_OK;
     bool has_last = false;
     if (count < 0)
-        return slvi_fail(&folder->env, SLV_ERROR_IO, "%s: cannot be read: %s", folder->beside,
-                         strerror(errno));
+        return slvi_fail(&folder->env, slvi_io_error(errno), "%s: cannot be read: %s",
+                         folder->beside, strerror(errno));
     for (int i = 0; i < count && !result; i++)
         result = move_file(folder, list[i]->d_name, true);
     for (int i = 0; i < count && !result; i++)

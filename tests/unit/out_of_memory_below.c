@@ -92,14 +92,16 @@ static bool is_left_out(const calls_entry *entry) {
  * finish; OpenEXR's C++ library what it had of a file's parts. */
 static bool loses(const calls_entry *entry) {
     return entry->call == call_catmark || entry->call == call_bilinear || entry->call == call_exr ||
-           entry->call == call_transfer_from;
+           entry->call == call_transfer_from || entry->call == call_streams ||
+           entry->call == call_blank;
 }
 
 /* OpenEXRCore tells want of memory as damage where it packs, libpng as a failure of any kind,
  * jansson at times as a text that ends too early. */
 static bool hides_why(const calls_entry *entry) {
     return entry->call == call_exr || entry->call == call_png || entry->call == call_folder ||
-           entry->call == call_sheet || entry->call == call_split || entry->call == call_brush;
+           entry->call == call_sheet || entry->call == call_split || entry->call == call_brush ||
+           entry->call == call_streams;
 }
 
 int main(void) {
