@@ -5,6 +5,7 @@
 #include "kit/calls_data.h"
 
 #include <selvage/document.h>
+#include <selvage/session.h>
 
 /* All that is done to a layer's texels, within an entry that is open. */
 static inline slv_result calls_paint_layer(slv_document *document, uint32_t id) {
@@ -55,6 +56,34 @@ static inline slv_result call_document(const slv_env *env) {
         result = slv_document_as_source(document, "flat", &source);
     slv_source_close(&source);
     slv_document_destroy(document);
+    return result;
+}
+
+/* Before each run: no session is there. */
+static inline void calls_prepare_session(void) {
+    char line[160];
+    snprintf(line, sizeof line, "rm -rf %s", calls_path("made.selvage"));
+    REQUIRE(system(line) == 0);
+}
+
+static inline slv_result call_session(const slv_env *env) {
+    static const char fill[] = "{\"op\":\"fill\",\"face\":1,\"color\":[1,0,0]}";
+    const slv_session_params params = {.document = {.flat = *slv_texture_get_desc(calls.texture)}};
+    slv_session *session = NULL;
+    slv_painter *painter;
+    slv_result result =
+        slv_session_create(env, calls_path("made.selvage"), calls.mesh, &params, &session);
+    if (!result && !(result = slv_session_painter(session, &painter)) &&
+        !(result = slv_document_add_layer(slv_session_document(session), NULL, NULL)) &&
+        !(result = slv_session_save(session)) &&
+        !(result = slv_session_run(session, 1, false, NULL, fill, sizeof fill - 1)) &&
+        !(result = slv_document_load_layer(slv_session_document(session), 1, calls.texture)) &&
+        !(result = slv_session_export(session, calls_path("whole.ptx")))) {
+        slv_session_destroy(session);
+        if (!(result = slv_session_open(env, calls_path("made.selvage"), NULL, &session)))
+            result = slv_session_export_edits(session, calls_path("whole.ptx"), NULL);
+    }
+    slv_session_destroy(session);
     return result;
 }
 

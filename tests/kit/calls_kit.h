@@ -530,6 +530,7 @@ static const calls_entry calls_all[] = {
     {"brush", call_brush},
     {"stroke", call_stroke},
     {"document", call_document},
+    {"session", call_session},
     {"fill", call_fill},
     {"script", call_script},
 };
@@ -540,6 +541,7 @@ static inline void calls_prepare(void) {
     slv_env env = test_env();
     REQUIRE(!slv_ptx_save(&env, calls_path("edited.ptx"), calls.texture, calls.adjacency, NULL));
     calls_prepare_brush();
+    calls_prepare_session();
 }
 
 /* What a call that fails has said: the last error line, and how many there were. */

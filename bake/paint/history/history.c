@@ -159,6 +159,8 @@ static slv_result close_entry(slv_document *document) {
     slvi_entry *entry = history->open;
     slv_result result = SLV_OK;
     tidy(entry);
+    if (!entry->nchanges && document->watch.cancel)
+        document->watch.cancel(document->watch.user);
     if (entry->nchanges && document->watch.close &&
         (result = document->watch.close(document->watch.user, entry->name)))
         take_back(document, 0, 0);

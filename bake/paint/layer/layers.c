@@ -113,8 +113,12 @@ slv_result slv_document_add_layer(slv_document *document, const slv_layer_params
     if (!(result = make_layer(document, p, next, &layer)))
         result = put_stack(document, document->nlayers, layer, at);
     document->next_id = result ? document->next_id : next + 1;
-    slvi_op op = {
-        .kind = SLVI_OP_ADD, .id = next, .other = p->above, .res = p->res, .fill = p->fill};
+    slvi_op op = {.kind = SLVI_OP_ADD,
+                  .id = next,
+                  .other = p->above,
+                  .res = p->res,
+                  .fill = p->fill,
+                  .count = document->nchannels};
     if (!result) {
         op.props = layer->props;
         op.type = layer->colour->type;

@@ -1,0 +1,90 @@
+/* A session: a painted document that nothing can lose. It is a folder (docs/session-files.md) with
+ * the mesh, the layers as they were saved, the brushes in use, and a journal of all that was done
+ * since.
+ *
+ *     slv_session_create(&env, "car.selvage", mesh, &params, &session);   or slv_session_open
+ *     slv_document_add_layer(slv_session_document(session), NULL, &layer);
+ *     slv_session_run(session, layer, false, "{\"samples\":[[0,0.1,0.5],[0,0.9,0.5]]}", size);
+ *     slv_session_save(session);
+ *     slv_session_destroy(session);
+ *
+ * What is done is in the journal, and on the disk, when the call returns: a killed process loses no
+ * more than what it was at. A call whose line cannot be written fails, and the document is as it
+ * was. Opening brings back all whole lines of the journal, wherever it ends; what was saved stays
+ * as it is until slv_session_save. One process has a session at a time. Not for several threads at
+ * once. */
+#ifndef SELVAGE_SESSION_H
+#define SELVAGE_SESSION_H
+
+#include <selvage/document.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+typedef struct slv_session slv_session;
+
+/* Zero means default, but for `document.flat`. */
+typedef struct slv_session_params {
+    slv_document_params
+        document;      /* of its sizes only those of the limits count when one is opened */
+    slv_scheme scheme; /* of the surface that is painted on */
+    bool relaxed;  /* do not wait for the disk: a power cut may lose what it had not been told */
+    bool as_saved; /* open without what came after the last save, and forget that */
+    uint64_t reserved[4];
+} slv_session_params;
+
+/* A new folder with a copy of the mesh. SLV_ERROR_IO if something is there: nothing is replaced. */
+SLV_NODISCARD SLV_API slv_result slv_session_create(const slv_env *env, const char *path,
+                                                    const slv_mesh *mesh,
+                                                    const slv_session_params *params,
+                                                    slv_session **out);
+/* `params` may be NULL. Undo goes back as far as what was brought back from the journal. */
+SLV_NODISCARD SLV_API slv_result slv_session_open(const slv_env *env, const char *path,
+                                                  const slv_session_params *params,
+                                                  slv_session **out);
+/* Ends it without saving: what was done is in the journal. */
+SLV_API void slv_session_destroy(slv_session *session);
+
+/* Whether a path is a session: a folder with its description in it. */
+SLV_API bool slv_session_is(const char *path);
+
+/* All that is done to it is journalled, but that its layers are painted on through the session.
+ * Owned by the session, as the others. */
+SLV_API slv_document *slv_session_document(slv_session *session);
+SLV_API const slv_mesh *slv_session_mesh(const slv_session *session);
+SLV_API const slv_adjacency *slv_session_adjacency(const slv_session *session);
+/* Made when it is first asked for. */
+SLV_NODISCARD SLV_API slv_result slv_session_painter(slv_session *session, slv_painter **out);
+
+/* Runs a line of a script (script.h) on a layer, or its mask: one entry of the history. Brush files
+ * are copied into the session; names are relative to `folder` (NULL: where the process is). */
+SLV_NODISCARD SLV_API slv_result slv_session_run(slv_session *session, uint32_t layer, bool mask,
+                                                 const char *folder, const char *line, size_t size);
+
+/* Puts the document as it is beside the saved one, which it then replaces: at any moment one of the
+ * two is there. */
+SLV_NODISCARD SLV_API slv_result slv_session_save(slv_session *session);
+
+typedef struct slv_session_info {
+    uint64_t lines;      /* of the journal */
+    uint64_t unsaved;    /* of them, since the last save */
+    uint64_t recovered;  /* things that were done and not saved, and brought back at opening */
+    uint64_t torn_bytes; /* at the end of the journal that were no whole line then */
+    uint64_t journal_bytes;
+    uint64_t reserved[4];
+} slv_session_info;
+SLV_API void slv_session_get_info(const slv_session *session, slv_session_info *out);
+
+/* Writes the flattened document as a .ptx, with the mesh inside. */
+SLV_NODISCARD SLV_API slv_result slv_session_export(slv_session *session, const char *path);
+/* Appends to the .ptx at `path` those faces that it has otherwise; `faces` (may be NULL) is how
+ * many. SLV_ERROR_MISMATCH if its faces, type or channels are not the document's. */
+SLV_NODISCARD SLV_API slv_result slv_session_export_edits(slv_session *session, const char *path,
+                                                          uint32_t *faces);
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif

@@ -1,0 +1,283 @@
+/* What is done to a document as JSON, and done again. */
+#include "session/session_data.h"
+
+#include "base/log.h"
+#include "base/memory.h"
+#include "base/names.h"
+
+#include <selvage/ptx.h>
+
+#include <string.h>
+
+static const char *const op_names[SLVI_OP_COUNT] = {
+    "add-layer", "remove-layer", "move-layer", "duplicate-layer", "merge-down", "set-layer",
+    "add-mask",  "remove-mask",  "resize",     "select",          "load"};
+
+static json_t *res_of(uint32_t count, const slv_res *res) {
+    json_t *list = json_array();
+    for (uint32_t i = 0; i < count; i++)
+        json_array_append_new(list, json_pack("[ii]", (int)res[i].u, (int)res[i].v));
+    return list;
+}
+
+static json_t *faces_of(uint32_t count, const uint32_t *faces) {
+    json_t *list = json_array();
+    for (uint32_t i = 0; i < count; i++)
+        json_array_append_new(list, json_integer(faces ? faces[i] : i));
+    return list;
+}
+
+static json_t *fill_of(uint32_t count, const float *values) {
+    json_t *list = json_array();
+    for (uint32_t i = 0; i < count; i++)
+        json_array_append_new(list, json_real((double)values[i]));
+    return list;
+}
+
+static void put_props(json_t *to, const slv_layer_props *props) {
+    json_object_set_new(to, "name", json_string(props->name));
+    json_object_set_new(to, "opacity", json_real((double)props->opacity));
+    json_object_set_new(to, "blend", json_string(slv_blend_name(props->blend)));
+    json_object_set_new(to, "hidden", json_boolean(props->hidden));
+    json_object_set_new(to, "locked", json_boolean(props->locked));
+}
+
+slv_result slvi_edit_to_json(const slv_env *env, const slvi_op *op, uint32_t nfaces, json_t **out) {
+    json_t *to = json_object();
+    bool props = op->kind == SLVI_OP_ADD || op->kind == SLVI_OP_SET;
+    json_object_set_new(to, "op", json_string(op_names[op->kind]));
+    json_object_set_new(to, "layer", json_integer(op->id));
+    if (props)
+        put_props(to, &op->props);
+    switch (op->kind) {
+    case SLVI_OP_ADD:
+        json_object_set_new(to, "above", json_integer(op->other));
+        json_object_set_new(to, "type", json_string(slv_type_name(op->type)));
+        if (op->fill)
+            json_object_set_new(to, "fill", fill_of(op->count, op->fill));
+        if (op->res)
+            json_object_set_new(to, "res", res_of(nfaces, op->res));
+        break;
+    case SLVI_OP_RESIZE:
+        json_object_set_new(to, "res", res_of(op->count, op->res));
+        json_object_set_new(to, "faces", faces_of(op->count, op->faces));
+        break;
+    case SLVI_OP_SELECT:
+        json_object_set_new(to, "faces", faces_of(op->count, op->faces));
+        break;
+    case SLVI_OP_MOVE:
+        json_object_set_new(to, "index", json_integer(op->index));
+        break;
+    case SLVI_OP_DUPLICATE:
+        json_object_set_new(to, "copy", json_integer(op->other));
+        break;
+    case SLVI_OP_ADD_MASK:
+        json_object_set_new(to, "value", json_real((double)op->value));
+        break;
+    default:
+        break;
+    }
+    *out = to;
+    if (to && (!props || json_object_get(to, "name")))
+        return SLV_OK;
+    json_decref(to);
+    *out = NULL;
+    return slvi_fail(env, to ? SLV_ERROR_ARGUMENT : SLV_ERROR_MEMORY,
+                     "journal: the name of layer %u is not UTF-8", (unsigned)op->id);
+}
+
+/* ---- doing it again ---- */
+
+typedef struct reading {
+    slv_document *document;
+    const char *name; /* of the journal, for messages */
+    const json_t *edit;
+    slv_result result;
+} reading;
+
+static void wrong(reading *r, const char *key) {
+    if (!r->result)
+        r->result = slvi_fail(&r->document->env, SLV_ERROR_FORMAT,
+                              "%s: %s is not what it should be", r->name, key);
+}
+
+static uint32_t get_number(reading *r, const char *key) {
+    const json_t *value = json_object_get(r->edit, key);
+    json_int_t number = json_integer_value(value);
+    if (!json_is_integer(value) || number < 0 || number > UINT32_MAX) {
+        wrong(r, key);
+        return 0;
+    }
+    return (uint32_t)number;
+}
+
+static float get_real(reading *r, const json_t *value, const char *key) {
+    double number = json_number_value(value);
+    if (!json_is_number(value) || !(number >= -3e38 && number <= 3e38)) {
+        wrong(r, key);
+        return 0;
+    }
+    return (float)number;
+}
+
+static void get_props(reading *r, slv_layer_props *props) {
+    const char *name = json_string_value(json_object_get(r->edit, "name"));
+    *props =
+        (slv_layer_props){.opacity = get_real(r, json_object_get(r->edit, "opacity"), "opacity"),
+                          .hidden = json_is_true(json_object_get(r->edit, "hidden")),
+                          .locked = json_is_true(json_object_get(r->edit, "locked"))};
+    if (!slv_blend_from_name(json_string_value(json_object_get(r->edit, "blend")), &props->blend))
+        wrong(r, "blend");
+    if (!name || strlen(name) >= sizeof props->name)
+        wrong(r, "name");
+    else
+        memcpy(props->name, name, strlen(name) + 1);
+}
+
+/* Lists of faces and resolutions, for slvi_free. */
+static uint32_t *get_faces(reading *r, uint32_t *count) {
+    const json_t *list = json_object_get(r->edit, "faces");
+    uint32_t *faces = NULL;
+    *count = (uint32_t)json_array_size(list);
+    if (!json_is_array(list) || json_array_size(list) > r->document->flat.nfaces)
+        wrong(r, "faces");
+    if (!r->result)
+        r->result = slvi_alloc(&r->document->env, "journal", *count, sizeof *faces, &faces);
+    for (uint32_t i = 0; !r->result && i < *count; i++) {
+        json_int_t face = json_integer_value(json_array_get(list, i));
+        if (face < 0 || face >= r->document->flat.nfaces)
+            wrong(r, "faces");
+        faces[i] = (uint32_t)face;
+    }
+    return faces;
+}
+
+static slv_res *get_res(reading *r, uint32_t count) {
+    const json_t *list = json_object_get(r->edit, "res");
+    slv_res *res = NULL;
+    if (json_array_size(list) != count)
+        wrong(r, "res");
+    if (!r->result)
+        r->result = slvi_alloc(&r->document->env, "journal", count, sizeof *res, &res);
+    for (uint32_t i = 0; !r->result && i < count; i++) {
+        const json_t *pair = json_array_get(list, i);
+        json_int_t u = json_integer_value(json_array_get(pair, 0)),
+                   v = json_integer_value(json_array_get(pair, 1));
+        if (json_array_size(pair) != 2 || u < 0 || v < 0 || u > SLV_MAX_LOG2_RES ||
+            v > SLV_MAX_LOG2_RES)
+            wrong(r, "res");
+        else
+            res[i] = (slv_res){(int8_t)u, (int8_t)v};
+    }
+    return res;
+}
+
+static void add_layer(reading *r) {
+    slv_layer_props props;
+    slv_layer_params params = {
+        .props = &props, .above = get_number(r, "above"), .id = get_number(r, "layer")};
+    const json_t *fill = json_object_get(r->edit, "fill");
+    float texel[SLVI_MOST_CHANNELS] = {0};
+    slv_res *res = NULL;
+    get_props(r, &props);
+    if (!slv_type_from_name(json_string_value(json_object_get(r->edit, "type")), &params.type))
+        wrong(r, "type");
+    if (fill && json_array_size(fill) != r->document->nchannels)
+        wrong(r, "fill");
+    for (uint32_t c = 0; fill && !r->result && c < r->document->nchannels; c++)
+        texel[c] = get_real(r, json_array_get(fill, c), "fill");
+    if (!r->result && json_object_get(r->edit, "res"))
+        res = get_res(r, r->document->flat.nfaces);
+    params.fill = fill ? texel : NULL;
+    params.res = res;
+    if (!r->result)
+        r->result = slv_document_add_layer(r->document, &params, NULL);
+    slvi_free(res);
+}
+
+static void resize(reading *r) {
+    uint32_t count = 0, id = get_number(r, "layer"), *faces = get_faces(r, &count);
+    slv_res *res = r->result ? NULL : get_res(r, count);
+    if (!r->result)
+        r->result = slv_document_resize(r->document, id, count, faces, res);
+    slvi_free(faces);
+    slvi_free(res);
+}
+
+static void choose(reading *r) {
+    uint32_t count = 0, *faces = get_faces(r, &count);
+    if (!r->result)
+        r->result = slv_document_select(r->document, count, faces);
+    slvi_free(faces);
+}
+
+static slv_result apply(reading *r, slvi_op_kind kind) {
+    slv_document *document = r->document;
+    slv_layer_props props = {0};
+    uint32_t id = get_number(r, "layer"), other = 0;
+    float value = 0;
+    if (kind == SLVI_OP_MOVE || kind == SLVI_OP_DUPLICATE)
+        other = get_number(r, kind == SLVI_OP_MOVE ? "index" : "copy");
+    else if (kind == SLVI_OP_SET)
+        get_props(r, &props);
+    else if (kind == SLVI_OP_ADD_MASK)
+        value = get_real(r, json_object_get(r->edit, "value"), "value");
+    if (r->result)
+        return r->result;
+    switch (kind) {
+    case SLVI_OP_REMOVE:
+        return slv_document_remove_layer(document, id);
+    case SLVI_OP_MOVE:
+        return slv_document_move_layer(document, id, other);
+    case SLVI_OP_DUPLICATE:
+        return slvi_document_duplicate(document, id, other, NULL);
+    case SLVI_OP_MERGE:
+        return slv_document_merge_down(document, id);
+    case SLVI_OP_SET:
+        return slv_document_set_layer(document, id, &props);
+    case SLVI_OP_ADD_MASK:
+        return slv_document_add_mask(document, id, value);
+    default:
+        return slv_document_remove_mask(document, id);
+    }
+}
+
+/* A texture that was put into a layer lies beside the journal. */
+static slv_result load(reading *r, const char *folder) {
+    const slv_env *env = &r->document->env;
+    const char *file = json_string_value(json_object_get(r->edit, "file"));
+    uint32_t id = get_number(r, "layer");
+    slv_ptx *ptx = NULL;
+    slv_texture *texture = NULL;
+    char *path = NULL;
+    if (!file || strchr(file, '/'))
+        wrong(r, "file");
+    if (!r->result && !(r->result = slvi_session_path(env, folder, file, &path)) &&
+        !(r->result = slv_ptx_open(env, path, &ptx)) &&
+        !(r->result = slv_ptx_load_texture(env, ptx, &texture)))
+        r->result = slv_document_load_layer(r->document, id, texture);
+    slv_texture_destroy(texture);
+    slv_ptx_close(ptx);
+    slvi_free(path);
+    return r->result;
+}
+
+slv_result slvi_edit_apply(slv_document *document, const char *name, const json_t *edit,
+                           const char *folder) {
+    reading r = {document, name, edit, SLV_OK};
+    int kind;
+    if (!slvi_name_find(op_names, SLVI_OP_COUNT, json_string_value(json_object_get(edit, "op")),
+                        &kind))
+        wrong(&r, "op");
+    else if (kind == SLVI_OP_ADD)
+        add_layer(&r);
+    else if (kind == SLVI_OP_RESIZE)
+        resize(&r);
+    else if (kind == SLVI_OP_SELECT)
+        choose(&r);
+    else if (kind == SLVI_OP_LOAD)
+        return load(&r, folder);
+    else
+        return apply(&r, (slvi_op_kind)kind);
+    return r.result;
+}

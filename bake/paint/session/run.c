@@ -1,0 +1,220 @@
+/* What is done to a session's document, which goes into the journal: edits, and lines of scripts.
+ */
+#include "session/session_data.h"
+
+#include "base/file.h"
+#include "base/log.h"
+#include "base/output.h"
+#include "history/history.h"
+
+#include <selvage/ptx.h>
+
+#include <errno.h>
+#include <fcntl.h>
+#include <inttypes.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+/* ---- what is done to the document ---- */
+
+static slv_result keep_edit(slv_session *session, json_t *edit) {
+    if (json_array_append_new(session->edits, edit) == 0)
+        return SLV_OK;
+    return slvi_fail(&session->env, SLV_ERROR_MEMORY, "%s: no memory for a line",
+                     session->journal.path);
+}
+
+/* Puts a texture beside the journal, on the disk before the line that names it. */
+static slv_result keep_texture(slv_session *session, const slv_texture *texture, json_t *edit) {
+    char name[64], *path = NULL;
+    snprintf(name, sizeof name, "texture-%" PRIu64 "-%zu.ptx", session->journal.next,
+             json_array_size(session->edits));
+    slv_result result = slvi_session_path(&session->env, session->path, name, &path);
+    if (!result &&
+        !(result = slv_ptx_save(&session->env, path, texture, session->adjacency, NULL))) {
+        int file = open(path, O_RDONLY | O_CLOEXEC);
+        if (file < 0 || (!session->params.relaxed && fsync(file) != 0))
+            result = slvi_fail(&session->env, SLV_ERROR_IO, "%s: %s", path, strerror(errno));
+        if (file >= 0)
+            close(file);
+    }
+    if (!result && json_object_set_new(edit, "file", json_string(name)) != 0)
+        result = slvi_fail(&session->env, SLV_ERROR_MEMORY, "%s: no memory for a line", path);
+    slvi_free(path);
+    return result;
+}
+
+static slv_result watch_edit(void *user, const slvi_op *op) {
+    slv_session *session = user;
+    json_t *edit = NULL;
+    slv_result result = SLV_OK;
+    if (session->replaying)
+        return SLV_OK;
+    result = slvi_edit_to_json(&session->env, op, session->document->flat.nfaces, &edit);
+    if (!result && op->texture && (result = keep_texture(session, op->texture, edit)))
+        json_decref(edit);
+    return result ? result : keep_edit(session, edit);
+}
+
+static void watch_cancel(void *user) {
+    slv_session *session = user;
+    json_array_clear(session->edits);
+}
+
+static slv_result watch_close(void *user, const char *name) {
+    slv_session *session = user;
+    json_t *line = NULL;
+    if (session->replaying || !json_array_size(session->edits))
+        return SLV_OK;
+    if (json_array_size(session->edits) == 1)
+        line = json_incref(json_array_get(session->edits, 0));
+    else
+        line = json_pack("{s:s, s:s, s:O}", "op", "group", "name", name, "edits", session->edits);
+    slv_result result = slvi_journal_append(&session->journal, line);
+    json_decref(line);
+    json_array_clear(session->edits);
+    return result;
+}
+
+static slv_result watch_step(void *user, bool redo) {
+    slv_session *session = user;
+    if (session->replaying)
+        return SLV_OK;
+    json_t *line = json_pack("{s:s}", "op", redo ? "redo" : "undo");
+    slv_result result = slvi_journal_append(&session->journal, line);
+    json_decref(line);
+    return result;
+}
+
+static slv_result watch_paint(void *user, uint32_t layer, bool mask) {
+    slv_session *session = user;
+    (void)mask;
+    if (session->replaying || session->running)
+        return SLV_OK;
+    return slvi_fail(&session->env, SLV_ERROR_ARGUMENT,
+                     "%s: layer %u is painted on through its session only", session->path,
+                     (unsigned)layer);
+}
+
+/* ---- strokes and fills ---- */
+
+slv_result slv_session_painter(slv_session *session, slv_painter **out) {
+    const slv_paint_surface_params params = {.scheme = session->params.scheme};
+    slv_result result = SLV_OK;
+    *out = NULL;
+    if (!session->surface)
+        result = slv_paint_surface_create(&session->env, session->mesh, &params, &session->surface);
+    if (!result && !session->painter)
+        result = slv_painter_create(&session->env, session->surface, &session->painter);
+    *out = session->painter;
+    return result;
+}
+
+slv_result slvi_session_paint(slv_session *session, uint32_t layer, bool mask, json_t *line) {
+    const slv_script_params params = {.name = session->journal.path, .folder = session->path};
+    json_t *bare = json_copy(line);
+    slv_painter *painter;
+    slv_canvas canvas;
+    slv_script *script = NULL;
+    json_object_del(bare, "layer");
+    json_object_del(bare, "mask");
+    char *text = json_dumps(bare, JSON_COMPACT | JSON_REAL_PRECISION(17));
+    slv_result result = text ? slv_session_painter(session, &painter)
+                             : slvi_fail(&session->env, SLV_ERROR_MEMORY,
+                                         "%s: no memory for a line", session->journal.path);
+    if (!result && !(result = slv_document_canvas(session->document, layer, mask, &canvas)) &&
+        !(result = slv_script_create(painter, &canvas, &params, &script)))
+        result = slv_script_run(script, session->journal.next, text, strlen(text));
+    slv_script_destroy(script);
+    free(text);
+    json_decref(bare);
+    return result;
+}
+
+/* Copies a brush's file into the session, and lets the line name that. */
+static slv_result keep_brush(slv_session *session, const char *folder, json_t *line) {
+    const char *name = json_string_value(json_object_get(line, "brush")), *base;
+    char *from = NULL, *to = NULL, *text = NULL, kept[96];
+    size_t size = 0;
+    slv_result result;
+    if (!name)
+        return SLV_OK;
+    base = strrchr(name, '/') ? strrchr(name, '/') + 1 : name;
+    if ((result =
+             slvi_session_path(&session->env, folder && *name != '/' ? folder : "", name, &from)))
+        return result;
+    if (!(result =
+              slvi_file_read(&session->env, folder || *name == '/' ? from : name, &text, &size))) {
+        snprintf(kept, sizeof kept, "brush-%08" PRIx32 "-%.60s", slvi_crc(0, text, size), base);
+        result = slvi_session_path(&session->env, session->path, kept, &to);
+    }
+    if (!result && access(to, F_OK) != 0)
+        result = slvi_output_write(&session->env, to, text, size);
+    if (!result && json_object_set_new(line, "brush", json_string(kept)) != 0)
+        result = slvi_fail(&session->env, SLV_ERROR_ARGUMENT, "%s: its name is not UTF-8", from);
+    slvi_free(from);
+    slvi_free(to);
+    slvi_free(text);
+    return result;
+}
+
+static slv_result run_line(slv_session *session, uint32_t layer, bool mask, json_t *line) {
+    slvi_edit edit;
+    slv_result result = slvi_edit_begin(session->document, "stroke", &edit);
+    if (result)
+        return result;
+    session->running = true;
+    result = slvi_session_paint(session, layer, mask, line);
+    session->running = false;
+    json_object_set_new(line, "layer", json_integer(layer));
+    if (mask)
+        json_object_set_new(line, "mask", json_true());
+    if (!result)
+        result = keep_edit(session, json_incref(line));
+    return slvi_edit_end(session->document, &edit, NULL, result);
+}
+
+slv_result slv_session_run(slv_session *session, uint32_t layer, bool mask, const char *folder,
+                           const char *line, size_t size) {
+    json_error_t error;
+    size_t blank = 0;
+    while (blank < size && strchr(" \t\r\n", line[blank]))
+        blank++;
+    if (blank == size || line[blank] == '#')
+        return SLV_OK;
+    json_t *root = json_loadb(line, size, JSON_REJECT_DUPLICATES, &error);
+    if (!json_is_object(root)) {
+        json_decref(root);
+        return slvi_fail(&session->env, SLV_ERROR_FORMAT, "%s: a line: %s", session->path,
+                         root ? "expected an object" : error.text);
+    }
+    const char *op = json_string_value(json_object_get(root, "op"));
+    slv_result result = keep_brush(session, folder, root);
+    if (!result && op && strcmp(op, "set") == 0) {
+        if (!(result = slvi_session_paint(session, layer, mask, root))) {
+            json_object_del(root, "op");
+            json_object_update(session->set, root);
+        }
+    } else if (!result) {
+        json_t *all = json_copy(session->set);
+        json_object_update(all, root);
+        result = run_line(session, layer, mask, all);
+        json_decref(all);
+    }
+    json_decref(root);
+    return result;
+}
+
+/* ---- what is watched so ---- */
+
+slv_result slvi_session_new_document(slv_session *session) {
+    slv_document_destroy(session->document);
+    slv_result result = slv_document_create(&session->env, &session->params.document,
+                                            session->adjacency, &session->document);
+    if (!result)
+        session->document->watch =
+            (slvi_watch){watch_edit, watch_close, watch_step, watch_paint, watch_cancel, session};
+    return result;
+}
