@@ -5,6 +5,7 @@
 #define SELVAGE_VERBS(VERB)                                                                        \
     VERB(new, "make a blank texture for a mesh")                                                   \
     VERB(paint, "apply a script of strokes to a texture")                                          \
+    VERB(session, "paint in layers that nothing can lose")                                         \
     VERB(render, "draw a .ptx on its subdivision surface into a PNG or EXR")                       \
     VERB(compare, "measure the seam strategies against each other and write a report")             \
     VERB(reference, "ray-cast a .ptx: the picture that strategies are measured against")           \

@@ -1,0 +1,50 @@
+/* selvage session: what is painted, undone and exported is there, run by run. */
+#include "kit/mesh_shapes.h"
+#include "kit/tool_kit.h"
+
+static const char box[] = "v 0 0 0\nv 2 0 0\nv 2 1 0\nv 0 1 0\nv 0 0 2\nv 2 0 2\nv 2 1 2\nv 0 1 2\n"
+                          "f 4 3 2 1\nf 5 6 7 8\nf 1 2 6 5\nf 2 3 7 6\nf 3 4 8 7\nf 4 1 5 8\n";
+static const char script[] =
+    "{\"op\":\"set\",\"color\":[1,0,0],\"radius\":0.3}\n"
+    "{\"samples\":[[1,0.2,0.5],[1,0.8,0.5]]}\n# a comment\n{\"op\":\"fill\",\"face\":3}\n";
+
+int main(void) {
+    tool_begin();
+    tool_write_file("box.obj", box, sizeof box - 1);
+    tool_write_file("s.jsonl", script, sizeof script - 1);
+    tool_write_file("wrong.jsonl", "{\"op\":\"fill\",\"face\":2}\n{\"op\":\"fill\",\"face\":99}\n", 47);
+    RUNS(0, "new box.obj in.ptx --size 16 --scheme bilinear");
+    RUNS(0, "session s.selvage --new in.ptx --scheme bilinear");
+    HAS("6 faces, 2 layers, 3 lines, 0 since it was saved");
+    RUNS(1, "session s.selvage --new in.ptx");
+    HAS("is there already");
+    RUNS(0, "session s.selvage --export first.ptx");
+    RUNS(0, "diff in.ptx first.ptx");
+    RUNS(0, "session s.selvage --script s.jsonl --export out.ptx");
+    HAS("5 lines, 2 since");
+    RUNS(1, "diff first.ptx out.ptx");
+    RUNS(0, "session s.selvage --undo 2 --export undone.ptx --json");
+    HAS("\"recovered\": 2");
+    RUNS(0, "diff first.ptx undone.ptx");
+    RUNS(0, "session s.selvage --undo 0");
+    HAS("7 lines");
+    RUNS(1, "session s.selvage --undo 1");
+    HAS("nothing to undo");
+    RUNS(0, "session s.selvage --script s.jsonl --save --edits undone.ptx");
+    HAS("2 faces appended");
+    RUNS(0, "session s.selvage --edits undone.ptx");
+    HAS("0 faces appended");
+    RUNS(1, "session s.selvage --script wrong.jsonl");
+    HAS("face: expected the number of a face");
+    RUNS(0, "session s.selvage");
+    HAS("1 since it was saved");
+    RUNS(0, "session s.selvage --as-saved --export saved.ptx");
+    RUNS(0, "diff out.ptx saved.ptx");
+    RUNS(1, "session missing.selvage");
+    HAS("missing.selvage");
+    RUNS(2, "session");
+    RUNS(1, "session s.selvage --layer 9 --script s.jsonl");
+    HAS("no layer 9");
+    tool_end();
+    return test_end();
+}

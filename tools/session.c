@@ -1,0 +1,219 @@
+/* The verb session: a painting session that is made, painted on, undone, saved and exported. */
+#include "command/output.h"
+#include "command/ptx_name.h"
+#include "command/scene.h"
+#include "verbs.h"
+
+#include <selvage/session.h>
+
+#include <inttypes.h>
+#include <stdlib.h>
+#include <string.h>
+
+struct session {
+    const char *path, *new_from, *script, *export, *edits;
+    bool save, as_saved, json, quiet;
+    uint32_t layer, undo, redo, threads, edited;
+    int scheme;
+    slv_session *session;
+};
+
+/* A session for the mesh in a .ptx, whose texels are its lowest layer. */
+static slv_result make(const slv_env *env, struct session *s) {
+    slv_ptx *ptx = NULL;
+    slv_mesh *mesh = NULL;
+    slv_texture *texture = NULL;
+    const slv_layer_props props = {.name = "base", .opacity = 1};
+    slv_session_params params = {.scheme = (slv_scheme)s->scheme};
+    uint32_t layer;
+    slv_result result;
+    if ((result = slv_ptx_open(env, s->new_from, &ptx)) ||
+        (result = scene_load_geometry(env, ptx, "a .ptx with the mesh inside", &mesh)) ||
+        (result = slv_ptx_load_texture(env, ptx, &texture)))
+        goto done;
+    params.document.flat = *slv_texture_get_desc(texture);
+    if ((result = slv_session_create(env, s->path, mesh, &params, &s->session)))
+        goto done;
+    slv_document *document = slv_session_document(s->session);
+    if (!(result =
+              slv_document_add_layer(document, &(slv_layer_params){.props = &props}, &layer)) &&
+        !(result = slv_document_load_layer(document, layer, texture)) &&
+        !(result = slv_document_add_layer(document, NULL, NULL)))
+        result = slv_session_save(s->session);
+done:
+    slv_texture_destroy(texture);
+    slv_mesh_destroy(mesh);
+    slv_ptx_close(ptx);
+    return result;
+}
+
+/* Each line of the script is an entry of the history; it ends with the first that is wrong. */
+static slv_result run_script(const slv_env *env, const struct session *s) {
+    slv_document *document = slv_session_document(s->session);
+    uint32_t count = slv_document_layer_count(document);
+    uint32_t layer = s->layer ? s->layer : count ? slv_document_layer_at(document, count - 1) : 0;
+    char *text = NULL, folder[4096];
+    size_t size = 0;
+    slv_result result = slv_text_load(env, cli_input(s->script), &text, &size);
+    if (result)
+        return result;
+    snprintf(folder, sizeof folder, "%s", s->script);
+    char *slash = strrchr(folder, '/');
+    if (slash)
+        *slash = 0;
+    cli_progress progress = cli_progress_fleeting("paint", false, s->quiet || s->json);
+    for (size_t at = 0; at < size && !result;) {
+        const char *end = memchr(text + at, '\n', size - at);
+        size_t length = end ? (size_t)(end - (text + at)) : size - at;
+        result =
+            slv_session_run(s->session, layer, false, slash ? folder : NULL, text + at, length);
+        at += length + 1;
+        if (!result && !cli_progress_report(&progress, at < size ? at : size, size))
+            result = output_fail(env, SLV_ERROR_CANCELLED, "%s: stopped", s->script);
+    }
+    cli_progress_end(&progress);
+    slv_free(text);
+    return result;
+}
+
+static json_t *layer_json(const slv_layer_info *layer) {
+    return json_pack("{s:I, s:o, s:f, s:s, s:b, s:b, s:b, s:s, s:I}", "id", (json_int_t)layer->id,
+                     "name", output_json_text(layer->props.name, strlen(layer->props.name)),
+                     "opacity", (double)layer->props.opacity, "blend",
+                     slv_blend_name(layer->props.blend), "hidden", layer->props.hidden, "locked",
+                     layer->props.locked, "mask", layer->has_mask, "type",
+                     slv_type_name(layer->type), "bytes", (json_int_t)layer->bytes);
+}
+
+static json_t *session_json(const struct session *s, const slv_session_info *info,
+                            const slv_history_info *history) {
+    slv_document *document = slv_session_document(s->session);
+    json_t *layers = json_array();
+    slv_layer_info layer;
+    for (uint32_t i = 0; slv_document_layer(document, slv_document_layer_at(document, i), &layer);
+         i++)
+        if (json_array_append_new(layers, layer_json(&layer))) {
+            json_decref(layers);
+            return NULL;
+        }
+    return json_pack("{s:i, s:o, s:I, s:I, s:I, s:I, s:I, s:I, s:I, s:I, s:o}", "schema", 1, "path",
+                     output_json_text(s->path, strlen(s->path)), "faces",
+                     (json_int_t)slv_document_get_desc(document)->nfaces, "lines",
+                     (json_int_t)info->lines, "unsaved", (json_int_t)info->unsaved, "recovered",
+                     (json_int_t)info->recovered, "torn_bytes", (json_int_t)info->torn_bytes,
+                     "undos", (json_int_t)history->undos, "redos", (json_int_t)history->redos,
+                     "exported_faces", (json_int_t)s->edited, "layers", layers);
+}
+
+static void print_session(const struct session *s, const slv_session_info *info,
+                          const slv_history_info *history) {
+    slv_document *document = slv_session_document(s->session);
+    slv_layer_info layer;
+    output_terminal(stdout, s->path, strlen(s->path), SIZE_MAX);
+    printf(": %u faces, %u layers, %" PRIu64 " lines, %" PRIu64 " since it was saved; %u to undo, "
+           "%u to redo\n",
+           slv_document_get_desc(document)->nfaces, slv_document_layer_count(document), info->lines,
+           info->unsaved, history->undos, history->redos);
+    if (info->recovered || info->torn_bytes)
+        printf("  brought back from the journal: %" PRIu64 "; torn off its end: %" PRIu64
+               " bytes\n",
+               info->recovered, info->torn_bytes);
+    for (uint32_t i = slv_document_layer_count(document); i--;)
+        if (slv_document_layer(document, slv_document_layer_at(document, i), &layer)) {
+            printf("  layer %u ", layer.id);
+            output_terminal(stdout, layer.props.name, strlen(layer.props.name), 64);
+            printf("%s%s, opacity %g%s%s%s, %" PRIu64 " bytes\n", *layer.props.name ? ": " : "",
+                   slv_blend_name(layer.props.blend), (double)layer.props.opacity,
+                   layer.props.hidden ? ", hidden" : "", layer.props.locked ? ", locked" : "",
+                   layer.has_mask ? ", masked" : "", layer.bytes);
+        }
+    if (s->edits)
+        printf("  %u faces appended\n", s->edited);
+}
+
+static slv_result work(const slv_env *env, struct session *s) {
+    const slv_session_params how = {.as_saved = s->as_saved};
+    slv_result result =
+        s->new_from ? make(env, s) : slv_session_open(env, s->path, &how, &s->session);
+    for (uint32_t i = 0; !result && i < s->undo; i++)
+        result = slv_document_undo(slv_session_document(s->session));
+    for (uint32_t i = 0; !result && i < s->redo; i++)
+        result = slv_document_redo(slv_session_document(s->session));
+    if (!result && s->script)
+        result = run_script(env, s);
+    if (!result && s->save)
+        result = slv_session_save(s->session);
+    if (!result && s->export)
+        result = slv_session_export(s->session, s->export);
+    if (!result && s->edits)
+        result = slv_session_export_edits(s->session, s->edits, &s->edited);
+    return result;
+}
+
+static int run_session(struct session *s) {
+    slv_env env = cli_env(s->threads);
+    slv_session_info info;
+    slv_history_info history;
+    const char *const inputs[] = {s->new_from, s->script};
+    int code = EXIT_FAILED;
+    if (s->export && (output_check(&env, s->export, inputs, 2) || output_try(&env, s->export)))
+        return code;
+    cli_catch_interrupts();
+    if (!work(&env, s)) {
+        code = EXIT_OK;
+        slv_session_get_info(s->session, &info);
+        slv_document_history(slv_session_document(s->session), &history);
+        if (s->json && output_print_json(s->path, session_json(s, &info, &history)))
+            code = EXIT_FAILED;
+        else if (!s->json && !s->quiet)
+            print_session(s, &info, &history);
+    }
+    slv_session_destroy(s->session);
+    return code;
+}
+
+int verb_session(int argc, char **argv) {
+    struct session s = {0};
+    uint32_t narguments = 0;
+    const cli_option options[] = {
+        {"--new", CLI_TEXT, &s.new_from, "make it, for the mesh in a .ptx and on its texels",
+         "IN.ptx", 0, 0, NULL},
+        {"--script", CLI_TEXT, &s.script, "strokes to paint, JSON lines", "SCRIPT.jsonl", 0, 0,
+         NULL},
+        {"--layer", CLI_UINT, &s.layer, "id of the layer to paint on (the topmost)", NULL, 1,
+         UINT32_MAX, NULL},
+        {"--undo", CLI_UINT, &s.undo, "undo so many things first", NULL, 0, UINT32_MAX, NULL},
+        {"--redo", CLI_UINT, &s.redo, "then redo so many", NULL, 0, UINT32_MAX, NULL},
+        {"--save", CLI_FLAG, &s.save, "save it when all is done", NULL, 0, 0, NULL},
+        {"--export", CLI_TEXT, &s.export, "write the flattened layers", "OUT.ptx", 0, 0, NULL},
+        {"--edits", CLI_TEXT, &s.edits, "append what a .ptx has otherwise to it", "FILE.ptx", 0, 0,
+         NULL},
+        {"--as-saved", CLI_FLAG, &s.as_saved, "forget what was done since it was saved", NULL, 0, 0,
+         NULL},
+        SCENE_SCHEME(&s.scheme, NULL),
+        CLI_JSON(&s.json),
+        CLI_THREADS(&s.threads),
+        CLI_QUIET(&s.quiet, "print nothing on success"),
+    };
+    const cli_command command = {
+        .name = "session",
+        .summary = "paint in layers that nothing can lose",
+        .arguments = "NAME.selvage",
+        .reads = "a painting session, or with --new a texture of quads with its mesh inside",
+        .writes = "the session, and with --export or --edits a .ptx",
+        .examples = "  selvage session cow.selvage --new cow.ptx\n"
+                    "  selvage session cow.selvage --script strokes.jsonl --save\n"
+                    "  selvage session cow.selvage --undo 1 --export painted.ptx\n",
+        .options = options,
+        .noptions = sizeof options / sizeof *options,
+        .min_arguments = 1,
+        .max_arguments = 1,
+        .positional = &s.path,
+        .npositional = &narguments};
+    int code = cli_parse(&command, argc, argv);
+    if (code >= 0)
+        return code;
+    if (s.export && !ptx_name_is_safe(s.export))
+        return ptx_name_usage(&command, s.export);
+    return run_session(&s);
+}
