@@ -11,9 +11,9 @@
 #include <string.h>
 
 struct session {
-    const char *path, *new_from, *script, *export, *edits;
+    const char *path, *new_from, *script, *merge, *export, *edits;
     bool save, as_saved, json, quiet;
-    uint32_t layer, undo, redo, threads, edited;
+    uint32_t layer, undo, redo, threads, edited, merged;
     int scheme;
     slv_session *session;
 };
@@ -96,13 +96,14 @@ static json_t *session_json(const struct session *s, const slv_session_info *inf
             json_decref(layers);
             return NULL;
         }
-    return json_pack("{s:i, s:o, s:I, s:I, s:I, s:I, s:I, s:I, s:I, s:I, s:o}", "schema", 1, "path",
-                     output_json_text(s->path, strlen(s->path)), "faces",
+    return json_pack("{s:i, s:o, s:I, s:I, s:I, s:I, s:I, s:I, s:I, s:I, s:I, s:o}", "schema", 1,
+                     "path", output_json_text(s->path, strlen(s->path)), "faces",
                      (json_int_t)slv_document_get_desc(document)->nfaces, "lines",
                      (json_int_t)info->lines, "unsaved", (json_int_t)info->unsaved, "recovered",
                      (json_int_t)info->recovered, "torn_bytes", (json_int_t)info->torn_bytes,
                      "undos", (json_int_t)history->undos, "redos", (json_int_t)history->redos,
-                     "exported_faces", (json_int_t)s->edited, "layers", layers);
+                     "exported_faces", (json_int_t)s->edited, "merged_faces", (json_int_t)s->merged,
+                     "layers", layers);
 }
 
 static void print_session(const struct session *s, const slv_session_info *info,
@@ -127,8 +128,20 @@ static void print_session(const struct session *s, const slv_session_info *info,
                    layer.props.hidden ? ", hidden" : "", layer.props.locked ? ", locked" : "",
                    layer.has_mask ? ", masked" : "", layer.bytes);
         }
+    if (s->merge)
+        printf("  %u faces merged\n", s->merged);
     if (s->edits)
         printf("  %u faces appended\n", s->edited);
+}
+
+/* Takes what another session has on faces that this one has not. */
+static slv_result merge(const slv_env *env, struct session *s) {
+    slv_session *other = NULL;
+    slv_result result = slv_session_open(env, s->merge, NULL, &other);
+    if (!result)
+        result = slv_session_merge(s->session, other, &s->merged);
+    slv_session_destroy(other);
+    return result;
 }
 
 static slv_result work(const slv_env *env, struct session *s) {
@@ -141,6 +154,8 @@ static slv_result work(const slv_env *env, struct session *s) {
         result = slv_document_redo(slv_session_document(s->session));
     if (!result && s->script)
         result = run_script(env, s);
+    if (!result && s->merge)
+        result = merge(env, s);
     if (!result && s->save)
         result = slv_session_save(s->session);
     if (!result && s->export)
@@ -184,6 +199,8 @@ int verb_session(int argc, char **argv) {
          UINT32_MAX, NULL},
         {"--undo", CLI_UINT, &s.undo, "undo so many things first", NULL, 0, UINT32_MAX, NULL},
         {"--redo", CLI_UINT, &s.redo, "then redo so many", NULL, 0, UINT32_MAX, NULL},
+        {"--merge", CLI_TEXT, &s.merge, "take what it has painted on other faces, and save",
+         "OTHER.selvage", 0, 0, NULL},
         {"--save", CLI_FLAG, &s.save, "save it when all is done", NULL, 0, 0, NULL},
         {"--export", CLI_TEXT, &s.export, "write the flattened layers", "OUT.ptx", 0, 0, NULL},
         {"--edits", CLI_TEXT, &s.edits, "append what a .ptx has otherwise to it", "FILE.ptx", 0, 0,

@@ -82,6 +82,8 @@ static inline slv_result call_session(const slv_env *env) {
         slv_session_destroy(session);
         if (!(result = slv_session_open(env, calls_path("made.selvage"), NULL, &session)))
             result = slv_session_export_edits(session, calls_path("whole.ptx"), NULL);
+        if (!result) /* with itself: all is the same */
+            result = slv_session_merge(session, session, NULL);
     }
     slv_session_destroy(session);
     return result;

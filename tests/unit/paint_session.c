@@ -335,6 +335,37 @@ static void exports(void) {
     slv_ptx_close(ptx);
 }
 
+/* Two who paint on other faces: one gets what the other has. */
+static void merges(void) {
+    static const char left[] = "{\"op\":\"fill\",\"face\":1,\"color\":[1,0,0]}",
+                      right[] = "{\"op\":\"fill\",\"face\":4,\"color\":[0,0,1]}";
+    slv_session *a = create("a.selvage", 3), *b = create("b.selvage", 3), *both;
+    uint32_t faces, ids;
+    MUST(slv_document_add_layer(slv_session_document(a), NULL, &ids));
+    MUST(slv_document_add_layer(slv_session_document(b), NULL, &ids));
+    MUST(line_of(a, 1, left));
+    MUST(line_of(b, 1, right));
+    both = create("both.selvage", 3);
+    MUST(slv_document_add_layer(slv_session_document(both), NULL, &ids));
+    MUST(line_of(both, 1, left));
+    MUST(line_of(both, 1, right));
+    MUST(slv_session_merge(a, b, &faces));
+    CHECK(faces == 1 && state_of(a) == state_of(both));
+    CHECK(slv_document_undo(slv_session_document(a)) == SLV_ERROR_ARGUMENT);
+    slv_session_destroy(a);
+    a = reopen("a.selvage");
+    CHECK(state_of(a) == state_of(both));
+    MUST(line_of(b, 1, "{\"op\":\"fill\",\"face\":1,\"color\":[0,1,0]}"));
+    CHECK(slv_session_merge(a, b, &faces) == SLV_ERROR_MISMATCH);
+    CHECK(strstr(test_last_log, "face 1 was painted on in both") != NULL);
+    CHECK(state_of(a) == state_of(both));
+    MUST(slv_document_add_layer(slv_session_document(b), NULL, &ids));
+    CHECK(slv_session_merge(a, b, &faces) == SLV_ERROR_MISMATCH);
+    slv_session_destroy(a);
+    slv_session_destroy(b);
+    slv_session_destroy(both);
+}
+
 int main(void) {
     char line[96];
     snprintf(folder, sizeof folder, "/tmp/selvage_session_XXXXXX");
@@ -345,6 +376,7 @@ int main(void) {
     kills();
     full_disk();
     exports();
+    merges();
     snprintf(line, sizeof line, "rm -rf %s", folder);
     REQUIRE(system(line) == 0);
     return test_end();

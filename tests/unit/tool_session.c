@@ -12,7 +12,8 @@ int main(void) {
     tool_begin();
     tool_write_file("box.obj", box, sizeof box - 1);
     tool_write_file("s.jsonl", script, sizeof script - 1);
-    tool_write_file("wrong.jsonl", "{\"op\":\"fill\",\"face\":2}\n{\"op\":\"fill\",\"face\":99}\n", 47);
+    tool_write_file("wrong.jsonl", "{\"op\":\"fill\",\"face\":2}\n{\"op\":\"fill\",\"face\":99}\n",
+                    47);
     RUNS(0, "new box.obj in.ptx --size 16 --scheme bilinear");
     RUNS(0, "session s.selvage --new in.ptx --scheme bilinear");
     HAS("6 faces, 2 layers, 3 lines, 0 since it was saved");
@@ -40,6 +41,11 @@ int main(void) {
     HAS("1 since it was saved");
     RUNS(0, "session s.selvage --as-saved --export saved.ptx");
     RUNS(0, "diff out.ptx saved.ptx");
+    RUNS(0, "session other.selvage --new in.ptx --scheme bilinear");
+    RUNS(0, "session other.selvage --merge s.selvage --json");
+    HAS("\"merged_faces\": 2");
+    RUNS(0, "session other.selvage --export merged.ptx");
+    RUNS(0, "diff out.ptx merged.ptx");
     RUNS(1, "session missing.selvage");
     HAS("missing.selvage");
     RUNS(2, "session");

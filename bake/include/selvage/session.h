@@ -83,6 +83,13 @@ SLV_NODISCARD SLV_API slv_result slv_session_export(slv_session *session, const 
 SLV_NODISCARD SLV_API slv_result slv_session_export_edits(slv_session *session, const char *path,
                                                           uint32_t *faces);
 
+/* Takes what `other` has painted on faces of its layers, where this session has painted nothing on
+ * those of the layers of the same ids; `faces` (may be NULL) is how many. Then it is saved, and its
+ * history begins anew. SLV_ERROR_MISMATCH, and nothing is changed, if one was painted on in both,
+ * and is not the same. */
+SLV_NODISCARD SLV_API slv_result slv_session_merge(slv_session *session, const slv_session *other,
+                                                   uint32_t *faces);
+
 #ifdef __cplusplus
 }
 #endif

@@ -81,6 +81,12 @@ static void drop_oldest(slvi_history *history) {
     }
 }
 
+void slvi_history_forget(slv_document *document) {
+    drop_redos(&document->history, 0);
+    while (document->history.done)
+        drop_oldest(&document->history);
+}
+
 /* The oldest go to the disk, then away; where there is nothing to undo, the last to be redone. */
 static void keep_limits(slv_document *document) {
     slvi_history *history = &document->history;

@@ -6,6 +6,8 @@
 
 void slvi_history_begin(slvi_history *history, const slv_document_params *params);
 void slvi_history_end(slv_document *document);
+/* Nothing can be undone or redone any more. */
+void slvi_history_forget(slv_document *document);
 
 /* Begins something within the open entry, or in one of its own. */
 slv_result slvi_edit_begin(slv_document *document, const char *name, slvi_edit *edit);

@@ -90,6 +90,9 @@ slv_result slvi_state_write(const slv_env *env, const char *path, const slv_docu
 slv_result slvi_state_read(const slv_env *env, const char *path, slv_document *document,
                            uint64_t *line);
 
+/* A new state, also within an entry that is to be part of it. */
+slv_result slvi_session_save(slv_session *session);
+
 /* Makes the document of the newest state that fits the journal, and does again what came after. */
 slv_result slvi_session_recover(slv_session *session);
 slv_result slvi_session_new_document(slv_session *session);
