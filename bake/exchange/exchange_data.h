@@ -75,6 +75,10 @@ void slvi_exchange_end(const slv_env *env, slvi_exchange_totals *totals, slv_res
  * SLV_ERROR_CANCELLED is not logged: slvi_exchange_visited does that. */
 slv_result slvi_exchange_face(const slv_env *env, const slvi_exchange_plan *plan, uint32_t face,
                               slv_ptx_face *info, const void **texels, void **own);
+/* Says at once that a face needs more memory than there is; where several at a time would, fewer
+ * threads do. */
+slv_result slvi_exchange_check_memory(slv_env *env, const slvi_exchange_plan *plan,
+                                      const slv_ptx *ptx);
 /* All faces that are taken, into the result. */
 slv_result slvi_exchange_write_faces(const slv_env *env, const slvi_exchange_plan *plan,
                                      const slv_ptx *ptx, slv_ptx_writer *writer);

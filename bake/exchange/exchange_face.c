@@ -1,9 +1,13 @@
 /* One face of a source as a face of the result: resized, its channels chosen, in another type. */
 #include "exchange/exchange_data.h"
 
+#include "base/parallel.h"
+
 #include <selvage/ptx_resize.h>
 
 #include <math.h>
+
+#define LARGE (UINT64_C(256) << 20) /* bytes: of less nobody asks whether there are any */
 
 /* Resampling wants colours multiplied by alpha, so that what is not covered does not bleed. */
 static slv_result resize(const slv_env *env, const slvi_exchange_plan *plan, slv_res from,
@@ -112,13 +116,59 @@ static slv_result check_size(const slv_env *env, const slvi_exchange_plan *plan,
                                                                         : plan->target.nchannels,
              bytes = (channels * sizeof(float)) << (res.u + res.v),
              limit = slvi_env_or_default(env).max_bytes;
-    if (bytes <= limit && bytes <= SIZE_MAX)
+    if (bytes <= limit && bytes > LARGE && bytes >= slv_memory_available())
+        limit = slv_memory_available();
+    else if (bytes <= limit && bytes <= SIZE_MAX)
         return SLV_OK;
     return slvi_fail(env, SLV_ERROR_LIMIT,
                      "%s: face %u: %u x %u texels of %llu channels are %.1f GiB, the limit is "
                      "%.1f GiB",
                      plan->path, face, 1u << res.u, 1u << res.v, (unsigned long long)channels,
                      (double)bytes / (1 << 30), (double)limit / (1 << 30));
+}
+
+/* A face as it was read, as floats, resized, its channels chosen, and as it is written. */
+static uint64_t face_bytes(const slvi_exchange_plan *plan, slv_res from, slv_res to) {
+    const slv_ptx_writer_params *source = &plan->source, *target = &plan->target;
+    bool same = from.u == to.u && from.v == to.v;
+    uint64_t before = source->nchannels * (slv_type_size(source->type) + sizeof(float)),
+             after = target->nchannels * slv_type_size(target->type);
+    after += same ? 0 : source->nchannels * sizeof(float);
+    after += plan->same_channels ? 0 : target->nchannels * sizeof(float);
+    return (before << (from.u + from.v)) + (after << (to.u + to.v));
+}
+
+slv_result slvi_exchange_check_memory(slv_env *env, const slvi_exchange_plan *plan,
+                                      const slv_ptx *ptx) {
+    uint64_t most = 0, available = slv_memory_available();
+    uint32_t worst = 0;
+    slv_res size = {0, 0};
+    slv_result result = SLV_OK;
+    for (uint32_t place = 0; place < plan->target.nfaces && !result; place++) {
+        uint32_t face = slvi_exchange_plan_source(plan, place);
+        slv_ptx_face info;
+        if ((result = slv_ptx_get_face(ptx, face, &info)) || (info.flags & SLV_FACE_CONSTANT))
+            continue;
+        slv_res to = slvi_exchange_plan_res(plan, face, info.res);
+        uint64_t bytes = face_bytes(plan, info.res, to);
+        if (bytes > most) {
+            most = bytes;
+            worst = face;
+            size = to;
+        }
+    }
+    if (result || !most || (result = check_size(env, plan, worst, size)))
+        return result;
+    if (most >= available)
+        return slvi_fail(env, SLV_ERROR_LIMIT,
+                         "%s: face %u: %u x %u texels need %.1f GiB of memory, where %.1f GiB are "
+                         "to be had",
+                         plan->path, worst, 1u << size.u, 1u << size.v, (double)most / (1 << 30),
+                         (double)available / (1 << 30));
+    uint64_t together = available / most;
+    if (together < slvi_thread_count(env))
+        env->threads = (uint32_t)together;
+    return SLV_OK;
 }
 
 slv_result slvi_exchange_face(const slv_env *env, const slvi_exchange_plan *plan, uint32_t face,

@@ -219,6 +219,14 @@ static slv_result place_faces(const slv_env *env, const struct export *e, const 
         result = slvi_fail(env, SLV_ERROR_LIMIT,
                            "%s: a sheet of %llu x %llu is too large: name a folder instead", path,
                            (unsigned long long)width, (unsigned long long)(y + height));
+    uint64_t bytes = width * (y + height) * e->plan->target.nchannels * sizeof(float),
+             available = slv_memory_available();
+    if (!result && bytes >= available)
+        result = slvi_fail(env, SLV_ERROR_LIMIT,
+                           "%s: a sheet of %llu x %llu needs %.1f GiB of memory, where %.1f GiB "
+                           "are to be had: name a folder instead",
+                           path, (unsigned long long)width, (unsigned long long)(y + height),
+                           (double)bytes / (1 << 30), (double)available / (1 << 30));
 done:
     slvi_free(boxes);
     return result;
@@ -305,6 +313,8 @@ static slv_result export(const slv_env *given, const slv_exchange *source,
         slvi_exchange_plan_make(&env, params, source->path, &source->params, &totals, &plan);
     totals.steps.total = plan.target.nfaces;
     plan.encoding = plan.encoding ? plan.encoding : source->encoding;
+    if (!result)
+        result = slvi_exchange_check_memory(&env, &plan, source->ptx);
     if (!result)
         result = sheet ? to_sheet(&env, params, &e, path) : to_folder(&env, params, &e, path);
     slvi_exchange_end(&env, &totals, result, &plan.target, stats);

@@ -88,6 +88,8 @@ slv_result slv_exchange_to_ptx(const slv_env *given, const slv_exchange *source,
         result = slvi_fail(&env, SLV_ERROR_UNSUPPORTED, "%s: of images all faces are taken",
                            source->path);
     plan.encoding = plan.encoding ? plan.encoding : source->encoding;
+    if (!result && source->ptx)
+        result = slvi_exchange_check_memory(&env, &plan, source->ptx);
     if (!result)
         result = source->ptx ? from_ptx(&env, source, params, &plan, path)
                              : slvi_exchange_import(&env, source, params, &plan, path);

@@ -48,25 +48,37 @@ static slv_result join_geometry(const slv_env *env, slvi_merge *m, int which) {
     return result;
 }
 
+static bool is_taken(const slvi_merge *m, const char *key) {
+    for (uint32_t i = 0; i < m->npaths; i++)
+        if (slv_ptx_find_meta(m->files[i], key))
+            return true;
+    return false;
+}
+
 /* Another value under a name that is taken is kept as KEY.2 for the second file, and so on. */
 static slv_result join_entry(const slv_env *env, slvi_merge *m, uint32_t file,
                              const slv_ptx_meta *meta, char key[MAX_KEY + 16]) {
     slv_ptx_meta renamed = *meta;
     const slv_ptx_meta *before = NULL;
-    bool record = strcmp(meta->key, SLV_PARTS_KEY) == 0; /* the result has one of its own */
+    /* the result has a record of its own, and geometry of all or none */
+    bool renames = strcmp(meta->key, SLV_PARTS_KEY) == 0 ||
+                   (slvi_geometry_key(meta->key) >= 0 && m->npaths > 1);
     snprintf(key, MAX_KEY + 16, "%s", meta->key);
     for (uint32_t i = 0; i < file && !before; i++)
         before = slv_ptx_find_meta(m->files[i], meta->key);
-    if (!before && !record)
+    if (!before && !renames)
         return slv_ptx_writer_set_meta(m->writer, meta);
-    if (before && !record && equal(before, meta))
+    if (before && !renames && equal(before, meta))
         return SLV_OK;
-    snprintf(key, MAX_KEY + 16, "%s.%u", meta->key, file + 1);
-    for (uint32_t i = 0; i < m->npaths; i++)
-        if (slv_ptx_find_meta(m->files[i], key))
-            return slvi_fail(env, SLV_ERROR_MISMATCH,
-                             "%s: metadata %.200s differs, and the name %.210s is taken",
-                             m->paths[file], meta->key, key);
+    uint64_t number = (uint64_t)file + 1;
+    do {
+        snprintf(key, MAX_KEY + 16, "%s.%llu", meta->key, (unsigned long long)number);
+        number += m->npaths;
+    } while (renames && is_taken(m, key)); /* a merge of merges has such names */
+    if (!renames && is_taken(m, key))
+        return slvi_fail(env, SLV_ERROR_MISMATCH,
+                         "%s: metadata %.200s differs, and the name %.210s is taken",
+                         m->paths[file], meta->key, key);
     renamed.key = key;
     return slv_ptx_writer_set_meta(m->writer, &renamed);
 }
@@ -82,7 +94,8 @@ static slv_result join_file(const slv_env *env, slvi_merge *m, uint32_t file, js
     for (uint32_t k = 0; k < slv_ptx_get_info(ptx)->nmeta && !result; k++) {
         const slv_ptx_meta *meta;
         char key[MAX_KEY + 16];
-        if ((result = slv_ptx_load_meta(ptx, k, &meta)) || slvi_geometry_key(meta->key) >= 0 ||
+        if ((result = slv_ptx_load_meta(ptx, k, &meta)) ||
+            (m->geometry && slvi_geometry_key(meta->key) >= 0) ||
             (result = join_entry(env, m, file, meta, key)))
             continue;
         if (json_array_append_new(entries, slvi_parts_entry(env, meta->key, key)))
@@ -112,9 +125,11 @@ slv_result slvi_merge_meta(const slv_env *env, slvi_merge *m) {
     }
     m->geometry = with_geometry == m->npaths;
     if (with_geometry && !m->geometry)
-        slvi_logf(env, SLV_LOG_WARNING,
-                  "%u of %u files have no usable geometry inside: none is kept",
-                  m->npaths - with_geometry, m->npaths);
+        slvi_logf(
+            env, SLV_LOG_WARNING,
+            "%u of %u files have no usable geometry inside: the result has none, and split gives "
+            "the others theirs again",
+            m->npaths - with_geometry, m->npaths);
     for (int which = 0; m->geometry && which < SLVI_GEOMETRY_KEYS && !result; which++)
         result = join_geometry(env, m, which);
     json_t *parts = json_array();

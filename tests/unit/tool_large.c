@@ -133,6 +133,13 @@ int main(void) {
     if (!TEST_SANITIZED) {
         LIMITED(1, 250, "render large.ptx -o x.png --shading levels --quiet");
         HAS("0.3 GiB of texels are needed in memory, where 0.2 GiB are to be had");
+        LIMITED(1, 600, "convert small.ptx x.ptx --scale 256");
+        HAS("16384 x 16384 texels of 1 channels are 1.0 GiB, the limit is 0.6 GiB");
+        LIMITED(1, 600, "convert small.ptx x.png --scale 256");
+        HAS("are 1.0 GiB, the limit");
+        RUNS(0, "convert small.ptx pictures/");
+        LIMITED(1, 600, "convert pictures x.ptx --scale 256");
+        HAS("16384 x 16384 texels");
         LIMITED(0, 600, "transfer large.ptx moved.ptx --to same.obj --threads 1 --quiet");
         tool_write_file("q.txt", "point 0 0 0 1 0 0 0 0 .25 .25 0 0 0 0\n", 38);
         RUNS(0, "sample small.ptx --queries q.txt");

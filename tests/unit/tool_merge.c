@@ -55,6 +55,13 @@ static void check_meta(void) {
     slv_ptx_close(ptx);
     RUNS(0, "merge a.ptx one.ptx -o mixed.ptx");
     HAS("1 of 2 files have no usable geometry inside");
+    RUNS(0, "merge mixed.ptx b.ptx one.ptx mixed.ptx -o nested.ptx");
+    RUNS(0, "split nested.ptx outer");
+    RUNS(0, "diff mixed.ptx outer/mixed.ptx");
+    RUNS(0, "diff b.ptx outer/b.ptx");
+    RUNS(0, "split outer/mixed.ptx inner");
+    RUNS(0, "diff a.ptx inner/a.ptx"); /* with its geometry */
+    RUNS(0, "diff one.ptx inner/one.ptx");
     ptx = tool_open("mixed.ptx");
     CHECK(slv_ptx_get_info(ptx)->type == SLV_TYPE_HALF);
     CHECK(!slv_ptx_find_meta(ptx, "PtexFaceVertCounts"));

@@ -6,8 +6,6 @@
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/resource.h>
-#include <unistd.h>
 
 #define LARGE (UINT64_C(256) << 20) /* bytes of texels: what is less is read as it is */
 #define FINENESS 2                  /* texels a pixel and axis */
@@ -95,20 +93,10 @@ static double gib(uint64_t bytes) {
     return (double)bytes / (1 << 30);
 }
 
-/* The address space and the memory that a process can have. */
-static uint64_t most_bytes(void) {
-    struct rlimit limit;
-    long pages = sysconf(_SC_PHYS_PAGES), page = sysconf(_SC_PAGESIZE);
-    uint64_t most = pages > 0 && page > 0 ? (uint64_t)pages * (uint64_t)page : UINT64_MAX;
-    if (getrlimit(RLIMIT_AS, &limit) == 0 && limit.rlim_cur != RLIM_INFINITY &&
-        limit.rlim_cur < most)
-        most = limit.rlim_cur;
-    return most;
-}
-
 slv_result scene_check_memory(const slv_env *env, const slv_ptx *ptx, const slv_res *res) {
     const slv_ptx_info *info = slv_ptx_get_info(ptx);
-    uint64_t pixel = slv_type_size(info->type) * info->nchannels, bytes = 0, most = most_bytes();
+    uint64_t pixel = slv_type_size(info->type) * info->nchannels, bytes = 0,
+             most = slv_memory_available();
     slv_ptx_face face;
     slv_result result = SLV_OK;
     for (uint32_t i = 0; i < info->nfaces && !result; i++)

@@ -136,10 +136,11 @@ typedef struct slv_merge_params {
 
 /* Joins .ptx files into one, the faces of each after those of the one before. They must have the
  * same kind of faces, number of channels and alpha channel (SLV_ERROR_MISMATCH); border modes and
- * edge filter are the first file's. Geometry is kept if all have it (`*geometry`, which may be
- * NULL); other metadata once if it is equal, else under names of its own, KEY.2 for that of the
- * second file. `first_faces` (may be NULL) has room for `npaths`: where each file's faces begin.
- * What each file had of its own is recorded under SLV_PARTS_KEY. `params` and `stats` may be NULL.
+ * edge filter are the first file's. Geometry becomes one if all have it (`*geometry`, which
+ * may be NULL), and is kept for slv_split under names as KEY.2 otherwise; other metadata once if it
+ * is equal, else under names of its own, KEY.2 for that of the second file. `first_faces` (may be
+ * NULL) has room for `npaths`: where each file's faces begin. What each file had of its own is
+ * recorded under SLV_PARTS_KEY. `params` and `stats` may be NULL.
  */
 #define SLV_PARTS_KEY "SelvageParts"
 SLV_NODISCARD SLV_API slv_result slv_merge(const slv_env *env, const char *const *paths,
