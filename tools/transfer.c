@@ -138,25 +138,26 @@ static slv_result open_texels(const slv_env *env, const slv_ptx *ptx, slv_cache 
     return result;
 }
 
-static slv_result choose_scale(const slv_env *env, struct transfer *t, const slv_mesh *source,
-                               const slv_mesh *target) {
+/* auto, or a ratio, which is then `scale`. */
+static bool scale_is_good(struct transfer *t) {
     double scale = 1;
     const char *end = "";
+    if (!t->scale_from || strcmp(t->scale_from, "auto") == 0)
+        return true;
+    bool good = value_ratio(t->scale_from, &scale, &end) && !*end && scale > 0 &&
+                isfinite((float)scale) && (float)scale > 0;
+    t->scale = (float)scale;
+    return good;
+}
+
+static void choose_scale(struct transfer *t, const slv_mesh *source, const slv_mesh *target) {
     if (!t->scale_from)
-        return SLV_OK;
+        return;
     if (strcmp(t->scale_from, "auto") == 0) {
         t->scale = slv_transfer_find_scale(source, target);
         if (!t->quiet && !t->json)
             printf("the old model's coordinates times %g\n", (double)t->scale);
-        return SLV_OK;
     }
-    if (!value_ratio(t->scale_from, &scale, &end) || *end || !(scale > 0) ||
-        !isfinite((float)scale) || !((float)scale > 0))
-        return output_fail(env, SLV_ERROR_ARGUMENT,
-                           "--scale-from: expected auto or a number more than 0, not '%s'",
-                           t->scale_from);
-    t->scale = (float)scale;
-    return SLV_OK;
 }
 
 /* Carries over, and puts the file in its place unless it has nothing of the old one. */
@@ -212,8 +213,7 @@ static int run_transfer(struct transfer *t) {
                       slv_ptx_match_mesh(&env, ptx, source)
                 : scene_load_geometry(&env, ptx, "--from OLD.obj", &source))
         goto done;
-    if (choose_scale(&env, t, source, target))
-        goto done;
+    choose_scale(t, source, target);
     t->nfaces = slv_mesh_face_count(target);
     t->list = calloc((size_t)t->nfaces + 1, sizeof *t->list);
     if (!t->list) {
@@ -299,5 +299,10 @@ int verb_transfer(int argc, char **argv) {
         return ptx_name_usage(&command, t.paths[1]);
     if (t.distance_given && !(t.distance > 0))
         return cli_usage(&command, "--distance: expected more than 0");
+    if (!scale_is_good(&t))
+        return cli_usage(&command, "--scale-from: expected auto or a number more than 0, not '%s'",
+                         t.scale_from);
+    if (cli_both_standard(t.to, t.from))
+        return cli_usage(&command, "--to and --from: both are the standard input, which is one");
     return run_transfer(&t);
 }

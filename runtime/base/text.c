@@ -7,6 +7,28 @@
 
 #include <string.h>
 
+static bool is_letter(unsigned char c) {
+    return (c >= ' ' && c < 0x7F) || c == '\t' || c == '\n' || c == '\r';
+}
+
+const char *slv_text_encoding(const void *bytes, size_t size) {
+    static const char two[] = "UTF-16", four[] = "UTF-32";
+    const unsigned char *b = bytes;
+    if (size >= 4 && (memcmp(b, "\xFF\xFE\0\0", 4) == 0 || memcmp(b, "\0\0\xFE\xFF", 4) == 0))
+        return four;
+    if (size >= 2 && (memcmp(b, "\xFF\xFE", 2) == 0 || memcmp(b, "\xFE\xFF", 2) == 0))
+        return two;
+    if (size < 4)
+        return NULL;
+    if ((is_letter(b[0]) && !b[1] && !b[2] && !b[3]) ||
+        (!b[0] && !b[1] && !b[2] && is_letter(b[3])))
+        return four;
+    if ((is_letter(b[0]) && !b[1] && is_letter(b[2]) && !b[3]) ||
+        (!b[0] && is_letter(b[1]) && !b[2] && is_letter(b[3])))
+        return two;
+    return NULL;
+}
+
 /* How some editors mark what kind of text it is, at its beginning. */
 static slv_result skip_mark(const slv_env *env, const char *path, char *text, size_t *size) {
     if (*size >= 3 && memcmp(text, "\xEF\xBB\xBF", 3) == 0) {
@@ -14,10 +36,11 @@ static slv_result skip_mark(const slv_env *env, const char *path, char *text, si
         memmove(text, text + 3, *size + 1);
         return SLV_OK;
     }
-    if (*size >= 2 && (memcmp(text, "\xFF\xFE", 2) == 0 || memcmp(text, "\xFE\xFF", 2) == 0))
+    const char *encoding = slv_text_encoding(text, *size);
+    if (encoding)
         return slvi_fail(env, SLV_ERROR_UNSUPPORTED,
-                         "%s: is text in UTF-16: save it as UTF-8, which is what can be read",
-                         path);
+                         "%s: is text in %s: save it as UTF-8, which is what can be read", path,
+                         encoding);
     return SLV_OK;
 }
 

@@ -53,6 +53,11 @@ int cli_answered(int code) {
     return code ? code : EXIT_FAILED;
 }
 
+bool cli_both_standard(const char *a, const char *b) {
+    const char *standard = cli_input("-");
+    return a && b && strcmp(cli_input(a), standard) == 0 && strcmp(cli_input(b), standard) == 0;
+}
+
 const char *cli_input(const char *path) {
     return path && strcmp(path, "-") == 0 ? "/dev/stdin" : path;
 }

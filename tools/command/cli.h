@@ -105,6 +105,8 @@ int cli_error(const char *format, ...) __attribute__((format(printf, 1, 2)));
 void cli_begin(void);
 /* After every verb: returns `code`, unless its answer could not be written, which is said. */
 int cli_answered(int code);
+/* Whether two names are of the standard input, which can be read once. */
+bool cli_both_standard(const char *a, const char *b);
 /* The name under which "-" is read, standard input; another is as it was, NULL too. */
 const char *cli_input(const char *path);
 /* Whether a name ends in an extension, ".ptx" in any case, and has something before it. */

@@ -48,10 +48,16 @@ static const char *value_word(const cli_option *option) {
     }
 }
 
-/* The other names of an option, " (-o)"; those with two dashes are only synonyms. */
+/* The other names of an option, " (-o)"; those with two dashes are only synonyms, but for the one
+ * that all verbs which write have: " (-s, --out, -o)". */
 static const char *short_name(const cli_option *option, char *text, size_t size) {
-    const char *at = strstr(option->names, "|-");
+    const char *at = strstr(option->names, "|-"), *out = strstr(option->names, "|--out|-o");
     text[0] = 0;
+    if (out) {
+        snprintf(text, size, " (%.*s%s--out, -o)", out == at ? 0 : (int)strcspn(at + 1, "|"),
+                 at + 1, out == at ? "" : ", ");
+        return text;
+    }
     if (at && at[2] != '-')
         snprintf(text, size, " (%.*s)", (int)strcspn(at + 1, "|"), at + 1);
     return text;
@@ -62,7 +68,7 @@ static const char *exits_of(const cli_command *command) {
 }
 
 void cli_print_help(const cli_command *command) {
-    char left[160], brief[16];
+    char left[160], brief[40];
     snprintf(left, sizeof left, "selvage %s - ", command->name);
     fputs(left, stdout);
     print_wrapped(command->summary, strlen(left), 4);

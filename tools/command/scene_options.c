@@ -47,6 +47,8 @@ const char *scene_options_problem(const scene_options *o) {
         return "--fov: expected 0 (orthographic) or 0.01 to 170";
     if (o->tess & (o->tess - 1))
         return "--tess: expected a power of two from 2 to 128";
+    if (cli_both_standard(o->mesh, o->view))
+        return "--mesh and --view: both are the standard input, which is one";
     return NULL;
 }
 

@@ -1,4 +1,5 @@
 /* Lookups as text: lines out of a stream, and what they say. */
+#define _GNU_SOURCE /* tee */
 #include "sample/sample.h"
 
 #include "command/words.h"
@@ -16,12 +17,27 @@
 #define BUFFER ((size_t)4 << 20)
 #define GZIP "\x1f\x8b"
 
-/* A file that gzip packed is read whole. */
-static int unpack(const char *path, sample_reader *out) {
+/* What comes first, without taking it: 0 bytes if that cannot be known. */
+static ssize_t look_ahead(int descriptor, bool pipes, char *text, size_t size) {
+    int twin[2];
+    if (!pipes)
+        return pread(descriptor, text, size, lseek(descriptor, 0, SEEK_CUR));
+    if (pipe(twin) != 0)
+        return 0;
+    ssize_t got = tee(descriptor, twin[1], size, 0);
+    if (got > 0)
+        got = read(twin[0], text, (size_t)got);
+    close(twin[0]);
+    close(twin[1]);
+    return got;
+}
+
+/* What gzip packed is read whole: no lookup begins like that. */
+static int unpack(const char *path, bool pipes, sample_reader *out) {
     slv_env env = cli_env(0);
-    char magic[2];
+    char magic;
     size_t size;
-    if (pread(out->descriptor, magic, 2, 0) != 2 || memcmp(magic, GZIP, 2) != 0)
+    if (look_ahead(out->descriptor, pipes, &magic, 1) != 1 || magic != GZIP[0])
         return EXIT_OK;
     if (slv_text_load(&env, path, &out->unpacked, &size))
         return EXIT_FAILED;
@@ -37,10 +53,10 @@ static int skip_mark(sample_reader *reader) {
     const char *at = reader->buffer + reader->start;
     size_t size = reader->end - reader->start;
     if (size >= 2 && memcmp(at, GZIP, 2) == 0)
-        return cli_error("%s: is packed by gzip, which only a file can be", reader->name);
-    if (size >= 2 && (memcmp(at, "\xFF\xFE", 2) == 0 || memcmp(at, "\xFE\xFF", 2) == 0))
-        return cli_error("%s: is text in UTF-16: save it as UTF-8, which is what can be read",
-                         reader->name);
+        return cli_error("%s: is packed by gzip, which only a file or a pipe can be", reader->name);
+    if (slv_text_encoding(at, size))
+        return cli_error("%s: is text in %s: save it as UTF-8, which is what can be read",
+                         reader->name, slv_text_encoding(at, size));
     if (size >= 3 && memcmp(at, "\xEF\xBB\xBF", 3) == 0) {
         reader->start += 3;
         reader->taken += 3;
@@ -74,11 +90,13 @@ int sample_reader_open(const char *path, sample_reader *out) {
     bool known = fstat(out->descriptor, &status) == 0;
     if (known && S_ISREG(status.st_mode)) {
         out->size = (uint64_t)status.st_size;
-        return standard ? EXIT_OK : unpack(path, out);
+        return unpack(cli_input(standard ? "-" : path), false, out);
     }
-    if (!standard && !(known && S_ISFIFO(status.st_mode)))
+    bool pipes = known && S_ISFIFO(status.st_mode);
+    if (!standard && !pipes)
         return cli_error("%s: not a regular file", path);
-    return standard ? EXIT_OK : wait_for_writer(out);
+    int code = standard ? EXIT_OK : wait_for_writer(out);
+    return code || !pipes || out->end ? code : unpack(cli_input(standard ? "-" : path), true, out);
 }
 
 void sample_reader_close(sample_reader *reader) {

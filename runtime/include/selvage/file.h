@@ -12,8 +12,8 @@ extern "C" {
 
 /* Reads a text whole, as meshes, indices and view files are read: from a regular file, a pipe that
  * somebody writes to, or "/dev/stdin"; unpacked if gzip packed it, without the byte order mark that
- * some editors begin UTF-8 with. UTF-16 is SLV_ERROR_UNSUPPORTED. At most env's max_bytes. `*text`
- * has a NUL after its `*size` bytes and is released with slv_free. */
+ * some editors begin UTF-8 with. UTF-16 and UTF-32 are SLV_ERROR_UNSUPPORTED. At most env's
+ * max_bytes. `*text` has a NUL after its `*size` bytes and is released with slv_free. */
 SLV_NODISCARD SLV_API slv_result slv_text_load(const slv_env *env, const char *path, char **text,
                                                size_t *size);
 
@@ -36,6 +36,10 @@ SLV_API FILE *slv_output_stream(slv_output *output);
 SLV_NODISCARD SLV_API slv_result slv_output_end(slv_output *output, slv_result result);
 /* Whether a file could be begun there: for those who write at the end of long work. */
 SLV_NODISCARD SLV_API slv_result slv_output_try(const slv_env *env, const char *path);
+
+/* "UTF-16" or "UTF-32" if a text that begins with these bytes is encoded so, by its mark or by the
+ * zeros between its letters; else NULL. */
+SLV_API const char *slv_text_encoding(const void *bytes, size_t size);
 
 #ifdef __cplusplus
 }

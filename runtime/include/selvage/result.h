@@ -117,7 +117,8 @@ typedef struct slv_env {
 SLV_API void slv_free(void *memory);
 
 /* The most bytes of memory that this process can have now: what the machine has to spare, or what a
- * limit of its address space or of its control group leaves. An estimate: others want memory too. */
+ * limit of its address space or of its control group leaves. An estimate: others want memory too.
+ */
 SLV_API uint64_t slv_memory_available(void);
 
 /* The library's version, as SLV_VERSION is made. */

@@ -3,6 +3,8 @@
 
 #include "base/memory.h"
 
+#include <selvage/file.h>
+
 #include <string.h>
 
 static const char *const kind_names[OBJ_KINDS] = {"vertex", "texture", "normal"};
@@ -247,8 +249,12 @@ static slv_result parse(const slv_env *env, const char *name, const char *text, 
     obj o = {.env = env, .name = name ? name : "mesh", .scan = {text, text + size, 1}};
     slv_result result = SLV_OK;
     *out = NULL;
-    if (size >= 2 && (memcmp(text, "\xff\xfe", 2) == 0 || memcmp(text, "\xfe\xff", 2) == 0))
-        return slvi_fail(env, SLV_ERROR_FORMAT, "%s: text in UTF-16; save it as UTF-8", o.name);
+    if (slv_text_encoding(text, size))
+        return slvi_fail(env, SLV_ERROR_FORMAT, "%s: text in %s; save it as UTF-8", o.name,
+                         slv_text_encoding(text, size));
+    if (size >= 4 && memcmp(text, "Ptex", 4) == 0)
+        return slvi_fail(env, SLV_ERROR_FORMAT,
+                         "%s: is a .ptx file and no mesh; nor can one be read from a pipe", o.name);
     if (size >= 3 && memcmp(text, "\xef\xbb\xbf", 3) == 0) /* a byte order mark */
         o.scan.next += 3;
     while (!result && o.scan.next < o.scan.end) {

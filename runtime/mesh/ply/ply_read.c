@@ -249,6 +249,25 @@ static slv_result read_element(ply *p, const ply_element *element) {
     return SLV_OK;
 }
 
+/* What follows all that the header counts. */
+static void tell_of_rest(ply *p) {
+    uint64_t lines = 0, bytes = (uint64_t)(p->scan.end - p->scan.next);
+    uint32_t first = 0;
+    while (p->header.format == PLY_ASCII && p->scan.next < p->scan.end) {
+        if (slvi_scan_more(&p->scan) && !lines++)
+            first = p->scan.line;
+        slvi_scan_next_line(&p->scan);
+    }
+    if (lines)
+        slvi_logf(p->env, SLV_LOG_WARNING,
+                  "%s:%u: %llu lines follow those that the header counts, and are left out",
+                  p->name, first, (unsigned long long)lines);
+    else if (p->header.format != PLY_ASCII && bytes > 2)
+        slvi_logf(p->env, SLV_LOG_WARNING,
+                  "%s: %llu bytes follow what the header counts, and are left out", p->name,
+                  (unsigned long long)bytes);
+}
+
 static slv_result make_mesh(const ply *p, slv_mesh **out) {
     double origin[3];
     if (!p->npolys)
@@ -288,8 +307,8 @@ static slv_result parse(const slv_env *env, const char *name, const char *bytes,
     p.scan = (slv_scan){bytes + p.header.bytes, bytes + size, p.header.lines + 1};
     for (uint32_t i = 0; !result && i < p.header.nelements; i++)
         result = read_element(&p, &p.header.elements[i]);
-    if (!result)
-        result = make_mesh(&p, out);
+    if (!result && !(result = make_mesh(&p, out)))
+        tell_of_rest(&p);
     slvi_free(p.positions);
     slvi_free(p.rests);
     slvi_free(p.texcoords);
