@@ -17,7 +17,10 @@ function read_order(   i, names, kind, folder) {
         }
     else if (kind == "inner")
         for (i = 3; i <= NF; i++) open_to[folder, $i] = 1
-    else if (kind == "without_gl")
+    else if (kind == "inside") {
+        ranks[folder]++
+        for (i = 3; i <= NF; i++) rank[folder, $i] = ranks[folder]
+    } else if (kind == "without_gl")
         for (i = 2; i <= NF; i++) without_gl[$i] = 1
     else if (kind == "foreign")
         foreign[$2] = $3
@@ -73,6 +76,32 @@ function check_inner(path,   from) {
         report(folder " may not look into runtime/" from)
 }
 
+# The folder below `top` that the table has for a path: itself, or one above it.
+function ranked(path) {
+    while (path != "" && !((top, path) in rank))
+        if (!sub(/\/[^\/]*$/, "", path)) path = ""
+    return path
+}
+
+function parent(path) {
+    return sub(/\/[^\/]*$/, "", path) ? path : ""
+}
+
+function first(path) {
+    sub(/\/.*/, "", path)
+    return path
+}
+
+# Rows below a folder outside of runtime/.
+function check_inside(path,   from, to, mine, fine) {
+    from = parent(below)
+    to = ranked(parent(path))
+    mine = ranked(from)
+    if (to != "") fine = mine == "" || mine == to || rank[top, mine] > rank[top, to]
+    else fine = mine == "" && (path !~ /\// || first(path) == first(from))
+    if (!fine) report(top (from == "" ? "" : "/" from) " may not know this header")
+}
+
 # The headers of bake/include are known by where they lie.
 BEGIN {
     for (i = 2; i < ARGC; i++)
@@ -100,6 +129,12 @@ FNR == 1 {
         folder = FILENAME ~ /(^|\/)bake\// ? "bake" : FILENAME ~ /(^|\/)tools\// ? "tools" : "assets"
     else
         sub(/\/.*/, "", folder)
+    top = below = ""
+    for (i in ranks)
+        if (index("/" FILENAME, "/" i "/") == 1 && length(i) > length(top)) {
+            top = i
+            below = substr(FILENAME, length(i) + 2)
+        }
 }
 
 /^[ \t]*#[ \t]*include[ \t]*[<"]/ {
@@ -115,7 +150,9 @@ FNR == 1 {
         sub(/^selvage\//, "", name)
         sub(/\.h$/, "", name)
         check_public(name)
-    } else if (target ~ /^"/ && path ~ /\//)
+    } else if (target ~ /^"/ && top != "" && !is_public && !(first(path) in row))
+        check_inside(path)
+    else if (target ~ /^"/ && path ~ /\//)
         check_inner(path)
     else if (target ~ /^"/ && is_public)
         report("a public header may include public headers only")
