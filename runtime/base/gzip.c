@@ -9,8 +9,8 @@
 
 enum { MIN_ROOM = 1 << 16 };
 
-/* Unpacks one member to `out + *at`, making room as it takes: parameters come in and go out for the
- * next member. */
+/* Unpacks one member to `out + *at`, making room as it takes. Nine parameters, since most come in
+ * and go out for the next member. */
 static slv_result unpack_member(const slv_env *env, const char *path,
                                 struct libdeflate_decompressor *inflater, const char *in,
                                 size_t in_size, size_t *taken, char **out, size_t *room,

@@ -130,7 +130,7 @@ const uint8_t *slvi_cache_load_block(cache_thread *thread, cache_tables *tables,
     return texels;
 }
 
-/* The parameters are what a block is known by, and what it holds. */
+/* Nine parameters, since a block is known by six, and each caller has them apart. */
 const uint8_t *slvi_cache_publish(cache_thread *thread, cache_tables *tables, uint32_t face,
                                   int res_u, int res_v, uint32_t tile, const void *texels,
                                   size_t bytes, uint32_t note) {

@@ -192,8 +192,8 @@ static inline const uint8_t *ellipse_find_texels(ellipse_job *j, uint32_t face, 
     return j->texels;
 }
 
-/* Adds a run of texels of one row, at a resolution that the face has, each times its weight. There
- * are too many runs to fill a struct for each: hence the parameters. */
+/* Adds a run of texels of one row, at a resolution that the face has, each times its weight. It
+ * has nine parameters, since there are too many runs to fill a struct for each. */
 static void ellipse_add_run(ellipse_job *j, const cell *c, cache_face *f, int res_u, int res_v,
                             int x, int y, int n, const float *weights) {
     lookup_state *state = j->state;
@@ -233,8 +233,8 @@ static void ellipse_add_run(ellipse_job *j, const cell *c, cache_face *f, int re
     }
 }
 
-/* The same, parameters included, where the first two channels may be a vector in the face's own
- * frame. */
+/* The same, with as many parameters since it takes the place of that, where the first two channels
+ * may be a vector in the face's own frame. */
 static void ellipse_add_turned_run(ellipse_job *j, const cell *c, cache_face *f, int res_u,
                                    int res_v, int x, int y, int n, const float *weights) {
     lookup_state *state = j->state;

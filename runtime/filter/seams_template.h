@@ -246,8 +246,8 @@ static void seam_corner(lookup_state *state, uint32_t face, const cache_face *f,
 }
 
 /* The part of a kernel that crosses `side` of a face, with its corners: `above` is the edge to
- * leave over for the corner at the top, `below` for that at the bottom. A
- * caller has a case for each side, told apart by the parameters. */
+ * leave over for the corner at the top, `below` for that at the bottom. The
+ * parameters are many, since a caller has a case for each side, which these tell apart. */
 static void seam_side(lookup_state *state, uint32_t face, const cache_face *f, int side, int above,
                       int below, bool top, bool bottom, kernel *k) {
     const cache_tables *t = state->tables;

@@ -118,8 +118,8 @@ static exr_result_t compress(exr_encode_pipeline_t *encoder) {
     return code;
 }
 
-/* Packs `lines` rows of pixels, converted to the file's type, as one chunk. The
- * parameters are the state of the loop over chunks around it. */
+/* Packs `lines` rows of pixels, converted to the file's type, as one chunk. Its
+ * parameters are many since it is the body of a loop over chunks, cut off for its length. */
 static exr_result_t encode_chunk(exr_context_t context, exr_encode_pipeline_t *encoder, bool first,
                                  const slv_image *image, const char *const *names, uint32_t y,
                                  const uint8_t *pixels, size_t value_size, compress_fn *original) {

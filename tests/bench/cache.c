@@ -280,7 +280,7 @@ static void print(const struct options *o, const char *name, const struct result
     fflush(stdout);
 }
 
-/* Its lines are the list of options and one report after the other. */
+/* Its lines are many since it is a list: of options, and of one report after the other. */
 int main(int argc, char **argv) {
     struct options o = {200, UINT64_C(256) << 20, 64, 10, "/tmp", false, false};
     for (int i = 1; i < argc; i++) {

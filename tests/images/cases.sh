@@ -27,7 +27,21 @@ for windows in over20 over32; do
     "$selvage" convert "$data/windows/$windows" over.ptx
     "$selvage" diff "$data/windows/original.ptx" over.ptx
 done
-for windows in crop8 crop10; do
-    "$selvage" convert "$data/windows/$windows" crop.ptx
-    "$selvage" info crop.ptx | grep -q "16 x 16" || die "$windows: $("$selvage" info crop.ptx)"
+# Of a smaller data window each texel inside is the picture's, and each outside is zero.
+awk 'BEGIN { for (i = 0; i < 256; i++) print "point 0 0 0 1 0 0 3 0", (i % 16 + 0.5) / 16, (int(i / 16) + 0.5) / 16, "0 0 0 0" }' >texels
+"$selvage" sample "$data/windows/original.ptx" -i texels | sed 's/.*-> //' >whole
+for side in 8 10; do
+    "$selvage" convert "$data/windows/crop$side" crop.ptx
+    "$selvage" info crop.ptx | grep -q "16 x 16" || die "crop$side: $("$selvage" info crop.ptx)"
+    "$selvage" sample crop.ptx -i texels | sed 's/.*-> //' >crop
+    paste -d ' ' whole crop | awk -v side=$side '
+        {
+            x = (NR - 1) % 16
+            y = int((NR - 1) / 16)
+            low = (16 - side) / 2
+            inside = x >= low && x < low + side && y >= low && y < low + side
+            for (c = 1; c <= 3; c++) if ($(c + 3) != (inside ? $c : 0)) wrong++
+            if (inside && $1 != 0) seen++
+        }
+        END { exit wrong || NR != 256 || !seen }' || die "crop$side: $(cat crop)"
 done

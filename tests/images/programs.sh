@@ -8,7 +8,7 @@ cd "$folder"
 magick=$(command -v mogrify-im6.q16 || command -v mogrify || true)
 if [ -z "$magick" ] || ! command -v exrmaketiled >log; then
     echo "ImageMagick and OpenEXR's tools are needed: tools/dependencies.sh tests installs them" >&2
-    exit 77
+    exit 1
 fi
 
 die() {

@@ -23,7 +23,7 @@ static float clamped(const kit_level *level, double u, double v) {
 
 /* Compares a face with a neighbour where they must agree. `fine` is the exponent of the points, the
  * face's own texel centres, when the neighbour is coarser; -1 means everywhere. Its
- * parameters are all that tells one kind of edge from another. */
+ * parameters are many since each tells one kind of edge from another. */
 static void compare(const kit_level *mine, const kit_level *theirs, unsigned edge,
                     const slv_neighbour *n, int fine, double skip_at, double skip, double ends,
                     jump_sums *jumps) {

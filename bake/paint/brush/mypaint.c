@@ -66,7 +66,7 @@ static float share(float value) {
     return fminf(fmaxf(value, 0), 1);
 }
 
-/* As many parameters as libmypaint calls it with. */
+/* As many parameters as there are, since libmypaint calls it with them. */
 static int draw_dab(MyPaintSurface *surface, float x, float y, float radius, float r, float g,
                     float b, float opaque, float hardness, float alpha_eraser, float aspect_ratio,
                     float angle, float lock_alpha, float colorize) {

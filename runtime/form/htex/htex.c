@@ -19,8 +19,8 @@ void slvi_htex_source_at(const slv_htex_source *source, float u, float v, float 
 }
 
 /* The texel (i,j) of a square, as the face has it: the value at its centre, or the mean of several
- * points where the face has finer texels than the square. The parameters are those of the loop
- * around it. */
+ * points where the face has finer texels than the square. Its parameters are many since it is the
+ * body of a loop, for each turn of which a struct would be filled anew. */
 static void sample(const slv_htex_source *source, const slv_htex_map *map, triangle_part part,
                    uint32_t log2, uint32_t npoints, uint32_t i, uint32_t j, float *point,
                    float *out) {

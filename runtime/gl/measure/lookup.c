@@ -83,7 +83,8 @@ static void sort_by_batch(const slv_gl_batches *batches, const uint32_t *batch_o
     first[0] = 0;
 }
 
-/* Draws one chunk of points; the parameters are memory that all chunks share. */
+/* Draws one chunk of points. Its parameters are many since chunks share memory, which the caller
+ * allocates once. */
 static slv_result lookup_chunk(slv_gl_texture *texture, const slv_env *env, slv_gl_slot *slot,
                                const uint32_t *batch_of, const struct point *points, uint32_t count,
                                uint32_t *first, uint32_t *order, float *out) {
@@ -128,7 +129,7 @@ static slv_result lookup_chunk(slv_gl_texture *texture, const slv_env *env, slv_
     return result ? result : slvi_gl_check(texture->gl, env, "lookups");
 }
 
-/* The parameters are arrays, one for each part of a point, as callers have them. */
+/* Nine parameters, since callers have an array for each part of a point. */
 slv_result slv_gl_texture_lookup(slv_gl_texture *texture, const slv_env *env,
                                  const slv_strategy *strategy, uint32_t count, const int32_t *faces,
                                  const float *uv, const float *dx, const float *dy, float *out) {

@@ -143,7 +143,8 @@ slv_result slvi_ptx_corrupt(const slv_ptx *ptx, const ptx_scratch *scratch, uint
     return slvi_fail(scratch->env, SLV_ERROR_FORMAT, "%s: face %u: %s", ptx->name, face, why);
 }
 
-/* The parameters are what a stored array's table says of it, and where its texels go. */
+/* Nine parameters, since faces and tiles keep in tables of their own what is said here of an array.
+ */
 slv_result slvi_ptx_unpack(const slv_ptx *ptx, ptx_scratch *scratch, uint32_t face,
                            const uint8_t *zipped, uint32_t size, bool differences, slv_res res,
                            void *out, size_t pitch) {
