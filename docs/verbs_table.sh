@@ -1,5 +1,5 @@
 #!/bin/sh
-# Writes what `selvage help --table` says into the last part of verbs.md; with --check only says whether it is there.
+# Writes what `selvage help --table` says into verbs-options.md; with --check only says whether it is there.
 #   docs/verbs_table.sh [--check] build/bin/selvage
 set -eu
 check=false
@@ -11,7 +11,7 @@ if [ $# -ne 1 ]; then
     echo "usage: $0 [--check] build/bin/selvage" >&2
     exit 2
 fi
-page=$(dirname "$0")/verbs.md
+page=$(dirname "$0")/verbs-options.md
 made=$(mktemp)
 trap 'rm -f "$made" "$made.table"' EXIT
 "$1" help --table >"$made.table"
@@ -26,6 +26,6 @@ if ! $check; then
     cat "$made" >"$page"
 elif ! cmp -s "$made" "$page"; then
     diff "$page" "$made" | head -20 >&2 || true
-    echo "docs/verbs.md is not what the command says: docs/verbs_table.sh $1 writes it" >&2
+    echo "docs/verbs-options.md is not what the command says: docs/verbs_table.sh $1 writes it" >&2
     exit 1
 fi

@@ -109,7 +109,7 @@ static bool make_set(const ellipse *e, int res, bool odd, texel_set *out) {
 }
 
 /* Weighs the texels of a set within a rectangle of them; `texels` is the rectangle's first, or the
- * one for all if `pitch` is 0. Nine parameters, since a set has up to three rectangles,
+ * one for all if `pitch` is 0. Nine parameters, since whole sets and tiles of one come here,
  * which differ in all of them. */
 static void sum_rectangle(lookup_state *state, const texel_set *set, int res, int x0, int y0,
                           int width, int height, const uint8_t *texels, size_t pitch) {
