@@ -204,7 +204,7 @@ int verb_new(int argc, char **argv) {
          "COLOR", 0, 0, NULL},
         CLI_TEXTURE_ENCODING(&o.encoding),
         {"--scheme", CLI_CHOICE, &o.scheme, "subdivision scheme whose lengths count (catmark)",
-         SCENE_SCHEMES, 0, 0, NULL},
+         names_schemes(), 0, 0, NULL},
         CLI_COMPRESSION(&o.compression),
         CLI_JSON(&o.json),
         CLI_PROGRESS(&o.progress),

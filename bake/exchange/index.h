@@ -9,14 +9,12 @@
 enum { SLVI_INDEX_GROUP = 4 }; /* channels that go into one image */
 #define SLVI_INDEX_KIND "faces"
 
-/* The words of the index, in the order of the enumerations. */
-#define SLVI_INDEX_TYPES "uint8|uint16|half|float"
-#define SLVI_INDEX_BORDERS "clamp|black|periodic"
-#define SLVI_INDEX_FILTERS "none|tanvec"
-#define SLVI_INDEX_METAS "string|int8|int16|int32|float|double"
-#define SLVI_INDEX_MESHES "triangle|quad"
-/* The word number `index` of one of these, as JSON. */
-json_t *slvi_index_word(const char *words, int index);
+/* The names of an enumeration, which are the words of the index. */
+typedef const char *slvi_index_names(int value);
+slvi_index_names slvi_index_border, slvi_index_filter, slvi_index_meta, slvi_index_mesh,
+    slvi_index_type;
+/* Which value a word is; -1: none, or no word. */
+int slvi_index_value(slvi_index_names *names, const json_t *word);
 
 /* How many images it takes to hold all channels. */
 static inline uint32_t slvi_index_groups(uint32_t nchannels) {

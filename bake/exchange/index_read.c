@@ -1,6 +1,8 @@
 /* Reading the index of images. */
 #include "exchange/index.h"
 
+#include "base/names.h"
+
 #include <selvage/file.h>
 
 #include <math.h>
@@ -9,22 +11,46 @@
 #include <strings.h>
 #include <sys/stat.h>
 
-/* Which of "a|b|c" a word is; -1: none. */
-static int find_word(const char *words, const char *word) {
-    size_t length = strlen(word);
-    for (int index = 0; *words; index++) {
-        size_t here = strcspn(words, "|");
-        if (here == length && strncmp(words, word, length) == 0)
-            return index;
-        words += here + (words[here] == '|');
+const char *slvi_index_border(int value) {
+    return slv_border_mode_name((slv_border_mode)value);
+}
+
+const char *slvi_index_filter(int value) {
+    return slv_edge_filter_name((slv_edge_filter)value);
+}
+
+const char *slvi_index_meta(int value) {
+    return slv_meta_type_name((slv_meta_type)value);
+}
+
+const char *slvi_index_mesh(int value) {
+    return slv_ptx_mesh_type_name((slv_ptx_mesh_type)value);
+}
+
+const char *slvi_index_type(int value) {
+    return slv_type_name((slv_type)value);
+}
+
+int slvi_index_value(slvi_index_names *names, const json_t *word) {
+    const char *wanted = json_string_value(word);
+    for (int value = 0; wanted; value++) {
+        const char *name = names(value);
+        if (strcmp(name, slv_border_mode_name((slv_border_mode)-1)) == 0)
+            break; /* there are no more */
+        if (strcmp(name, wanted) == 0)
+            return value;
     }
     return -1;
 }
 
-static bool read_word(const json_t *root, const char *key, const char *words, int *out) {
-    const char *word = json_string_value(json_object_get(root, key));
-    *out = word ? find_word(words, word) : -1;
+static bool read_word(const json_t *root, const char *key, slvi_index_names *names, int *out) {
+    *out = slvi_index_value(names, json_object_get(root, key));
     return *out >= 0;
+}
+
+static bool is_index(const json_t *root) {
+    const char *kind = json_string_value(json_object_get(root, "kind"));
+    return kind && strcmp(kind, SLVI_INDEX_KIND) == 0;
 }
 
 /* An integer of low..high. */
@@ -46,23 +72,23 @@ static slv_result read_encoding(const slv_env *env, const char *path, const json
 static slv_result read_params(const slv_env *env, const char *path, const json_t *root,
                               slv_ptx_writer_params *out) {
     const char *wrong = NULL;
-    int kind, mesh = 0, type = 0, border_u = 0, border_v = 0, filter = 0;
+    int mesh = 0, type = 0, border_u = 0, border_v = 0, filter = 0;
     json_int_t schema = 0, channels = 0, alpha = SLV_NO_ALPHA;
     const json_t *alpha_item = json_object_get(root, "alpha_channel"),
                  *faces = json_object_get(root, "faces"), *meta = json_object_get(root, "meta");
     if (!read_integer(json_object_get(root, "schema"), 1, 1, &schema))
         wrong = "schema";
-    else if (!read_word(root, "kind", SLVI_INDEX_KIND, &kind))
+    else if (!is_index(root))
         wrong = "kind";
-    else if (!read_word(root, "mesh_type", SLVI_INDEX_MESHES, &mesh))
+    else if (!read_word(root, "mesh_type", slvi_index_mesh, &mesh))
         wrong = "mesh_type";
-    else if (!read_word(root, "data_type", SLVI_INDEX_TYPES, &type))
+    else if (!read_word(root, "data_type", slvi_index_type, &type))
         wrong = "data_type";
-    else if (!read_word(root, "border_u", SLVI_INDEX_BORDERS, &border_u))
+    else if (!read_word(root, "border_u", slvi_index_border, &border_u))
         wrong = "border_u";
-    else if (!read_word(root, "border_v", SLVI_INDEX_BORDERS, &border_v))
+    else if (!read_word(root, "border_v", slvi_index_border, &border_v))
         wrong = "border_v";
-    else if (!read_word(root, "edge_filter", SLVI_INDEX_FILTERS, &filter))
+    else if (!read_word(root, "edge_filter", slvi_index_filter, &filter))
         wrong = "edge_filter";
     else if (!read_integer(json_object_get(root, "channels"), 1, 65535, &channels))
         wrong = "channels";
@@ -170,11 +196,12 @@ slv_result slvi_index_read_face(const slv_env *env, const char *path, const json
 }
 
 static bool read_real(const json_t *item, double *out) {
+    static const char *const words[] = {"nan", "inf", "-inf"};
     static const double values[] = {(double)NAN, (double)INFINITY, -(double)INFINITY};
-    const char *word = json_string_value(item);
-    int which = word ? find_word("nan|inf|-inf", word) : -1;
-    *out = which >= 0 ? values[which] : json_number_value(item);
-    return which >= 0 || json_is_number(item);
+    int which = 0;
+    bool word = slvi_name_find(words, SLVI_COUNT(words), json_string_value(item), &which);
+    *out = word ? values[which] : json_number_value(item);
+    return word || json_is_number(item);
 }
 
 static bool read_value(const json_t *item, slv_meta_type type, uint32_t i, void *values) {
@@ -222,7 +249,7 @@ static slv_result read_entry(const slv_env *env, const char *path, const json_t 
     const json_t *list = json_object_get(item, "values"), *text = json_object_get(item, "value");
     slv_ptx_meta meta = {.key = key};
     int type;
-    if (!key || !read_word(item, "type", SLVI_INDEX_METAS, &type) ||
+    if (!key || !read_word(item, "type", slvi_index_meta, &type) ||
         (!json_is_array(list) && !(type == SLV_META_STRING && json_is_string(text))))
         return slvi_fail(env, SLV_ERROR_FORMAT,
                          "%s: a metadata entry lacks its key, type or values", path);

@@ -10,12 +10,6 @@
 #include <string.h>
 #include <sys/stat.h>
 
-json_t *slvi_index_word(const char *words, int index) {
-    for (; index > 0 && words[strcspn(words, "|")]; index--)
-        words += strcspn(words, "|") + 1;
-    return json_stringn(words, strcspn(words, "|"));
-}
-
 json_t *slvi_index_text(const slv_env *env, const char *text) {
     slv_env silent = *env;
     size_t left = strlen(text), used = 0;
@@ -115,7 +109,7 @@ static json_t *meta_json(const slv_env *env, const slv_ptx_meta *meta) {
             return NULL;
         }
     return json_pack("{s:o, s:o, s:o}", "key", key, "type",
-                     slvi_index_word(SLVI_INDEX_METAS, (int)meta->type), "values", values);
+                     json_string(slvi_index_meta((int)meta->type)), "values", values);
 }
 
 slv_result slvi_index_no_memory(const slv_env *env, const slvi_exchange_plan *plan) {
@@ -143,14 +137,14 @@ slv_result slvi_index_create(const slv_env *env, const slv_ptx *ptx, const slvi_
     }
     *out = json_pack("{s:i, s:s, s:o, s:s, s:I, s:o, s:s, s:o, s:o, s:o, s:b, s:o, s:[]}", "schema",
                      1, "kind", SLVI_INDEX_KIND, "mesh_type",
-                     slvi_index_word(SLVI_INDEX_MESHES, (int)target->mesh_type), "data_type",
+                     json_string(slvi_index_mesh((int)target->mesh_type)), "data_type",
                      slv_type_name(target->type), "channels", (json_int_t)target->nchannels,
                      "alpha_channel",
                      target->alpha_channel < 0 ? json_null() : json_integer(target->alpha_channel),
                      "texture_encoding", slv_texture_encoding_name(plan->encoding), "border_u",
-                     slvi_index_word(SLVI_INDEX_BORDERS, (int)target->border_u), "border_v",
-                     slvi_index_word(SLVI_INDEX_BORDERS, (int)target->border_v), "edge_filter",
-                     slvi_index_word(SLVI_INDEX_FILTERS, (int)target->edge_filter), "reductions",
+                     json_string(slvi_index_border((int)target->border_u)), "border_v",
+                     json_string(slvi_index_border((int)target->border_v)), "edge_filter",
+                     json_string(slvi_index_filter((int)target->edge_filter)), "reductions",
                      (int)!target->no_reductions, "meta", list, "faces");
     return *out ? SLV_OK : slvi_index_no_memory(env, plan);
 }

@@ -17,10 +17,10 @@ json_t *slvi_parts_entry(const slv_env *env, const char *key, const char *merged
 /* What may be another one in each file. */
 static json_t *describe_params(const slv_ptx_writer_params *params) {
     return json_pack("{s:s, s:o, s:o, s:o, s:b}", "data_type", slv_type_name(params->type),
-                     "border_u", slvi_index_word(SLVI_INDEX_BORDERS, (int)params->border_u),
-                     "border_v", slvi_index_word(SLVI_INDEX_BORDERS, (int)params->border_v),
-                     "edge_filter", slvi_index_word(SLVI_INDEX_FILTERS, (int)params->edge_filter),
-                     "reductions", (int)!params->no_reductions);
+                     "border_u", json_string(slvi_index_border((int)params->border_u)), "border_v",
+                     json_string(slvi_index_border((int)params->border_v)), "edge_filter",
+                     json_string(slvi_index_filter((int)params->edge_filter)), "reductions",
+                     (int)!params->no_reductions);
 }
 
 json_t *slvi_parts_describe(const slv_env *env, const char *path,
@@ -50,20 +50,6 @@ slv_result slvi_parts_record(const slv_env *env, const char *path,
     return result;
 }
 
-/* The index of a word among others, or -1. */
-static int word_of(const json_t *object, const char *key, const char *words) {
-    const char *word = json_string_value(json_object_get(object, key));
-    for (int index = 0; word; index++) {
-        size_t length = strcspn(words, "|");
-        if (strlen(word) == length && memcmp(word, words, length) == 0)
-            return index;
-        if (!words[length])
-            break;
-        words += length + 1;
-    }
-    return -1;
-}
-
 /* What the part was, where the file still is what the merge made of it: whoever changed it since
  * wanted the change. */
 static void read_changes(const json_t *was, const json_t *is, const slv_ptx_writer_params *now,
@@ -71,24 +57,27 @@ static void read_changes(const json_t *was, const json_t *is, const slv_ptx_writ
     slv_type type;
     const char *name = json_string_value(json_object_get(was, "data_type")),
                *merged = json_string_value(json_object_get(is, "data_type"));
-    int u = word_of(was, "border_u", SLVI_INDEX_BORDERS),
-        v = word_of(was, "border_v", SLVI_INDEX_BORDERS),
-        filter = word_of(was, "edge_filter", SLVI_INDEX_FILTERS);
+    int u = slvi_index_value(slvi_index_border, json_object_get(was, "border_u")),
+        v = slvi_index_value(slvi_index_border, json_object_get(was, "border_v")),
+        filter = slvi_index_value(slvi_index_filter, json_object_get(was, "edge_filter"));
     const json_t *reductions = json_object_get(was, "reductions");
     if (name && merged && strcmp(merged, slv_type_name(now->type)) == 0 &&
         slv_type_from_name(name, &type)) {
         out->changes |= SLV_EXCHANGE_TYPE;
         out->type = type;
     }
-    if (u >= 0 && word_of(is, "border_u", SLVI_INDEX_BORDERS) == (int)now->border_u) {
+    if (u >= 0 && slvi_index_value(slvi_index_border, json_object_get(is, "border_u")) ==
+                      (int)now->border_u) {
         out->changes |= SLV_EXCHANGE_BORDER_U;
         out->border_u = (slv_border_mode)u;
     }
-    if (v >= 0 && word_of(is, "border_v", SLVI_INDEX_BORDERS) == (int)now->border_v) {
+    if (v >= 0 && slvi_index_value(slvi_index_border, json_object_get(is, "border_v")) ==
+                      (int)now->border_v) {
         out->changes |= SLV_EXCHANGE_BORDER_V;
         out->border_v = (slv_border_mode)v;
     }
-    if (filter >= 0 && word_of(is, "edge_filter", SLVI_INDEX_FILTERS) == (int)now->edge_filter) {
+    if (filter >= 0 && slvi_index_value(slvi_index_filter, json_object_get(is, "edge_filter")) ==
+                           (int)now->edge_filter) {
         out->changes |= SLV_EXCHANGE_EDGE_FILTER;
         out->edge_filter = (slv_edge_filter)filter;
     }

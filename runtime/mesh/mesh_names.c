@@ -3,6 +3,8 @@
 
 #include <selvage/surface.h>
 
+#include <string.h>
+
 static const char *const boundaries[] = {"default", "none", "edge-only", "edge-and-corner"};
 static const char *const schemes[] = {"catmark", "bilinear"};
 
@@ -24,7 +26,8 @@ const char *slv_scheme_name(slv_scheme scheme) {
 
 bool slv_scheme_from_name(const char *name, slv_scheme *out) {
     int value = 0;
-    bool found = slvi_name_find(schemes, SLVI_COUNT(schemes), name, &value);
+    bool found = slvi_name_find(schemes, SLVI_COUNT(schemes), name, &value) ||
+                 (name && strcmp(name, "catmull-clark") == 0); /* whose value is 0 */
     if (found)
         *out = (slv_scheme)value;
     return found;

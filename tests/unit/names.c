@@ -91,6 +91,8 @@ int main(void) {
                 i == SLV_GL_HOST || leads_back_slv_gl_backend(name, i));
     CHECK_NAMES(slv_gl_branching, SLV_GL_BRANCHING_VECTORS, slv_gl_branching_name, true);
     CHECK_NAMES(slv_gl_compression, SLV_GL_COMPRESSION_BLOCKS, slv_gl_compression_name, true);
+    slv_scheme scheme = SLV_SCHEME_BILINEAR; /* by its whole name, too */
+    CHECK(slv_scheme_from_name("catmull-clark", &scheme) && scheme == SLV_SCHEME_CATMARK);
     slv_gl_backend host;
     CHECK(!slv_gl_backend_from_name("host", &host)); /* not one that can be asked for */
     CHECK(slv_version() == SLV_VERSION);

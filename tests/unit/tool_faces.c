@@ -205,6 +205,34 @@ static void check_sheet(void) {
     HAS("only --out writes over");
 }
 
+/* Words of options and of view files are the same, and all of the library's. */
+static void check_words(void) {
+    static const char *const schemes[] = {"catmark", "catmull-clark", "bilinear"},
+                             *const boundaries[] = {"default", "none", "edge-only",
+                                                    "edge-and-corner"};
+    char view[128];
+    for (int scheme = 0; scheme < 3; scheme++)
+        for (int boundary = 0; boundary < 4; boundary++) {
+            snprintf(view, sizeof view, "{\"scheme\": \"%s\", \"boundary\": \"%s\"}",
+                     schemes[scheme], boundaries[boundary]);
+            tool_write_file("words.json", view, strlen(view));
+            RUNS(0, "pick a.ptx 256 256 --view words.json");
+            static char found[sizeof tool_out];
+            memcpy(found, tool_out, sizeof found);
+            RUNS(0, "pick a.ptx 256 256 --scheme %s --boundary %s", schemes[scheme],
+                 boundaries[boundary]);
+            CHECK_MSG(!strcmp(found, tool_out), "%s: %s, %s", view, found, tool_out);
+        }
+    tool_write_file("words.json", "{\"scheme\": \"loop\"}", 18);
+    RUNS(1, "pick a.ptx 256 256 --view words.json");
+    HAS("expected catmark|bilinear");
+    RUNS(2, "pick a.ptx 256 256 --scheme catmul-clark");
+    HAS("expected catmark|bilinear");
+    tool_write_file("words.json", "{\"boundary\": \"edge-ony\"}", 24);
+    RUNS(1, "pick a.ptx 256 256 --view words.json");
+    HAS("expected default|none|edge-only|edge-and-corner; did you mean 'edge-only'?");
+}
+
 int main(void) {
     tool_begin();
     tool_write_noise("a.ptx", SLV_TYPE_U8, 3, SLV_NO_ALPHA, 1);
@@ -214,6 +242,7 @@ int main(void) {
     check_split();
     check_split_refused();
     check_sheet();
+    check_words();
     tool_end();
     return test_end();
 }

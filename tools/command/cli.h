@@ -2,6 +2,8 @@
 #ifndef SELVAGE_TOOLS_CLI_H
 #define SELVAGE_TOOLS_CLI_H
 
+#include "command/names.h"
+
 #include <selvage/selvage.h>
 
 #include <stdatomic.h>
@@ -25,9 +27,6 @@ typedef struct cli_list {
     const char *items[CLI_LIST_ROOM];
     uint32_t count;
 } cli_list;
-
-/* Words of data types, in the order of slv_type. */
-#define CLI_TYPES "uint8|uint16|half|float"
 
 typedef struct cli_option {
     const char *names; /* "--out|-o"; the first is shown */
@@ -62,13 +61,13 @@ typedef struct cli_option {
     {                                                                                              \
         "--texture-encoding", CLI_CHOICE, value,                                                   \
             "what colours are (auto: what the file says, else srgb of integers)",                  \
-            "auto|linear|srgb|data", 0, 0, NULL                                                    \
+            names_encodings(), 0, 0, NULL                                                          \
     }
 #define CLI_COMPRESSION(value)                                                                     \
     { "--compression", CLI_UINT, value, "1 (fast) to 12 (small)", NULL, 1, 12, NULL }
 
 #define CLI_TYPE(value, help, given)                                                               \
-    { "--type|-t", CLI_CHOICE, value, help, CLI_TYPES, 0, 0, given }
+    { "--type|-t", CLI_CHOICE, value, help, names_types(), 0, 0, given }
 
 typedef struct cli_command {
     const char *name, *summary, *arguments, *examples;

@@ -81,11 +81,11 @@ typedef struct scene_options {
             given                                                                                  \
     }
 #define SCENE_SHADING(value, help, given)                                                          \
-    { "--shading", CLI_CHOICE, value, help, SCENE_SHADINGS, 0, 0, given }
+    { "--shading", CLI_CHOICE, value, help, names_shadings(), 0, 0, given }
 #define SCENE_SCHEME(value, given)                                                                 \
-    { "--scheme", CLI_CHOICE, value, "subdivision scheme (catmark)", SCENE_SCHEMES, 0, 0, given }
+    { "--scheme", CLI_CHOICE, value, "subdivision scheme (catmark)", names_schemes(), 0, 0, given }
 #define SCENE_BOUNDARY(value, help, given)                                                         \
-    { "--boundary", CLI_CHOICE, value, help, SCENE_BOUNDARIES, 0, 0, given }
+    { "--boundary", CLI_CHOICE, value, help, names_boundaries(), 0, 0, given }
 #define SCENE_TESS(value)                                                                          \
     {                                                                                              \
         "--tess", CLI_UINT, value,                                                                 \
@@ -98,7 +98,10 @@ typedef struct scene_options {
             SCENE_ADJACENCIES, 0, 0, NULL                                                          \
     }
 #define SCENE_CONTEXT(value)                                                                       \
-    { "--context", CLI_CHOICE, value, "where OpenGL comes from (auto)", SCENE_CONTEXTS, 0, 0, NULL }
+    {                                                                                              \
+        "--context", CLI_CHOICE, value, "where OpenGL comes from (auto)", names_contexts(), 0, 0,  \
+            NULL                                                                                   \
+    }
 #define SCENE_ANISO(value, help)                                                                   \
     { "--aniso", CLI_UINT, value, help, NULL, 1, 16, NULL }
 
@@ -139,10 +142,6 @@ slv_result scene_check_memory(const slv_env *env, const slv_ptx *ptx, const slv_
 /* Words for options: the names of all strategies; returns `text`. */
 #define SCENE_STRATEGIES_SIZE 512
 const char *scene_strategies(char *text, size_t size);
-/* Others, in the order of the enumerations. */
-#define SCENE_SCHEMES "catmark|bilinear"
-#define SCENE_BOUNDARIES "default|none|edge-only|edge-and-corner"
-#define SCENE_SHADINGS "headlight|headlight-abs|unlit|faces|levels"
-#define SCENE_CONTEXTS "auto|egl|osmesa"
+/* Those of scene_options.adjacency. */
 #define SCENE_ADJACENCIES "agree|ptx|mesh"
 #endif

@@ -100,8 +100,8 @@ static slv_result read_shading(const slv_env *env, const char *path, const json_
     if (!shading)
         return SLV_OK;
     if (!model || !slv_shading_from_name(model, &out->shading))
-        return bad_view(env, path, "unknown shading model '%s', expected " SCENE_SHADINGS "%s",
-                        model ? model : "", words_hint(model ? model : "", SCENE_SHADINGS, hint));
+        return bad_view(env, path, "unknown shading model '%s', expected %s%s", model ? model : "",
+                        names_shadings(), words_hint(model ? model : "", names_shadings(), hint));
     out->ka = 0.2f;
     out->kd = 0.8f;
     if (!read_weight(shading, "ka", &out->ka) || !read_weight(shading, "kd", &out->kd))
@@ -109,9 +109,6 @@ static slv_result read_shading(const slv_env *env, const char *path, const json_
     out->has_shading = true;
     return SLV_OK;
 }
-
-#define BOUNDARIES "edge-only|edge-and-corner|none"
-#define SCHEMES "catmull-clark|bilinear"
 
 static slv_result read_surface(const slv_env *env, const char *path, const json_t *root,
                                scene_view *out) {
@@ -122,22 +119,13 @@ static slv_result read_surface(const slv_env *env, const char *path, const json_
                *scheme = json_string_value(scheme_value);
     if ((boundary_value && !boundary) || (scheme_value && !scheme))
         return bad_view(env, path, "boundary and scheme are words in quotes");
-    if (boundary && strcmp(boundary, "edge-only") == 0)
-        out->boundary = SLV_BOUNDARY_EDGE_ONLY;
-    else if (boundary && strcmp(boundary, "edge-and-corner") == 0)
-        out->boundary = SLV_BOUNDARY_EDGE_AND_CORNER;
-    else if (boundary && strcmp(boundary, "none") == 0)
-        out->boundary = SLV_BOUNDARY_NONE;
-    else if (boundary)
-        return bad_view(env, path, "unknown boundary '%s', expected " BOUNDARIES "%s", boundary,
-                        words_hint(boundary, BOUNDARIES, hint));
+    if (boundary && !slv_boundary_from_name(boundary, &out->boundary))
+        return bad_view(env, path, "unknown boundary '%s', expected %s%s", boundary,
+                        names_boundaries(), words_hint(boundary, names_boundaries(), hint));
     out->has_scheme = scheme != NULL;
-    if (!scheme || strcmp(scheme, "catmull-clark") == 0 || strcmp(scheme, "catmark") == 0)
-        return SLV_OK;
-    if (strcmp(scheme, "bilinear") != 0)
-        return bad_view(env, path, "scheme '%s' is not supported, expected " SCHEMES "%s", scheme,
-                        words_hint(scheme, SCHEMES, hint));
-    out->scheme = SLV_SCHEME_BILINEAR;
+    if (scheme && !slv_scheme_from_name(scheme, &out->scheme))
+        return bad_view(env, path, "scheme '%s' is not supported, expected %s%s", scheme,
+                        names_schemes(), words_hint(scheme, names_schemes(), hint));
     return SLV_OK;
 }
 

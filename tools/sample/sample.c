@@ -14,14 +14,9 @@ static void keep_log(void *user, slv_log_level level, const char *message) {
         cli_warning("%s", message);
 }
 
-/* As they stand unless something else is asked for: these are numbers, and no picture. */
-#define SAMPLE_ENCODINGS "data|linear|srgb|auto"
-
 static slv_result open_texture(const slv_env *env, const sample_options *options,
                                sample_texture *texture, slv_ptx **ptx) {
-    static const slv_texture_encoding encodings[] = {SLV_TEXTURE_DATA, SLV_TEXTURE_LINEAR,
-                                                     SLV_TEXTURE_SRGB, SLV_TEXTURE_AUTO};
-    slv_texture_encoding encoding = encodings[options->encoding];
+    slv_texture_encoding encoding = (slv_texture_encoding)options->encoding;
     slv_source stored, light;
     slv_result result;
     if (encoding == SLV_TEXTURE_DATA || encoding == SLV_TEXTURE_LINEAR)
@@ -78,7 +73,7 @@ done:
 }
 
 int verb_sample(int argc, char **argv) {
-    sample_options o = {0};
+    sample_options o = {.encoding = SLV_TEXTURE_DATA};
     const char *path = NULL;
     uint32_t narguments = 0;
     const cli_option options[] = {
@@ -90,7 +85,7 @@ int verb_sample(int argc, char **argv) {
          NULL},
         {"--texture-encoding", CLI_CHOICE, &o.encoding,
          "what colours are: srgb is decoded before it is filtered (data: as they stand)",
-         SAMPLE_ENCODINGS, 0, 0, NULL},
+         names_encodings(), 0, 0, NULL},
         {"--bench", CLI_FLAG, &o.bench,
          "repeat the lookups, and print how many a second there are instead of values", NULL, 0, 0,
          NULL},
@@ -135,7 +130,7 @@ int verb_sample(int argc, char **argv) {
         return code;
     if (o.out && cli_ends_with(o.out, ".ptx"))
         return cli_usage(&command, "'%s': answers are text, and no .ptx", o.out);
-    if (o.premultiply && o.encoding)
+    if (o.premultiply && o.encoding != SLV_TEXTURE_DATA)
         return cli_usage(&command,
                          "--premultiply multiplies numbers as they stand: it goes with no "
                          "--texture-encoding");

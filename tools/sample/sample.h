@@ -7,7 +7,8 @@
 typedef struct sample_options {
     const char *queries, *out;
     bool json, premultiply, bench, progress, quiet;
-    int encoding; /* a word of its option */
+    int encoding; /* slv_texture_encoding; as they stand unless something else is asked for: these
+                     are numbers, and no picture */
     uint32_t cache_mib, threads;
 } sample_options;
 
