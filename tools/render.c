@@ -137,11 +137,12 @@ done:
 int verb_render(int argc, char **argv) {
     enum { OWN = 11 };
     struct render r = {.scene = scene_options_default(), .msaa = 4, .aniso = 1};
-    char strategies[SCENE_STRATEGIES_SIZE];
+    char strategies[SCENE_STRATEGIES_SIZE], how[80];
     uint32_t narguments = 0;
+    snprintf(how, sizeof how, "how a lookup crosses a seam (%s)", slv_strategy_default()->name);
     cli_option options[OWN + SCENE_OPTION_ROWS] = {
         CLI_OUT(&r.out, "picture, .png or .exr (the texture's name with .png)", "FILE"),
-        {"--strategy|-s", CLI_CHOICE, &r.strategy, "how a lookup crosses a seam (traverse)",
+        {"--strategy|-s", CLI_CHOICE, &r.strategy, how,
          scene_strategies(strategies, sizeof strategies), 0, 0, NULL},
         {"--pass", CLI_CHOICE, &r.pass,
          "the picture, or the face of each pixel: EXR its number, -1 for none; PNG a colour that "
@@ -180,7 +181,7 @@ int verb_render(int argc, char **argv) {
         .npositional = &narguments,
         .output = &r.out};
     char buffer[512];
-    while (slv_strategy_at((uint32_t)r.strategy) != slv_strategy_find("traverse"))
+    while (slv_strategy_at((uint32_t)r.strategy) != slv_strategy_default())
         r.strategy++;
     scene_options_rows(&r.scene, options + OWN);
     int code = cli_parse(&command, argc, argv);

@@ -2,6 +2,8 @@
 #include "kit/bake_kit.h"
 #include "kit/command_kit.h"
 
+#include <selvage/gl_strategy.h>
+
 #include <selvage/image.h>
 
 static kit_scratch scratch;
@@ -85,7 +87,6 @@ static void check_traced(const char *path) {
 }
 
 int main(void) {
-    static const char *const strategies[] = {"clamp", "borders", "traverse", "discard", "hybrid"};
     char ptx[KIT_PATH], missing[KIT_PATH], png[KIT_PATH];
     kit_scratch_make(&scratch);
     make_texture(kit_join(ptx, scratch.folder, "prism.ptx"));
@@ -137,14 +138,15 @@ int main(void) {
     run_example("example_hello", (const char *const[]){painted, NULL});
     CHECK(run.code == 0 && strstr(run.out, "15 faces"));
 
-    for (int s = 0; s < 5; s++) {
-        kit_join(png, scratch.folder, strategies[s]);
+    for (uint32_t s = 0; s < slv_strategy_count(); s++) {
+        const char *strategy = slv_strategy_at(s)->name;
+        kit_join(png, scratch.folder, strategy);
         strcat(png, ".png");
         run_example("example_sample_in_your_shader",
-                    (const char *const[]){ptx, png, strategies[s], NULL});
-        CHECK_MSG(run.code == 0 && !run.err[0], "%s ended with %d: %s", strategies[s], run.code,
+                    (const char *const[]){ptx, png, strategy, NULL});
+        CHECK_MSG(run.code == 0 && !run.err[0], "%s ended with %d: %s", strategy, run.code,
                   run.err);
-        check_picture(png, strategies[s]);
+        check_picture(png, strategy);
     }
     run_example("example_sample_in_your_shader", (const char *const[]){missing, png, NULL});
     CHECK(run.code == 1 && kit_lines(run.err) == 1);

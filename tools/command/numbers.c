@@ -3,6 +3,8 @@
 
 #include "command/words.h"
 
+#include <selvage/texture.h>
+
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -26,38 +28,32 @@ bool value_ratio(const char *text, double *out, const char **end) {
 const char value_color_names[] = "black|white|grey|gray|red|green|blue|yellow|cyan|magenta|orange|"
                                  "none|transparent";
 
-/* In the order of the names; as the web has them, in linear light. */
-static const float named[][4] = {
-    {0, 0, 0, 1},
-    {1, 1, 1, 1},
-    {0.21586f, 0.21586f, 0.21586f, 1},
-    {0.21586f, 0.21586f, 0.21586f, 1},
-    {1, 0, 0, 1},
-    {0, 0.21586f, 0, 1},
-    {0, 0, 1, 1},
-    {1, 1, 0, 1},
-    {0, 1, 1, 1},
-    {1, 0, 1, 1},
-    {1, 0.37626f, 0, 1},
-    {0, 0, 0, 0},
+/* In the order of the names: red, green, blue and alpha, as the web has them. */
+static const uint8_t named[][4] = {
+    {0, 0, 0, 255},     {255, 255, 255, 255}, {128, 128, 128, 255}, {128, 128, 128, 255},
+    {255, 0, 0, 255},   {0, 128, 0, 255},     {0, 0, 255, 255},     {255, 255, 0, 255},
+    {0, 255, 255, 255}, {255, 0, 255, 255},   {255, 165, 0, 255},   {0, 0, 0, 0},
     {0, 0, 0, 0},
 };
 
-static float linear_of(unsigned step) {
-    double value = step / 255.0;
-    return (float)(value <= 0.04045 ? value / 12.92 : pow((value + 0.055) / 1.055, 2.4));
+/* From sRGB to light. */
+static void read_bytes(const uint8_t rgba[4], float out[4]) {
+    for (int c = 0; c < 4; c++)
+        out[c] = (float)rgba[c] / 255.0f;
+    slv_texels_decode(3, SLV_NO_ALPHA, out, 1);
 }
 
 /* #rgb or #rrggbb. */
 static bool read_hex(const char *text, float out[4]) {
     size_t length = strlen(text);
+    uint8_t rgba[4] = {0, 0, 0, 255};
     if ((length != 3 && length != 6) || strspn(text, "0123456789abcdefABCDEF") != length)
         return false;
     for (size_t c = 0; c < 3; c++) {
         char digits[3] = {text[length == 3 ? c : 2 * c], text[length == 3 ? c : 2 * c + 1], 0};
-        out[c] = linear_of((unsigned)strtoul(digits, NULL, 16));
+        rgba[c] = (uint8_t)strtoul(digits, NULL, 16);
     }
-    out[3] = 1;
+    read_bytes(rgba, out);
     return true;
 }
 
@@ -66,7 +62,7 @@ bool value_color(const char *text, float out[4]) {
     int name = words_index(value_color_names, text, strlen(text)), count = 0;
     const char *at = text;
     if (name >= 0) {
-        memcpy(out, named[name], sizeof named[name]);
+        read_bytes(named[name], out);
         return true;
     }
     if (*text == '#')

@@ -207,7 +207,7 @@ static slv_result prepare(struct session *s) {
     for (uint32_t k = 0; k < report->nstrategies; k++)
         strategies[upload.nstrategies++] = report->strategies[k].strategy;
     if (report->reference.used[REPORT_SUPERSAMPLED])
-        strategies[upload.nstrategies++] = slv_strategy_find("traverse");
+        strategies[upload.nstrategies++] = report_supersampled_with();
     if ((result = scene_load(&s->env, &params, &s->scene)) ||
         (result = slv_gl_create(&s->env, (slv_gl_backend)o->context, &s->gl)) ||
         (result = experiment_find_rates(&s->env, s->gl, o->accumulate, report)) ||

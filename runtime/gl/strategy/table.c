@@ -20,3 +20,7 @@ const slv_strategy *slv_strategy_find(const char *name) {
             return table[i];
     return NULL;
 }
+
+const slv_strategy *slv_strategy_default(void) {
+    return &slvi_strategy_traverse;
+}

@@ -57,6 +57,8 @@ typedef struct slv_strategy {
 SLV_API uint32_t slv_strategy_count(void);
 SLV_API const slv_strategy *slv_strategy_at(uint32_t index);
 SLV_API const slv_strategy *slv_strategy_find(const char *name);
+/* Which to take where nobody has chosen one: exact in most cases, and for every texture. */
+SLV_API const slv_strategy *slv_strategy_default(void);
 
 #ifdef __cplusplus
 }

@@ -171,13 +171,12 @@ static slv_result find_references(experiment *e, moment *m, experiment_frame *ou
 }
 
 static void measure_apart(const experiment *e, const moment *m, report_errors *out) {
-    uint32_t a = report_find(e->report, "traverse"), b = report_find(e->report, "discard"),
-             n = e->report->nstrategies;
+    report_paper_strategies k = report_of_paper(e->report);
     size_t npixels = (size_t)m->frame.width * m->frame.height;
-    for (size_t i = 0; i < npixels && a < n && b < n; i++)
-        report_errors_add(
-            out, m->labels ? (report_label)m->labels[i] : REPORT_INTERIOR,
-            report_distance(m->images[a].pixels + 4 * i, m->images[b].pixels + 4 * i));
+    for (size_t i = 0; i < npixels && k.both; i++)
+        report_errors_add(out, m->labels ? (report_label)m->labels[i] : REPORT_INTERIOR,
+                          report_distance(m->images[k.traverse].pixels + 4 * i,
+                                          m->images[k.discard].pixels + 4 * i));
 }
 
 static void measure_errors(const experiment *e, const moment *m, uint32_t rate,

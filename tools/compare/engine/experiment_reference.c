@@ -75,7 +75,7 @@ static slv_result supersample(experiment *e, const slv_frame *frame, slv_image *
             double w = frame->width, h = frame->height;
             slv_frame part = *frame;
             slv_image large = {0};
-            part.strategy = slv_strategy_find("traverse");
+            part.strategy = report_supersampled_with();
             part.msaa = 1;
             part.width = (width + 2 * SUPPORT) * FACTOR;
             part.height = (height + 2 * SUPPORT) * FACTOR;

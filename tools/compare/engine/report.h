@@ -163,11 +163,19 @@ double report_share(const report_errors *errors, uint32_t i);
 /* The length of the difference of two pixels' RGB; infinite for what is not a number. */
 double report_distance(const float *a, const float *b);
 
+/* What supersampled references are drawn with. */
+const slv_strategy *report_supersampled_with(void);
 /* raycast, mitchell, supersampled; outline, interior, ... */
 const char *report_source_name(report_source source);
 const char *report_label_name(report_label label);
 /* The index of a strategy in the report, or nstrategies. */
 uint32_t report_find(const report_data *report, const char *name);
+/* Where the strategies of Toth's paper are in the report, or nstrategies. */
+typedef struct report_paper_strategies {
+    uint32_t clamp, traverse, discard;
+    bool both; /* the two that it compares */
+} report_paper_strategies;
+report_paper_strategies report_of_paper(const report_data *report);
 /* The strategy that times are held against: clamp, or the first if it is not there. */
 uint32_t report_baseline(const report_data *report);
 /* All that are measured: of the orbit, and of the cameras beside it. */

@@ -133,12 +133,13 @@ void report_find_out(const report_data *report, report_finding findings[REPORT_F
         "Discard at four samples is quicker than traverse at one.",
         "Discard at eight samples is quicker than traverse at two.",
     };
+    report_paper_strategies k = report_of_paper(report);
     contest c = {.report = report,
-                 .traverse = report_find(report, "traverse"),
-                 .discard = report_find(report, "discard"),
+                 .traverse = k.traverse,
+                 .discard = k.discard,
+                 .both = k.both,
                  .source = report->reference.used[REPORT_SUPERSAMPLED] ? REPORT_SUPERSAMPLED
                                                                        : report->reference.first};
-    c.both = c.traverse < report->nstrategies && c.discard < report->nstrategies;
     for (int i = 0; i < REPORT_FINDINGS; i++)
         findings[i] = (report_finding){.claim = claims[i]};
     judge_error(&c, 1, &findings[0]);

@@ -8,6 +8,10 @@ double report_error_step(uint32_t i) {
     return exp2(-10 + 0.25 * i);
 }
 
+const slv_strategy *report_supersampled_with(void) {
+    return slv_strategy_default();
+}
+
 const char *report_source_name(report_source source) {
     static const char *const names[REPORT_SOURCES] = {"raycast", "mitchell", "supersampled"};
     return names[source];
@@ -26,8 +30,16 @@ uint32_t report_find(const report_data *report, const char *name) {
     return k;
 }
 
+report_paper_strategies report_of_paper(const report_data *report) {
+    report_paper_strategies found = {.clamp = report_find(report, "clamp"),
+                                     .traverse = report_find(report, "traverse"),
+                                     .discard = report_find(report, "discard")};
+    found.both = found.traverse < report->nstrategies && found.discard < report->nstrategies;
+    return found;
+}
+
 uint32_t report_baseline(const report_data *report) {
-    uint32_t clamp = report_find(report, "clamp");
+    uint32_t clamp = report_of_paper(report).clamp;
     return clamp < report->nstrategies ? clamp : 0;
 }
 

@@ -11,11 +11,15 @@
 #include <stdlib.h>
 #include <string.h>
 
-static const char *const source_words[REPORT_SOURCES] = {
-    [REPORT_RAYCAST] = "ray-cast, box filter",
-    [REPORT_MITCHELL] = "ray-cast, Mitchell filter",
-    [REPORT_SUPERSAMPLED] = "<code>traverse</code> 8 &times; 8 times as large, Mitchell filter",
-};
+static const char *source_words(report_source source, char text[96]) {
+    if (source == REPORT_RAYCAST)
+        return "ray-cast, box filter";
+    if (source == REPORT_MITCHELL)
+        return "ray-cast, Mitchell filter";
+    snprintf(text, 96, "<code>%s</code> 8 &times; 8 times as large, Mitchell filter",
+             report_supersampled_with()->name);
+    return text;
+}
 
 static const char *name_of(const report_data *report, uint32_t k) {
     return report->strategies[k].strategy->name;
@@ -28,8 +32,8 @@ static void write_rate(FILE *stream, const report_rate *rate) {
 }
 
 void report_write_rates(FILE *stream, const report_data *report) {
-    uint32_t clamp = report_find(report, "clamp"), traverse = report_find(report, "traverse"),
-             n = report->nstrategies;
+    report_paper_strategies known = report_of_paper(report);
+    uint32_t clamp = known.clamp, traverse = known.traverse, n = report->nstrategies;
     fputs("<section aria-labelledby=\"rates\">\n<h2 id=\"rates\">Frame time by sampling rate</h2>\n"
           "<p class=\"caption\" id=\"rates-what\">Median milliseconds of a frame, as in Toth's "
           "Table 1; below, ratios at the same rate",
@@ -84,8 +88,9 @@ static void write_left(FILE *stream, const report_data *report) {
 }
 
 static void write_right(FILE *stream, const report_data *report, report_source source) {
+    char words[96];
     fprintf(stream, "<h3>From the reference: %s</h3>\n<div class=\"plots\">\n",
-            source_words[source]);
+            source_words(source, words));
     for (uint32_t r = 0; r < report->nrates; r++) {
         report_curve curves[REPORT_MAX_STRATEGIES];
         char title[64];
@@ -102,8 +107,7 @@ static void write_right(FILE *stream, const report_data *report, report_source s
 }
 
 void report_write_curves(FILE *stream, const report_data *report) {
-    uint32_t n = report->nstrategies;
-    bool left = report_find(report, "traverse") < n && report_find(report, "discard") < n;
+    bool left = report_of_paper(report).both;
     if (!left && report->reference.first == REPORT_SOURCES)
         return;
     fputs("<section aria-labelledby=\"curves\">\n<h2 id=\"curves\">How many pixels are how far "
@@ -173,6 +177,7 @@ static void write_rows(FILE *stream, const report_data *report, report_source so
 }
 
 static void write_table(FILE *stream, const report_data *report, report_source source) {
+    char words[96];
     const report_reference *ref = &report->reference;
     uint64_t all = 0;
     bool flickers = source == ref->first && source < REPORT_SUPERSAMPLED;
@@ -184,7 +189,7 @@ static void write_table(FILE *stream, const report_data *report, report_source s
             "aria-labelledby=\"error-%s\">\n<thead>\n<tr><th scope=\"col\" "
             "rowspan=\"2\">Strategy</th><th scope=\"colgroup\" colspan=\"%d\">RMS error, "
             "1/255, of pixels of</th>",
-            report_source_name(source), source_words[source], report_source_name(source),
+            report_source_name(source), source_words(source, words), report_source_name(source),
             report_source_name(source), (int)SETS);
     if (flickers)
         fputs("<th scope=\"col\" rowspan=\"2\">flicker</th>", stream);

@@ -193,8 +193,8 @@ static slv_result facts(const page *p) {
         if (!r->reference.used[k])
             continue;
         if (k == REPORT_SUPERSAMPLED)
-            snprintf(text, sizeof text, "drawn with traverse, 8 x 8 times as large, %u frames",
-                     r->reference.frames);
+            snprintf(text, sizeof text, "drawn with %s, 8 x 8 times as large, %u frames",
+                     report_supersampled_with()->name, r->reference.frames);
         else
             snprintf(text, sizeof text, "%u rays per pixel, %u frames", r->reference.samples,
                      r->reference.frames);

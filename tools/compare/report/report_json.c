@@ -298,9 +298,9 @@ static json_t *cameras_json(const report_data *report) {
 
 static json_t *report_json(const report_data *report) {
     char version[32];
-    uint32_t v = slv_version(), n = report->nstrategies;
+    uint32_t v = slv_version();
     report_advice advice = report_advise(report), cameras = report_advise_cameras(report);
-    bool both = report_find(report, "traverse") < n && report_find(report, "discard") < n;
+    bool both = report_of_paper(report).both;
     snprintf(version, sizeof version, "%u.%u.%u", v >> 16, v >> 8 & 255, v & 255);
     return json_pack(
         "{s:i, s:s, s:s, s:o, s:o, s:I, s:I, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, "

@@ -92,8 +92,8 @@ void report_write_markdown(FILE *stream, const report_data *report) {
 }
 
 void report_write_csv(FILE *stream, const report_data *report) {
-    uint32_t clamp = report_find(report, "clamp"), traverse = report_find(report, "traverse"),
-             n = report->nstrategies;
+    report_paper_strategies known = report_of_paper(report);
+    uint32_t clamp = known.clamp, traverse = known.traverse, n = report->nstrategies;
     fputs("strategy,samples,pictures,median_ms,min_ms,max_ms,to_clamp,to_traverse,gpu_bytes,"
           "seam_rms,flicker_rms\n",
           stream);
@@ -227,7 +227,6 @@ static slv_result write_table(const slv_env *env, const char *folder, const char
 }
 
 slv_result report_write_tables(const slv_env *env, const char *folder, const report_data *report) {
-    uint32_t n = report->nstrategies;
     slv_result result;
     if ((result = write_table(env, folder, "table1.csv", report, TIMES)) ||
         (result = write_table(env, folder, "table1.tex", report, LATEX)) ||
@@ -236,7 +235,7 @@ slv_result report_write_tables(const slv_env *env, const char *folder, const rep
     if (report->compressed &&
         (result = write_table(env, folder, "compression.csv", report, BLOCKS)))
         return result;
-    if (report_find(report, "traverse") < n && report_find(report, "discard") < n)
+    if (report_of_paper(report).both)
         result = write_table(env, folder, "figure5_left.csv", report, LEFT);
     if (!result && report->reference.first < REPORT_SOURCES)
         result = write_table(env, folder, "errors.csv", report, LABELS);
