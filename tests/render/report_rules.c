@@ -4,9 +4,8 @@
 #include "kit/test.h"
 
 #include "compare/engine/busy.h"
-#include "compare/engine/report_advice.h"
 #include "compare/engine/report_findings.h"
-#include "compare/engine/report_verdict.h"
+#include "compare/report/report_words.h"
 
 #include <unistd.h>
 

@@ -1,7 +1,7 @@
 /* The outcome of a comparison as tables on a terminal. */
 #include "compare/compare.h"
 
-#include "compare/engine/report_advice.h"
+#include "compare/report/report_words.h"
 
 #include <math.h>
 #include <stdio.h>

@@ -51,12 +51,6 @@ report_advice report_advise_figures(const report_figures *figures, uint32_t coun
 report_advice report_advise(const report_data *report);
 report_advice report_advise_cameras(const report_data *report);
 
-/* A sentence or two, names in <strong>; and the rule in words and numbers, with all points. */
-void report_write_advice(FILE *stream, const report_data *report, const report_advice *advice);
-void report_write_rule(FILE *stream, const report_data *report, const report_advice *advice);
-/* The names of those tied with the one to take: "hybrid and htex". */
-void report_write_tied(FILE *stream, const report_data *report, const report_advice *advice);
-
 /* RMS error at seams of a strategy at a rate; NaN if not measured. */
 double report_seam_error(const report_data *report, report_source source, uint32_t rate,
                          uint32_t strategy);

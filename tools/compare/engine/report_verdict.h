@@ -4,8 +4,6 @@
 
 #include "compare/engine/report.h"
 
-#include <stdio.h>
-
 typedef enum report_outcome {
     REPORT_NO_SEAMS,    /* the mesh has no shared edges */
     REPORT_SEAMLESS,    /* the best has no visible seam */
@@ -21,11 +19,8 @@ typedef struct report_verdict {
 
 /* `report` has at least one strategy. */
 report_verdict report_judge(const report_data *report);
-/* As HTML, names in <strong>. */
-void report_write_verdict(FILE *stream, const report_data *report, const report_verdict *verdict);
-
-/* A jump of 0..1 in steps of 1/255, two or three digits. */
-void report_write_jump(FILE *stream, double jump);
+/* Whether a strategy is one of those that make the outcome what it is. */
+bool report_reaches(const report_strategy *row, report_outcome outcome);
 double report_memory_ratio(const report_strategy *row);
 /* Whether a jump is below one step of an 8-bit texel. */
 bool report_jump_hidden(double jump);

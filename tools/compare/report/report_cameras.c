@@ -2,7 +2,7 @@
 #include "compare/report/report_experiment.h"
 
 #include "command/output.h"
-#include "compare/engine/report_verdict.h"
+#include "compare/report/report_words.h"
 
 #include <math.h>
 

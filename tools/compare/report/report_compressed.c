@@ -1,6 +1,6 @@
 /* The section of the page about textures in blocks. */
-#include "compare/engine/report_verdict.h"
 #include "compare/report/report_experiment.h"
+#include "compare/report/report_words.h"
 
 #include <math.h>
 

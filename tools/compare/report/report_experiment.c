@@ -3,9 +3,9 @@
 
 #include "command/output.h"
 #include "compare/engine/report_findings.h"
-#include "compare/engine/report_verdict.h"
 #include "compare/report/report_paper.h"
 #include "compare/report/report_plot.h"
+#include "compare/report/report_words.h"
 
 #include <math.h>
 #include <stdlib.h>

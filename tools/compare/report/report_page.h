@@ -2,8 +2,7 @@
 #ifndef SELVAGE_TOOLS_REPORT_PAGE_H
 #define SELVAGE_TOOLS_REPORT_PAGE_H
 
-#include "compare/engine/report_advice.h"
-#include "compare/engine/report_verdict.h"
+#include "compare/report/report_words.h"
 
 typedef struct page {
     const slv_env *env;
