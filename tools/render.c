@@ -34,7 +34,7 @@ static const char *output_path(const struct render *r, char *buffer, size_t size
 /* Face numbers in place of colours; no OpenGL is needed for them. */
 static int draw_ids(const slv_env *env, const struct render *r, const scene_shot *shot,
                     const char *path) {
-    bool exr = cli_ends_with(path, ".exr");
+    bool exr = slv_image_format_of_name(path) == SLV_IMAGE_EXR;
     const slv_image_params file = {.encoding = SLV_ENCODE_RAW, .bits = exr ? 32 : 8};
     slv_image image = {0};
     bool nothing = true;
@@ -192,9 +192,10 @@ int verb_render(int argc, char **argv) {
         return cli_usage(&command, "%s", problem);
     if (r.msaa & (r.msaa - 1))
         return cli_usage(&command, "--msaa: expected 1, 2, 4 or 8");
-    const char *out = output_path(&r, buffer, sizeof buffer), *extension = strrchr(out, '.');
-    bool exr = extension && strcasecmp(extension, ".exr") == 0;
-    if (!exr && (!extension || strcasecmp(extension, ".png") != 0))
+    const char *out = output_path(&r, buffer, sizeof buffer);
+    slv_image_format format = slv_image_format_of_name(out);
+    bool exr = format == SLV_IMAGE_EXR;
+    if (format == SLV_IMAGE_NONE)
         return cli_usage(&command, "%s: the picture's name must end in .png or .exr", out);
     if (r.bits && r.bits != 16 && r.bits != (exr ? 32 : 8))
         return cli_usage(&command, "--bits: expected %s",

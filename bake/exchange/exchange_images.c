@@ -9,7 +9,6 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <strings.h>
 
 struct export {
     const slv_ptx *ptx;
@@ -255,19 +254,20 @@ static slv_result save_sheets(const slv_env *env, const struct export *e, slv_pr
 
 static slv_result to_sheet(const slv_env *env, const slv_exchange_params *params, struct export *e,
                            const char *path) {
-    size_t length = strlen(path) < 4 ? 0 : strlen(path) - 4;
+    size_t length = strlen(path) < 4 ? 0 : strlen(path) - 4; /* without its ending */
     uint32_t nfaces = e->plan->target.nfaces, nchannels = e->plan->target.nchannels,
              ngroups = slvi_index_groups(nchannels), size[2] = {1, 1};
     uint32_t(*places)[2] = NULL;
     slv_folder *made = NULL;
     char stem[1024], name[1100];
     slv_result result;
-    if (!length || (strcasecmp(path + length, ".png") && strcasecmp(path + length, ".exr")))
+    slv_image_format format = slv_image_format_of_name(path);
+    if (format == SLV_IMAGE_NONE)
         return slvi_fail(env, SLV_ERROR_ARGUMENT, "%s: its name must end in .png or .exr", path);
     if (length >= sizeof stem)
         return slvi_fail(env, SLV_ERROR_IO, "%s: the name is too long", path);
     e->extension = path + length;
-    e->exr = strcasecmp(e->extension, ".exr") == 0;
+    e->exr = format == SLV_IMAGE_EXR;
     snprintf(stem, sizeof stem, "%.*s", (int)length, path);
     snprintf(name, sizeof name, "%s.json", stem);
     if ((result = slvi_alloc(env, path, nfaces, sizeof *places, &places)) ||

@@ -33,7 +33,7 @@ slv_result slv_exchange_open(const slv_env *given, const char *path, slv_exchang
     slv_result result = begin(&env, path, &source);
     if (result)
         return result;
-    if (slvi_index_is_named(path)) {
+    if (slv_exchange_is_index(path)) {
         result = slvi_index_open(&env, path, source);
     } else if (!(result = slv_ptx_open(&env, path, &source->own)) &&
                !(result = slv_ptx_load_tables(source->own)) &&

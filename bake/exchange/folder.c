@@ -24,11 +24,6 @@ struct slv_folder {
     int lock;
 };
 
-static bool is_folder(const char *path) {
-    struct stat status;
-    return stat(path, &status) == 0 && S_ISDIR(status.st_mode);
-}
-
 static int skip_dots(const struct dirent *entry) {
     return strcmp(entry->d_name, ".") != 0 && strcmp(entry->d_name, "..") != 0;
 }
@@ -78,8 +73,9 @@ static slv_result begin_whole(const char *path, slv_folder *out) {
     if (!result && snprintf(out->into, sizeof out->into, "%s", target) >= (int)sizeof out->into)
         result = too_long(out, path);
     if (!result)
-        result = is_folder(target) && parent_is_closed(target) ? make_inside(path, target, out)
-                                                               : make_beside(path, target, out);
+        result = slvi_is_folder(target) && parent_is_closed(target)
+                     ? make_inside(path, target, out)
+                     : make_beside(path, target, out);
     slvi_free(target);
     return result;
 }
@@ -169,7 +165,7 @@ slv_result slv_folder_end(slv_folder *folder, const char *last, slv_result resul
     if (!result && (!folder->whole || rename(folder->beside, folder->into) != 0)) {
         int reason = errno;
         /* not empty, a link to a folder, a mounted one, or "." */
-        if (!folder->whole || is_folder(folder->into))
+        if (!folder->whole || slvi_is_folder(folder->into))
             result = move_files(folder, last);
         else
             result = slvi_fail(&folder->env, SLV_ERROR_IO, "%s: cannot be written: %s",

@@ -56,8 +56,6 @@ static inline bool slvi_index_lacked_memory(const json_error_t *error) {
     return !error->text[0] || json_error_code(error) == json_error_out_of_memory;
 }
 
-/* Whether a path names images: a folder, or a file that ends in .json. */
-bool slvi_index_is_named(const char *path);
 /* Reading: what is wrong is said in one line, naming the face. */
 slv_result slvi_index_open(const slv_env *env, const char *path, slv_exchange *source);
 slv_result slvi_index_read_face(const slv_env *env, const char *path, const json_t *item,

@@ -1,6 +1,7 @@
 /* Reading the index of images. */
 #include "exchange/index.h"
 
+#include "base/file.h"
 #include "base/names.h"
 
 #include <selvage/file.h>
@@ -8,8 +9,6 @@
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
-#include <strings.h>
-#include <sys/stat.h>
 
 const char *slvi_index_border(int value) {
     return slv_border_mode_name((slv_border_mode)value);
@@ -115,21 +114,15 @@ static slv_result read_params(const slv_env *env, const char *path, const json_t
     return SLV_OK;
 }
 
-static bool is_folder(const char *path) {
-    struct stat status;
-    return stat(path, &status) == 0 && S_ISDIR(status.st_mode);
-}
-
-bool slvi_index_is_named(const char *path) {
-    size_t length = strlen(path);
-    return is_folder(path) || (length > 5 && strcasecmp(path + length - 5, ".json") == 0) ||
-           (length > 8 && strcasecmp(path + length - 8, ".json.gz") == 0);
+bool slv_exchange_is_index(const char *path) {
+    return slvi_is_folder(path) || slvi_name_ends(path, ".json") ||
+           slvi_name_ends(path, ".json.gz");
 }
 
 slv_result slvi_index_open(const slv_env *env, const char *path, slv_exchange *source) {
     char *index = source->index_path, *folder = source->index_folder;
     json_error_t error;
-    if (snprintf(index, SLVI_INDEX_NAME, "%s%s", path, is_folder(path) ? "/index.json" : "") >=
+    if (snprintf(index, SLVI_INDEX_NAME, "%s%s", path, slvi_is_folder(path) ? "/index.json" : "") >=
         SLVI_INDEX_NAME)
         return slvi_fail(env, SLV_ERROR_IO, "%s: the name is too long", path);
     memcpy(folder, index, SLVI_INDEX_NAME);

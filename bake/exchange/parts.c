@@ -91,9 +91,8 @@ static void read_changes(const json_t *was, const json_t *is, const slv_ptx_writ
 /* A record may come from anybody: what it calls a file must be a file in the folder. */
 static bool is_safe(const char *name) {
     size_t length = name ? strlen(name) : 0;
-    return length > 4 && length < 256 && !strchr(name, '/') && name[0] != '.' &&
-           (strcasecmp(name + length - 4, ".ptx") == 0 ||
-            (length > 5 && strcasecmp(name + length - 5, ".ptex") == 0));
+    return length > 0 && length < 256 && !strchr(name, '/') && name[0] != '.' &&
+           slv_ptx_is_name(name);
 }
 
 /* The old name, unless it is none for a file or another part has it. */

@@ -7,6 +7,7 @@
 #include <fcntl.h>
 #include <poll.h>
 #include <string.h>
+#include <strings.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -18,6 +19,16 @@ enum {
 
 slv_result slvi_io_error(int reason) {
     return reason == ENOMEM ? SLV_ERROR_MEMORY : SLV_ERROR_IO;
+}
+
+bool slvi_name_ends(const char *path, const char *extension) {
+    size_t length = strlen(path), wanted = strlen(extension);
+    return length > wanted && strcasecmp(path + length - wanted, extension) == 0;
+}
+
+bool slvi_is_folder(const char *path) {
+    struct stat status;
+    return stat(path, &status) == 0 && S_ISDIR(status.st_mode);
 }
 
 bool slvi_same_file(const char *a, const char *b) {

@@ -7,11 +7,11 @@
 #include "image/image_file.h"
 
 #include <string.h>
-#include <strings.h>
 
-static bool has_extension(const char *path, const char *extension) {
-    size_t length = strlen(path), wanted = strlen(extension);
-    return length > wanted && !strcasecmp(path + length - wanted, extension);
+slv_image_format slv_image_format_of_name(const char *path) {
+    if (slvi_name_ends(path, ".png"))
+        return SLV_IMAGE_PNG;
+    return slvi_name_ends(path, ".exr") ? SLV_IMAGE_EXR : SLV_IMAGE_NONE;
 }
 
 static slv_result check_image(const slv_env *env, const slv_image *image,
@@ -34,9 +34,10 @@ static slv_result save(const slv_env *env, const char *path, const slv_image *im
     slv_result result = check_image(env, image, params);
     if (result)
         return result;
-    if (has_extension(path, ".exr"))
+    slv_image_format format = slv_image_format_of_name(path);
+    if (format == SLV_IMAGE_EXR)
         return slvi_image_exr_save(env, path, image, params);
-    if (!has_extension(path, ".png"))
+    if (format != SLV_IMAGE_PNG)
         return slvi_fail(env, SLV_ERROR_UNSUPPORTED, "%s: images are written as .png or .exr",
                          path);
     if (!(result = slvi_image_png_encode(env, path, image, params, &bytes, &size)))

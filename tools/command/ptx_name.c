@@ -2,7 +2,7 @@
 #include "command/ptx_name.h"
 
 bool ptx_name_is_safe(const char *path) {
-    return cli_ends_with(path, ".ptx") || cli_ends_with(path, ".ptex");
+    return slv_ptx_is_name(path);
 }
 
 int ptx_name_usage(const cli_command *command, const char *path) {

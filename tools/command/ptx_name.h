@@ -4,7 +4,7 @@
 
 #include "command/cli.h"
 
-/* Whether a name ends in .ptx, or in .ptex as with OpenImageIO and XGen. Nothing else is written
+/* slv_ptx_is_name. Nothing else is written
  * over by a texture: of several files on a command line it is most likely another one, which would
  * be lost. */
 bool ptx_name_is_safe(const char *path);

@@ -14,10 +14,6 @@ static bool is_folder(const char *path) {
     return stat(path, &status) == 0 && S_ISDIR(status.st_mode);
 }
 
-static bool is_images(const char *path) {
-    return is_folder(path) || cli_ends_with(path, ".json") || cli_ends_with(path, ".json.gz");
-}
-
 /* A new folder of a name with an ending is hardly meant: it is that of a picture of a kind that is
  * not written. */
 static bool may_be_folder(const char *path) {
@@ -82,8 +78,7 @@ static int run_convert(const cli_command *command, conversion *c) {
     convert_request request = {.source = NULL};
     int code = EXIT_FAILED;
     slv_result result;
-    bool to_ptx = ptx_name_is_safe(to),
-         to_sheet = cli_ends_with(to, ".png") || cli_ends_with(to, ".exr");
+    bool to_ptx = ptx_name_is_safe(to), to_sheet = slv_image_format_of_name(to) != SLV_IMAGE_NONE;
     c->progress = cli_progress_fleeting("convert", o->progress, o->quiet || o->json);
     const char *const inputs[] = {from, o->mesh};
     if ((to_ptx ? output_check_in_place(&env, to, inputs, 2)
@@ -93,17 +88,17 @@ static int run_convert(const cli_command *command, conversion *c) {
     if (o->mesh && slv_mesh_load(&env, cli_input(o->mesh), &mesh))
         goto done;
     cli_catch_interrupts();
-    if (!to_ptx && is_images(from)) {
+    if (!to_ptx && slv_exchange_is_index(from)) {
         code = cli_usage(command, "from images only a .ptx can be made, not '%s'", to);
         goto done;
     }
-    if (o->salvage && !is_images(from)) {
+    if (o->salvage && !slv_exchange_is_index(from)) {
         if (salvage_open(&env, from, true, &ptx) || slv_exchange_open_ptx(&env, ptx, &source))
             goto done;
     } else if (slv_exchange_open(&env, from, &source)) {
         goto done;
     }
-    if (is_images(from))
+    if (slv_exchange_is_index(from))
         convert_warn_of_index(&env, from, is_folder(from));
     if ((code = convert_request_make(command, o, slv_exchange_get_params(source), &request)))
         goto done;
@@ -207,7 +202,7 @@ int verb_convert(int argc, char **argv) {
     if (o.mesh && !ptx_name_is_safe(paths[1]))
         return cli_usage(&command, "--mesh: only a .ptx holds geometry");
     bool to_ptx = ptx_name_is_safe(paths[1]),
-         to_sheet = cli_ends_with(paths[1], ".png") || cli_ends_with(paths[1], ".exr");
+         to_sheet = slv_image_format_of_name(paths[1]) != SLV_IMAGE_NONE;
     if (o.format_given && (to_ptx || to_sheet))
         return cli_usage(&command, "--format: only for a folder of images, not '%s'", paths[1]);
     if (o.compression && !to_ptx)

@@ -88,7 +88,7 @@ int verb_info(int argc, char **argv) {
     int code = cli_parse(&command, argc, argv);
     if (code >= 0)
         return code;
-    if (o.sheet && !cli_ends_with(o.sheet, ".png") && !cli_ends_with(o.sheet, ".exr"))
+    if (o.sheet && slv_image_format_of_name(o.sheet) == SLV_IMAGE_NONE)
         return cli_usage(&command, "--sheet: expected a name that ends in .png or .exr");
     if (!o.sheet && (o.sheet_faces || o.cell || o.ids || o.encoding_given || o.texture_encoding))
         return cli_usage(&command, "--sheet is missing: where does the picture go?");

@@ -207,7 +207,7 @@ static slv_image_params choose_params(struct sheet *s, const info_options *optio
 
 int info_sheet(const cli_command *command, const slv_env *env, const info_options *options,
                const char *path, info_sheet_layout *out) {
-    bool exr = cli_ends_with(options->sheet, ".exr");
+    bool exr = slv_image_format_of_name(options->sheet) == SLV_IMAGE_EXR;
     struct sheet s = {0};
     slv_ptx *ptx = NULL;
     slv_ptx_open_params params = {.premultiply = true};

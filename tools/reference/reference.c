@@ -27,11 +27,6 @@ struct outcome {
     convergence convergence;
 };
 
-static bool is_exr(const char *path) {
-    const char *extension = strrchr(path, '.');
-    return extension && strcasecmp(extension, ".exr") == 0;
-}
-
 /* The picture's name, or the texture's with .exr */
 static const char *output_path(const struct reference *r, char *buffer, size_t size) {
     if (r->out)
@@ -268,8 +263,9 @@ int verb_reference(int argc, char **argv) {
     const char *path = output_path(&r, buffer, sizeof buffer);
     if (r.error && strcmp(path, r.error) == 0)
         return cli_usage(&command, "--error: %s is where the picture goes", path);
-    if (!is_exr(path) || (r.error && !is_exr(r.error)))
+    if (slv_image_format_of_name(path) != SLV_IMAGE_EXR ||
+        (r.error && slv_image_format_of_name(r.error) != SLV_IMAGE_EXR))
         return cli_usage(&command, "%s: the picture's name must end in .exr",
-                         is_exr(path) ? r.error : path);
+                         slv_image_format_of_name(path) == SLV_IMAGE_EXR ? r.error : path);
     return run(&command, &r, path);
 }

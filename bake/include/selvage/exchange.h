@@ -12,6 +12,9 @@ extern "C" {
 /* What is to be exchanged: a .ptx, or images with the index that an export wrote beside them. */
 typedef struct slv_exchange slv_exchange;
 
+/* Whether a name stands for images and not for a .ptx: that of a folder, or of an index, .json or
+ * .json.gz. */
+SLV_API bool slv_exchange_is_index(const char *path);
 /* Opens a .ptx, an index (its name ends in .json), or a folder with an index.json in it. */
 SLV_NODISCARD SLV_API slv_result slv_exchange_open(const slv_env *env, const char *path,
                                                    slv_exchange **out);

@@ -44,7 +44,16 @@ SLV_NODISCARD SLV_API slv_result slv_image_create(const slv_env *env, uint32_t w
                                                   slv_image *out);
 SLV_API void slv_image_free(slv_image *image); /* frees the pixels and zeroes the struct */
 
-/* Writes by the path's extension, .png or .exr (any case). Atomic: beside, then rename. */
+/* By a name's ending, .png or .exr in any case behind something else, which format is written to
+ * it. What is read is told by its first bytes. */
+typedef enum slv_image_format {
+    SLV_IMAGE_NONE = 0, /* the name of no picture */
+    SLV_IMAGE_PNG,
+    SLV_IMAGE_EXR
+} slv_image_format;
+SLV_API slv_image_format slv_image_format_of_name(const char *path);
+
+/* Writes what slv_image_format_of_name says. Atomic: beside, then rename. */
 SLV_NODISCARD SLV_API slv_result slv_image_save(const slv_env *env, const char *path,
                                                 const slv_image *image,
                                                 const slv_image_params *params);

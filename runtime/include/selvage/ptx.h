@@ -76,6 +76,10 @@ typedef struct slv_ptx_open_params {
 /* An open file. Any number of threads may read it at once. */
 typedef struct slv_ptx slv_ptx;
 
+/* Whether a name ends as those of .ptx files do: in .ptx, or in .ptex as with OpenImageIO and XGen,
+ * in any case and behind something else. Files of other names are read too. */
+SLV_API bool slv_ptx_is_name(const char *path);
+
 /* Reads the header, the list of levels, the small metadata and the list of edits. The face table,
  * the averages, the level tables and large metadata are read, and checked, when something first
  * needs them: any function that takes a file and returns a result may then say that they are

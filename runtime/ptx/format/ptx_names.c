@@ -1,4 +1,5 @@
 /* Words for what a .ptx file says of itself. */
+#include "base/file.h"
 #include "base/names.h"
 
 #include <selvage/ptx.h>
@@ -27,4 +28,8 @@ const char *slv_meta_type_name(slv_meta_type type) {
 
 const char *slv_ptx_encoding_name(slv_ptx_encoding encoding) {
     return slvi_name_of(encodings, SLVI_COUNT(encodings), (int)encoding);
+}
+
+bool slv_ptx_is_name(const char *path) {
+    return slvi_name_ends(path, ".ptx") || slvi_name_ends(path, ".ptex");
 }
