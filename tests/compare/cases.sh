@@ -206,6 +206,34 @@ t diff in/$f small.ptx --tolerance 0.05 --images reals --format exr --show 4"
     done
 }
 
+# Faces that are found, taken out or gone past.
+cases_faces() {
+    local f g m
+    for f in $(few_files); do
+        add faces "pick $f" \
+            "t pick in/$f 256 256; t pick in/$f 100 300 --size 400x400 --json; t pick in/$f 0 0; \
+t pick in/$f 256 256 --mesh in/cube.obj"
+        add faces "split $f" \
+            "t merge in/$f in/$f -o pair.ptx; t split pair.ptx parts; t diff in/$f parts/$(basename "$f"); \
+t split in/$f one; t split in/$f halves --at 1 --json"
+        add faces "convert --faces $f" "t convert in/$f some.ptx --faces 0,2-3; t convert in/$f none.ptx --faces 4000000"
+        add faces "info --sheet --ids $f" "t info in/$f --sheet ids.png --ids --sheet-faces 0-3"
+    done
+    for g in demo/scene:demo/scene made/cube:cube samples/teapot:samples/teapot; do
+        f=${g%:*}.ptx m=${g#*:}.obj
+        if [ -f "$work/in/$f" ] && [ -f "$work/in/$m" ]; then
+            add faces "render --pass ids $f" \
+                "t render in/$f ids.exr --mesh in/$m --pass ids --size 80x60; \
+t render in/$f ids.png --mesh in/$m --pass ids --size 80x60"
+        fi
+    done
+    for f in $(damaged_files); do
+        add faces "--salvage $f" \
+            "t convert in/$f whole.ptx --salvage; t diff in/$f in/$f --salvage --json; \
+t transfer in/$f moved.ptx --to in/made/cube_moved.obj --from in/cube.obj --salvage"
+    done
+}
+
 cases_transfer() { # texture, its mesh, name of the changed mesh
     local f=$1.ptx to=in/made/$3_moved.obj
     if [ ! -f "$work/in/$f" ] || [ ! -f "$work/in/$2" ]; then return 0; fi
@@ -315,7 +343,7 @@ mask_report report"
 
 list_cases() {
     local group
-    for group in help info convert images edit sample pictures reference report; do
+    for group in help info convert images edit faces sample pictures reference report; do
         wanted "$group" || continue
         "cases_$group"
     done

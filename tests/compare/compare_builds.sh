@@ -36,6 +36,7 @@ Groups, besides `lists` (strategies, filters) and `assets` (the demo scene), whi
   convert      types, sizes, channels and options of convert
   images       convert to folders and sheets and back, and info --sheet
   edit         merge, transfer, check --repair, diff --images
+  faces        pick, split, convert --faces, passes of numbers, --salvage
   sample       lookups with every filter
   pictures     every strategy with anisotropy 1 and 16, and from compressed textures
   reference    ray-cast pictures and their errors
@@ -191,7 +192,7 @@ refuse_vacuous() { # group
 wanted() { [ -z "$groups" ] || [[ ,$groups, == *,$1,* ]]; }
 
 compare_all() {
-    local group all="help info convert images edit sample pictures reference report"
+    local group all="help info convert images edit faces sample pictures reference report"
     for group in ${groups//,/ }; do
         [[ " $all " == *" $group "* ]] || die "no group $group (see --help)"
     done
