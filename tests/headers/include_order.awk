@@ -19,7 +19,11 @@ function read_order(   i, names, kind, folder) {
         for (i = 3; i <= NF; i++) open_to[folder, $i] = 1
     else if (kind == "inside") {
         ranks[folder]++
-        for (i = 3; i <= NF; i++) rank[folder, $i] = ranks[folder]
+        for (i = 3; i <= NF; i++) {
+            split($i, names, "=")
+            rank[folder, names[1]] = ranks[folder]
+            one_with[folder, names[1]] = $i ~ /=/ ? names[2] : names[1]
+        }
     } else if (kind == "without_gl")
         for (i = 2; i <= NF; i++) without_gl[$i] = 1
     else if (kind == "foreign")
@@ -80,7 +84,7 @@ function check_inner(path,   from) {
 function ranked(path) {
     while (path != "" && !((top, path) in rank))
         if (!sub(/\/[^\/]*$/, "", path)) path = ""
-    return path
+    return path == "" ? "" : one_with[top, path]
 }
 
 function parent(path) {
