@@ -77,6 +77,30 @@ static void check_raw(void) {
     is("s.png", BYTE(128));
 }
 
+/* Grey with alpha is grey, as sheets have it, and not red and green. */
+static void check_grey(void) {
+    RUNS(0, "convert u8.ptx grey.ptx --channels 0,=1 --alpha 1");
+    RUNS(0, "convert grey.ptx rgba.ptx --channels 0,0,0,1 --alpha 3");
+    static const char *const strategies[] = {"clamp", "borders", "traverse", "discard", "htex"};
+    for (size_t i = 0; i < sizeof strategies / sizeof *strategies; i++) {
+        slv_env env = test_env();
+        slv_image images[2];
+        static const char *const names[] = {"grey", "rgba"};
+        for (int k = 0; k < 2; k++) {
+            RUNS(0, "render %s.ptx -s %s " VIEW " -o %s.png", names[k], strategies[i], names[k]);
+            char file[16];
+            snprintf(file, sizeof file, "%s.png", names[k]);
+            is(file, BYTE(128));
+            REQUIRE(!slv_image_load(&env, tool_path(file), &images[k]));
+        }
+        size_t count = (size_t)images[0].width * images[0].height * images[0].nchannels;
+        CHECK_MSG(memcmp(images[0].pixels, images[1].pixels, count * sizeof(float)) == 0, "%s",
+                  strategies[i]);
+        slv_image_free(&images[0]);
+        slv_image_free(&images[1]);
+    }
+}
+
 /* Lookups are numbers unless light is asked for. */
 static void check_sample(void) {
     const char *line = "box 0 0 0 1 0 0 1 0 0.5 0.5 0.2 0 0 0.2\n";
@@ -125,6 +149,7 @@ int main(void) {
     check_encodings("u8.ptx");
     check_encodings("half.ptx");
     check_raw();
+    check_grey();
     check_sample();
     check_notes();
     tool_end();

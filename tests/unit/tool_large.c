@@ -115,6 +115,22 @@ static void other_resolutions(void) {
     slv_ptx_close(ptx);
 }
 
+/* What is too large for the memory that there is is told with the file's name. */
+static void check_large_meta(void) {
+    enum { COUNT = 50 << 20 };
+    slv_env env = test_env();
+    slv_ptx_writer_params params = {.type = SLV_TYPE_U8, .nchannels = 1, .alpha_channel = -1};
+    slv_ptx_writer *writer = NULL;
+    slv_ptx_meta meta = {"zeros", SLV_META_INT32, COUNT, calloc(COUNT, 4)};
+    params.mesh_type = SLV_PTX_QUAD;
+    REQUIRE(meta.values && !slv_ptx_writer_create(&env, tool_path("meta.ptx"), &params, &writer));
+    REQUIRE(!slv_ptx_writer_set_meta(writer, &meta) && !slv_ptx_writer_finish(writer));
+    slv_ptx_writer_destroy(writer);
+    free((void *)(uintptr_t)meta.values);
+    LIMITED(1, 250, "check meta.ptx");
+    HAS("meta.ptx: metadata entry 0: ");
+}
+
 int main(void) {
     slv_env env = test_env();
     slv_mesh *mesh = strip();
@@ -131,6 +147,7 @@ int main(void) {
     RUNS(0, "reference large.ptx -o large.exr --size 64x32 --samples 8 --quiet");
     CHECK(rmse("small.exr", "large.exr") < 0.004);
     if (!TEST_SANITIZED) {
+        check_large_meta();
         LIMITED(1, 250, "render large.ptx -o x.png --shading levels --quiet");
         HAS("0.3 GiB of texels are needed in memory, where 0.2 GiB are to be had");
         LIMITED(1, 600, "convert small.ptx x.ptx --scale 256");

@@ -111,6 +111,13 @@ static int choose_channels(const cli_command *command, const slv_env *env, const
     return code;
 }
 
+/* Of two channels the second is no green if it is alpha: the first is grey. */
+static const char *channels_shown(const scene_options *o, const slv_texture *texture) {
+    const slv_texture_desc *desc = slv_texture_get_desc(texture);
+    bool grey = desc->nchannels == 2 && desc->alpha_channel == 1;
+    return o->channels || !grey ? o->channels : "0,0,0,1";
+}
+
 int scene_load_shot(const cli_command *command, const slv_env *env, const char *ptx,
                     const scene_options *o, scene_shot *out) {
     scene_view view = {0};
@@ -147,8 +154,9 @@ int scene_load_shot(const cli_command *command, const slv_env *env, const char *
         scene_choose_detail(env, file, out, &res) || scene_load_texels(env, file, res, &out->scene)
             ? EXIT_FAILED
             : EXIT_OK;
-    if (!code && o->channels)
-        code = choose_channels(command, env, o->channels, &out->scene.texture);
+    const char *channels = code ? NULL : channels_shown(o, out->scene.texture);
+    if (channels)
+        code = choose_channels(command, env, channels, &out->scene.texture);
     free(res);
     slv_ptx_close(file);
     return code;

@@ -61,7 +61,8 @@ static slv_result check_meta(check_context *check, check_log *log) {
             continue;
         }
         if (!slvi_check_is_of_file(result))
-            return slvi_fail(&check->env, result, "%s", log->message);
+            return slvi_fail(&check->env, result, "%s: metadata entry %u: %s",
+                             slv_ptx_name(check->ptx), i, log->message);
         slv_check_finding finding = {.kind = SLV_CHECK_META, .face = -1, .edge = -1, .level = -1};
         slvi_check_find(check->findings, &finding, "metadata entry %u: %s", i, log->message);
     }

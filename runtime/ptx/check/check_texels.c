@@ -263,7 +263,8 @@ static slv_result check_range(void *user, uint64_t first, uint64_t end) {
     slv_env quiet = slvi_check_log_env(&work->check->env, &r.log, slv_ptx_name(work->check->ptx));
     slv_result result = slv_ptx_reader_create(&quiet, work->check->ptx, &r.reader);
     if (result)
-        result = slvi_fail(&work->check->env, result, "%s", r.log.message);
+        result = slvi_fail(&work->check->env, result, "%s: %s", slv_ptx_name(work->check->ptx),
+                           r.log.message);
     for (uint64_t face = first; face < end && !result; face++)
         result = check_face(&r, (uint32_t)face);
     if (!result)
