@@ -36,7 +36,16 @@ static void number(text *t, form f, int type, double value) {
     char words[64];
     uint64_t bits;
     if (f == ASCII) {
-        snprintf(words, sizeof words, "%.17g ", value);
+        static const char *const blanks[] = {" ", "\t", "  ", " \t "};
+        static uint64_t state = 17;
+        const char *blank = blanks[test_random(&state) % 4];
+        uint32_t kind = type < 6 ? 0 : test_random(&state) % 4;
+        if (kind == 1)
+            snprintf(words, sizeof words, "%.17e%s", value, blank);
+        else if (kind == 2)
+            snprintf(words, sizeof words, "%+.16E%s", value, blank);
+        else
+            snprintf(words, sizeof words, "%.17g%s", value, blank);
         print(t, words);
         return;
     }
@@ -166,8 +175,10 @@ static void test_forms(void) {
         shape s = shape_random(round % SHAPE_KINDS, &random);
         text t = write_ply(&s, (form)(round % FORMS), &random);
         slv_mesh *mesh = NULL;
+        test_last_log[0] = 0;
         MUST(slv_mesh_parse_ply(&env, "t.ply", t.bytes, t.size, &mesh));
         check_same(mesh, &s);
+        CHECK_MSG(!test_last_log[0], "%s", test_last_log);
         slv_mesh_destroy(mesh);
         save(path, &t, round % 4 != 0, round % 8 == 7 ? t.size / 3 : 0);
         MUST(slv_mesh_load(&env, path, &mesh));
