@@ -31,6 +31,7 @@ static const struct writer {
     {"new in.obj --json", ".ptx", .prints = true},
     {"paint in.ptx s.jsonl --json", ".ptx", .prints = true},
     {"check in.ptx --repair", ".ptx", .prints = true},
+    {"session s.selvage --json --export", ".ptx", .prints = true},
     {"sample in.ptx --queries q.txt --out", ".txt", .streams = true},
     {"render in.ptx --size 24x24 --pass ids -o", ".PNG", .prints = true},
     {"convert in.ptx", "", .folder = true},
@@ -263,9 +264,10 @@ static void check_refusals(const struct writer *w) {
     }
     /* under another name it is what is read */
     begin();
-    if (!w->folder) {
-        char input[64];
-        REQUIRE(sscanf(w->command, "%*s %63s", input) == 1);
+    char input[64];
+    struct stat read;
+    REQUIRE(sscanf(w->command, "%*s %63s", input) == 1 && stat(tool_path(input), &read) == 0);
+    if (!w->folder && S_ISREG(read.st_mode)) { /* a session is a folder, which no link can be */
         REQUIRE(link(tool_path(input), tool_path(at)) == 0);
         EXPECT(1, &none, "%s %s", w->command, at);
         HAS("would be lost");
@@ -364,6 +366,7 @@ int main(void) {
     tool_write_file("s.jsonl", fill, sizeof fill - 1);
     const struct writer *w = &writers[0];
     EXPECT(0, &none, "merge in.ptx other.ptx -o merged.ptx");
+    EXPECT(0, &none, "session s.selvage --new in.ptx -q");
     for (int i = 0; i < WRITERS; i++) {
         check_links(&writers[i]);
         check_modes(&writers[i]);
