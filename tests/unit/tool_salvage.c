@@ -95,6 +95,52 @@ static void faces(void) {
     RUNS(0, "diff out3.ptx moved.ptx --texels");
 }
 
+/* Of a triangle each texel of a reduction stands for three of the half that it lies in and one of
+ * the other, turned around: what was filled from a reduction reduces to it again. */
+static void triangles(void) {
+    enum { FACES = 3, LOG2 = 5, TEXELS = 1 << 2 * LOG2 };
+    slv_env env = test_env();
+    uint64_t seed = 7;
+    slv_ptx_writer_params params = {.mesh_type = SLV_PTX_TRIANGLE,
+                                    .type = SLV_TYPE_FLOAT,
+                                    .nchannels = 1,
+                                    .alpha_channel = SLV_NO_ALPHA,
+                                    .nfaces = FACES};
+    static float texels[TEXELS], reduced[2][TEXELS / 4], filled[TEXELS], again[TEXELS / 4];
+    slv_ptx_writer *writer = NULL;
+    REQUIRE(!slv_ptx_writer_create(&env, tool_path("tri.ptx"), &params, &writer));
+    for (uint32_t face = 0; face < FACES; face++) {
+        slv_ptx_face info = {.res = {LOG2, LOG2},
+                             .adjacency = {.face = {-1, -1, -1, -1}, .edge = {0}}};
+        for (int i = 0; i < TEXELS; i++)
+            texels[i] = (float)(test_random(&seed) % 4096) / 4096;
+        REQUIRE(!slv_ptx_writer_write_face(writer, face, &info, texels));
+    }
+    REQUIRE(!slv_ptx_writer_finish(writer));
+    slv_ptx_writer_destroy(writer);
+    spoil_block("tri.ptx", "tri1.ptx", 1, 0);
+    spoil_block("tri1.ptx", "tri2.ptx", 1, 1);
+    for (int from = LOG2 - 1; from >= LOG2 - 2; from--) {
+        const char *hurt = from == LOG2 - 1 ? "tri1.ptx" : "tri2.ptx";
+        slv_res res = {(int8_t)from, (int8_t)from};
+        RUNS(1, "convert %s tri_out.ptx --salvage", hurt);
+        slv_ptx *good = tool_open("tri.ptx"), *out = tool_open("tri_out.ptx");
+        REQUIRE(!slv_ptx_read_face(good, 1, res, reduced[0]));
+        REQUIRE(!slv_ptx_read_face(out, 1, (slv_res){LOG2, LOG2}, filled));
+        slv_ptx_close(good);
+        slv_ptx_close(out);
+        float *last = filled;
+        for (int log2 = LOG2; log2 > from; log2--) {
+            float *to = log2 == LOG2 ? reduced[1] : again;
+            slv_ptx_reduce(SLV_PTX_TRIANGLE, SLV_TYPE_FLOAT, 1,
+                           (slv_res){(int8_t)log2, (int8_t)log2}, last, to);
+            last = to;
+        }
+        CHECK_MSG(memcmp(last, reduced[0], sizeof(float) << 2 * from) == 0,
+                  "filled from %d x %d it is another texture", 1 << from, 1 << from);
+    }
+}
+
 /* What is cut off at the end: metadata, reductions, the last faces. */
 static void cut(void) {
     size_t size;
@@ -124,6 +170,7 @@ int main(void) {
     slv_mesh_destroy(mesh); /* forks end with what is there */
     reductions();
     faces();
+    triangles();
     cut();
     tool_end();
     return test_end();

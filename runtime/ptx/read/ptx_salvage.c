@@ -21,14 +21,30 @@ static void tell(const slv_ptx *ptx, uint32_t face, const char *why, const char 
                   "%s: further faces that are filled are not told one by one", ptx->name);
 }
 
-/* The region of a reduction that lies under one of the face at `res`, texels repeated. */
+/* Which texel of a triangle's reduction, `steps` halvings on, was made of one of a face of 2^log2
+ * texels an axis. Of four that are averaged the last belongs to the upper half, which is stored
+ * turned around: texel (i,j) comes of (2i,2j), (2i+1,2j), (2i,2j+1) and (R-1-2j,R-1-2i). */
+static void find_reduced(uint32_t *x, uint32_t *y, int log2, int steps) {
+    for (; steps > 0; steps--, log2--) {
+        uint32_t last = (1u << log2) - 1, at = *x;
+        bool turned = *x & *y & 1;
+        *x = (turned ? last - *y : *x) >> 1;
+        *y = (turned ? last - at : *y) >> 1;
+    }
+}
+
+/* The region of a reduction that lies under one of the face at `res`, texels repeated; of a
+ * triangle all of it, for both halves are mixed there. */
 static slv_result fill_from(const slv_ptx *ptx, ptx_scratch *scratch, uint32_t face, slv_res res,
                             ptx_region region, slv_res from, uint8_t *out) {
     int du = res.u - from.u, dv = res.v - from.v;
-    ptx_region under = {{(int8_t)(region.size.u > du ? region.size.u - du : 0),
+    bool triangle = ptx->info.mesh_type == SLV_PTX_TRIANGLE;
+    ptx_region whole = {from, 0, 0},
+               under = {{(int8_t)(region.size.u > du ? region.size.u - du : 0),
                          (int8_t)(region.size.v > dv ? region.size.v - dv : 0)},
                         region.x >> du,
                         region.y >> dv};
+    under = triangle ? whole : under;
     size_t pixel = ptx->pixel_size;
     uint8_t *texels = NULL;
     slv_result result =
@@ -37,8 +53,12 @@ static slv_result fill_from(const slv_ptx *ptx, ptx_scratch *scratch, uint32_t f
         result = slvi_ptx_read_as_stored(ptx, scratch, face, from, under, texels);
     for (uint32_t y = 0; !result && y < 1u << region.size.v; y++)
         for (uint32_t x = 0; x < 1u << region.size.u; x++) {
-            size_t at = ((size_t)(((region.y + y) >> dv) - under.y) << under.size.u) +
-                        (((region.x + x) >> du) - under.x);
+            uint32_t to_x = region.x + x, to_y = region.y + y;
+            if (triangle)
+                find_reduced(&to_x, &to_y, res.u, du);
+            else
+                to_x >>= du, to_y >>= dv;
+            size_t at = ((size_t)(to_y - under.y) << under.size.u) + (to_x - under.x);
             memcpy(out + (((size_t)y << region.size.u) + x) * pixel, texels + at * pixel, pixel);
         }
     slvi_free(texels);
