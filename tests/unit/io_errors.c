@@ -20,6 +20,14 @@ static bool fails_now(void) {
     return true;
 }
 
+/* Embree asks how many processors there are, and does without an answer. */
+static bool is_of_system(int file) {
+    char link[64], path[16] = "";
+    snprintf(link, sizeof link, "/proc/self/fd/%d", file);
+    return readlink(link, path, sizeof path - 1) > 0 &&
+           (strncmp(path, "/proc/", 6) == 0 || strncmp(path, "/sys/", 5) == 0);
+}
+
 INTERPOSED ssize_t pread(int file, void *to, size_t size, off_t at) {
     return fails_now() ? -1 : syscall(SYS_pread64, file, to, size, at);
 }
@@ -27,7 +35,7 @@ INTERPOSED ssize_t pwrite(int file, const void *from, size_t size, off_t at) {
     return fails_now() ? -1 : syscall(SYS_pwrite64, file, from, size, at);
 }
 INTERPOSED ssize_t read(int file, void *to, size_t size) {
-    return fails_now() ? -1 : syscall(SYS_read, file, to, size);
+    return armed && !is_of_system(file) && fails_now() ? -1 : syscall(SYS_read, file, to, size);
 }
 INTERPOSED ssize_t write(int file, const void *from, size_t size) {
     return fails_now() ? -1 : syscall(SYS_write, file, from, size);
@@ -58,15 +66,19 @@ static slv_result run(const calls_entry *entry, long at) {
     return result;
 }
 
-/* A folder that cannot be moved to its place as a whole is moved file by file; Embree reads how
- * many processors there are. */
+/* A folder that cannot be moved to its place as a whole is moved file by file. */
 static bool gets_by(const calls_entry *entry) {
-    slv_result (*const calls_that_do[])(const slv_env *) = {
-        call_folder, call_folders, call_split, call_reference, call_dabs, call_stroke};
+    slv_result (*const calls_that_do[])(const slv_env *) = {call_folder, call_folders, call_split};
     for (size_t i = 0; i < sizeof calls_that_do / sizeof *calls_that_do; i++)
         if (entry->call == calls_that_do[i])
             return true;
     return false;
+}
+
+/* NAME.0.selvage, and not a session's own name. */
+static bool is_temporary(const char *name) {
+    const char *ending = strstr(name, ".selvage");
+    return ending && ending > name + 1 && ending[-1] >= '0' && ending[-1] <= '9';
 }
 
 /* No temporary file is left, and each .ptx is a whole one. */
@@ -78,7 +90,7 @@ static void look_at_files(const char *name) {
         const char *ending = strrchr(entry->d_name, '.');
         slv_ptx *ptx = NULL;
         char path[512];
-        CHECK_MSG(!strstr(entry->d_name, ".selvage"), "%s: %s is left", name, entry->d_name);
+        CHECK_MSG(!is_temporary(entry->d_name), "%s: %s is left", name, entry->d_name);
         if (!ending || strcmp(ending, ".ptx") != 0)
             continue;
         snprintf(path, sizeof path, "%s/%s", calls.folder, entry->d_name);

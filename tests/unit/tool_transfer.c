@@ -292,8 +292,8 @@ static void check_scales(void) {
     write_scaled("to.obj", 1.31);
     RUNS(0, "transfer units.ptx scaled.ptx --from from.obj --to to.obj --scale-from auto");
     HAS("times 1.31");
-    RUNS(1, "transfer units.ptx scaled.ptx --from from.obj --to to.obj --scale-from 0");
-    RUNS(1, "transfer units.ptx scaled.ptx --from from.obj --to to.obj --scale-from metres");
+    RUNS(2, "transfer units.ptx scaled.ptx --from from.obj --to to.obj --scale-from 0");
+    RUNS(2, "transfer units.ptx scaled.ptx --from from.obj --to to.obj --scale-from metres");
     HAS("expected auto or a number more than 0");
 }
 

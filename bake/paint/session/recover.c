@@ -131,6 +131,11 @@ static slv_result replay_line(slv_session *session, const slvi_journal_text *tex
     return result;
 }
 
+/* What is no fault of the session's, and may be gone the next time it is opened. */
+static bool will_pass(slv_result result) {
+    return result == SLV_ERROR_MEMORY || result == SLV_ERROR_LIMIT || result == SLV_ERROR_IO;
+}
+
 /* Makes the document of a state. What is wrong with one is said as a warning: there may be others.
  */
 static slv_result try_state(slv_session *session, uint64_t state, uint64_t *line) {
@@ -141,7 +146,7 @@ static slv_result try_state(slv_session *session, uint64_t state, uint64_t *line
         !(result = slvi_session_new_document(session)))
         result = slvi_state_read(&session->env, path, session->document, line);
     session->quiet = false;
-    if (result && result != SLV_ERROR_MEMORY)
+    if (result && !will_pass(result))
         slvi_logf(&session->env, SLV_LOG_WARNING, "%s/state-%" PRIu64 ": cannot be used (%s)",
                   session->path, state, slv_result_string(result));
     slvi_free(path);
@@ -157,9 +162,10 @@ static slv_result replay(slv_session *session, const slvi_journal_text *text, co
         session->quiet = true;
         result = replay_line(session, text, live[i]);
         session->quiet = false;
-        if (result == SLV_ERROR_MEMORY || result == SLV_ERROR_LIMIT) {
-            slvi_logf(&session->env, SLV_LOG_ERROR, "%s: line %" PRIu64 " needs too much memory",
-                      session->journal.path, text->lines[live[i]].number);
+        if (will_pass(result)) {
+            slvi_logf(&session->env, SLV_LOG_ERROR, "%s: line %" PRIu64 " cannot be done now (%s)",
+                      session->journal.path, text->lines[live[i]].number,
+                      slv_result_string(result));
             break;
         }
         if (result) {
@@ -208,8 +214,9 @@ static slv_result choose(slv_session *session, const slvi_journal_text *text,
     slv_result result = SLV_ERROR_FORMAT;
     for (uint64_t i = 0; i < nstates; i++) {
         result = try_state(session, states[i], &line);
-        if (result == SLV_ERROR_MEMORY)
-            return slvi_fail(&session->env, result, "%s: no memory for it", session->path);
+        if (will_pass(result))
+            return slvi_fail(&session->env, result, "%s/state-%" PRIu64 ": cannot be read now (%s)",
+                             session->path, states[i], slv_result_string(result));
         if (result)
             continue;
         if (i == 0)
