@@ -116,7 +116,7 @@ int main(void) {
         CHECK_MSG(result == SLV_OK && live == 0, "%s: %s, %ld pieces of memory are left",
                   entry->name, slv_result_string(result), live);
         /* of very many every so manieth, from another start in each call */
-        long most = asked, step = most / 300 + 1;
+        long most = asked, step = most / test_effort(100) + 1;
         for (long at = 1 + i % step; at <= most; at += step) {
             result = run(entry, at);
             CHECK_MSG(result == SLV_OK || result == SLV_ERROR_MEMORY || hides_why(entry),
