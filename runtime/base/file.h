@@ -13,11 +13,11 @@ slv_result slvi_io_error(int reason);
  * *data has a NUL after its `size` bytes and is released with slvi_free. */
 slv_result slvi_file_read(const slv_env *env, const char *path, char **data, size_t *size);
 
-/* Whether two names are of one file that is there. */
 /* Whether a name ends in an extension with its dot, in any case, behind something else. */
 bool slvi_name_ends(const char *path, const char *extension);
 /* Whether there is a folder of this name, or a link to one. */
 bool slvi_is_folder(const char *path);
+/* Whether two names are of one file that is there. */
 bool slvi_same_file(const char *a, const char *b);
 
 /* Returns 0, or errno; EIO where the file ends too early. */

@@ -1,6 +1,7 @@
 /* Old entries on the disk, in a nameless file: oldest first, in a ring. */
 #include "history/history.h"
 
+#include "base/file.h"
 #include "base/log.h"
 #include "base/memory.h"
 
@@ -44,34 +45,12 @@ static bool find_room(const slvi_history *history, uint64_t size, uint64_t *at) 
     return size <= history->tail;
 }
 
+/* What fails is no error of a call: the caller warns of it. */
 static bool put(int file, const void *data, size_t size, uint64_t *at) {
-    const char *bytes = data;
-    while (size) {
-        ssize_t done = pwrite(file, bytes, size, (off_t)*at);
-        if (done < 0 && errno == EINTR)
-            continue;
-        if (done <= 0)
-            return false;
-        bytes += done;
-        size -= (size_t)done;
-        *at += (uint64_t)done;
-    }
-    return true;
-}
-
-static bool get(int file, void *data, size_t size, uint64_t *at) {
-    char *bytes = data;
-    while (size) {
-        ssize_t done = pread(file, bytes, size, (off_t)*at);
-        if (done < 0 && errno == EINTR)
-            continue;
-        if (done <= 0)
-            return false;
-        bytes += done;
-        size -= (size_t)done;
-        *at += (uint64_t)done;
-    }
-    return true;
+    static const slv_env silent = {0};
+    bool fine = !slvi_write_at(&silent, "history", file, data, size, *at);
+    *at += size;
+    return fine;
 }
 
 static bool put_block(int file, const slvi_block *block, uint64_t *at) {
@@ -161,9 +140,13 @@ typedef struct reading {
 } reading;
 
 static void read_bytes(reading *r, void *out, size_t size) {
-    if (!r->result && !get(r->document->history.file, out, size, &r->at))
-        r->result = slvi_fail(&r->document->env, SLV_ERROR_IO,
-                              "history: an entry cannot be read back: %s", strerror(errno));
+    if (r->result)
+        return;
+    int reason = slvi_read_at(r->document->history.file, out, size, r->at);
+    r->at += size;
+    if (reason)
+        r->result = slvi_fail(&r->document->env, slvi_io_error(reason),
+                              "history: an entry cannot be read back: %s", strerror(reason));
 }
 
 static slvi_block *read_block(reading *r) {

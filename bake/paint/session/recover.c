@@ -2,12 +2,14 @@
 #include "session/session_data.h"
 
 #include "base/beside.h"
+#include "base/file.h"
 #include "base/log.h"
 #include "base/memory.h"
 #include "base/output.h"
 #include "history/history.h"
 
 #include <dirent.h>
+#include <errno.h>
 #include <inttypes.h>
 #include <stdlib.h>
 #include <string.h>
@@ -19,7 +21,10 @@ static slv_result list_states(const slv_session *session, uint64_t **out, uint64
     DIR *folder = opendir(session->path);
     *out = NULL;
     *count = 0;
-    for (struct dirent *entry; !result && folder && (entry = readdir(folder));) {
+    if (!folder)
+        return slvi_fail(&session->env, slvi_io_error(errno), "%s: cannot be listed: %s",
+                         session->path, strerror(errno));
+    for (struct dirent *entry; !result && (entry = readdir(folder));) {
         char *end;
         const char *digits = entry->d_name + 6;
         if (strncmp(entry->d_name, "state-", 6) != 0 || *digits < '1' || *digits > '9' ||
@@ -38,8 +43,7 @@ static slv_result list_states(const slv_session *session, uint64_t **out, uint64
         (*out)[at] = number;
         ++*count;
     }
-    if (folder)
-        closedir(folder);
+    closedir(folder);
     return result;
 }
 
