@@ -7,7 +7,7 @@
 #include <math.h>
 #include <string.h>
 
-static const char *const op_names[SLVI_OPS] = {"stroke", "fill", "set"};
+static const char *const op_names[SLVI_SCRIPT_OPS] = {"stroke", "fill", "set"};
 
 /* A line that is being read. */
 typedef struct reading {
@@ -47,9 +47,9 @@ static bool read_numbers(json_t *value, size_t least, size_t most, float *out) {
 
 static slv_result read_op(reading *r, const char *key, json_t *value) {
     int op;
-    if (!slvi_name_find(op_names, SLVI_OPS, json_string_value(value), &op))
+    if (!slvi_name_find(op_names, SLVI_SCRIPT_OPS, json_string_value(value), &op))
         return wrong(r, key, "stroke, fill or set");
-    r->line->op = (slvi_op)op;
+    r->line->op = (slvi_script_op)op;
     return SLV_OK;
 }
 
@@ -235,7 +235,7 @@ slv_result slvi_script_read(slv_script *script, uint64_t number, json_t *root, s
         return wrong(&r, "line", "an object");
     out->camera = out->samples = NULL;
     out->face = -1;
-    out->op = SLVI_OP_STROKE;
+    out->op = SLVI_SCRIPT_STROKE;
     json_object_foreach(root, key, value) {
         size_t i = 0;
         while (i < SLVI_COUNT(keys) && strcmp(keys[i].key, key) != 0)
@@ -248,9 +248,9 @@ slv_result slvi_script_read(slv_script *script, uint64_t number, json_t *root, s
     }
     if (out->camera && (result = make_camera(&r)))
         return result;
-    if (out->op == SLVI_OP_STROKE && !out->samples)
+    if (out->op == SLVI_SCRIPT_STROKE && !out->samples)
         return wrong(&r, "samples", "a list of samples");
-    if (out->op == SLVI_OP_FILL && out->face < 0)
+    if (out->op == SLVI_SCRIPT_FILL && out->face < 0)
         return wrong(&r, "face", "the face that a fill begins at");
     return SLV_OK;
 }

@@ -150,12 +150,12 @@ slv_result slv_script_run(slv_script *script, uint64_t number, const char *line,
         return slvi_fail(&script->env, SLV_ERROR_FORMAT, "%s: line %llu: %s", script->name,
                          (unsigned long long)number, error.text);
     if (!(result = slvi_script_read(script, number, root, &all))) {
-        if (all.op == SLVI_OP_SET)
+        if (all.op == SLVI_SCRIPT_SET)
             script->set = all;
         else
-            result =
-                all.op == SLVI_OP_FILL ? run_fill(script, &all) : run_stroke(script, number, &all);
-        script->stats.operations += !result && all.op != SLVI_OP_SET;
+            result = all.op == SLVI_SCRIPT_FILL ? run_fill(script, &all)
+                                                : run_stroke(script, number, &all);
+        script->stats.operations += !result && all.op != SLVI_SCRIPT_SET;
     }
     script->set.camera = script->set.samples = NULL;
     json_decref(root);

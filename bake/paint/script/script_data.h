@@ -6,11 +6,16 @@
 
 #include <jansson.h>
 
-typedef enum slvi_op { SLVI_OP_STROKE, SLVI_OP_FILL, SLVI_OP_SET, SLVI_OPS } slvi_op;
+typedef enum slvi_script_op {
+    SLVI_SCRIPT_STROKE,
+    SLVI_SCRIPT_FILL,
+    SLVI_SCRIPT_SET,
+    SLVI_SCRIPT_OPS
+} slvi_script_op;
 
 /* What holds for a line: what was set, and what it says itself. */
 typedef struct slvi_line {
-    slvi_op op;
+    slvi_script_op op;
     slv_stroke_params stroke;
     slv_mirror mirrors[SLV_MIRRORS];
     json_t *camera;  /* borrowed while the line is read: it takes the size */
