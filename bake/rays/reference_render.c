@@ -111,6 +111,8 @@ static void shade(const work *w, const packet *p, uint32_t lane, float rgb[3]) {
         light = kd * fmaxf(front, 0) + ka;
     else if (w->frame->shading == SLV_SHADE_HEADLIGHT_ABS)
         light = kd * reference_clamp(fabsf(front) + ka, 1.0f);
+    else if (w->frame->shading == SLV_SHADE_HEADLIGHT_COS2)
+        light = kd * front * front + ka;
     else
         light = kd * fabsf(front) + ka;
     for (int c = 0; c < 3; c++)
@@ -246,7 +248,7 @@ static slv_result prepare(const slv_env *env, const slv_reference_frame *given,
     if ((unsigned)frame->filter > SLV_PIXEL_MITCHELL)
         return slvi_fail(env, SLV_ERROR_ARGUMENT, "reference: there is no pixel filter %d",
                          (int)frame->filter);
-    if ((unsigned)frame->shading > SLV_SHADE_LEVELS)
+    if ((unsigned)frame->shading > SLV_SHADE_HEADLIGHT_COS2)
         return slvi_fail(env, SLV_ERROR_ARGUMENT, "reference: there is no shading %d",
                          (int)frame->shading);
     if (frame->shading == SLV_SHADE_LEVELS)

@@ -9,7 +9,8 @@
 
 #define PI 3.14159265358979323846f
 
-static const char *const shadings[] = {"headlight", "headlight-abs", "unlit", "faces", "levels"};
+static const char *const shadings[] = {"headlight", "headlight-abs", "unlit",
+                                       "faces",     "levels",        "headlight-cos2"};
 
 const char *slv_shading_name(slv_shading shading) {
     return slvi_name_of(shadings, SLVI_COUNT(shadings), (int)shading);

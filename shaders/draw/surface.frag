@@ -26,6 +26,8 @@ void main() {
         c.rgb *= headlight;
     } else if (shading == 1) {
         c.rgb *= headlight_abs;
+    } else if (shading == 5) {
+        c.rgb *= ka + kd * facing * facing;
     } else if (shading == 3) {
         uint h = uint(surface_face) * 0x9E3779B9u;
         h = (h ^ h >> 15) * 0x85EBCA6Bu;

@@ -176,6 +176,8 @@ static void check_inputs_refused(void) {
     check_view("[]", "bad_view.json|object");
     check_view("{\"size\": [0, 5]}", "bad_view.json|size");
     check_view("{\"size\": \"big\"}", "bad_view.json|size");
+    check_view("{\"fov\": 180}", "bad_view.json|fov");
+    check_view("{\"fov\": \"wide\"}", "bad_view.json|fov");
     check_view("{\"world_to_camera\": [[1, 0], [0, 1]]}", "bad_view.json|world_to_camera");
     check_view("{\"world_to_camera\": [[1,0,0,0],[0,1,0,0],[0,0,1,0],[0,0,0,1]], \"projection\": "
                "\"fisheye\"}",

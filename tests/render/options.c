@@ -107,6 +107,50 @@ static void check_views(void) {
     }
 }
 
+#define EYE "\"world_to_camera\": [[1,0,0,0],[0,1,0,0],[0,0,1,-5],[0,0,0,1]]"
+#define TANGENT "0.41421356237309503" /* of half 45 degrees */
+
+/* The same picture by views that say the same. */
+static void check_same_view(const char *text, const char *warning, const char *other,
+                            const char *more, const char *value) {
+    char path[2][KIT_PATH];
+    kit_write(kit_join(path[0], scratch.root, "one.json"), text, strlen(text));
+    kit_write(kit_join(path[1], scratch.root, "two.json"), other, strlen(other));
+    draw(ARGUMENTS(SMALL, "--view", path[0], "one.exr"), warning);
+    draw(ARGUMENTS(SMALL, "--view", path[1], "two.exr", more, value), NULL);
+    slv_image one = load("one.exr"), two = load("two.exr");
+    float apart = 0, seen = 0;
+    for (size_t i = 0; i < 4 * 24 * 16; i++) {
+        apart = fmaxf(apart, fabsf(one.pixels[i] - two.pixels[i]));
+        seen = fmaxf(seen, one.pixels[i]);
+    }
+    CHECK_MSG(apart < 1e-3f && seen > 0.5f, "%s is %g from %s", text, (double)apart, other);
+    slv_image_free(&one);
+    slv_image_free(&two);
+}
+
+/* The field of view scales the window, gives one where there is none, and is of an orbit where
+ * there is no camera. */
+static void check_fov(void) {
+    check_same_view("{" EYE ", \"fov\": 45, \"projection\": \"perspective\", \"screen_window\": "
+                    "[-1.5, 1.5, -1, 1]}",
+                    NULL,
+                    "{" EYE ", \"projection\": \"perspective\", \"screen_window\": "
+                    "[-0.621320343559643, 0.621320343559643, -" TANGENT ", " TANGENT "]}",
+                    NULL, NULL);
+    check_same_view("{" EYE ", \"fov\": 45}", NULL,
+                    "{" EYE ", \"projection\": \"perspective\", \"screen_window\": "
+                    "[-0.621320343559643, 0.621320343559643, -" TANGENT ", " TANGENT "]}",
+                    NULL, NULL);
+    check_same_view("{\"fov\": 20}", NULL, "{}", "--fov", "20");
+    check_same_view("{\"fov\": 20, \"projection\": \"orthographic\"}",
+                    "'fov' is not used without perspective", "{}", "--fov", "0");
+    check_same_view("{\"fov\": 20, \"screen_window\": [0, 1, 0, 1]}",
+                    "'screen_window' is not used without world_to_camera", "{}", "--fov", "20");
+    check_same_view("{\"shading\": {\"model\": \"headlight-cos2\", \"ka\": 1, \"kd\": 0}}", NULL,
+                    "{}", "--shading", "unlit");
+}
+
 /* Nothing is said of progress where nobody watches, unless somebody asks. */
 static void check_progress(void) {
     kit_selvage(&scratch, NULL, ARGUMENTS("reference", ptx, "--size", "64", "-o", "p.exr"), &run);
@@ -122,6 +166,7 @@ int main(void) {
     check_colours();
     check_channels();
     check_views();
+    check_fov();
     check_progress();
     kit_remove(scratch.root);
     return test_end();

@@ -105,6 +105,7 @@ static void check_renderer(void) {
         {"below", SLV_SHADE_UNLIT, 200, -50, 70, 48, 32, false, SLV_PIXEL_BOX, 45},
         {"orthographic", SLV_SHADE_HEADLIGHT, 120, 40, 0, 48, 16, false, SLV_PIXEL_BOX, 45},
         {"abs", SLV_SHADE_HEADLIGHT_ABS, 30, 20, 35, 48, 16, false, SLV_PIXEL_BOX, 45},
+        {"cos2", SLV_SHADE_HEADLIGHT_COS2, 30, 20, 35, 48, 16, false, SLV_PIXEL_BOX, 45},
         {"mirrored", SLV_SHADE_HEADLIGHT, 30, 20, 35, 48, 16, true, SLV_PIXEL_BOX, 45},
         {"faces", SLV_SHADE_FACES, 250, 30, 20, 48, 16, false, SLV_PIXEL_BOX, 45},
         {"mitchell", SLV_SHADE_HEADLIGHT, 30, 20, 35, 48, 32, false, SLV_PIXEL_MITCHELL, 45},

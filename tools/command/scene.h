@@ -10,6 +10,10 @@ typedef struct scene_view {
     slv_camera camera;
     double world_to_camera[16]; /* the same before it is rounded to floats */
     bool has_camera, has_size, has_shading;
+    bool whole_window; /* of which the file says nothing: as much as the picture's proportions take
+                          around -1 to 1 */
+    bool has_fov;      /* for an orbit: how it is projected */
+    float fov;         /* degrees; 0 without perspective */
     uint32_t size[2];
     slv_shading shading;
     float ka, kd;
@@ -18,11 +22,12 @@ typedef struct scene_view {
     bool has_scheme;
 } scene_view;
 
-/* Reads a view file (JSON): size, world_to_camera, projection, screen_window, shading {model, ka,
- * kd}, boundary, scheme. */
+/* Reads a view file (JSON), see docs/view-files.md. */
 slv_result scene_load_view(const slv_env *env, const char *path, scene_view *out);
 /* The view's camera for a mesh, whose positions are relative to its origin. */
 slv_camera scene_view_camera(const scene_view *view, const slv_mesh *mesh);
+/* Makes a window wider or higher to have the proportions width / height = aspect. */
+void scene_fit_window(float window[4], float aspect);
 
 typedef struct scene_params {
     const char *ptx, *mesh; /* mesh may be NULL: the geometry inside the .ptx */
@@ -58,7 +63,8 @@ void scene_free(scene_data *scene);
 typedef struct scene_options {
     const char *mesh, *view, *focus, *channels;
     int scheme, boundary, shading, adjacency, encoding; /* encoding: slv_texture_encoding */
-    bool scheme_given, boundary_given, shading_given, size_given, orbit_given, progress, salvage;
+    bool scheme_given, boundary_given, shading_given, size_given, orbit_given, fov_given, progress,
+        salvage;
     uint32_t size[2], tess, threads;
     float azimuth, elevation, fov, background[4];
 } scene_options;

@@ -20,7 +20,7 @@ void scene_options_rows(scene_options *o, cli_option *out) {
                       &o->orbit_given),
         SCENE_ELEVATION(&o->elevation, &o->orbit_given),
         SCENE_FOCUS(&o->focus, &o->orbit_given),
-        SCENE_FOV(&o->fov, &o->orbit_given),
+        SCENE_FOV(&o->fov, &o->fov_given),
         {"--size", CLI_SIZE, o->size, "pixels (512x512, or the view's)", NULL, 1, 16384,
          &o->size_given},
         SCENE_SCHEME(&o->scheme, &o->scheme_given),
@@ -118,6 +118,20 @@ static const char *channels_shown(const scene_options *o, const slv_texture *tex
     return o->channels || !grey ? o->channels : "0,0,0,1";
 }
 
+/* Options come first: of a file's camera nothing is left by an orbit. */
+static slv_camera camera_of(const scene_options *o, const scene_view *view, const scene_data *scene,
+                            float aspect) {
+    if (!view->has_camera || o->orbit_given || o->fov_given) {
+        bool told = view->has_fov && !view->has_camera && !o->fov_given;
+        return slv_camera_orbit(scene->bounds_min, scene->bounds_max, o->azimuth, o->elevation,
+                                told ? view->fov : o->fov, aspect);
+    }
+    slv_camera camera = scene_view_camera(view, scene->mesh);
+    if (view->whole_window)
+        scene_fit_window(camera.window, aspect);
+    return camera;
+}
+
 int scene_load_shot(const cli_command *command, const slv_env *env, const char *ptx,
                     const scene_options *o, scene_shot *out) {
     scene_view view = {0};
@@ -144,10 +158,7 @@ int scene_load_shot(const cli_command *command, const slv_env *env, const char *
     slv_res *res = NULL;
     if (scene_load_model(env, &params, &file, &out->scene))
         return EXIT_FAILED;
-    out->camera = view.has_camera && !o->orbit_given
-                      ? scene_view_camera(&view, out->scene.mesh)
-                      : slv_camera_orbit(out->scene.bounds_min, out->scene.bounds_max, o->azimuth,
-                                         o->elevation, o->fov, (float)size[0] / (float)size[1]);
+    out->camera = camera_of(o, &view, &out->scene, (float)size[0] / (float)size[1]);
     out->segments =
         o->tess ? o->tess : slv_tessellation_for(out->scene.mesh, &out->camera, size[0], size[1]);
     int code =

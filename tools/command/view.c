@@ -12,6 +12,8 @@
 
 enum { MAX_BYTES = 64 << 20 };
 
+#define DEGREE 0.017453292519943295f
+
 /* Says what is wrong with a view file. */
 static slv_result bad_view(const slv_env *env, const char *path, const char *format, ...)
     __attribute__((format(printf, 3, 4)));
@@ -37,28 +39,75 @@ static bool read_floats(const json_t *array, size_t count, float *out) {
     return true;
 }
 
+/* Names a field that says nothing beside the others. */
+static void warn_of(const slv_env *env, const char *path, const json_t *root, const char *field,
+                    const char *why) {
+    char line[512];
+    snprintf(line, sizeof line, "%.300s: the field '%s' is not used %s", path, field, why);
+    if (json_object_get(root, field) && env->log)
+        env->log(env->log_user, SLV_LOG_WARNING, line);
+}
+
+/* The window in units of tan(fov / 2), and without one the square of -1 to 1. */
+static slv_result read_window(const slv_env *env, const char *path, const json_t *root,
+                              scene_view *out) {
+    const json_t *window = json_object_get(root, "screen_window"),
+                 *fov = json_object_get(root, "fov");
+    float *w = out->camera.window;
+    bool scaled = fov && out->camera.perspective;
+    if (!out->camera.perspective)
+        warn_of(env, path, root, "fov", "without perspective");
+    for (int side = 0; side < 4; side++)
+        w[side] = side & 1 ? 1 : -1;
+    out->whole_window = scaled && !window;
+    if (!out->whole_window && !read_floats(window, 4, w))
+        return bad_view(env, path, "screen_window is not four numbers: left, right, bottom, top");
+    for (int side = 0; scaled && side < 4; side++)
+        w[side] *= tanf(out->fov * DEGREE / 2);
+    if (!(w[1] - w[0] > FLT_MIN) || !(w[3] - w[2] > FLT_MIN))
+        return bad_view(env, path, "screen_window is empty");
+    return SLV_OK;
+}
+
+/* Of an orbit a view may say how it is projected. */
+static slv_result read_projection(const slv_env *env, const char *path, const json_t *root,
+                                  scene_view *out) {
+    const json_t *fov = json_object_get(root, "fov"),
+                 *projection = json_object_get(root, "projection");
+    const char *word = json_string_value(projection);
+    if (fov && (!json_is_number(fov) || !(json_number_value(fov) >= 0.01) ||
+                !(json_number_value(fov) <= 179)))
+        return bad_view(env, path, "fov is not a number of degrees from 0.01 to 179");
+    if ((projection || !fov) && (projection || json_object_get(root, "world_to_camera")) &&
+        (!word || (strcmp(word, "orthographic") != 0 && strcmp(word, "perspective") != 0)))
+        return bad_view(env, path, "projection is neither orthographic nor perspective");
+    out->camera.perspective = !word || word[0] == 'p';
+    out->fov = out->camera.perspective ? (float)json_number_value(fov) : 0;
+    out->has_fov = fov || !out->camera.perspective;
+    return SLV_OK;
+}
+
 static slv_result read_camera(const slv_env *env, const char *path, const json_t *root,
                               scene_view *out) {
     const json_t *matrix = json_object_get(root, "world_to_camera");
-    const char *projection = json_string_value(json_object_get(root, "projection"));
-    if (!matrix)
-        return SLV_OK;
-    for (size_t r = 0; r < 4; r++) {
+    slv_result result;
+    for (size_t r = 0; matrix && r < 4; r++) {
         const json_t *row = json_array_get(matrix, r);
         if (!read_floats(row, 4, out->camera.world_to_camera + 4 * r))
             return bad_view(env, path, "world_to_camera is not four rows of four numbers");
         for (size_t c = 0; c < 4; c++)
             out->world_to_camera[4 * r + c] = json_number_value(json_array_get(row, c));
     }
-    if (!projection ||
-        (strcmp(projection, "orthographic") != 0 && strcmp(projection, "perspective") != 0))
-        return bad_view(env, path, "projection is neither orthographic nor perspective");
-    out->camera.perspective = projection[0] == 'p';
-    if (!read_floats(json_object_get(root, "screen_window"), 4, out->camera.window))
-        return bad_view(env, path, "screen_window is not four numbers: left, right, bottom, top");
-    const float *w = out->camera.window;
-    if (!(w[1] - w[0] > FLT_MIN) || !(w[3] - w[2] > FLT_MIN))
-        return bad_view(env, path, "screen_window is empty");
+    if ((result = read_projection(env, path, root, out)))
+        return result;
+    if (!matrix) {
+        warn_of(env, path, root, "screen_window", "without world_to_camera");
+        if (!out->camera.perspective)
+            warn_of(env, path, root, "fov", "without perspective");
+        return SLV_OK;
+    }
+    if ((result = read_window(env, path, root, out)))
+        return result;
     const float *m = out->camera.world_to_camera;
     double determinant = (double)m[0] * ((double)m[5] * m[10] - (double)m[6] * m[9]) -
                          (double)m[1] * ((double)m[4] * m[10] - (double)m[6] * m[8]) +
@@ -78,6 +127,15 @@ slv_camera scene_view_camera(const scene_view *view, const slv_mesh *mesh) {
         camera.world_to_camera[4 * r + 3] =
             (float)(m[3] + m[0] * origin[0] + m[1] * origin[1] + m[2] * origin[2]);
     return camera;
+}
+
+void scene_fit_window(float w[4], float aspect) {
+    float width = w[1] - w[0], height = w[3] - w[2];
+    bool narrow = width < height * aspect;
+    float more = narrow ? (height * aspect - width) / 2 : (width / aspect - height) / 2;
+    float *side = narrow ? w : w + 2;
+    side[0] -= more;
+    side[1] += more;
 }
 
 /* Leaves the value alone where the file says nothing. */
@@ -160,7 +218,7 @@ slv_result scene_load_view(const slv_env *env, const char *path, scene_view *out
         return bad_view(env, path, "line %d: %s", error.line, error.text);
     if (json_is_object(root)) {
         fields_warn(env, path, root,
-                    "size|world_to_camera|projection|screen_window|shading|scheme|boundary");
+                    "size|world_to_camera|projection|screen_window|fov|shading|scheme|boundary");
         fields_warn(env, path, json_object_get(root, "shading"), "model|ka|kd");
     }
     if (!json_is_object(root))

@@ -3,16 +3,6 @@
 
 #include "command/output.h"
 
-/* All that the view shows, in the proportions of the comparison's pictures. */
-static void fit_window(slv_camera *camera, float aspect) {
-    float *w = camera->window, width = w[1] - w[0], height = w[3] - w[2];
-    bool narrow = width < height * aspect;
-    float more = narrow ? (height * aspect - width) / 2 : (width / aspect - height) / 2;
-    float *side = narrow ? w : w + 2;
-    side[0] -= more;
-    side[1] += more;
-}
-
 slv_result compare_read_views(const slv_env *env, const cli_list *views, report_data *report) {
     for (uint32_t i = 0; i < views->count; i++) {
         scene_view view;
@@ -22,7 +12,8 @@ slv_result compare_read_views(const slv_env *env, const cli_list *views, report_
         if (!view.has_camera)
             return output_fail(env, SLV_ERROR_FORMAT, "%s: has no world_to_camera, so no camera",
                                views->items[i]);
-        fit_window(&view.camera, (float)report->width / (float)report->height);
+        /* all that the view shows, in the proportions of the comparison's pictures */
+        scene_fit_window(view.camera.window, (float)report->width / (float)report->height);
         report->cameras[report->ncameras++] =
             (report_camera){.path = views->items[i], .camera = view.camera};
     }

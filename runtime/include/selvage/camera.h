@@ -37,10 +37,11 @@ typedef enum slv_shading {
     SLV_SHADE_HEADLIGHT_ABS, /* c * kd * clamp(abs(dot(n, i)) + ka, 0, 1) */
     SLV_SHADE_UNLIT,         /* c */
     SLV_SHADE_FACES,         /* a colour per face, lit: where the faces are */
-    SLV_SHADE_LEVELS         /* the level that a lookup uses, from 0 (red) to coarse (blue) */
+    SLV_SHADE_LEVELS,        /* the level that a lookup uses, from 0 (red) to coarse (blue) */
+    SLV_SHADE_HEADLIGHT_COS2 /* c * (ka + kd * dot(n, i)^2) */
 } slv_shading;
 
-/* headlight, headlight-abs, unlit, faces, levels */
+/* headlight, headlight-abs, unlit, faces, levels, headlight-cos2 */
 SLV_API const char *slv_shading_name(slv_shading shading);
 SLV_API bool slv_shading_from_name(const char *name, slv_shading *out);
 
