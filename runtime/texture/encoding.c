@@ -146,6 +146,7 @@ static slv_result decode(const slv_env *env, const slv_texture *texture,
     desc.type = desc.type == SLV_TYPE_U8 ? SLV_TYPE_HALF : SLV_TYPE_FLOAT;
     desc.encoding = SLV_TEXTURE_LINEAR;
     if (!(result = slv_texture_create(env, &desc, &d.to)) &&
+        !(result = slvi_texture_reserve(d.to, texture)) &&
         !(result = slvi_parallel_env_begin(env, &log, &d.env)))
         result = slvi_parallel_for(env, desc.nfaces, 16, decode_faces, &d);
     slvi_parallel_env_end(log);

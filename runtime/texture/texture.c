@@ -21,6 +21,8 @@ struct slv_texture {
     _Atomic uint64_t allocated;
     unsigned char *constants; /* one texel a face */
     unsigned char **texels;   /* NULL where the face is constant */
+    unsigned char *together;  /* where texels of many faces are; NULL: each has its own piece */
+    uint64_t ntogether;
     slv_changes *changes;
     uint64_t *versions; /* of each face's last change, for when `changes` has forgotten it */
 };
@@ -107,11 +109,19 @@ slv_result slv_texture_create(const slv_env *env, const slv_texture_desc *desc, 
     return slvi_budget_end(&own, create(&own, desc, out));
 }
 
+static void free_texels(slv_texture *texture, uint32_t face) {
+    uintptr_t at = (uintptr_t)texture->texels[face], first = (uintptr_t)texture->together;
+    if (at < first || at >= first + texture->ntogether)
+        slvi_free(texture->texels[face]);
+    texture->texels[face] = NULL;
+}
+
 void slv_texture_destroy(slv_texture *texture) {
     if (!texture)
         return;
     for (uint32_t face = 0; texture->texels && face < texture->desc.nfaces; face++)
-        slvi_free(texture->texels[face]);
+        free_texels(texture, face);
+    slvi_free(texture->together);
     slvi_free(texture->texels);
     slvi_free(texture->constants);
     slvi_free(texture->res);
@@ -144,8 +154,7 @@ static slv_result check_face(const slv_texture *texture, uint32_t face, const vo
 static void make_constant(slv_texture *texture, uint32_t face, const void *texel) {
     memmove(texture->constants + face * texture->texel_size, texel, texture->texel_size);
     if (texture->texels[face]) {
-        slvi_free(texture->texels[face]);
-        texture->texels[face] = NULL;
+        free_texels(texture, face);
         atomic_fetch_sub(&texture->allocated,
                          texture->texel_size * slv_res_texels(texture->res[face]));
     }
@@ -171,6 +180,26 @@ static slv_result make_room(slv_texture *texture, uint32_t face) {
 
 static void note_change(slv_texture *texture, uint32_t face, slv_rect rect, bool constancy) {
     texture->versions[face] = slvi_changes_add(texture->changes, face, rect, constancy);
+}
+
+slv_result slvi_texture_reserve(slv_texture *texture, const slv_texture *like) {
+    uint64_t total = 0;
+    for (uint32_t face = 0; face < texture->desc.nfaces; face++)
+        if (like->texels[face])
+            total += texture->texel_size * slv_res_texels(texture->res[face]);
+    slv_result result = slvi_alloc_plain(&texture->env, "texels", total, 1, &texture->together);
+    if (result)
+        return result;
+    unsigned char *next = texture->together;
+    texture->ntogether = total;
+    atomic_fetch_add(&texture->allocated, total);
+    for (uint32_t face = 0; face < texture->desc.nfaces; face++) {
+        if (!like->texels[face])
+            continue;
+        texture->texels[face] = next;
+        next += texture->texel_size * slv_res_texels(texture->res[face]);
+    }
+    return SLV_OK;
 }
 
 static slv_rect whole_rect(slv_res res) {

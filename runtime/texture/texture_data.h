@@ -38,6 +38,10 @@ slv_result slvi_texture_check_desc(const slv_env *env, const slv_texture_desc *d
 /* Whether two textures have the same faces, type and channels. */
 bool slvi_texture_desc_same(const slv_texture_desc *a, const slv_texture_desc *b);
 
+/* One piece of memory for all faces of a new texture that are not constant in another of the same
+ * resolutions. Each is then to be set before anybody looks. */
+slv_result slvi_texture_reserve(slv_texture *texture, const slv_texture *like);
+
 /* slv_texture_changed, and whether the face became constant, ceased to be it, or may have. */
 typedef slv_result (*slvi_visit_change)(void *user, uint32_t face, slv_rect rect, bool constancy);
 slv_result slvi_texture_visit_changes(const slv_texture *texture, uint64_t since,

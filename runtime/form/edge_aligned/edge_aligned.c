@@ -190,7 +190,8 @@ static slv_result create(const slv_env *env, const slv_levels *levels,
         memcpy(aligned->res, desc->res, desc->nfaces * sizeof *aligned->res);
     aligned->desc.res = aligned->res;
     if ((result = lay_out(aligned)) ||
-        (result = slvi_alloc(env, "edge-aligned samples", aligned->bytes, 1, &aligned->samples)))
+        (result =
+             slvi_alloc_plain(env, "edge-aligned samples", aligned->bytes, 1, &aligned->samples)))
         goto done;
     struct fill fill = {levels, adjacency, aligned};
     if ((result = slvi_parallel_for(env, desc->nfaces, FACES_PER_RANGE, fill_faces, &fill)))

@@ -257,9 +257,9 @@ static slv_result create(const slv_env *env, const slv_levels *levels,
         (result = slvi_alloc(env, "edges", nedges + 1, sizeof *htex->offset, &htex->offset)) ||
         (result = slvi_alloc(env, "edges", nedges + 1, sizeof *fill.ends, &fill.ends)) ||
         (result = lay_out(env, mesh, htex, fill.ends)) ||
-        (result = slvi_alloc(env, "squares", htex->offset[nedges], 1, &htex->texels)) ||
-        (result = slvi_alloc(env, "samples on edges", fill.ends[nedges] * 2 * n,
-                             sizeof *fill.diagonals, &fill.diagonals)) ||
+        (result = slvi_alloc_plain(env, "squares", htex->offset[nedges], 1, &htex->texels)) ||
+        (result = slvi_alloc_plain(env, "samples on edges", fill.ends[nedges] * 2 * n,
+                                   sizeof *fill.diagonals, &fill.diagonals)) ||
         (result = slvi_alloc(env, "corners", 5 * (uint64_t)mesh->nfaces * n, sizeof *fill.tops,
                              &fill.tops)) ||
         (result = slvi_parallel_env_begin(env, &log, &fill.env)) ||
