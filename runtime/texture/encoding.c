@@ -4,6 +4,7 @@
 #include "base/names.h"
 #include "base/parallel.h"
 #include "base/srgb.h"
+#include "texture/reduce.h"
 #include "texture/texture_data.h"
 
 #include <selvage/half.h>
@@ -109,8 +110,12 @@ slv_result slv_texture_decode_rect(const slv_env *env, const slv_texture *textur
     void *texels = NULL;
     if (face >= desc->nfaces || !slvi_rect_is_within(rect, desc->res[face]))
         return slvi_fail(env, SLV_ERROR_ARGUMENT, "decoding: face %u has no such texels", face);
+    slv_res old = slv_texture_get_desc(decoded)->res[face], res = desc->res[face];
+    bool resized = old.u != res.u || old.v != res.v;
+    if (resized)
+        rect = (slv_rect){0, 0, 1u << res.u, 1u << res.v};
     bool constant = slv_texture_is_constant(texture, face);
-    uint64_t count = constant ? 1 : (uint64_t)rect.width * rect.height;
+    uint64_t count = constant && !resized ? 1 : (uint64_t)rect.width * rect.height;
     size_t size = desc->nchannels * slv_type_size(desc->type), to_size = decoded_size(&d);
     slv_result result = slvi_alloc_plain(env, "decoded texels", count, to_size, &texels);
     if (result)
@@ -120,15 +125,20 @@ slv_result slv_texture_decode_rect(const slv_env *env, const slv_texture *textur
     unsigned char *to = texels;
     if (constant) {
         decode_texels(&d, from, 1, texels);
-        result = slv_texture_set_constant(decoded, face, texels);
+        slvi_fill_texels(texels, texels, to_size, count);
     } else {
         from += (((size_t)rect.y << desc->res[face].u) + rect.x) * size;
         for (uint32_t y = 0; y < rect.height; y++, to += rect.width * to_size) {
             decode_texels(&d, from, rect.width, to);
             from += size << desc->res[face].u;
         }
-        result = slv_texture_set_rect(decoded, face, rect, texels);
     }
+    if (resized)
+        result = slv_texture_set_resolution(decoded, face, res, texels);
+    else if (constant)
+        result = slv_texture_set_constant(decoded, face, texels);
+    else
+        result = slv_texture_set_rect(decoded, face, rect, texels);
     slvi_free(texels);
     return result;
 }

@@ -205,6 +205,7 @@ static slv_result create(const slv_env *env, const slv_texture *texture, bool bo
         (result = slvi_alloc_plain(env, "level texels", bytes, 1, &levels->texels)))
         goto done;
     levels->nbytes = bytes;
+    levels->nat = nlevels;
     point_all(levels, texture);
     if ((result = slvi_parallel_for(env, n, FACES_PER_RANGE, fill_faces, &fill)))
         goto done;
@@ -221,21 +222,42 @@ static bool is_first_room(const slv_levels *levels, uint32_t face) {
     return at >= first && at <= first + levels->nbytes;
 }
 
+/* Another resolution: another place for a face's row of levels if it is longer, and no room yet. */
+static slv_result resize(slv_levels *levels, uint32_t face, slv_res res) {
+    size_t had = slv_res_level_count(levels->res[face]), has = slv_res_level_count(res);
+    if (has > had) {
+        slv_result result = slvi_grow(&levels->env, "level table", levels->nat + has,
+                                      sizeof *levels->at, &levels->at);
+        if (result)
+            return result;
+        levels->first[face] = levels->nat;
+        levels->nat += has;
+    }
+    levels->res[face] = res;
+    levels->room[face] = SLVI_ROOM_NONE;
+    return SLV_OK;
+}
+
 slv_result slv_levels_update(slv_levels *levels, const slv_texture *texture, uint32_t face,
                              slv_rect rect) {
     const slv_texture_desc *desc = slv_texture_get_desc(texture);
     if (desc->nfaces != levels->desc.nfaces || desc->type != levels->desc.type ||
         desc->nchannels != levels->desc.nchannels)
         return slvi_fail(&levels->env, SLV_ERROR_MISMATCH, "levels: not made from this texture");
-    if (face >= levels->desc.nfaces || !slvi_rect_is_within(rect, levels->res[face]))
+    if (face >= levels->desc.nfaces || !slvi_rect_is_within(rect, desc->res[face]))
         return slvi_fail(&levels->env, SLV_ERROR_ARGUMENT, "levels: face %u has no such texels",
                          (unsigned)face);
+    slv_res res = desc->res[face];
+    bool resized = res.u != levels->res[face].u || res.v != levels->res[face].v;
+    slv_result result = resized ? resize(levels, face, res) : SLV_OK;
+    if (result)
+        return result;
     slvi_level_room room = needed(levels, texture, face);
+    resized = levels->room[face] == SLVI_ROOM_NONE;
     if (room > levels->room[face]) {
         unsigned char *own = NULL;
-        slv_result result =
-            slvi_alloc_plain(&levels->env, "levels of a face", texels_in(levels->res[face], room),
-                             levels->texel_size, &own);
+        result = slvi_alloc_plain(&levels->env, "levels of a face",
+                                  texels_in(levels->res[face], room), levels->texel_size, &own);
         if (result)
             return result;
         if (!is_first_room(levels, face))
@@ -246,9 +268,9 @@ slv_result slv_levels_update(slv_levels *levels, const slv_texture *texture, uin
     /* All levels but a constant face's first lie apart: where they are says which it was. */
     unsigned char *const *at = levels->at + levels->first[face];
     bool constant = slv_texture_is_constant(texture, face);
-    bool was_constant = slv_res_level_count(levels->res[face]) > 1 ? at[0] == at[1] : true;
+    bool all = resized || constant || slv_res_level_count(res) < 2 || at[0] == at[1];
     point(levels, texture, face);
-    fill_face(levels, texture, face, constant || was_constant ? whole(levels->res[face]) : rect);
+    fill_face(levels, texture, face, all ? whole(res) : rect);
     return SLV_OK;
 }
 

@@ -134,7 +134,7 @@ void slvi_multiply_alpha(slv_type type, uint32_t nchannels, int32_t alpha, bool 
 void slvi_fill_texels(void *out, const void *texel, size_t size, uint64_t count) {
     uint8_t *to = out;
     size_t total = size * (size_t)count, done = size;
-    memcpy(to, texel, size);
+    memmove(to, texel, size);
     while (done < total) {
         size_t next = done < total - done ? done : total - done;
         memcpy(to + done, to, next);

@@ -32,6 +32,14 @@ bool slvi_texture_desc_same(const slv_texture_desc *a, const slv_texture_desc *b
            (!a->nfaces || memcmp(a->res, b->res, a->nfaces * sizeof *a->res) == 0);
 }
 
+static slv_result check_res(const slv_env *env, uint32_t face, slv_res res) {
+    if (res.u < 0 || res.v < 0 || res.u > SLV_MAX_LOG2_RES || res.v > SLV_MAX_LOG2_RES)
+        return slvi_fail(env, SLV_ERROR_ARGUMENT,
+                         "texture: face %u: resolution 2^%d x 2^%d, expected exponents 0 to %d",
+                         (unsigned)face, res.u, res.v, SLV_MAX_LOG2_RES);
+    return SLV_OK;
+}
+
 slv_result slvi_texture_check_desc(const slv_env *env, const slv_texture_desc *desc,
                                    uint64_t *bytes) {
     if (!desc || (desc->nfaces && !desc->res))
@@ -54,10 +62,9 @@ slv_result slvi_texture_check_desc(const slv_env *env, const slv_texture_desc *d
     uint64_t texel = slv_type_size(desc->type) * (uint64_t)desc->nchannels, total = 0;
     for (uint32_t face = 0; face < desc->nfaces; face++) {
         slv_res res = desc->res[face];
-        if (res.u < 0 || res.v < 0 || res.u > SLV_MAX_LOG2_RES || res.v > SLV_MAX_LOG2_RES)
-            return slvi_fail(env, SLV_ERROR_ARGUMENT,
-                             "texture: face %u: resolution 2^%d x 2^%d, expected exponents 0 to %d",
-                             (unsigned)face, res.u, res.v, SLV_MAX_LOG2_RES);
+        slv_result result = check_res(env, face, res);
+        if (result)
+            return result;
         uint64_t size = texel * slv_res_texels(res);
         if (size > UINT64_MAX - total)
             return slvi_fail(env, SLV_ERROR_LIMIT,
@@ -271,6 +278,36 @@ slv_result slv_texture_set_constant(slv_texture *texture, uint32_t face, const v
     return SLV_OK;
 }
 
+slv_result slv_texture_set_resolution(slv_texture *texture, uint32_t face, slv_res res,
+                                      const void *texels) {
+    size_t size = texture->texel_size;
+    unsigned char *before = NULL;
+    slv_result result = check_face(texture, face, texels);
+    if (result || (result = check_res(&texture->env, face, res)))
+        return result;
+    slv_res old = texture->res[face];
+    bool constant = slvi_texels_equal(texels, size, slv_res_texels(res));
+    if (!constant) {
+        before = texture->texels[face];
+        texture->res[face] = res;
+        if ((result = make_room(texture, face))) {
+            texture->texels[face] = before;
+            texture->res[face] = old;
+            return result;
+        }
+        memcpy(texture->texels[face], texels, slv_res_texels(res) * size);
+    }
+    unsigned char *made = texture->texels[face];
+    texture->res[face] = old;
+    texture->texels[face] = constant ? made : before;
+    make_constant(texture, face, texels); /* gives back what there was */
+    texture->texels[face] = constant ? NULL : made;
+    texture->res[face] = res;
+    texture->bytes = texture->bytes - slv_res_texels(old) * size + slv_res_texels(res) * size;
+    note_change(texture, face, whole_rect(res), true);
+    return SLV_OK;
+}
+
 bool slv_texture_is_constant(const slv_texture *texture, uint32_t face) {
     assert(face < texture->desc.nfaces);
     return !texture->texels[face];
@@ -301,8 +338,13 @@ slv_result slvi_texture_visit_changes(const slv_texture *texture, uint64_t since
     slv_result result = SLV_OK;
     uint32_t count = slvi_changes_since(texture->changes, since, changes);
     bool known = count != UINT32_MAX;
-    for (uint32_t i = 0; known && !result && i < count; i++)
-        result = visit(user, changes[i].face, changes[i].rect, changes[i].constancy);
+    for (uint32_t i = 0; known && !result && i < count; i++) {
+        slv_res res = texture->res[changes[i].face];
+        /* that of a resolution which the face has no longer */
+        bool gone = !slvi_rect_is_within(changes[i].rect, res);
+        result = visit(user, changes[i].face, gone ? whole_rect(res) : changes[i].rect,
+                       changes[i].constancy);
+    }
     for (uint32_t face = 0; !known && !result && face < texture->desc.nfaces; face++)
         if (!since || texture->versions[face] > since)
             result = visit(user, face, whole_rect(texture->res[face]), true);

@@ -11,7 +11,12 @@
 
 /* How much room a face has for levels of its own, each more than the one before: for those below
  * level 0; for a run of equal texels that all levels of a constant face share; for all levels. */
-typedef enum slvi_level_room { SLVI_ROOM_REST, SLVI_ROOM_RUN, SLVI_ROOM_ALL } slvi_level_room;
+typedef enum slvi_level_room {
+    SLVI_ROOM_NONE,
+    SLVI_ROOM_REST,
+    SLVI_ROOM_RUN,
+    SLVI_ROOM_ALL
+} slvi_level_room;
 
 /* Face f has the levels first[f]..first[f+1]-1; at[] says where each is, in `texels` or, of level
  * 0, in the texture. */
@@ -23,6 +28,7 @@ struct slv_levels {
     size_t texel_size;
     size_t *first;
     unsigned char **at;
+    size_t nat;
     unsigned char *texels;
     uint64_t nbytes; /* of `texels` */
     bool borrowed;   /* level 0 of faces that are not constant is the texture's */

@@ -62,4 +62,24 @@ static inline void kit_change(const kit *k, uint32_t face, float most, uint64_t 
     free(texels);
 }
 
+/* Gives a face another resolution, at most 2^most along each axis, and noise or a single colour. */
+static inline void kit_resize(kit *k, uint32_t face, int most, bool square, uint64_t *random) {
+    slv_res res = {(int8_t)(test_random(random) % (uint32_t)(most + 1)), 0};
+    res.v = square ? res.u : (int8_t)(test_random(random) % (uint32_t)(most + 1));
+    size_t value = slv_type_size(k->type), count = kit_texels(res) * k->nchannels;
+    bool single = test_random(random) % 4 == 0;
+    unsigned char *texels = malloc(count * value);
+    REQUIRE(texels);
+    for (size_t i = 0; i < count; i++) {
+        float f = (float)(test_random(random) % 4096) / 4095.0f;
+        if (single && i >= k->nchannels)
+            memcpy(texels + i * value, texels + (i - k->nchannels) * value, value);
+        else
+            slv_type_from_float(k->type, &f, 1, texels + i * value);
+    }
+    REQUIRE(slv_texture_set_resolution(k->texture, face, res, texels) == SLV_OK);
+    k->res[face] = res;
+    free(texels);
+}
+
 #endif

@@ -106,6 +106,8 @@ static void check(uint32_t which, bool lookups, uint64_t *random) {
         bool large = type == SLV_TYPE_FLOAT && round < 2 && which % 3 == 0;
         for (uint32_t i = 0; i < changes; i++)
             kit_change(&k, test_random(random) % k.nfaces, large ? 1e32f : 1, random);
+        for (uint32_t i = 0; round && which / 3 % 2 && i < 1 + which % 3; i++)
+            kit_resize(&k, test_random(random) % k.nfaces, 5, which % 8 < 4, random);
         slv_gl_update update;
         REQUIRE(slv_gl_texture_update(followed, &env, &update) == SLV_OK);
         CHECK(update.faces > 0 && (update.bytes > 0 || update.renewed));

@@ -16,10 +16,12 @@ struct slv_edge_aligned {
     slv_texture_desc desc;
     slv_res *res;
     size_t texel_size;
-    size_t *first; /* per face: its first level in `offset` */
-    uint64_t *offset;
+    size_t *first; /* per face: its first level in `at` */
+    unsigned char **at;
+    size_t nat;
     uint64_t bytes;
-    unsigned char *samples;
+    unsigned char *samples; /* of all faces; those with another resolution since have their own */
+    uint64_t nsamples;
 };
 
 uint64_t slv_edge_aligned_count(slv_res res) {
@@ -106,12 +108,12 @@ struct fill {
 /* All levels of a face; `scratch` has room for the largest as floats. */
 static void fill_face(const struct fill *fill, uint32_t face, float *scratch) {
     slv_edge_aligned *aligned = fill->aligned;
-    const uint64_t *offset = aligned->offset + aligned->first[face];
+    unsigned char *const *at = aligned->at + aligned->first[face];
     for (uint32_t level = 0; level < slv_res_level_count(aligned->res[face]); level++) {
         uint64_t count = slv_edge_aligned_count(slv_res_level(aligned->res[face], level));
         slvi_edge_aligned_fill(fill->levels, fill->adjacency, true, face, level, scratch);
         slv_type_from_float(aligned->desc.type, scratch, (size_t)count * aligned->desc.nchannels,
-                            aligned->samples + offset[level]);
+                            at[level]);
     }
 }
 
@@ -127,39 +129,101 @@ static slv_result fill_faces(void *user, uint64_t first, uint64_t end) {
     return result;
 }
 
+static uint64_t face_bytes(const slv_edge_aligned *aligned, uint32_t face) {
+    uint64_t bytes = 0;
+    for (uint32_t level = 0; level < slv_res_level_count(aligned->res[face]); level++)
+        bytes +=
+            slv_edge_aligned_count(slv_res_level(aligned->res[face], level)) * aligned->texel_size;
+    return bytes;
+}
+
+static slv_result count_bytes(slv_edge_aligned *aligned) {
+    uint64_t total = 0;
+    for (uint32_t face = 0; face < aligned->desc.nfaces; face++) {
+        uint64_t bytes = face_bytes(aligned, face);
+        if (bytes > UINT64_MAX - total)
+            return slvi_fail(&aligned->env, SLV_ERROR_LIMIT,
+                             "edge-aligned: more than 2^64 bytes of samples");
+        total += bytes;
+    }
+    aligned->bytes = aligned->nsamples = total;
+    return SLV_OK;
+}
+
+/* Where a face's levels are, one behind the other from `next` on; returns where they end. */
+static unsigned char *point(slv_edge_aligned *aligned, uint32_t face, unsigned char *next) {
+    for (uint32_t level = 0; level < slv_res_level_count(aligned->res[face]); level++) {
+        aligned->at[aligned->first[face] + level] = next;
+        next +=
+            slv_edge_aligned_count(slv_res_level(aligned->res[face], level)) * aligned->texel_size;
+    }
+    return next;
+}
+
+static void point_all(slv_edge_aligned *aligned) {
+    unsigned char *next = aligned->samples;
+    size_t at = 0;
+    for (uint32_t face = 0; face < aligned->desc.nfaces; face++) {
+        aligned->first[face] = at;
+        at += slv_res_level_count(aligned->res[face]);
+        next = point(aligned, face, next);
+    }
+    aligned->nat = at;
+}
+
+static void free_own(const slv_edge_aligned *aligned, uint32_t face) {
+    unsigned char *own = aligned->at[aligned->first[face]];
+    uintptr_t at = (uintptr_t)own, first = (uintptr_t)aligned->samples;
+    if (at < first || at > first + aligned->nsamples)
+        slvi_free(own);
+}
+
+/* Another place for a face's levels if it has got another resolution. */
+static slv_result resize(slv_edge_aligned *aligned, uint32_t face, slv_res res) {
+    slv_res old = aligned->res[face];
+    size_t had = slv_res_level_count(old), has = slv_res_level_count(res);
+    unsigned char *own = NULL;
+    slv_result result;
+    if (old.u == res.u && old.v == res.v)
+        return SLV_OK;
+    uint64_t before = face_bytes(aligned, face);
+    if (has > had && (result = slvi_grow(&aligned->env, "levels", aligned->nat + has,
+                                         sizeof *aligned->at, &aligned->at)))
+        return result;
+    aligned->res[face] = res;
+    uint64_t bytes = face_bytes(aligned, face);
+    if ((result = slvi_alloc_plain(&aligned->env, "samples of a face", bytes, 1, &own))) {
+        aligned->res[face] = old;
+        return result;
+    }
+    free_own(aligned, face);
+    if (has > had) {
+        aligned->first[face] = aligned->nat;
+        aligned->nat += has;
+    }
+    point(aligned, face, own);
+    aligned->bytes += bytes - before;
+    return SLV_OK;
+}
+
 slv_result slvi_edge_aligned_refresh(const slv_levels *levels, const slv_adjacency *adjacency,
                                      const uint32_t *faces, uint32_t count,
                                      slv_edge_aligned *aligned) {
     struct fill fill = {levels, adjacency, aligned};
     uint64_t most = 0;
     float *scratch = NULL;
+    slv_result result = SLV_OK;
     for (uint32_t i = 0; i < count; i++) {
+        if ((result = resize(aligned, faces[i], levels->res[faces[i]])))
+            return result;
         uint64_t floats = slv_edge_aligned_floats(&aligned->desc, faces[i]);
         most = floats > most ? floats : most;
     }
-    slv_result result = slvi_alloc_plain(&aligned->env, "samples", most, sizeof *scratch, &scratch);
+    result = slvi_alloc_plain(&aligned->env, "samples", most, sizeof *scratch, &scratch);
     for (uint32_t i = 0; !result && i < count; i++)
         fill_face(&fill, faces[i], scratch);
     slvi_free(scratch);
     return result;
-}
-
-static slv_result lay_out(slv_edge_aligned *aligned) {
-    uint64_t total = 0;
-    size_t next = 0;
-    for (uint32_t face = 0; face < aligned->desc.nfaces; face++) {
-        aligned->first[face] = next;
-        for (uint32_t level = 0; level < slv_res_level_count(aligned->res[face]); level++) {
-            uint64_t count = slv_edge_aligned_count(slv_res_level(aligned->res[face], level));
-            aligned->offset[next++] = total;
-            if (count > (UINT64_MAX - total) / aligned->texel_size)
-                return slvi_fail(&aligned->env, SLV_ERROR_LIMIT,
-                                 "edge-aligned: more than 2^64 bytes of samples");
-            total += count * aligned->texel_size;
-        }
-    }
-    aligned->bytes = total;
-    return SLV_OK;
 }
 
 static slv_result create(const slv_env *env, const slv_levels *levels,
@@ -184,15 +248,16 @@ static slv_result create(const slv_env *env, const slv_levels *levels,
              slvi_alloc(env, "resolutions", desc->nfaces, sizeof *aligned->res, &aligned->res)) ||
         (result =
              slvi_alloc(env, "faces", desc->nfaces, sizeof *aligned->first, &aligned->first)) ||
-        (result = slvi_alloc(env, "levels", nlevels, sizeof *aligned->offset, &aligned->offset)))
+        (result = slvi_alloc(env, "levels", nlevels, sizeof *aligned->at, &aligned->at)))
         goto done;
     if (desc->nfaces)
         memcpy(aligned->res, desc->res, desc->nfaces * sizeof *aligned->res);
     aligned->desc.res = aligned->res;
-    if ((result = lay_out(aligned)) ||
+    if ((result = count_bytes(aligned)) ||
         (result =
              slvi_alloc_plain(env, "edge-aligned samples", aligned->bytes, 1, &aligned->samples)))
         goto done;
+    point_all(aligned);
     struct fill fill = {levels, adjacency, aligned};
     if ((result = slvi_parallel_for(env, desc->nfaces, FACES_PER_RANGE, fill_faces, &fill)))
         goto done;
@@ -212,8 +277,10 @@ slv_result slv_edge_aligned_create(const slv_env *env, const slv_levels *levels,
 void slv_edge_aligned_destroy(slv_edge_aligned *aligned) {
     if (!aligned)
         return;
+    for (uint32_t face = 0; aligned->nat && face < aligned->desc.nfaces; face++)
+        free_own(aligned, face);
     slvi_free(aligned->samples);
-    slvi_free(aligned->offset);
+    slvi_free(aligned->at);
     slvi_free(aligned->first);
     slvi_free(aligned->res);
     slvi_parallel_env_end(aligned->log);
@@ -231,7 +298,7 @@ uint64_t slv_edge_aligned_bytes(const slv_edge_aligned *aligned) {
 const void *slv_edge_aligned_samples(const slv_edge_aligned *aligned, uint32_t face,
                                      uint32_t level) {
     assert(face < aligned->desc.nfaces && level < slv_res_level_count(aligned->res[face]));
-    return aligned->samples + aligned->offset[aligned->first[face] + level];
+    return aligned->at[aligned->first[face] + level];
 }
 
 void slv_edge_aligned_lookup(const slv_edge_aligned *aligned, uint32_t face, uint32_t level,

@@ -70,7 +70,7 @@ static void fill_triangle(const slv_htex_fill *fill, const slv_htex_source *sour
     uint32_t npoints = points_for(source->res, part != ALL, log2);
     float *point = row + width * n;
     float *diagonal = fill->diagonals + (fill->ends[edge] * 2 + (second ? width : 0)) * n;
-    unsigned char *texels = htex->texels + htex->offset[edge];
+    unsigned char *texels = htex->at[edge];
     for (uint32_t j = 0; j < width; j++) {
         uint32_t last = width - 1 - j, first = part == START_SIDE ? j : 0;
         uint32_t end = part == END_SIDE && j < last + 1 ? j : last + 1; /* one past */
@@ -170,7 +170,7 @@ void slvi_htex_fill_edge(const slv_htex_fill *fill, uint32_t edge, float *rows) 
     size_t n = htex->desc.nchannels, size = htex->texel_size;
     uint32_t log2 = htex->log2[edge], width = 1u << log2;
     bool boundary = fill->mesh->half[edge][1] == SLV_HTEX_NONE;
-    unsigned char *texels = htex->texels + htex->offset[edge];
+    unsigned char *texels = htex->at[edge];
     const float *diagonal = fill->diagonals + fill->ends[edge] * 2 * n,
                 *other = diagonal + (boundary ? 0 : width * n);
     for (uint32_t i = 0; i < width; i++) {
@@ -208,13 +208,43 @@ static uint32_t log2_for(slv_res res, bool part) {
     return (uint32_t)(res.u + res.v + 1) / 2 + (part ? 1 : 0);
 }
 
-/* Resolutions, where everything goes, and what each face looks up. */
+uint32_t slvi_htex_log2_for(const slv_htex_mesh *mesh, const slv_res *res, uint32_t edge) {
+    uint32_t most = 0;
+    for (uint32_t side = 0; side < 2; side++) {
+        uint32_t half = mesh->half[edge][side];
+        if (half == SLV_HTEX_NONE)
+            continue;
+        bool part = slv_htex_is_part(mesh, half / 4);
+        uint32_t log2 = log2_for(res[half / 4], part);
+        most = log2 > most ? log2 : most;
+        if (!part)
+            continue;
+        log2 = log2_for(res[mesh->after[half / 4]], part);
+        most = log2 > most ? log2 : most;
+    }
+    return most;
+}
+
+uint64_t slvi_htex_square_bytes(const slv_htex *htex, uint32_t log2) {
+    uint64_t texels = 0;
+    for (uint32_t level = 0; level <= log2; level++)
+        texels += slv_htex_level_texels(log2, level);
+    return texels * htex->texel_size;
+}
+
+void slvi_htex_free_own(const slv_htex *htex, uint32_t edge) {
+    uintptr_t at = (uintptr_t)htex->at[edge], first = (uintptr_t)htex->texels;
+    if (at < first || at > first + htex->ntexels)
+        slvi_free(htex->at[edge]);
+}
+
+/* Resolutions, how much everything takes, and what each face looks up. */
 static slv_result lay_out(const slv_env *env, const slv_htex_mesh *mesh, slv_htex *htex,
                           uint64_t *ends) {
-    uint64_t total = 0, length = 0;
+    uint64_t length = 0;
     for (uint32_t face = 0; face < mesh->nfaces; face++) {
         bool part = slv_htex_is_part(mesh, face);
-        uint32_t log2 = log2_for(htex->res[face], part), half = 4 * face;
+        uint32_t half = 4 * face;
         slv_htex_face *row = &htex->faces[face];
         row->part = part;
         if (part)
@@ -222,27 +252,29 @@ static slv_result lay_out(const slv_env *env, const slv_htex_mesh *mesh, slv_hte
         for (uint32_t k = 0; k < 4; k++, half = slv_htex_next(mesh, half)) {
             row->edge[k] = mesh->edge[half];
             row->second[k] = mesh->half[row->edge[k]][0] != half;
-            bool mine = !part || k == 1 || k == 2;
-            if (mine && htex->log2[row->edge[k]] < log2)
-                htex->log2[row->edge[k]] = (uint8_t)log2;
         }
     }
     for (uint32_t edge = 0; edge < mesh->nedges; edge++) {
-        uint32_t log2 = htex->log2[edge];
-        htex->offset[edge] = total;
+        uint32_t log2 = slvi_htex_log2_for(mesh, htex->res, edge);
+        uint64_t bytes = slvi_htex_square_bytes(htex, log2);
+        htex->log2[edge] = (uint8_t)log2;
         ends[edge] = length;
         length += UINT64_C(1) << log2;
-        for (uint32_t level = 0; level <= log2; level++) {
-            uint64_t count = slv_htex_level_texels(log2, level);
-            if (count > (UINT64_MAX - total) / htex->texel_size)
-                return slvi_fail(env, SLV_ERROR_LIMIT,
-                                 "half-edges: more than 2^64 bytes of texels");
-            total += count * htex->texel_size;
-        }
+        if (bytes > UINT64_MAX - htex->bytes)
+            return slvi_fail(env, SLV_ERROR_LIMIT, "half-edges: more than 2^64 bytes of texels");
+        htex->bytes += bytes;
     }
-    htex->offset[mesh->nedges] = total;
     ends[mesh->nedges] = length;
     return SLV_OK;
+}
+
+static void point(slv_htex *htex) {
+    unsigned char *next = htex->texels;
+    htex->ntexels = htex->bytes;
+    for (uint32_t edge = 0; edge < htex->nedges; edge++) {
+        htex->at[edge] = next;
+        next += slvi_htex_square_bytes(htex, htex->log2[edge]);
+    }
 }
 
 static slv_result create(const slv_env *env, const slv_levels *levels,
@@ -254,15 +286,17 @@ static slv_result create(const slv_env *env, const slv_levels *levels,
     slv_result result;
     if ((result = slvi_alloc(env, "edges", nedges, sizeof *htex->log2, &htex->log2)) ||
         (result = slvi_alloc(env, "faces", mesh->nfaces, sizeof *htex->faces, &htex->faces)) ||
-        (result = slvi_alloc(env, "edges", nedges + 1, sizeof *htex->offset, &htex->offset)) ||
+        (result = slvi_alloc(env, "edges", nedges, sizeof *htex->at, &htex->at)) ||
         (result = slvi_alloc(env, "edges", nedges + 1, sizeof *fill.ends, &fill.ends)) ||
         (result = lay_out(env, mesh, htex, fill.ends)) ||
-        (result = slvi_alloc_plain(env, "squares", htex->offset[nedges], 1, &htex->texels)) ||
+        (result = slvi_alloc_plain(env, "squares", htex->bytes, 1, &htex->texels)) ||
         (result = slvi_alloc_plain(env, "samples on edges", fill.ends[nedges] * 2 * n,
                                    sizeof *fill.diagonals, &fill.diagonals)) ||
         (result = slvi_alloc(env, "corners", 5 * (uint64_t)mesh->nfaces * n, sizeof *fill.tops,
-                             &fill.tops)) ||
-        (result = slvi_parallel_env_begin(env, &log, &fill.env)) ||
+                             &fill.tops)))
+        goto done;
+    point(htex);
+    if ((result = slvi_parallel_env_begin(env, &log, &fill.env)) ||
         (result = slvi_parallel_for(env, mesh->nfaces, ITEMS_PER_RANGE, fill_faces, &fill)) ||
         (result = slvi_parallel_for(env, nedges, ITEMS_PER_RANGE, fill_edges, &fill)))
         goto done;
@@ -316,10 +350,12 @@ slv_result slv_htex_create(const slv_env *env, const slv_levels *levels,
 void slv_htex_destroy(slv_htex *htex) {
     if (!htex)
         return;
+    for (uint32_t edge = 0; htex->ntexels && edge < htex->nedges; edge++)
+        slvi_htex_free_own(htex, edge);
     slvi_free(htex->texels);
     slvi_free(htex->corners);
     slvi_free(htex->values);
-    slvi_free(htex->offset);
+    slvi_free(htex->at);
     slvi_free(htex->faces);
     slvi_free(htex->log2);
     slvi_free(htex->res);
@@ -331,7 +367,7 @@ const slv_texture_desc *slv_htex_get_desc(const slv_htex *htex) {
 }
 
 uint64_t slv_htex_bytes(const slv_htex *htex) {
-    return htex->offset[htex->nedges];
+    return htex->bytes;
 }
 
 uint32_t slv_htex_edge_count(const slv_htex *htex) {
@@ -348,7 +384,7 @@ const void *slv_htex_texels(const slv_htex *htex, uint32_t edge, uint32_t level)
     uint64_t first = 0;
     for (uint32_t l = 0; l < level; l++)
         first += slv_htex_level_texels(htex->log2[edge], l);
-    return htex->texels + htex->offset[edge] + first * htex->texel_size;
+    return htex->at[edge] + first * htex->texel_size;
 }
 
 uint32_t slv_htex_value_count(const slv_htex *htex) {

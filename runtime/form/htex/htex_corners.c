@@ -84,11 +84,12 @@ static slv_result lay_out(const slv_env *env, const slv_htex_around *around, slv
             corner->log2 = log2 < corner->log2 ? log2 : corner->log2;
         }
         corner->first = (uint32_t)total;
+        corner->room = corner->log2;
         total += corner->log2 + 1u;
     }
     if (total > UINT32_MAX)
         return slvi_fail(env, SLV_ERROR_LIMIT, "half-edges: too many corners for 32-bit indices");
-    htex->nvalues = (uint32_t)total;
+    htex->nvalues = htex->values_capacity = (uint32_t)total;
     return SLV_OK;
 }
 
@@ -102,7 +103,7 @@ void slvi_htex_corner_values(slv_htex *htex, const slv_htex_around *around, cons
     for (uint32_t i = first; i < end; i++) {
         uint32_t edge = around->squares[i] / SLV_HTEX_CORNERS;
         uint32_t k = around->squares[i] % SLV_HTEX_CORNERS;
-        const unsigned char *texels = htex->texels + htex->offset[edge];
+        const unsigned char *texels = htex->at[edge];
         for (uint32_t log2 = htex->log2[edge] + 1; log2-- > 0;) {
             size_t last = ((size_t)1 << log2) - 1, texel = (k / 2 * last << log2) + k % 2 * last;
             if (log2 < corner->log2) {

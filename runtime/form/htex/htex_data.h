@@ -60,6 +60,7 @@ static inline slv_htex_map slv_htex_to_face(bool part, uint32_t index) {
 typedef struct slv_htex_corner {
     uint32_t first;
     uint8_t log2;
+    uint8_t room; /* the largest log2 that there are values for */
 } slv_htex_corner;
 
 struct slv_htex {
@@ -69,9 +70,11 @@ struct slv_htex {
     uint32_t nedges;
     uint8_t *log2; /* per edge */
     slv_htex_face *faces;
-    uint64_t *offset; /* per edge, and where the last ends */
-    unsigned char *texels;
-    uint32_t ncorners, nvalues;
+    unsigned char **at;    /* per edge: its levels */
+    unsigned char *texels; /* of all edges; those of another size since have their own */
+    uint64_t ntexels;      /* bytes of these */
+    uint64_t bytes;
+    uint32_t ncorners, nvalues, values_capacity;
     slv_htex_corner *corners;
     float *values;
 };
@@ -144,6 +147,13 @@ void slvi_htex_again_destroy(slv_htex_again *again);
 slv_result slvi_htex_refresh(slv_htex_again *again, const slv_levels *levels,
                              const slv_adjacency *adjacency, const uint32_t *edges, uint32_t count,
                              slv_htex *htex);
+
+/* log2 of the side of an edge's square, by the resolutions of its faces. */
+uint32_t slvi_htex_log2_for(const slv_htex_mesh *mesh, const slv_res *res, uint32_t edge);
+/* Bytes of all levels of a square of 2^log2. */
+uint64_t slvi_htex_square_bytes(const slv_htex *htex, uint32_t log2);
+/* Gives back the memory of a square that has its own. */
+void slvi_htex_free_own(const slv_htex *htex, uint32_t edge);
 
 /* Finds what the squares at a node agree on, and the corners of each face. */
 slv_result slvi_htex_find_corners(const slv_env *env, slv_htex *htex, const slv_htex_mesh *mesh,

@@ -109,6 +109,79 @@ static void forget(slv_htex_again *again, const uint32_t *edges, uint32_t count)
     again->nfaces = again->ncorners = 0;
 }
 
+static void take_resolution(const slv_htex_again *again, const slv_levels *levels, uint32_t edge,
+                            slv_htex *htex) {
+    for (uint32_t side = 0; side < 2; side++) {
+        uint32_t half = again->mesh.half[edge][side];
+        if (half == SLV_HTEX_NONE)
+            continue;
+        htex->res[half / 4] = levels->res[half / 4];
+        if (slv_htex_is_part(&again->mesh, half / 4))
+            htex->res[again->mesh.after[half / 4]] = levels->res[again->mesh.after[half / 4]];
+    }
+}
+
+/* A square of another size gets its own memory. */
+static slv_result resize_square(const slv_htex_again *again, uint32_t edge, slv_htex *htex) {
+    uint32_t log2 = slvi_htex_log2_for(&again->mesh, htex->res, edge), old = htex->log2[edge];
+    unsigned char *own = NULL;
+    slv_result result;
+    if (log2 == old)
+        return SLV_OK;
+    uint64_t bytes = slvi_htex_square_bytes(htex, log2);
+    if ((result = slvi_alloc_plain(&again->env, "square", bytes, 1, &own)))
+        return result;
+    slvi_htex_free_own(htex, edge);
+    htex->at[edge] = own;
+    htex->log2[edge] = (uint8_t)log2;
+    htex->bytes += bytes - slvi_htex_square_bytes(htex, old);
+    return SLV_OK;
+}
+
+/* The least size around a corner may be another: more values than before go behind all others. */
+static slv_result resize_corner(const slv_htex_again *again, uint32_t index, slv_htex *htex) {
+    slv_htex_corner *corner = &htex->corners[index];
+    const slv_htex_around *around = &again->around;
+    uint8_t least = UINT8_MAX;
+    for (uint32_t i = around->first[index]; i < around->first[index + 1]; i++) {
+        uint8_t log2 = htex->log2[around->squares[i] / SLV_HTEX_CORNERS];
+        least = log2 < least ? log2 : least;
+    }
+    corner->log2 = least <= corner->room ? least : corner->log2;
+    if (least <= corner->room)
+        return SLV_OK;
+    uint32_t needed = htex->nvalues + least + 1;
+    if (needed > htex->values_capacity) {
+        uint64_t n = htex->desc.nchannels, capacity = needed + (uint64_t)needed / 8;
+        slv_result result =
+            slvi_grow(&again->env, "corners", capacity * n, sizeof *htex->values, &htex->values);
+        if (result)
+            return result;
+        htex->values_capacity = (uint32_t)capacity;
+    }
+    *corner = (slv_htex_corner){htex->nvalues, least, least};
+    htex->nvalues = needed;
+    return SLV_OK;
+}
+
+/* Sizes, and what is at hand. */
+static slv_result begin(slv_htex_again *again, const slv_levels *levels, const uint32_t *edges,
+                        uint32_t count, slv_htex *htex, uint64_t *length) {
+    slv_result result = SLV_OK;
+    for (uint32_t i = 0; i < count; i++)
+        take_resolution(again, levels, edges[i], htex);
+    for (uint32_t i = 0; !result && i < count; i++) {
+        result = resize_square(again, edges[i], htex);
+        again->squares[edges[i]] = true;
+        again->ends[edges[i]] = *length;
+        *length += UINT64_C(1) << htex->log2[edges[i]];
+        add_square(again, edges[i]);
+    }
+    for (uint32_t i = 0; !result && i < again->ncorners; i++)
+        result = resize_corner(again, again->corners[i], htex);
+    return result;
+}
+
 slv_result slvi_htex_refresh(slv_htex_again *again, const slv_levels *levels,
                              const slv_adjacency *adjacency, const uint32_t *edges, uint32_t count,
                              slv_htex *htex) {
@@ -118,13 +191,9 @@ slv_result slvi_htex_refresh(slv_htex_again *again, const slv_levels *levels,
     uint64_t n = htex->desc.nchannels, length = 0, texels, width;
     float *bordered = NULL, *row = NULL;
     double *sums = NULL;
-    slv_result result;
-    for (uint32_t i = 0; i < count; i++) {
-        again->squares[edges[i]] = true;
-        again->ends[edges[i]] = length;
-        length += UINT64_C(1) << htex->log2[edges[i]];
-        add_square(again, edges[i]);
-    }
+    slv_result result = begin(again, levels, edges, count, htex, &length);
+    if (result)
+        goto done;
     measure(again, htex, &texels, &width);
     if ((result = slvi_alloc_plain(env, "samples on edges", length * 2 * n, sizeof *fill.diagonals,
                                    &fill.diagonals)) ||

@@ -29,12 +29,22 @@ static slv_result find_pool(const slv_gl_source *source, slv_gl_store *store, sl
     return slvi_gl_store_make_pool(source, store, made);
 }
 
+static bool is_wide(const slv_gl_store *store, uint32_t item) {
+    return store->wide[item] && !store->pools.format.block;
+}
+
+bool slvi_gl_move_needed(const slv_gl_store *store, uint32_t item) {
+    const slv_gl_pool *pool = &store->pools.pools[store->pools.pool_of[item]];
+    slv_res res = store->pools.form->res(store->made, item);
+    return pool->res.u != res.u || pool->res.v != res.v || pool->wide != is_wide(store, item);
+}
+
 slv_result slvi_gl_move_item(const slv_gl_source *source, slv_gl_store *store, uint32_t item,
                              uint32_t *filler) {
     slv_gl_pools *pools = &store->pools;
-    bool wide = store->wide[item] && !pools->format.block;
     uint32_t to = 0;
-    slv_result result = find_pool(source, store, pools->form->res(store->made, item), wide, &to);
+    slv_result result =
+        find_pool(source, store, pools->form->res(store->made, item), is_wide(store, item), &to);
     if (result)
         return result;
     slvi_gl_pools_take(pools, item, filler);
@@ -42,12 +52,10 @@ slv_result slvi_gl_move_item(const slv_gl_source *source, slv_gl_store *store, u
     return SLV_OK;
 }
 
-void slvi_gl_move_row(const slv_gl_source *source, const slv_gl_store *store, uint32_t item) {
-    uint32_t items[SLV_FORM_ITEMS], row[2];
-    if (store->pools.form->items(store->made, item, items) != 1)
-        return;
-    slvi_gl_face_row(source, &store->pools, store->made, item, row);
-    source->gl->api.NamedBufferSubData(store->table, (GLintptr)(item * sizeof row), sizeof row,
+void slvi_gl_move_row(const slv_gl_source *source, const slv_gl_store *store, uint32_t face) {
+    uint32_t row[2];
+    slvi_gl_face_row(source, &store->pools, store->made, face, row);
+    source->gl->api.NamedBufferSubData(store->table, (GLintptr)(face * sizeof row), sizeof row,
                                        row);
 }
 

@@ -8,8 +8,10 @@
  * item that has got another layer by it, or the item itself; both are to be uploaded. */
 slv_result slvi_gl_move_item(const slv_gl_source *source, slv_gl_store *store, uint32_t item,
                              uint32_t *filler);
-/* Tells the table of faces where an item is, if it is a face's only one. */
-void slvi_gl_move_row(const slv_gl_source *source, const slv_gl_store *store, uint32_t item);
+/* Whether an item is in a pool of its class. */
+bool slvi_gl_move_needed(const slv_gl_store *store, uint32_t item);
+/* A face's row of the table of faces anew. */
+void slvi_gl_move_row(const slv_gl_source *source, const slv_gl_store *store, uint32_t face);
 /* After items have moved: their order, and the table of levels. */
 slv_result slvi_gl_move_end(const slv_gl_source *source, slv_gl_store *store);
 

@@ -52,21 +52,25 @@ static slv_result upload(struct update *update, slv_gl_store *store, uint32_t it
     return result;
 }
 
-/* Moves an item that needs another type than before. */
-static slv_result widen(struct update *update, slv_gl_store *store, uint32_t item) {
+/* Moves an item that has another resolution, or needs another type, than before. */
+static slv_result move(struct update *update, slv_gl_store *store, uint32_t item) {
+    const slv_gl_source *source = &update->live->source;
+    uint32_t filler = item, items[SLV_FORM_ITEMS];
     bool wide = false, blocks = store->pools.format.block;
-    uint32_t filler = item;
-    slv_result result = slvi_gl_store_is_wide(&update->live->source, store, item, &wide);
-    if (result || wide == store->wide[item])
+    slv_result result = slvi_gl_store_is_wide(source, store, item, &wide);
+    if (result)
         return result;
+    if (wide != store->wide[item])
+        *(blocks ? &store->nclipped : &store->nwide) += wide ? 1u : UINT32_MAX;
     store->wide[item] = wide;
-    *(blocks ? &store->nclipped : &store->nwide) += wide ? 1u : UINT32_MAX;
-    if (blocks)
+    if (!slvi_gl_move_needed(store, item))
         return SLV_OK;
-    if ((result = slvi_gl_move_item(&update->live->source, store, item, &filler)))
+    if ((result = slvi_gl_move_item(source, store, item, &filler)))
         return result;
-    slvi_gl_move_row(&update->live->source, store, item);
-    slvi_gl_move_row(&update->live->source, store, filler);
+    if (store->pools.form->items(store->made, 0, items) == 1) { /* items are faces */
+        slvi_gl_move_row(source, store, item);
+        slvi_gl_move_row(source, store, filler);
+    }
     slvi_gl_marks_add(&store->stale, filler); /* it is uploaded with those that are listed */
     store->moved = true;
     update->done.moved++;
@@ -81,24 +85,42 @@ static slv_result update_store(struct update *update, slv_gl_store *store) {
     if ((result = list_stale(live, form, store->made, stale)))
         return result;
     update->done.items += stale->count;
-    if (form == slv_form_bare()) { /* of these the rectangle is known */
+    if (form->refresh && (result = form->refresh(store->made, stale->listed, stale->count)))
+        return result;
+    for (uint32_t i = 0, n = stale->count; !result && i < n; i++)
+        result = move(update, store, stale->listed[i]);
+    if (!result && form == slv_form_bare() && !store->moved) { /* the rectangles are known */
         for (uint32_t i = 0; !result && i < live->nchanges; i++)
             result = upload(update, store, live->changes[i].face, &live->changes[i].rect);
         return result;
     }
-    if (form->refresh && (result = form->refresh(store->made, stale->listed, stale->count)))
-        return result;
-    for (uint32_t i = 0, n = stale->count; !result && i < n; i++)
-        result = widen(update, store, stale->listed[i]);
     for (uint32_t i = 0; !result && i < stale->count; i++)
         result = upload(update, store, stale->listed[i], NULL);
     return result || !store->moved ? result : slvi_gl_move_end(&live->source, store);
+}
+
+/* Faces that have got another resolution: their rows in the tables of faces. */
+static void resize_faces(struct update *update) {
+    slv_gl_texture *texture = update->texture;
+    const slv_texture_desc *desc = slv_levels_get_desc(update->live->levels);
+    uint64_t texel = texture->params.nchannels * slv_type_size(update->live->source.type);
+    for (uint32_t i = 0; i < update->live->nchanges; i++) {
+        uint32_t face = update->live->changes[i].face;
+        slv_res *old = &texture->res[face], res = desc->res[face];
+        if (old->u == res.u && old->v == res.v)
+            continue;
+        texture->texel_bytes += (texel << (res.u + res.v)) - (texel << (old->u + old->v));
+        *old = res;
+        for (uint32_t k = 0; k < texture->nstores; k++)
+            slvi_gl_move_row(&update->live->source, &texture->stores[k], face);
+    }
 }
 
 static slv_result update_all(struct update *update) {
     slv_gl_texture *texture = update->texture;
     slv_gl_live *live = update->live;
     slv_result result = SLV_OK;
+    resize_faces(update);
     for (uint32_t i = 0; !result && i < texture->nstores; i++)
         result = update_store(update, &texture->stores[i]);
     if (!result)

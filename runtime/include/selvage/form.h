@@ -56,8 +56,9 @@ typedef struct slv_form {
     slv_result (*stale)(const void *made, uint32_t face, const slv_rect *rect, slv_visit_item visit,
                         void *user);
     /* Makes `count` items anew from the levels, which were changed (slv_levels_update): all that
-     * `stale` visits for the changes, once each. Nobody else may use the form meanwhile. NULL if
-     * nothing is kept of items. */
+     * `stale` visits for the changes, once each; `res` of them may be another afterwards, where
+     * faces have got other resolutions. Nobody else may use the form meanwhile. NULL if nothing is
+     * kept of items. */
     slv_result (*refresh)(void *made, const uint32_t *items, uint32_t count);
 } slv_form;
 

@@ -102,6 +102,12 @@ SLV_NODISCARD SLV_API slv_result slv_texture_set_constant(slv_texture *texture, 
 SLV_NODISCARD SLV_API slv_result slv_texture_set_rect(slv_texture *texture, uint32_t face,
                                                       slv_rect rect, const void *texels);
 
+/* Gives a face another resolution, and all its texels from a tightly packed array. Nobody else may
+ * use the texture meanwhile, and it must not be open as a source (source.h), whose faces keep their
+ * resolution; a texture on the GPU follows (gl_live.h). If it fails the face is as it was. */
+SLV_NODISCARD SLV_API slv_result slv_texture_set_resolution(slv_texture *texture, uint32_t face,
+                                                            slv_res res, const void *texels);
+
 SLV_API bool slv_texture_is_constant(const slv_texture *texture, uint32_t face);
 /* A constant face: one texel. Any other: all of them. Owned by the texture. */
 SLV_API const void *slv_texture_texels(const slv_texture *texture, uint32_t face);
@@ -136,9 +142,11 @@ SLV_NODISCARD SLV_API slv_result slv_levels_create_over(const slv_env *env,
                                                         const slv_texture *texture,
                                                         slv_levels **out);
 /* After texels of a rectangle of a face were changed, or the face became constant or ceased to be:
- * the levels become those that would be made afresh, in time that goes with the rectangle.
+ * the levels become those that would be made afresh, in time that goes with the rectangle. A face
+ * may have got another resolution; the rectangle is then all of it.
  * `texture` is the one that they were made from. Nobody else may use the levels meanwhile. Memory
- * is taken only the first time that a face becomes constant, or ceases to be; if there is none, the
+ * is taken only the first time that a face becomes constant, or ceases to be, or for another
+ * resolution; if there is none, the
  * face is not to be read until a call succeeds. */
 SLV_NODISCARD SLV_API slv_result slv_levels_update(slv_levels *levels, const slv_texture *texture,
                                                    uint32_t face, slv_rect rect);
