@@ -156,7 +156,8 @@ static slv_result lay_out(slv_levels *levels, const slv_texture *texture, uint64
         uint64_t texels = texels_in(levels->res[face], room);
         levels->first[face] = next;
         levels->room[face] = (uint8_t)room;
-        next += slv_res_level_count(levels->res[face]);
+        levels->most[face] = (uint8_t)slv_res_level_count(levels->res[face]);
+        next += levels->most[face];
         if (texels > (UINT64_MAX - *bytes) / levels->texel_size)
             return slvi_fail(&levels->env, SLV_ERROR_LIMIT, "levels: more than 2^64 bytes");
         *bytes += texels * levels->texel_size;
@@ -194,6 +195,7 @@ static slv_result create(const slv_env *env, const slv_texture *texture, bool bo
         (result = slvi_alloc(env, "level resolutions", n, sizeof *levels->res, &levels->res)) ||
         (result = slvi_alloc(env, "level table", n + 1, sizeof *levels->first, &levels->first)) ||
         (result = slvi_alloc(env, "level table", n, 1, &levels->room)) ||
+        (result = slvi_alloc(env, "level table", n, 1, &levels->most)) ||
         (result = slvi_alloc(env, "level table", n, sizeof *levels->own, &levels->own)) ||
         (result = slvi_alloc(env, "level table", nlevels, sizeof *levels->at, &levels->at)))
         goto done;
@@ -222,15 +224,17 @@ static bool is_first_room(const slv_levels *levels, uint32_t face) {
     return at >= first && at <= first + levels->nbytes;
 }
 
-/* Another resolution: another place for a face's row of levels if it is longer, and no room yet. */
+/* Another resolution: another place for a face's row of levels if it is longer than ever, and no
+ * room yet. */
 static slv_result resize(slv_levels *levels, uint32_t face, slv_res res) {
-    size_t had = slv_res_level_count(levels->res[face]), has = slv_res_level_count(res);
-    if (has > had) {
+    size_t has = slv_res_level_count(res);
+    if (has > levels->most[face]) {
         slv_result result = slvi_grow(&levels->env, "level table", levels->nat + has,
                                       sizeof *levels->at, &levels->at);
         if (result)
             return result;
         levels->first[face] = levels->nat;
+        levels->most[face] = (uint8_t)has;
         levels->nat += has;
     }
     levels->res[face] = res;
@@ -298,6 +302,7 @@ void slv_levels_destroy(slv_levels *levels) {
     slvi_free(levels->texels);
     slvi_free(levels->own);
     slvi_free(levels->room);
+    slvi_free(levels->most);
     slvi_free(levels->at);
     slvi_free(levels->first);
     slvi_free(levels->res);

@@ -18,7 +18,7 @@ typedef enum slvi_level_room {
     SLVI_ROOM_ALL
 } slvi_level_room;
 
-/* Face f has the levels first[f]..first[f+1]-1; at[] says where each is, in `texels` or, of level
+/* Face f has its levels from first[f] on; at[] says where each is, in `texels` or, of level
  * 0, in the texture. */
 struct slv_levels {
     slv_env env; /* its log is serialised: borders are built by many threads at once */
@@ -33,6 +33,7 @@ struct slv_levels {
     uint64_t nbytes; /* of `texels` */
     bool borrowed;   /* level 0 of faces that are not constant is the texture's */
     uint8_t *room;   /* of each face: slvi_level_room */
+    uint8_t *most;   /* levels that at[] has places for */
     /* where that is: in `texels`, or of its own since an update */
     unsigned char **own;
 };

@@ -135,8 +135,35 @@ static void check(const slv_form *form, uint32_t which, bool over, uint64_t *ran
     kit_free(&k);
 }
 
+/* A face may change its resolution as often as it likes within the memory that it once took. */
+static void check_memory(const slv_form *form) {
+    enum { CHANGES = TEST_SANITIZED ? 4000 : 16000 };
+    static const uint16_t texels[16] = {1, 2, 3, 4};
+    static struct follower f;
+    uint64_t random = 5;
+    slv_env env = test_env();
+    kit k;
+    kit_cube(&k, &random);
+    kit_equal(&k, 0);
+    kit_noise(&k, SLV_TYPE_HALF, 1, &random);
+    f = (struct follower){.k = &k, .form = form, .seen = slv_texture_version(k.texture)};
+    env.max_bytes = 64 << 10;
+    REQUIRE(slv_levels_create(&env, k.texture, &f.levels) == SLV_OK);
+    REQUIRE(form->create(&env, f.levels, k.adjacency, 1, &f.made) == SLV_OK);
+    for (int i = 0; i < CHANGES; i++) {
+        slv_res res = i % 2 ? (slv_res){0, 0} : (slv_res){2, 2};
+        REQUIRE(slv_texture_set_resolution(k.texture, 0, res, texels) == SLV_OK);
+        update(&f);
+    }
+    form->destroy(f.made);
+    slv_levels_destroy(f.levels);
+    kit_free(&k);
+}
+
 int main(void) {
     uint64_t random = 47;
+    for (uint32_t k = 0; k < slv_form_count(); k++)
+        check_memory(slv_form_at(k));
     for (uint32_t i = 0; i < test_effort(CASES); i++)
         for (uint32_t k = 0; k < slv_form_count(); k++)
             check(slv_form_at(k), i, i % 3 > 0, &random);

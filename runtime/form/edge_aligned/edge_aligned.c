@@ -17,6 +17,7 @@ struct slv_edge_aligned {
     slv_res *res;
     size_t texel_size;
     size_t *first; /* per face: its first level in `at` */
+    uint8_t *most; /* levels that it has places for there */
     unsigned char **at;
     size_t nat;
     uint64_t bytes;
@@ -165,7 +166,8 @@ static void point_all(slv_edge_aligned *aligned) {
     size_t at = 0;
     for (uint32_t face = 0; face < aligned->desc.nfaces; face++) {
         aligned->first[face] = at;
-        at += slv_res_level_count(aligned->res[face]);
+        aligned->most[face] = (uint8_t)slv_res_level_count(aligned->res[face]);
+        at += aligned->most[face];
         next = point(aligned, face, next);
     }
     aligned->nat = at;
@@ -181,14 +183,15 @@ static void free_own(const slv_edge_aligned *aligned, uint32_t face) {
 /* Another place for a face's levels if it has got another resolution. */
 static slv_result resize(slv_edge_aligned *aligned, uint32_t face, slv_res res) {
     slv_res old = aligned->res[face];
-    size_t had = slv_res_level_count(old), has = slv_res_level_count(res);
+    size_t has = slv_res_level_count(res);
     unsigned char *own = NULL;
     slv_result result;
     if (old.u == res.u && old.v == res.v)
         return SLV_OK;
     uint64_t before = face_bytes(aligned, face);
-    if (has > had && (result = slvi_grow(&aligned->env, "levels", aligned->nat + has,
-                                         sizeof *aligned->at, &aligned->at)))
+    bool longer = has > aligned->most[face]; /* than ever */
+    if (longer && (result = slvi_grow(&aligned->env, "levels", aligned->nat + has,
+                                      sizeof *aligned->at, &aligned->at)))
         return result;
     aligned->res[face] = res;
     uint64_t bytes = face_bytes(aligned, face);
@@ -197,8 +200,9 @@ static slv_result resize(slv_edge_aligned *aligned, uint32_t face, slv_res res) 
         return result;
     }
     free_own(aligned, face);
-    if (has > had) {
+    if (longer) {
         aligned->first[face] = aligned->nat;
+        aligned->most[face] = (uint8_t)has;
         aligned->nat += has;
     }
     point(aligned, face, own);
@@ -248,6 +252,7 @@ static slv_result create(const slv_env *env, const slv_levels *levels,
              slvi_alloc(env, "resolutions", desc->nfaces, sizeof *aligned->res, &aligned->res)) ||
         (result =
              slvi_alloc(env, "faces", desc->nfaces, sizeof *aligned->first, &aligned->first)) ||
+        (result = slvi_alloc(env, "faces", desc->nfaces, 1, &aligned->most)) ||
         (result = slvi_alloc(env, "levels", nlevels, sizeof *aligned->at, &aligned->at)))
         goto done;
     if (desc->nfaces)
@@ -282,6 +287,7 @@ void slv_edge_aligned_destroy(slv_edge_aligned *aligned) {
     slvi_free(aligned->samples);
     slvi_free(aligned->at);
     slvi_free(aligned->first);
+    slvi_free(aligned->most);
     slvi_free(aligned->res);
     slvi_parallel_env_end(aligned->log);
     slvi_free(aligned);
