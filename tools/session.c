@@ -23,24 +23,12 @@ static slv_result make(const slv_env *env, struct session *s) {
     slv_ptx *ptx = NULL;
     slv_mesh *mesh = NULL;
     slv_texture *texture = NULL;
-    const slv_layer_props props = {.name = "base", .opacity = 1};
-    slv_session_params params = {.scheme = (slv_scheme)s->scheme};
-    uint32_t layer;
+    const slv_session_params params = {.scheme = (slv_scheme)s->scheme};
     slv_result result;
-    if ((result = slv_ptx_open(env, s->new_from, &ptx)) ||
-        (result = scene_load_geometry(env, ptx, "a .ptx with the mesh inside", &mesh)) ||
-        (result = slv_ptx_load_texture(env, ptx, &texture)))
-        goto done;
-    params.document.flat = *slv_texture_get_desc(texture);
-    if ((result = slv_session_create(env, s->path, mesh, &params, &s->session)))
-        goto done;
-    slv_document *document = slv_session_document(s->session);
-    if (!(result =
-              slv_document_add_layer(document, &(slv_layer_params){.props = &props}, &layer)) &&
-        !(result = slv_document_load_layer(document, layer, texture)) &&
-        !(result = slv_document_add_layer(document, NULL, NULL)))
-        result = slv_session_save(s->session);
-done:
+    if (!(result = slv_ptx_open(env, s->new_from, &ptx)) &&
+        !(result = scene_load_geometry(env, ptx, "a .ptx with the mesh inside", &mesh)) &&
+        !(result = slv_ptx_load_texture(env, ptx, &texture)))
+        result = slv_session_create_from(env, s->path, mesh, texture, &params, &s->session);
     slv_texture_destroy(texture);
     slv_mesh_destroy(mesh);
     slv_ptx_close(ptx);

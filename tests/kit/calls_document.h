@@ -7,6 +7,8 @@
 #include <selvage/document.h>
 #include <selvage/session.h>
 
+#include <unistd.h>
+
 /* All that is done to a layer's texels, within an entry that is open. */
 static inline slv_result calls_paint_layer(slv_document *document, uint32_t id) {
     const float coverage[4] = {1, 1, 0, 0.5f};
@@ -61,9 +63,35 @@ static inline slv_result call_document(const slv_env *env) {
 
 /* Before each run: no session is there. */
 static inline void calls_prepare_session(void) {
+    static const char *const names[] = {"made.selvage", "moved.selvage"};
     char line[160];
-    snprintf(line, sizeof line, "rm -rf %s", calls_path("made.selvage"));
-    REQUIRE(system(line) == 0);
+    for (size_t i = 0; i < sizeof names / sizeof *names; i++) {
+        snprintf(line, sizeof line, "rm -rf %s", calls_path(names[i]));
+        REQUIRE(access(calls_path(names[i]), F_OK) != 0 || system(line) == 0);
+    }
+}
+
+/* A stroke that is made while it shows. */
+static inline slv_result calls_stroke(slv_session *session) {
+    static const char pen[] = "{\"radius\":0.3,\"color\":[1,0,0]}";
+    const slv_stroke_sample samples[] = {{.at = {0, 0.2f, 0.5f}, .pressure = 1},
+                                         {.at = {0, 0.8f, 0.5f}, .pressure = 1, .time = 1}};
+    slv_result result = slv_session_stroke_begin(session, 1, false, NULL, pen, sizeof pen - 1);
+    if (!result && !(result = slv_session_stroke_add(session, samples, 2)))
+        result = slv_session_stroke_end(session, NULL);
+    slv_session_stroke_cancel(session);
+    return result;
+}
+
+static inline slv_result call_session_moves(const slv_env *env) {
+    const slv_session_params params = {.relaxed = true};
+    slv_session *session = NULL;
+    slv_result result = slv_session_create_from(env, calls_path("made.selvage"), calls.mesh,
+                                                calls.texture, &params, &session);
+    if (!result && !(result = calls_stroke(session)))
+        result = slv_session_save_as(session, calls_path("moved.selvage"));
+    slv_session_destroy(session);
+    return result;
 }
 
 static inline slv_result call_session(const slv_env *env) {

@@ -531,6 +531,7 @@ static const calls_entry calls_all[] = {
     {"stroke", call_stroke},
     {"document", call_document},
     {"session", call_session},
+    {"session_moves", call_session_moves},
     {"fill", call_fill},
     {"script", call_script},
 };

@@ -17,6 +17,7 @@
 #define SELVAGE_SESSION_H
 
 #include <selvage/document.h>
+#include <selvage/stroke.h>
 
 #ifdef __cplusplus
 extern "C" {
@@ -39,6 +40,13 @@ SLV_NODISCARD SLV_API slv_result slv_session_create(const slv_env *env, const ch
                                                     const slv_mesh *mesh,
                                                     const slv_session_params *params,
                                                     slv_session **out);
+/* The same with a texture's texels as the lowest layer, `base`, an empty layer above it, and saved.
+ * Of `params` (may be NULL) document.flat does not count: it is the texture's. */
+SLV_NODISCARD SLV_API slv_result slv_session_create_from(const slv_env *env, const char *path,
+                                                         const slv_mesh *mesh,
+                                                         const slv_texture *texture,
+                                                         const slv_session_params *params,
+                                                         slv_session **out);
 /* `params` may be NULL. Undo goes back as far as what was brought back from the journal. */
 SLV_NODISCARD SLV_API slv_result slv_session_open(const slv_env *env, const char *path,
                                                   const slv_session_params *params,
@@ -58,13 +66,38 @@ SLV_API const slv_adjacency *slv_session_adjacency(const slv_session *session);
 SLV_NODISCARD SLV_API slv_result slv_session_painter(slv_session *session, slv_painter **out);
 
 /* Runs a line of a script (script.h) on a layer, or its mask: one entry of the history. Brush files
- * are copied into the session; names are relative to `folder` (NULL: where the process is). */
+ * are copied into the session; names are relative to `folder` (NULL: where the process is). Lines
+ * of a session's journal are run too, so that a journal is a script: a line that names its layer is
+ * for that, and one with an edit, "undo" or "redo" does that to the document. */
 SLV_NODISCARD SLV_API slv_result slv_session_run(slv_session *session, uint32_t layer, bool mask,
                                                  const char *folder, const char *line, size_t size);
+
+/* A stroke while it is made, for windows: `line` is one of a script's with all of a stroke but its
+ * samples, which are told as they come and show in the document at once. `end` puts the line, with
+ * all samples, into the journal, by which running it gives the same texels. One at a time; until it
+ * has ended nothing else can be done to the document. After a failure nothing of it is left, and it
+ * has ended; so has one whose session is destroyed. `stats` may be NULL. */
+SLV_NODISCARD SLV_API slv_result slv_session_stroke_begin(slv_session *session, uint32_t layer,
+                                                          bool mask, const char *folder,
+                                                          const char *line, size_t size);
+SLV_NODISCARD SLV_API slv_result slv_session_stroke_add(slv_session *session,
+                                                        const slv_stroke_sample *samples,
+                                                        uint32_t count);
+SLV_NODISCARD SLV_API slv_result slv_session_stroke_end(slv_session *session,
+                                                        slv_stroke_stats *stats);
+/* Takes it back. Nothing if there is none. */
+SLV_API void slv_session_stroke_cancel(slv_session *session);
 
 /* Puts the document as it is beside the saved one, which it then replaces: at any moment one of the
  * two is there. */
 SLV_NODISCARD SLV_API slv_result slv_session_save(slv_session *session);
+
+/* Puts a copy of the session, saved, to another place, where it is from then on: what is done next
+ * is in the journal there. The old folder is left as it is, saved or not, and free for others.
+ * SLV_ERROR_IO if something is there already; then the session is where it was. */
+SLV_NODISCARD SLV_API slv_result slv_session_save_as(slv_session *session, const char *path);
+/* Where it is. Owned by the session, until it goes elsewhere. */
+SLV_API const char *slv_session_path(const slv_session *session);
 
 typedef struct slv_session_info {
     uint64_t lines;      /* of the journal */

@@ -248,8 +248,6 @@ slv_result slvi_script_read(slv_script *script, uint64_t number, json_t *root, s
     }
     if (out->camera && (result = make_camera(&r)))
         return result;
-    if (out->op == SLVI_SCRIPT_STROKE && !out->samples)
-        return wrong(&r, "samples", "a list of samples");
     if (out->op == SLVI_SCRIPT_FILL && out->face < 0)
         return wrong(&r, "face", "the face that a fill begins at");
     return SLV_OK;

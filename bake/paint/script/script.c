@@ -94,22 +94,44 @@ bool slv_script_touched(const slv_script *script, uint32_t face) {
     return face < script->nfaces && script->touched[face];
 }
 
-static slv_result run_stroke(slv_script *s, uint64_t number, slvi_line *line) {
-    slv_stroke *stroke = NULL;
-    slv_stroke_stats stats = {0};
-    slv_stroke_sample sample;
+/* Samples come later. The brush is the script's. */
+static slv_result begin_stroke(slv_script *s, uint64_t number, slvi_line *line, slv_stroke **out) {
     slv_result result = SLV_OK;
+    *out = NULL;
     line->stroke.mirrors = line->mirrors;
     if (!line->stroke.brush) {
         json_t *standard = json_object();
         result = slvi_script_brush_of(s, number, standard, &line->stroke.brush);
         json_decref(standard);
     }
+    return result ? result : slv_stroke_begin(s->painter, &s->canvas, &line->stroke, out);
+}
+
+slv_result slvi_script_stroke(slv_script *script, uint64_t number, json_t *root, slv_stroke **out) {
+    slvi_line all = script->set;
+    slv_result result = slvi_script_read(script, number, root, &all);
+    *out = NULL;
+    if (!result && (all.op != SLVI_SCRIPT_STROKE || all.samples))
+        result = slvi_fail(&script->env, SLV_ERROR_FORMAT,
+                           "%s: line %llu: expected a stroke, its samples to come", script->name,
+                           (unsigned long long)number);
+    return result ? result : begin_stroke(script, number, &all, out);
+}
+
+static slv_result run_stroke(slv_script *s, uint64_t number, slvi_line *line) {
+    slv_stroke *stroke = NULL;
+    slv_stroke_stats stats = {0};
+    slv_stroke_sample sample;
+    slv_result result = SLV_OK;
+    if (!line->samples)
+        return slvi_fail(&s->env, SLV_ERROR_FORMAT,
+                         "%s: line %llu: samples: expected a list of samples", s->name,
+                         (unsigned long long)number);
     /* all of it is looked at before any of it is painted */
     for (size_t i = 0; !result && i < json_array_size(line->samples); i++)
         result = slvi_script_sample(s, number, line, i, &sample);
     if (!result)
-        result = slv_stroke_begin(s->painter, &s->canvas, &line->stroke, &stroke);
+        result = begin_stroke(s, number, line, &stroke);
     for (size_t i = 0; !result && i < json_array_size(line->samples); i++)
         if (!(result = slvi_script_sample(s, number, line, i, &sample)))
             result = slv_stroke_add(stroke, &sample, 1);

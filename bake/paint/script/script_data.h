@@ -47,6 +47,8 @@ struct slv_script {
 
 /* Reads a line into `out`, which holds what was set. What is wrong is told, naming the line. */
 slv_result slvi_script_read(slv_script *script, uint64_t number, json_t *root, slvi_line *out);
+/* Begins the stroke of a line that has no samples. The script outlives it. */
+slv_result slvi_script_stroke(slv_script *script, uint64_t number, json_t *root, slv_stroke **out);
 /* A copy of a text, for slvi_free. */
 slv_result slvi_script_copy(const slv_env *env, const char *text, char **out);
 /* Sample `index` of a line's. */

@@ -112,20 +112,33 @@ slv_result slv_session_painter(slv_session *session, slv_painter **out) {
     return result;
 }
 
-slv_result slvi_session_paint(slv_session *session, uint32_t layer, bool mask, json_t *line) {
+slv_result slvi_session_script(slv_session *session, uint32_t layer, bool mask, slv_script **out) {
     const slv_script_params params = {.name = session->journal.path, .folder = session->path};
-    json_t *bare = json_copy(line);
     slv_painter *painter;
     slv_canvas canvas;
+    slv_result result = slv_session_painter(session, &painter);
+    *out = NULL;
+    if (!result && !(result = slv_document_canvas(session->document, layer, mask, &canvas)))
+        result = slv_script_create(painter, &canvas, &params, out);
+    return result;
+}
+
+/* What scripts have no keys for. */
+static void make_bare(json_t *line) {
+    static const char *const keys[] = {"layer", "mask", "n", "crc"};
+    for (size_t i = 0; i < sizeof keys / sizeof *keys; i++)
+        json_object_del(line, keys[i]);
+}
+
+slv_result slvi_session_paint(slv_session *session, uint32_t layer, bool mask, json_t *line) {
+    json_t *bare = json_copy(line);
     slv_script *script = NULL;
-    json_object_del(bare, "layer");
-    json_object_del(bare, "mask");
+    make_bare(bare);
     char *text = json_dumps(bare, JSON_COMPACT | JSON_REAL_PRECISION(17));
-    slv_result result = text ? slv_session_painter(session, &painter)
+    slv_result result = text ? slvi_session_script(session, layer, mask, &script)
                              : slvi_fail(&session->env, SLV_ERROR_MEMORY,
                                          "%s: no memory for a line", session->journal.path);
-    if (!result && !(result = slv_document_canvas(session->document, layer, mask, &canvas)) &&
-        !(result = slv_script_create(painter, &canvas, &params, &script)))
+    if (!result)
         result = slv_script_run(script, session->journal.next, text, strlen(text));
     slv_script_destroy(script);
     free(text);
@@ -147,7 +160,10 @@ static slv_result keep_brush(slv_session *session, const char *folder, json_t *l
         return result;
     if (!(result =
               slvi_file_read(&session->env, folder || *name == '/' ? from : name, &text, &size))) {
-        snprintf(kept, sizeof kept, "brush-%08" PRIx32 "-%.60s", slvi_crc(0, text, size), base);
+        size_t mark =
+            (size_t)snprintf(kept, sizeof kept, "brush-%08" PRIx32 "-", slvi_crc(0, text, size));
+        bool known = strncmp(base, kept, mark) == 0; /* it comes from a session */
+        snprintf(kept + mark, sizeof kept - mark, "%.60s", known ? base + mark : base);
         result = slvi_session_path(&session->env, session->path, kept, &to);
     }
     if (!result && access(to, F_OK) != 0)
@@ -160,6 +176,13 @@ static slv_result keep_brush(slv_session *session, const char *folder, json_t *l
     return result;
 }
 
+slv_result slvi_session_keep(slv_session *session, uint32_t layer, bool mask, json_t *line) {
+    json_object_set_new(line, "layer", json_integer(layer));
+    if (mask)
+        json_object_set_new(line, "mask", json_true());
+    return keep_edit(session, json_incref(line));
+}
+
 static slv_result run_line(slv_session *session, uint32_t layer, bool mask, json_t *line) {
     slvi_edit edit;
     slv_result result = slvi_edit_begin(session->document, "stroke", &edit);
@@ -168,40 +191,98 @@ static slv_result run_line(slv_session *session, uint32_t layer, bool mask, json
     session->running = true;
     result = slvi_session_paint(session, layer, mask, line);
     session->running = false;
-    json_object_set_new(line, "layer", json_integer(layer));
-    if (mask)
-        json_object_set_new(line, "mask", json_true());
     if (!result)
-        result = keep_edit(session, json_incref(line));
+        result = slvi_session_keep(session, layer, mask, line);
     return slvi_edit_end(session->document, &edit, NULL, result);
 }
 
-slv_result slv_session_run(slv_session *session, uint32_t layer, bool mask, const char *folder,
-                           const char *line, size_t size) {
+slv_result slvi_session_line(slv_session *session, const char *folder, const char *line,
+                             size_t size, json_t **out) {
     json_error_t error;
-    size_t blank = 0;
-    while (blank < size && strchr(" \t\r\n", line[blank]))
-        blank++;
-    if (blank == size || line[blank] == '#')
-        return SLV_OK;
     json_t *root = json_loadb(line, size, JSON_REJECT_DUPLICATES, &error);
+    *out = NULL;
     if (!json_is_object(root)) {
         json_decref(root);
         return slvi_fail(&session->env, SLV_ERROR_FORMAT, "%s: a line: %s", session->path,
                          root ? "expected an object" : error.text);
     }
-    const char *op = json_string_value(json_object_get(root, "op"));
     slv_result result = keep_brush(session, folder, root);
-    if (!result && op && strcmp(op, "set") == 0) {
+    if (result)
+        json_decref(root);
+    else
+        *out = root;
+    return result;
+}
+
+/* What a line says is set, and what it says itself. It is for the layer that it names, if it names
+ * one. */
+static slv_result run_strokes(slv_session *session, uint32_t layer, bool mask, json_t *root) {
+    json_t *own = json_object_get(root, "layer");
+    json_int_t id = json_integer_value(own);
+    if (own && (!json_is_integer(own) || id < 1 || id > UINT32_MAX))
+        return slvi_fail(&session->env, SLV_ERROR_FORMAT, "%s: a line: layer: expected its id",
+                         session->path);
+    layer = own ? (uint32_t)id : layer;
+    mask = own ? json_is_true(json_object_get(root, "mask")) : mask;
+    json_t *all = json_copy(session->set);
+    make_bare(root);
+    json_object_update(all, root);
+    slv_result result = run_line(session, layer, mask, all);
+    json_decref(all);
+    return result;
+}
+
+/* Edits, as the journal has them, their numbers and checksums left aside. */
+static slv_result run_edit(slv_session *session, const char *folder, const char *op,
+                           const json_t *root) {
+    slv_document *document = session->document;
+    const json_t *edits = json_object_get(root, "edits");
+    size_t count = json_array_size(edits);
+    if (strcmp(op, "undo") == 0)
+        return slv_document_undo(document);
+    if (strcmp(op, "redo") == 0)
+        return slv_document_redo(document);
+    if (strcmp(op, "group") != 0)
+        return slvi_edit_apply(document, session->path, root, folder ? folder : ".");
+    const char *name = json_string_value(json_object_get(root, "name"));
+    slv_result result = slv_document_begin(document, name);
+    if (result)
+        return result;
+    for (size_t i = 0; !result && i < count; i++) {
+        json_t *edit = json_array_get(edits, i);
+        const char *kind = json_string_value(json_object_get(edit, "op"));
+        if (!kind || strcmp(kind, "stroke") == 0 || strcmp(kind, "fill") == 0)
+            result = run_strokes(session, 0, false, edit);
+        else
+            result = slvi_edit_apply(document, session->path, edit, folder ? folder : ".");
+    }
+    if (!result)
+        return slv_document_end(document);
+    slv_document_cancel(document);
+    return result;
+}
+
+slv_result slv_session_run(slv_session *session, uint32_t layer, bool mask, const char *folder,
+                           const char *line, size_t size) {
+    size_t blank = 0;
+    json_t *root;
+    while (blank < size && strchr(" \t\r\n", line[blank]))
+        blank++;
+    if (blank == size || line[blank] == '#')
+        return SLV_OK;
+    slv_result result = slvi_session_line(session, folder, line, size, &root);
+    if (result)
+        return result;
+    const char *op = json_string_value(json_object_get(root, "op"));
+    if (op && strcmp(op, "set") == 0) {
         if (!(result = slvi_session_paint(session, layer, mask, root))) {
             json_object_del(root, "op");
             json_object_update(session->set, root);
         }
-    } else if (!result) {
-        json_t *all = json_copy(session->set);
-        json_object_update(all, root);
-        result = run_line(session, layer, mask, all);
-        json_decref(all);
+    } else if (op && strcmp(op, "stroke") != 0 && strcmp(op, "fill") != 0) {
+        result = run_edit(session, folder, op, root);
+    } else {
+        result = run_strokes(session, layer, mask, root);
     }
     json_decref(root);
     return result;

@@ -132,9 +132,32 @@ done:
     return result;
 }
 
+slv_result slv_session_create_from(const slv_env *env, const char *path, const slv_mesh *mesh,
+                                   const slv_texture *texture, const slv_session_params *params,
+                                   slv_session **out) {
+    const slv_layer_props props = {.name = "base", .opacity = 1};
+    slv_session_params all = params ? *params : (slv_session_params){0};
+    uint32_t layer;
+    all.document.flat = *slv_texture_get_desc(texture);
+    slv_result result = slv_session_create(env, path, mesh, &all, out);
+    if (result)
+        return result;
+    slv_document *document = slv_session_document(*out);
+    if ((result = slv_document_add_layer(document, &(slv_layer_params){.props = &props}, &layer)) ||
+        (result = slv_document_load_layer(document, layer, texture)) ||
+        (result = slv_document_add_layer(document, NULL, NULL)) ||
+        (result = slv_session_save(*out))) {
+        slv_session_destroy(*out);
+        *out = NULL;
+        slvi_beside_remove_folder(path); /* nobody has it yet */
+    }
+    return result;
+}
+
 void slv_session_destroy(slv_session *session) {
     if (!session)
         return;
+    slv_session_stroke_cancel(session);
     slv_document_destroy(session->document);
     slv_painter_destroy(session->painter);
     slv_paint_surface_destroy(session->surface);

@@ -49,6 +49,14 @@ slv_result slvi_edit_to_json(const slv_env *env, const slvi_op *op, uint32_t nfa
 slv_result slvi_edit_apply(slv_document *document, const char *name, const json_t *edit,
                            const char *folder);
 
+/* A stroke that is being made. */
+typedef struct slvi_live_stroke {
+    slv_script *script; /* has the brush */
+    slv_stroke *stroke; /* NULL: there is none */
+    json_t *line, *samples;
+    slvi_edit edit;
+} slvi_live_stroke;
+
 struct slv_session {
     slv_env env;   /* its log is ours, which may be silent */
     slv_env outer; /* as it was given */
@@ -61,8 +69,9 @@ struct slv_session {
     slv_paint_surface *surface;
     slv_painter *painter;
     slvi_journal journal;
-    json_t *edits;  /* of the entry that is open */
-    json_t *set;    /* what lines with "set" have said */
+    json_t *edits; /* of the entry that is open */
+    json_t *set;   /* what lines with "set" have said */
+    slvi_live_stroke live;
     bool running;   /* a line of a script: layers may be painted on */
     bool replaying; /* nothing is journalled */
     uint64_t state; /* the number of the newest state */
@@ -96,6 +105,14 @@ slv_result slvi_session_save(slv_session *session);
 /* Makes the document of the newest state that fits the journal, and does again what came after. */
 slv_result slvi_session_recover(slv_session *session);
 slv_result slvi_session_new_document(slv_session *session);
+/* All that goes before the samples of a stroke, or a fill: `line` says all that was set, and
+ * brushes are in the session. */
+slv_result slvi_session_line(slv_session *session, const char *folder, const char *line,
+                             size_t size, json_t **out);
+/* The line for the journal. */
+slv_result slvi_session_keep(slv_session *session, uint32_t layer, bool mask, json_t *line);
+/* A script that paints on a layer. */
+slv_result slvi_session_script(slv_session *session, uint32_t layer, bool mask, slv_script **out);
 /* Runs a line of a script, which says all, on a layer. */
 slv_result slvi_session_paint(slv_session *session, uint32_t layer, bool mask, json_t *line);
 
