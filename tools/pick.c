@@ -42,7 +42,8 @@ static slv_camera look_at(const scene_shot *shot, const double at[2]) {
 /* Values are the file's numbers, or the light that they stand for if sRGB is asked for. */
 static slv_result find(const slv_env *env, const scene_shot *shot, bool srgb, const double at[2],
                        found *out) {
-    const slv_reference_params params = {.segments = shot->segments, .encoding = SLV_TEXTURE_DATA};
+    const slv_reference_params params = {.tessellation = &shot->tessellation,
+                                         .encoding = SLV_TEXTURE_DATA};
     const slv_texture_desc *desc = slv_texture_get_desc(shot->scene.texture);
     slv_camera camera = look_at(shot, at);
     slv_reference *reference = NULL;

@@ -79,8 +79,8 @@ static int draw(const cli_command *command, const struct render *r, const char *
                                                                : SLV_GL_COMPRESSION_NONE,
                                     .encoding = (slv_texture_encoding)r->scene.encoding};
     slv_image_params file = {.bits = r->bits};
-    const char *const inputs[] = {r->ptx, r->scene.mesh, r->scene.view};
-    if (output_check(&env, path, inputs, 3))
+    const char *const inputs[] = {r->ptx, r->scene.mesh, r->scene.view, r->scene.displace.texture};
+    if (output_check(&env, path, inputs, 4))
         return EXIT_FAILED;
     int code = scene_load_shot(command, &env, r->ptx, &r->scene, &shot);
     if (code)
@@ -107,8 +107,8 @@ static int draw(const cli_command *command, const struct render *r, const char *
     if (slv_gl_create(&env, (slv_gl_backend)r->context, &gl) ||
         slv_gl_texture_create(gl, &env, shot.scene.texture, shot.scene.adjacency, &upload,
                               &texture) ||
-        slv_gl_renderer_create(gl, &env, shot.scene.mesh, shot.scene.surface, shot.segments,
-                               &renderer) ||
+        slv_gl_renderer_create_with(gl, &env, shot.scene.mesh, shot.scene.surface,
+                                    &shot.tessellation, &renderer) ||
         slv_gl_renderer_draw(renderer, &env, texture, &frame, &image, NULL) ||
         output_image(&env, path, &image, file, r->scene.progress, r->quiet))
         goto done;
@@ -118,7 +118,7 @@ static int draw(const cli_command *command, const struct render *r, const char *
         slv_gl_texture_stats stats = slv_gl_texture_get_stats(texture, frame.strategy);
         printf("%s: %u x %u, %s, %ux MSAA, %ux anisotropy, %u segments, %.1f MB on the GPU, %s\n",
                path, frame.width, frame.height, frame.strategy->name, frame.msaa ? frame.msaa : 1,
-               r->aniso, shot.segments, (double)stats.gpu_bytes / 1e6,
+               r->aniso, shot.tessellation.segments, (double)stats.gpu_bytes / 1e6,
                slv_gl_get_info(gl)->renderer);
         if (r->compress)
             printf("compressed: texels are off by %.4f RMS, %.3f at most\n", stats.block_rms,

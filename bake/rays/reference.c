@@ -97,7 +97,6 @@ static slv_result check(const slv_env *env, const slv_mesh *mesh, const slv_surf
         return slvi_fail(env, SLV_ERROR_ARGUMENT,
                          "reference: %u channels from %u on, of a texture with %u",
                          params->nchannels, params->first_channel, desc->nchannels);
-    params->segments = params->segments ? params->segments : 32;
     return SLV_OK;
 }
 
@@ -109,6 +108,7 @@ static slv_result create(const slv_env *env, const slv_mesh *mesh, const slv_sur
     slv_texture *decoded = NULL;
     slv_reference *made = NULL;
     slv_result result;
+    const slv_tessellation_params even = {.segments = params.segments ? params.segments : 32};
     *out = NULL;
     if ((result = check(env, mesh, surface, texture, adjacency, &params)) ||
         (result = slvi_alloc(env, "reference", 1, sizeof *made, &made)))
@@ -119,7 +119,9 @@ static slv_result create(const slv_env *env, const slv_mesh *mesh, const slv_sur
         (result = slvi_reference_texels_create(env, decoded ? decoded : texture, adjacency,
                                                params.first_channel, shown, &made->texels)) ||
         (result = slv_mesh_adjacency(env, mesh, &own)) ||
-        (result = slv_tessellate(env, mesh, surface, own, params.segments, &made->mesh)) ||
+        (result =
+             slv_tessellate_with(env, mesh, surface, own,
+                                 params.tessellation ? params.tessellation : &even, &made->mesh)) ||
         (result = make_scene(made)))
         goto done;
     *out = made;

@@ -6,6 +6,8 @@
 #include "base/parallel.h"
 #include "base/progress.h"
 
+#include <selvage/half.h>
+
 #include <math.h>
 #include <string.h>
 
@@ -90,15 +92,30 @@ static float facing(const work *w, const uint32_t *quad, float s, float t, float
     return (n[2] - n[0] * x - n[1] * y) / (length * sqrtf(x * x + y * y + 1));
 }
 
+/* (u,v) of a hit, between those of the three vertices of the triangle. */
+static void place(const slv_tessellation *mesh, const uint32_t *quad, float s, float t,
+                  float uv[2]) {
+    bool far_side = s + t > 1;
+    const uint16_t *a = mesh->vertices[quad[far_side ? 2 : 0]].uv;
+    const uint16_t *b = mesh->vertices[quad[far_side ? 3 : 1]].uv;
+    const uint16_t *c = mesh->vertices[quad[far_side ? 1 : 3]].uv;
+    float q = far_side ? 1 - s : s, r = far_side ? 1 - t : t;
+    for (int k = 0; k < 2; k++) {
+        float from = slv_half_to_float(a[k]);
+        uv[k] = from + q * (slv_half_to_float(b[k]) - from) + r * (slv_half_to_float(c[k]) - from);
+    }
+}
+
 static void shade(const work *w, const packet *p, uint32_t lane, float rgb[3]) {
     const slv_reference *reference = w->reference;
     const slv_tessellation *mesh = &reference->mesh;
     const struct RTCHit16 *hit = &p->rays.hit;
     const uint32_t *quad = reference->quads + 4 * (size_t)hit->primID[lane];
     float s = hit->u[lane], t = hit->v[lane], ka = w->frame->ka, kd = w->frame->kd;
-    uint32_t face = (uint32_t)mesh->vertices[quad[3]].face, n = mesh->segments[face];
-    uint32_t local = quad[3] - mesh->first[face], row = local / (n + 1);
-    float u = ((float)(local - row * (n + 1)) + 1 - t) / (float)n, v = ((float)row + s) / (float)n;
+    uint32_t face = (uint32_t)mesh->vertices[quad[3]].face;
+    float uv[2];
+    place(mesh, quad, s, t, uv);
+    float u = uv[0], v = uv[1];
     float light = 1;
     if (w->frame->shading == SLV_SHADE_FACES)
         face_color(face, u, v, rgb);

@@ -1,9 +1,10 @@
 /* What the ray through the middle of each pixel hits. */
 #include "rays/reference_data.h"
 
-#include "adjacency/edge.h"
 #include "base/log.h"
 #include "base/parallel.h"
+
+#include <selvage/half.h>
 
 #include <math.h>
 #include <string.h>
@@ -39,13 +40,11 @@ static triangle find_triangle(const slv_reference *reference, const struct RTCHi
     const uint32_t *quad = reference->quads + 4 * (size_t)hit->primID;
     const unsigned *which = halves[hit->u + hit->v > 1];
     triangle out = {.face = (uint32_t)mesh->vertices[quad[3]].face};
-    uint32_t n = mesh->segments[out.face], local = quad[3] - mesh->first[out.face];
-    uint32_t row = local / (n + 1), column = local - row * (n + 1);
     for (int k = 0; k < 3; k++) {
-        memcpy(out.points[k], mesh->vertices[quad[which[k]]].position, sizeof out.points[k]);
-        /* a cell's quad begins at its corner 1 */
-        out.uv[k][0] = ((float)column + (float)slvi_corner_u(which[k] + 1)) / (float)n;
-        out.uv[k][1] = ((float)row + (float)slvi_corner_v(which[k] + 1)) / (float)n;
+        const slv_vertex *vertex = mesh->vertices + quad[which[k]];
+        memcpy(out.points[k], vertex->position, sizeof out.points[k]);
+        for (int axis = 0; axis < 2; axis++)
+            out.uv[k][axis] = slv_half_to_float(vertex->uv[axis]);
     }
     return out;
 }

@@ -1,7 +1,6 @@
 /* Grids of vertices on the limit surface, welded where faces meet. */
-#include <selvage/tessellation.h>
+#include "mesh/displace.h"
 
-#include "adjacency/edge.h"
 #include "base/log.h"
 #include "base/memory.h"
 #include "base/parallel.h"
@@ -56,109 +55,103 @@ uint32_t slv_tessellation_for(const slv_mesh *mesh, const slv_camera *camera, ui
     return segments;
 }
 
-struct job {
-    const slv_surface *surface;
-    const slv_adjacency *adjacency;
-    slv_env env; /* logs one at a time */
-    slv_tessellation *out;
-    uint32_t most; /* segments of a whole quad */
+/* The values of one face at a time, for a run of faces. */
+struct scratch {
+    float *positions, *normals, *du, *dv;
+    slvi_displace_scratch displace;
 };
 
-static slv_result evaluate(void *user, uint64_t begin, uint64_t end) {
-    const struct job *job = user;
-    const slv_tessellation *out = job->out;
-    uint64_t points = (uint64_t)(job->most + 1) * (job->most + 1);
-    float *positions = NULL, *normals = NULL;
+static slv_result make_scratch(const slvi_grid_job *job, uint64_t begin, uint64_t end,
+                               struct scratch *out) {
     slv_result result;
-    if ((result =
-             slvi_alloc(&job->env, "tessellation", points * 3, sizeof *positions, &positions)) ||
-        (result = slvi_alloc(&job->env, "tessellation", points * 3, sizeof *normals, &normals)))
-        goto done;
-    for (uint64_t face = begin; face < end; face++) {
+    uint64_t most = 1;
+    float **lists[] = {&out->positions, &out->normals, &out->du, &out->dv};
+    for (uint64_t face = begin; face < end; face++)
+        most = job->out->segments[face] > most ? job->out->segments[face] : most;
+    uint64_t points = (most + 1) * (most + 1);
+    for (size_t i = 0; i < (job->displacement ? 4 : 2); i++)
+        if ((result = slvi_alloc(&job->env, "tessellation", points * 3, sizeof(float), lists[i])))
+            return result;
+    return job->displacement ? slvi_displace_scratch_make(&job->env, points, &out->displace)
+                             : SLV_OK;
+}
+
+static slv_result evaluate(void *user, uint64_t begin, uint64_t end) {
+    const slvi_grid_job *job = user;
+    const slv_tessellation *out = job->out;
+    struct scratch s = {NULL};
+    slv_result result = make_scratch(job, begin, end, &s);
+    for (uint64_t face = begin; face < end && !result; face++) {
         uint32_t n = out->segments[face];
-        slv_surface_arrays arrays = {.positions = positions, .normals = normals};
-        if (!n)
+        slv_surface_arrays arrays = {
+            .positions = s.positions, .normals = s.normals, .du = s.du, .dv = s.dv};
+        if (!n || (result = slv_surface_evaluate_grid(job->surface, (int32_t)face, n, n, &arrays)))
             continue;
-        if ((result = slv_surface_evaluate_grid(job->surface, (int32_t)face, n, n, &arrays)))
-            goto done;
         slv_vertex *vertex = out->vertices + out->first[face];
         for (uint32_t i = 0; i < (n + 1) * (n + 1); i++, vertex++) {
-            memcpy(vertex->position, positions + 3 * i, sizeof vertex->position);
-            memcpy(vertex->normal, normals + 3 * i, sizeof vertex->normal);
+            memcpy(vertex->position, s.positions + 3 * i, sizeof vertex->position);
+            memcpy(vertex->normal, s.normals + 3 * i, sizeof vertex->normal);
             vertex->uv[0] = slv_half_from_float((float)(i % (n + 1)) / (float)n);
             vertex->uv[1] = slv_half_from_float((float)(i / (n + 1)) / (float)n);
             vertex->face = (int32_t)face;
         }
+        if (job->displacement)
+            result = slvi_displace_face(job, (uint32_t)face, &arrays, &s.displace);
     }
-done:
-    slvi_free(positions);
-    slvi_free(normals);
+    slvi_free(s.positions);
+    slvi_free(s.normals);
+    slvi_free(s.du);
+    slvi_free(s.dv);
+    slvi_displace_scratch_free(&s.displace);
     return result;
-}
-
-static slv_vertex *vertex_at(const slv_tessellation *t, uint32_t face, float u, float v) {
-    uint32_t n = t->segments[face];
-    uint32_t x = (uint32_t)lrintf(u * (float)n), y = (uint32_t)lrintf(v * (float)n);
-    return t->vertices + t->first[face] + y * (n + 1) + x;
-}
-
-static slv_vertex *corner_vertex(const slv_tessellation *t, uint32_t face, unsigned corner) {
-    return vertex_at(t, face, (float)slvi_corner_u(corner), (float)slvi_corner_v(corner));
 }
 
 /* Takes the positions along one edge from the face that owns them: the whole quad beside sub-faces,
  * else the lower id. Ends are left to weld_corner. */
-static void weld_edge(const struct job *job, uint32_t face, unsigned edge) {
+static void weld_edge(const slvi_grid_job *job, uint32_t face, unsigned edge) {
     const slv_tessellation *t = job->out;
     slv_neighbour other[2];
-    uint32_t n = t->segments[face];
+    uint32_t n = t->segments[face], shared;
     if (slv_adjacency_neighbours(job->adjacency, (int32_t)face, edge, other) != 1)
         return;
     bool owns = other->scale > 1 || (other->scale == 1 && (int32_t)face <= other->face);
     if (owns || !t->segments[other->face])
         return;
-    for (uint32_t k = 1; k < n; k++) {
+    shared = slvi_edge_segments(job, face, edge);
+    for (uint32_t k = n / shared; k < n; k += n / shared) {
         float u, v, ou, ov;
         slvi_edge_point(edge, (float)k / (float)n, &u, &v);
         slv_affine_apply(&other->map, u, v, &ou, &ov);
-        memcpy(vertex_at(t, face, u, v)->position,
-               vertex_at(t, (uint32_t)other->face, ou, ov)->position, 3 * sizeof(float));
+        memcpy(t->vertices[slvi_vertex_at(t, face, u, v)].position,
+               t->vertices[slvi_vertex_at(t, (uint32_t)other->face, ou, ov)].position,
+               3 * sizeof(float));
     }
 }
 
-static void weld_corner(const struct job *job, uint32_t face, unsigned corner) {
+static void weld_corner(const slvi_grid_job *job, uint32_t face, unsigned corner) {
     const slv_tessellation *t = job->out;
-    const slv_vertex *from = NULL;
+    uint32_t to = slvi_corner_vertex(t, face, corner), from = to;
     if (slv_adjacency_is_t_corner(job->adjacency, (int32_t)face, corner)) {
-        /* the middle of a whole quad's edge; that edge is one of the two which meet here */
-        for (unsigned side = 0; side < 2; side++) {
-            slv_neighbour other[2];
-            unsigned edge = side ? slvi_edge_before(corner) : corner;
-            float u, v;
-            if (slv_adjacency_neighbours(job->adjacency, (int32_t)face, edge, other) != 1 ||
-                other->scale >= 1 || !t->segments[other->face])
-                continue;
-            slv_affine_apply(&other->map, (float)slvi_corner_u(corner),
-                             (float)slvi_corner_v(corner), &u, &v);
-            from = vertex_at(t, (uint32_t)other->face, u, v);
-        }
+        slv_neighbour quad;
+        float uv[2];
+        if (slvi_t_corner_place(job, face, corner, &quad, uv))
+            from = slvi_vertex_at(t, (uint32_t)quad.face, uv[0], uv[1]);
     } else {
         slv_ring ring = slv_adjacency_ring(job->adjacency, (int32_t)face, corner, NULL);
         slv_corner lowest = {(int32_t)face, (uint8_t)corner};
         for (uint32_t i = 0; i < ring.count; i++)
             if (ring.corners[i].face < lowest.face && t->segments[ring.corners[i].face])
                 lowest = ring.corners[i];
-        from = corner_vertex(t, (uint32_t)lowest.face, lowest.corner);
+        from = slvi_corner_vertex(t, (uint32_t)lowest.face, lowest.corner);
     }
-    slv_vertex *to = corner_vertex(t, face, corner);
-    if (from && from != to)
-        memcpy(to->position, from->position, sizeof to->position);
+    if (from != to)
+        memcpy(t->vertices[to].position, t->vertices[from].position, 3 * sizeof(float));
 }
 
 /* Every position is read where its owner evaluated it and written elsewhere, so faces can be welded
  * in any order. */
 static slv_result weld(void *user, uint64_t begin, uint64_t end) {
-    const struct job *job = user;
+    const slvi_grid_job *job = user;
     for (uint64_t face = begin; face < end; face++) {
         if (!job->out->segments[face])
             continue;
@@ -183,61 +176,86 @@ static void find_bounds(slv_tessellation *t) {
     }
 }
 
-static slv_result tessellate(const slv_env *env, const slv_mesh *mesh, const slv_surface *surface,
-                             const slv_adjacency *adjacency, uint32_t segments,
-                             slv_tessellation *out) {
-    slv_tessellation made = {.nfaces = slv_mesh_face_count(mesh)};
-    slv_result result = SLV_OK;
-    slv_parallel_log *log = NULL;
-    uint64_t count = 0;
-    memset(out, 0, sizeof *out);
+static slv_result check(const slv_env *env, const slv_mesh *mesh, const slv_surface *surface,
+                        const slv_adjacency *adjacency, uint32_t segments) {
+    uint32_t nfaces = slv_mesh_face_count(mesh);
     if (segments < 2 || segments > 128 || (segments & (segments - 1)))
         return slvi_fail(env, SLV_ERROR_ARGUMENT,
                          "%u segments: a power of two from 2 to 128 is needed", segments);
-    if (slv_surface_face_count(surface) != made.nfaces ||
-        slv_adjacency_face_count(adjacency) != made.nfaces)
+    if (slv_surface_face_count(surface) != nfaces || slv_adjacency_face_count(adjacency) != nfaces)
         return slvi_fail(env, SLV_ERROR_MISMATCH,
-                         "the mesh has %u faces, its surface %u, the adjacency %u", made.nfaces,
+                         "the mesh has %u faces, its surface %u, the adjacency %u", nfaces,
                          slv_surface_face_count(surface), slv_adjacency_face_count(adjacency));
-    if ((result = slvi_alloc(env, "tessellation", (uint64_t)made.nfaces + 1, sizeof *made.first,
-                             &made.first)) ||
-        (result = slvi_alloc(env, "tessellation", made.nfaces, 1, &made.segments)))
-        goto done;
-    for (uint32_t f = 0; f < made.nfaces; f++) {
+    return SLV_OK;
+}
+
+/* Gives each face its place among the vertices. */
+static slv_result lay_out(const slv_env *env, const slv_mesh *mesh, const slv_adjacency *adjacency,
+                          uint32_t segments, slv_tessellation *made) {
+    uint64_t count = 0;
+    slv_result result;
+    if ((result = slvi_alloc(env, "tessellation", (uint64_t)made->nfaces + 1, sizeof *made->first,
+                             &made->first)) ||
+        (result = slvi_alloc(env, "tessellation", made->nfaces, sizeof *made->segments,
+                             &made->segments)))
+        return result;
+    for (uint32_t f = 0; f < made->nfaces; f++) {
         uint32_t n = slv_adjacency_is_subface(adjacency, (int32_t)f) ? segments / 2 : segments;
         n = slv_mesh_face_is_hole(mesh, (int32_t)f) ? 0 : n;
-        made.segments[f] = (uint8_t)n;
-        made.first[f] = (uint32_t)count;
+        made->segments[f] = (uint16_t)n;
+        made->first[f] = (uint32_t)count;
         count += n ? (uint64_t)(n + 1) * (n + 1) : 0;
-        if (count > INT32_MAX) {
-            result =
-                slvi_fail(env, SLV_ERROR_LIMIT, "%u faces with %u segments are too many vertices",
-                          made.nfaces, segments);
-            goto done;
-        }
+        if (count > INT32_MAX)
+            return slvi_fail(env, SLV_ERROR_LIMIT,
+                             "%u faces with %u segments are too many vertices", made->nfaces,
+                             segments);
     }
-    made.first[made.nfaces] = (uint32_t)count;
-    if ((result = slvi_alloc(env, "vertices", count, sizeof *made.vertices, &made.vertices)))
-        goto done;
-    struct job job = {.surface = surface, .adjacency = adjacency, .out = &made, .most = segments};
-    if ((result = slvi_parallel_env_begin(env, &log, &job.env)) ||
+    made->first[made->nfaces] = (uint32_t)count;
+    return slvi_alloc(env, "vertices", count, sizeof *made->vertices, &made->vertices);
+}
+
+static slv_result tessellate(const slv_env *env, const slv_mesh *mesh, const slv_surface *surface,
+                             const slv_adjacency *adjacency, const slv_tessellation_params *params,
+                             slv_tessellation *out) {
+    slv_tessellation made = {.nfaces = slv_mesh_face_count(mesh)};
+    slvi_grid_job job = {.surface = surface,
+                         .adjacency = adjacency,
+                         .displacement = params->displacement,
+                         .out = &made};
+    slv_parallel_log *log = NULL;
+    slv_result result;
+    memset(out, 0, sizeof *out);
+    if ((result = check(env, mesh, surface, adjacency, params->segments)) ||
+        (result = lay_out(env, mesh, adjacency, params->segments, &made)) ||
+        (result = slvi_parallel_env_begin(env, &log, &job.env)) ||
+        (result = job.displacement ? slvi_displace_begin(env, &job) : SLV_OK) ||
         (result = slvi_parallel_for(env, made.nfaces, 16, evaluate, &job)) ||
-        (result = slvi_parallel_for(env, made.nfaces, 256, weld, &job)))
+        (result = slvi_parallel_for(env, made.nfaces, 256, weld, &job)) ||
+        (result = job.displacement ? slvi_displace_end(env, &job) : SLV_OK))
         goto done;
     find_bounds(&made);
 done:
     slvi_parallel_env_end(log);
+    slvi_free(job.offsets);
+    slvi_free(job.facing);
     if (result)
         slv_tessellation_free(&made);
     *out = made;
     return result;
 }
 
+slv_result slv_tessellate_with(const slv_env *env, const slv_mesh *mesh, const slv_surface *surface,
+                               const slv_adjacency *adjacency,
+                               const slv_tessellation_params *params, slv_tessellation *out) {
+    slv_env own = slvi_budget_begin(env);
+    return slvi_budget_end(&own, tessellate(&own, mesh, surface, adjacency, params, out));
+}
+
 slv_result slv_tessellate(const slv_env *env, const slv_mesh *mesh, const slv_surface *surface,
                           const slv_adjacency *adjacency, uint32_t segments,
                           slv_tessellation *out) {
-    slv_env own = slvi_budget_begin(env);
-    return slvi_budget_end(&own, tessellate(&own, mesh, surface, adjacency, segments, out));
+    const slv_tessellation_params params = {.segments = segments};
+    return slv_tessellate_with(env, mesh, surface, adjacency, &params, out);
 }
 
 void slv_tessellation_free(slv_tessellation *tessellation) {

@@ -491,6 +491,7 @@ static const calls_entry calls_all[] = {
     {"adjacency", call_adjacency},
     {"catmark", call_catmark},
     {"bilinear", call_bilinear},
+    {"displaced", call_displaced},
     {"texture", call_texture},
     {"edge_aligned", call_edge_aligned},
     {"htex", call_htex},

@@ -6,6 +6,7 @@
 #include "kit/calls_data.h"
 
 #include <selvage/cache.h>
+#include <selvage/displacement.h>
 #include <selvage/folder.h>
 #include <selvage/source.h>
 
@@ -203,6 +204,24 @@ static slv_result call_folders(const slv_env *env) {
     if (!result && !(result = fill_folder(folder, "one")) &&
         !(result = slv_folder_begin_beside(env, calls_path("beside"), &folder)))
         result = fill_folder(folder, "beside");
+    return result;
+}
+
+/* A surface moved by a file. */
+static slv_result call_displaced(const slv_env *env) {
+    slv_displacement displacement = {SLV_DISPLACE_NORMAL, NULL, NULL, NULL};
+    const slv_tessellation_params params = {.segments = 4, .displacement = &displacement};
+    slv_tessellation tessellation = {0};
+    slv_cache *cache = NULL;
+    slv_file_id file;
+    slv_result result = slv_cache_create(env, NULL, &cache);
+    if (!result && !(result = slv_cache_open(cache, calls.ptx, &file)) &&
+        !(result = slv_displacement_open(cache, file, NULL, &displacement)))
+        result = slv_tessellate_with(env, calls.mesh, calls.surface, calls.adjacency, &params,
+                                     &tessellation);
+    slv_tessellation_free(&tessellation);
+    slv_displacement_close(&displacement);
+    slv_cache_destroy(cache);
     return result;
 }
 

@@ -90,7 +90,8 @@ static slv_result call_seam(const slv_env *env) {
 
 static slv_result call_renderer(const slv_env *env) {
     slv_gl_renderer *own = NULL;
-    slv_result result = slv_gl_renderer_create(gl, env, grid.mesh, surface, 2, &own);
+    const slv_tessellation_params params = {.segments = 2};
+    slv_result result = slv_gl_renderer_create_with(gl, env, grid.mesh, surface, &params, &own);
     slv_gl_renderer_destroy(own);
     return result;
 }

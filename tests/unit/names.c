@@ -12,6 +12,7 @@
 #include <selvage/reference.h>
 #include <selvage/stroke.h>
 #include <selvage/surface.h>
+#include <selvage/tessellation.h>
 #include <selvage/transfer.h>
 
 /* Checks the words of the values 0..LAST; `back` is an expression that is true if `name` leads back
@@ -42,6 +43,7 @@ DEFINE_LEADS_BACK(slv_texture_encoding, slv_texture_encoding_from_name)
 DEFINE_LEADS_BACK(slv_shading, slv_shading_from_name)
 DEFINE_LEADS_BACK(slv_boundary, slv_boundary_from_name)
 DEFINE_LEADS_BACK(slv_scheme, slv_scheme_from_name)
+DEFINE_LEADS_BACK(slv_displacement_space, slv_displacement_space_from_name)
 DEFINE_LEADS_BACK(slv_filter, slv_filter_from_name)
 DEFINE_LEADS_BACK(slv_pattern, slv_pattern_from_name)
 DEFINE_LEADS_BACK(slv_blend, slv_blend_from_name)
@@ -74,6 +76,8 @@ int main(void) {
     CHECK_NAMES(slv_boundary, SLV_BOUNDARY_EDGE_AND_CORNER, slv_boundary_name,
                 leads_back_slv_boundary(name, i));
     CHECK_NAMES(slv_scheme, SLV_SCHEME_BILINEAR, slv_scheme_name, leads_back_slv_scheme(name, i));
+    CHECK_NAMES(slv_displacement_space, SLV_DISPLACE_TANGENT, slv_displacement_space_name,
+                leads_back_slv_displacement_space(name, i));
     CHECK_NAMES(slv_filter, SLV_FILTER_COUNT - 1, slv_filter_name, leads_back_slv_filter(name, i));
     CHECK_NAMES(slv_ptx_mesh_type, SLV_PTX_QUAD, slv_ptx_mesh_type_name, true);
     CHECK_NAMES(slv_border_mode, SLV_BORDER_PERIODIC, slv_border_mode_name, true);

@@ -12,5 +12,7 @@ const char *names_boundaries(void);
 const char *names_shadings(void);
 const char *names_contexts(void); /* those that can be asked for */
 const char *names_pixel_filters(void);
+const char *names_filters(void);
+const char *names_spaces(void); /* of displacements */
 
 #endif

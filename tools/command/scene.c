@@ -130,5 +130,6 @@ void scene_free(scene_data *scene) {
     slv_adjacency_destroy(scene->adjacency);
     slv_surface_destroy(scene->surface);
     slv_texture_destroy(scene->texture);
+    displace_close(&scene->displace);
     memset(scene, 0, sizeof *scene);
 }

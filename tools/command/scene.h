@@ -3,7 +3,7 @@
 #ifndef SELVAGE_TOOLS_SCENE_H
 #define SELVAGE_TOOLS_SCENE_H
 
-#include "command/cli.h"
+#include "command/displace.h"
 
 /* A camera and its shading, as a view file states them. */
 typedef struct scene_view {
@@ -20,6 +20,7 @@ typedef struct scene_view {
     slv_boundary boundary; /* default if the file does not say */
     slv_scheme scheme;
     bool has_scheme;
+    displace_settings displacement;
 } scene_view;
 
 /* Reads a view file (JSON), see docs/view-files.md. */
@@ -45,6 +46,7 @@ typedef struct scene {
     slv_texture *texture;
     float bounds_min[3], bounds_max[3]; /* of the mesh, or of the group in focus */
     bool salvaged;                      /* faces were filled, which has been told */
+    displace_open displace;
 } scene_data;
 
 slv_result scene_load(const slv_env *env, const scene_params *params, scene_data *out);
@@ -67,6 +69,7 @@ typedef struct scene_options {
         salvage;
     uint32_t size[2], tess, threads;
     float azimuth, elevation, fov, background[4];
+    displace_options displace;
 } scene_options;
 
 /* Rows that compare has too. */
@@ -111,7 +114,7 @@ typedef struct scene_options {
 #define SCENE_ANISO(value, help)                                                                   \
     { "--aniso", CLI_UINT, value, help, NULL, 1, 16, NULL }
 
-enum { SCENE_OPTION_ROWS = 17 };
+enum { SCENE_OPTION_ROWS = 17 + DISPLACE_OPTION_ROWS };
 
 scene_options scene_options_default(void);
 /* SCENE_OPTION_ROWS rows for a verb's table. */
@@ -123,7 +126,8 @@ const char *scene_options_problem(const scene_options *options);
 typedef struct scene_shot {
     scene_data scene;
     slv_camera camera;
-    uint32_t width, height, segments;
+    uint32_t width, height;
+    slv_tessellation_params tessellation;
     slv_shading shading;
     float ka, kd, background[4]; /* colour multiplied by alpha */
 } scene_shot;

@@ -11,7 +11,7 @@ scene_options scene_options_default(void) {
 }
 
 void scene_options_rows(scene_options *o, cli_option *out) {
-    const cli_option rows[SCENE_OPTION_ROWS] = {
+    const cli_option rows[SCENE_OPTION_ROWS - DISPLACE_OPTION_ROWS] = {
         CLI_MESH(&o->mesh),
         SCENE_VIEW(CLI_TEXT, &o->view, "camera, size and shading from a view file"),
         SCENE_AZIMUTH(&o->azimuth,
@@ -40,6 +40,7 @@ void scene_options_rows(scene_options *o, cli_option *out) {
         CLI_THREADS(&o->threads),
     };
     memcpy(out, rows, sizeof rows);
+    displace_options_rows(&o->displace, out + sizeof rows / sizeof *rows);
 }
 
 const char *scene_options_problem(const scene_options *o) {
@@ -159,12 +160,17 @@ int scene_load_shot(const cli_command *command, const slv_env *env, const char *
     if (scene_load_model(env, &params, &file, &out->scene))
         return EXIT_FAILED;
     out->camera = camera_of(o, &view, &out->scene, (float)size[0] / (float)size[1]);
-    out->segments =
+    out->tessellation.segments =
         o->tess ? o->tess : slv_tessellation_for(out->scene.mesh, &out->camera, size[0], size[1]);
-    int code =
-        scene_choose_detail(env, file, out, &res) || scene_load_texels(env, file, res, &out->scene)
-            ? EXIT_FAILED
-            : EXIT_OK;
+    int code = displace_begin(command, env, &o->displace, &view.displacement, ptx,
+                              slv_mesh_face_count(out->scene.mesh), &out->scene.displace);
+    if (out->scene.displace.moves)
+        out->tessellation.displacement = &out->scene.displace.displacement;
+    if (!code)
+        code = scene_choose_detail(env, file, out, &res) ||
+                       scene_load_texels(env, file, res, &out->scene)
+                   ? EXIT_FAILED
+                   : EXIT_OK;
     const char *channels = code ? NULL : channels_shown(o, out->scene.texture);
     if (channels)
         code = choose_channels(command, env, channels, &out->scene.texture);

@@ -187,6 +187,69 @@ static slv_result read_surface(const slv_env *env, const char *path, const json_
     return SLV_OK;
 }
 
+/* A path that a view file names: from the folder that the view lies in. */
+static bool join_path(const char *view, const char *name, char out[DISPLACE_PATH]) {
+    const char *slash = strrchr(view, '/');
+    int folder =
+        name[0] == '/' || !slash || strncmp(view, "/dev/", 5) == 0 ? 0 : (int)(slash + 1 - view);
+    return snprintf(out, DISPLACE_PATH, "%.*s%s", folder, view, name) < DISPLACE_PATH;
+}
+
+static slv_result read_displacement_numbers(const slv_env *env, const char *path,
+                                            const json_t *root, displace_settings *d) {
+    const json_t *channel = json_object_get(root, "channel"), *lerp = json_object_get(root, "lerp");
+    const struct {
+        const char *key;
+        float *to;
+    } numbers[] = {{"scale", &d->scale}, {"bias", &d->bias}};
+    if (json_is_integer(channel) && json_integer_value(channel) >= 0)
+        snprintf(d->channel, sizeof d->channel, "%" JSON_INTEGER_FORMAT,
+                 json_integer_value(channel));
+    else if (json_is_string(channel) && json_string_length(channel) < DISPLACE_CHANNEL)
+        strcpy(d->channel, json_string_value(channel));
+    else if (channel)
+        return bad_view(env, path, "displacement: channel is neither a number nor a name");
+    for (size_t i = 0; i < sizeof numbers / sizeof *numbers; i++) {
+        const json_t *value = json_object_get(root, numbers[i].key);
+        float number = (float)json_number_value(value);
+        if (value && (!json_is_number(value) || !isfinite(number)))
+            return bad_view(env, path, "displacement: %s is not a number", numbers[i].key);
+        *numbers[i].to = value ? number : *numbers[i].to;
+    }
+    if (lerp && !json_is_boolean(lerp))
+        return bad_view(env, path, "displacement: lerp is neither true nor false");
+    d->filter.lerp = lerp ? json_is_true(lerp) : d->filter.lerp;
+    return SLV_OK;
+}
+
+static slv_result read_displacement(const slv_env *env, const char *path, const json_t *root,
+                                    displace_settings *d) {
+    const json_t *object = json_object_get(root, "displacement"),
+                 *filter = json_object_get(object, "filter"),
+                 *space = json_object_get(object, "space");
+    const char *texture = json_string_value(json_object_get(object, "texture")),
+               *words[] = {json_string_value(filter), json_string_value(space)};
+    char hint[WORDS_HINT];
+    if (!object)
+        return SLV_OK;
+    if (!json_is_object(object))
+        return bad_view(env, path, "displacement is not an object");
+    fields_warn(env, path, object, "texture|channel|scale|bias|filter|lerp|space");
+    *d = (displace_settings){
+        .given = true, .scale = 1, .filter = {.filter = SLV_FILTER_BSPLINE, .lerp = true}};
+    if (!texture || !join_path(path, texture, d->texture))
+        return bad_view(env, path, "displacement: texture is not the name of a file");
+    if (filter && (!words[0] || !slv_filter_from_name(words[0], &d->filter.filter)))
+        return bad_view(env, path, "displacement: unknown filter '%s', expected %s%s",
+                        words[0] ? words[0] : "", names_filters(),
+                        words_hint(words[0] ? words[0] : "", names_filters(), hint));
+    if (space && (!words[1] || !slv_displacement_space_from_name(words[1], &d->space)))
+        return bad_view(env, path, "displacement: unknown space '%s', expected %s%s",
+                        words[1] ? words[1] : "", names_spaces(),
+                        words_hint(words[1] ? words[1] : "", names_spaces(), hint));
+    return read_displacement_numbers(env, path, object, d);
+}
+
 static slv_result read_size(const slv_env *env, const char *path, const json_t *root,
                             scene_view *out) {
     float size[2];
@@ -218,14 +281,16 @@ slv_result scene_load_view(const slv_env *env, const char *path, scene_view *out
         return bad_view(env, path, "line %d: %s", error.line, error.text);
     if (json_is_object(root)) {
         fields_warn(env, path, root,
-                    "size|world_to_camera|projection|screen_window|fov|shading|scheme|boundary");
+                    "size|world_to_camera|projection|screen_window|fov|shading|scheme|boundary|"
+                    "displacement");
         fields_warn(env, path, json_object_get(root, "shading"), "model|ka|kd");
     }
     if (!json_is_object(root))
         result = bad_view(env, path, "not a JSON object");
     else if (!(result = read_size(env, path, root, out)) &&
              !(result = read_camera(env, path, root, out)) &&
-             !(result = read_shading(env, path, root, out)))
+             !(result = read_shading(env, path, root, out)) &&
+             !(result = read_displacement(env, path, root, &out->displacement)))
         result = read_surface(env, path, root, out);
     json_decref(root);
     return result;

@@ -12,6 +12,8 @@ slv_result compare_read_views(const slv_env *env, const cli_list *views, report_
         if (!view.has_camera)
             return output_fail(env, SLV_ERROR_FORMAT, "%s: has no world_to_camera, so no camera",
                                views->items[i]);
+        if (view.displacement.given)
+            cli_warning("%s: the displacement is not used: only its camera is", views->items[i]);
         /* all that the view shows, in the proportions of the comparison's pictures */
         scene_fit_window(view.camera.window, (float)report->width / (float)report->height);
         report->cameras[report->ncameras++] =

@@ -104,7 +104,7 @@ static int make(const cli_command *command, const struct reference *r, const slv
     if (code)
         goto done;
     code = EXIT_FAILED;
-    const slv_reference_params params = {.segments = shot.segments,
+    const slv_reference_params params = {.tessellation = &shot.tessellation,
                                          .encoding = (slv_texture_encoding)r->scene.encoding};
     slv_reference_frame frame = {.camera = shot.camera,
                                  .width = shot.width,
@@ -119,7 +119,7 @@ static int make(const cli_command *command, const struct reference *r, const slv
     cli_catch_interrupts();
     o->width = shot.width;
     o->height = shot.height;
-    o->segments = shot.segments;
+    o->segments = shot.tessellation.segments;
     const bool forced = r->scene.progress, quiet = r->quiet || r->json;
     if (slv_reference_create(env, shot.scene.mesh, shot.scene.surface, shot.scene.texture,
                              shot.scene.adjacency, &params, &reference) ||
@@ -195,10 +195,10 @@ static void print_outcome(const struct reference *r, const char *path, const str
 static int run(const cli_command *command, const struct reference *r, const char *path) {
     struct outcome outcome = {.seconds = 0};
     slv_env env = cli_env(r->scene.threads);
-    const char *const inputs[] = {r->ptx, r->scene.mesh, r->scene.view};
+    const char *const inputs[] = {r->ptx, r->scene.mesh, r->scene.view, r->scene.displace.texture};
     /* whether all can be written is known before hours are spent */
-    if (output_check(&env, path, inputs, 3) ||
-        (r->error && output_check(&env, r->error, inputs, 3)) ||
+    if (output_check(&env, path, inputs, 4) ||
+        (r->error && output_check(&env, r->error, inputs, 4)) ||
         (r->convergence && output_try_folder(&env, r->convergence)))
         return EXIT_FAILED;
     int code = make(command, r, &env, path, &outcome);

@@ -23,7 +23,8 @@ typedef struct slv_reference_params {
     uint32_t nchannels;     /* 1 (shown as grey) to 4; 0 means as many as there are, up to 4 */
     slv_texture_encoding encoding; /* of the colours, which become light before they are
                                       interpolated; default: as slv_texture_get_encoding has it */
-    uint64_t reserved[4];
+    const slv_tessellation_params *tessellation; /* in place of `segments`, if it is not NULL */
+    uint64_t reserved[3];
 } slv_reference_params;
 
 /* A surface and its texture, ready for rays. Immutable; any number of threads may use it. */

@@ -204,6 +204,14 @@ static slv_result surface_program(slv_gl_renderer *renderer, const slv_env *env,
 slv_result slv_gl_renderer_create(slv_gl *gl, const slv_env *env, const slv_mesh *mesh,
                                   const slv_surface *surface, uint32_t segments,
                                   slv_gl_renderer **out) {
+    const slv_tessellation_params params = {.segments = segments};
+    return slv_gl_renderer_create_with(gl, env, mesh, surface, &params, out);
+}
+
+slv_result slv_gl_renderer_create_with(slv_gl *gl, const slv_env *env, const slv_mesh *mesh,
+                                       const slv_surface *surface,
+                                       const slv_tessellation_params *params,
+                                       slv_gl_renderer **out) {
     slv_gl_renderer *made = NULL;
     slv_adjacency *adjacency = NULL;
     slv_result result = slvi_alloc(env, "renderer", 1, sizeof *made, &made);
@@ -212,7 +220,7 @@ slv_result slv_gl_renderer_create(slv_gl *gl, const slv_env *env, const slv_mesh
         return result;
     made->gl = gl;
     if (!(result = slv_mesh_adjacency(env, mesh, &adjacency)) &&
-        !(result = slv_tessellate(env, mesh, surface, adjacency, segments, &made->mesh)))
+        !(result = slv_tessellate_with(env, mesh, surface, adjacency, params, &made->mesh)))
         result = slvi_gl_buffer(gl, env, "vertices", made->mesh.vertices,
                                 (uint64_t)made->mesh.first[made->mesh.nfaces] * sizeof(slv_vertex),
                                 &made->vertices);

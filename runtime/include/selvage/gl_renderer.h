@@ -31,6 +31,12 @@ SLV_NODISCARD SLV_API slv_result slv_gl_renderer_create(slv_gl *gl, const slv_en
                                                         const slv_mesh *mesh,
                                                         const slv_surface *surface,
                                                         uint32_t segments, slv_gl_renderer **out);
+/* Tessellates as slv_tessellate_with does. */
+SLV_NODISCARD SLV_API slv_result slv_gl_renderer_create_with(slv_gl *gl, const slv_env *env,
+                                                             const slv_mesh *mesh,
+                                                             const slv_surface *surface,
+                                                             const slv_tessellation_params *params,
+                                                             slv_gl_renderer **out);
 SLV_API void slv_gl_renderer_destroy(slv_gl_renderer *renderer);
 
 /* Draws one frame. `image` (may be NULL) receives linear RGBA with colour multiplied by alpha,

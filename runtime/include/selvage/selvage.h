@@ -6,6 +6,7 @@
 #include <selvage/border.h>
 #include <selvage/cache.h>
 #include <selvage/camera.h>
+#include <selvage/displacement.h>
 #include <selvage/edge_aligned.h>
 #include <selvage/file.h>
 #include <selvage/filter.h>

@@ -22,9 +22,42 @@ typedef struct slv_tessellation {
     uint32_t nfaces;
     slv_vertex *vertices; /* first[nfaces] */
     uint32_t *first;      /* per face, and one past the last: its first vertex */
-    uint8_t *segments;    /* per face; 0 for holes, which have no vertices */
+    uint16_t *segments;   /* per face; 0 for holes, which have no vertices */
     float bounds_min[3], bounds_max[3];
 } slv_tessellation;
+
+/* Which way points are moved. */
+typedef enum slv_displacement_space {
+    SLV_DISPLACE_NORMAL = 0, /* one number: along the unit normal of the limit, outwards */
+    SLV_DISPLACE_OBJECT,     /* three: along the axes of the mesh */
+    SLV_DISPLACE_TANGENT     /* three: along the unit vector of growing u, along normal x that, and
+                                along the unit normal, all of the limit */
+} slv_displacement_space;
+
+SLV_API const char *slv_displacement_space_name(slv_displacement_space space); /* normal, object,
+                                                                                  tangent */
+SLV_API bool slv_displacement_space_from_name(const char *name, slv_displacement_space *out);
+
+/* What moves the points of a surface, in mesh units: any function of (face, u, v), to be filled by
+ * whoever has one; slv_displacement_open (displacement.h) makes one of a texture. */
+typedef struct slv_displacement {
+    slv_displacement_space space;
+    /* Writes one or three floats for each of `count` points of a face, (u,v) each. `spacing` is how
+     * far apart they are, in units of the face: what is finer need not show. Called by any number
+     * of threads at once; must give the same values each time. */
+    slv_result (*evaluate)(void *user, int32_t face, float spacing, size_t count, const float *uv,
+                           float *out);
+    /* How many segments along its edges show all that there is on a face; NULL: nobody knows. */
+    uint32_t (*detail)(void *user, int32_t face);
+    void *user;
+} slv_displacement;
+
+/* Zero means default, but for `segments`. */
+typedef struct slv_tessellation_params {
+    uint32_t segments;                    /* a power of two, 2 to 128 */
+    const slv_displacement *displacement; /* NULL: the limit surface itself */
+    uint64_t reserved[4];
+} slv_tessellation_params;
 
 /* How many segments a face edge should have, a power of two from 2 to 64: at most about 3 pixels
  * each on the largest face of the mesh seen by `camera` at this size, but no more than two cells
@@ -40,6 +73,16 @@ SLV_NODISCARD SLV_API slv_result slv_tessellate(const slv_env *env, const slv_me
                                                 const slv_surface *surface,
                                                 const slv_adjacency *adjacency, uint32_t segments,
                                                 slv_tessellation *out);
+/* The same with all that there is to say. With a displacement the surface stays closed: points of
+ * an edge or a vertex move by one amount, the mean over the faces that meet there, whatever their
+ * resolutions, so that they are the same to the bit on all sides. Normals are those of the moved
+ * surface, from differences of the displacement between neighbouring vertices, and one at each such
+ * point where the limit is smooth. A point moved further than 1e18 is SLV_ERROR_LIMIT. */
+SLV_NODISCARD SLV_API slv_result slv_tessellate_with(const slv_env *env, const slv_mesh *mesh,
+                                                     const slv_surface *surface,
+                                                     const slv_adjacency *adjacency,
+                                                     const slv_tessellation_params *params,
+                                                     slv_tessellation *out);
 /* Frees the arrays and zeroes the struct. */
 SLV_API void slv_tessellation_free(slv_tessellation *tessellation);
 

@@ -1,0 +1,108 @@
+/* A displacement that looks its values up in a texture. */
+#include "cache/cache_lookup.h"
+
+#include "base/log.h"
+#include "base/memory.h"
+
+#include <selvage/displacement.h>
+
+#include <math.h>
+
+enum { ROUND = 256 };
+
+typedef struct lookups {
+    slv_cache *cache;
+    slv_file_id file;
+    slv_filter_params filter;
+    uint32_t width; /* numbers a point */
+    float scale, bias;
+} lookups;
+
+static slv_result evaluate(void *user, int32_t face, float spacing, size_t count, const float *uv,
+                           float *out) {
+    const lookups *from = user;
+    slv_lookup round[ROUND];
+    slv_sampler *sampler = NULL;
+    slv_result result = slv_sampler_create(from->cache, &from->filter, &sampler);
+    for (size_t first = 0; first < count && !result; first += ROUND) {
+        size_t n = count - first < ROUND ? count - first : ROUND;
+        for (size_t i = 0; i < n; i++)
+            round[i] = (slv_lookup){.file = from->file,
+                                    .face = (uint32_t)face,
+                                    .u = uv[2 * (first + i)],
+                                    .v = uv[2 * (first + i) + 1],
+                                    .uw1 = spacing,
+                                    .vw2 = spacing};
+        float *to = out + first * from->width;
+        result = slv_sample_batch(sampler, round, n, to, from->width, NULL);
+        for (size_t i = 0; i < n * from->width; i++)
+            to[i] = isfinite(to[i]) ? from->scale * (to[i] + from->bias) : 0;
+    }
+    slv_sampler_destroy(sampler);
+    return result;
+}
+
+static uint32_t detail(void *user, int32_t face) {
+    const lookups *from = user;
+    slv_source source;
+    slv_source_face found = {.res = {0, 0}};
+    if (!slv_cache_as_source(from->cache, from->file, &source)) {
+        if (source.fns->face(source.user, (uint32_t)face, &found))
+            found.res = (slv_res){0, 0};
+        slv_source_close(&source);
+    }
+    int log2 = found.res.u > found.res.v ? found.res.u : found.res.v;
+    return UINT32_C(1) << (log2 < 16 ? log2 : 16);
+}
+
+slv_result slv_displacement_open(slv_cache *cache, slv_file_id file,
+                                 const slv_displacement_params *given, slv_displacement *out) {
+    const slv_displacement_params p = given ? *given : (slv_displacement_params){0};
+    const slv_env *env = slvi_cache_env(cache);
+    uint32_t width = p.space ? 3 : 1;
+    lookups *made = NULL;
+    slv_ptx_info info;
+    slv_result result = slv_cache_get_info(cache, file, &info);
+    *out = (slv_displacement){.space = p.space};
+    if (result)
+        return result;
+    if ((unsigned)p.space > SLV_DISPLACE_TANGENT)
+        return slvi_fail(env, SLV_ERROR_ARGUMENT, "displacement: there is no space %d",
+                         (int)p.space);
+    if (info.mesh_type != SLV_PTX_QUAD)
+        return slvi_fail(env, SLV_ERROR_UNSUPPORTED,
+                         "displacement: is a texture of triangles, and only those of quads are "
+                         "taken");
+    if (p.channel >= info.nchannels || info.nchannels - p.channel < width)
+        return slvi_fail(env, SLV_ERROR_ARGUMENT,
+                         "displacement: %u channel(s) from %u on, of a texture with %u", width,
+                         p.channel, info.nchannels);
+    if (!isfinite(p.scale) || !isfinite(p.bias))
+        return slvi_fail(env, SLV_ERROR_ARGUMENT, "displacement: scale %g, bias %g: no numbers",
+                         (double)p.scale, (double)p.bias);
+    if ((result = slvi_alloc(env, "displacement", 1, sizeof *made, &made)))
+        return result;
+    *made = (lookups){
+        .cache = cache,
+        .file = file,
+        .width = width,
+        .scale = p.scale == 0 ? 1 : p.scale,
+        .bias = p.bias,
+        .filter =
+            p.filter ? *p.filter : (slv_filter_params){.filter = SLV_FILTER_BSPLINE, .lerp = true}};
+    made->filter.first_channel = p.channel;
+    made->filter.nchannels = width;
+    slv_sampler *tried = NULL; /* what is wrong with the filter is said now */
+    if ((result = slv_sampler_create(cache, &made->filter, &tried))) {
+        slvi_free(made);
+        return result;
+    }
+    slv_sampler_destroy(tried);
+    *out = (slv_displacement){p.space, evaluate, detail, made};
+    return SLV_OK;
+}
+
+void slv_displacement_close(slv_displacement *displacement) {
+    slvi_free(displacement->user);
+    *displacement = (slv_displacement){SLV_DISPLACE_NORMAL, NULL, NULL, NULL};
+}

@@ -1,0 +1,101 @@
+/* Opens what displaces a surface. */
+#include "command/displace.h"
+
+#include "command/lists.h"
+#include "command/output.h"
+
+#include <string.h>
+
+void displace_options_rows(displace_options *o, cli_option *out) {
+    const cli_option rows[DISPLACE_OPTION_ROWS] = {
+        {"--displacement|-d", CLI_TEXT, &o->texture, "what moves the surface (the view's)",
+         "FILE.ptx", 0, 0, NULL},
+        {"--displacement-channel", CLI_TEXT, &o->channel,
+         "by name or number, the first of three of a vector (0); without a file, of the texture "
+         "itself",
+         "CHANNEL", 0, 0, NULL},
+        {"--displacement-scale", CLI_FLOAT, &o->scale,
+         "how far a value of 1 moves, in units of the mesh (1, or the view's)", "X", 0, 0,
+         &o->scale_given},
+        {"--displacement-bias|--displacement-offset", CLI_FLOAT, &o->bias,
+         "added to values before they are scaled (0, or the view's)", "X", 0, 0, &o->bias_given},
+        {"--displacement-space", CLI_CHOICE, &o->space,
+         "along the normal; or by vectors of the object's or the surface's axes", names_spaces(), 0,
+         0, &o->space_given},
+        {"--displacement-filter", CLI_CHOICE, &o->filter, "how it is looked up (bspline)",
+         names_filters(), 0, 0, &o->filter_given},
+    };
+    memcpy(out, rows, sizeof rows);
+}
+
+/* What the file says, and over it the options. */
+static displace_settings merge(const displace_options *o, const displace_settings *settings,
+                               const char *ptx) {
+    displace_settings d = *settings;
+    const char *texture = o->texture ? cli_input(o->texture) : o->channel && !d.given ? ptx : NULL;
+    if (!d.given) {
+        d.scale = 1;
+        d.filter = (slv_filter_params){.filter = SLV_FILTER_BSPLINE, .lerp = true};
+    }
+    if (texture)
+        snprintf(d.texture, sizeof d.texture, "%s", texture);
+    if (o->channel || !d.channel[0])
+        snprintf(d.channel, sizeof d.channel, "%s", o->channel ? o->channel : "0");
+    d.given |= texture != NULL;
+    d.scale = o->scale_given ? o->scale : d.scale;
+    d.bias = o->bias_given ? o->bias : d.bias;
+    d.space = o->space_given ? (slv_displacement_space)o->space : d.space;
+    if (o->filter_given)
+        d.filter.filter = (slv_filter)o->filter;
+    return d;
+}
+
+static int open_file(const cli_command *command, const slv_env *env, const displace_settings *d,
+                     uint32_t nfaces, displace_open *out) {
+    slv_file_id file;
+    slv_ptx_info info;
+    if (slv_cache_create(env, NULL, &out->cache) || slv_cache_open(out->cache, d->texture, &file) ||
+        slv_cache_get_info(out->cache, file, &info))
+        return EXIT_FAILED;
+    if (info.nfaces != nfaces)
+        return cli_error("%s: displaces %u faces, and the mesh has %u", d->texture, info.nfaces,
+                         nfaces);
+    const value_channels channels = {info.nchannels, info.alpha_channel};
+    int32_t channel = value_channel_find(d->channel, strlen(d->channel), channels);
+    uint32_t width = d->space ? 3 : 1;
+    if (channel < 0 || info.nchannels - (uint32_t)channel < width)
+        return cli_usage(command,
+                         "--displacement-channel: '%s' is not the first of %u of %s, which "
+                         "has %u",
+                         d->channel, width, d->texture, info.nchannels);
+    const slv_displacement_params params = {.space = d->space,
+                                            .channel = (uint32_t)channel,
+                                            .scale = d->scale,
+                                            .bias = d->bias,
+                                            .filter = &d->filter};
+    return slv_displacement_open(out->cache, file, &params, &out->displacement) ? EXIT_FAILED
+                                                                                : EXIT_OK;
+}
+
+int displace_begin(const cli_command *command, const slv_env *env, const displace_options *options,
+                   const displace_settings *settings, const char *ptx, uint32_t nfaces,
+                   displace_open *out) {
+    const displace_settings d = merge(options, settings, ptx);
+    bool more = options->scale_given || options->bias_given || options->space_given ||
+                options->filter_given;
+    memset(out, 0, sizeof *out);
+    if (!d.given && more)
+        return cli_usage(command, "nothing says what to displace by: --displacement FILE.ptx does, "
+                                  "or --displacement-channel");
+    if (strlen(options->texture ? options->texture : "") >= DISPLACE_PATH ||
+        strlen(options->channel ? options->channel : "") >= DISPLACE_CHANNEL)
+        return cli_usage(command, "--displacement: the name is too long");
+    out->moves = d.given && d.scale != 0;
+    return out->moves ? open_file(command, env, &d, nfaces, out) : EXIT_OK;
+}
+
+void displace_close(displace_open *displace) {
+    slv_displacement_close(&displace->displacement);
+    slv_cache_destroy(displace->cache);
+    memset(displace, 0, sizeof *displace);
+}
