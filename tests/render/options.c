@@ -96,6 +96,13 @@ static void check_views(void) {
                 ARGUMENTS("reference", ptx, "--samples", "2", "--view", path, "-o", "away.exr"),
                 &run);
     CHECK_MSG(run.code == 0 && strstr(run.err, "nothing of the surface is in view"), "%s", run.err);
+    kit_selvage(&scratch, NULL,
+                ARGUMENTS("compare", ptx, "--quick", "--quiet", "--frames", "2", "--size", "64x48",
+                          "--strategies", "clamp", "--view", path, "-o", "report"),
+                &run);
+    CHECK_MSG(run.code == 0 && kit_lines(run.err) == 0 &&
+                  strstr(run.err, "away.json: nothing of the surface is in view"),
+              "%s", run.err);
     static const char *const wins[][2] = {
         {"--azimuth", "30"}, {"--elevation", "20"}, {"--fov", "35"}};
     for (size_t i = 0; i < 3; i++) {
@@ -151,6 +158,21 @@ static void check_fov(void) {
                     "{}", "--shading", "unlit");
 }
 
+/* A group that is not there is answered with the nearest that is. */
+static void check_focus(void) {
+    static const char cube[] =
+        "v -1 -1 -1\nv 1 -1 -1\nv -1 1 -1\nv 1 1 -1\nv -1 -1 1\nv 1 -1 1\nv -1 1 1\nv 1 1 1\n"
+        "g creature\nf 1 3 4 2\nf 5 6 8 7\nf 1 2 6 5\ng ground\nf 3 7 8 4\nf 1 5 7 3\nf 2 4 8 6\n";
+    char path[KIT_PATH];
+    kit_write(kit_join(path, scratch.root, "groups.obj"), cube, sizeof cube - 1);
+    kit_selvage(&scratch, NULL,
+                ARGUMENTS("render", ptx, "--mesh", path, "--focus", "creatur", "-o", "f.png"),
+                &run);
+    CHECK_MSG(run.code == 1 && strstr(run.err, "no group 'creatur' to focus on; did you mean "
+                                               "'creature'?"),
+              "%d: %s", run.code, run.err);
+}
+
 /* Nothing is said of progress where nobody watches, unless somebody asks. */
 static void check_progress(void) {
     kit_selvage(&scratch, NULL, ARGUMENTS("reference", ptx, "--size", "64", "-o", "p.exr"), &run);
@@ -167,6 +189,7 @@ int main(void) {
     check_channels();
     check_views();
     check_fov();
+    check_focus();
     check_progress();
     kit_remove(scratch.root);
     return test_end();

@@ -108,6 +108,10 @@ int cli_answered(int code);
 bool cli_both_standard(const char *a, const char *b);
 /* The name under which "-" is read, standard input; another is as it was, NULL too. */
 const char *cli_input(const char *path);
+/* A texture is read here and there, and a pipe only once: if `*path` is "-" or the name of a pipe,
+ * what comes through it is put into a file that has no name and is gone with the process, and
+ * `*path` becomes the name to open it by. Other names stay. Returns an exit code. */
+int cli_settle_input(const char **path);
 /* Whether a name ends in an extension, ".ptx" in any case, and has something before it. */
 bool cli_ends_with(const char *path, const char *extension);
 

@@ -2,9 +2,11 @@
 #include "command/scene.h"
 #include "command/output.h"
 #include "command/salvage.h"
+#include "command/words.h"
 
 #include <math.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
 const char *scene_strategies(char *text, size_t size) {
@@ -53,6 +55,21 @@ static bool find_bounds(const slv_mesh_view *mesh, const char *group, float low[
     return found;
 }
 
+/* What words_hint says of the groups' names. */
+static const char *hint_group(const slv_mesh_view *mesh, const char *typed, char text[WORDS_HINT]) {
+    size_t size = 1;
+    for (uint32_t g = 0; g < mesh->ngroups; g++)
+        size += strlen(mesh->group_names[g]) + 1;
+    char *names = malloc(size), *end = names;
+    text[0] = 0;
+    for (uint32_t g = 0; g < mesh->ngroups && names; g++)
+        end += sprintf(end, "%s%s", g ? "|" : "", mesh->group_names[g]);
+    if (end != names)
+        words_hint(typed, names, text);
+    free(names);
+    return text;
+}
+
 slv_result scene_load_geometry(const slv_env *env, const slv_ptx *ptx, const char *option,
                                slv_mesh **out) {
     slv_env silent = *env;
@@ -94,9 +111,11 @@ slv_result scene_load_model(const slv_env *env, const scene_params *params, slv_
         goto done;
     if (!find_bounds(slv_mesh_get_view(out->mesh), params->focus, out->bounds_min,
                      out->bounds_max)) {
-        result = output_fail(env, SLV_ERROR_ARGUMENT, "%s: there is no group '%s' to focus on",
-                             params->mesh ? params->mesh : params->ptx,
-                             params->focus ? params->focus : "");
+        char hint[WORDS_HINT];
+        result = output_fail(
+            env, SLV_ERROR_ARGUMENT, "%s: there is no group '%s' to focus on%s",
+            params->mesh ? params->mesh : params->ptx, params->focus ? params->focus : "",
+            params->focus ? hint_group(slv_mesh_get_view(out->mesh), params->focus, hint) : "");
     }
 done:
     if (result) {

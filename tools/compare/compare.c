@@ -288,11 +288,21 @@ static slv_result measure_frames(struct session *s) {
     return result;
 }
 
+/* Figures of the background alone are none. */
+static void warn_of_nothing(const report_data *report) {
+    if (report->reference.frames && !report_covered(report->reference.npixels))
+        scene_warn_of_nothing(report->ptx);
+    for (uint32_t c = 0; c < report->ncameras; c++)
+        if (report->cameras[c].empty)
+            scene_warn_of_nothing(report->cameras[c].path);
+}
+
 static slv_result run(struct session *s) {
     slv_result result = prepare(s);
     if (result || (result = measure_frames(s)))
         goto done;
     s->measuring = false;
+    warn_of_nothing(s->experiment.report);
     begin_stage(s, "measuring seams");
     if ((result = experiment_measure_seams(&s->experiment)))
         goto done;

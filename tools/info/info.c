@@ -17,8 +17,7 @@ static bool is_mesh(const char *path) {
     return false;
 }
 
-/* By content first: a .ptx with another name is still one. What comes through a pipe can be read
- * only once, and .ptx files cannot be read in that way. */
+/* By content first: a .ptx with another name is still one. */
 static file_kind find_kind(const char *path) {
     char magic[4] = {0};
     struct stat status;
@@ -39,7 +38,7 @@ static file_kind find_kind(const char *path) {
         return KIND_UNREADABLE;
     if (got == 4 && memcmp(magic, "Ptex", 4) == 0)
         return KIND_PTX;
-    if (strcmp(path, cli_input("-")) == 0) /* has no ending */
+    if (strcmp(path, cli_input("-")) == 0 || strncmp(path, "/dev/fd/", 8) == 0) /* no ending */
         return KIND_MESH;
     return ptx_name_is_safe(path) ? KIND_PTX : is_mesh(path) ? KIND_MESH : KIND_UNKNOWN;
 }

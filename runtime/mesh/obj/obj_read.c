@@ -253,8 +253,7 @@ static slv_result parse(const slv_env *env, const char *name, const char *text, 
         return slvi_fail(env, SLV_ERROR_FORMAT, "%s: text in %s; save it as UTF-8", o.name,
                          slv_text_encoding(text, size));
     if (size >= 4 && memcmp(text, "Ptex", 4) == 0)
-        return slvi_fail(env, SLV_ERROR_FORMAT,
-                         "%s: is a .ptx file and no mesh; nor can one be read from a pipe", o.name);
+        return slvi_fail(env, SLV_ERROR_FORMAT, "%s: is a .ptx file and no mesh", o.name);
     if (size >= 3 && memcmp(text, "\xef\xbb\xbf", 3) == 0) /* a byte order mark */
         o.scan.next += 3;
     while (!result && o.scan.next < o.scan.end) {

@@ -33,6 +33,7 @@ static double *times_of(const totals *t, uint32_t rate, uint32_t strategy) {
 static void add_camera(report_data *report, const experiment_frame *frame) {
     report_camera *camera = &report->cameras[frame->index - report->frames];
     const double *ms = frame->ms[report->shown];
+    camera->empty = frame->referenced && !report_covered(frame->npixels);
     for (uint32_t k = 0; k < report->nstrategies; k++) {
         camera->ms[k] = ms[k];
         camera->ratio[k] = ms[k] / ms[report_baseline(report)];

@@ -112,6 +112,7 @@ typedef struct report_camera {
     slv_camera camera;
     double ms[REPORT_MAX_STRATEGIES], ratio[REPORT_MAX_STRATEGIES]; /* to the baseline */
     report_errors errors[REPORT_MAX_STRATEGIES];
+    bool empty; /* no whole pixel of the surface is in view */
 } report_camera;
 
 /* What the pictures of some frames were held against. */
@@ -151,6 +152,8 @@ typedef struct report_data {
 /* Error number i of a curve: 1/1024 to 1 in steps of a quarter of an octave. */
 double report_error_step(uint32_t i);
 
+/* How many pixels are of the surface alone. */
+uint64_t report_covered(const uint64_t npixels[REPORT_LABELS]);
 void report_tally_add(report_tally *tally, double distance);
 void report_tally_merge(report_tally *to, const report_tally *from);
 void report_errors_add(report_errors *errors, report_label label, double distance);

@@ -47,6 +47,13 @@ uint32_t report_frame_count(const report_data *report) {
     return report->frames + report->ncameras;
 }
 
+uint64_t report_covered(const uint64_t npixels[REPORT_LABELS]) {
+    uint64_t covered = 0;
+    for (int label = REPORT_INTERIOR; label < REPORT_LABELS; label++)
+        covered += npixels[label];
+    return covered;
+}
+
 bool report_disturbed(const report_data *report) {
     return report->others > 0.1;
 }
