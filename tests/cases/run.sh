@@ -1,6 +1,10 @@
 # Runs the test.sh of a folder of this one, in a copy that it may write to, with `selvage` in the path.
 folder=$1
-scratch=$(mktemp -d "${TMPDIR:-/tmp}/selvage-case-XXXXXX") || exit 1
+parent=${TMPDIR:-/tmp}
+if [ -z "$TMPDIR" ] && [ -w /dev/shm ] && [ "$(df -Pk /dev/shm | awk 'NR == 2 { print $4 }')" -gt 1048576 ]; then
+    parent=/dev/shm # no waiting for a disk
+fi
+scratch=$(mktemp -d "$parent/selvage-case-XXXXXX") || exit 1
 trap 'rm -rf "$scratch"' EXIT
 cp -r "$folder/." "$scratch" && chmod -R u+w "$scratch" && cd "$scratch" || exit 1
 PATH=$SELVAGE_BIN:$PATH

@@ -135,8 +135,7 @@ int main(void) {
                  {PNG_COLOR_TYPE_PALETTE, {1, 2, 4, 8}},
                  {PNG_COLOR_TYPE_GRAY_ALPHA, {8, 16}},
                  {PNG_COLOR_TYPE_RGB_ALPHA, {8, 16}}};
-    const char *parent = access("/dev/shm", W_OK) == 0 ? "/dev/shm" : "/tmp";
-    snprintf(path, sizeof path, "%s/selvage_png_XXXXXX", parent);
+    snprintf(path, sizeof path, "%s/selvage_png_XXXXXX", test_parent());
     int made = mkstemp(path);
     REQUIRE(made >= 0);
     close(made);

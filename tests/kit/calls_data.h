@@ -12,7 +12,7 @@
 
 /* What calls work on. */
 static struct {
-    char folder[64], ptx[96], merged[96], png[96], exr[96], obj[96], out[96];
+    char folder[160], ptx[200], merged[200], png[200], exr[200], obj[200], out[200];
     slv_mesh *mesh;
     slv_adjacency *adjacency;
     slv_surface *surface;
@@ -41,7 +41,7 @@ static inline void calls_begin(void) {
     const slv_ptx_meta meta[] = {
         {.key = "numbers", .type = SLV_META_INT32, .count = 3, .values = count},
         {.key = "words", .type = SLV_META_STRING, .count = 5, .values = "words"}};
-    snprintf(calls.folder, sizeof calls.folder, "/tmp/selvage_calls_XXXXXX");
+    snprintf(calls.folder, sizeof calls.folder, "%s/selvage_calls_XXXXXX", test_parent());
     REQUIRE(mkdtemp(calls.folder));
     snprintf(calls.ptx, sizeof calls.ptx, "%s/in.ptx", calls.folder);
     snprintf(calls.png, sizeof calls.png, "%s/in.png", calls.folder);
@@ -67,7 +67,7 @@ static inline void calls_begin(void) {
 }
 
 static inline void calls_end(void) {
-    char line[128];
+    char line[256];
     slv_image_free(&calls.image);
     slv_levels_destroy(calls.levels);
     slv_texture_destroy(calls.texture);

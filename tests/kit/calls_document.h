@@ -45,7 +45,8 @@ static inline slv_result calls_edit(slv_document *document, uint32_t id) {
 }
 
 static inline slv_result call_document(const slv_env *env) {
-    slv_document_params params = {.flat = *slv_texture_get_desc(calls.texture), .scratch = "/tmp"};
+    slv_document_params params = {.flat = *slv_texture_get_desc(calls.texture),
+                                  .scratch = test_parent()};
     slv_document *document = NULL;
     slv_source source = {0};
     uint32_t id;
@@ -64,7 +65,7 @@ static inline slv_result call_document(const slv_env *env) {
 /* Before each run: no session is there. */
 static inline void calls_prepare_session(void) {
     static const char *const names[] = {"made.selvage", "moved.selvage"};
-    char line[160];
+    char line[256];
     for (size_t i = 0; i < sizeof names / sizeof *names; i++) {
         snprintf(line, sizeof line, "rm -rf %s", calls_path(names[i]));
         REQUIRE(access(calls_path(names[i]), F_OK) != 0 || system(line) == 0);

@@ -39,8 +39,7 @@ static inline const char *kit_variable(const char *name) {
 }
 
 static inline void kit_scratch_make(kit_scratch *scratch) {
-    const char *temporary = getenv("TMPDIR");
-    kit_join(scratch->root, temporary && *temporary ? temporary : "/tmp", "selvage-test-XXXXXX");
+    kit_join(scratch->root, test_parent(), "selvage-test-XXXXXX");
     REQUIRE(mkdtemp(scratch->root));
     REQUIRE(mkdir(kit_join(scratch->folder, scratch->root, "here"), 0777) == 0);
     REQUIRE(mkdir(kit_join(scratch->logs, scratch->root, "logs"), 0777) == 0);

@@ -15,8 +15,8 @@ static char ptx_kit_paths[2][1024];
 static inline const char *scratch_path(const char *name) {
     static int turn;
     char *path = ptx_kit_paths[turn ^= 1];
-    snprintf(path, sizeof ptx_kit_paths[0], "%s/selvage-%ld-%s",
-             getenv("TMPDIR") ? getenv("TMPDIR") : "/tmp", (long)getpid(), name);
+    snprintf(path, sizeof ptx_kit_paths[0], "%s/selvage-%ld-%s", test_parent(), (long)getpid(),
+             name);
     return path;
 }
 

@@ -9,6 +9,8 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/statvfs.h>
+#include <unistd.h>
 
 /* Sanitizers are slow: long tests do less of the same under them. */
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
@@ -23,6 +25,19 @@ static inline uint32_t test_effort(uint32_t count) {
     const char *effort = getenv("SELVAGE_TEST_EFFORT");
     unsigned long times = effort ? strtoul(effort, NULL, 10) : 1;
     return count * (uint32_t)(times ? times : 1);
+}
+
+/* Where tests make their folders: what is flushed to a disk takes as long as the disk likes, so in
+ * memory where there is a good deal, unless $TMPDIR says otherwise. */
+static inline const char *test_parent(void) {
+    const char *given = getenv("TMPDIR");
+    struct statvfs room;
+    if (given && *given)
+        return given;
+    return statvfs("/dev/shm", &room) == 0 && access("/dev/shm", W_OK | X_OK) == 0 &&
+                   (uint64_t)room.f_bavail * room.f_frsize >= UINT64_C(1) << 30
+               ? "/dev/shm"
+               : "/tmp";
 }
 
 static int test_checks, test_failures;

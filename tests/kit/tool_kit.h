@@ -9,20 +9,13 @@
 #include <selvage/ptx_writer.h>
 
 #include <stdarg.h>
-#include <sys/statvfs.h>
 #include <sys/wait.h>
 
 static char tool_folder[256];
 static char tool_out[65536]; /* what the last run printed, both streams */
 
-/* Tens of thousands of files are quick in memory, and take a minute on a busy disk. */
 static inline void tool_begin(void) {
-    const char *parent = getenv("TMPDIR") ? getenv("TMPDIR") : "/tmp";
-    struct statvfs room;
-    if (statvfs("/dev/shm", &room) == 0 && access("/dev/shm", W_OK) == 0 &&
-        (uint64_t)room.f_bavail * room.f_frsize >= UINT64_C(1) << 30)
-        parent = "/dev/shm";
-    snprintf(tool_folder, sizeof tool_folder, "%s/selvage_tool_XXXXXX", parent);
+    snprintf(tool_folder, sizeof tool_folder, "%s/selvage_tool_XXXXXX", test_parent());
     REQUIRE(mkdtemp(tool_folder));
 }
 

@@ -92,7 +92,7 @@ static void through_ptx(const model *m) {
     char path[256];
     slv_ptx *ptx = NULL;
     slv_mesh *mesh = NULL;
-    snprintf(path, sizeof path, "/tmp/selvage-far-%ld.ptx", (long)getpid());
+    snprintf(path, sizeof path, "%s/selvage-far-%ld.ptx", test_parent(), (long)getpid());
     REQUIRE(!slv_ptx_save(&env, path, m->texture, m->adjacency,
                           &(slv_ptx_write_params){.mesh = m->mesh}));
     REQUIRE(!slv_ptx_open(&env, path, &ptx));

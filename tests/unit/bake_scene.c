@@ -118,13 +118,14 @@ int main(void) {
     CHECK(true);
     if (!bin)
         return test_end();
-    char program[512], path[512], folder[] = "/tmp/selvage-scene-XXXXXX";
+    char program[512], path[512], folder[128];
     static const char *const files[] = {"scene.obj", "scene.ptx", "scene_faces.ptx"};
     join(program, bin, "selvage-assets");
     CHECK(run(program, "--help") == 0);
     CHECK(run(program, "--nonsense") == 2);
     CHECK(run(program, NULL) == 2);
     CHECK(run(program, "/dev/null/not/a/folder") == 1);
+    snprintf(folder, sizeof folder, "%s/selvage-scene-XXXXXX", test_parent());
     const char *made = mkdtemp(folder);
     REQUIRE(made);
     CHECK(run(program, folder) == 0);

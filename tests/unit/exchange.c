@@ -211,7 +211,7 @@ static void check_folder(void) {
 }
 
 int main(void) {
-    snprintf(folder, sizeof folder, "/tmp/selvage_exchange_XXXXXX");
+    snprintf(folder, sizeof folder, "%s/selvage_exchange_XXXXXX", test_parent());
     REQUIRE(mkdtemp(folder));
     snprintf(in, sizeof in, "%s/in.ptx", folder);
     snprintf(out, sizeof out, "%s/out.ptx", folder);

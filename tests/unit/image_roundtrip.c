@@ -231,8 +231,7 @@ static void refusals(void) {
 }
 
 int main(void) {
-    snprintf(folder, sizeof folder, "%s/selvage-XXXXXX",
-             getenv("TMPDIR") ? getenv("TMPDIR") : "/tmp");
+    snprintf(folder, sizeof folder, "%s/selvage-XXXXXX", test_parent());
     const char *made = mkdtemp(folder);
     REQUIRE(made != NULL);
     for (uint32_t n = 1; n <= 4; n++) {

@@ -175,7 +175,7 @@ static void test_round_trip(void) {
     slv_env env = test_env();
     uint64_t random = 11;
     char path[64];
-    snprintf(path, sizeof path, "/tmp/selvage-mesh-%ld.obj", (long)getpid());
+    snprintf(path, sizeof path, "%s/selvage-mesh-%ld.obj", test_parent(), (long)getpid());
     setlocale(LC_ALL, "de_DE.UTF-8"); /* a decimal comma, where there is such a locale */
     for (int kind = 0; kind < SHAPE_KINDS; kind++) {
         shape s = shape_random(kind, &random);

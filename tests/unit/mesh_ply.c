@@ -170,7 +170,7 @@ static void test_forms(void) {
     slv_env env = test_env();
     uint64_t random = 5;
     char path[64];
-    snprintf(path, sizeof path, "/tmp/selvage-mesh-%ld.ply", (long)getpid());
+    snprintf(path, sizeof path, "%s/selvage-mesh-%ld.ply", test_parent(), (long)getpid());
     for (int round = 0; round < 60; round++) {
         shape s = shape_random(round % SHAPE_KINDS, &random);
         text t = write_ply(&s, (form)(round % FORMS), &random);
@@ -286,7 +286,7 @@ static void test_packed_badly(void) {
     slv_env env = test_env();
     slv_mesh *mesh = NULL;
     char path[64];
-    snprintf(path, sizeof path, "/tmp/selvage-mesh-%ld.obj.gz", (long)getpid());
+    snprintf(path, sizeof path, "%s/selvage-mesh-%ld.obj.gz", test_parent(), (long)getpid());
     text t = {0}, packed;
     print(&t, "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
     save(path, &t, true, 0);

@@ -360,7 +360,7 @@ static slv_result sweep_flatten(const slv_env *env) {
     const slv_res res[2] = {{3, 3}, {4, 2}};
     slv_document *d = NULL;
     slv_document_params params = {.flat = {2, SLV_TYPE_U8, 3, SLV_NO_ALPHA, res, 0},
-                                  .scratch = "/tmp"};
+                                  .scratch = test_parent()};
     slv_source source = {0};
     slv_result result = slv_document_create(env, &params, NULL, &d);
     if (!result && !(result = slv_document_add_layer(d, NULL, NULL)))

@@ -6,10 +6,10 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-static char folder[64];
+static char folder[160];
 
 static const char *in_folder(const char *name) {
-    static char paths[4][160];
+    static char paths[4][256];
     static int next;
     char *path = paths[next++ & 3];
     snprintf(path, sizeof paths[0], "%s/%s", folder, name);
@@ -199,8 +199,8 @@ static void moves(void) {
 }
 
 int main(void) {
-    char line[128];
-    snprintf(folder, sizeof folder, "/tmp/selvage-live-XXXXXX");
+    char line[256];
+    snprintf(folder, sizeof folder, "%s/selvage-live-XXXXXX", test_parent());
     REQUIRE(mkdtemp(folder));
     shows_at_once();
     journal_is_script();

@@ -10,10 +10,10 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-static char folder[64];
+static char folder[160];
 
 static const char *in_folder(const char *name) {
-    static char paths[4][160];
+    static char paths[4][256];
     static int next;
     char *path = paths[next++ & 3];
     snprintf(path, sizeof paths[0], "%s/%s", folder, name);
@@ -367,8 +367,8 @@ static void merges(void) {
 }
 
 int main(void) {
-    char line[96];
-    snprintf(folder, sizeof folder, "/tmp/selvage_session_XXXXXX");
+    char line[256];
+    snprintf(folder, sizeof folder, "%s/selvage_session_XXXXXX", test_parent());
     REQUIRE(mkdtemp(folder));
     find_states();
     comes_back();

@@ -19,7 +19,7 @@ static slv_surface *surface;
 static slv_adjacency *adjacency;
 static slv_texture *texture;
 static slv_image picture;
-static char folder[] = "/tmp/selvage_progress_XXXXXX", file[64], out[64];
+static char folder[128], file[160], out[160];
 
 static void make_inputs(void) {
     static char obj[20000];
@@ -46,6 +46,7 @@ static void make_inputs(void) {
     REQUIRE(!slv_texture_create(&env, &desc, &texture));
     REQUIRE(!slv_bake_procedural(&env, surface, &noise, NULL, texture));
     REQUIRE(!slv_image_create(&env, 64, 64, 3, &picture));
+    snprintf(folder, sizeof folder, "%s/selvage_progress_XXXXXX", test_parent());
     REQUIRE(mkdtemp(folder));
     snprintf(file, sizeof file, "%s/in.ptx", folder);
     REQUIRE(!slv_ptx_save(&env, file, texture, adjacency, &(slv_ptx_write_params){.mesh = mesh}));

@@ -61,7 +61,7 @@ static void *caller(void *user) {
 }
 
 static void check_callers(void) {
-    static char paths[CALLERS][128];
+    static char paths[CALLERS][256];
     pthread_t threads[CALLERS];
     for (int i = 0; i < CALLERS; i++) {
         snprintf(paths[i], sizeof paths[i], "%s/caller%d.ptx", calls.folder, i);

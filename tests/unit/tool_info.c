@@ -7,7 +7,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-static char folder[] = "/tmp/selvage_info_XXXXXX";
+static char folder[128];
 static const char *command_folder;
 
 /* Runs `selvage info ARGUMENTS` in the folder; both streams land in `out`. Returns the exit code.
@@ -139,6 +139,7 @@ int main(void) {
     command_folder = getenv("SELVAGE_BIN");
     if (!command_folder)
         command_folder = "bin";
+    snprintf(folder, sizeof folder, "%s/selvage_info_XXXXXX", test_parent());
     REQUIRE(mkdtemp(folder));
     write_mesh();
     write_ptx();
