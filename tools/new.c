@@ -23,37 +23,6 @@ struct new_options {
     float values[MOST_CHANNELS];
 };
 
-/* "64M", "4096", "1.5G": k, M, G are powers of 1024. */
-static bool read_count(const char *text, uint64_t *out) {
-    static const char units[] = "kMG";
-    double number;
-    const char *end;
-    if (!value_ratio(text, &number, &end) || !(number > 0))
-        return false;
-    const char *unit = *end ? strchr(units, *end == 'K' ? 'k' : *end) : NULL;
-    if (*end && (!unit || end[1]))
-        return false;
-    for (const char *at = units; unit && at <= unit; at++)
-        number *= 1024;
-    if (!(number >= 1) || number > 1e18)
-        return false;
-    *out = (uint64_t)number;
-    return true;
-}
-
-/* Sizes are powers of two. */
-static bool read_size(const uint32_t size[2], slv_res *out) {
-    int log2[2];
-    for (int k = 0; k < 2; k++) {
-        for (log2[k] = 0; log2[k] < SLV_MAX_LOG2_RES && 1u << log2[k] < size[k];)
-            log2[k]++;
-        if (size[k] != 1u << log2[k])
-            return false;
-    }
-    *out = (slv_res){(int8_t)log2[0], (int8_t)log2[1]};
-    return true;
-}
-
 /* Colours are light and are stored as the texture stores them; a list of as many numbers as there
  * are channels is taken as it stands. */
 static bool read_fill(struct new_options *o, bool srgb) {
@@ -143,15 +112,16 @@ static int make_params(const cli_command *command, struct new_options *o, slv_bl
     o->channels = o->channels ? o->channels : 3;
     if (o->size_given + o->density_given + (o->bytes != NULL) + (o->texels != NULL) > 1)
         return cli_usage(command, "--size, --density, --bytes and --texels: one of them");
-    if (o->size_given && !read_size(o->size, &p->res))
+    if (o->size_given && !value_resolution(o->size, &p->res))
         return cli_usage(command, "--size %ux%u: expected powers of two", o->size[0], o->size[1]);
-    if (!read_size(o->min, &p->min_res) || (o->max_given && !read_size(o->max, &p->max_res)))
+    if (!value_resolution(o->min, &p->min_res) ||
+        (o->max_given && !value_resolution(o->max, &p->max_res)))
         return cli_usage(command, "--min-size and --max-size: expected powers of two");
     if (o->density_given && !(o->density > 0))
         return cli_usage(command, "--density: expected more than 0");
-    if (o->texels && !read_count(o->texels, &p->max_texels))
+    if (o->texels && !value_count(o->texels, &p->max_texels))
         return cli_usage(command, "--texels: expected a number, 4M, not '%s'", o->texels);
-    if (o->bytes && !read_count(o->bytes, &bytes))
+    if (o->bytes && !value_count(o->bytes, &bytes))
         return cli_usage(command, "--bytes: expected a number, 64M, not '%s'", o->bytes);
     if (o->alpha_given && o->alpha >= o->channels)
         return cli_usage(command, "--alpha %u: there are %u channels", o->alpha, o->channels);

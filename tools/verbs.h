@@ -4,6 +4,7 @@
 
 #define SELVAGE_VERBS(VERB)                                                                        \
     VERB(new, "make a blank texture for a mesh")                                                   \
+    VERB(bake, "make a texture of UV images or patterns")                                          \
     VERB(paint, "apply a script of strokes to a texture")                                          \
     VERB(session, "paint in layers that nothing can lose")                                         \
     VERB(render, "draw a .ptx on its subdivision surface into a PNG or EXR")                       \

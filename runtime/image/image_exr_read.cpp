@@ -244,6 +244,7 @@ slv_result read_pixels(const Reading &r, Imf::MultiPartInputFile &file, const Ch
                          uint32_t(int64_t(shown.max.y) - shown.min.y + 1), uint32_t(n), r.image);
     if (result)
         return result;
+    r.image->type = SLV_TYPE_HALF;
     Imf::InputPart part(file, choice.part);
     Imf::FrameBuffer frame;
     std::vector<float> row(n * size_t(int64_t(data.max.x) - data.min.x + 1));
@@ -251,6 +252,8 @@ slv_result read_pixels(const Reading &r, Imf::MultiPartInputFile &file, const Ch
         /* OpenEXR adds x times the stride to where x = 0 would be */
         intptr_t origin =
             reinterpret_cast<intptr_t>(row.data() + c) - intptr_t(stride) * data.min.x;
+        if (header.channels()[choice.names[c].c_str()].type == Imf::FLOAT)
+            r.image->type = SLV_TYPE_FLOAT;
         frame.insert(choice.names[c],
                      Imf::Slice(Imf::FLOAT, reinterpret_cast<char *>(origin), stride, 0));
     }

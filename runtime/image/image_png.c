@@ -226,6 +226,7 @@ static slv_result decode(png_structp png, png_infop info, struct png_stream *str
         (result = slv_image_create(stream->env, width, height, n, out)))
         return result;
     find_encoding(png, info, out);
+    out->type = bits == 8 ? SLV_TYPE_U8 : SLV_TYPE_U16;
     for (uint32_t y = 0; y < height; y++)
         stream->row_pointers[y] = stream->rows + y * row;
     if (!read_png_rows(png, stream))

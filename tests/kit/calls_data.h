@@ -27,6 +27,9 @@ static const char calls_obj[] =
     "v 0 0 0\nv 1 0 0\nv 2 0 0\nv 0 1 0\nv 1 1 0\nv 2 1 1\nv 3 1 0\nvt 0 0\nvn 0 0 1\ng one\nf "
     "1/1/1 2/1/1 5/1/1 4/1/1\n"
     "f 2 3 6 5\ng two\nf 3 7 6\nt crease 2/1/0 0 1 2.0\nt corner 1/1/0 3 4.0\nusemtl x\n";
+static const char calls_uv_obj[] =
+    "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nvt .1 .1\nvt .9 .1\nvt .9 .9\nvt .1 .9\n"
+    "f 1/1 2/2 3/3 4/4\n";
 static const char calls_ply[] =
     "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\nproperty float "
     "z\nelement face 1\n"

@@ -29,6 +29,8 @@ static const struct writer {
     {"merge in.ptx other.ptx -o", ".ptx", .prints = true},
     {"transfer in.ptx --to in.obj", ".ptx", .prints = true},
     {"new in.obj --json", ".ptx", .prints = true},
+    {"bake in.obj --pattern noise --size 16 --json -o", ".ptx", .prints = true},
+    {"bake uv.obj --uv uv.png --size 32 --quiet -o kept.ptx --miss-map", ".ptx", .prints = false},
     {"paint in.ptx s.jsonl --json", ".ptx", .prints = true},
     {"check in.ptx --repair", ".ptx", .prints = true},
     {"session s.selvage --json --export", ".ptx", .prints = true},
@@ -364,7 +366,11 @@ int main(void) {
     tool_write_file("q.txt", "point 0 0 0 1 0 0 0 0 .25 .25 0 0 0 0\n", 38);
     static const char fill[] = "{\"op\": \"fill\", \"face\": 0, \"color\": [1]}\n";
     tool_write_file("s.jsonl", fill, sizeof fill - 1);
+    static const char uv[] = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nvt 0 0\nvt 1 0\nvt 1 1\nvt 0 1\n"
+                             "f 1/1 2/2 3/3 4/4\n";
+    tool_write_file("uv.obj", uv, sizeof uv - 1);
     const struct writer *w = &writers[0];
+    EXPECT(0, &none, "info in.ptx --sheet uv.png");
     EXPECT(0, &none, "merge in.ptx other.ptx -o merged.ptx");
     EXPECT(0, &none, "session s.selvage --new in.ptx -q");
     for (int i = 0; i < WRITERS; i++) {

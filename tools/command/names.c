@@ -1,6 +1,7 @@
 /* Lists of words out of the library's names of values. */
 #include "command/names.h"
 
+#include <selvage/bake.h>
 #include <selvage/reference.h>
 #include <selvage/selvage.h>
 
@@ -42,3 +43,4 @@ DEFINE_NAMES(contexts, slv_gl_backend, slv_gl_backend_name, SLV_GL_HOST)
 DEFINE_NAMES(pixel_filters, slv_pixel_filter, slv_pixel_filter_name, SIZE)
 DEFINE_NAMES(filters, slv_filter, slv_filter_name, SIZE)
 DEFINE_NAMES(spaces, slv_displacement_space, slv_displacement_space_name, SIZE)
+DEFINE_NAMES(wraps, slv_bake_wrap, slv_bake_wrap_name, SIZE)

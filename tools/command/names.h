@@ -14,5 +14,6 @@ const char *names_contexts(void); /* those that can be asked for */
 const char *names_pixel_filters(void);
 const char *names_filters(void);
 const char *names_spaces(void); /* of displacements */
+const char *names_wraps(void);
 
 #endif

@@ -96,3 +96,32 @@ bool value_range_read(const char **at, uint64_t *first, uint64_t *last) {
     (*at)++;
     return read_number(at, last) && *last >= *first;
 }
+
+bool value_count(const char *text, uint64_t *out) {
+    static const char units[] = "kMG";
+    double number;
+    const char *end;
+    if (!value_ratio(text, &number, &end) || !(number > 0))
+        return false;
+    const char *unit = *end ? strchr(units, *end == 'K' ? 'k' : *end) : NULL;
+    if (*end && (!unit || end[1]))
+        return false;
+    for (const char *at = units; unit && at <= unit; at++)
+        number *= 1024;
+    if (!(number >= 1) || number > 1e18)
+        return false;
+    *out = (uint64_t)number;
+    return true;
+}
+
+bool value_resolution(const uint32_t size[2], slv_res *out) {
+    int log2[2];
+    for (int k = 0; k < 2; k++) {
+        for (log2[k] = 0; log2[k] < SLV_MAX_LOG2_RES && 1u << log2[k] < size[k];)
+            log2[k]++;
+        if (size[k] != 1u << log2[k])
+            return false;
+    }
+    *out = (slv_res){(int8_t)log2[0], (int8_t)log2[1]};
+    return true;
+}

@@ -1,5 +1,13 @@
-/* What makes textures: procedural patterns that are continuous in space, evaluated on the limit
- * surface. */
+/* What makes textures: UV images, and procedural patterns that are continuous in space, as texels
+ * on the faces of a mesh.
+ *
+ *     slv_bake_source *source = NULL;
+ *     slv_bake_report report;
+ *     if (!slv_bake_from_uv(&env, mesh, "colour.<UDIM>.exr", NULL, &source) &&
+ *         !slv_bake_save(&env, mesh, source, NULL, "cow.ptx", &report))
+ *         printf("%llu texels\n", (unsigned long long)report.texels);
+ *     slv_bake_source_destroy(source);
+ */
 #ifndef SELVAGE_BAKE_H
 #define SELVAGE_BAKE_H
 
@@ -62,6 +70,139 @@ SLV_NODISCARD SLV_API slv_result slv_bake_procedural(const slv_env *env, const s
                                                      const slv_procedural *pattern,
                                                      const slv_bake_params *params,
                                                      slv_texture *texture);
+
+/* ---- sources, and a .ptx of one ---- */
+
+/* Why a texel has no value. */
+typedef enum slv_bake_miss {
+    SLV_BAKE_HIT = 0,
+    SLV_BAKE_NO_UV,   /* the polygon has no texture coordinates, or some beyond 2^16 */
+    SLV_BAKE_NO_TILE, /* there is no image where its coordinates are */
+    SLV_BAKE_NAN      /* what the source has there is no finite number */
+} slv_bake_miss;
+enum { SLV_BAKE_MISSES = 4 };
+
+SLV_API const char *slv_bake_miss_name(slv_bake_miss miss); /* hit, no-uv, no-tile, nan */
+/* The colour of a cause in a miss map, three values of 0..1 as sRGB has them. */
+SLV_API void slv_bake_miss_color(slv_bake_miss miss, float rgb[3]);
+
+/* Where values come from, at any place of a mesh's faces. Immutable; any number of threads may use
+ * one. */
+typedef struct slv_bake_source slv_bake_source;
+SLV_API void slv_bake_source_destroy(slv_bake_source *source);
+
+/* What a source has of itself. */
+typedef struct slv_bake_source_desc {
+    slv_type type; /* that holds its values */
+    uint32_t nchannels;
+    int32_t alpha_channel;
+    slv_texture_encoding encoding; /* of its files' colours: LINEAR, SRGB or DATA */
+} slv_bake_source_desc;
+SLV_API const slv_bake_source_desc *slv_bake_source_get_desc(const slv_bake_source *source);
+
+/* What lies beyond the edge of an image that is no tile of a set. */
+typedef enum slv_bake_wrap {
+    SLV_BAKE_WRAP_AUTO = 0, /* repeat if texture coordinates leave 0..1, else clamp */
+    SLV_BAKE_WRAP_REPEAT,   /* the image again */
+    SLV_BAKE_WRAP_CLAMP,    /* its outermost pixels */
+    SLV_BAKE_WRAP_NONE      /* nothing: SLV_BAKE_NO_TILE */
+} slv_bake_wrap;
+SLV_API const char *slv_bake_wrap_name(slv_bake_wrap wrap); /* auto, repeat, clamp, none */
+
+#define SLV_BAKE_UDIM "<UDIM>" /* stands in a name for the number of a tile */
+
+/* Zero means default. */
+typedef struct slv_bake_uv {
+    slv_texture_encoding encoding; /* of the images' colours; default: what each file says, else
+                                      SRGB of a PNG and LINEAR of an OpenEXR */
+    slv_bake_wrap wrap;
+    uint64_t reserved[4];
+} slv_bake_uv;
+
+/* An image through the mesh's texture coordinates (u to the right, v up), or a set of tiles, where
+ * `path` has <UDIM>: tile 1001 + floor(u) + 10 floor(v) for u of 0..9. Which tiles there are to be
+ * follows from the coordinates; those without a file are listed in one warning. Coordinates are
+ * interpolated bilinearly within a face, those of sub-faces from the polygon's corners, the middles
+ * of its sides and its centre, so that polygons may meet along split edges. Filtering goes from one
+ * tile into the next where a face, or one that has the same coordinates along an edge, does.
+ * Colours are averaged as light, multiplied by alpha. The images stay in memory, in the type that
+ * their files have; they have one number of channels, else SLV_ERROR_MISMATCH. `mesh` is not kept.
+ */
+SLV_NODISCARD SLV_API slv_result slv_bake_from_uv(const slv_env *env, const slv_mesh *mesh,
+                                                  const char *path, const slv_bake_uv *params,
+                                                  slv_bake_source **out);
+
+/* A pattern in space, on the limit surface: RGBA, of which the alpha channel is kept where one of
+ * its colours is not opaque. Keeps `surface`, which must outlive the source. */
+SLV_NODISCARD SLV_API slv_result slv_bake_from_pattern(const slv_env *env,
+                                                       const slv_surface *surface,
+                                                       const slv_procedural *pattern,
+                                                       slv_bake_source **out);
+
+/* Values of texels `rect` of a face at resolution `res`: the mean of the source over each texel's
+ * own square in the face's (u,v), in floats: light (or numbers), colours as painted, not multiplied
+ * by alpha. `values` has room for nchannels a texel, v-major, and `misses` (slv_bake_miss) for one;
+ * a texel without a value has zeros. Part of a texel may be missing: the mean is of the rest. */
+SLV_NODISCARD SLV_API slv_result slv_bake_evaluate(const slv_bake_source *source,
+                                                   const slv_env *env, uint32_t face, slv_res res,
+                                                   slv_rect rect, float *values, uint8_t *misses);
+
+/* A tile of a set, or the one image. */
+typedef struct slv_bake_tile {
+    uint32_t number;        /* 1001.., or 0 */
+    uint32_t width, height; /* 0: there is no file */
+    uint32_t faces;         /* that have to do with it */
+} slv_bake_tile;
+/* In the order of their numbers, NULL of other sources. Owned by the source. */
+SLV_API const slv_bake_tile *slv_bake_source_tiles(const slv_bake_source *source, uint32_t *count);
+
+/* Zero means default. How large faces are is said by one of the first five; by none of them by the
+ * source, each face along each axis with the power of two nearest to what the source has there, or
+ * max_texels = 4 Mi if the source has no resolution. */
+typedef struct slv_bake_job {
+    bool uniform; /* every whole face has the resolution `res`, sub-faces half of it */
+    slv_res res;
+    float density;            /* texels per unit of length of the limit surface */
+    uint64_t max_texels;      /* in all, as dense as keeps within; by length on the surface */
+    uint64_t max_bytes;       /* the same, of texels as they are unpacked */
+    float match;              /* so many texels for one of the source; 1 is the default */
+    slv_res min_res, max_res; /* what faces are kept within; default 1x1 and 4096x4096, or 65536 of
+                                 `uniform` */
+
+    bool type_given;
+    slv_type type;     /* else the source's */
+    slv_scheme scheme; /* of the surface whose lengths count */
+    bool no_reductions;
+    int compression;      /* as in slv_ptx_writer_params */
+    uint64_t memory;      /* bytes of texels at once, and of packed ones; 0: 64 MiB. A face is never
+                             taken apart */
+    const char *miss_map; /* NULL, or a .ptx to write: of the same faces and sizes, each texel with
+                             the colour of slv_bake_miss_color */
+    slv_progress progress; /* rows of texels */
+    uint64_t reserved[8];
+} slv_bake_job;
+
+typedef struct slv_bake_report {
+    uint64_t faces, constant_faces, texels, bytes; /* bytes: as if no face was constant */
+    uint64_t misses[SLV_BAKE_MISSES]; /* texels by cause; [SLV_BAKE_HIT] have a value */
+    slv_res smallest, largest;        /* faces, by their number of texels */
+    slv_type type;
+    slv_texture_encoding encoding; /* of the colours that were written */
+    uint64_t reserved[8];
+} slv_bake_report;
+
+/* Bakes a source into a .ptx with the mesh inside; `mesh` is the one that the source was made with.
+ * Colours are written as the type has them (slv_type_encoding), or as the source's files have them
+ * if the type is theirs; metadata says what the type does not. A texel without a value has the mean
+ * of what is nearest on its face, so that reductions mix nothing in; a face without any is zero.
+ * Holes of the mesh are baked as they are numbered, but count no misses. In parallel, block after
+ * block of faces; the same bytes with any number of threads. What is written is whole or not there,
+ * also after SLV_ERROR_CANCELLED; misses are no failure here: the caller looks at the report.
+ * `job` and `report` may be NULL. */
+SLV_NODISCARD SLV_API slv_result slv_bake_save(const slv_env *env, const slv_mesh *mesh,
+                                               const slv_bake_source *source,
+                                               const slv_bake_job *job, const char *path,
+                                               slv_bake_report *report);
 
 #ifdef __cplusplus
 }

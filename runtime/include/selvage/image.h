@@ -19,6 +19,7 @@ typedef struct slv_image {
                                       of other PNGs. AUTO of other images; writers do not look at
                                       it */
     bool encoding_is_assumed;      /* the PNG has neither gAMA nor sRGB */
+    slv_type type; /* of a file that was read: the smallest that holds its values as they stood */
 } slv_image;
 
 typedef enum slv_image_encoding {

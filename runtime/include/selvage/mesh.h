@@ -137,6 +137,14 @@ SLV_API const uint8_t *slv_mesh_face_flags(const slv_mesh *mesh);
 SLV_NODISCARD SLV_API slv_result slv_mesh_corners(const slv_env *env, const slv_mesh *mesh,
                                                   const double *origin, float **out);
 
+/* The texture coordinates at the four corners of every face, 8 floats a face: those of its
+ * polygon's corners, of a sub-face its corner's own, the middles towards the next and the last, and
+ * the mean of all between them. Bilinear in a face's (u,v), they are what a subdivision surface has
+ * that interpolates them linearly (OpenSubdiv's FVAR_LINEAR_ALL). NaN where the polygon lacks one
+ * of them. For slv_free. */
+SLV_NODISCARD SLV_API slv_result slv_mesh_face_texcoords(const slv_env *env, const slv_mesh *mesh,
+                                                         float **out);
+
 /* A face with the same corners. */
 typedef struct slv_face_match {
     int32_t face;

@@ -1,0 +1,80 @@
+/* Resolutions: as a blank texture would have them, or as the source itself is resolved. */
+#include "recipe/plan.h"
+#include "source/source.h"
+
+#include "base/log.h"
+#include "base/memory.h"
+
+#include <selvage/blank.h>
+
+#include <math.h>
+
+enum { DEFAULT_MAX_LOG2 = 12 };
+
+static int8_t within(double value, int low, int high) {
+    return (int8_t)(value > low ? (value < high ? lround(value) : high) : low); /* NaN: low */
+}
+
+static slv_result match(const slv_env *env, const slv_bake_source *source, const slv_bake_job *job,
+                        slv_res **out) {
+    slv_res low = job->min_res, high = job->max_res;
+    double scale = job->match > 0 ? (double)job->match : 1;
+    if (!high.u && !high.v)
+        high = (slv_res){DEFAULT_MAX_LOG2, DEFAULT_MAX_LOG2};
+    slv_result result = slvi_alloc(env, "resolutions", source->nfaces, sizeof **out, out);
+    for (uint32_t face = 0; face < source->nfaces && !result; face++) {
+        float size[2];
+        source->fns->extent(source, face, size);
+        (*out)[face] = (slv_res){within(log2((double)size[0] * scale), low.u, high.u),
+                                 within(log2((double)size[1] * scale), low.v, high.v)};
+    }
+    return result;
+}
+
+static void tell(const slv_res *res, uint32_t nfaces, slv_bake_report *report) {
+    for (uint32_t face = 0; face < nfaces; face++) {
+        int size = res[face].u + res[face].v;
+        if (!face || size < report->smallest.u + report->smallest.v)
+            report->smallest = res[face];
+        if (!face || size > report->largest.u + report->largest.v)
+            report->largest = res[face];
+        report->texels += UINT64_C(1) << size;
+    }
+}
+
+slv_result slvi_bake_plan(const slv_env *env, const slv_mesh *mesh, const slv_bake_source *source,
+                          const slv_bake_job *job, slv_res **out, slv_bake_report *report) {
+    slv_type type = job->type_given ? job->type : source->desc.type;
+    uint64_t most = job->max_texels;
+    if (job->max_bytes)
+        most = job->max_bytes / (source->desc.nchannels * slv_type_size(type));
+    most += job->max_bytes && !most;
+    const slv_blank_params blank = {.uniform = job->uniform,
+                                    .res = job->res,
+                                    .density = job->density,
+                                    .max_texels = most,
+                                    .min_res = job->min_res,
+                                    .max_res = job->max_res,
+                                    .scheme = job->scheme};
+    *out = NULL;
+    int given = (job->uniform != 0) + (job->density != 0) + (job->max_texels != 0) +
+                (job->max_bytes != 0) + (job->match != 0);
+    if (given > 1)
+        return slvi_fail(env, SLV_ERROR_ARGUMENT,
+                         "bake: a resolution, a density, a number of texels or a match with the "
+                         "source: one of them");
+    if (!(job->match >= 0) || !isfinite(job->match))
+        return slvi_fail(env, SLV_ERROR_ARGUMENT,
+                         "bake: %g texels for one of the source, expected more than 0",
+                         (double)job->match);
+    bool own = source->fns->extent && (!given || job->match != 0);
+    if (job->match != 0 && !own)
+        return slvi_fail(env, SLV_ERROR_ARGUMENT, "bake: the source has no resolution to match");
+    slv_result result =
+        own ? match(env, source, job, out) : slv_blank_plan(env, mesh, &blank, out, NULL);
+    if (!result)
+        tell(*out, source->nfaces, report);
+    else
+        slvi_free(*out);
+    return result;
+}
