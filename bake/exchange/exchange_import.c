@@ -101,13 +101,6 @@ static slv_result take(struct import *m, slv_res res, uint32_t x, uint32_t y) {
     return SLV_OK;
 }
 
-static int log2_of(uint32_t size) {
-    for (int log2 = 0; log2 <= SLV_MAX_LOG2_RES; log2++)
-        if (size == 1u << log2)
-            return log2;
-    return -1;
-}
-
 /* The face's own picture decides how large it is; one texel is a constant face of the index's size.
  */
 static slv_result take_picture(struct import *m, uint32_t face, const json_t *item,
@@ -117,7 +110,7 @@ static slv_result take_picture(struct import *m, uint32_t face, const json_t *it
     slv_result result = load_images(m, json_object_get(item, "images"), what);
     if (result)
         return result;
-    int u = log2_of(m->images[0].width), v = log2_of(m->images[0].height);
+    int u = slv_res_log2(m->images[0].width), v = slv_res_log2(m->images[0].height);
     if (u < 0 || v < 0 || (m->source->mesh_type == SLV_PTX_TRIANGLE && u != v))
         return slvi_fail(m->env, SLV_ERROR_MISMATCH,
                          "%s: face %u: its image is %u x %u, which is not %s", m->index, face,

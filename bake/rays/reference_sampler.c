@@ -24,9 +24,11 @@ bool slv_pixel_filter_from_name(const char *name, slv_pixel_filter *out) {
     return found;
 }
 
-/* Mitchell and Netravali 1988, equation 8 with B = C = 1/3; its integral is 1. */
-static double mitchell(double x) {
+/* Mitchell and Netravali 1988, equation 8 with B = C = 1/3. */
+double slv_pixel_filter_weight(slv_pixel_filter filter, double x) {
     x = fabs(x);
+    if (filter == SLV_PIXEL_BOX)
+        return x <= 0.5;
     if (x < 1)
         return (7 * x * x * x - 12 * x * x + 16.0 / 3) / 6;
     if (x < 2)
@@ -38,7 +40,7 @@ static double mitchell(double x) {
  * filter over density, passes through zero where the filter changes its sign: a jump there would
  * cost the Sobol points their evenness (measured: 1.6 times the error at 1024 samples). */
 static double density(double x) {
-    return fabs(mitchell(x)) + 0.05;
+    return fabs(slv_pixel_filter_weight(SLV_PIXEL_MITCHELL, x)) + 0.05;
 }
 
 /* Positions between which the density has the same area everywhere. What the table gets wrong the
@@ -137,7 +139,7 @@ float slvi_reference_sample(const reference_sampler *sampler, const reference_se
         float low = sampler->positions[share], width = sampler->positions[share + 1] - low;
         float x = low + (at - (float)share) * width;
         offset[axis] = 0.5f + x;
-        weight *= (float)mitchell((double)x) * width * SHARES;
+        weight *= (float)slv_pixel_filter_weight(SLV_PIXEL_MITCHELL, (double)x) * width * SHARES;
     }
     return weight;
 }

@@ -39,6 +39,13 @@ slv_res slv_res_level(slv_res res, uint32_t level) {
     return out;
 }
 
+int slv_res_log2(uint64_t texels) {
+    for (int log2 = 0; log2 <= SLV_MAX_LOG2_RES; log2++)
+        if (texels == UINT64_C(1) << log2)
+            return log2;
+    return -1;
+}
+
 uint32_t slv_res_level_count(slv_res res) {
     return 1 + (uint32_t)(res.u > res.v ? res.u : res.v);
 }

@@ -8,14 +8,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* The log2 of a power of two up to the format's limit, or -1. */
-static int log2_of(unsigned long long size) {
-    for (int log2 = 0; log2 <= SLV_MAX_LOG2_RES; log2++)
-        if (size == 1ull << log2)
-            return log2;
-    return -1;
-}
-
 static value_channels channels_of(const convert_request *request) {
     return (value_channels){request->source->nchannels, request->source->alpha_channel};
 }
@@ -72,7 +64,7 @@ static int parse_bound(const cli_command *command, const char *name, const uint3
                        slv_res *out) {
     int8_t sides[2];
     for (int i = 0; i < 2; i++) {
-        int log2 = log2_of(size[i]);
+        int log2 = slv_res_log2(size[i]);
         if (log2 < 0)
             return cli_usage(command, "%s: %u is not a power of two up to %u", name, size[i],
                              1u << SLV_MAX_LOG2_RES);
@@ -101,9 +93,9 @@ static int parse_res_item(const cli_command *command, const char **at, const con
         out->last >= r->source->nfaces)
         return cli_usage(command, "--res: '%s': expected FACE=WxH with faces 0 to %u", text,
                          r->source->nfaces - 1);
-    int u = log2_of(strtoull(*at + 1, &end, 10)), v = u;
+    int u = slv_res_log2(strtoull(*at + 1, &end, 10)), v = u;
     if (*end == 'x')
-        v = log2_of(strtoull(end + 1, &end, 10));
+        v = slv_res_log2(strtoull(end + 1, &end, 10));
     if (u < 0 || v < 0 || (*end && *end != ','))
         return cli_usage(command, "--res: '%s': sizes are powers of two up to %u", text,
                          1u << SLV_MAX_LOG2_RES);

@@ -58,6 +58,8 @@ typedef enum slv_pixel_filter {
 
 SLV_API const char *slv_pixel_filter_name(slv_pixel_filter filter); /* box, mitchell */
 SLV_API bool slv_pixel_filter_from_name(const char *name, slv_pixel_filter *out);
+/* How much counts what is `x` pixels away from the centre along an axis; the integral is 1. */
+SLV_API double slv_pixel_filter_weight(slv_pixel_filter filter, double x);
 
 /* Zero means default. Camera, shading, ka, kd and background are those of slv_frame. */
 typedef struct slv_reference_frame {

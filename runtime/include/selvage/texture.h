@@ -53,6 +53,9 @@ SLV_API size_t slv_type_size(slv_type type);
 SLV_API const char *slv_type_name(slv_type type); /* uint8, uint16, half, float */
 SLV_API bool slv_type_from_name(const char *name, slv_type *out);
 
+/* The log2 of the side of a face: of a power of two from 1 to 2^SLV_MAX_LOG2_RES; -1 of all else.
+ */
+SLV_API int slv_res_log2(uint64_t texels);
 /* Level `level` of a chain that halves each axis until it is 1, as OpenGL's mipmaps do. */
 SLV_API slv_res slv_res_level(slv_res res, uint32_t level);
 /* 1 + the larger of the two: how many levels that chain has, the last being 1x1. */

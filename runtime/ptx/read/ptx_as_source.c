@@ -69,16 +69,10 @@ static void give_reader(ptx_as_source *source, ptx_idle_reader *reader) {
     pthread_mutex_unlock(&source->lock);
 }
 
-static int log2_of(uint32_t size) {
-    int log2 = 0;
-    while (size >> (log2 + 1))
-        log2++;
-    return log2;
-}
-
-static bool is_tile(const ptx_as_source *source, slv_rect r) {
-    bool powers = !(r.width & (r.width - 1)) && !(r.height & (r.height - 1));
-    return powers && !(r.x & (r.width - 1)) && !(r.y & (r.height - 1)) &&
+/* Whether a rectangle is a tile that the file can be asked for, and of what size. */
+static bool is_tile(const ptx_as_source *source, slv_rect r, slv_res *size) {
+    *size = (slv_res){(int8_t)slv_res_log2(r.width), (int8_t)slv_res_log2(r.height)};
+    return size->u >= 0 && size->v >= 0 && !(r.x & (r.width - 1)) && !(r.y & (r.height - 1)) &&
            (r.width == r.height || source->ptx->info.mesh_type != SLV_PTX_TRIANGLE);
 }
 
@@ -124,10 +118,10 @@ static slv_result read_rect(void *user, uint32_t index, slv_res res, slv_rect re
     slv_result result = slv_source_check(&source->env, &self, index, res, rect, &found);
     if (result || (result = take_reader(source, &reader)))
         return result;
-    if (is_tile(source, rect)) {
-        slv_res size = {(int8_t)log2_of(rect.width), (int8_t)log2_of(rect.height)};
+    slv_res size;
+    if (is_tile(source, rect, &size))
         result = slv_ptx_reader_read_tile(reader->reader, index, res, size, rect.x, rect.y, out);
-    } else
+    else
         result = read_parts(source, reader->reader, index, res, rect, out);
     give_reader(source, reader);
     return result;

@@ -13,22 +13,16 @@ enum {
     TILE = 192
 };
 
-/* Mitchell and Netravali 1988 with B = C = 1/3. */
-static double mitchell(double x) {
-    x = fabs(x);
-    if (x < 1)
-        return (7 * x * x * x - 12 * x * x + 16.0 / 3) / 6;
-    if (x < 2)
-        return (-7.0 / 3 * x * x * x + 12 * x * x - 20 * x + 32.0 / 3) / 6;
-    return 0;
+static double weight_at(int tap) {
+    return slv_pixel_filter_weight(SLV_PIXEL_MITCHELL, (tap + 0.5) / FACTOR - SUPPORT);
 }
 
 static void make_weights(float weights[TAPS]) {
     double sum = 0;
     for (int k = 0; k < TAPS; k++)
-        sum += mitchell((k + 0.5) / FACTOR - SUPPORT);
+        sum += weight_at(k);
     for (int k = 0; k < TAPS; k++)
-        weights[k] = (float)(mitchell((k + 0.5) / FACTOR - SUPPORT) / sum);
+        weights[k] = (float)(weight_at(k) / sum);
 }
 
 /* A large picture with a margin of SUPPORT pixels, filtered down; the taps of a pixel begin half a
