@@ -2,6 +2,7 @@
 #ifndef CALLS_DATA_H
 #define CALLS_DATA_H
 
+#include "kit/remove_kit.h"
 #include "kit/test.h"
 
 #include <selvage/bake.h>
@@ -70,15 +71,13 @@ static inline void calls_begin(void) {
 }
 
 static inline void calls_end(void) {
-    char line[256];
     slv_image_free(&calls.image);
     slv_levels_destroy(calls.levels);
     slv_texture_destroy(calls.texture);
     slv_surface_destroy(calls.surface);
     slv_adjacency_destroy(calls.adjacency);
     slv_mesh_destroy(calls.mesh);
-    snprintf(line, sizeof line, "rm -rf %s", calls.folder);
-    REQUIRE(system(line) == 0);
+    test_remove(calls.folder);
 }
 
 static const char *calls_path(const char *name) {

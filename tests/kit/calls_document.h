@@ -65,11 +65,8 @@ static inline slv_result call_document(const slv_env *env) {
 /* Before each run: no session is there. */
 static inline void calls_prepare_session(void) {
     static const char *const names[] = {"made.selvage", "moved.selvage"};
-    char line[256];
-    for (size_t i = 0; i < sizeof names / sizeof *names; i++) {
-        snprintf(line, sizeof line, "rm -rf %s", calls_path(names[i]));
-        REQUIRE(access(calls_path(names[i]), F_OK) != 0 || system(line) == 0);
-    }
+    for (size_t i = 0; i < sizeof names / sizeof *names; i++)
+        test_remove(calls_path(names[i]));
 }
 
 /* A stroke that is made while it shows. */

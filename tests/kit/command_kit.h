@@ -2,6 +2,7 @@
 #ifndef COMMAND_KIT_H
 #define COMMAND_KIT_H
 
+#include "kit/remove_kit.h"
 #include "kit/test.h"
 
 #include <dirent.h>
@@ -43,25 +44,6 @@ static inline void kit_scratch_make(kit_scratch *scratch) {
     REQUIRE(mkdtemp(scratch->root));
     REQUIRE(mkdir(kit_join(scratch->folder, scratch->root, "here"), 0777) == 0);
     REQUIRE(mkdir(kit_join(scratch->logs, scratch->root, "logs"), 0777) == 0);
-}
-
-static inline void kit_remove(const char *path) {
-    struct stat status;
-    if (lstat(path, &status) != 0)
-        return;
-    if (!S_ISDIR(status.st_mode)) {
-        unlink(path);
-        return;
-    }
-    DIR *folder = opendir(path);
-    for (struct dirent *entry; folder && (entry = readdir(folder));) {
-        char inside[KIT_PATH];
-        if (strcmp(entry->d_name, ".") != 0 && strcmp(entry->d_name, "..") != 0)
-            kit_remove(kit_join(inside, path, entry->d_name));
-    }
-    if (folder)
-        closedir(folder);
-    rmdir(path);
 }
 
 /* How many entries a folder has. */

@@ -2,6 +2,7 @@
 #ifndef SLV_PTX_KIT_H
 #define SLV_PTX_KIT_H
 
+#include "kit/remove_kit.h"
 #include "kit/test.h"
 
 #include <selvage/ptx.h>

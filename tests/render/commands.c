@@ -73,7 +73,7 @@ static void check_refused(int code, const char *words, const char *const *enviro
               kit_lines(run.err), run.err);
     CHECK_MSG(run.out[0] == 0, "selvage%s: prints %s", line, run.out);
     CHECK_MSG(kit_count_files(scratch.folder) == 0, "selvage%s: leaves something behind", line);
-    kit_remove(scratch.folder); /* so that the next is judged by what it does itself */
+    test_remove(scratch.folder); /* so that the next is judged by what it does itself */
     REQUIRE(mkdir(scratch.folder, 0777) == 0);
     for (const char *word = words; *word;) {
         char one[128];
@@ -430,7 +430,7 @@ static void check_report(void) {
     CHECK(size > 10000 && strstr(page, "</html>") && strstr(page, "data:image/png;base64,"));
     CHECK(!strstr(page, "http://") && !strstr(page, "src=\"http")); /* needs no network */
     free(page);
-    kit_remove(report);
+    test_remove(report);
 }
 
 /* One face has no seams, and its pixels are not of every kind: what is not there is not a number,
@@ -462,7 +462,7 @@ static void check_single_face(void) {
     const char *row = strstr(csv, "\nclamp,");
     CHECK_MSG(row && strstr(row, ",,\n"), "seam jumps without seams: %s", csv);
     free(csv);
-    kit_remove(report);
+    test_remove(report);
 }
 
 /* Every option that help shows is one that the verb takes: without a value, or without a file to
@@ -546,6 +546,6 @@ int main(void) {
     check_pictures();
     check_report();
     check_single_face();
-    kit_remove(scratch.root);
+    test_remove(scratch.root);
     return test_end();
 }

@@ -236,6 +236,6 @@ int main(void) {
     check_rays(ptx);
     check_views(ptx);
     check_bad(ptx);
-    kit_remove(scratch.root);
+    test_remove(scratch.root);
     return test_end();
 }

@@ -152,6 +152,6 @@ int main(void) {
     CHECK(run.code == 1 && kit_lines(run.err) == 1);
     run_example("example_sample_in_your_shader", (const char *const[]){ptx, png, "wrong", NULL});
     CHECK(run.code == 2 && kit_lines(run.err) == 1);
-    kit_remove(scratch.root);
+    test_remove(scratch.root);
     return test_end();
 }

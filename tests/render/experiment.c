@@ -273,12 +273,12 @@ static void check_views(void) {
           json_equal(json_object_get(whole, "reference"), json_object_get(root, "reference")));
     json_decref(whole);
     json_decref(root);
-    kit_remove(kit_join(folder, scratch.folder, "views"));
+    test_remove(kit_join(folder, scratch.folder, "views"));
     kit_selvage(&scratch, NULL, ARGUMENTS(EXPERIMENT, "-o", "views", "--view", "none.json"), &run);
     CHECK_MSG(run.code == 1 && kit_lines(run.err) == 1 && strstr(run.err, "no camera"), "%s",
               run.err);
-    kit_remove(kit_join(path, scratch.folder, "near.json"));
-    kit_remove(kit_join(path, scratch.folder, "none.json"));
+    test_remove(kit_join(path, scratch.folder, "near.json"));
+    test_remove(kit_join(path, scratch.folder, "none.json"));
 }
 
 static void refuse(int code, const char *word, const char *option, const char *value) {
@@ -446,11 +446,11 @@ int main(void) {
     check_left_out();
     check_compressed();
     check_kinds();
-    kit_remove(scratch.folder);
+    test_remove(scratch.folder);
     REQUIRE(mkdir(scratch.folder, 0777) == 0);
     check_whole();
     check_resume();
     check_views();
-    kit_remove(scratch.root);
+    test_remove(scratch.root);
     return test_end();
 }

@@ -169,7 +169,7 @@ int main(void) {
     } else {
         fprintf(stderr, "SELVAGE_SAMPLES is not set: the published samples were not compared\n");
     }
-    kit_remove(scratch.root);
+    test_remove(scratch.root);
     slv_gl_destroy(gl);
     return test_end();
 }

@@ -191,6 +191,6 @@ int main(void) {
     check_fov();
     check_focus();
     check_progress();
-    kit_remove(scratch.root);
+    test_remove(scratch.root);
     return test_end();
 }

@@ -109,6 +109,6 @@ int main(void) {
     kit_selvage(&scratch, NULL, ARGUMENTS("pick", grid, "1"), &run);
     CHECK(run.code == 2 && strstr(run.err, "FILE.ptx X Y"));
     check_pass();
-    kit_remove(scratch.root);
+    test_remove(scratch.root);
     return test_end();
 }

@@ -183,6 +183,6 @@ int main(void) {
     refuse(1, "nowhere/", ARGUMENTS("reference", ptx, "-q", "--convergence", "nowhere/study"));
     refuse(1, "nowhere/", ARGUMENTS("reference", ptx, "-q", "--size", "8", "-o", "nowhere/a.exr"));
     refuse(2, "levels", ARGUMENTS("compare", ptx, "--reference", "raycast", "--shading", "levels"));
-    kit_remove(scratch.root);
+    test_remove(scratch.root);
     return test_end();
 }

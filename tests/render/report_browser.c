@@ -110,12 +110,12 @@ int main(void) {
     if (!browser) {
         fprintf(stderr, "no browser to open it in: install chromium, or name one in "
                         "SELVAGE_BROWSER\n");
-        kit_remove(scratch.root);
+        test_remove(scratch.root);
         return test_end();
     }
     check_page(browser, moved, false, "1200");
     check_page(browser, moved, true, "1200");
     check_page(browser, moved, true, "420");
-    kit_remove(scratch.root);
+    test_remove(scratch.root);
     return test_end();
 }

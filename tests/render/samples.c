@@ -291,6 +291,6 @@ int main(void) {
     } else {
         fprintf(stderr, "SELVAGE_SAMPLES is not set: the published samples were not compared\n");
     }
-    kit_remove(scratch.root);
+    test_remove(scratch.root);
     return test_end();
 }

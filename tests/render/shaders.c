@@ -321,6 +321,6 @@ int main(void) {
         free(seen[--nseen]);
     free(installed);
     slv_gl_destroy(gl);
-    kit_remove(scratch.root);
+    test_remove(scratch.root);
     return test_end();
 }
