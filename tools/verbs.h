@@ -7,6 +7,7 @@
     VERB(bake, "make a texture of UV images or patterns")                                          \
     VERB(paint, "apply a script of strokes to a texture")                                          \
     VERB(session, "paint in layers that nothing can lose")                                         \
+    VERB(studio, "see, compare and paint a .ptx in a window")                                      \
     VERB(render, "draw a .ptx on its subdivision surface into a PNG or EXR")                       \
     VERB(compare, "measure the seam strategies against each other and write a report")             \
     VERB(reference, "ray-cast a .ptx: the picture that strategies are measured against")           \

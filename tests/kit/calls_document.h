@@ -89,7 +89,7 @@ static inline slv_result call_session_moves(const slv_env *env) {
     if (!result && !(result = calls_stroke(session)))
         result = slv_session_save_as(session, calls_path("moved.selvage"));
     slv_session_destroy(session);
-    return result;
+    return result ? result : slv_session_remove(env, calls_path("made.selvage"));
 }
 
 static inline slv_result call_session(const slv_env *env) {

@@ -193,7 +193,13 @@ static void moves(void) {
     slv_session_destroy(session);
     MUST(slv_session_open(&env, in_folder("e.selvage"), NULL, &session));
     CHECK(state_of(session) == before);
+    CHECK(slv_session_scheme(session) == SLV_SCHEME_BILINEAR);
+    CHECK(slv_session_remove(&env, in_folder("e.selvage")) == SLV_ERROR_IO); /* is open */
+    CHECK(slv_session_remove(&env, folder) == SLV_ERROR_IO);
     slv_session_destroy(session);
+    CHECK(slv_session_is(in_folder("e.selvage")));
+    MUST(slv_session_remove(&env, in_folder("e.selvage")));
+    CHECK(stat(in_folder("e.selvage"), &status) != 0);
     CHECK(stat(in_folder("e.selvage.0.selvage"), &status) != 0);
     CHECK(stat(in_folder("none"), &status) != 0);
 }

@@ -63,6 +63,10 @@ endif()
 if(SELVAGE_COMMAND)
     install(TARGETS selvage-command RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
     set_target_properties(selvage-command PROPERTIES INSTALL_RPATH "$ORIGIN/../${CMAKE_INSTALL_LIBDIR}")
+    if(TARGET selvage-studio)
+        install(TARGETS selvage-studio RUNTIME DESTINATION ${CMAKE_INSTALL_LIBEXECDIR}/selvage)
+        set_target_properties(selvage-studio PROPERTIES INSTALL_RPATH "$ORIGIN/../../${CMAKE_INSTALL_LIBDIR}")
+    endif()
 endif()
 
 configure_package_config_file(tools/install/SelvageConfig.cmake.in ${CMAKE_BINARY_DIR}/SelvageConfig.cmake

@@ -62,6 +62,7 @@ SLV_API bool slv_session_is(const char *path);
 SLV_API slv_document *slv_session_document(slv_session *session);
 SLV_API const slv_mesh *slv_session_mesh(const slv_session *session);
 SLV_API const slv_adjacency *slv_session_adjacency(const slv_session *session);
+SLV_API slv_scheme slv_session_scheme(const slv_session *session);
 /* Made when it is first asked for. */
 SLV_NODISCARD SLV_API slv_result slv_session_painter(slv_session *session, slv_painter **out);
 
@@ -96,6 +97,9 @@ SLV_NODISCARD SLV_API slv_result slv_session_save(slv_session *session);
  * is in the journal there. The old folder is left as it is, saved or not, and free for others.
  * SLV_ERROR_IO if something is there already; then the session is where it was. */
 SLV_NODISCARD SLV_API slv_result slv_session_save_as(slv_session *session, const char *path);
+/* Removes a session's folder with all that is in it. SLV_ERROR_IO, and nothing is removed, while
+ * somebody has it open. */
+SLV_NODISCARD SLV_API slv_result slv_session_remove(const slv_env *env, const char *path);
 /* Where it is. Owned by the session, until it goes elsewhere. */
 SLV_API const char *slv_session_path(const slv_session *session);
 

@@ -151,6 +151,22 @@ done:
     return result;
 }
 
+slv_result slv_session_remove(const slv_env *env, const char *path) {
+    slv_env found = slvi_env_or_default(env);
+    slvi_journal journal = {.file = -1};
+    char *name = NULL;
+    if (!slv_session_is(path))
+        return slvi_fail(&found, SLV_ERROR_IO, "%s: is no session", path);
+    slv_result result = slvi_session_path(&found, path, "journal", &name);
+    if (!result && !(result = slvi_journal_open(&found, name, true, &journal)))
+        slvi_beside_remove_folder(path);
+    if (!result && slv_session_is(path))
+        result = slvi_fail(&found, SLV_ERROR_IO, "%s: cannot be removed", path);
+    slvi_journal_close(&journal);
+    slvi_free(name);
+    return result;
+}
+
 const char *slv_session_path(const slv_session *session) {
     return session->path;
 }

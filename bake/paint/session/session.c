@@ -191,6 +191,10 @@ const slv_adjacency *slv_session_adjacency(const slv_session *session) {
     return session->adjacency;
 }
 
+slv_scheme slv_session_scheme(const slv_session *session) {
+    return session->params.scheme;
+}
+
 void slv_session_get_info(const slv_session *session, slv_session_info *out) {
     *out = session->info;
     out->lines = session->journal.next - 1;

@@ -251,6 +251,10 @@ void slv_gl_renderer_destroy(slv_gl_renderer *renderer) {
     slvi_free(renderer);
 }
 
+uint32_t slv_gl_renderer_framebuffer(const slv_gl_renderer *renderer) {
+    return renderer->target.framebuffers[renderer->target.msaa > 1];
+}
+
 /* Column-major, from window and the depth range of the surface seen from the eye. */
 static void projection(const slv_gl_renderer *renderer, const slv_camera *camera, float out[16]) {
     const float *w = camera->window;

@@ -49,6 +49,10 @@ SLV_NODISCARD SLV_API slv_result slv_gl_renderer_draw(slv_gl_renderer *renderer,
                                                       const slv_frame *frame, slv_image *image,
                                                       double *seconds);
 
+/* The framebuffer object that holds the last frame, resolved, linear RGBA: for those who show it
+ * without reading it back. 0 before the first; another after one of another size or kind. */
+SLV_API uint32_t slv_gl_renderer_framebuffer(const slv_gl_renderer *renderer);
+
 #ifdef __cplusplus
 }
 #endif

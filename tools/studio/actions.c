@@ -1,0 +1,338 @@
+/* All that can be done, in one table: its name, where it is in the menus, its keys. */
+#include "studio/commands.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+/* An action by itself; one that is on or off; one value of several, a row for each. */
+typedef struct row {
+    const char *menu, *label, *name, *target, *keys;
+    studio_command run;
+    studio_state state; /* NULL: it has none */
+    bool needs;         /* something that is open */
+} row;
+
+#define STRATEGY(key)                                                                              \
+    { "Strategy", NULL, "strategy", NULL, key, studio_set_strategy, studio_get_strategy, false }
+
+static const row rows[] = {
+    {"File", "Open…", "open", NULL, "<Control>o", studio_do_open, NULL, false},
+    {"File", "Open Session…", "open-session", NULL, "<Control><Shift>o", studio_do_open_session,
+     NULL, false},
+    {"File", "Save", "save", NULL, "<Control>s", studio_do_save, NULL, true},
+    {"File", "Save As…", "save-as", NULL, "<Control><Shift>s", studio_do_save_as, NULL, true},
+    {"File", "Export .ptx…", "export", NULL, "<Control>e", studio_do_export, NULL, true},
+    {"File", "Open View…", "open-view", NULL, NULL, studio_do_open_view, NULL, true},
+    {"File", "Save View…", "save-view", NULL, NULL, studio_do_save_view, NULL, true},
+    {"File", "Screenshot…", "screenshot", NULL, "F12", studio_do_screenshot, NULL, true},
+    {"File", "Quit", "quit", NULL, "<Control>q", studio_do_quit, NULL, false},
+    {"Edit", "Undo", "undo", NULL, "<Control>z", studio_do_undo, NULL, true},
+    {"Edit", "Redo", "redo", NULL, "<Control><Shift>z", studio_do_redo, NULL, true},
+    {"Edit", "Turn the View", "tool", "view", "v", studio_set_tool, studio_get_tool, true},
+    {"Edit", "Paint", "tool", "paint", "b", studio_set_tool, studio_get_tool, true},
+    {"Edit", "Erase", "tool", "erase", "e", studio_set_tool, studio_get_tool, true},
+    {"Edit", "Fill", "tool", "fill", "g", studio_set_tool, studio_get_tool, true},
+    {"Edit", "Pick a Colour", "tool", "pick", "i", studio_set_tool, studio_get_tool, true},
+    {"Edit", "Select Faces", "tool", "select", "s", studio_set_tool, studio_get_tool, true},
+    {"Edit", "Select No Faces", "select-none", NULL, "<Control><Shift>a", studio_do_select_none,
+     NULL, true},
+    {"Edit", "Double the Face's Texels", "texels-more", NULL, "<Control>plus <Control>equal",
+     studio_do_texels_more, NULL, true},
+    {"Edit", "Halve the Face's Texels", "texels-fewer", NULL, "<Control>minus",
+     studio_do_texels_fewer, NULL, true},
+    {"Edit", "Larger Brush", "brush-larger", NULL, "bracketright", studio_do_brush_larger, NULL,
+     false},
+    {"Edit", "Smaller Brush", "brush-smaller", NULL, "bracketleft", studio_do_brush_smaller, NULL,
+     false},
+    {"Edit", "Mirror", "mirror", NULL, "x", studio_do_mirror, studio_get_mirror, false},
+    {"Edit", "Project from the View", "project", NULL, "p", studio_do_project, studio_get_project,
+     false},
+    {"Layer", "Add", "layer-add", NULL, "<Control><Shift>n", studio_do_layer_add, NULL, true},
+    {"Layer", "Duplicate", "layer-duplicate", NULL, "<Control>j", studio_do_layer_duplicate, NULL,
+     true},
+    {"Layer", "Remove", "layer-remove", NULL, "<Control>Delete", studio_do_layer_remove, NULL,
+     true},
+    {"Layer", "Raise", "layer-raise", NULL, "<Control>Up", studio_do_layer_raise, NULL, true},
+    {"Layer", "Lower", "layer-lower", NULL, "<Control>Down", studio_do_layer_lower, NULL, true},
+    {"Layer", "Merge Down", "layer-merge", NULL, "<Control>m", studio_do_layer_merge, NULL, true},
+    {"Layer", "Hide", "layer-hide", NULL, "<Control>h", studio_do_layer_hide, studio_get_layer_hide,
+     true},
+    {"Layer", "Lock", "layer-lock", NULL, "<Control>l", studio_do_layer_lock, studio_get_layer_lock,
+     true},
+    {"Layer", "Add Mask", "mask-add", NULL, NULL, studio_do_mask_add, NULL, true},
+    {"Layer", "Remove Mask", "mask-remove", NULL, NULL, studio_do_mask_remove, NULL, true},
+    {"Layer", "Paint on the Mask", "mask-paint", NULL, "<Control>k", studio_do_mask_paint,
+     studio_get_mask_paint, true},
+    {"View", "Frame", "frame", NULL, "f", studio_do_frame, NULL, true},
+    {"View", "Front", "face-front", NULL, "KP_1", studio_do_front, NULL, true},
+    {"View", "Right", "face-right", NULL, "KP_3", studio_do_right, NULL, true},
+    {"View", "Top", "face-top", NULL, "KP_7", studio_do_top, NULL, true},
+    {"View", "Orthographic", "orthographic", NULL, "o", studio_do_orthographic,
+     studio_get_orthographic, true},
+    {"View", "Go to Bookmark 1", "bookmark", "1", "F5", studio_do_bookmark, NULL, true},
+    {"View", "Go to Bookmark 2", "bookmark", "2", "F6", studio_do_bookmark, NULL, true},
+    {"View", "Go to Bookmark 3", "bookmark", "3", "F7", studio_do_bookmark, NULL, true},
+    {"View", "Set Bookmark 1", "bookmark-set", "1", "<Shift>F5", studio_do_bookmark_set, NULL,
+     true},
+    {"View", "Set Bookmark 2", "bookmark-set", "2", "<Shift>F6", studio_do_bookmark_set, NULL,
+     true},
+    {"View", "Set Bookmark 3", "bookmark-set", "3", "<Shift>F7", studio_do_bookmark_set, NULL,
+     true},
+    {"View", "Brighter", "exposure-up", NULL, "period", studio_do_brighter, NULL, false},
+    {"View", "Darker", "exposure-down", NULL, "comma", studio_do_darker, NULL, false},
+    {"View", "Encoding: sRGB", "encoding", "srgb", NULL, studio_set_encoding, studio_get_encoding,
+     false},
+    {"View", "Encoding: Numbers as They Are", "encoding", "linear", NULL, studio_set_encoding,
+     studio_get_encoding, false},
+    {"View", "Encoding: Colour Map", "encoding", "data", NULL, studio_set_encoding,
+     studio_get_encoding, false},
+    {"View", "Shading: Headlight", "shading", "headlight", NULL, studio_set_shading,
+     studio_get_shading, false},
+    {"View", "Shading: Both Sides", "shading", "headlight-abs", NULL, studio_set_shading,
+     studio_get_shading, false},
+    {"View", "Shading: Unlit", "shading", "unlit", "u", studio_set_shading, studio_get_shading,
+     false},
+    {"View", "Next Channel", "channel-next", NULL, "c", studio_do_channel, NULL, true},
+    {"View", "No Overlay", "overlay", "none", NULL, studio_set_overlay, studio_get_overlay, false},
+    {"View", "Faces", "overlay", "faces", NULL, studio_set_overlay, studio_get_overlay, false},
+    {"View", "Resolution", "overlay", "resolution", NULL, studio_set_overlay, studio_get_overlay,
+     false},
+    {"View", "Levels", "overlay", "levels", NULL, studio_set_overlay, studio_get_overlay, false},
+    {"View", "Seams", "seams", NULL, "l", studio_do_seams, studio_get_seams, false},
+    {"View", "Wireframe", "wires", NULL, "w", studio_do_wires, studio_get_wires, false},
+    {"View", "Finer Surface", "segments-more", NULL, NULL, studio_do_segments_more, NULL, true},
+    {"View", "Coarser Surface", "segments-fewer", NULL, NULL, studio_do_segments_fewer, NULL, true},
+    {"View", "Anisotropy 1", "anisotropy", "1", NULL, studio_set_anisotropy, studio_get_anisotropy,
+     false},
+    {"View", "Anisotropy 4", "anisotropy", "4", NULL, studio_set_anisotropy, studio_get_anisotropy,
+     false},
+    {"View", "Anisotropy 16", "anisotropy", "16", NULL, studio_set_anisotropy,
+     studio_get_anisotropy, false},
+    {"View", "1 Sample a Pixel", "msaa", "1", NULL, studio_set_msaa, studio_get_msaa, false},
+    {"View", "4 Samples a Pixel", "msaa", "4", NULL, studio_set_msaa, studio_get_msaa, false},
+    {"View", "8 Samples a Pixel", "msaa", "8", NULL, studio_set_msaa, studio_get_msaa, false},
+    {"View", "Dark", "dark", NULL, NULL, studio_do_dark, studio_get_dark, false},
+    STRATEGY("1"),
+    STRATEGY("2"),
+    STRATEGY("3"),
+    STRATEGY("4"),
+    STRATEGY("5"),
+    STRATEGY("6"),
+    STRATEGY("7"),
+    STRATEGY("8"),
+    {"Compare", "One Strategy", "compare", "whole", "Escape", studio_set_compare,
+     studio_get_compare, false},
+    {"Compare", "Split", "compare", "split", "bar backslash", studio_set_compare,
+     studio_get_compare, false},
+    {"Compare", "Difference", "compare", "difference", "d", studio_set_compare, studio_get_compare,
+     false},
+    {"Compare", "Flicker", "compare", "flicker", "k", studio_set_compare, studio_get_compare,
+     false},
+    {"Compare", "Another One on the Other Side", "other-next", NULL, "Tab", studio_do_other_next,
+     NULL, false},
+    {"Compare", "Seam Jump", "seam-jump", NULL, "j", studio_do_seam_jump, NULL, true},
+    {"Help", "Keyboard Shortcuts", "shortcuts", NULL, "<Control>question F1", studio_do_shortcuts,
+     NULL, false},
+    {"Help", "About", "about", NULL, NULL, studio_do_about, NULL, false},
+    /* without a place in the menus: from lists, tools and messages */
+    {NULL, "Fill a face", "fill-face", "", NULL, studio_do_fill_face, NULL, true},
+    {NULL, "Select a face", "select-face", "", NULL, studio_do_select_face, NULL, true},
+    {NULL, "Pick a colour", "pick-color", NULL, NULL, studio_do_pick_color, NULL, true},
+    {NULL, "Choose a layer", "layer", "", NULL, studio_set_layer, NULL, true},
+    {NULL, "Show a layer", "layer-show", "", NULL, studio_do_layer_show, NULL, true},
+    {NULL, "Name a layer", "layer-name", "", NULL, studio_do_layer_name, NULL, true},
+    {NULL, "Opacity of a layer", "layer-opacity", "", NULL, studio_do_layer_opacity, NULL, true},
+    {NULL, "Blend mode of a layer", "layer-blend", "", NULL, studio_do_layer_blend, NULL, true},
+    {NULL, "Choose a brush", "brush", "", NULL, studio_set_brush, NULL, false},
+    {NULL, "Open a file", "open-path", "", NULL, studio_do_open_path, NULL, false},
+    {NULL, "Save a screenshot", "screenshot-to", "", NULL, studio_do_screenshot_to, NULL, true},
+    {NULL, "Save to a path", "save-to", "", NULL, studio_do_save_to, NULL, true},
+    {NULL, "Export to a path", "export-to", "", NULL, studio_do_export_to, NULL, true},
+    {NULL, "Throw unsaved work away", "discard", NULL, NULL, studio_do_discard, NULL, true},
+};
+enum { ROWS = sizeof rows / sizeof *rows };
+
+/* Strategies fill their rows in the order of the library's table. */
+static bool words_of(int i, const char **label, const char **target) {
+    int first = 0;
+    while (rows[first].label)
+        first++;
+    const slv_strategy *strategy = rows[i].label ? NULL : slv_strategy_at((uint32_t)(i - first));
+    *label = strategy ? strategy->name : rows[i].label;
+    *target = strategy ? strategy->name : rows[i].target;
+    return *label != NULL;
+}
+
+static const row *find(const char *name) {
+    for (int i = 0; i < ROWS; i++)
+        if (strcmp(rows[i].name, name) == 0)
+            return &rows[i];
+    return NULL;
+}
+
+/* A stroke or a question is ended first. */
+void studio_actions_run(studio_app *app, const char *name, const char *target) {
+    const row *found = find(name);
+    if (!found || app->loading || app->drag == STUDIO_DRAG_STROKE ||
+        (found->needs && !app->document.texture))
+        return;
+    studio_log(app, "\"event\":\"action\",\"name\":\"%s\",\"target\":\"%s\"", name,
+               target && !strchr(target, '"') && !strchr(target, '\\') ? target : "");
+    app->document.message[0] = 0;
+    found->run(app, target ? target : "");
+    studio_sync(app);
+    studio_log(app, "\"event\":\"done\",\"name\":\"%s\"", name);
+}
+
+static void activate(GSimpleAction *action, GVariant *parameter, gpointer user) {
+    const char *name = g_action_get_name(G_ACTION(action));
+    const char *target = parameter ? g_variant_get_string(parameter, NULL) : NULL;
+    studio_actions_run(user, name, target);
+}
+
+/* The state of menus follows the model. */
+static void show_state(studio_app *app, const row *r) {
+    GAction *action = g_action_map_lookup_action(G_ACTION_MAP(app->window), r->name);
+    bool open = app->document.texture != NULL && !app->loading;
+    g_simple_action_set_enabled(G_SIMPLE_ACTION(action), open || !r->needs);
+    if (r->state && r->target == NULL && r->label)
+        g_simple_action_set_state(G_SIMPLE_ACTION(action),
+                                  g_variant_new_boolean(r->state(app) != NULL));
+    else if (r->state)
+        g_simple_action_set_state(G_SIMPLE_ACTION(action), g_variant_new_string(r->state(app)));
+}
+
+void studio_actions_sync(studio_app *app) {
+    for (int i = 0; i < ROWS; i++)
+        if (find(rows[i].name) == &rows[i])
+            show_state(app, &rows[i]);
+}
+
+static gboolean run_shortcut(GtkWidget *widget, GVariant *args, gpointer user) {
+    const row *r = user;
+    const char *label, *target;
+    (void)args;
+    studio_app *app = g_object_get_data(G_OBJECT(widget), "app");
+    if (!words_of((int)(r - rows), &label, &target))
+        return FALSE;
+    studio_actions_run(app, r->name, target);
+    return TRUE;
+}
+
+/* Keys come to what has the focus first, so that a letter typed into a field is no command. */
+static void add_keys(studio_app *app, GtkEventController *controller, const row *r) {
+    char **keys = r->keys ? g_strsplit(r->keys, " ", -1) : NULL;
+    for (char **key = keys; key && *key; key++)
+        gtk_shortcut_controller_add_shortcut(
+            GTK_SHORTCUT_CONTROLLER(controller),
+            gtk_shortcut_new(gtk_shortcut_trigger_parse_string(*key),
+                             gtk_callback_action_new(run_shortcut, (gpointer)(intptr_t)r, NULL)));
+    g_strfreev(keys);
+    (void)app;
+}
+
+void studio_actions_add(studio_app *app) {
+    GtkEventController *controller = gtk_shortcut_controller_new();
+    g_object_set_data(G_OBJECT(app->window), "app", app);
+    for (int i = 0; i < ROWS; i++) {
+        const row *r = &rows[i];
+        GSimpleAction *action = NULL;
+        const char *label, *target;
+        if (words_of(i, &label, &target))
+            add_keys(app, controller, r);
+        if (find(r->name) != r)
+            continue;
+        if (target && r->state)
+            action = g_simple_action_new_stateful(r->name, G_VARIANT_TYPE_STRING,
+                                                  g_variant_new_string(r->state(app)));
+        else if (target)
+            action = g_simple_action_new(r->name, G_VARIANT_TYPE_STRING);
+        else if (r->state)
+            action = g_simple_action_new_stateful(r->name, NULL, g_variant_new_boolean(FALSE));
+        else
+            action = g_simple_action_new(r->name, NULL);
+        g_signal_connect(action, "activate", G_CALLBACK(activate), app);
+        g_action_map_add_action(G_ACTION_MAP(app->window), G_ACTION(action));
+        g_object_unref(action);
+    }
+    gtk_widget_add_controller(GTK_WIDGET(app->window), controller);
+}
+
+static char *first_key(const row *r) {
+    return r->keys ? g_strndup(r->keys, strcspn(r->keys, " ")) : NULL;
+}
+
+GMenuModel *studio_actions_menu(studio_app *app) {
+    GMenu *bar = g_menu_new(), *menu = NULL, *section = NULL;
+    const char *now = "", *group = "";
+    app->recent_menu = g_menu_new();
+    for (int i = 0; i < ROWS && rows[i].menu; i++) {
+        const row *r = &rows[i];
+        const char *label, *target;
+        if (!words_of(i, &label, &target))
+            continue;
+        if (strcmp(r->menu, now) != 0) {
+            menu = g_menu_new();
+            g_menu_append_submenu(bar, r->menu, G_MENU_MODEL(menu));
+            g_object_unref(menu);
+            group = "";
+        }
+        /* values of one action stand together */
+        bool apart = strcmp(r->menu, now) != 0 ||
+                     ((target || find(group)->target) && strcmp(r->name, group) != 0);
+        if (apart) {
+            section = g_menu_new();
+            g_menu_append_section(menu, NULL, G_MENU_MODEL(section));
+            g_object_unref(section);
+        }
+        now = r->menu;
+        group = r->name;
+        char *detailed = target ? g_strdup_printf("win.%s::%s", r->name, target)
+                                : g_strdup_printf("win.%s", r->name);
+        GMenuItem *item = g_menu_item_new(label, detailed);
+        char *key = first_key(r);
+        if (key)
+            g_menu_item_set_attribute(item, "accel", "s", key);
+        g_menu_append_item(section, item);
+        if (strcmp(r->name, "open-session") == 0)
+            g_menu_append_submenu(section, "Open Recent", G_MENU_MODEL(app->recent_menu));
+        g_object_unref(item);
+        g_free(detailed);
+        g_free(key);
+    }
+    return G_MENU_MODEL(bar);
+}
+
+GtkWidget *studio_actions_shortcuts(studio_app *app) {
+    GString *xml = g_string_new("<interface><object class=\"GtkShortcutsWindow\" id=\"window\">"
+                                "<property name=\"modal\">1</property><child>"
+                                "<object class=\"GtkShortcutsSection\">"
+                                "<property name=\"section-name\">all</property>"
+                                "<property name=\"max-height\">16</property>");
+    const char *now = "";
+    for (int i = 0; i < ROWS && rows[i].menu; i++) {
+        const char *label, *target;
+        if (!words_of(i, &label, &target) || !rows[i].keys)
+            continue;
+        if (strcmp(rows[i].menu, now) != 0)
+            g_string_append_printf(xml,
+                                   "%s<child><object class=\"GtkShortcutsGroup\">"
+                                   "<property name=\"title\">%s</property>",
+                                   *now ? "</object></child>" : "", rows[i].menu);
+        now = rows[i].menu;
+        char *line = g_markup_printf_escaped(
+            "<child><object class=\"GtkShortcutsShortcut\"><property name=\"accelerator\">%s"
+            "</property><property name=\"title\">%s</property></object></child>",
+            rows[i].keys, label);
+        g_string_append(xml, line);
+        g_free(line);
+    }
+    g_string_append(xml, "</object></child></object></child></object></interface>");
+    GtkBuilder *builder = gtk_builder_new_from_string(xml->str, -1);
+    GtkWidget *window = GTK_WIDGET(gtk_builder_get_object(builder, "window"));
+    gtk_window_set_transient_for(GTK_WINDOW(window), app->window);
+    g_object_ref(window);
+    g_object_unref(builder);
+    g_string_free(xml, TRUE);
+    return window;
+}

@@ -1,0 +1,43 @@
+/* What is painted with: the line of a script that a stroke begins with, and the brushes that there
+ * are. */
+#ifndef SELVAGE_STUDIO_BRUSH_H
+#define SELVAGE_STUDIO_BRUSH_H
+
+#include "studio/document.h"
+
+typedef struct studio_brush {
+    char *name; /* as it is shown */
+    char *path; /* of its file; NULL: round */
+} studio_brush;
+
+/* The round one, and those of MyPaint in the folders of the data directories. */
+typedef struct studio_brushes {
+    studio_brush *list;
+    uint32_t count;
+} studio_brushes;
+void studio_brushes_find(studio_brushes *brushes);
+void studio_brushes_free(studio_brushes *brushes);
+
+typedef struct studio_paint {
+    const char *brush; /* the path of its file; NULL: round */
+    float radius;      /* pixels */
+    float opacity, hardness;
+    float color[3]; /* as they are on the screen, 0..1 */
+    slv_blend blend;
+    bool erase, lock_alpha, project;
+    bool mirror; /* on the plane x = the middle of the surface */
+    float pressure_radius, pressure_opacity;
+} studio_paint;
+
+studio_paint studio_paint_default(void);
+/* The line without its samples, which are places in a picture; for free(). NULL: no memory. */
+char *studio_paint_line(const studio_paint *paint, const studio_document *document,
+                        const slv_camera *camera, uint32_t width, uint32_t height);
+/* Fills from a face on. */
+char *studio_fill_line(const studio_paint *paint, const studio_document *document, uint32_t face,
+                       slv_select select);
+/* A colour as the document's texels have it. */
+void studio_paint_color(const studio_document *document, const float rgb[3], bool to_texels,
+                        float out[3]);
+
+#endif

@@ -1,0 +1,104 @@
+/* What the table of actions calls: one function for each, which changes the model and nothing that
+ * shows it. */
+#ifndef SELVAGE_STUDIO_COMMANDS_H
+#define SELVAGE_STUDIO_COMMANDS_H
+
+#include "studio/studio.h"
+
+typedef void (*studio_command)(studio_app *app, const char *target);
+/* The value that is chosen, a word; of what is on or off NULL for off. */
+typedef const char *(*studio_state)(const studio_app *app);
+
+void studio_do_undo(studio_app *app, const char *target);
+void studio_do_redo(studio_app *app, const char *target);
+void studio_do_layer_add(studio_app *app, const char *target);
+void studio_do_layer_duplicate(studio_app *app, const char *target);
+void studio_do_layer_remove(studio_app *app, const char *target);
+void studio_do_layer_raise(studio_app *app, const char *target);
+void studio_do_layer_lower(studio_app *app, const char *target);
+void studio_do_layer_merge(studio_app *app, const char *target);
+void studio_do_layer_hide(studio_app *app, const char *target);
+void studio_do_layer_lock(studio_app *app, const char *target);
+void studio_do_layer_show(studio_app *app, const char *target);
+void studio_do_layer_name(studio_app *app, const char *target);
+void studio_do_layer_opacity(studio_app *app, const char *target);
+void studio_do_layer_blend(studio_app *app, const char *target);
+void studio_set_layer(studio_app *app, const char *target);
+void studio_do_mask_add(studio_app *app, const char *target);
+void studio_do_mask_remove(studio_app *app, const char *target);
+void studio_do_mask_paint(studio_app *app, const char *target);
+void studio_do_texels_more(studio_app *app, const char *target);
+void studio_do_texels_fewer(studio_app *app, const char *target);
+void studio_do_select_none(studio_app *app, const char *target);
+void studio_do_select_face(studio_app *app, const char *target);
+void studio_do_fill_face(studio_app *app, const char *target);
+void studio_set_tool(studio_app *app, const char *target);
+void studio_do_pick_color(studio_app *app, const char *target);
+void studio_do_brush_larger(studio_app *app, const char *target);
+void studio_do_brush_smaller(studio_app *app, const char *target);
+void studio_do_mirror(studio_app *app, const char *target);
+void studio_do_project(studio_app *app, const char *target);
+void studio_set_brush(studio_app *app, const char *target);
+void studio_do_discard(studio_app *app, const char *target);
+void studio_do_quit(studio_app *app, const char *target);
+void studio_do_open_path(studio_app *app, const char *target);
+void studio_do_open(studio_app *app, const char *target);
+void studio_do_open_session(studio_app *app, const char *target);
+void studio_do_save_to(studio_app *app, const char *target);
+void studio_do_save_as(studio_app *app, const char *target);
+void studio_do_save(studio_app *app, const char *target);
+void studio_do_export_to(studio_app *app, const char *target);
+void studio_do_export(studio_app *app, const char *target);
+void studio_do_open_view(studio_app *app, const char *target);
+void studio_do_save_view(studio_app *app, const char *target);
+void studio_do_screenshot_to(studio_app *app, const char *target);
+void studio_do_screenshot(studio_app *app, const char *target);
+void studio_do_shortcuts(studio_app *app, const char *target);
+void studio_do_about(studio_app *app, const char *target);
+void studio_do_frame(studio_app *app, const char *target);
+void studio_do_front(studio_app *app, const char *target);
+void studio_do_right(studio_app *app, const char *target);
+void studio_do_top(studio_app *app, const char *target);
+void studio_do_orthographic(studio_app *app, const char *target);
+void studio_do_bookmark(studio_app *app, const char *target);
+void studio_do_bookmark_set(studio_app *app, const char *target);
+void studio_do_brighter(studio_app *app, const char *target);
+void studio_do_darker(studio_app *app, const char *target);
+void studio_set_encoding(studio_app *app, const char *target);
+void studio_set_shading(studio_app *app, const char *target);
+void studio_do_channel(studio_app *app, const char *target);
+void studio_set_overlay(studio_app *app, const char *target);
+void studio_do_seams(studio_app *app, const char *target);
+void studio_do_wires(studio_app *app, const char *target);
+void studio_do_segments_more(studio_app *app, const char *target);
+void studio_do_segments_fewer(studio_app *app, const char *target);
+void studio_set_anisotropy(studio_app *app, const char *target);
+void studio_set_msaa(studio_app *app, const char *target);
+void studio_do_dark(studio_app *app, const char *target);
+void studio_set_strategy(studio_app *app, const char *target);
+void studio_set_compare(studio_app *app, const char *target);
+void studio_do_other_next(studio_app *app, const char *target);
+void studio_do_seam_jump(studio_app *app, const char *target);
+
+const char *studio_get_layer_hide(const studio_app *app);
+const char *studio_get_layer_lock(const studio_app *app);
+const char *studio_get_mask_paint(const studio_app *app);
+const char *studio_get_tool(const studio_app *app);
+const char *studio_get_mirror(const studio_app *app);
+const char *studio_get_project(const studio_app *app);
+const char *studio_get_orthographic(const studio_app *app);
+const char *studio_get_encoding(const studio_app *app);
+const char *studio_get_shading(const studio_app *app);
+const char *studio_get_overlay(const studio_app *app);
+const char *studio_get_seams(const studio_app *app);
+const char *studio_get_wires(const studio_app *app);
+const char *studio_get_anisotropy(const studio_app *app);
+const char *studio_get_msaa(const studio_app *app);
+const char *studio_get_dark(const studio_app *app);
+const char *studio_get_strategy(const studio_app *app);
+const char *studio_get_compare(const studio_app *app);
+
+/* Shows in the menus what the model has. */
+void studio_actions_sync(studio_app *app);
+
+#endif

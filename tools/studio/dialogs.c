@@ -1,0 +1,71 @@
+/* Questions, and files to choose. */
+#include "studio/studio.h"
+
+typedef struct question {
+    studio_app *app;
+    studio_answer_fn answer;
+    studio_path_fn path;
+    int last;
+} question;
+
+static void answered(GtkDialog *dialog, int response, gpointer user) {
+    question *q = user;
+    int answer = response >= 0 ? response : q->last;
+    gtk_window_destroy(GTK_WINDOW(dialog));
+    studio_log(q->app, "\"event\":\"answer\",\"answer\":%d", answer);
+    q->answer(q->app, answer);
+    g_free(q);
+}
+
+void studio_ask(studio_app *app, const char *text, const char *more, const char *const answers[3],
+                studio_answer_fn done) {
+    question *q = g_new0(question, 1);
+    GtkWidget *dialog =
+        gtk_message_dialog_new(app->window, GTK_DIALOG_MODAL | GTK_DIALOG_DESTROY_WITH_PARENT,
+                               GTK_MESSAGE_QUESTION, GTK_BUTTONS_NONE, "%s", text);
+    gtk_message_dialog_format_secondary_text(GTK_MESSAGE_DIALOG(dialog), "%s", more);
+    *q = (question){.app = app, .answer = done};
+    for (int i = 0; i < 3 && answers[i]; i++) {
+        gtk_dialog_add_button(GTK_DIALOG(dialog), answers[i], i);
+        q->last = i;
+    }
+    gtk_dialog_set_default_response(GTK_DIALOG(dialog), 0);
+    g_signal_connect(dialog, "response", G_CALLBACK(answered), q);
+    gtk_window_present(GTK_WINDOW(dialog));
+    studio_log(app, "\"event\":\"question\"");
+}
+
+static void chosen(GtkNativeDialog *dialog, int response, gpointer user) {
+    question *q = user;
+    if (response == GTK_RESPONSE_ACCEPT) {
+        GFile *file = gtk_file_chooser_get_file(GTK_FILE_CHOOSER(dialog));
+        char *path = file ? g_file_get_path(file) : NULL;
+        if (path)
+            q->path(q->app, path);
+        g_free(path);
+        g_clear_object(&file);
+    }
+    g_object_unref(dialog);
+    g_free(q);
+}
+
+void studio_choose_file(studio_app *app, const char *title, GtkFileChooserAction action,
+                        const char *name, studio_path_fn done) {
+    question *q = g_new0(question, 1);
+    GtkFileChooserNative *dialog =
+        gtk_file_chooser_native_new(title, app->window, action, NULL, NULL);
+    *q = (question){.app = app, .path = done};
+    if (name && action == GTK_FILE_CHOOSER_ACTION_SAVE) {
+        char *folder = g_path_get_dirname(name), *base = g_path_get_basename(name);
+        GFile *file = g_file_new_for_path(folder);
+        gtk_file_chooser_set_current_folder(GTK_FILE_CHOOSER(dialog), file, NULL);
+        gtk_file_chooser_set_current_name(GTK_FILE_CHOOSER(dialog), base);
+        g_object_unref(file);
+        g_free(folder);
+        g_free(base);
+    }
+    g_signal_connect(dialog, "response", G_CALLBACK(chosen), q);
+    gtk_native_dialog_set_modal(GTK_NATIVE_DIALOG(dialog), TRUE);
+    gtk_native_dialog_show(GTK_NATIVE_DIALOG(dialog));
+    studio_log(app, "\"event\":\"chooser\"");
+}

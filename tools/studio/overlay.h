@@ -1,0 +1,18 @@
+/* Lines and colours over a picture, of which a face and its size is enough to know. */
+#ifndef SELVAGE_STUDIO_OVERLAY_H
+#define SELVAGE_STUDIO_OVERLAY_H
+
+#include "studio/picture.h"
+
+typedef struct studio_overlay_pass studio_overlay_pass;
+
+/* Draws over what is in one framebuffer, or both. The pass is made when it is first needed. */
+slv_result studio_overlay_draw(studio_overlay_pass **pass, const studio_document *document,
+                               const studio_shot *shot, uint32_t segments,
+                               const unsigned framebuffers[2], bool two);
+void studio_overlay_destroy(studio_overlay_pass *pass);
+
+/* A program of two texts; 0: the driver's words are in the log. */
+unsigned studio_program(const slv_env *env, const char *vertex, const char *fragment);
+
+#endif

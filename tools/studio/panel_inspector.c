@@ -1,0 +1,80 @@
+/* The face under the pointer, and what drawing takes. */
+#include "studio/studio.h"
+
+#include <math.h>
+
+GtkWidget *studio_panel_inspector(studio_app *app) {
+    GtkWidget *box = gtk_box_new(GTK_ORIENTATION_VERTICAL, 6);
+    GtkWidget **labels[] = {&app->inspector, &app->live};
+    for (int i = 0; i < 2; i++) {
+        *labels[i] = gtk_label_new("");
+        gtk_label_set_xalign(GTK_LABEL(*labels[i]), 0);
+        gtk_label_set_wrap(GTK_LABEL(*labels[i]), TRUE);
+        gtk_widget_add_css_class(*labels[i], "monospace");
+        gtk_box_append(GTK_BOX(box), *labels[i]);
+    }
+    return box;
+}
+
+static void put_texel(GString *text, const slv_texture *texture, const slv_paint_hit *hit) {
+    const slv_texture_desc *desc = slv_texture_get_desc(texture);
+    uint32_t face = (uint32_t)hit->point.face;
+    slv_res res = slv_texture_is_constant(texture, face) ? (slv_res){0, 0} : desc->res[face];
+    uint32_t w = 1u << res.u, h = 1u << res.v;
+    float *texel = g_new0(float, desc->nchannels);
+    slv_texture_fetch(texture, face, MIN((uint32_t)(hit->point.u * (float)w), w - 1),
+                      MIN((uint32_t)(hit->point.v * (float)h), h - 1), texel);
+    g_string_append(text, "\ntexel");
+    for (uint32_t c = 0; c < desc->nchannels && c < 8; c++)
+        g_string_append_printf(text, " %.3f", (double)texel[c]);
+    g_free(texel);
+}
+
+static void show_face(studio_app *app) {
+    slv_paint_hit hit;
+    uint32_t width, height;
+    slv_camera camera = studio_area_camera(app, &width, &height);
+    studio_document *d = &app->document;
+    if (!app->pointer_inside ||
+        !studio_document_pick(d, &camera, width, height, (float)app->x, (float)app->y, &hit)) {
+        gtk_label_set_text(GTK_LABEL(app->inspector), "no face under the pointer");
+        return;
+    }
+    const uint32_t face = (uint32_t)hit.point.face;
+    const slv_res res = slv_texture_get_desc(d->texture)->res[face];
+    const slv_face_adjacency *a = &slv_adjacency_faces(studio_document_adjacency(d))[face];
+    GString *text = g_string_new("");
+    g_string_printf(text, "face %u, %u x %u texels%s\nu %.3f v %.3f\nneighbours", face, 1u << res.u,
+                    1u << res.v, slv_texture_is_constant(d->texture, face) ? ", constant" : "",
+                    (double)hit.point.u, (double)hit.point.v);
+    for (int e = 0; e < 4; e++) {
+        if (a->face[e] < 0)
+            g_string_append(text, " -");
+        else
+            g_string_append_printf(text, " %d:%u", (int)a->face[e], a->edge[e]);
+    }
+    put_texel(text, d->texture, &hit);
+    g_string_append_printf(text, "\npressure %.2f tilt %.2f %.2f", (double)app->pressure,
+                           (double)app->tilt[0], (double)app->tilt[1]);
+    gtk_label_set_text(GTK_LABEL(app->inspector), text->str);
+    g_string_free(text, TRUE);
+}
+
+void studio_panel_inspector_sync(studio_app *app) {
+    char text[512];
+    const studio_picture_stats *s = &app->stats;
+    if (!app->document.texture || !app->picture)
+        return;
+    if (app->drag == STUDIO_DRAG_NONE)
+        show_face(app);
+    snprintf(text, sizeof text,
+             "%s%s%s\n%.1f ms a picture, %.1f ms of texels\n%.1f MB on the GPU, %u draws\n%u "
+             "segments%s",
+             slv_strategy_at(app->look.strategy)->name,
+             app->look.compare != STUDIO_WHOLE ? " and " : "",
+             app->look.compare != STUDIO_WHOLE ? slv_strategy_at(app->look.other)->name : "",
+             1e3 * s->seconds, 1e3 * s->update, (double)s->gpu_bytes / 1e6, s->draws, s->segments,
+             app->refined ? ", refined" : "");
+    gtk_label_set_text(GTK_LABEL(app->live), text);
+    gtk_label_set_text(GTK_LABEL(app->status), studio_picture_info(app->picture)->renderer);
+}

@@ -1,0 +1,49 @@
+/* Pictures of a surface in somebody's OpenGL context: the runtime's renderer, and one pass that
+ * puts what it drew onto the screen. No window system. All of it is called with that context
+ * current. */
+#ifndef SELVAGE_STUDIO_PICTURE_H
+#define SELVAGE_STUDIO_PICTURE_H
+
+#include "studio/document.h"
+#include "studio/look.h"
+
+#include <selvage/gl_renderer.h>
+
+typedef struct studio_picture studio_picture;
+
+/* Uses the context that is current. */
+slv_result studio_picture_create(const slv_env *env, studio_picture **out);
+void studio_picture_destroy(studio_picture *picture);
+const slv_gl_info *studio_picture_info(const studio_picture *picture);
+
+typedef struct studio_shot {
+    studio_look look;
+    slv_camera camera;
+    uint32_t width, height; /* of the screen */
+    float scale;            /* what is drawn is so much smaller, 0..1 */
+    bool coarse;            /* one sample a pixel */
+    float background[4];    /* linear */
+} studio_shot;
+
+typedef struct studio_picture_stats {
+    double seconds;     /* of the draw, by a GL timer or the clock */
+    double update;      /* of bringing the texels up to date */
+    uint64_t gpu_bytes; /* of the textures that were made */
+    uint32_t draws;
+    uint32_t segments;
+} studio_picture_stats;
+
+/* Draws into the framebuffer that is bound, whatever its number. The document's texels are
+ * followed.
+ */
+slv_result studio_picture_draw(studio_picture *picture, studio_document *document,
+                               const studio_shot *shot, studio_picture_stats *stats);
+/* What was drawn last, as it is on the screen, 8 bits in sRGB. */
+slv_result studio_picture_read(studio_picture *picture, slv_image *out);
+/* The seam jump of a strategy at what is magnified. */
+slv_result studio_picture_seam(studio_picture *picture, studio_document *document,
+                               uint32_t strategy, slv_gl_seam *out);
+/* Forgets what was made of the document that is open. */
+void studio_picture_forget(studio_picture *picture);
+
+#endif

@@ -1,0 +1,88 @@
+/* What is kept from one run to the next: looks, brush, size of the window, files that were open. */
+#include "studio/studio.h"
+
+#include <string.h>
+
+static char *path_of(void) {
+    return g_build_filename(g_get_user_config_dir(), "selvage", "studio.ini", NULL);
+}
+
+static float number_of(GKeyFile *file, const char *key, float low, float high, float otherwise) {
+    GError *error = NULL;
+    double value = g_key_file_get_double(file, "studio", key, &error);
+    bool fine = !error && value >= (double)low && value <= (double)high;
+    g_clear_error(&error);
+    return fine ? (float)value : otherwise;
+}
+
+void studio_settings_load(studio_app *app) {
+    GKeyFile *file = g_key_file_new();
+    char *path = path_of();
+    if (g_key_file_load_from_file(file, path, G_KEY_FILE_NONE, NULL)) {
+        gsize count = 0;
+        char **recent = g_key_file_get_string_list(file, "studio", "recent", &count, NULL);
+        for (gsize i = 0; i < count && i < STUDIO_RECENT; i++)
+            app->recent[i] = g_strdup(recent[i]);
+        g_strfreev(recent);
+        app->dark = g_key_file_get_boolean(file, "studio", "dark", NULL);
+        app->paint.radius = number_of(file, "radius", 0.5f, 500, app->paint.radius);
+        app->paint.opacity = number_of(file, "opacity", 0, 1, app->paint.opacity);
+        app->paint.hardness = number_of(file, "hardness", 0.02f, 1, app->paint.hardness);
+        app->paint.color[0] = number_of(file, "red", 0, 1, app->paint.color[0]);
+        app->paint.color[1] = number_of(file, "green", 0, 1, app->paint.color[1]);
+        app->paint.color[2] = number_of(file, "blue", 0, 1, app->paint.color[2]);
+        int width = (int)number_of(file, "width", 640, 16384, 0),
+            height = (int)number_of(file, "height", 400, 16384, 0);
+        if (width && height)
+            gtk_window_set_default_size(app->window, width, height);
+    }
+    g_free(path);
+    g_key_file_free(file);
+}
+
+void studio_settings_save(studio_app *app) {
+    GKeyFile *file = g_key_file_new();
+    char *path = path_of(), *folder = g_path_get_dirname(path);
+    gsize count = 0;
+    int width, height;
+    while (count < STUDIO_RECENT && app->recent[count])
+        count++;
+    gtk_window_get_default_size(app->window, &width, &height);
+    g_key_file_set_string_list(file, "studio", "recent", (const char *const *)app->recent, count);
+    g_key_file_set_boolean(file, "studio", "dark", app->dark);
+    g_key_file_set_double(file, "studio", "radius", (double)app->paint.radius);
+    g_key_file_set_double(file, "studio", "opacity", (double)app->paint.opacity);
+    g_key_file_set_double(file, "studio", "hardness", (double)app->paint.hardness);
+    g_key_file_set_double(file, "studio", "red", (double)app->paint.color[0]);
+    g_key_file_set_double(file, "studio", "green", (double)app->paint.color[1]);
+    g_key_file_set_double(file, "studio", "blue", (double)app->paint.color[2]);
+    g_key_file_set_integer(file, "studio", "width", width);
+    g_key_file_set_integer(file, "studio", "height", height);
+    /* without a place for them they are not kept, which harms nobody */
+    if (g_mkdir_with_parents(folder, 0700) == 0)
+        (void)g_key_file_save_to_file(file, path, NULL);
+    g_free(folder);
+    g_free(path);
+    g_key_file_free(file);
+}
+
+void studio_settings_opened(studio_app *app, const char *path) {
+    char *first = g_strdup(path), *carried = first;
+    for (int i = 0; i < STUDIO_RECENT && carried; i++) {
+        char *now = app->recent[i];
+        app->recent[i] = carried;
+        carried = now;
+        if (now && strcmp(now, first) == 0) {
+            g_free(now);
+            carried = NULL;
+        }
+    }
+    g_free(carried);
+    g_menu_remove_all(app->recent_menu);
+    for (int i = 0; i < STUDIO_RECENT && app->recent[i]; i++) {
+        GMenuItem *item = g_menu_item_new(app->recent[i], NULL);
+        g_menu_item_set_action_and_target(item, "win.open-path", "s", app->recent[i]);
+        g_menu_append_item(app->recent_menu, item);
+        g_object_unref(item);
+    }
+}

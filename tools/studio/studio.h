@@ -1,0 +1,140 @@
+/* The window and all that it knows. Whatever is done goes through an action (actions.c), which
+ * changes the model and then calls studio_sync: panels and menus show what the model has, and keep
+ * nothing of their own. */
+#ifndef SELVAGE_STUDIO_STUDIO_H
+#define SELVAGE_STUDIO_STUDIO_H
+
+#include "studio/brush.h"
+#include "studio/camera.h"
+#include "studio/picture.h"
+
+#include <gtk/gtk.h>
+
+typedef enum studio_tool {
+    STUDIO_VIEW = 0, /* the pointer turns the view */
+    STUDIO_PAINT,
+    STUDIO_ERASE,
+    STUDIO_FILL,
+    STUDIO_PICK,   /* takes up a colour */
+    STUDIO_SELECT, /* faces that take paint */
+    STUDIO_TOOLS
+} studio_tool;
+extern const char *const studio_tool_names[STUDIO_TOOLS];
+
+/* What the pointer drags. */
+typedef enum studio_drag {
+    STUDIO_DRAG_NONE = 0,
+    STUDIO_DRAG_ORBIT,
+    STUDIO_DRAG_PAN,
+    STUDIO_DRAG_ZOOM,
+    STUDIO_DRAG_DIVIDER,
+    STUDIO_DRAG_STROKE
+} studio_drag;
+
+enum { STUDIO_BOOKMARKS = 4, STUDIO_RECENT = 8 };
+
+typedef struct studio_app {
+    GtkApplication *application;
+    GtkWindow *window;
+    GtkGLArea *area;
+    GtkStack *stack;
+    GtkWidget *bar, *bar_text, *page_text, *status, *inspector, *live, *layers, *history,
+        *brushes_list;
+    GtkWidget *bar_button, *layer_blend, *layer_opacity;
+    const char *bar_action; /* what its button does */
+    GtkWidget *sliders[4], *color_button;
+    GMenu *recent_menu;
+
+    studio_document document;
+    studio_camera camera;
+    studio_look look;
+    studio_paint paint;
+    studio_brushes brushes;
+    studio_tool tool;
+    studio_camera bookmarks[STUDIO_BOOKMARKS];
+    bool bookmarked[STUDIO_BOOKMARKS];
+    char *recent[STUDIO_RECENT];
+
+    studio_picture *picture;
+    studio_picture_stats stats;
+    const char *pending; /* a file that is being opened */
+    char *mesh_path;     /* of the command line */
+    bool loading, closing, syncing, dark;
+    bool dirty;  /* the document is ahead of its texture */
+    bool framed; /* the camera fits what is open */
+
+    studio_drag drag;
+    double x, y, start_time; /* of the pointer, in pixels of the area */
+    float pressure, tilt[2];
+    bool pointer_inside;
+    gint64 moved; /* when something moved last, of the monotonic clock */
+    guint rest;   /* the timer that refines */
+    uint32_t frames;
+    bool refined;
+    float scale;   /* of pictures that move */
+    guint follow;  /* panels follow the pictures */
+    guint flicker; /* the timer that changes sides */
+
+    FILE *log;        /* lines of what happens; NULL: nobody asked */
+    char *screenshot; /* to be written after the next fine picture */
+} studio_app;
+
+/* actions.c */
+void studio_actions_add(studio_app *app);
+GMenuModel *studio_actions_menu(studio_app *app);
+GtkWidget *studio_actions_shortcuts(studio_app *app);
+/* As menus and keys do. `target` may be NULL. */
+void studio_actions_run(studio_app *app, const char *name, const char *target);
+
+/* window.c */
+void studio_window_create(studio_app *app);
+void studio_open(studio_app *app, const char *path);
+/* After a change of the model: everything that shows it. */
+void studio_sync(studio_app *app);
+/* In words, above the picture; NULL takes it away. With `action` there is a button for it. */
+void studio_say(studio_app *app, const char *text, const char *button, const char *action);
+/* What went wrong in the document, if `result` says that something did. */
+bool studio_failed(studio_app *app, slv_result result);
+/* Instead of the picture. */
+void studio_page(studio_app *app, const char *page, const char *text);
+void studio_log(studio_app *app, const char *format, ...) G_GNUC_PRINTF(2, 3);
+
+/* area.c */
+GtkWidget *studio_area_create(studio_app *app);
+/* The picture is another; `moving`: and soon again. */
+void studio_area_redraw(studio_app *app, bool moving);
+/* Before the document is another: what OpenGL has of it. */
+void studio_area_forget(studio_app *app);
+slv_camera studio_area_camera(const studio_app *app, uint32_t *width, uint32_t *height);
+/* Something of a pen at a place of the area, in pixels. */
+typedef enum studio_pen { STUDIO_PEN_DOWN, STUDIO_PEN_MOVE, STUDIO_PEN_UP } studio_pen;
+void studio_area_pen(studio_app *app, studio_pen what, const slv_stroke_sample *samples,
+                     uint32_t count, bool eraser);
+
+/* panels: each makes its widgets, and shows what the model has */
+GtkWidget *studio_panel_brush(studio_app *app);
+void studio_panel_brush_sync(studio_app *app);
+GtkWidget *studio_panel_layers(studio_app *app);
+void studio_panel_layers_sync(studio_app *app);
+GtkWidget *studio_panel_inspector(studio_app *app);
+void studio_panel_inspector_sync(studio_app *app);
+
+/* dialogs.c */
+typedef void (*studio_path_fn)(studio_app *app, const char *path);
+void studio_choose_file(studio_app *app, const char *title, GtkFileChooserAction action,
+                        const char *name, studio_path_fn done);
+typedef void (*studio_answer_fn)(studio_app *app, int answer);
+/* Up to three answers, the last of which is what closing the question means. */
+void studio_ask(studio_app *app, const char *question, const char *more,
+                const char *const answers[3], studio_answer_fn done);
+
+/* settings.c */
+void studio_settings_load(studio_app *app);
+void studio_settings_save(studio_app *app);
+void studio_settings_opened(studio_app *app, const char *path);
+
+/* views.c */
+slv_result studio_view_save(studio_app *app, const char *path);
+slv_result studio_view_load(studio_app *app, const char *path);
+
+#endif
