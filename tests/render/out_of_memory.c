@@ -7,6 +7,7 @@
 
 #include <selvage/gl_live.h>
 #include <selvage/gl_renderer.h>
+#include <selvage/gl_residency.h>
 
 static slv_gl *gl;
 static kit grid;
@@ -74,6 +75,26 @@ static slv_result call_live(const slv_env *env) {
     return result;
 }
 
+/* Of which only a part is there. */
+static slv_result call_residency(const slv_env *env) {
+    const slv_strategy *clamp = slv_strategy_find("clamp");
+    const slv_gl_residency_params params = {.texture = {.strategies = &clamp, .nstrategies = 1}};
+    const float low[3] = {0, 0, 0}, high[3] = {80, 80, 80};
+    const slv_camera camera = slv_camera_orbit(low, high, 20, 30, 30, 1);
+    slv_gl_residency *residency = NULL;
+    slv_source source = {0};
+    float *corners = NULL;
+    slv_result result = slv_mesh_corners(env, grid.mesh, NULL, &corners);
+    if (!result &&
+        !(result = slv_texture_as_source(env, grid.texture, grid.adjacency, NULL, &source)) &&
+        !(result = slv_gl_residency_create(gl, env, &source, grid.adjacency, corners, &params,
+                                           &residency)))
+        result = slv_gl_residency_update(residency, env, &camera, 64, 64, NULL);
+    slv_gl_residency_destroy(residency);
+    slv_free(corners);
+    return result;
+}
+
 static slv_result call_lookup(const slv_env *env) {
     const int32_t faces[2] = {0, 3};
     const float uv[4] = {0.5f, 0.5f, 0.1f, 0.9f}, zero[4] = {0};
@@ -112,9 +133,11 @@ int main(void) {
     static const struct {
         const char *name;
         slv_result (*call)(const slv_env *env);
-    } entries[] = {{"texture", call_texture},   {"live", call_live},       {"blocks", call_blocks},
-                   {"lookup", call_lookup},     {"seam", call_seam},       {"draw", call_draw},
-                   {"renderer", call_renderer}, {"context", call_context}, {"wrap", call_wrap}};
+    } entries[] = {{"texture", call_texture},     {"live", call_live},
+                   {"residency", call_residency}, {"blocks", call_blocks},
+                   {"lookup", call_lookup},       {"seam", call_seam},
+                   {"draw", call_draw},           {"renderer", call_renderer},
+                   {"context", call_context},     {"wrap", call_wrap}};
     slv_env env = test_env();
     uint64_t random = 1;
     REQUIRE(slv_gl_create(&env, SLV_GL_AUTO, &gl) == SLV_OK);

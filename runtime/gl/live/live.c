@@ -20,7 +20,8 @@ static slv_result make_levels(const slv_env *env, slv_texture_encoding encoding,
                               slv_gl_live *live) {
     slv_texture *scaled = NULL;
     slv_result result = slv_texture_decode(env, live->texture, encoding, &live->copy);
-    bool bytes = live->copy && slv_texture_get_desc(live->texture)->type == SLV_TYPE_U8;
+    bool bytes =
+        live->decoded || (live->copy && slv_texture_get_desc(live->texture)->type == SLV_TYPE_U8);
     if (result || (result = slvi_gl_scale_down(env, light_of(live), &scaled)))
         return result;
     if (scaled) {
@@ -36,16 +37,18 @@ static slv_result make_levels(const slv_env *env, slv_texture_encoding encoding,
     return slv_levels_create_over(env, light_of(live), &live->levels);
 }
 
-slv_result slvi_gl_live_create(slv_gl *gl, const slv_env *env, const slv_texture *texture,
-                               const slv_adjacency *adjacency, const slv_gl_texture_params *params,
-                               slvi_steps *steps, slv_gl_live **out) {
+slv_result slvi_gl_live_create(slv_gl *gl, const slv_env *env, const slv_gl_given *given,
+                               const slv_gl_texture_params *params, slvi_steps *steps,
+                               slv_gl_live **out) {
     slv_gl_live *live = NULL;
     slv_result result = slvi_alloc(env, "GL texture", 1, sizeof *live, &live);
     *out = NULL;
     if (result)
         return result;
-    live->texture = texture;
-    live->seen = slv_texture_version(texture);
+    live->texture = given->texture;
+    live->decoded = given->decoded;
+    live->room = UINT64_MAX;
+    live->seen = slv_texture_version(live->texture);
     if ((result = slvi_parallel_env_begin(env, &live->log, &live->source.shared)) ||
         (result = make_levels(env, params->encoding, live))) {
         slvi_gl_live_destroy(live);
@@ -53,10 +56,10 @@ slv_result slvi_gl_live_create(slv_gl *gl, const slv_env *env, const slv_texture
     }
     live->source.env = env;
     live->source.gl = gl;
-    live->source.type = slv_texture_get_desc(texture)->type;
+    live->source.type = live->decoded ? SLV_TYPE_U8 : slv_texture_get_desc(live->texture)->type;
     live->source.levels = live->levels;
     live->source.srgb = live->srgb;
-    live->source.adjacency = adjacency;
+    live->source.adjacency = given->adjacency;
     live->source.params = *params;
     live->source.steps = steps;
     *out = live;

@@ -12,14 +12,23 @@ typedef struct slv_gl_change {
     slv_rect rect;
 } slv_gl_change;
 
+/* What a texture is made of. */
+typedef struct slv_gl_given {
+    const slv_texture *texture;
+    const slv_adjacency *adjacency;
+    bool decoded; /* halves: the light of encoded 8-bit colours, which it is to be on the GPU */
+} slv_gl_given;
+
 typedef struct slv_gl_live {
     slv_gl_source source; /* refers to what follows */
     slv_parallel_log *log;
     const slv_texture *texture; /* the host's */
-    slv_texture *copy;          /* its light, where it is encoded or its values are too large */
+    bool decoded;
+    slv_texture *copy; /* its light, where it is encoded or its values are too large */
     slv_levels *levels;
     uint8_t *srgb;  /* see slvi_gl_srgb_fill; NULL where nothing is encoded */
     bool scaled;    /* see slvi_gl_scale_down */
+    uint64_t room;  /* bytes by which arrays may grow in an update */
     uint64_t seen;  /* the version that the GPU has */
     bool half_done; /* an update failed midway: the next one makes all anew */
     slv_gl_change *changes;
@@ -31,9 +40,9 @@ typedef struct slv_gl_live {
 
 /* The levels of a texture's light, and all else that uploading takes. `env` outlives it, as does
  * `texture` where the levels are read. */
-slv_result slvi_gl_live_create(slv_gl *gl, const slv_env *env, const slv_texture *texture,
-                               const slv_adjacency *adjacency, const slv_gl_texture_params *params,
-                               slvi_steps *steps, slv_gl_live **out);
+slv_result slvi_gl_live_create(slv_gl *gl, const slv_env *env, const slv_gl_given *given,
+                               const slv_gl_texture_params *params, slvi_steps *steps,
+                               slv_gl_live **out);
 void slvi_gl_live_destroy(slv_gl_live *live);
 
 /* Brings the levels up to date; `changes` then lists what was changed since `seen`. *renew says

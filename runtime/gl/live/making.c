@@ -200,8 +200,7 @@ slv_result slvi_gl_making_end(slv_gl_texture *texture) {
     return SLV_OK;
 }
 
-/* Bytes of all that is to be uploaded. */
-static uint64_t count_bytes(const slv_gl_texture *texture) {
+uint64_t slvi_gl_making_bytes(const slv_gl_texture *texture) {
     uint64_t bytes = 0;
     for (uint32_t s = 0; s < texture->nstores; s++) {
         const slv_gl_pools *pools = &texture->stores[s].pools;
@@ -221,7 +220,7 @@ slv_result slv_gl_texture_upload(slv_gl_texture *texture, const slv_env *env, ui
     (void)env;
     if (making) {
         if (!making->total)
-            making->total = count_bytes(texture);
+            making->total = slvi_gl_making_bytes(texture);
         slvi_gl_set_state(texture->gl);
         result = slvi_gl_making_upload(texture, max_bytes ? max_bytes : 1);
         done = making->done;

@@ -16,6 +16,8 @@ typedef struct slv_gl_making {
 } slv_gl_making;
 
 slv_result slvi_gl_making_begin(slv_gl_texture *texture);
+/* Bytes of all that is to be uploaded. */
+uint64_t slvi_gl_making_bytes(const slv_gl_texture *texture);
 /* Uploads the texels of the stores that there are, and then the tables; stops when it has uploaded
  * that many bytes. */
 slv_result slvi_gl_making_upload(slv_gl_texture *texture, uint64_t max_bytes);

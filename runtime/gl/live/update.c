@@ -55,8 +55,8 @@ static slv_result upload(struct update *update, slv_gl_store *store, uint32_t it
 /* Moves an item that has another resolution, or needs another type, than before. */
 static slv_result move(struct update *update, slv_gl_store *store, uint32_t item) {
     const slv_gl_source *source = &update->live->source;
-    uint32_t filler = item, items[SLV_FORM_ITEMS];
-    bool wide = false, blocks = store->pools.format.block;
+    uint32_t fillers[2], items[SLV_FORM_ITEMS];
+    bool waits, wide = false, blocks = store->pools.format.block;
     slv_result result = slvi_gl_store_is_wide(source, store, item, &wide);
     if (result)
         return result;
@@ -65,13 +65,18 @@ static slv_result move(struct update *update, slv_gl_store *store, uint32_t item
     store->wide[item] = wide;
     if (!slvi_gl_move_needed(store, item))
         return SLV_OK;
-    if ((result = slvi_gl_move_item(source, store, item, &filler)))
+    if ((result = slvi_gl_move_item(source, store, item, &update->live->room, fillers, &waits)))
         return result;
-    if (store->pools.form->items(store->made, 0, items) == 1) { /* items are faces */
+    if (waits)
+        slvi_gl_marks_add(&store->waiting, item);
+    bool faces = store->pools.form->items(store->made, 0, items) == 1;
+    if (faces)
         slvi_gl_move_row(source, store, item);
-        slvi_gl_move_row(source, store, filler);
+    for (uint32_t i = 0; i < 2; i++) { /* they are uploaded with those that are listed */
+        if (faces)
+            slvi_gl_move_row(source, store, fillers[i]);
+        slvi_gl_marks_add(&store->stale, fillers[i]);
     }
-    slvi_gl_marks_add(&store->stale, filler); /* it is uploaded with those that are listed */
     store->moved = true;
     update->done.moved++;
     return SLV_OK;
@@ -84,6 +89,9 @@ static slv_result update_store(struct update *update, slv_gl_store *store) {
     slv_result result;
     if ((result = list_stale(live, form, store->made, stale)))
         return result;
+    for (uint32_t i = 0; i < store->waiting.count; i++) /* there may be room now */
+        slvi_gl_marks_add(stale, store->waiting.listed[i]);
+    slvi_gl_marks_clear(&store->waiting);
     update->done.items += stale->count;
     if (form->refresh && (result = form->refresh(store->made, stale->listed, stale->count)))
         return result;
@@ -150,7 +158,10 @@ static slv_result update_within(struct update *update) {
     if ((result = slvi_gl_live_follow(live, update->env, &renew)))
         return result;
     update->done.faces = live->nchanges;
-    if (!live->nchanges && !live->half_done)
+    bool any = live->nchanges || live->half_done;
+    for (uint32_t i = 0; i < update->texture->nstores; i++)
+        any |= update->texture->stores[i].waiting.count > 0;
+    if (!any)
         return SLV_OK;
     slvi_gl_set_state(live->source.gl);
     update->done.renewed = renew || live->half_done;

@@ -177,17 +177,16 @@ static uint64_t texel_bytes(const slv_texture_desc *desc, uint32_t nchannels) {
     return texels * nchannels * slv_type_size(desc->type);
 }
 
-/* The parameters are those of slv_gl_texture_create, and whether it is that. */
-static slv_result prepare(slv_gl *gl, const slv_env *env, const slv_texture *texture,
-                          const slv_adjacency *adjacency, const slv_gl_texture_params *params,
-                          bool at_once, slv_gl_texture **out) {
-    const slv_texture_desc *desc = slv_texture_get_desc(texture);
+static slv_result prepare(slv_gl *gl, const slv_env *env, const slv_gl_given *given,
+                          const slv_gl_texture_params *params, bool at_once, slv_gl_texture **out) {
+    const slv_texture_desc *desc = slv_texture_get_desc(given->texture);
+    uint32_t nfaces = slv_adjacency_face_count(given->adjacency);
     slv_gl_texture *made = NULL;
     slv_result result = SLV_OK;
     *out = NULL;
-    if (slv_adjacency_face_count(adjacency) != desc->nfaces)
+    if (nfaces != desc->nfaces)
         return slvi_fail(env, SLV_ERROR_MISMATCH, "the texture has %u faces, the adjacency %u",
-                         desc->nfaces, slv_adjacency_face_count(adjacency));
+                         desc->nfaces, nfaces);
     if ((result = slvi_alloc(env, "GL texture", 1, sizeof *made, &made)))
         return result;
     made->gl = gl;
@@ -199,8 +198,8 @@ static slv_result prepare(slv_gl *gl, const slv_env *env, const slv_texture *tex
         (result = list_slots(made, params)) ||
         (result = slvi_alloc(env, "face table", desc->nfaces, sizeof *made->res, &made->res)) ||
         (result = slvi_gl_making_begin(made)) ||
-        (result = slvi_gl_live_create(gl, &made->env, texture, adjacency, &made->params,
-                                      &made->making->steps, &made->live)))
+        (result = slvi_gl_live_create(gl, &made->env, given, &made->params, &made->making->steps,
+                                      &made->live)))
         goto done;
     memcpy(made->res, desc->res, desc->nfaces * sizeof *made->res);
     made->texel_bytes = texel_bytes(desc, made->params.nchannels);
@@ -220,18 +219,25 @@ done:
     return result;
 }
 
+slv_result slvi_gl_texture_prepare(slv_gl *gl, const slv_env *env, const slv_gl_given *given,
+                                   const slv_gl_texture_params *params, bool at_once,
+                                   slv_gl_texture **out) {
+    slv_env own = slvi_budget_begin(env);
+    return slvi_budget_end(&own, prepare(gl, &own, given, params, at_once, out));
+}
+
 slv_result slv_gl_texture_create(slv_gl *gl, const slv_env *env, const slv_texture *texture,
                                  const slv_adjacency *adjacency,
                                  const slv_gl_texture_params *params, slv_gl_texture **out) {
-    slv_env own = slvi_budget_begin(env);
-    return slvi_budget_end(&own, prepare(gl, &own, texture, adjacency, params, true, out));
+    const slv_gl_given given = {texture, adjacency, false};
+    return slvi_gl_texture_prepare(gl, env, &given, params, true, out);
 }
 
 slv_result slv_gl_texture_prepare(slv_gl *gl, const slv_env *env, const slv_texture *texture,
                                   const slv_adjacency *adjacency,
                                   const slv_gl_texture_params *params, slv_gl_texture **out) {
-    slv_env own = slvi_budget_begin(env);
-    return slvi_budget_end(&own, prepare(gl, &own, texture, adjacency, params, false, out));
+    const slv_gl_given given = {texture, adjacency, false};
+    return slvi_gl_texture_prepare(gl, env, &given, params, false, out);
 }
 
 slv_result slvi_gl_texture_renew(slv_gl_texture *texture) {
@@ -248,8 +254,9 @@ slv_result slvi_gl_texture_renew(slv_gl_texture *texture) {
     params.strategies = strategies;
     params.nstrategies = texture->nslots;
     params.progress = (slv_progress){0};
-    result = slv_gl_texture_create(texture->gl, env, texture->live->texture,
-                                   texture->live->source.adjacency, &params, &fresh);
+    const slv_gl_given given = {texture->live->texture, texture->live->source.adjacency,
+                                texture->live->decoded};
+    result = slvi_gl_texture_prepare(texture->gl, env, &given, &params, true, &fresh);
     if (!result) {
         old = *texture;
         *texture = *fresh;

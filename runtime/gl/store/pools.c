@@ -168,16 +168,35 @@ slv_result slvi_gl_pools_add(const slv_gl_source *source, slv_res res, bool wide
         return result;
     pool.capacity = capacity < pool.nlayers ? capacity : pool.nlayers;
     pool.nlayers = 0;
-    if (pools->npools == MOST_POOLS)
-        return too_many(source->env, pools->npools + 1);
-    if ((result = slvi_grow(source->env, "pools", pools->npools + (uint64_t)1, sizeof *pools->pools,
-                            &pools->pools)) ||
-        (result =
+    uint32_t index = 0;
+    while (index < pools->npools && pools->pools[index].capacity)
+        index++;
+    if (index == MOST_POOLS)
+        return too_many(source->env, index + 1);
+    if (index == pools->npools && (result = slvi_grow(source->env, "pools", index + (uint64_t)1,
+                                                      sizeof *pools->pools, &pools->pools)))
+        return result;
+    if ((result =
              slvi_alloc(source->env, "layers", pool.capacity, sizeof *pool.items, &pool.items)))
         return result;
-    *out = &pools->pools[pools->npools++];
+    pools->npools += index == pools->npools;
+    *out = &pools->pools[index];
     **out = pool;
     return SLV_OK;
+}
+
+void slvi_gl_pools_drop(slv_gl_pool *pool) {
+    if (pool->own_items)
+        slvi_free(pool->items);
+    memset(pool, 0, sizeof *pool);
+}
+
+slv_result slvi_gl_class_bytes(const slv_gl_source *source, const slv_gl_pools *pools, slv_res res,
+                               bool wide, uint64_t *bytes) {
+    slv_gl_pool pool = {.res = res, .wide = wide};
+    slv_result result = lay_out_class(source, pools, &pool);
+    *bytes = result ? 0 : slvi_gl_layer_bytes(pools, &pool);
+    return result;
 }
 
 void slvi_gl_pools_take(slv_gl_pools *pools, uint32_t item, uint32_t *filler) {

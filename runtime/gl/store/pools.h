@@ -20,10 +20,15 @@ typedef struct slv_gl_pool {
     bool wide;
     uint32_t nlayers, width, height, nlevels;
     uint32_t capacity; /* layers of the array, of which the first nlayers are in use */
+    uint32_t reserved; /* of those that are free: for items that are about to move */
     uint32_t *items;   /* of each layer */
     bool own_items;    /* no part of slv_gl_pools.items */
     slv_gl_rect rects[SLV_GL_LEVELS]; /* of pages only */
 } slv_gl_pool;
+
+static inline uint64_t slvi_texels_in(slv_res res) {
+    return UINT64_C(1) << (res.u + res.v);
+}
 
 /* What gets layers. */
 typedef struct slv_gl_items {
@@ -53,6 +58,11 @@ slv_result slvi_gl_pools_assign(const slv_gl_source *source, const slv_gl_items 
  * one may have; *out holds until the next. */
 slv_result slvi_gl_pools_add(const slv_gl_source *source, slv_res res, bool wide, uint32_t capacity,
                              slv_gl_pools *pools, slv_gl_pool **out);
+/* Bytes that an item of a class takes in its layer. */
+slv_result slvi_gl_class_bytes(const slv_gl_source *source, const slv_gl_pools *pools, slv_res res,
+                               bool wide, uint64_t *bytes);
+/* Forgets a pool without layers in use, whose number goes to one that is added later. */
+void slvi_gl_pools_drop(slv_gl_pool *pool);
 /* Takes an item out of its pool, whose layers in use stay the first: *filler is the item that is
  * in its place now, and has to be uploaded there; or the item itself. */
 void slvi_gl_pools_take(slv_gl_pools *pools, uint32_t item, uint32_t *filler);

@@ -29,6 +29,7 @@ typedef struct slv_gl_source {
     const uint8_t *srgb;      /* NULL, or what encodes them again: 8-bit colours */
     const slv_adjacency *adjacency;
     slv_gl_texture_params params; /* defaults filled in */
+    uint64_t array_bytes;         /* of the least array that is made when items move; 0: some */
     slvi_steps *steps;            /* as many as there are faces for each store */
     slv_gl_tables *put_off;       /* NULL: buffers are made at once */
 } slv_gl_source;

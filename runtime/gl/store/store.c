@@ -162,7 +162,9 @@ slv_result slvi_gl_store_make_pool(const slv_gl_source *source, slv_gl_store *st
 static slv_result begin_following(const slv_gl_source *source, uint32_t nitems,
                                   slv_gl_store *store) {
     slv_result result = slvi_alloc(source->env, "items", nitems, 1, &store->wide);
-    return result ? result : slvi_gl_marks_begin(source->env, nitems, &store->stale);
+    if (!result)
+        result = slvi_gl_marks_begin(source->env, nitems, &store->stale);
+    return result ? result : slvi_gl_marks_begin(source->env, nitems, &store->waiting);
 }
 
 slv_result slvi_gl_store_prepare(const slv_gl_source *source, const slv_form *form, void *made,
@@ -205,6 +207,7 @@ void slvi_gl_store_let_go(slv_gl_store *store) {
     slvi_free(store->wide);
     store->wide = NULL;
     slvi_gl_marks_end(&store->stale);
+    slvi_gl_marks_end(&store->waiting);
 }
 
 void slvi_gl_store_free(const slv_gl *gl, slv_gl_store *store) {

@@ -53,6 +53,10 @@ slv_result slvi_gl_texture_need(const slv_gl_texture *texture, const slv_env *en
 const slv_gl_batches *slvi_gl_texture_batches(const slv_gl_texture *texture,
                                               const slv_strategy *strategy);
 
+/* slv_gl_texture_prepare; `at_once`: slv_gl_texture_create. */
+slv_result slvi_gl_texture_prepare(slv_gl *gl, const slv_env *env, const slv_gl_given *given,
+                                   const slv_gl_texture_params *params, bool at_once,
+                                   slv_gl_texture **out);
 /* All of a texture that follows changes anew, in the same place. */
 slv_result slvi_gl_texture_renew(slv_gl_texture *texture);
 

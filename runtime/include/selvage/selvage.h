@@ -14,6 +14,7 @@
 #include <selvage/gl_context.h>
 #include <selvage/gl_live.h>
 #include <selvage/gl_renderer.h>
+#include <selvage/gl_residency.h>
 #include <selvage/gl_strategy.h>
 #include <selvage/gl_texture.h>
 #include <selvage/half.h>
