@@ -298,9 +298,23 @@ static bool outside(const float *from, size_t count, float low, float high) {
     return least < low || most > high;
 }
 
-slv_result slv_border_build(const slv_levels *levels, const slv_adjacency *adjacency, uint32_t face,
-                            uint32_t level, uint32_t bu, uint32_t bv, float *out,
-                            bool *out_of_range) {
+/* Whether a value of the innermost border, which alone can, is outside of a range. */
+static bool rim_outside(const build *b, float low, float high) {
+    int32_t width = 1 << b->res.u, height = 1 << b->res.v;
+    size_t row = (size_t)(width + 2) * b->nchannels, n = b->nchannels;
+    bool is = outside(texel_at(b, -1, -1), row, low, high) ||
+              outside(texel_at(b, -1, height), row, low, high);
+    for (int32_t y = 0; !is && y < height; y++)
+        is = outside(texel_at(b, -1, y), n, low, high) ||
+             outside(texel_at(b, width, y), n, low, high);
+    return is;
+}
+
+/* The parameters are those of slv_border_build, and whether own texels are wanted, too. */
+static slv_result build_level(const slv_levels *levels, const slv_adjacency *adjacency,
+                              uint32_t face, uint32_t level, slv_form_extent extent, bool interior,
+                              float *out, bool *out_of_range) {
+    uint32_t bu = extent.border_u, bv = extent.border_v;
     const slv_texture_desc *desc = &levels->desc;
     if (slv_adjacency_face_count(adjacency) != desc->nfaces)
         return slvi_fail(&levels->env, SLV_ERROR_MISMATCH,
@@ -329,7 +343,8 @@ slv_result slv_border_build(const slv_levels *levels, const slv_adjacency *adjac
     slv_border_edge edges[4];
     for (uint32_t edge = 0; edge < 4; edge++)
         edges[edge] = slvi_border_edge_at(&b.view, face, level, edge);
-    copy_interior(&b);
+    if (interior)
+        copy_interior(&b);
     while (slvi_border_view_next(&b.view)) {
         for (uint32_t edge = 0; edge < 4; edge++)
             fill_side(&b, &edges[edge]);
@@ -339,9 +354,21 @@ slv_result slv_border_build(const slv_levels *levels, const slv_adjacency *adjac
     if (out_of_range) {
         bool integers = desc->type == SLV_TYPE_U8 || desc->type == SLV_TYPE_U16;
         float low = integers ? -1e-6f : -HALF_MOST, high = integers ? 1 + 1e-6f : HALF_MOST;
-        /* Own texels are never outside, so the whole is looked at in one go. */
-        *out_of_range = desc->type != SLV_TYPE_FLOAT &&
-                        outside(out, (size_t)b.pitch * (height + 2 * bv), low, high);
+        b.view.first = 0;
+        *out_of_range = desc->type != SLV_TYPE_FLOAT && rim_outside(&b, low, high);
     }
     return SLV_OK;
+}
+
+slv_result slv_border_build(const slv_levels *levels, const slv_adjacency *adjacency, uint32_t face,
+                            uint32_t level, uint32_t bu, uint32_t bv, float *out,
+                            bool *out_of_range) {
+    const slv_form_extent extent = {.border_u = bu, .border_v = bv};
+    return build_level(levels, adjacency, face, level, extent, true, out, out_of_range);
+}
+
+slv_result slvi_border_build_rim(const slv_levels *levels, const slv_adjacency *adjacency,
+                                 uint32_t face, uint32_t level, slv_form_extent extent, float *out,
+                                 bool *out_of_range) {
+    return build_level(levels, adjacency, face, level, extent, false, out, out_of_range);
 }

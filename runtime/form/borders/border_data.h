@@ -7,6 +7,7 @@
 #include "texture/texture_data.h"
 
 #include <selvage/border.h>
+#include <selvage/form.h>
 
 #define SLV_BORDER_CHANNELS 16
 
@@ -97,6 +98,11 @@ void slvi_border_across(const slv_border_view *view, const slv_border_edge *edge
  * across where the vertex has four faces that all meet at equal resolution, and says so. */
 bool slvi_border_vertex_value(const slv_border_view *view, uint32_t face, uint32_t level,
                               uint32_t corner, float *out, float *opposite);
+
+/* slv_border_build without the level's own texels. */
+slv_result slvi_border_build_rim(const slv_levels *levels, const slv_adjacency *adjacency,
+                                 uint32_t face, uint32_t level, slv_form_extent extent, float *out,
+                                 bool *out_of_range);
 
 /* d = 4M - a - b - e, in an order that leaves a constant as it is. */
 static inline float slv_border_diagonal(float m, float a, float b, float e) {

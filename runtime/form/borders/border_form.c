@@ -3,6 +3,7 @@
 #include "form/faces.h"
 
 #include "base/memory.h"
+#include "form/borders/border_data.h"
 
 #include <selvage/border.h>
 
@@ -14,6 +15,16 @@ static slv_result read_level(const void *made, uint32_t item, uint32_t level, fl
     *out = (slv_form_texels){scratch, SLV_TYPE_FLOAT};
     return slv_border_build(faces->levels, faces->adjacency, item, level, extent.border_u,
                             extent.border_v, scratch, NULL);
+}
+
+static slv_result read_rim(const void *made, uint32_t item, uint32_t level, float *scratch,
+                           slv_form_texels *out) {
+    const slv_form_faces *faces = made;
+    slv_form_extent extent =
+        slv_form_level_extent(slv_form_borders(), faces->desc->res[item], level, faces->border);
+    *out = (slv_form_texels){scratch, SLV_TYPE_FLOAT};
+    return slvi_border_build_rim(faces->levels, faces->adjacency, item, level, extent, scratch,
+                                 NULL);
 }
 
 /* Only the innermost border can leave the range of a type, so one texel of border is enough to
@@ -30,7 +41,9 @@ static slv_result leaves_range(const void *made, uint32_t item, bool *out) {
     result = slvi_alloc_plain(&faces->env, "border", texels * faces->desc->nchannels,
                               sizeof *scratch, &scratch);
     for (uint32_t level = 0; !result && !*out && level < slv_res_level_count(res); level++)
-        result = slv_border_build(faces->levels, faces->adjacency, item, level, 1, 1, scratch, out);
+        result =
+            slvi_border_build_rim(faces->levels, faces->adjacency, item, level,
+                                  (slv_form_extent){.border_u = 1, .border_v = 1}, scratch, out);
     slvi_free(scratch);
     return result;
 }
@@ -53,6 +66,7 @@ const slv_form *slv_form_borders(void) {
         .res = slvi_form_faces_res,
         .items = slvi_form_faces_items,
         .read = read_level,
+        .read_rim = read_rim,
         .leaves_range = leaves_range,
         .stale = stale,
     };

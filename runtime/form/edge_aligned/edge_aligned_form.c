@@ -65,6 +65,7 @@ const slv_form *slv_form_edge_aligned(void) {
         .res = slvi_form_faces_res,
         .items = slvi_form_faces_items,
         .read = read_level,
+        .read_rim = read_level,
         .stale = stale,
         .refresh = refresh,
     };

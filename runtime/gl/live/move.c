@@ -69,19 +69,28 @@ static slv_result add_pool(const slv_gl_source *source, slv_gl_store *store, slv
     return SLV_OK;
 }
 
-/* A pool of a class for an item, among them those with layers that are reserved, which are for such
- * items; NO_POOL if there is no room. */
+/* A pool of a class for an item, also of layers that are reserved if it is one of those that they
+ * are reserved for; NO_POOL if there is no room. */
 static slv_result find_pool(const slv_gl_source *source, slv_gl_store *store, slv_res res,
-                            bool wide, uint64_t *room, uint32_t *index) {
+                            bool wide, bool reserved, uint64_t *room, uint32_t *index) {
     uint32_t none, capacity;
     for (*index = 0; *index < store->pools.npools; (*index)++) {
         const slv_gl_pool *pool = &store->pools.pools[*index];
-        if (is_of_class(pool, res, wide) && pool->nlayers < pool->capacity)
+        if (is_of_class(pool, res, wide) &&
+            pool->nlayers + (reserved ? 0 : pool->reserved) < pool->capacity)
             return SLV_OK;
     }
     *index = NO_POOL;
     slv_result result = look_for_pool(source, store, res, wide, &none, &capacity);
     return result ? result : add_pool(source, store, res, wide, capacity, room, index);
+}
+
+/* An item has got what was reserved for it, in a pool or instead of it. */
+static void end_reservation(slv_gl_pools *pools, slv_res res, slv_gl_pool *in) {
+    for (uint32_t p = 0; p < pools->npools && !in->reserved; p++)
+        if (is_of_class(&pools->pools[p], res, false) && pools->pools[p].reserved)
+            in = &pools->pools[p];
+    in->reserved -= in->reserved > 0;
 }
 
 enum { MOST_RESERVED = 64 };
@@ -208,20 +217,23 @@ slv_result slvi_gl_move_item(const slv_gl_source *source, slv_gl_store *store, u
                              uint64_t *room, uint32_t fillers[2], bool *waits) {
     slv_gl_pools *pools = &store->pools;
     slv_res res = pools->form->res(store->made, item);
+    slv_res old = pools->pools[pools->pool_of[item]].res;
     uint32_t to = NO_POOL;
-    slv_result result = find_pool(source, store, res, is_wide(store, item), room, &to);
+    bool wide = is_wide(store, item), resized = res.u != old.u || res.v != old.v;
+    slv_result result = find_pool(source, store, res, wide, resized && !wide, room, &to);
     fillers[0] = fillers[1] = item;
     *waits = !result && to == NO_POOL;
-    if (!result && *waits && pools->pools[pools->pool_of[item]].res.u == res.u &&
-        pools->pools[pools->pool_of[item]].res.v == res.v)
+    if (*waits && !resized)
         return SLV_OK;
-    if (!result && *waits) /* which is reserved where room is short */
-        result = find_pool(source, store, res, false, room, &to);
-    if (result)
-        return result;
-    if (to == NO_POOL)
+    if (*waits) /* narrow layers are reserved where room is short */
+        result = find_pool(source, store, res, false, true, room, &to);
+    if (!result && to == NO_POOL)
         return slvi_fail(source->env, SLV_ERROR_LIMIT, "no room on the GPU for %s %u",
                          pools->form->item, item);
+    if (result)
+        return result;
+    if (resized)
+        end_reservation(pools, res, &pools->pools[to]);
     uint32_t from = pools->pool_of[item], none;
     slvi_gl_pools_take(pools, item, &fillers[0]);
     slvi_gl_pools_give(pools, item, to);

@@ -6,6 +6,10 @@ enum { MOST_EXTRA = SLV_MAX_LOG2_RES };
 #define TABLE_BYTES 32 /* that tables of values at corners grow by for a level of a face, about */
 #define STAYS 1.25f    /* texels by which a finer level is kept longer than it is needed */
 
+uint64_t slvi_residency_host_of(const slv_gl_residency *r, uint32_t face, uint32_t level) {
+    return slvi_texels_in(slv_res_level(r->full[face], level)) * r->host_texel;
+}
+
 /* How much is kept that is not wanted, from as much as there is to nothing; and then by how many
  * levels less than what is wanted there is. Where there is room to spare, more than that is read of
  * what is seen. */

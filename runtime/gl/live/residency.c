@@ -13,11 +13,7 @@
 #define DEFAULT_UPLOAD (UINT64_C(4) << 20)
 #define CORNER_BYTES                                                                               \
     256 /* that tables of values at corners grow by, at most, for a level of a face */
-enum { DEFAULT_COARSE = 3, DEFAULT_READERS = 2, PATIENCE = 4, ARRAYS = 256 };
-
-uint64_t slvi_residency_host_of(const slv_gl_residency *r, uint32_t face, uint32_t level) {
-    return slvi_texels_in(slv_res_level(r->full[face], level)) * r->host_texel;
-}
+enum { DEFAULT_COARSE = 3, DEFAULT_READERS = 2, PATIENCE = 4, ARRAYS = 256, MOST_CHANGES = 16 };
 
 static uint64_t stored_bytes(const slv_gl_residency *r, uint32_t face, uint32_t level) {
     const slv_texture_desc *desc = r->readers.desc;
@@ -325,8 +321,9 @@ static slv_result change_level(slv_gl_residency *r, uint32_t face, uint32_t leve
         return result;
     left->gpu -= tables;
     left->host -= host;
-    left->upload -=
-        stored_bytes(r, face, level) < left->upload ? stored_bytes(r, face, level) : left->upload;
+    uint64_t cost = stored_bytes(r, face, level), least = r->params.upload_bytes / MOST_CHANGES;
+    cost = cost > least ? cost : least;
+    left->upload -= cost < left->upload ? cost : left->upload;
     left->any = *done = true;
     r->level[face] = (uint8_t)level;
     return SLV_OK;
@@ -337,10 +334,14 @@ static slv_result coarsen(slv_gl_residency *r, uint32_t face, uint32_t level,
                           struct allowance *left) {
     void *texels = NULL;
     bool done = false;
+    const slv_gl_live *live = r->texture->live;
+    uint32_t below = level - r->level[face];
     slv_result result =
         slvi_alloc_plain(&r->env, "texels of a face", stored_bytes(r, face, level), 1, &texels);
-    if (!result)
-        result = slvi_readers_coarsen(&r->readers, r->store, face, level - r->level[face], texels);
+    if (!result && live->scaled)
+        result = slvi_readers_coarsen(&r->readers, r->store, face, below, texels);
+    else if (!result)
+        memcpy(texels, slv_levels_texels(live->levels, face, below), stored_bytes(r, face, level));
     if (!result)
         result = change_level(r, face, level, texels, left, &done);
     slvi_free(texels);
@@ -380,7 +381,8 @@ static slv_result take_loads(slv_gl_residency *r, struct allowance *left) {
             r->nfailed++;
             let_go(r, load);
         }
-        if (load->state != SLVI_LOAD_READ || (left->any && load->bytes > left->upload))
+        if (load->state != SLVI_LOAD_READ || !left->upload ||
+            (left->any && load->bytes > left->upload))
             continue;
         bool finer = load->level < r->level[face], done = false;
         if (load->level > r->level[face] ||

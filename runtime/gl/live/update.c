@@ -44,7 +44,11 @@ static slv_result upload(struct update *update, slv_gl_store *store, uint32_t it
     const slv_gl_pools *pools = &store->pools;
     uint32_t nlevels = pools->pools[pools->pool_of[item]].nlevels;
     slv_result result = SLV_OK;
-    for (uint32_t level = 0; !result && level < nlevels; level++) {
+    bool rim = !rect && pools->form->read_rim && !store->whole.is_listed[item];
+    for (uint32_t level = 0; !result && rim && level < nlevels; level++)
+        result = slvi_gl_upload_rim(source, pools, store->made, item, level, &update->live->staging,
+                                    &update->done.bytes);
+    for (uint32_t level = 0; !result && !rim && level < nlevels; level++) {
         slv_rect part = rect ? part_of_level(*rect, level) : (slv_rect){0};
         result = slvi_gl_upload_rect(source, pools, store->made, item, level, rect ? &part : NULL,
                                      &update->live->staging, &update->done.bytes);
@@ -69,6 +73,7 @@ static slv_result move(struct update *update, slv_gl_store *store, uint32_t item
         return result;
     if (waits)
         slvi_gl_marks_add(&store->waiting, item);
+    slvi_gl_marks_add(&store->whole, item);
     bool faces = store->pools.form->items(store->made, 0, items) == 1;
     if (faces)
         slvi_gl_move_row(source, store, item);
@@ -76,6 +81,7 @@ static slv_result move(struct update *update, slv_gl_store *store, uint32_t item
         if (faces)
             slvi_gl_move_row(source, store, fillers[i]);
         slvi_gl_marks_add(&store->stale, fillers[i]);
+        slvi_gl_marks_add(&store->whole, fillers[i]);
     }
     store->moved = true;
     update->done.moved++;
@@ -92,6 +98,9 @@ static slv_result update_store(struct update *update, slv_gl_store *store) {
     for (uint32_t i = 0; i < store->waiting.count; i++) /* there may be room now */
         slvi_gl_marks_add(stale, store->waiting.listed[i]);
     slvi_gl_marks_clear(&store->waiting);
+    slvi_gl_marks_clear(&store->whole);
+    for (uint32_t i = 0; form->read_rim && i < live->nchanges; i++) /* items are faces */
+        slvi_gl_marks_add(&store->whole, live->changes[i].face);
     update->done.items += stale->count;
     if (form->refresh && (result = form->refresh(store->made, stale->listed, stale->count)))
         return result;

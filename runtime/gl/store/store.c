@@ -52,6 +52,13 @@ struct widen_job {
     uint8_t *wide;
 };
 
+static bool leaves(const float *values, size_t count) {
+    bool any = false;
+    for (size_t i = 0; i < count; i++)
+        any |= !(values[i] >= -1e-6f && values[i] <= 1 + 1e-6f);
+    return any;
+}
+
 /* Whether a value of an item lies outside of 0..1, which is the range of 8 bits whatever the range
  * of the colours that were decoded for them. */
 static slv_result leaves_bytes(const slv_gl_source *source, const slv_gl_store *store,
@@ -68,12 +75,20 @@ static slv_result leaves_bytes(const slv_gl_source *source, const slv_gl_store *
     for (uint32_t level = 0; !result && !*out && level < slv_res_level_count(res); level++) {
         slv_form_texels texels;
         extent = slv_form_level_extent(form, res, level, border);
-        result = form->read(store->made, item, level, scratch, &texels);
+        result = form->read_rim ? form->read_rim(store->made, item, level, scratch, &texels)
+                                : form->read(store->made, item, level, scratch, &texels);
         if (result || texels.type != SLV_TYPE_FLOAT)
             break;
-        const float *values = texels.texels;
-        for (size_t i = (size_t)extent.width * extent.height * nchannels; i-- > 0;)
-            *out |= !(values[i] >= -1e-6f && values[i] <= 1 + 1e-6f);
+        /* own texels were bytes */
+        uint32_t u = form->read_rim ? extent.border_u : extent.width;
+        uint32_t v = form->read_rim ? extent.border_v : extent.height;
+        for (uint32_t y = 0; y < extent.height; y++) {
+            const float *row = (const float *)texels.texels + (size_t)y * extent.width * nchannels;
+            bool all = y < v || y >= extent.height - v;
+            *out |= leaves(row, (size_t)(all ? extent.width : u) * nchannels);
+            if (!all)
+                *out |= leaves(row + (size_t)(extent.width - u) * nchannels, (size_t)u * nchannels);
+        }
     }
     slvi_free(scratch);
     return result;
@@ -164,6 +179,8 @@ static slv_result begin_following(const slv_gl_source *source, uint32_t nitems,
     slv_result result = slvi_alloc(source->env, "items", nitems, 1, &store->wide);
     if (!result)
         result = slvi_gl_marks_begin(source->env, nitems, &store->stale);
+    if (!result)
+        result = slvi_gl_marks_begin(source->env, nitems, &store->whole);
     return result ? result : slvi_gl_marks_begin(source->env, nitems, &store->waiting);
 }
 
@@ -207,6 +224,7 @@ void slvi_gl_store_let_go(slv_gl_store *store) {
     slvi_free(store->wide);
     store->wide = NULL;
     slvi_gl_marks_end(&store->stale);
+    slvi_gl_marks_end(&store->whole);
     slvi_gl_marks_end(&store->waiting);
 }
 

@@ -11,6 +11,7 @@ typedef struct slv_gl_store {
     void *made;           /* by the form; NULL where nothing follows changes */
     uint8_t *wide;        /* per item: whether it needs a wider type; likewise */
     slv_gl_marks stale;   /* items at hand; likewise */
+    slv_gl_marks whole;   /* those of them that are uploaded as a whole, not only at their edges */
     slv_gl_marks waiting; /* for room for their type, wider or not; likewise */
     bool moved;           /* an item has got another layer, which batches do not know yet */
     bool coverage; /* texels have it, in a channel or, beside four channels, in arrays of its own */

@@ -16,22 +16,35 @@ struct origin {
     const slv_gl_format *format;
 };
 
-/* Converts a rectangle of an item's level; rows of `out` are `pitch` texels apart. */
-static slv_result fill_level(const struct origin *from, uint32_t item, uint32_t level,
-                             slv_rect rect, float *scratch, unsigned char *out, size_t pitch) {
-    const slv_form *form = from->pools->form;
-    const slv_gl_format *format = from->format;
-    const slv_texture_desc *desc = slv_levels_get_desc(from->source->levels);
-    slv_form_extent extent = slv_form_level_extent(form, form->res(from->made, item), level,
-                                                   slvi_gl_border(&from->source->params));
+/* An item's level as the form has it. */
+struct level {
+    slv_form_extent extent;
     slv_form_texels read;
-    slv_result result = form->read(from->made, item, level, scratch, &read);
-    if (result)
-        return result;
-    if (read.type != desc->type && read.type != SLV_TYPE_FLOAT)
+};
+
+static slv_result read_level(const struct origin *from, uint32_t item, uint32_t level, bool rim,
+                             float *scratch, struct level *out) {
+    const slv_form *form = from->pools->form;
+    const slv_texture_desc *desc = slv_levels_get_desc(from->source->levels);
+    out->extent = slv_form_level_extent(form, form->res(from->made, item), level,
+                                        slvi_gl_border(&from->source->params));
+    slv_result result = rim ? form->read_rim(from->made, item, level, scratch, &out->read)
+                            : form->read(from->made, item, level, scratch, &out->read);
+    if (!result && out->read.type != desc->type && out->read.type != SLV_TYPE_FLOAT)
         return slvi_fail(&from->source->shared, SLV_ERROR_ARGUMENT,
                          "form %s: %s of another type than the texture's is not float", form->name,
                          form->item);
+    return result;
+}
+
+/* Converts a rectangle of a level; rows of `out` are `pitch` texels apart. */
+static slv_result convert(const struct origin *from, const struct level *level, slv_rect rect,
+                          unsigned char *out, size_t pitch) {
+    const slv_gl_format *format = from->format;
+    const slv_texture_desc *desc = slv_levels_get_desc(from->source->levels);
+    const slv_form_texels read = level->read;
+    const slv_form_extent extent = level->extent;
+    slv_result result;
     float *floats = NULL;
     bool encoded = read.type == SLV_TYPE_HALF && format->srgb;
     bool widened = !encoded && read.type != format->type && read.type != SLV_TYPE_FLOAT;
@@ -58,6 +71,13 @@ static slv_result fill_level(const struct origin *from, uint32_t item, uint32_t 
     }
     slvi_free(floats);
     return SLV_OK;
+}
+
+static slv_result fill_level(const struct origin *from, uint32_t item, uint32_t number,
+                             slv_rect rect, float *scratch, unsigned char *out, size_t pitch) {
+    struct level level;
+    slv_result result = read_level(from, item, number, false, scratch, &level);
+    return result ? result : convert(from, &level, rect, out, pitch);
 }
 
 struct fill_job {
@@ -269,4 +289,40 @@ slv_result slvi_gl_upload_rect(const slv_gl_source *source, const slv_gl_pools *
     slvi_gl_place_send(source->gl, &part, 1, format->block ? stored + bytes : stored);
     *sent += format->block ? blocks : bytes;
     return SLV_OK;
+}
+
+enum { LEAST_INSIDE = 256 }; /* texels that are left out only where there are more */
+
+/* The outermost texels of a level of an item, for what is in between is as it was. */
+slv_result slvi_gl_upload_rim(const slv_gl_source *source, const slv_gl_pools *pools,
+                              const void *made, uint32_t item, uint32_t number,
+                              slv_gl_staging *staging, uint64_t *sent) {
+    slv_gl_place place = slvi_gl_place(pools, item, number);
+    struct origin from = {source, pools, made, place.format};
+    struct level level;
+    slv_form_extent extent = slv_form_level_extent(pools->form, pools->form->res(made, item),
+                                                   number, slvi_gl_border(&source->params));
+    uint32_t x = extent.border_u + pools->form->samples, width = place.width;
+    uint32_t y = extent.border_v + pools->form->samples, height = place.height;
+    bool large =
+        width > 2 * x && height > 2 * y && (width - 2 * x) * (height - 2 * y) > LEAST_INSIDE;
+    if (!pools->form->read_rim || place.format->block || !large)
+        return slvi_gl_upload_rect(source, pools, made, item, number, NULL, staging, sent);
+    const slv_rect strips[] = {{0, 0, width, y},
+                               {0, height - y, width, y},
+                               {0, y, x, height - 2 * y},
+                               {width - x, y, x, height - 2 * y}};
+    uint64_t most = (uint64_t)(width > height ? width : height) * (x > y ? x : y);
+    slv_result result = make_room(source->env, most * place.format->texel_bytes, staging);
+    if (result || (result = make_scratch(&from, &place, staging)) ||
+        (result = read_level(&from, item, number, true, staging->scratch, &level)))
+        return result;
+    for (uint32_t i = 0; !result && i < 4; i++) {
+        slv_gl_place part = slvi_gl_place_part(&place, strips[i]);
+        if ((result = convert(&from, &level, strips[i], staging->memory, strips[i].width)))
+            break;
+        slvi_gl_place_send(source->gl, &part, 1, staging->memory);
+        *sent += slvi_gl_place_bytes(&part);
+    }
+    return result;
 }

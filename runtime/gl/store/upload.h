@@ -34,4 +34,9 @@ slv_result slvi_gl_upload_rect(const slv_gl_source *source, const slv_gl_pools *
                                const void *made, uint32_t item, uint32_t level,
                                const slv_rect *rect, slv_gl_staging *staging, uint64_t *sent);
 
+/* The same with all that can be another of an item whose own face was not changed. */
+slv_result slvi_gl_upload_rim(const slv_gl_source *source, const slv_gl_pools *pools,
+                              const void *made, uint32_t item, uint32_t level,
+                              slv_gl_staging *staging, uint64_t *sent);
+
 #endif

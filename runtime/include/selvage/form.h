@@ -49,6 +49,11 @@ typedef struct slv_form {
      * `scratch`, which holds that many texels as floats where `computed` asks for it. */
     slv_result (*read)(const void *made, uint32_t item, uint32_t level, float *scratch,
                        slv_form_texels *out);
+    /* The same of an item whose own face's texels are as they were, where of such an item nothing but
+     * the border, or the samples on edges, can be another; what is in between may be anything. NULL:
+     * all of it can. */
+    slv_result (*read_rim)(const void *made, uint32_t item, uint32_t level, float *scratch,
+                           slv_form_texels *out);
     /* Whether any value of an item leaves the range of the texture's type; NULL if none can. */
     slv_result (*leaves_range)(const void *made, uint32_t item, bool *out);
     /* Calls `visit` once for each item of which any level may be another if texels of the rectangle

@@ -35,7 +35,8 @@ typedef struct slv_gl_residency_params {
     uint64_t host_bytes; /* most bytes of texels held here, levels and what is being read included;
                             what the source holds is not. 0 means 256 MiB */
     uint64_t upload_bytes; /* most bytes of texels that an update takes from what was read, but for
-                              a single face; 0 means 4 MiB */
+                              a single face; 0 means 4 MiB. Faces that change count for a sixteenth
+                              of it at least, since those around them change, too */
     uint32_t coarse_log2;  /* log2 of the texels along the longer side that each face always has;
                               0 means 3 */
     uint32_t readers;      /* threads that read; 0 means 2, at most 16 */
