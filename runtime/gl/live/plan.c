@@ -1,6 +1,8 @@
 /* How fine faces are to be: what a camera can tell, as far as there is memory for it. */
 #include "gl/live/residency.h"
 
+#include <string.h>
+
 enum { SPARE = 1, SPARE_OF_EXTRA = 4 }; /* sixteenths of memory */
 enum { MOST_EXTRA = SLV_MAX_LOG2_RES };
 #define TABLE_BYTES 32 /* that tables of values at corners grow by for a level of a face, about */
@@ -70,17 +72,20 @@ bool slvi_residency_want_more(slv_gl_residency *r) {
     return false;
 }
 
-/* What is seen, and what meets it at an edge. */
+/* What is seen, and what meets it: on that depends what is around its texels, and their type. */
 static void mark_near(slv_gl_residency *r) {
     const slv_adjacency *adjacency = r->texture->live->source.adjacency;
-    for (uint32_t f = 0; f < r->nfaces; f++)
-        r->near[f] = r->seen[f];
+    memset(r->near, 0, r->nfaces);
     for (uint32_t f = 0; f < r->nfaces; f++) {
-        for (uint32_t edge = 0; r->seen[f] && edge < 4; edge++) {
+        r->near[f] |= r->seen[f];
+        for (uint32_t k = 0; r->seen[f] && k < 4; k++) {
             slv_neighbour across[2];
-            uint32_t count = slv_adjacency_neighbours(adjacency, (int32_t)f, edge, across);
+            uint32_t count = slv_adjacency_neighbours(adjacency, (int32_t)f, k, across);
+            slv_ring ring = slv_adjacency_ring(adjacency, (int32_t)f, k, NULL);
             for (uint32_t i = 0; i < count; i++)
                 r->near[across[i].face] = 1;
+            for (uint32_t i = 0; i < ring.count; i++)
+                r->near[ring.corners[i].face] = 1;
         }
     }
 }

@@ -73,9 +73,47 @@ static slv_result convert(const struct origin *from, const struct level *level, 
     return SLV_OK;
 }
 
+/* The four strips that the border, or the samples on edges, of a level take. */
+static void cut_rim(const slv_form *form, slv_form_extent extent, slv_rect out[4]) {
+    uint32_t x = extent.border_u + form->samples, y = extent.border_v + form->samples;
+    uint32_t width = extent.width, height = extent.height;
+    out[0] = (slv_rect){0, 0, width, y};
+    out[1] = (slv_rect){0, height - y, width, y};
+    out[2] = (slv_rect){0, y, x, height - 2 * y};
+    out[3] = (slv_rect){width - x, y, x, height - 2 * y};
+}
+
+/* All of a level of a face: what is around its own texels, and these without a detour. */
+static slv_result fill_around(const struct origin *from, uint32_t face, uint32_t number,
+                              float *scratch, unsigned char *out, size_t pitch) {
+    const slv_levels *levels = from->source->levels;
+    struct level level, own;
+    slv_rect strips[4];
+    slv_result result = read_level(from, face, number, true, scratch, &level);
+    cut_rim(from->pools->form, level.extent, strips);
+    for (uint32_t i = 0; !result && i < 4; i++)
+        result =
+            convert(from, &level, strips[i],
+                    out + (strips[i].y * pitch + strips[i].x) * from->format->texel_bytes, pitch);
+    own.extent = (slv_form_extent){.width = level.extent.width - 2 * level.extent.border_u,
+                                   .height = level.extent.height - 2 * level.extent.border_v};
+    own.read = (slv_form_texels){slv_levels_texels(levels, face, number),
+                                 slv_levels_get_desc(levels)->type};
+    size_t at = level.extent.border_v * pitch + level.extent.border_u;
+    return result ? result
+                  : convert(from, &own, (slv_rect){0, 0, own.extent.width, own.extent.height},
+                            out + at * from->format->texel_bytes, pitch);
+}
+
 static slv_result fill_level(const struct origin *from, uint32_t item, uint32_t number,
                              slv_rect rect, float *scratch, unsigned char *out, size_t pitch) {
+    const slv_form *form = from->pools->form;
     struct level level;
+    level.extent = slv_form_level_extent(form, form->res(from->made, item), number,
+                                         slvi_gl_border(&from->source->params));
+    if (form->read_rim && form->borders && rect.width == level.extent.width &&
+        rect.height == level.extent.height)
+        return fill_around(from, item, number, scratch, out, pitch);
     slv_result result = read_level(from, item, number, false, scratch, &level);
     return result ? result : convert(from, &level, rect, out, pitch);
 }
@@ -302,16 +340,14 @@ slv_result slvi_gl_upload_rim(const slv_gl_source *source, const slv_gl_pools *p
     struct level level;
     slv_form_extent extent = slv_form_level_extent(pools->form, pools->form->res(made, item),
                                                    number, slvi_gl_border(&source->params));
-    uint32_t x = extent.border_u + pools->form->samples, width = place.width;
-    uint32_t y = extent.border_v + pools->form->samples, height = place.height;
+    uint32_t x = extent.border_u + pools->form->samples, width = extent.width;
+    uint32_t y = extent.border_v + pools->form->samples, height = extent.height;
     bool large =
         width > 2 * x && height > 2 * y && (width - 2 * x) * (height - 2 * y) > LEAST_INSIDE;
+    slv_rect strips[4];
     if (!pools->form->read_rim || place.format->block || !large)
         return slvi_gl_upload_rect(source, pools, made, item, number, NULL, staging, sent);
-    const slv_rect strips[] = {{0, 0, width, y},
-                               {0, height - y, width, y},
-                               {0, y, x, height - 2 * y},
-                               {width - x, y, x, height - 2 * y}};
+    cut_rim(pools->form, extent, strips);
     uint64_t most = (uint64_t)(width > height ? width : height) * (x > y ? x : y);
     slv_result result = make_room(source->env, most * place.format->texel_bytes, staging);
     if (result || (result = make_scratch(&from, &place, staging)) ||

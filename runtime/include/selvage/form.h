@@ -49,9 +49,10 @@ typedef struct slv_form {
      * `scratch`, which holds that many texels as floats where `computed` asks for it. */
     slv_result (*read)(const void *made, uint32_t item, uint32_t level, float *scratch,
                        slv_form_texels *out);
-    /* The same of an item whose own face's texels are as they were, where of such an item nothing but
-     * the border, or the samples on edges, can be another; what is in between may be anything. NULL:
-     * all of it can. */
+    /* The same of an item whose own face's texels are as they were, where of such an item nothing
+     * but the border, or the samples on edges, can be another; what is in between may be anything.
+     * Items are then faces, and within a border lie the texels of their levels. NULL: all of an
+     * item can be another. */
     slv_result (*read_rim)(const void *made, uint32_t item, uint32_t level, float *scratch,
                            slv_form_texels *out);
     /* Whether any value of an item leaves the range of the texture's type; NULL if none can. */
