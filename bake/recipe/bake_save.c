@@ -1,8 +1,8 @@
 /* From a source to a .ptx: block after block of faces, so that no more than a block is in memory.
  */
 #include "recipe/encode.h"
-#include "recipe/holes.h"
 #include "recipe/plan.h"
+#include "source/holes.h"
 #include "source/source.h"
 
 #include "base/log.h"
@@ -84,7 +84,8 @@ static slv_result fill_holes(const bake *b, slv_res res, const uint8_t *misses, 
     if (result)
         return result;
     slvi_encoder_undo(&b->encoder, texels, count, values);
-    if (!(result = slvi_holes_fill(&b->env, b->encoder.nchannels, res, misses, values)))
+    if (!(result = slvi_holes_fill(&b->env, b->encoder.nchannels, 1u << res.u, 1u << res.v, misses,
+                                   values)))
         slvi_encoder_run(&b->encoder, values, count, texels);
     slvi_free(values);
     return result;

@@ -11,7 +11,22 @@
 #include <string.h>
 #include <unistd.h>
 
+#define FARTHEST 65536.0f /* texture coordinates, in units: floats have 1/128 left there */
 enum { NAME_ROOM = 4096, LISTED = 24 };
+
+uint32_t slvi_uv_check_corners(float *corners, uint32_t nfaces) {
+    uint32_t without = 0;
+    for (uint32_t face = 0; face < nfaces; face++) {
+        float *own = corners + 8 * (size_t)face;
+        bool good = true;
+        for (int i = 0; i < 8; i++)
+            good = good && fabsf(own[i]) <= FARTHEST;
+        if (!good)
+            own[0] = NAN;
+        without += !good;
+    }
+    return without;
+}
 
 /* The lowest and highest texture coordinate of a face. */
 static void bounds_of(const float *corners, float low[2], float high[2]) {
@@ -55,6 +70,29 @@ static void count_cells(const float *corners, uint32_t nfaces, int32_t *count) {
     for (int32_t v = 1; v <= UV_CELLS_V; v++)
         for (int32_t u = 0; u < STRIDE; u++)
             count[v * STRIDE + u] += count[(v - 1) * STRIDE + u];
+}
+
+slv_result slvi_uv_count_cells(const slv_env *env, const float *corners, uint32_t nfaces,
+                               int32_t **out) {
+    int32_t *count = NULL;
+    slv_result result =
+        slvi_alloc(env, "cells", (UV_CELLS_U + 1) * (UV_CELLS_V + 1), sizeof *count, &count);
+    if (result)
+        return result;
+    count_cells(corners, nfaces, count);
+    for (int32_t cell = 0; cell < UV_CELLS_U * UV_CELLS_V; cell++)
+        count[cell] = count[cell / UV_CELLS_U * (UV_CELLS_U + 1) + cell % UV_CELLS_U];
+    *out = count;
+    return SLV_OK;
+}
+
+slv_result slvi_uv_tile_name(const slv_env *env, const char *path, int32_t cell, char *out,
+                             size_t room) {
+    const char *mark = strstr(path, SLV_BAKE_UDIM);
+    if (snprintf(out, room, "%.*s%d%s", (int)(mark - path), path, UV_FIRST_TILE + cell,
+                 mark + strlen(SLV_BAKE_UDIM)) >= (int)room)
+        return slvi_fail(env, SLV_ERROR_IO, "%s: the name is too long", path);
+    return SLV_OK;
 }
 
 /* One list for all files: texels of a wider type hold those of others. */
@@ -198,13 +236,12 @@ static slv_result tell_missing(const slv_env *env, const char *path, const uv_se
 
 static slv_result load_set(const slv_env *env, const char *path, const slv_bake_uv *params,
                            const int32_t *count, uv_set *set) {
-    const char *mark = strstr(path, SLV_BAKE_UDIM);
     uint32_t needed = 0, index = 0;
     bool first = true;
     slv_result result = slvi_alloc_plain(env, "bake: cells", UV_CELLS_U * UV_CELLS_V,
                                          sizeof *set->cells, &set->cells);
     for (int32_t cell = 0; cell < UV_CELLS_U * UV_CELLS_V; cell++)
-        needed += count[cell / UV_CELLS_U * (UV_CELLS_U + 1) + cell % UV_CELLS_U] > 0;
+        needed += count[cell] > 0;
     if (!result && !needed)
         return slvi_fail(env, SLV_ERROR_MISMATCH,
                          "%s: no face has texture coordinates where tiles are (u 0 to 10, v from "
@@ -213,7 +250,7 @@ static slv_result load_set(const slv_env *env, const char *path, const slv_bake_
     if (result || (result = reserve(env, needed, set)))
         return result;
     for (int32_t cell = 0; !result && cell < UV_CELLS_U * UV_CELLS_V; cell++) {
-        int32_t faces = count[cell / UV_CELLS_U * (UV_CELLS_U + 1) + cell % UV_CELLS_U];
+        int32_t faces = count[cell];
         char name[NAME_ROOM];
         set->cells[cell] = -1;
         if (faces <= 0)
@@ -221,9 +258,8 @@ static slv_result load_set(const slv_env *env, const char *path, const slv_bake_
         set->cells[cell] = (int32_t)index;
         set->list[index] =
             (slv_bake_tile){.number = UV_FIRST_TILE + (uint32_t)cell, .faces = (uint32_t)faces};
-        if (snprintf(name, sizeof name, "%.*s%u%s", (int)(mark - path), path,
-                     set->list[index].number, mark + strlen(SLV_BAKE_UDIM)) >= (int)sizeof name)
-            return slvi_fail(env, SLV_ERROR_IO, "%s: the name is too long", path);
+        if ((result = slvi_uv_tile_name(env, path, cell, name, sizeof name)))
+            break;
         if (access(name, F_OK) == 0) {
             result = load_tile(env, name, params, first, set, index);
             first = false;
@@ -246,12 +282,8 @@ slv_result slvi_uv_set_load(const slv_env *env, const char *path, const slv_bake
         warn_of_repeats(env, path, corners, nfaces, out);
         return load_tile(env, path, params, true, out, 0);
     }
-    result =
-        slvi_alloc(env, "bake: cells", (UV_CELLS_U + 1) * (UV_CELLS_V + 1), sizeof *count, &count);
-    if (!result) {
-        count_cells(corners, nfaces, count);
+    if (!(result = slvi_uv_count_cells(env, corners, nfaces, &count)))
         result = load_set(env, path, params, count, out);
-    }
     slvi_free(count);
     return result;
 }

@@ -30,6 +30,16 @@ typedef struct uv_set {
     int32_t *cells;      /* of a set: which tile lies in a cell, or -1 */
 } uv_set;
 
+/* Makes the first of a face's coordinates NaN if one of them is, or is beyond all reason; returns
+ * of how many. */
+uint32_t slvi_uv_check_corners(float *corners, uint32_t nfaces);
+/* How many faces come into each cell, UV_CELLS_V rows of UV_CELLS_U, for slvi_free. */
+slv_result slvi_uv_count_cells(const slv_env *env, const float *corners, uint32_t nfaces,
+                               int32_t **out);
+/* The name of the tile of a cell. */
+slv_result slvi_uv_tile_name(const slv_env *env, const char *path, int32_t cell, char *out,
+                             size_t room);
+
 /* Loads what the texture coordinates need. `corners` as slv_mesh_face_texcoords has them, the NaN
  * of a face that has none in the first. */
 slv_result slvi_uv_set_load(const slv_env *env, const char *path, const slv_bake_uv *params,

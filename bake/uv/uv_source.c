@@ -11,8 +11,7 @@
 #include <math.h>
 #include <string.h>
 
-#define FARTHEST 65536.0f /* texture coordinates, in units: floats have 1/128 left there */
-#define MARGIN 0.01       /* pixels: what rounding may do to a place */
+#define MARGIN 0.01                         /* pixels: what rounding may do to a place */
 enum { BLOCK = 32, MOST_PIXELS = 1 << 14 }; /* texels a side; pixels that are decoded at once */
 #define MOST_SAMPLES (UINT64_C(1) << 26)    /* a face, or 4 a texel */
 
@@ -456,21 +455,6 @@ static void destroy(slv_bake_source *source) {
     slvi_free(s);
 }
 
-/* Faces that have none that can be told apart have none at all. */
-static uint32_t check_corners(float *corners, uint32_t nfaces) {
-    uint32_t without = 0;
-    for (uint32_t face = 0; face < nfaces; face++) {
-        float *own = corners + 8 * (size_t)face;
-        bool good = true;
-        for (int i = 0; i < 8; i++)
-            good = good && fabsf(own[i]) <= FARTHEST;
-        if (!good)
-            own[0] = NAN;
-        without += !good;
-    }
-    return without;
-}
-
 slv_result slv_bake_from_uv(const slv_env *env, const slv_mesh *mesh, const char *path,
                             const slv_bake_uv *params, slv_bake_source **out) {
     static const slv_bake_uv none = {0};
@@ -483,7 +467,7 @@ slv_result slv_bake_from_uv(const slv_env *env, const slv_mesh *mesh, const char
     s->base = (slv_bake_source){.fns = &fns, .nfaces = slv_mesh_face_count(mesh)};
     if ((result = slv_mesh_face_texcoords(env, mesh, &s->corners)))
         goto done;
-    if (s->base.nfaces && check_corners(s->corners, s->base.nfaces) == s->base.nfaces) {
+    if (s->base.nfaces && slvi_uv_check_corners(s->corners, s->base.nfaces) == s->base.nfaces) {
         result = slvi_fail(env, SLV_ERROR_MISMATCH,
                            "%s: the mesh has no texture coordinates (vt) to look it up with", path);
         goto done;

@@ -4,12 +4,12 @@
 #ifndef CALLS_KIT_H
 #define CALLS_KIT_H
 
+#include "kit/calls_bake.h"
 #include "kit/calls_data.h"
 #include "kit/calls_document.h"
 #include "kit/calls_paint.h"
 #include "kit/calls_sources.h"
 
-#include <selvage/bake.h>
 #include <selvage/edge_aligned.h>
 #include <selvage/file.h>
 #include <selvage/filter.h>
@@ -409,35 +409,6 @@ static slv_result call_text(const slv_env *env) {
 
 /* ---- baking ---- */
 
-static slv_result call_bake(const slv_env *env) {
-    return slv_bake_procedural(env, calls.surface, &calls_noise, NULL, calls.texture);
-}
-
-static slv_result call_bake_save(const slv_env *env) {
-    const slv_bake_job job = {.uniform = true, .res = {3, 3}, .miss_map = calls_path("map.ptx")};
-    slv_mesh *mesh = NULL;
-    slv_bake_source *uv = NULL, *pattern = NULL;
-    float *corners = NULL, values[4 * 4];
-    uint8_t misses[4];
-    const slv_rect rect = {1, 1, 2, 2};
-    char path[256];
-    snprintf(path, sizeof path, "%s/baked.ptx", calls.folder);
-    slv_result result =
-        slv_mesh_parse_obj(env, "mesh", calls_uv_obj, sizeof calls_uv_obj - 1, &mesh);
-    if (!result && !(result = slv_mesh_face_texcoords(env, mesh, &corners)) &&
-        !(result = slv_bake_from_uv(env, mesh, calls.png, NULL, &uv)) &&
-        !(result = slv_bake_evaluate(uv, env, 0, (slv_res){3, 3}, rect, values, misses)) &&
-        !(result = slv_bake_save(env, mesh, uv, &job, path, NULL)))
-        result = slv_bake_from_pattern(env, calls.surface, &calls_noise, &pattern);
-    if (!result)
-        result = slv_bake_evaluate(pattern, env, 0, (slv_res){3, 3}, rect, values, misses);
-    slv_free(corners);
-    slv_bake_source_destroy(uv);
-    slv_bake_source_destroy(pattern);
-    slv_mesh_destroy(mesh);
-    return result;
-}
-
 static slv_result call_transfer(const slv_env *env) {
     slv_transfer_face faces[CALLS_FACES];
     slv_texture *moved = NULL;
@@ -540,6 +511,7 @@ static const calls_entry calls_all[] = {
     {"text", call_text},
     {"bake", call_bake},
     {"bake_save", call_bake_save},
+    {"unbake", call_unbake},
     {"transfer", call_transfer},
     {"reference", call_reference},
     {"transfer_from", call_transfer_from},

@@ -1,86 +1,38 @@
 /* UV images on faces: the mean over each texel, whatever its polygon, seams and tiles; misses by
  * cause; and the same bytes for any number of threads and blocks. */
-#include "kit/mesh_shapes.h"
-#include "kit/tool_kit.h"
+#include "kit/uv_kit.h"
 
-#include <selvage/bake.h>
-#include <selvage/image.h>
 #include <selvage/reference.h>
 
 #include <float.h>
-
-/* Two quads that share an edge but not its texture coordinates, a pentagon, a triangle beside it,
- * and a quad that has none. */
-static const char obj[] =
-    "v 0 0 0\nv 1 0 0\nv 2 0 0\nv 0 1 0\nv 1 1 0\nv 2 1 0\nv 0 2 0\nv 1 2.5 0\nv 2 2 0\nv 3 0 0\n"
-    "v 3 1 0\n"
-    "vt .1 .1\nvt .4 .15\nvt .42 .4\nvt .12 .38\nvt .9 .1\nvt .9 .4\nvt .6 .45\nvt .55 .12\n"
-    "vt .1 .5\nvt .3 .5\nvt .5 .55\nvt .45 .8\nvt .2 .9\nvt .6 .6\nvt .9 .6\nvt .7 .9\n"
-    "f 1/1 2/2 5/3 4/4\nf 2/5 3/6 6/7 5/8\nf 4/9 5/10 6/11 9/12 7/13\nf 7/14 9/15 8/16\n"
-    "f 3 10 11 6\n";
-enum { QUADS = 2, PENTAGON = 2, TRIANGLE = 7, BARE = 10, FACES = 11 };
-
-static slv_mesh *parse(const char *text) {
-    slv_env env = test_env();
-    slv_mesh *mesh = NULL;
-    MUST(slv_mesh_parse_obj(&env, "mesh", text, strlen(text), &mesh));
-    return mesh;
-}
-
-typedef float image_fn(uint32_t channel, float u, float v);
-
-static float ramp(uint32_t channel, float u, float v) {
-    return channel == 0 ? u : channel == 1 ? v : 2 * u - v + 3;
-}
-
-static void write_image(const char *name, uint32_t width, uint32_t height, uint32_t n,
-                        image_fn *value, const slv_image_params *params) {
-    slv_env env = test_env();
-    slv_image image;
-    MUST(slv_image_create(&env, width, height, n, &image));
-    for (uint32_t i = 0; i < width * height; i++)
-        for (uint32_t c = 0; c < n; c++)
-            image.pixels[i * n + c] = value(c, ((float)(i % width) + 0.5f) / (float)width,
-                                            1 - ((float)(i / width) + 0.5f) / (float)height);
-    MUST(slv_image_save(&env, tool_path(name), &image, params));
-    slv_image_free(&image);
-}
-
-static const slv_image_params floats = {.bits = 32};
-
-static void face_uv(const float *corners, uint32_t face, float s, float t, float out[2]) {
-    const float *c = corners + 8 * face;
-    for (int axis = 0; axis < 2; axis++)
-        out[axis] = (c[axis] * (1 - s) + c[2 + axis] * s) * (1 - t) +
-                    (c[6 + axis] * (1 - s) + c[4 + axis] * s) * t;
-}
 
 /* What is linear in texture coordinates comes out exactly: the mean of a texel is what lies at its
  * middle. */
 static void linear(void) {
     slv_env env = test_env();
-    slv_mesh *mesh = parse(obj);
+    slv_mesh *mesh = uv_parse(uv_obj);
     slv_bake_source *source = NULL;
     float *corners = NULL, values[32 * 16 * 3];
     uint8_t misses[32 * 16];
-    write_image("ramp.exr", 64, 48, 3, ramp, &floats);
+    uv_write_image("ramp.exr", 64, 48, 3, uv_ramp, &uv_floats);
     MUST(slv_mesh_face_texcoords(&env, mesh, &corners));
     MUST(slv_bake_from_uv(&env, mesh, tool_path("ramp.exr"), NULL, &source));
     const slv_bake_source_desc *desc = slv_bake_source_get_desc(source);
     CHECK(desc->type == SLV_TYPE_FLOAT && desc->nchannels == 3 && desc->alpha_channel < 0 &&
           desc->encoding == SLV_TEXTURE_LINEAR);
-    for (uint32_t face = 0; face < FACES; face++)
+    for (uint32_t face = 0; face < UV_FACES; face++)
         for (int8_t size = 0; size < 5; size++) {
             const slv_res res = {(int8_t)(size + (size > 0)), size > 0 ? (int8_t)(size - 1) : 0};
             const slv_rect rect = {0, 0, 1u << res.u, 1u << res.v};
             MUST(slv_bake_evaluate(source, &env, face, res, rect, values, misses));
             for (uint32_t i = 0; i < rect.width * rect.height; i++) {
                 float uv[2];
-                CHECK(misses[i] == (face == BARE ? SLV_BAKE_NO_UV : SLV_BAKE_HIT));
-                face_uv(corners, face, ((float)(i % rect.width) + 0.5f) / (float)rect.width,
-                        ((float)(i / rect.width) + 0.5f) / (float)rect.height, uv);
+                CHECK(misses[i] == (face == UV_BARE ? SLV_BAKE_NO_UV : SLV_BAKE_HIT));
+                uv_of_face(corners, face, ((float)(i % rect.width) + 0.5f) / (float)rect.width,
+                           ((float)(i / rect.width) + 0.5f) / (float)rect.height, uv);
                 for (uint32_t c = 0; c < 3; c++) {
-                    float want = face == BARE ? 0 : ramp(c, uv[0], uv[1]), got = values[3 * i + c];
+                    float want = face == UV_BARE ? 0 : uv_ramp(c, uv[0], uv[1]),
+                          got = values[3 * i + c];
                     CHECK_MSG(fabsf(got - want) < 1e-4f, "face %u texel %u: %g, not %g", face, i,
                               (double)got, (double)want);
                 }
@@ -94,13 +46,13 @@ static void linear(void) {
 /* The sub-faces of a pentagon and their neighbours have the same coordinates where they meet. */
 static void sub_faces(void) {
     slv_env env = test_env();
-    slv_mesh *mesh = parse(obj);
+    slv_mesh *mesh = uv_parse(uv_obj);
     float *corners = NULL;
     MUST(slv_mesh_face_texcoords(&env, mesh, &corners));
-    CHECK(isnan(corners[8 * BARE]) && !isnan(corners[8 * TRIANGLE]));
+    CHECK(isnan(corners[8 * UV_BARE]) && !isnan(corners[8 * UV_TRIANGLE]));
     for (uint32_t k = 0; k < 5; k++) {
-        const float *own = corners + 8 * (PENTAGON + k),
-                    *next = corners + 8 * (PENTAGON + (k + 1) % 5);
+        const float *own = corners + 8 * (UV_PENTAGON + k),
+                    *next = corners + 8 * (UV_PENTAGON + (k + 1) % 5);
         CHECK(own[2] == next[6] && own[3] == next[7]); /* the middle of the side between */
         CHECK(own[4] == next[4] && own[5] == next[5]); /* the centre */
     }
@@ -148,18 +100,17 @@ static void bilinear(const slv_image *image, double u, double v, double out[4]) 
 static void means(uint32_t n) {
     enum { MANY = 40 };
     slv_env env = test_env();
-    slv_mesh *mesh = parse(obj);
+    slv_mesh *mesh = uv_parse(uv_obj);
     slv_bake_source *source = NULL;
     slv_image image;
     float *corners = NULL, values[16 * 16 * 4];
     uint8_t misses[16 * 16];
-    const slv_image_params raw = {.encoding = SLV_ENCODE_RAW};
-    write_image("noise.png", 61, 67, n, noise, &raw);
+    uv_write_image("noise.png", 61, 67, n, noise, &uv_raw);
     MUST(slv_image_load(&env, tool_path("noise.png"), &image));
     CHECK(image.type == SLV_TYPE_U8);
     MUST(slv_mesh_face_texcoords(&env, mesh, &corners));
     MUST(slv_bake_from_uv(&env, mesh, tool_path("noise.png"), NULL, &source));
-    for (uint32_t face = 0; face < BARE; face++)
+    for (uint32_t face = 0; face < UV_BARE; face++)
         for (int8_t size = 0; size < 5; size++) {
             const slv_rect rect = {0, 0, 1u << size, 1u << size};
             double worst = 0;
@@ -169,12 +120,12 @@ static void means(uint32_t n) {
                 double sum[4] = {0}, one[4];
                 for (int k = 0; k < MANY * MANY; k++) {
                     float uv[2];
-                    face_uv(corners, face,
-                            ((float)(i % rect.width) + ((float)(k % MANY) + 0.5f) / MANY) /
-                                (float)rect.width,
-                            ((float)(i / rect.width) + ((float)k / MANY) / MANY) /
-                                (float)rect.height,
-                            uv);
+                    uv_of_face(corners, face,
+                               ((float)(i % rect.width) + ((float)(k % MANY) + 0.5f) / MANY) /
+                                   (float)rect.width,
+                               ((float)(i / rect.width) + ((float)k / MANY) / MANY) /
+                                   (float)rect.height,
+                               uv);
                     bilinear(&image, (double)uv[0], (double)uv[1], one);
                     for (uint32_t c = 0; c < n; c++)
                         sum[c] += one[c] / (MANY * MANY);
@@ -220,15 +171,15 @@ static const char apart[] = "v 0 0 0\nv 1 0 0\nv 2 0 0\nv 3 0 0\nv 0 1 0\nv 1 1 
 
 static void tiles(void) {
     slv_env env = test_env();
-    slv_mesh *mesh = parse(strip), *lone = parse(apart);
+    slv_mesh *mesh = uv_parse(strip), *lone = uv_parse(apart);
     slv_bake_source *source = NULL;
     float values[16 * 4];
     uint8_t misses[16 * 4];
     uint32_t count = 0;
     constant_value = 10;
-    write_image("t.1001.exr", 4, 4, 1, constant, &floats);
+    uv_write_image("t.1001.exr", 4, 4, 1, constant, &uv_floats);
     constant_value = 20;
-    write_image("t.1002.exr", 8, 8, 1, constant, &floats);
+    uv_write_image("t.1002.exr", 8, 8, 1, constant, &uv_floats);
     MUST(slv_bake_from_uv(&env, mesh, tool_path("t.<UDIM>.exr"), NULL, &source));
     CHECK_MSG(strstr(test_last_log, "1 of 3") && strstr(test_last_log, "1003"), "%s",
               test_last_log);
@@ -268,11 +219,11 @@ static void tiles(void) {
 
 static void wraps(void) {
     slv_env env = test_env();
-    slv_mesh *mesh = parse("v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nvt 0 0\nvt 2 0\nvt 2 1\nvt 0 1\n"
-                           "f 1/1 2/2 3/3 4/4\n");
+    slv_mesh *mesh = uv_parse("v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nvt 0 0\nvt 2 0\nvt 2 1\nvt 0 1\n"
+                              "f 1/1 2/2 3/3 4/4\n");
     float values[8 * 8];
     uint8_t misses[8 * 8];
-    write_image("r.exr", 4, 4, 1, ramp, &floats);
+    uv_write_image("r.exr", 4, 4, 1, uv_ramp, &uv_floats);
     static const slv_bake_wrap kinds[] = {SLV_BAKE_WRAP_AUTO, SLV_BAKE_WRAP_REPEAT,
                                           SLV_BAKE_WRAP_CLAMP, SLV_BAKE_WRAP_NONE};
     for (int k = 0; k < 4; k++) {
@@ -294,31 +245,24 @@ static void wraps(void) {
 
 /* ---- files ---- */
 
-static bool same_files(const char *a, const char *b) {
-    char line[2200];
-    snprintf(line, sizeof line, "cmp -s '%s' '%s'", tool_path(a), tool_path(b));
-    return system(line) == 0;
-}
-
 static void threads_and_blocks(void) {
     slv_env env = test_env();
-    slv_mesh *mesh = parse(obj);
+    slv_mesh *mesh = uv_parse(uv_obj);
     slv_bake_source *source = NULL;
     slv_bake_report report;
-    const slv_image_params raw = {.encoding = SLV_ENCODE_RAW};
-    write_image("four.png", 300, 200, 4, noise, &raw);
+    uv_write_image("four.png", 300, 200, 4, noise, &uv_raw);
     MUST(slv_bake_from_uv(&env, mesh, tool_path("four.png"), NULL, &source));
     for (uint32_t threads = 1; threads < 5; threads++) {
         slv_bake_job job = {.match = 1.7f, .memory = threads < 3 ? 0 : 1 << 10};
         env.threads = threads;
         MUST(slv_bake_save(&env, mesh, source, &job, tool_path("b.ptx"), &report));
-        CHECK(report.texels > 10000 && report.faces == FACES && report.constant_faces >= 1);
+        CHECK(report.texels > 10000 && report.faces == UV_FACES && report.constant_faces >= 1);
         CHECK(report.misses[SLV_BAKE_NO_UV] == 1 && report.type == SLV_TYPE_U8);
         CHECK(report.misses[SLV_BAKE_HIT] == report.texels - 1);
         if (threads == 1)
             CHECK(rename(tool_path("b.ptx"), tool_path("a.ptx")) == 0);
         else
-            CHECK_MSG(same_files("a.ptx", "b.ptx"), "%u threads", threads);
+            CHECK_MSG(uv_same_files("a.ptx", "b.ptx"), "%u threads", threads);
     }
     slv_bake_source_destroy(source);
     slv_mesh_destroy(mesh);
@@ -333,12 +277,12 @@ static float with_nan(uint32_t channel, float u, float v) {
  * is next to them, so that reductions stay whole. */
 static void not_numbers(void) {
     slv_env env = test_env();
-    slv_mesh *mesh = parse(obj);
+    slv_mesh *mesh = uv_parse(uv_obj);
     slv_bake_source *source = NULL;
     slv_bake_report report;
     slv_ptx *ptx = NULL;
     slv_texture *texture = NULL;
-    write_image("nan.exr", 32, 32, 1, with_nan, &floats);
+    uv_write_image("nan.exr", 32, 32, 1, with_nan, &uv_floats);
     MUST(slv_bake_from_uv(&env, mesh, tool_path("nan.exr"), NULL, &source));
     const slv_bake_job job = {.uniform = true, .res = {4, 4}, .miss_map = tool_path("map.ptx")};
     MUST(slv_bake_save(&env, mesh, source, &job, tool_path("nan.ptx"), &report));
@@ -356,7 +300,7 @@ static void not_numbers(void) {
     uint64_t counts[SLV_BAKE_MISSES] = {0};
     MUST(slv_ptx_open(&env, tool_path("map.ptx"), &ptx));
     MUST(slv_ptx_load_texture(&env, ptx, &texture));
-    for (uint32_t face = 0; face < FACES; face++) {
+    for (uint32_t face = 0; face < UV_FACES; face++) {
         slv_res res = slv_texture_get_desc(texture)->res[face];
         for (uint32_t i = 0; i < 1u << (res.u + res.v); i++) {
             float value[3], color[3];
@@ -400,7 +344,7 @@ static double pixel_error(const slv_reference *reference, const slv_image *image
     for (int k = 0; k < COUNT; k++) {
         float uv[2];
         double light[4];
-        face_uv(corners, (uint32_t)hit->face, points[k].u, points[k].v, uv);
+        uv_of_face(corners, (uint32_t)hit->face, points[k].u, points[k].v, uv);
         bilinear(image, (double)uv[0] - floor((double)uv[0]), (double)uv[1], light);
         for (int c = 0; c < 3; c++) {
             mean[0][c] += rgb[3 * k + c] / COUNT;

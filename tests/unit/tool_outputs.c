@@ -31,6 +31,7 @@ static const struct writer {
     {"transfer in.ptx --to in.obj", ".ptx", .prints = true},
     {"new in.obj --json", ".ptx", .prints = true},
     {"bake in.obj --pattern noise --size 16 --json -o", ".ptx", .prints = true},
+    {"unbake uv.ptx --mesh uv.obj --size 64 --json -o", ".exr", .prints = true},
     {"bake uv.obj --uv uv.png --size 32 --quiet -o kept.ptx --miss-map", ".ptx", .prints = false},
     {"paint in.ptx s.jsonl --json", ".ptx", .prints = true},
     {"check in.ptx --repair", ".ptx", .prints = true},
@@ -371,6 +372,7 @@ int main(void) {
     tool_write_file("uv.obj", uv, sizeof uv - 1);
     const struct writer *w = &writers[0];
     EXPECT(0, &none, "info in.ptx --sheet uv.png");
+    EXPECT(0, &none, "bake uv.obj --uv uv.png --size 16 -o uv.ptx");
     EXPECT(0, &none, "merge in.ptx other.ptx -o merged.ptx");
     EXPECT(0, &none, "session s.selvage --new in.ptx -q");
     for (int i = 0; i < WRITERS; i++) {

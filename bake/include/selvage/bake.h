@@ -11,8 +11,8 @@
 #ifndef SELVAGE_BAKE_H
 #define SELVAGE_BAKE_H
 
+#include <selvage/filter.h>
 #include <selvage/surface.h>
-#include <selvage/texture.h>
 
 #ifdef __cplusplus
 extern "C" {
@@ -203,6 +203,41 @@ SLV_NODISCARD SLV_API slv_result slv_bake_save(const slv_env *env, const slv_mes
                                                const slv_bake_source *source,
                                                const slv_bake_job *job, const char *path,
                                                slv_bake_report *report);
+
+/* ---- and back to UV images ---- */
+
+/* Zero means default. */
+typedef struct slv_unbake_params {
+    uint32_t width, height; /* of each image; default the power of two that has about as many pixels
+                               as there are texels in what it shows, height as width */
+    uint32_t bits;          /* as in slv_image_params; default what the texture's type needs */
+    slv_filter filter;      /* default SLV_FILTER_POINT is taken as SLV_FILTER_BILINEAR */
+    slv_texture_encoding encoding; /* of the texture's colours; default what it says */
+    slv_progress progress;         /* rows */
+    uint64_t reserved[4];
+} slv_unbake_params;
+
+typedef struct slv_unbake_report {
+    uint32_t images, width, height;
+    uint32_t without; /* faces that have no texture coordinates */
+    uint64_t inside;  /* pixels whose middle a face has */
+    uint64_t shared;  /* times that another face has it too: the one of the lowest number shows */
+    uint64_t reserved[4];
+} slv_unbake_report;
+
+/* Draws a .ptx of quads into an image by the mesh's texture coordinates, .png or .exr, or into a
+ * set of tiles where `path` has <UDIM>: one for each cell in which faces lie. A pixel has what lies
+ * at its middle, filtered over its own parallelogram on the surface, across seams. Pixels up to two
+ * away from an island have what lies across the seam there; all others the mean of what is nearest
+ * (pull and push), so that no reduction of the image has anything from outside of islands. A single
+ * image shows faces that leave 0..1 where it would be repeated. Colours are sRGB in a PNG and light
+ * in an EXR, but for SLV_TEXTURE_DATA, which is taken as it stands. The texture has one or three
+ * channels, and alpha may stand behind them, else SLV_ERROR_UNSUPPORTED; a mesh that does not
+ * belong to it is SLV_ERROR_MISMATCH. Each file is whole or not there. On env->threads threads; the
+ * same bytes with any number of them. `params` and `report` may be NULL. */
+SLV_NODISCARD SLV_API slv_result slv_unbake(const slv_env *env, const slv_ptx *ptx,
+                                            const slv_mesh *mesh, const slv_unbake_params *params,
+                                            const char *path, slv_unbake_report *report);
 
 #ifdef __cplusplus
 }

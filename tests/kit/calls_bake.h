@@ -1,0 +1,58 @@
+/* Calls of what makes textures out of images, and images out of textures. */
+#ifndef CALLS_BAKE_H
+#define CALLS_BAKE_H
+
+#include "kit/calls_data.h"
+
+#include <selvage/bake.h>
+
+static slv_result call_bake(const slv_env *env) {
+    return slv_bake_procedural(env, calls.surface, &calls_noise, NULL, calls.texture);
+}
+
+static slv_result call_bake_save(const slv_env *env) {
+    const slv_bake_job job = {.uniform = true, .res = {3, 3}, .miss_map = calls_path("map.ptx")};
+    slv_mesh *mesh = NULL;
+    slv_bake_source *uv = NULL, *pattern = NULL;
+    float *corners = NULL, values[4 * 4];
+    uint8_t misses[4];
+    const slv_rect rect = {1, 1, 2, 2};
+    char path[256];
+    snprintf(path, sizeof path, "%s/baked.ptx", calls.folder);
+    slv_result result =
+        slv_mesh_parse_obj(env, "mesh", calls_uv_obj, sizeof calls_uv_obj - 1, &mesh);
+    if (!result && !(result = slv_mesh_face_texcoords(env, mesh, &corners)) &&
+        !(result = slv_bake_from_uv(env, mesh, calls.png, NULL, &uv)) &&
+        !(result = slv_bake_evaluate(uv, env, 0, (slv_res){3, 3}, rect, values, misses)) &&
+        !(result = slv_bake_save(env, mesh, uv, &job, path, NULL)))
+        result = slv_bake_from_pattern(env, calls.surface, &calls_noise, &pattern);
+    if (!result)
+        result = slv_bake_evaluate(pattern, env, 0, (slv_res){3, 3}, rect, values, misses);
+    slv_free(corners);
+    slv_bake_source_destroy(uv);
+    slv_bake_source_destroy(pattern);
+    slv_mesh_destroy(mesh);
+    return result;
+}
+
+static slv_result call_unbake(const slv_env *env) {
+    const slv_unbake_params params = {.width = 8, .height = 8};
+    slv_mesh *mesh = NULL;
+    slv_bake_source *uv = NULL;
+    slv_ptx *ptx = NULL;
+    char path[256];
+    snprintf(path, sizeof path, "%s/for_unbake.ptx", calls.folder);
+    slv_result result =
+        slv_mesh_parse_obj(env, "mesh", calls_uv_obj, sizeof calls_uv_obj - 1, &mesh);
+    if (!result && access(path, F_OK) != 0 &&
+        !(result = slv_bake_from_uv(env, mesh, calls.png, NULL, &uv)))
+        result = slv_bake_save(env, mesh, uv, NULL, path, NULL);
+    if (!result && !(result = slv_ptx_open(env, path, &ptx)))
+        result = slv_unbake(env, ptx, mesh, &params, calls_path("back.png"), NULL);
+    slv_ptx_close(ptx);
+    slv_bake_source_destroy(uv);
+    slv_mesh_destroy(mesh);
+    return result;
+}
+
+#endif
