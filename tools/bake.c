@@ -1,4 +1,4 @@
-/* The verb bake: a texture out of UV images or patterns. */
+/* The verb bake: a texture out of images, rays, a detailed mesh, the surface or patterns. */
 #include "command/numbers.h"
 #include "command/output.h"
 #include "command/ptx_name.h"
@@ -9,13 +9,14 @@
 #include <string.h>
 
 struct bake_options {
-    const char *paths[2], *uv, *bytes, *texels, *miss_map;
+    const char *paths[2], *uv, *detail, *bytes, *texels, *miss_map;
     uint32_t size[2], min[2], max[2], compression, threads;
-    float density, match, max_miss, frequency;
-    uint32_t seed;
+    float density, match, max_miss, frequency, distance, front, back;
+    uint32_t seed, samples;
     bool size_given, max_given, density_given, match_given, type_given, pattern_given;
+    bool surface_given, rays_given, detail_kind_given, front_given, back_given;
     bool no_reductions, json, progress, quiet;
-    int type, scheme, encoding, wrap, pattern;
+    int type, scheme, encoding, wrap, pattern, surface, rays, detail_kind;
 };
 
 static void print_misses(FILE *stream, const slv_bake_report *report) {
@@ -99,19 +100,45 @@ static int judge(const struct bake_options *o, const slv_bake_report *report) {
                      (unsigned long long)report->texels, text, (double)o->max_miss);
 }
 
+static slv_result open_detail(const slv_env *env, const struct bake_options *o,
+                              const slv_mesh *mesh, const slv_surface *surface,
+                              slv_bake_source **source) {
+    const slv_bake_detail detail = {.kind = (slv_bake_detail_kind)o->detail_kind,
+                                    .front = o->front,
+                                    .back = o->back,
+                                    .samples = o->samples};
+    slv_mesh *detailed = NULL;
+    slv_result result = slv_mesh_load(env, cli_input(o->detail), &detailed);
+    if (!result)
+        result = slv_bake_from_detail(env, mesh, surface, detailed, &detail, source);
+    slv_mesh_destroy(detailed);
+    return result;
+}
+
 static slv_result open_source(const slv_env *env, const struct bake_options *o,
                               const slv_mesh *mesh, slv_surface **surface,
                               slv_bake_source **source) {
     const slv_surface_params how = {.scheme = (slv_scheme)o->scheme};
-    if (o->uv) {
-        const slv_bake_uv uv = {.encoding = (slv_texture_encoding)o->encoding,
-                                .wrap = (slv_bake_wrap)o->wrap};
-        return slv_bake_from_uv(env, mesh, o->uv, &uv, source);
-    }
+    const slv_bake_uv uv = {.encoding = (slv_texture_encoding)o->encoding,
+                            .wrap = (slv_bake_wrap)o->wrap};
+    const slv_bake_rays rays = {.kind = (slv_bake_rays_kind)o->rays,
+                                .samples = o->samples,
+                                .distance = o->distance,
+                                .seed = o->seed};
     const slv_procedural pattern = {
         .pattern = (slv_pattern)o->pattern, .frequency = o->frequency, .seed = o->seed};
+    if (o->uv)
+        return slv_bake_from_uv(env, mesh, o->uv, &uv, source);
     slv_result result = slv_surface_create(env, mesh, &how, surface);
-    return result ? result : slv_bake_from_pattern(env, *surface, &pattern, source);
+    if (result)
+        return result;
+    if (o->detail)
+        return open_detail(env, o, mesh, *surface, source);
+    if (o->rays_given)
+        return slv_bake_from_rays(env, mesh, *surface, &rays, source);
+    if (o->surface_given)
+        return slv_bake_from_surface(env, *surface, (slv_bake_surface_kind)o->surface, source);
+    return slv_bake_from_pattern(env, *surface, &pattern, source);
 }
 
 static int run_bake(const struct bake_options *o, slv_bake_job *job) {
@@ -122,10 +149,10 @@ static int run_bake(const struct bake_options *o, slv_bake_job *job) {
     slv_bake_report report;
     int code = EXIT_FAILED;
     cli_progress progress = cli_progress_fleeting("bake", o->progress, o->quiet || o->json);
-    const char *const inputs[] = {o->paths[0], o->uv, o->miss_map};
+    const char *const inputs[] = {o->paths[0], o->uv, o->detail};
     job->progress = (slv_progress){cli_progress_report, &progress};
-    if (output_check(&env, o->paths[1], inputs, 2) ||
-        (o->miss_map && output_check(&env, o->miss_map, inputs, 2)))
+    if (output_check(&env, o->paths[1], inputs, 3) ||
+        (o->miss_map && output_check(&env, o->miss_map, inputs, 3)))
         return code;
     if (o->miss_map && strcmp(o->miss_map, o->paths[1]) == 0)
         return cli_error("%s: is named for the texture and for the miss map", o->miss_map);
@@ -150,8 +177,18 @@ static int run_bake(const struct bake_options *o, slv_bake_job *job) {
 
 static int make_job(const cli_command *command, struct bake_options *o, slv_bake_job *job) {
     uint64_t count = 0;
-    if ((o->uv != NULL) + o->pattern_given != 1)
-        return cli_usage(command, "--uv IMAGE or --pattern: one of them says what is baked");
+    if ((o->uv != NULL) + o->pattern_given + o->rays_given + o->surface_given +
+            (o->detail != NULL) !=
+        1)
+        return cli_usage(command, "--uv IMAGE, --rays, --detail MESH, --surface or --pattern: one "
+                                  "of them says what is baked");
+    if (o->detail_kind_given && !o->detail)
+        return cli_usage(command, "--detail-kind: --detail MESH is missing");
+    if ((o->front_given && !(o->front > 0)) || (o->back_given && !(o->back > 0)) ||
+        !(o->distance >= 0))
+        return cli_usage(command, "--front, --back and --distance: expected more than 0");
+    if (cli_both_standard(o->paths[0], o->detail))
+        return cli_usage(command, "both meshes are the standard input, which is one");
     if (o->size_given + o->density_given + o->match_given + (o->bytes != NULL) +
             (o->texels != NULL) >
         1)
@@ -171,8 +208,8 @@ static int make_job(const cli_command *command, struct bake_options *o, slv_bake
         return cli_usage(command, "--max-miss: expected a share, 0 to 1");
     if (o->miss_map && !ptx_name_is_safe(o->miss_map))
         return ptx_name_usage(command, o->miss_map);
-    if (o->pattern_given && o->match_given)
-        return cli_usage(command, "--match: a pattern has no resolution");
+    if (!o->uv && o->match_given)
+        return cli_usage(command, "--match: only images have a resolution to match");
     job->uniform = o->size_given;
     job->density = o->density;
     job->match = o->match;
@@ -186,6 +223,7 @@ static int make_job(const cli_command *command, struct bake_options *o, slv_bake
     return -1;
 }
 
+/* More than 80 lines, because the table of its options is one piece. */
 int verb_bake(int argc, char **argv) {
     struct bake_options o = {.min = {1, 1}};
     slv_bake_job job = {0};
@@ -196,11 +234,28 @@ int verb_bake(int argc, char **argv) {
          "an image, PNG or EXR, through the mesh's texture coordinates; <UDIM> in its name stands "
          "for the number of a tile",
          "IMAGE", 0, 0, NULL},
-        {"--pattern", CLI_CHOICE, &o.pattern, "a pattern in space instead",
-         "stripes|noise|checker|face-color|position", 0, 0, &o.pattern_given},
+        {"--rays", CLI_CHOICE, &o.rays, "what rays find: open sky, where it is, how thick it is",
+         names_bake_rays(), 0, 0, &o.rays_given},
+        {"--distance", CLI_FLOAT, &o.distance, "what is further away does not count (it all does)",
+         "X", 0, 0, NULL},
+        {"--detail", CLI_TEXT, &o.detail, "a detailed mesh, along the normals of the surface",
+         "HIGH.obj", 0, 0, NULL},
+        {"--detail-kind", CLI_CHOICE, &o.detail_kind, "what of it (displacement)",
+         names_bake_details(), 0, 0, &o.detail_kind_given},
+        {"--front", CLI_FLOAT, &o.front, "how far rays reach outwards (1/20 of the diagonal)", "X",
+         0, 0, &o.front_given},
+        {"--back", CLI_FLOAT, &o.back, "how far they reach inwards (1/20 of the diagonal)", "X", 0,
+         0, &o.back_given},
+        {"--samples", CLI_UINT, &o.samples,
+         "rays a texel (256); of --detail along each axis, to 16 (2)", NULL, 1, 65536, NULL},
+        {"--surface", CLI_CHOICE, &o.surface, "what the surface itself is", names_bake_surfaces(),
+         0, 0, &o.surface_given},
+        {"--pattern", CLI_CHOICE, &o.pattern, "a pattern in space", names_patterns(), 0, 0,
+         &o.pattern_given},
         {"--frequency", CLI_FLOAT, &o.frequency, "of the pattern, periods a unit of length (1)",
          "X", 0, 0, NULL},
-        {"--seed", CLI_UINT, &o.seed, "of the pattern (0)", NULL, 0, UINT32_MAX, NULL},
+        {"--seed", CLI_UINT, &o.seed, "of the pattern, or of the rays (0)", NULL, 0, UINT32_MAX,
+         NULL},
         CLI_TEXTURE_ENCODING(&o.encoding),
         {"--wrap", CLI_CHOICE, &o.wrap,
          "beyond an image that is no tile (auto: repeat if texture coordinates leave 0..1, else "
@@ -236,14 +291,16 @@ int verb_bake(int argc, char **argv) {
     };
     const cli_command command = {
         .name = "bake",
-        .summary = "a texture out of UV images or patterns",
+        .summary = "a texture out of UV images, rays, a detailed mesh or patterns",
         .arguments = "MESH.obj OUT.ptx|-o OUT.ptx",
-        .reads = "a mesh with texture coordinates, OBJ or PLY, and an image or the tiles of a set",
+        .reads = "a mesh, OBJ or PLY; an image, the tiles of a set or a detailed mesh",
         .writes = "a texture with the mesh inside",
         .examples = "  selvage bake cow.obj --uv cow.png -o cow.ptx\n"
                     "  selvage bake cow.obj --uv 'colour.<UDIM>.exr' -o cow.ptx --match 2\n"
                     "  selvage bake cow.obj --uv cow.png -o cow.ptx --miss-map why.ptx "
                     "--max-miss 0.01\n"
+                    "  selvage bake cow.obj --rays ao --texels 200k -o occlusion.ptx\n"
+                    "  selvage bake cow.obj --detail sculpt.obj --type half -o height.ptx\n"
                     "  selvage bake cow.obj --pattern noise --frequency 8 -o cow.ptx\n",
         .options = options,
         .noptions = sizeof options / sizeof *options,

@@ -4,7 +4,7 @@
 
 #define SELVAGE_VERBS(VERB)                                                                        \
     VERB(new, "make a blank texture for a mesh")                                                   \
-    VERB(bake, "make a texture of UV images or patterns")                                          \
+    VERB(bake, "make a texture of images, rays, a detailed mesh")                                  \
     VERB(unbake, "draw a .ptx into UV images, or the tiles of a set")                              \
     VERB(paint, "apply a script of strokes to a texture")                                          \
     VERB(session, "paint in layers that nothing can lose")                                         \

@@ -6,12 +6,17 @@
 
 #include <string.h>
 
-static const char *const misses[] = {"hit", "no-uv", "no-tile", "nan"};
+static const char *const misses[] = {"hit",     "no-uv",       "no-tile", "no-hit",
+                                     "too-far", "back-facing", "nan"};
+static const char *const surfaces[] = {"position", "normal", "face-id", "density"};
+static const char *const rays[] = {"ao", "bent-normal", "thickness"};
+static const char *const details[] = {"displacement", "object-normal", "face-normal"};
 static const char *const wraps[] = {"auto", "repeat", "clamp", "none"};
 /* Grey where there is a value; the others are far apart for eyes that cannot tell red and green
  * too. */
 static const float colors[][3] = {
-    {0.25f, 0.25f, 0.25f}, {1, 0.35f, 0}, {0.1f, 0.45f, 1}, {1, 0.95f, 0.2f}};
+    {0.25f, 0.25f, 0.25f}, {1, 0.35f, 0},      {0.1f, 0.45f, 1}, {0, 0, 0},
+    {0.5f, 0.8f, 1},       {0.8f, 0.2f, 0.7f}, {1, 0.95f, 0.2f}};
 
 const char *slv_bake_miss_name(slv_bake_miss miss) {
     return slvi_name_of(misses, SLVI_COUNT(misses), (int)miss);
@@ -19,6 +24,18 @@ const char *slv_bake_miss_name(slv_bake_miss miss) {
 
 const char *slv_bake_wrap_name(slv_bake_wrap wrap) {
     return slvi_name_of(wraps, SLVI_COUNT(wraps), (int)wrap);
+}
+
+const char *slv_bake_surface_kind_name(slv_bake_surface_kind kind) {
+    return slvi_name_of(surfaces, SLVI_COUNT(surfaces), (int)kind);
+}
+
+const char *slv_bake_rays_kind_name(slv_bake_rays_kind kind) {
+    return slvi_name_of(rays, SLVI_COUNT(rays), (int)kind);
+}
+
+const char *slv_bake_detail_kind_name(slv_bake_detail_kind kind) {
+    return slvi_name_of(details, SLVI_COUNT(details), (int)kind);
 }
 
 void slv_bake_miss_color(slv_bake_miss miss, float rgb[3]) {

@@ -107,6 +107,11 @@ int main(int argc, char **argv) {
     bench_report(false, "stripes", "Mtexel/s a core",
                  time_values(&env, source, SIDE * SIDE, (slv_res){smoke ? 2 : 6, smoke ? 2 : 6}));
     slv_bake_source_destroy(source);
+    const slv_bake_rays rays = {.samples = 64};
+    bench_stop(slv_bake_from_rays(&env, mesh, surface, &rays, &source));
+    bench_report(false, "ambient occlusion of a plane", "Mray/s a core",
+                 64 * time_values(&env, source, SIDE * SIDE, (slv_res){smoke ? 0 : 3, 3}));
+    slv_bake_source_destroy(source);
     slv_surface_destroy(surface);
     slv_mesh_destroy(mesh);
     snprintf(line, sizeof line, "rm -rf '%s'", folder);

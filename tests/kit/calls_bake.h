@@ -35,6 +35,22 @@ static slv_result call_bake_save(const slv_env *env) {
     return result;
 }
 
+static slv_result call_bake_rays(const slv_env *env) {
+    const slv_bake_rays rays = {.samples = 2, .segments = 2};
+    slv_bake_source *source = NULL;
+    slv_result result = slv_bake_from_surface(env, calls.surface, SLV_BAKE_NORMAL, &source);
+    slv_bake_source_destroy(source);
+    source = NULL;
+    if (!result)
+        result = slv_bake_from_rays(env, calls.mesh, calls.surface, &rays, &source);
+    slv_bake_source_destroy(source);
+    source = NULL;
+    if (!result)
+        result = slv_bake_from_detail(env, calls.mesh, calls.surface, calls.mesh, NULL, &source);
+    slv_bake_source_destroy(source);
+    return result;
+}
+
 static slv_result call_unbake(const slv_env *env) {
     const slv_unbake_params params = {.width = 8, .height = 8};
     slv_mesh *mesh = NULL;
@@ -44,8 +60,7 @@ static slv_result call_unbake(const slv_env *env) {
     snprintf(path, sizeof path, "%s/for_unbake.ptx", calls.folder);
     slv_result result =
         slv_mesh_parse_obj(env, "mesh", calls_uv_obj, sizeof calls_uv_obj - 1, &mesh);
-    if (!result && access(path, F_OK) != 0 &&
-        !(result = slv_bake_from_uv(env, mesh, calls.png, NULL, &uv)))
+    if (!result && !(result = slv_bake_from_uv(env, mesh, calls.png, NULL, &uv)))
         result = slv_bake_save(env, mesh, uv, NULL, path, NULL);
     if (!result && !(result = slv_ptx_open(env, path, &ptx)))
         result = slv_unbake(env, ptx, mesh, &params, calls_path("back.png"), NULL);

@@ -511,6 +511,7 @@ static const calls_entry calls_all[] = {
     {"text", call_text},
     {"bake", call_bake},
     {"bake_save", call_bake_save},
+    {"bake_rays", call_bake_rays},
     {"unbake", call_unbake},
     {"transfer", call_transfer},
     {"reference", call_reference},

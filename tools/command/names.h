@@ -15,5 +15,9 @@ const char *names_pixel_filters(void);
 const char *names_filters(void);
 const char *names_spaces(void); /* of displacements */
 const char *names_wraps(void);
+const char *names_patterns(void);
+const char *names_bake_surfaces(void);
+const char *names_bake_rays(void);
+const char *names_bake_details(void);
 
 #endif

@@ -76,13 +76,17 @@ SLV_NODISCARD SLV_API slv_result slv_bake_procedural(const slv_env *env, const s
 /* Why a texel has no value. */
 typedef enum slv_bake_miss {
     SLV_BAKE_HIT = 0,
-    SLV_BAKE_NO_UV,   /* the polygon has no texture coordinates, or some beyond 2^16 */
-    SLV_BAKE_NO_TILE, /* there is no image where its coordinates are */
-    SLV_BAKE_NAN      /* what the source has there is no finite number */
+    SLV_BAKE_NO_UV,       /* the polygon has no texture coordinates, or some beyond 2^16 */
+    SLV_BAKE_NO_TILE,     /* there is no image where its coordinates are */
+    SLV_BAKE_NO_HIT,      /* rays meet nothing */
+    SLV_BAKE_TOO_FAR,     /* or nothing within reach */
+    SLV_BAKE_BACK_FACING, /* or only the wrong side of something */
+    SLV_BAKE_NAN          /* what the source has there is no finite number */
 } slv_bake_miss;
-enum { SLV_BAKE_MISSES = 4 };
+enum { SLV_BAKE_MISSES = 7 };
 
-SLV_API const char *slv_bake_miss_name(slv_bake_miss miss); /* hit, no-uv, no-tile, nan */
+SLV_API const char *slv_bake_miss_name(slv_bake_miss miss); /* hit, no-uv, no-tile,
+                                                           no-hit, too-far, back-facing, nan */
 /* The colour of a cause in a miss map, three values of 0..1 as sRGB has them. */
 SLV_API void slv_bake_miss_color(slv_bake_miss miss, float rgb[3]);
 
@@ -138,6 +142,79 @@ SLV_NODISCARD SLV_API slv_result slv_bake_from_pattern(const slv_env *env,
                                                        const slv_surface *surface,
                                                        const slv_procedural *pattern,
                                                        slv_bake_source **out);
+
+/* What a surface is by itself, on its limit. */
+typedef enum slv_bake_surface_kind {
+    SLV_BAKE_POSITION = 0, /* x, y, z in mesh units, relative to the mesh's origin */
+    SLV_BAKE_NORMAL,       /* the unit normal, -1 to 1, along the axes of the mesh */
+    SLV_BAKE_FACE_ID,      /* the number of the face: exact up to 2^24 */
+    SLV_BAKE_DENSITY       /* texels per unit of length: the root of those per unit of area */
+} slv_bake_surface_kind;
+SLV_API const char *slv_bake_surface_kind_name(slv_bake_surface_kind kind); /* position, normal,
+                                                                               face-id, density */
+
+/* Float, normals half; data. Keeps `surface`, which must outlive the source. */
+SLV_NODISCARD SLV_API slv_result slv_bake_from_surface(const slv_env *env,
+                                                       const slv_surface *surface,
+                                                       slv_bake_surface_kind kind,
+                                                       slv_bake_source **out);
+
+typedef enum slv_bake_rays_kind {
+    SLV_BAKE_AO = 0, /* the share of light from all sides that arrives: 1 where nothing is near */
+    SLV_BAKE_BENT_NORMAL, /* where it comes from on the average, a unit vector along the mesh's axes
+                           */
+    SLV_BAKE_THICKNESS    /* how far it is through the inside, the mean over rays inwards that meet
+                             something; others count as SLV_BAKE_NO_HIT where none does */
+} slv_bake_rays_kind;
+SLV_API const char *
+slv_bake_rays_kind_name(slv_bake_rays_kind kind); /* ao, bent-normal, thickness */
+
+/* Zero means default. */
+typedef struct slv_bake_rays {
+    slv_bake_rays_kind kind;
+    uint32_t samples;  /* rays a texel, to 65536; default 256. Powers of two converge best */
+    float distance;    /* what is further away does not count; default: everything counts */
+    uint32_t segments; /* of the triangles that rays are cast at, as slv_tessellate has them; 16 */
+    uint32_t seed;
+    uint64_t reserved[4];
+} slv_bake_rays;
+
+/* Rays of Embree at the tessellated limit surface, from points all over a texel, with directions as
+ * likely as their cosine to the smooth normal: Owen-scrambled Sobol sequences of each texel's own,
+ * so that values do not depend on threads or blocks. AO is uint8, bent normals half, thickness
+ * float; data. Holes are open. Nothing is kept. */
+SLV_NODISCARD SLV_API slv_result slv_bake_from_rays(const slv_env *env, const slv_mesh *mesh,
+                                                    const slv_surface *surface,
+                                                    const slv_bake_rays *params,
+                                                    slv_bake_source **out);
+
+typedef enum slv_bake_detail_kind {
+    SLV_BAKE_DISPLACEMENT = 0, /* signed distance along the unit normal of the limit, mesh units */
+    SLV_BAKE_OBJECT_NORMAL,    /* the detailed mesh's smooth normal along the axes of the mesh */
+    SLV_BAKE_FACE_NORMAL /* the same in the face's own frame, as SLV_DISPLACE_TANGENT has it: along
+                            growing u, along normal x that, and along the normal */
+} slv_bake_detail_kind;
+SLV_API const char *slv_bake_detail_kind_name(slv_bake_detail_kind kind); /* displacement,
+                                                                    object-normal, face-normal */
+
+/* Zero means default. */
+typedef struct slv_bake_detail {
+    slv_bake_detail_kind kind;
+    float front, back; /* how far rays reach outwards and inwards; default 1/20 of the diagonal */
+    uint32_t samples;  /* per texel and axis, to 16; default 2 */
+    uint64_t reserved[4];
+} slv_bake_detail;
+
+/* From a detailed mesh, taken as it stands, to the limit surface of another: along the normal to
+ * the nearest thing that faces the same way. What is not met is told: SLV_BAKE_TOO_FAR, NO_HIT, or
+ * BACK_FACING where only the wrong side of something was within reach. Meshes that do not even come
+ * near each other are SLV_ERROR_MISMATCH. Displacement is float, normals half; data. Keeps
+ * `surface`. */
+SLV_NODISCARD SLV_API slv_result slv_bake_from_detail(const slv_env *env, const slv_mesh *mesh,
+                                                      const slv_surface *surface,
+                                                      const slv_mesh *detailed,
+                                                      const slv_bake_detail *params,
+                                                      slv_bake_source **out);
 
 /* Values of texels `rect` of a face at resolution `res`: the mean of the source over each texel's
  * own square in the face's (u,v), in floats: light (or numbers), colours as painted, not multiplied

@@ -1,0 +1,249 @@
+/* A detailed mesh on a plainer surface: rays both ways along the normal of the limit, to the
+ * nearest thing that faces the same way. */
+#include "rays/ray_scene.h"
+#include "source/source.h"
+
+#include "base/log.h"
+#include "base/memory.h"
+
+#include <math.h>
+#include <string.h>
+
+enum { AT_ONCE = 256, MOST_SIDE = 16 };
+#define DEFAULT_REACH 0.05f /* of the diagonal */
+
+typedef struct detail {
+    slv_bake_source base;
+    slv_bake_detail params;
+    const slv_surface *surface;
+    ray_scene scene;
+    float size; /* what coordinates reach: how exactly a point can be told */
+} detail;
+
+typedef struct points {
+    slv_surface_point at[AT_ONCE];
+    float positions[AT_ONCE][3], normals[AT_ONCE][3], du[AT_ONCE][3];
+} points;
+
+static float dot(const float *a, const float *b) {
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+}
+
+static void normalise(float v[3]) {
+    float length = sqrtf(dot(v, v));
+    for (int k = 0; k < 3; k++)
+        v[k] = length > 0 ? v[k] / length : 0;
+}
+
+static void smooth_normal(const ray_scene *s, uint32_t triangle, const float weights[2],
+                          float out[3]) {
+    const uint32_t *corners = s->triangles + 3 * (size_t)triangle;
+    float w[3] = {1 - weights[0] - weights[1], weights[0], weights[1]}, own[3];
+    out[0] = out[1] = out[2] = 0;
+    for (int c = 0; c < 3; c++) {
+        memcpy(own, s->normals + 3 * (size_t)corners[c], sizeof own);
+        normalise(own);
+        for (int k = 0; k < 3; k++)
+            out[k] += w[c] * own[k];
+    }
+    normalise(out);
+}
+
+/* What is met along a ray that begins `back` behind the surface: passes through what faces away.
+ * Distances are from the surface. */
+typedef struct found {
+    float distance;
+    uint32_t triangle;
+    float weights[2];
+    bool any, behind; /* of the wrong side */
+} found;
+
+static void look(const detail *d, const float p[3], const float n[3], float sign, float reach,
+                 found *best) {
+    float direction[3] = {sign * n[0], sign * n[1], sign * n[2]}, origin[3], normal[3];
+    float step = 1e-6f * d->size, from = -step;
+    for (int tries = 0; tries < 32; tries++) {
+        uint32_t triangle;
+        float weights[2];
+        for (int k = 0; k < 3; k++)
+            origin[k] = p[k] + from * direction[k];
+        float distance =
+            from + slvi_ray_cast(&d->scene, origin, direction, reach - from, &triangle, weights);
+        if (!(distance <= reach))
+            return;
+        smooth_normal(&d->scene, triangle, weights, normal);
+        if (dot(normal, n) > 0) {
+            if (!best->any || fabsf(distance) < fabsf(best->distance))
+                *best = (found){
+                    sign * distance, triangle, {weights[0], weights[1]}, true, best->behind};
+            return;
+        }
+        best->behind = true;
+        from = fmaxf(distance, from) + step;
+    }
+}
+
+static slv_bake_miss sample(const detail *d, const float p[3], const float n[3], const float du[3],
+                            float out[3]) {
+    found best = {0};
+    float normal[3], tangent[3], bitangent[3];
+    look(d, p, n, 1, d->params.front, &best);
+    look(d, p, n, -1, best.any ? fminf(d->params.back, fabsf(best.distance)) : d->params.back,
+         &best);
+    if (!best.any) {
+        float backwards[3] = {-n[0], -n[1], -n[2]};
+        if (best.behind)
+            return SLV_BAKE_BACK_FACING;
+        bool beyond = slvi_ray_is_blocked(&d->scene, p, n, INFINITY) ||
+                      slvi_ray_is_blocked(&d->scene, p, backwards, INFINITY);
+        return beyond ? SLV_BAKE_TOO_FAR : SLV_BAKE_NO_HIT;
+    }
+    out[0] = best.distance;
+    if (d->params.kind == SLV_BAKE_DISPLACEMENT)
+        return SLV_BAKE_HIT;
+    smooth_normal(&d->scene, best.triangle, best.weights, normal);
+    if (d->params.kind == SLV_BAKE_OBJECT_NORMAL) {
+        memcpy(out, normal, sizeof normal);
+        return SLV_BAKE_HIT;
+    }
+    /* the unit vector of growing u, as far as it is across the normal */
+    for (int k = 0; k < 3; k++)
+        tangent[k] = du[k] - dot(du, n) * n[k];
+    normalise(tangent);
+    for (int k = 0; k < 3; k++)
+        bitangent[k] =
+            n[(k + 1) % 3] * tangent[(k + 2) % 3] - n[(k + 2) % 3] * tangent[(k + 1) % 3];
+    out[0] = dot(normal, tangent);
+    out[1] = dot(normal, bitangent);
+    out[2] = dot(normal, n);
+    return SLV_BAKE_HIT;
+}
+
+/* A few texels: as many as their samples fit into a batch. */
+static slv_result evaluate_some(const detail *d, points *work, uint32_t face, slv_res res,
+                                slv_rect rect, float *values, uint8_t *misses) {
+    uint32_t side = d->params.samples, each = side * side, n = d->base.desc.nchannels;
+    for (uint32_t i = 0; i < rect.width; i++)
+        for (uint32_t k = 0; k < each; k++) {
+            float x = (float)(rect.x + i) + ((float)(k % side) + 0.5f) / (float)side;
+            float y = (float)rect.y + ((float)(k / side) + 0.5f) / (float)side;
+            work->at[i * each + k] = (slv_surface_point){(int32_t)face, x / (float)(1u << res.u),
+                                                         y / (float)(1u << res.v)};
+        }
+    const slv_surface_arrays arrays = {
+        .positions = work->positions[0], .normals = work->normals[0], .du = work->du[0]};
+    slv_result result =
+        slv_surface_evaluate(d->surface, (size_t)rect.width * each, work->at, &arrays);
+    for (uint32_t i = 0; i < rect.width && !result; i++) {
+        uint32_t count[SLV_BAKE_MISSES] = {0};
+        float sum[3] = {0}, one[3];
+        for (uint32_t k = i * each; k < (i + 1) * each; k++) {
+            slv_bake_miss miss = sample(d, work->positions[k], work->normals[k], work->du[k], one);
+            for (uint32_t c = 0; c < n && miss == SLV_BAKE_HIT; c++)
+                sum[c] += one[c];
+            count[miss]++;
+        }
+        if (count[SLV_BAKE_HIT]) {
+            for (uint32_t c = 0; c < n; c++)
+                values[i * n + c] = sum[c] / (float)count[SLV_BAKE_HIT];
+            if (n == 3)
+                normalise(values + (size_t)i * n);
+            continue;
+        }
+        for (int miss = 1; miss < SLV_BAKE_MISSES; miss++)
+            if (count[miss])
+                misses[i] = (uint8_t)miss;
+    }
+    return result;
+}
+
+static slv_result evaluate(const slv_bake_source *source, const slv_env *env, uint32_t face,
+                           slv_res res, slv_rect rect, float *values, uint8_t *misses) {
+    const detail *d = (const detail *)source;
+    uint32_t most = AT_ONCE / (d->params.samples * d->params.samples), n = d->base.desc.nchannels;
+    points *work = NULL;
+    slv_result result = slvi_alloc_plain(env, "bake: samples", 1, sizeof *work, &work);
+    for (uint32_t y = 0; y < rect.height && !result; y++)
+        for (uint32_t x = 0; x < rect.width && !result; x += most) {
+            size_t at = (size_t)y * rect.width + x;
+            slv_rect part = {rect.x + x, rect.y + y, rect.width - x, 1};
+            part.width = part.width < most ? part.width : most;
+            result = evaluate_some(d, work, face, res, part, values + at * n, misses + at);
+        }
+    slvi_free(work);
+    return result;
+}
+
+static void destroy(slv_bake_source *source) {
+    detail *d = (detail *)source;
+    slvi_ray_scene_free(&d->scene);
+    slvi_free(d);
+}
+
+/* Both meshes in one frame; what does not even touch is told before any ray. */
+static slv_result measure(const slv_env *env, const slv_mesh *mesh, detail *d) {
+    const slv_mesh_view *view = slv_mesh_get_view(mesh);
+    float low[3] = {INFINITY, INFINITY, INFINITY}, high[3] = {-INFINITY, -INFINITY, -INFINITY};
+    double diagonal = 0;
+    for (uint32_t i = 0; i < 3 * view->nverts; i++) {
+        low[i % 3] = fminf(low[i % 3], view->positions[i]);
+        high[i % 3] = fmaxf(high[i % 3], view->positions[i]);
+    }
+    for (int k = 0; k < 3; k++) {
+        d->size = fmaxf(d->size, fmaxf(fabsf(low[k]), fabsf(high[k])));
+        d->size = fmaxf(d->size, fmaxf(fabsf(d->scene.low[k]), fabsf(d->scene.high[k])));
+        diagonal += ((double)high[k] - (double)low[k]) * ((double)high[k] - (double)low[k]);
+    }
+    float reach = DEFAULT_REACH * (float)sqrt(diagonal);
+    d->params.front = d->params.front > 0 ? d->params.front : reach;
+    d->params.back = d->params.back > 0 ? d->params.back : reach;
+    float most = fmaxf(d->params.front, d->params.back);
+    for (int k = 0; k < 3; k++)
+        if (d->scene.low[k] - most > high[k] || d->scene.high[k] + most < low[k])
+            return slvi_fail(env, SLV_ERROR_MISMATCH,
+                             "bake: the detailed mesh lies elsewhere: along axis %d it goes from "
+                             "%g to %g, the other from %g to %g, and rays reach %g",
+                             k, (double)d->scene.low[k], (double)d->scene.high[k], (double)low[k],
+                             (double)high[k], (double)most);
+    return SLV_OK;
+}
+
+static slv_result check(const slv_env *env, slv_bake_detail *p) {
+    p->samples = p->samples ? p->samples : 2;
+    if ((unsigned)p->kind > SLV_BAKE_FACE_NORMAL)
+        return slvi_fail(env, SLV_ERROR_ARGUMENT, "bake: unknown kind of detail %d", (int)p->kind);
+    if (p->samples > MOST_SIDE)
+        return slvi_fail(env, SLV_ERROR_ARGUMENT, "bake: %u samples a texel and axis, at most %d",
+                         p->samples, MOST_SIDE);
+    if (!(p->front >= 0 && p->back >= 0) || !isfinite(p->front) || !isfinite(p->back))
+        return slvi_fail(env, SLV_ERROR_ARGUMENT, "bake: distances of %g and %g", (double)p->front,
+                         (double)p->back);
+    return SLV_OK;
+}
+
+slv_result slv_bake_from_detail(const slv_env *env, const slv_mesh *mesh,
+                                const slv_surface *surface, const slv_mesh *detailed,
+                                const slv_bake_detail *params, slv_bake_source **out) {
+    static const slvi_bake_fns fns = {evaluate, NULL, NULL, destroy};
+    detail *d = NULL;
+    slv_bake_detail own = params ? *params : (slv_bake_detail){0};
+    *out = NULL;
+    slv_result result = check(env, &own);
+    if (result || (result = slvi_alloc(env, "bake: detail", 1, sizeof *d, &d)))
+        return result;
+    d->params = own;
+    d->surface = surface;
+    bool height = own.kind == SLV_BAKE_DISPLACEMENT;
+    d->base = (slv_bake_source){.fns = &fns,
+                                .nfaces = slv_mesh_face_count(mesh),
+                                .desc = {height ? SLV_TYPE_FLOAT : SLV_TYPE_HALF, height ? 1 : 3,
+                                         SLV_NO_ALPHA, SLV_TEXTURE_DATA}};
+    if ((result = slvi_ray_scene_of_polygons(env, detailed, slv_mesh_get_view(mesh)->origin,
+                                             &d->scene)) ||
+        (result = measure(env, mesh, d))) {
+        destroy(&d->base);
+        return result;
+    }
+    *out = &d->base;
+    return SLV_OK;
+}

@@ -1,0 +1,212 @@
+/* Triangles for Embree, out of a tessellation or of polygons. */
+#include "rays/ray_scene.h"
+
+#include "base/log.h"
+#include "base/memory.h"
+
+#include <float.h>
+#include <math.h>
+#include <string.h>
+
+#define FARTHEST 1e18f /* Embree ends the process where squares overflow a float */
+
+static slv_result embree_result(const slv_env *env, RTCDevice device) {
+    enum RTCError error = rtcGetDeviceError(device);
+    if (device && error == RTC_ERROR_NONE)
+        return SLV_OK;
+    if (error == RTC_ERROR_OUT_OF_MEMORY)
+        return slvi_fail(env, SLV_ERROR_MEMORY, "rays: Embree has no memory");
+    return slvi_fail(env, SLV_ERROR_UNSUPPORTED, "rays: Embree fails with its error %d",
+                     (int)error);
+}
+
+static slv_result bound(const slv_env *env, ray_scene *s) {
+    for (int k = 0; k < 3; k++) {
+        s->low[k] = FLT_MAX;
+        s->high[k] = -FLT_MAX;
+        for (uint64_t i = 0; i < s->nvertices; i++) {
+            s->low[k] = fminf(s->low[k], s->points[3 * i + (uint64_t)k]);
+            s->high[k] = fmaxf(s->high[k], s->points[3 * i + (uint64_t)k]);
+        }
+        if (s->nvertices && !(s->low[k] > -FARTHEST && s->high[k] < FARTHEST))
+            return slvi_fail(env, SLV_ERROR_LIMIT,
+                             "rays: the surface goes from %g to %g along axis %d, and rays reach "
+                             "%g at most",
+                             (double)s->low[k], (double)s->high[k], k, (double)FARTHEST);
+    }
+    return SLV_OK;
+}
+
+static slv_result commit(const slv_env *env, ray_scene *s) {
+    slv_result result = bound(env, s);
+    if (result)
+        return result;
+    /* One thread builds the tree, so that which of two triangles a ray along their edge hits does
+     * not depend on how many there are. */
+    if (!(s->device = rtcNewDevice("threads=1")))
+        return embree_result(env, NULL);
+    s->scene = rtcNewScene(s->device);
+    rtcSetSceneFlags(s->scene, RTC_SCENE_FLAG_ROBUST);
+    if (s->ntriangles) {
+        RTCGeometry geometry = rtcNewGeometry(s->device, RTC_GEOMETRY_TYPE_TRIANGLE);
+        rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3,
+                                   s->points, 0, 3 * sizeof *s->points, s->nvertices);
+        rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3,
+                                   s->triangles, 0, 3 * sizeof *s->triangles, s->ntriangles);
+        rtcCommitGeometry(geometry);
+        rtcAttachGeometry(s->scene, geometry);
+        rtcReleaseGeometry(geometry);
+    }
+    rtcCommitScene(s->scene);
+    return embree_result(env, s->device);
+}
+
+static slv_result reserve(const slv_env *env, uint64_t nvertices, uint64_t ntriangles,
+                          ray_scene *s) {
+    slv_result result;
+    s->nvertices = nvertices;
+    s->ntriangles = ntriangles;
+    if (ntriangles > INT32_MAX || nvertices > INT32_MAX)
+        return slvi_fail(env, SLV_ERROR_LIMIT, "rays: %llu triangles, the most is %d",
+                         (unsigned long long)ntriangles, INT32_MAX);
+    if ((result =
+             slvi_alloc(env, "rays: vertices", nvertices + 1, 3 * sizeof *s->points, &s->points)))
+        return result;
+    return slvi_alloc(env, "rays: triangles", ntriangles, 3 * sizeof *s->triangles, &s->triangles);
+}
+
+slv_result slvi_ray_scene_of_surface(const slv_env *env, const slv_tessellation *tessellation,
+                                     ray_scene *out) {
+    uint64_t nvertices = tessellation->first[tessellation->nfaces], ntriangles = 0;
+    *out = (ray_scene){0};
+    for (uint32_t face = 0; face < tessellation->nfaces; face++)
+        ntriangles += slv_tessellation_indices(tessellation, face, NULL) / 3;
+    slv_result result = reserve(env, nvertices, ntriangles, out);
+    if (result)
+        return result;
+    for (uint64_t i = 0; i < nvertices; i++)
+        memcpy(out->points + 3 * i, tessellation->vertices[i].position, 3 * sizeof *out->points);
+    uint32_t *to = out->triangles;
+    for (uint32_t face = 0; face < tessellation->nfaces; face++)
+        to += slv_tessellation_indices(tessellation, face, to);
+    return commit(env, out);
+}
+
+/* A triangle's normal to each of its corners, by the angle there (Thürmer and Wüthrich 1998), so
+ * that how polygons were cut does not show. */
+static void add_normal(ray_scene *s, const uint32_t *triangle) {
+    double at[3][3], across[3], length = 0;
+    for (int c = 0; c < 3; c++)
+        for (int k = 0; k < 3; k++)
+            at[c][k] = (double)s->points[3 * (size_t)triangle[c] + (size_t)k];
+    for (int k = 0; k < 3; k++) {
+        int i = (k + 1) % 3, j = (k + 2) % 3;
+        across[k] = (at[1][i] - at[0][i]) * (at[2][j] - at[0][j]) -
+                    (at[1][j] - at[0][j]) * (at[2][i] - at[0][i]);
+        length += across[k] * across[k];
+    }
+    length = sqrt(length);
+    for (int c = 0; c < 3 && length > 0; c++) {
+        double cosine = 0;
+        for (int k = 0; k < 3; k++)
+            cosine += (at[(c + 1) % 3][k] - at[c][k]) * (at[(c + 2) % 3][k] - at[c][k]);
+        double angle = atan2(length, cosine);
+        for (int k = 0; k < 3; k++)
+            s->normals[3 * (size_t)triangle[c] + (size_t)k] += (float)(angle * across[k] / length);
+    }
+}
+
+slv_result slvi_ray_scene_of_polygons(const slv_env *env, const slv_mesh *mesh,
+                                      const double origin[3], ray_scene *out) {
+    const slv_mesh_view *view = slv_mesh_get_view(mesh);
+    const slv_mesh_face *faces = slv_mesh_faces(mesh);
+    uint32_t nfaces = slv_mesh_face_count(mesh);
+    uint64_t ntriangles = 0;
+    *out = (ray_scene){0};
+    for (uint32_t poly = 0; poly < view->npolys; poly++)
+        ntriangles += (uint64_t)view->poly_sizes[poly] - 2;
+    slv_result result = reserve(env, view->nverts, ntriangles, out);
+    if (result || (result = slvi_alloc(env, "rays: normals", (uint64_t)view->nverts + 1,
+                                       3 * sizeof *out->normals, &out->normals)))
+        return result;
+    for (uint32_t i = 0; i < 3 * view->nverts; i++)
+        out->points[i] = (float)((double)view->positions[i] + view->origin[i % 3] - origin[i % 3]);
+    uint32_t *to = out->triangles, face = 0;
+    const int32_t *verts = view->poly_verts;
+    for (uint32_t poly = 0; poly < view->npolys; verts += view->poly_sizes[poly], poly++) {
+        while (face < nfaces && faces[face].poly < (int32_t)poly)
+            face++;
+        if (face < nfaces && slv_mesh_face_is_hole(mesh, (int32_t)face))
+            continue;
+        for (int32_t k = 1; k + 1 < view->poly_sizes[poly]; k++, to += 3) {
+            to[0] = (uint32_t)verts[0];
+            to[1] = (uint32_t)verts[k];
+            to[2] = (uint32_t)verts[k + 1];
+            add_normal(out, to);
+        }
+    }
+    out->ntriangles = (uint64_t)(to - out->triangles) / 3;
+    return commit(env, out);
+}
+
+void slvi_ray_scene_free(ray_scene *scene) {
+    if (scene->scene)
+        rtcReleaseScene(scene->scene);
+    if (scene->device)
+        rtcReleaseDevice(scene->device);
+    slvi_free(scene->points);
+    slvi_free(scene->normals);
+    slvi_free(scene->triangles);
+}
+
+bool slvi_ray_is_blocked(const ray_scene *scene, const float origin[3], const float direction[3],
+                         float distance) {
+    struct RTCRay ray = {.org_x = origin[0],
+                         .org_y = origin[1],
+                         .org_z = origin[2],
+                         .dir_x = direction[0],
+                         .dir_y = direction[1],
+                         .dir_z = direction[2],
+                         .tfar = distance,
+                         .mask = UINT32_MAX};
+#if SLV_EMBREE_VERSION >= 4
+    rtcOccluded1(scene->scene, &ray, NULL);
+#else
+    struct RTCIntersectContext context;
+    rtcInitIntersectContext(&context);
+    rtcOccluded1(scene->scene, &context, &ray);
+#endif
+    return ray.tfar < 0;
+}
+
+float slvi_ray_cast(const ray_scene *scene, const float origin[3], const float direction[3],
+                    float distance, uint32_t *triangle, float weights[2]) {
+    struct RTCRayHit ray;
+    memset(&ray, 0, sizeof ray);
+    ray.ray.org_x = origin[0];
+    ray.ray.org_y = origin[1];
+    ray.ray.org_z = origin[2];
+    ray.ray.dir_x = direction[0];
+    ray.ray.dir_y = direction[1];
+    ray.ray.dir_z = direction[2];
+    ray.ray.tfar = distance;
+    ray.ray.mask = UINT32_MAX;
+    ray.hit.geomID = RTC_INVALID_GEOMETRY_ID;
+    ray.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
+#if SLV_EMBREE_VERSION >= 4
+    rtcIntersect1(scene->scene, &ray, NULL);
+#else
+    struct RTCIntersectContext context;
+    rtcInitIntersectContext(&context);
+    rtcIntersect1(scene->scene, &context, &ray);
+#endif
+    if (ray.hit.geomID == RTC_INVALID_GEOMETRY_ID)
+        return INFINITY;
+    if (triangle)
+        *triangle = ray.hit.primID;
+    if (weights) {
+        weights[0] = ray.hit.u;
+        weights[1] = ray.hit.v;
+    }
+    return ray.ray.tfar;
+}

@@ -1,0 +1,41 @@
+/* Triangles that rays are cast at. */
+#ifndef SLV_BAKE_RAY_SCENE_H
+#define SLV_BAKE_RAY_SCENE_H
+
+#include <selvage/tessellation.h>
+
+#if SLV_EMBREE_VERSION >= 4
+#include <embree4/rtcore.h>
+#else
+#include <embree3/rtcore.h>
+#endif
+
+typedef struct ray_scene {
+    RTCDevice device;
+    RTCScene scene;
+    float *points;       /* 3 a vertex, and one to spare, which Embree reads */
+    float *normals;      /* 3 a vertex, or NULL */
+    uint32_t *triangles; /* 3 vertices each */
+    uint64_t nvertices, ntriangles;
+    float low[3], high[3];
+} ray_scene;
+
+/* The limit surface as a tessellation has it. */
+slv_result slvi_ray_scene_of_surface(const slv_env *env, const slv_tessellation *tessellation,
+                                     ray_scene *out);
+/* The polygons of a mesh as they stand, holes left out, relative to `origin`; with the normals of
+ * vertices, each the mean of its polygons' by their angles there. */
+slv_result slvi_ray_scene_of_polygons(const slv_env *env, const slv_mesh *mesh,
+                                      const double origin[3], ray_scene *out);
+void slvi_ray_scene_free(ray_scene *scene);
+
+/* Whether anything lies on a ray within `distance`. `direction` has length 1. */
+bool slvi_ray_is_blocked(const ray_scene *scene, const float origin[3], const float direction[3],
+                         float distance);
+/* The first thing on a ray: its distance, or infinity. The triangle and the place in it may be
+ * NULL.
+ */
+float slvi_ray_cast(const ray_scene *scene, const float origin[3], const float direction[3],
+                    float distance, uint32_t *triangle, float weights[2]);
+
+#endif
