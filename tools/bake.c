@@ -11,9 +11,9 @@
 struct bake_options {
     const char *paths[2], *uv, *detail, *bytes, *texels, *miss_map;
     uint32_t size[2], min[2], max[2], compression, threads;
-    float density, match, max_miss, frequency, distance, front, back;
+    float density, match, max_miss, error, frequency, distance, front, back;
     uint32_t seed, samples;
-    bool size_given, max_given, density_given, match_given, type_given, pattern_given;
+    bool size_given, max_given, density_given, match_given, error_given, type_given, pattern_given;
     bool surface_given, rays_given, detail_kind_given, front_given, back_given;
     bool no_reductions, json, progress, quiet;
     int type, scheme, encoding, wrap, pattern, surface, rays, detail_kind;
@@ -45,6 +45,12 @@ static void print_result(const struct bake_options *o, const slv_bake_report *re
            (unsigned long long)report->texels, (double)report->bytes / 1048576,
            1u << report->smallest.u, 1u << report->smallest.v, 1u << report->largest.u,
            1u << report->largest.v);
+    if (o->error_given)
+        printf("  within %.4g of the source at samples, %.4g between them\n", (double)report->error,
+               (double)report->error_bound);
+    if (report->faces_over)
+        printf("  %llu faces are not within %g even with a texel for each pixel\n",
+               (unsigned long long)report->faces_over, (double)o->error);
     for (uint32_t i = 0; i < ntiles; i++)
         if (tiles[i].number && tiles[i].width)
             printf("  tile %u: %ux%u, %u faces\n", tiles[i].number, tiles[i].width, tiles[i].height,
@@ -189,17 +195,19 @@ static int make_job(const cli_command *command, struct bake_options *o, slv_bake
         return cli_usage(command, "--front, --back and --distance: expected more than 0");
     if (cli_both_standard(o->paths[0], o->detail))
         return cli_usage(command, "both meshes are the standard input, which is one");
-    if (o->size_given + o->density_given + o->match_given + (o->bytes != NULL) +
+    if (o->size_given + o->density_given + o->match_given + o->error_given + (o->bytes != NULL) +
             (o->texels != NULL) >
         1)
-        return cli_usage(command, "--size, --density, --match, --bytes and --texels: one of them");
+        return cli_usage(command, "--size, --density, --match, --error, --bytes and --texels: one "
+                                  "of them");
     if (o->size_given && !value_resolution(o->size, &job->res))
         return cli_usage(command, "--size %ux%u: expected powers of two", o->size[0], o->size[1]);
     if (!value_resolution(o->min, &job->min_res) ||
         (o->max_given && !value_resolution(o->max, &job->max_res)))
         return cli_usage(command, "--min-size and --max-size: expected powers of two");
-    if ((o->density_given && !(o->density > 0)) || (o->match_given && !(o->match > 0)))
-        return cli_usage(command, "--density and --match: expected more than 0");
+    if ((o->density_given && !(o->density > 0)) || (o->match_given && !(o->match > 0)) ||
+        (o->error_given && !(o->error > 0)))
+        return cli_usage(command, "--density, --match and --error: expected more than 0");
     if (o->texels && !value_count(o->texels, &job->max_texels))
         return cli_usage(command, "--texels: expected a number, 4M, not '%s'", o->texels);
     if (o->bytes && !value_count(o->bytes, &count))
@@ -213,6 +221,7 @@ static int make_job(const cli_command *command, struct bake_options *o, slv_bake
     job->uniform = o->size_given;
     job->density = o->density;
     job->match = o->match;
+    job->max_error = o->error;
     job->max_bytes = count;
     job->type_given = o->type_given;
     job->type = (slv_type)o->type;
@@ -263,6 +272,9 @@ int verb_bake(int argc, char **argv) {
          names_wraps(), 0, 0, NULL},
         {"--match", CLI_FLOAT, &o.match,
          "so many texels for a pixel, to the nearest power of two (1)", "X", 0, 0, &o.match_given},
+        {"--error", CLI_FLOAT, &o.error,
+         "the least resolution of each face within so much of the source: 2/255", "X", 0, 0,
+         &o.error_given},
         {"--size|-s", CLI_SIZE, o.size, "every face as large, powers of two; sub-faces half of it",
          "64x64", 1, 65536, &o.size_given},
         {"--density|-d", CLI_FLOAT, &o.density, "texels per unit of length on the surface", "X", 0,

@@ -64,6 +64,9 @@ static int run_unbake(const struct unbake_options *o) {
         if (!result) {
             warn(o, &report);
             code = print_result(o, &report);
+            if (!report.inside)
+                code = cli_error("%s: is written, but no face of %s has the middle of a pixel",
+                                 o->paths[1], o->mesh);
             if (salvage_tell(ptx))
                 code = EXIT_FAILED;
         }

@@ -1,4 +1,5 @@
-/* A pattern in space as a source: the mean over a grid of samples on the limit surface. */
+/* A pattern in space as a source: the mean over a grid of samples on the limit surface, which is
+ * flat enough within a texel for places in it to follow from its corners. */
 #include "procedural/pattern.h"
 #include "source/source.h"
 
@@ -7,7 +8,7 @@
 #include <math.h>
 #include <string.h>
 
-enum { SIDE = 2, AT_ONCE = 1024 }; /* samples a texel along each axis; texels */
+enum { SIDE = 2, EACH = SIDE * SIDE, AT_ONCE = 1024 }; /* samples a texel; texels of a row */
 
 typedef struct pattern_source {
     slv_bake_source base;
@@ -15,57 +16,62 @@ typedef struct pattern_source {
     slv_procedural pattern;
 } pattern_source;
 
-static slv_result evaluate_some(const pattern_source *s, const slv_env *env, uint32_t face,
-                                slv_res res, slv_rect rect, float *values) {
-    enum { EACH = SIDE * SIDE };
-    uint32_t n = s->base.desc.nchannels, count = rect.width * rect.height;
-    struct {
-        slv_surface_point points[AT_ONCE * EACH];
-        float positions[AT_ONCE * EACH][3];
-    } *work = NULL;
-    slv_result result = slvi_alloc_plain(env, "bake: samples", 1, sizeof *work, &work);
-    if (result)
-        return result;
-    for (uint32_t i = 0; i < count; i++)
-        for (uint32_t k = 0; k < EACH; k++) {
-            float x = (float)(rect.x + i % rect.width) + ((float)(k % SIDE) + 0.5f) / SIDE;
-            float y = (float)(rect.y + i / rect.width) + ((float)(k / SIDE) + 0.5f) / SIDE;
-            work->points[i * EACH + k] = (slv_surface_point){
-                (int32_t)face, x / (float)(1u << res.u), y / (float)(1u << res.v)};
+/* Positions of the corners of a row of texels: two rows, of which the upper becomes the lower. */
+typedef struct corners {
+    slv_surface_point points[AT_ONCE + 1];
+    float positions[2][AT_ONCE + 1][3];
+} corners;
+
+static slv_result find_row(const pattern_source *s, uint32_t face, slv_res res, uint32_t x,
+                           uint32_t y, uint32_t width, corners *c, uint32_t row) {
+    for (uint32_t i = 0; i <= width; i++)
+        c->points[i] = (slv_surface_point){(int32_t)face, (float)(x + i) / (float)(1u << res.u),
+                                           (float)y / (float)(1u << res.v)};
+    const slv_surface_arrays arrays = {.positions = c->positions[row][0]};
+    return slv_surface_evaluate(s->surface, width + 1, c->points, &arrays);
+}
+
+static void texel_mean(const pattern_source *s, uint32_t face, const corners *c, uint32_t i,
+                       uint32_t lower, float *out) {
+    uint32_t n = s->base.desc.nchannels;
+    const float(*low)[3] = c->positions[lower] + i, (*high)[3] = c->positions[!lower] + i;
+    float sum[4] = {0}, rgba[4], at[3];
+    for (uint32_t k = 0; k < EACH; k++) {
+        float u = ((float)(k % SIDE) + 0.5f) / SIDE, v = ((float)(k / SIDE) + 0.5f) / SIDE;
+        for (int axis = 0; axis < 3; axis++) {
+            float below = low[0][axis] + (low[1][axis] - low[0][axis]) * u;
+            float above = high[0][axis] + (high[1][axis] - high[0][axis]) * u;
+            at[axis] = below + (above - below) * v;
         }
-    const slv_surface_arrays arrays = {.positions = work->positions[0]};
-    result = slv_surface_evaluate(s->surface, (size_t)count * EACH, work->points, &arrays);
-    for (uint32_t i = 0; i < count && !result; i++) {
-        float sum[4] = {0}, rgba[4];
-        for (uint32_t k = 0; k < EACH; k++) {
-            slvi_pattern_evaluate(&s->pattern, (int32_t)face, work->positions[i * EACH + k], rgba);
-            for (int c = 0; c < 4; c++)
-                sum[c] += rgba[c] * (c < 3 && n == 4 ? rgba[3] : 1);
-        }
-        for (uint32_t c = 0; c < n; c++)
-            values[i * n + c] = sum[c] / EACH;
-        for (uint32_t c = 0; n == 4 && c < 3 && sum[3] > 0; c++)
-            values[i * n + c] = sum[c] / sum[3];
+        slvi_pattern_evaluate(&s->pattern, (int32_t)face, at, rgba);
+        for (int channel = 0; channel < 4; channel++)
+            sum[channel] += rgba[channel] * (channel < 3 && n == 4 ? rgba[3] : 1);
     }
-    slvi_free(work);
-    return result;
+    for (uint32_t channel = 0; channel < n; channel++)
+        out[channel] = sum[channel] / EACH;
+    for (uint32_t channel = 0; n == 4 && channel < 3 && sum[3] > 0; channel++)
+        out[channel] = sum[channel] / sum[3];
 }
 
 static slv_result evaluate(const slv_bake_source *source, const slv_env *env, uint32_t face,
                            slv_res res, slv_rect rect, float *values, uint8_t *misses) {
     const pattern_source *s = (const pattern_source *)source;
     uint32_t n = s->base.desc.nchannels;
-    slv_result result = SLV_OK;
-    for (uint32_t y = 0; y < rect.height && !result; y++)
-        for (uint32_t x = 0; x < rect.width && !result; x += AT_ONCE) {
-            slv_rect part = {rect.x + x, rect.y + y, rect.width - x, 1};
-            part.width = part.width < AT_ONCE ? part.width : AT_ONCE;
-            result =
-                evaluate_some(s, env, face, res, part, values + ((size_t)y * rect.width + x) * n);
+    corners *c = NULL;
+    slv_result result = slvi_alloc_plain(env, "bake: samples", 1, sizeof *c, &c);
+    for (uint32_t x = 0; x < rect.width && !result; x += AT_ONCE) {
+        uint32_t width = rect.width - x < AT_ONCE ? rect.width - x : AT_ONCE, lower = 0;
+        result = find_row(s, face, res, rect.x + x, rect.y, width, c, lower);
+        for (uint32_t y = 0; y < rect.height && !result; y++, lower = !lower) {
+            result = find_row(s, face, res, rect.x + x, rect.y + y + 1, width, c, !lower);
+            for (uint32_t i = 0; i < width && !result; i++)
+                texel_mean(s, face, c, i, lower, values + ((size_t)y * rect.width + x + i) * n);
         }
+    }
+    slvi_free(c);
     for (size_t i = 0; i < (size_t)rect.width * rect.height && !result; i++)
-        for (uint32_t c = 0; c < n; c++)
-            if (!isfinite(values[i * n + c])) {
+        for (uint32_t channel = 0; channel < n; channel++)
+            if (!isfinite(values[i * n + channel])) {
                 memset(values + i * n, 0, n * sizeof *values);
                 misses[i] = SLV_BAKE_NAN;
             }

@@ -305,18 +305,20 @@ slv_result slv_bake_save(const slv_env *env, const slv_mesh *mesh, const slv_bak
     b.report = report ? report : &own;
     *b.report = (slv_bake_report){.faces = source->nfaces};
     slv_result result = check(env, mesh, source, b.job);
-    if (result || (result = slvi_bake_plan(env, mesh, source, b.job, &res, b.report)))
+    if (result)
         return result;
-    b.res = res;
-    b.total = b.report->texels;
     b.report->type = b.job->type_given ? b.job->type : source->desc.type;
     b.report->encoding = source->desc.encoding;
     if (b.report->type != source->desc.type && b.report->encoding != SLV_TEXTURE_DATA)
         b.report->encoding = slv_type_encoding(b.report->type);
-    b.texel_size = slv_type_size(b.report->type) * source->desc.nchannels;
-    b.report->bytes = b.total * b.texel_size;
     slvi_encoder_begin(&b.encoder, b.report->type, source->desc.nchannels,
                        source->desc.alpha_channel, b.report->encoding == SLV_TEXTURE_SRGB);
+    if ((result = slvi_bake_plan(env, mesh, source, b.job, &b.encoder, &res, b.report)))
+        return result;
+    b.res = res;
+    b.total = b.report->texels;
+    b.texel_size = slv_type_size(b.report->type) * source->desc.nchannels;
+    b.report->bytes = b.total * b.texel_size;
     if (!(result = slvi_parallel_env_begin(env, &log, &b.env))) {
         result = run(&b, path);
         slv_ptx_writer_destroy(b.writer);

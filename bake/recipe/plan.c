@@ -1,5 +1,6 @@
 /* Resolutions: as a blank texture would have them, or as the source itself is resolved. */
 #include "recipe/plan.h"
+#include "recipe/fit.h"
 #include "source/source.h"
 
 #include "base/log.h"
@@ -43,7 +44,8 @@ static void tell(const slv_res *res, uint32_t nfaces, slv_bake_report *report) {
 }
 
 slv_result slvi_bake_plan(const slv_env *env, const slv_mesh *mesh, const slv_bake_source *source,
-                          const slv_bake_job *job, slv_res **out, slv_bake_report *report) {
+                          const slv_bake_job *job, const encoder *e, slv_res **out,
+                          slv_bake_report *report) {
     slv_type type = job->type_given ? job->type : source->desc.type;
     uint64_t most = job->max_texels;
     if (job->max_bytes)
@@ -58,20 +60,30 @@ slv_result slvi_bake_plan(const slv_env *env, const slv_mesh *mesh, const slv_ba
                                     .scheme = job->scheme};
     *out = NULL;
     int given = (job->uniform != 0) + (job->density != 0) + (job->max_texels != 0) +
-                (job->max_bytes != 0) + (job->match != 0);
+                (job->max_bytes != 0) + (job->match != 0) + (job->max_error != 0);
     if (given > 1)
         return slvi_fail(env, SLV_ERROR_ARGUMENT,
-                         "bake: a resolution, a density, a number of texels or a match with the "
-                         "source: one of them");
+                         "bake: a resolution, a density, a number of texels, an error or a match "
+                         "with the source: one of them");
     if (!(job->match >= 0) || !isfinite(job->match))
         return slvi_fail(env, SLV_ERROR_ARGUMENT,
                          "bake: %g texels for one of the source, expected more than 0",
                          (double)job->match);
+    if (!(job->max_error >= 0) || !isfinite(job->max_error))
+        return slvi_fail(env, SLV_ERROR_ARGUMENT, "bake: an error of %g, expected more than 0",
+                         (double)job->max_error);
     bool own = source->fns->extent && (!given || job->match != 0);
     if (job->match != 0 && !own)
         return slvi_fail(env, SLV_ERROR_ARGUMENT, "bake: the source has no resolution to match");
-    slv_result result =
-        own ? match(env, source, job, out) : slv_blank_plan(env, mesh, &blank, out, NULL);
+    slv_result result = SLV_OK;
+    if (job->max_error > 0) {
+        result = slvi_alloc(env, "resolutions", source->nfaces, sizeof **out, out);
+        result = result ? result : slvi_bake_fit(env, source, job, e, *out, report);
+    } else if (own) {
+        result = match(env, source, job, out);
+    } else {
+        result = slv_blank_plan(env, mesh, &blank, out, NULL);
+    }
     if (!result)
         tell(*out, source->nfaces, report);
     else

@@ -469,7 +469,9 @@ slv_result slv_bake_from_uv(const slv_env *env, const slv_mesh *mesh, const char
         goto done;
     if (s->base.nfaces && slvi_uv_check_corners(s->corners, s->base.nfaces) == s->base.nfaces) {
         result = slvi_fail(env, SLV_ERROR_MISMATCH,
-                           "%s: the mesh has no texture coordinates (vt) to look it up with", path);
+                           "%s: the mesh has no texture coordinates (vt) to look it up with, or "
+                           "none that are within 65536",
+                           path);
         goto done;
     }
     if ((result = slvi_uv_set_load(env, path, params ? params : &none, s->corners, s->base.nfaces,

@@ -178,6 +178,10 @@ static void same_and_refused(void) {
     RUNS(0, "new bare.obj bare.ptx --size 4 --quiet");
     RUNS(1, "unbake bare.ptx --mesh bare.obj -o none.png");
     HAS("no texture coordinates");
+    static const char point[] = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nvt .5 .5\nf 1/1 2/1 3/1 4/1\n";
+    tool_write_file("point.obj", point, sizeof point - 1);
+    RUNS(1, "unbake bare.ptx --mesh point.obj -o point.png --size 16");
+    HAS("no face of point.obj");
     RUNS(1, "unbake ramp.ptx --mesh uv.obj -o nowhere/none.png");
     CHECK(access(tool_path("none.png"), F_OK) != 0);
 }

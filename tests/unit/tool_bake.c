@@ -11,6 +11,16 @@ static const char bare[] = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf 1 2 3 4\n";
 static const char flat[] = "v 0 0 0\nv 0 0 0\nv 0 0 0\nv 0 0 0\nvt .5 .5\n"
                            "f 1/1 2/1 3/1 4/1\n";
 
+static const char three[] =
+    "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 0 0 1\nv 1 0 1\nv 0 0 -1\nv 1 0 -1\n"
+    "vt 0 0\nvt 1 0\nvt 1 1\nvt 0 1\nf 1/1 2/2 3/3 4/4\nf 1/1 2/2 6/3 5/4\nf 1/1 2/2 8/3 7/4\n";
+static const char hole[] = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 2 0 0\nv 2 1 0\n"
+                           "vt 0 0\nvt 1 0\nvt 1 1\nvt 0 1\nf 1/1 2/2 3/3 4/4\nf 2 5 6 3\n"
+                           "t hole 1/0/0 1\n";
+static const char nan_obj[] = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 nan\nvt 0 0\nf 1/1 2/1 3/1 4/1\n";
+static const char far[] = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nvt 1e30 0\nvt 0 1e30\n"
+                          "f 1/1 2/2 3/1 4/2\n";
+
 static void write_image(const char *name, uint32_t n, float last, uint32_t bits) {
     slv_env env = test_env();
     slv_image image;
@@ -57,6 +67,15 @@ static void results(void) {
     RUNS(0, "bake quad.obj --uv rgb.png -o out.ptx --bytes 3k --json");
     HAS("\"texels\": 1024");
     RUNS(0, "bake flat.obj --uv rgb.png -o out.ptx --size 4 --quiet");
+    /* edges of three faces, and a polygon that is a hole, which lacks nothing */
+    RUNS(0, "bake three.obj --uv rgb.png -o out.ptx --size 4");
+    RUNS(0, "bake hole.obj --uv rgb.png -o out.ptx --size 4");
+    RUNS(1, "bake nan.obj --uv rgb.png -o none.ptx");
+    HAS("nan.obj:4");
+    RUNS(1, "bake far.obj --uv rgb.png -o none.ptx");
+    HAS("texture coordinates");
+    RUNS(0, "bake quad.obj --uv rgb.png --error 1/16 -o out.ptx --json");
+    HAS("\"faces_over\": 0");
     RUNS(0, "bake bare.obj --pattern checker --frequency 3 --size 16 -o out.ptx");
     HAS("256 texels");
 }
@@ -108,6 +127,10 @@ int main(void) {
     tool_write_file("half.obj", half, sizeof half - 1);
     tool_write_file("bare.obj", bare, sizeof bare - 1);
     tool_write_file("flat.obj", flat, sizeof flat - 1);
+    tool_write_file("three.obj", three, sizeof three - 1);
+    tool_write_file("hole.obj", hole, sizeof hole - 1);
+    tool_write_file("nan.obj", nan_obj, sizeof nan_obj - 1);
+    tool_write_file("far.obj", far, sizeof far - 1);
     write_image("rgb.png", 3, 1, 8);
     write_image("wide.png", 1, 0.5f, 16);
     write_image("rgba.exr", 4, 0.5f, 16);

@@ -233,15 +233,21 @@ typedef struct slv_bake_tile {
 /* In the order of their numbers, NULL of other sources. Owned by the source. */
 SLV_API const slv_bake_tile *slv_bake_source_tiles(const slv_bake_source *source, uint32_t *count);
 
-/* Zero means default. How large faces are is said by one of the first five; by none of them by the
+/* Zero means default. How large faces are is said by one of the first six; by none of them by the
  * source, each face along each axis with the power of two nearest to what the source has there, or
  * max_texels = 4 Mi if the source has no resolution. */
 typedef struct slv_bake_job {
     bool uniform; /* every whole face has the resolution `res`, sub-faces half of it */
     slv_res res;
-    float density;            /* texels per unit of length of the limit surface */
-    uint64_t max_texels;      /* in all, as dense as keeps within; by length on the surface */
-    uint64_t max_bytes;       /* the same, of texels as they are unpacked */
+    float density;       /* texels per unit of length of the limit surface */
+    uint64_t max_texels; /* in all, as dense as keeps within; by length on the surface */
+    uint64_t max_bytes;  /* the same, of texels as they are unpacked */
+    /* The least power of two along each axis from which bilinear interpolation, on the face alone,
+     * comes back to within this much of the source: a difference of values as they are stored, 0..1
+     * of integers. The source is sampled at four times its own density, or 1024 times along each
+     * axis if it has none. Where nothing within max_res will do, the face is as large as its source
+     * has pixels, and counts in faces_over. */
+    float max_error;
     float match;              /* so many texels for one of the source; 1 is the default */
     slv_res min_res, max_res; /* what faces are kept within; default 1x1 and 4096x4096, or 65536 of
                                  `uniform` */
@@ -265,6 +271,10 @@ typedef struct slv_bake_report {
     slv_res smallest, largest;        /* faces, by their number of texels */
     slv_type type;
     slv_texture_encoding encoding; /* of the colours that were written */
+    /* With max_error: the largest difference at a sample, and what it is nowhere larger than, if
+     * the source does not do more between two samples than from one to the next. */
+    float error, error_bound;
+    uint64_t faces_over; /* that could not be held within max_error */
     uint64_t reserved[8];
 } slv_bake_report;
 
