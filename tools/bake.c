@@ -78,7 +78,7 @@ static json_t *bake_json(const struct bake_options *o, const slv_bake_report *re
                             "faces", (json_int_t)tiles[i].faces));
     return json_pack(
         "{s:i, s:o, s:I, s:I, s:I, s:s, s:s, s:I, s:I, s:[i,i], s:[i,i], s:I, s:o, "
-        "s:o}",
+        "s:o, s:o, s:o, s:o}",
         "schema", 1, "path", output_json_text(o->paths[1], strlen(o->paths[1])), "faces",
         (json_int_t)report->faces, "constant_faces", (json_int_t)report->constant_faces, "channels",
         (json_int_t)slv_bake_source_get_desc(source)->nchannels, "type",
@@ -86,7 +86,10 @@ static json_t *bake_json(const struct bake_options *o, const slv_bake_report *re
         "texels", (json_int_t)report->texels, "bytes", (json_int_t)report->bytes, "smallest",
         1 << report->smallest.u, 1 << report->smallest.v, "largest", 1 << report->largest.u,
         1 << report->largest.v, "missing", (json_int_t)missing(report), "misses", misses, "tiles",
-        list);
+        list, "error", o->error_given ? output_json_number((double)report->error) : json_null(),
+        "error_bound",
+        o->error_given ? output_json_number((double)report->error_bound) : json_null(),
+        "faces_over", o->error_given ? json_integer((json_int_t)report->faces_over) : json_null());
 }
 
 /* Says that more texels than may have no value. */
