@@ -184,6 +184,7 @@ slv_result slv_bake_from_rays(const slv_env *env, const slv_mesh *mesh, const sl
     bool bent = own.kind == SLV_BAKE_BENT_NORMAL;
     o->base = (slv_bake_source){.fns = &fns,
                                 .nfaces = slv_mesh_face_count(mesh),
+                                .cost = own.samples,
                                 .desc = {own.kind == SLV_BAKE_AO ? SLV_TYPE_U8
                                          : bent                  ? SLV_TYPE_HALF
                                                                  : SLV_TYPE_FLOAT,

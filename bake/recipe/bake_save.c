@@ -16,11 +16,12 @@
 #include <string.h>
 
 #define DEFAULT_MEMORY (UINT64_C(64) << 20)
-enum { BAND_TEXELS = 16384, MAP_CHANNELS = 3 };
+enum { BAND_TEXELS = 1 << 14, BAND_COST = 1 << 18, MAP_CHANNELS = 3 };
 
-/* Rows of one face that a thread bakes at once. */
+/* What a thread bakes at once of a face, hearing no interrupt meanwhile: rows, or a part of one. */
 typedef struct band {
-    uint32_t face, first, count;
+    uint32_t face;
+    slv_rect rect;
     uint64_t at; /* of its first texel, in the block */
 } band;
 
@@ -59,13 +60,12 @@ static slv_result bake_bands(void *user, uint64_t first, uint64_t end) {
     slv_result result = SLV_OK;
     for (uint64_t i = first; i < end && !result; i++) {
         const band *now = &b->bands[i];
-        slv_res res = b->res[now->face];
-        uint64_t count = (uint64_t)now->count << res.u;
-        const slv_rect rect = {0, now->first, 1u << res.u, now->count};
+        slv_rect rect = now->rect;
+        uint64_t count = (uint64_t)rect.width * rect.height;
         if ((result = slvi_alloc_plain(&b->env, "bake: values", count,
                                        b->encoder.nchannels * sizeof *values, &values)) ||
-            (result = slv_bake_evaluate(b->source, &b->env, now->face, res, rect, values,
-                                        b->misses + now->at)))
+            (result = slv_bake_evaluate(b->source, &b->env, now->face, b->res[now->face], rect,
+                                        values, b->misses + now->at)))
             break;
         slvi_encoder_run(&b->encoder, values, count, b->texels + now->at * b->texel_size);
         result = slvi_steps_add(&b->steps, &b->env, "bake", count);
@@ -149,18 +149,24 @@ static slv_result write_faces(void *user, uint64_t first, uint64_t end) {
 
 /* Cuts the faces of the block into bands. */
 static slv_result cut(bake *b) {
-    uint32_t nfaces = b->end - b->first, count = 0;
+    uint32_t nfaces = b->end - b->first, count = 0, most = BAND_TEXELS;
     slv_result result = SLV_OK;
+    if (b->source->cost > BAND_COST / BAND_TEXELS)
+        most = b->source->cost < BAND_COST ? BAND_COST / b->source->cost : 1;
     for (int pass = 0; pass < 2 && !result; pass++) {
         count = 0;
         for (uint32_t k = 0; k < nfaces; k++) {
             slv_res res = b->res[b->first + k];
-            uint32_t height = 1u << res.v, rows = BAND_TEXELS >> res.u;
+            uint32_t width = 1u << res.u, height = 1u << res.v;
+            uint32_t columns = width < most ? width : most, rows = most >> res.u;
             rows = rows ? rows : 1;
-            for (uint32_t y = 0; y < height; y += rows, count++)
-                if (pass)
-                    b->bands[count] = (band){b->first + k, y, height - y < rows ? height - y : rows,
-                                             b->offsets[k] + ((uint64_t)y << res.u)};
+            for (uint32_t y = 0; y < height; y += rows)
+                for (uint32_t x = 0; x < width; x += columns, count++)
+                    if (pass)
+                        b->bands[count] = (band){b->first + k,
+                                                 {x, y, width - x < columns ? width - x : columns,
+                                                  height - y < rows ? height - y : rows},
+                                                 b->offsets[k] + ((uint64_t)y << res.u) + x};
         }
         if (!pass)
             result = slvi_alloc_plain(&b->env, "bake: bands", count, sizeof *b->bands, &b->bands);

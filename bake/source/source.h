@@ -20,6 +20,7 @@ struct slv_bake_source {
     const slvi_bake_fns *fns;
     uint32_t nfaces;
     slv_bake_source_desc desc;
+    uint32_t cost; /* rays a texel, or what takes as long; 0: few */
 };
 
 enum { SLVI_BAKE_MAX_CHANNELS = 4 };

@@ -388,6 +388,43 @@ static void surface_values(void) {
     end(&s);
 }
 
+static uint64_t steps, stop_after;
+static bool step(void *user, uint64_t done, uint64_t total) {
+    uint64_t *last = user;
+    CHECK(done >= *last && done <= total);
+    *last = done;
+    return ++steps < stop_after;
+}
+
+/* Many rays are asked often whether to go on, within a row of texels too, and end with nothing
+ * written; the parts make the same file as a whole. */
+static void interrupts(void) {
+    slv_env env = test_env();
+    slv_bake_source *source = NULL, *few = NULL;
+    uint64_t last = 0;
+    begin();
+    grid(1, on_floor, false);
+    setup s = finish();
+    const slv_bake_rays rays = {.samples = 1 << 14, .segments = 2}, cheap = {.segments = 2};
+    slv_bake_job job = {.uniform = true, .res = {6, 2}, .progress = {step, &last}};
+    MUST(slv_bake_from_rays(&env, s.mesh, s.surface, &rays, &source));
+    MUST(slv_bake_from_rays(&env, s.mesh, s.surface, &cheap, &few));
+    stop_after = 5;
+    CHECK(slv_bake_save(&env, s.mesh, source, &job, tool_path("stopped.ptx"), NULL) ==
+          SLV_ERROR_CANCELLED);
+    CHECK(access(tool_path("stopped.ptx"), F_OK) != 0);
+    stop_after = UINT64_MAX;
+    last = steps = 0;
+    MUST(slv_bake_save(&env, s.mesh, source, &job, tool_path("many.ptx"), NULL));
+    CHECK_MSG(steps >= 16, "%llu", (unsigned long long)steps);
+    last = 0;
+    MUST(slv_bake_save(&env, s.mesh, few, &job, tool_path("few.ptx"), NULL));
+    CHECK(uv_same_files("many.ptx", "few.ptx")); /* all is open */
+    slv_bake_source_destroy(source);
+    slv_bake_source_destroy(few);
+    end(&s);
+}
+
 static void files(void) {
     begin();
     add_ball(3, 0, 0, 0, 1, false);
@@ -417,6 +454,7 @@ int main(void) {
     itself();
     misses();
     surface_values();
+    interrupts();
     files();
     tool_end();
     return test_end();
