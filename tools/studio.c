@@ -28,12 +28,18 @@ static bool find_program(char *out, size_t size) {
 }
 
 int verb_studio(int argc, char **argv) {
-    const char *file = NULL, *mesh = NULL, *log = NULL;
+    const char *file = NULL, *mesh = NULL, *log = NULL, *pen = NULL;
+    char size[32];
+    uint32_t area[2];
+    bool size_given = false;
     char program[PATH_MAX + 64];
     uint32_t narguments = 0;
     const cli_option options[] = {
         CLI_MESH(&mesh),
+        {"--size", CLI_SIZE, area, "of the picture in the window", "WxH", 64, 16384, &size_given},
         {"--log", CLI_TEXT, &log, "write what happens into a file, JSON lines", "FILE", 0, 0, NULL},
+        {"--pen", CLI_TEXT, &pen, "play the log of a pen, as it is read from a file or pipe",
+         "FILE", 0, 0, NULL},
     };
     const cli_command command = {.name = "studio",
                                  .summary = "see, compare and paint a .ptx in a window",
@@ -55,16 +61,18 @@ int verb_studio(int argc, char **argv) {
         return cli_error("studio: was not built: it takes GTK 4 (libgtk-4-dev and libepoxy-dev on "
                          "Debian) where Selvage is built; without a window, selvage render draws, "
                          "and selvage paint and selvage session paint");
-    const char *arguments[8] = {program};
+    snprintf(size, sizeof size, "%ux%u", area[0], area[1]);
+    const struct {
+        const char *option, *value;
+    } given[] = {
+        {"--mesh", mesh}, {"--log", log}, {"--pen", pen}, {"--size", size_given ? size : NULL}};
+    const char *arguments[16] = {program};
     int n = 1;
-    if (mesh) {
-        arguments[n++] = "--mesh";
-        arguments[n++] = mesh;
-    }
-    if (log) {
-        arguments[n++] = "--log";
-        arguments[n++] = log;
-    }
+    for (size_t i = 0; i < sizeof given / sizeof *given; i++)
+        if (given[i].value) {
+            arguments[n++] = given[i].option;
+            arguments[n++] = given[i].value;
+        }
     if (file)
         arguments[n++] = file;
     cli_end();

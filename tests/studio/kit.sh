@@ -13,6 +13,7 @@ log=$here/log
 err=$here/err
 server=
 studio=
+keeper=
 
 finish() {
     code=$?
@@ -22,6 +23,7 @@ finish() {
         cat "$err" 2>/dev/null || true
     fi
     [ -z "$studio" ] || kill -9 "$studio" 2>/dev/null || true
+    [ -z "$keeper" ] || kill "$keeper" 2>/dev/null || true
     [ -z "$server" ] || kill "$server" 2>/dev/null || true
     rm -rf "$here"
     exit $code
@@ -106,6 +108,22 @@ choose() { # WORDS PATH
         sleep 0.05
     done
     xdotool windowfocus --sync "$window"
+}
+# Presses a key in a question until it has been answered, with the answer of that number.
+answer() { # KEY NUMBER
+    wanted=$(($(count_of '"event":"answer"') + 1))
+    tries=0
+    while [ "$(count_of '"event":"answer"')" -lt $wanted ]; do
+        tries=$((tries + 1))
+        [ $tries -lt 1200 ] || fail "the question has not been answered"
+        question=$(other_window)
+        if [ -n "$question" ] && [ $((tries % 100)) = 10 ]; then
+            xdotool windowfocus "$question" key "$1" || true
+        fi
+        sleep 0.05
+    done
+    grep '"event":"answer"' "$log" | tail -n 1 | grep -q "\"answer\":$2}" || fail "the answer was not $2"
+    xdotool windowfocus "$window" 2>/dev/null || true
 }
 ends() { # waits for the end of the studio
     wait "$studio" || fail "the studio has ended with $?"

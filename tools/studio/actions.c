@@ -131,6 +131,8 @@ static const row rows[] = {
     {"Compare", "Another One on the Other Side", "other-next", NULL, "Tab", studio_do_other_next,
      NULL, false},
     {"Compare", "Seam Jump", "seam-jump", NULL, "j", studio_do_seam_jump, NULL, true},
+    {"Compare", "Report on All Strategies", "report", NULL, "<Control>r", studio_do_report, NULL,
+     true},
     {"Help", "Keyboard Shortcuts", "shortcuts", NULL, "<Control>question F1", studio_do_shortcuts,
      NULL, false},
     {"Help", "About", "about", NULL, NULL, studio_do_about, NULL, false},
@@ -148,6 +150,8 @@ static const row rows[] = {
     {NULL, "Save a screenshot", "screenshot-to", "", NULL, studio_do_screenshot_to, NULL, true},
     {NULL, "Save to a path", "save-to", "", NULL, studio_do_save_to, NULL, true},
     {NULL, "Export to a path", "export-to", "", NULL, studio_do_export_to, NULL, true},
+    {NULL, "Stop the report", "report-cancel", NULL, NULL, studio_do_report_cancel, NULL, false},
+    {NULL, "Show the report", "report-show", NULL, NULL, studio_do_report_show, NULL, false},
     {NULL, "Throw unsaved work away", "discard", NULL, NULL, studio_do_discard, NULL, true},
 };
 enum { ROWS = sizeof rows / sizeof *rows };

@@ -14,6 +14,7 @@ enum { REST = 150 };
 static gboolean at_rest(gpointer user) {
     studio_app *app = user;
     app->rest = 0;
+    app->stale = true;
     gtk_gl_area_queue_render(app->area);
     return G_SOURCE_REMOVE;
 }
@@ -22,6 +23,7 @@ void studio_area_redraw(studio_app *app, bool moving) {
     if (moving)
         app->moved = g_get_monotonic_time();
     app->refined = false;
+    app->stale = true;
     gtk_gl_area_queue_render(app->area);
 }
 
@@ -84,6 +86,16 @@ static void follow_soon(studio_app *app) {
         app->follow = g_timeout_add(100, follow, app);
 }
 
+/* A ring as large as the brush. */
+static void put_cursor(const studio_app *app, studio_shot *shot) {
+    bool paints = app->tool == STUDIO_PAINT || app->tool == STUDIO_ERASE;
+    if (!paints || !app->pointer_inside || app->screenshot)
+        return;
+    shot->cursor[0] = (float)app->x;
+    shot->cursor[1] = (float)app->y;
+    shot->cursor[2] = app->paint.radius;
+}
+
 static gboolean render(GtkGLArea *area, GdkGLContext *context, gpointer user) {
     studio_app *app = user;
     studio_shot shot = {.look = app->look, .background = {0.03f, 0.03f, 0.035f, 1}};
@@ -98,9 +110,18 @@ static gboolean render(GtkGLArea *area, GdkGLContext *context, gpointer user) {
     frame_if_new(app);
     shot.camera = studio_area_camera(app, &shot.width, &shot.height);
     shot.coarse = is_moving(app);
+    put_cursor(app, &shot);
+    if (!app->stale && app->refined && !app->screenshot) {
+        shot.again = true;
+        studio_failed(app, studio_picture_draw(app->picture, &app->document, &shot, &app->stats));
+        return TRUE;
+    }
+    app->stale = false;
     shot.scale = shot.coarse ? app->scale : 1;
     slv_result result = studio_picture_draw(app->picture, &app->document, &shot, &app->stats);
     if (result) {
+        if (result == SLV_ERROR_GL)
+            studio_log(app, "\"event\":\"gl-error\"");
         studio_failed(app, result);
         return TRUE;
     }
@@ -149,6 +170,15 @@ static GdkGLContext *create_context(GtkGLArea *area, gpointer user) {
     return NULL;
 }
 
+static gboolean show_message(gpointer user) {
+    studio_app *app = user;
+    if (!app->closing) {
+        studio_page(app, "message", NULL);
+        studio_log(app, "\"event\":\"no-gl\"");
+    }
+    return G_SOURCE_REMOVE;
+}
+
 static void realize(GtkWidget *widget, gpointer user) {
     studio_app *app = user;
     char text[1024];
@@ -166,8 +196,8 @@ static void realize(GtkWidget *widget, gpointer user) {
              "window, selvage render draws pictures, selvage compare compares strategies, and "
              "selvage paint and selvage session paint.",
              why);
-    studio_page(app, "message", text);
-    studio_log(app, "\"event\":\"no-gl\"");
+    studio_page(app, NULL, text);
+    g_idle_add(show_message, app); /* not while the area is being realized */
 }
 
 static void unrealize(GtkWidget *widget, gpointer user) {
@@ -181,6 +211,7 @@ static void unrealize(GtkWidget *widget, gpointer user) {
 
 static void resized(GtkGLArea *area, int width, int height, gpointer user) {
     studio_app *app = user;
+    app->stale = true;
     double x = 0, y = 0, nx, ny; /* of the window as the display knows it, frame included */
     gtk_widget_translate_coordinates(GTK_WIDGET(area), GTK_WIDGET(app->window), 0, 0, &x, &y);
     gtk_native_get_surface_transform(GTK_NATIVE(app->window), &nx, &ny);
@@ -400,6 +431,7 @@ static gboolean motion(studio_app *app, GdkEvent *event) {
         drag_view(app, dx, dy);
     } else {
         follow_soon(app);
+        gtk_gl_area_queue_render(app->area); /* the ring goes along */
     }
     return FALSE;
 }
@@ -428,6 +460,13 @@ static gboolean scroll(studio_app *app, GdkEvent *event) {
     return TRUE;
 }
 
+static void leave(GtkEventControllerMotion *controller, gpointer user) {
+    studio_app *app = user;
+    (void)controller;
+    app->pointer_inside = false;
+    gtk_gl_area_queue_render(app->area);
+}
+
 static gboolean handle(GtkEventControllerLegacy *controller, GdkEvent *event, gpointer user) {
     (void)controller;
     switch (gdk_event_get_event_type(event)) {
@@ -446,7 +485,8 @@ static gboolean handle(GtkEventControllerLegacy *controller, GdkEvent *event, gp
 
 GtkWidget *studio_area_create(studio_app *app) {
     GtkWidget *widget = gtk_gl_area_new();
-    GtkEventController *controller = gtk_event_controller_legacy_new();
+    GtkEventController *controller = gtk_event_controller_legacy_new(),
+                       *crossing = gtk_event_controller_motion_new();
     app->area = GTK_GL_AREA(widget);
     app->scale = 1;
     gtk_gl_area_set_auto_render(app->area, FALSE);
@@ -461,6 +501,8 @@ GtkWidget *studio_area_create(studio_app *app) {
     g_signal_connect(widget, "render", G_CALLBACK(render), app);
     g_signal_connect(widget, "resize", G_CALLBACK(resized), app);
     g_signal_connect(controller, "event", G_CALLBACK(handle), app);
+    g_signal_connect(crossing, "leave", G_CALLBACK(leave), app);
     gtk_widget_add_controller(widget, controller);
+    gtk_widget_add_controller(widget, crossing);
     return widget;
 }

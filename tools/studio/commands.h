@@ -79,6 +79,9 @@ void studio_set_strategy(studio_app *app, const char *target);
 void studio_set_compare(studio_app *app, const char *target);
 void studio_do_other_next(studio_app *app, const char *target);
 void studio_do_seam_jump(studio_app *app, const char *target);
+void studio_do_report(studio_app *app, const char *target);
+void studio_do_report_cancel(studio_app *app, const char *target);
+void studio_do_report_show(studio_app *app, const char *target);
 
 const char *studio_get_layer_hide(const studio_app *app);
 const char *studio_get_layer_lock(const studio_app *app);

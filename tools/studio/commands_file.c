@@ -1,17 +1,27 @@
 /* Actions of files: opening, saving, pictures, the end. */
 #include "studio/commands.h"
 
+#include <signal.h>
 #include <stdlib.h>
 #include <string.h>
 
 /* ---- the end, and what is not saved ---- */
 
+static gboolean destroy(gpointer user) {
+    studio_app *app = user;
+    gtk_window_destroy(app->window);
+    return G_SOURCE_REMOVE;
+}
+
+/* The window goes when the question that this may be the answer of has gone. */
 static void finish(studio_app *app) {
     app->closing = true;
+    if (app->report)
+        g_subprocess_send_signal(app->report, SIGTERM);
     studio_settings_save(app);
     if (app->document.working && !studio_document_is_unsaved(&app->document))
         studio_do_discard(app, "");
-    gtk_window_destroy(app->window);
+    g_idle_add(destroy, app);
 }
 
 /* Forgets the session of what is open, and its folder. */
@@ -39,6 +49,7 @@ static void saved_before(studio_app *app, int answer) {
         if (app->document.working)
             studio_do_discard(app, "");
     } else {
+        g_free((char *)(uintptr_t)app->pending);
         app->pending = NULL;
         return;
     }
@@ -47,7 +58,7 @@ static void saved_before(studio_app *app, int answer) {
 
 /* Does something that ends what is open, and asks before if there is unsaved work. */
 static void end_then(studio_app *app, void (*what)(studio_app *app)) {
-    static const char *const answers[] = {"Save", "Do Not Save", "Cancel"};
+    static const char *const answers[] = {"_Save", "Do _Not Save", "_Cancel"};
     then = what;
     if (studio_document_is_unsaved(&app->document))
         studio_ask(app, "There is work that has not been saved.",

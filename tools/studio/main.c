@@ -29,13 +29,21 @@ static void activate(GtkApplication *application, gpointer user) {
     studio_log(app, "\"event\":\"window\"");
     if (path)
         studio_open(app, path);
+    if (app->pen_path)
+        studio_pen_play(app, app->pen_path);
 }
 
-/* Its arguments come from the verb, which has looked at them: [--mesh FILE] [--log FILE] [FILE] */
+/* Its arguments come from the verb, which has looked at them: --mesh, --log, --pen, --size, each
+ * with its value, and a file */
 static bool read_arguments(studio_app *app, int argc, char **argv) {
     for (int i = 1; i < argc; i++) {
         if (strcmp(argv[i], "--mesh") == 0 && i + 1 < argc) {
             app->mesh_path = argv[++i];
+        } else if (strcmp(argv[i], "--pen") == 0 && i + 1 < argc) {
+            app->pen_path = argv[++i];
+        } else if (strcmp(argv[i], "--size") == 0 && i + 1 < argc) {
+            if (sscanf(argv[++i], "%dx%d", &app->size[0], &app->size[1]) != 2)
+                return false;
         } else if (strcmp(argv[i], "--log") == 0 && i + 1 < argc) {
             app->log = fopen(argv[++i], "w");
             if (!app->log) {
@@ -76,6 +84,8 @@ int main(int argc, char **argv) {
     studio_document_close(&app.document);
     studio_document_end(&app.document);
     studio_brushes_free(&app.brushes);
+    g_free(app.report_path);
+    g_free(app.screenshot);
     for (int i = 0; i < STUDIO_RECENT; i++)
         g_free(app.recent[i]);
     if (app.log)

@@ -132,7 +132,7 @@ static slv_result make(const studio_document *d, uint32_t segments, studio_overl
     glNamedBufferStorage(p->indices, (GLsizeiptr)(count * sizeof *indices), indices, 0);
     p->count = (GLsizei)count;
     free(indices);
-    free(p->mesh.vertices);
+    slv_free(p->mesh.vertices);
     p->mesh.vertices = NULL;
     make_array(p);
     return SLV_OK;

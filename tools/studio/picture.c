@@ -78,6 +78,7 @@ static const char fragment_text[] =
     "layout(location = 0) uniform ivec4 mode; // compare, encoding, second, -\n"
     "layout(location = 1) uniform vec4 numbers; // divider, gain, exposure, -\n"
     "layout(location = 2) uniform vec2 size;\n"
+    "layout(location = 3) uniform vec3 cursor; // where, and how far around\n"
     "layout(location = 0) out vec4 color;\n"
     "vec3 map(float t) { // from dark blue to yellow, evenly\n"
     "    t = clamp(t, 0.0, 1.0);\n"
@@ -104,6 +105,9 @@ static const char fragment_text[] =
     "        a.rgb = encode(a.rgb);\n"
     "    if (mode.x == 1 && abs(gl_FragCoord.x - numbers.x * size.x) < 1.0)\n"
     "        a.rgb = vec3(1.0);\n"
+    "    float off = abs(distance(gl_FragCoord.xy, cursor.xy) - cursor.z);\n"
+    "    if (cursor.z > 0.0 && off < 1.5)\n"
+    "        a.rgb = vec3(off < 0.75 ? 1.0 : 0.0);\n"
     "    color = vec4(a.rgb, 1.0);\n"
     "}\n";
 
@@ -316,6 +320,8 @@ static void to_screen(const studio_picture *p, const studio_shot *shot, GLuint f
     glProgramUniform4i(p->program, 0, (GLint)look->compare, (GLint)look->encoding, look->second, 0);
     glProgramUniform4f(p->program, 1, look->divider, look->gain, look->exposure, 0);
     glProgramUniform2f(p->program, 2, (float)shot->width, (float)shot->height);
+    glProgramUniform3f(p->program, 3, shot->cursor[0], (float)shot->height - shot->cursor[1],
+                       shot->cursor[2]);
     glDrawArrays(GL_TRIANGLES, 0, 3);
     glBindVertexArray(0);
     glUseProgram(0);
@@ -328,7 +334,6 @@ slv_result studio_picture_draw(studio_picture *p, studio_document *d, const stud
     float scale = shot->scale > 0 ? shot->scale : 1;
     GLint framebuffer = 0;
     slv_result result;
-    *stats = (studio_picture_stats){0};
     p->message[0] = 0;
     glGetIntegerv(GL_DRAW_FRAMEBUFFER_BINDING, &framebuffer);
     if (p->mesh != studio_document_mesh(d) || p->serial != d->serial) {
@@ -336,8 +341,13 @@ slv_result studio_picture_draw(studio_picture *p, studio_document *d, const stud
         p->mesh = studio_document_mesh(d);
         p->serial = d->serial;
     }
+    if (shot->again && p->renderer && p->screen[0] == shot->width && p->screen[1] == shot->height) {
+        to_screen(p, shot, (GLuint)framebuffer, two);
+        return SLV_OK;
+    }
     need_targets(p, (uint32_t)fmaxf(1, (float)shot->width * scale),
                  (uint32_t)fmaxf(1, (float)shot->height * scale));
+    *stats = (studio_picture_stats){0};
     p->screen[0] = shot->width;
     p->screen[1] = shot->height;
     if ((result = need_renderer(p, d, shot)) ||
@@ -356,7 +366,12 @@ done:
         return result;
     }
     to_screen(p, shot, (GLuint)framebuffer, two);
-    return SLV_OK;
+    GLenum error = glGetError();
+    if (error) {
+        result = output_fail(&p->env, SLV_ERROR_GL, "OpenGL has reported error 0x%x", error);
+        snprintf(d->message, STUDIO_MESSAGE, "%s", p->message);
+    }
+    return result;
 }
 
 slv_result studio_picture_read(studio_picture *p, slv_image *out) {

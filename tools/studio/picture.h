@@ -23,6 +23,8 @@ typedef struct studio_shot {
     float scale;            /* what is drawn is so much smaller, 0..1 */
     bool coarse;            /* one sample a pixel */
     float background[4];    /* linear */
+    float cursor[3];        /* of the brush: where, and its radius; 0: none */
+    bool again;             /* nothing but the cursor is another than in the picture before */
 } studio_shot;
 
 typedef struct studio_picture_stats {

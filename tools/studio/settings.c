@@ -15,6 +15,16 @@ static float number_of(GKeyFile *file, const char *key, float low, float high, f
     return fine ? (float)value : otherwise;
 }
 
+static void show_recent(studio_app *app) {
+    g_menu_remove_all(app->recent_menu);
+    for (int i = 0; i < STUDIO_RECENT && app->recent[i]; i++) {
+        GMenuItem *item = g_menu_item_new(app->recent[i], NULL);
+        g_menu_item_set_action_and_target(item, "win.open-path", "s", app->recent[i]);
+        g_menu_append_item(app->recent_menu, item);
+        g_object_unref(item);
+    }
+}
+
 void studio_settings_load(studio_app *app) {
     GKeyFile *file = g_key_file_new();
     char *path = path_of();
@@ -24,6 +34,7 @@ void studio_settings_load(studio_app *app) {
         for (gsize i = 0; i < count && i < STUDIO_RECENT; i++)
             app->recent[i] = g_strdup(recent[i]);
         g_strfreev(recent);
+        show_recent(app);
         app->dark = g_key_file_get_boolean(file, "studio", "dark", NULL);
         app->paint.radius = number_of(file, "radius", 0.5f, 500, app->paint.radius);
         app->paint.opacity = number_of(file, "opacity", 0, 1, app->paint.opacity);
@@ -33,7 +44,7 @@ void studio_settings_load(studio_app *app) {
         app->paint.color[2] = number_of(file, "blue", 0, 1, app->paint.color[2]);
         int width = (int)number_of(file, "width", 640, 16384, 0),
             height = (int)number_of(file, "height", 400, 16384, 0);
-        if (width && height)
+        if (width && height && !app->size[0])
             gtk_window_set_default_size(app->window, width, height);
     }
     g_free(path);
@@ -56,8 +67,10 @@ void studio_settings_save(studio_app *app) {
     g_key_file_set_double(file, "studio", "red", (double)app->paint.color[0]);
     g_key_file_set_double(file, "studio", "green", (double)app->paint.color[1]);
     g_key_file_set_double(file, "studio", "blue", (double)app->paint.color[2]);
-    g_key_file_set_integer(file, "studio", "width", width);
-    g_key_file_set_integer(file, "studio", "height", height);
+    if (!app->size[0]) {
+        g_key_file_set_integer(file, "studio", "width", width);
+        g_key_file_set_integer(file, "studio", "height", height);
+    }
     /* without a place for them they are not kept, which harms nobody */
     if (g_mkdir_with_parents(folder, 0700) == 0)
         (void)g_key_file_save_to_file(file, path, NULL);
@@ -78,11 +91,5 @@ void studio_settings_opened(studio_app *app, const char *path) {
         }
     }
     g_free(carried);
-    g_menu_remove_all(app->recent_menu);
-    for (int i = 0; i < STUDIO_RECENT && app->recent[i]; i++) {
-        GMenuItem *item = g_menu_item_new(app->recent[i], NULL);
-        g_menu_item_set_action_and_target(item, "win.open-path", "s", app->recent[i]);
-        g_menu_append_item(app->recent_menu, item);
-        g_object_unref(item);
-    }
+    show_recent(app);
 }

@@ -61,6 +61,7 @@ typedef struct studio_app {
     char *mesh_path;     /* of the command line */
     bool loading, closing, syncing, dark;
     bool dirty;  /* the document is ahead of its texture */
+    bool stale;  /* the picture is not what it was drawn of */
     bool framed; /* the camera fits what is open */
 
     studio_drag drag;
@@ -75,7 +76,11 @@ typedef struct studio_app {
     guint follow;  /* panels follow the pictures */
     guint flicker; /* the timer that changes sides */
 
-    FILE *log;        /* lines of what happens; NULL: nobody asked */
+    int size[2]; /* of the picture, as the command line wants it; 0: as it comes */
+    const char *pen_path;
+    FILE *log;           /* lines of what happens; NULL: nobody asked */
+    GSubprocess *report; /* that is being made; NULL: none */
+    char *report_path;
     char *screenshot; /* to be written after the next fine picture */
 } studio_app;
 
@@ -95,7 +100,8 @@ void studio_sync(studio_app *app);
 void studio_say(studio_app *app, const char *text, const char *button, const char *action);
 /* What went wrong in the document, if `result` says that something did. */
 bool studio_failed(studio_app *app, slv_result result);
-/* Instead of the picture. */
+/* Instead of the picture, a page of the stack; its words are those of `message`. Either may be
+ * NULL. */
 void studio_page(studio_app *app, const char *page, const char *text);
 void studio_log(studio_app *app, const char *format, ...) G_GNUC_PRINTF(2, 3);
 
@@ -110,6 +116,10 @@ slv_camera studio_area_camera(const studio_app *app, uint32_t *width, uint32_t *
 typedef enum studio_pen { STUDIO_PEN_DOWN, STUDIO_PEN_MOVE, STUDIO_PEN_UP } studio_pen;
 void studio_area_pen(studio_app *app, studio_pen what, const slv_stroke_sample *samples,
                      uint32_t count, bool eraser);
+
+/* pen.c */
+/* Plays the log of a pen, line by line as the file or pipe gives them. */
+void studio_pen_play(studio_app *app, const char *path);
 
 /* panels: each makes its widgets, and shows what the model has */
 GtkWidget *studio_panel_brush(studio_app *app);

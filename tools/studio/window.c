@@ -39,7 +39,8 @@ bool studio_failed(studio_app *app, slv_result result) {
 }
 
 void studio_page(studio_app *app, const char *page, const char *text) {
-    gtk_stack_set_visible_child_name(app->stack, page);
+    if (page)
+        gtk_stack_set_visible_child_name(app->stack, page);
     if (text)
         gtk_label_set_text(GTK_LABEL(app->page_text), text);
 }
@@ -114,7 +115,7 @@ static void unfinished_answered(studio_app *app, int answer) {
 
 /* What was done before and not saved. */
 static void offer(studio_app *app) {
-    static const char *const answers[] = {"Bring It Back", "Throw It Away", "Do Not Open"};
+    static const char *const answers[] = {"_Bring It Back", "_Throw It Away", "_Do Not Open"};
     slv_session_info info;
     char *path = studio_document_unfinished(&app->document), text[160];
     if (path)
@@ -325,8 +326,11 @@ void studio_window_create(studio_app *app) {
               *left = gtk_box_new(GTK_ORIENTATION_VERTICAL, 0);
     GtkDropTarget *drop = gtk_drop_target_new(GDK_TYPE_FILE_LIST, GDK_ACTION_COPY);
     app->window = GTK_WINDOW(gtk_application_window_new(app->application));
-    gtk_window_set_default_size(app->window, 1280, 760);
     make_pages(app);
+    if (app->size[0])
+        gtk_widget_set_size_request(GTK_WIDGET(app->area), app->size[0], app->size[1]);
+    else
+        gtk_window_set_default_size(app->window, 1280, 760);
     studio_actions_add(app);
     GMenuModel *menu = studio_actions_menu(app);
     GtkWidget *bar = gtk_popover_menu_bar_new_from_model(menu);

@@ -1,0 +1,65 @@
+#!/bin/sh
+# What can go wrong: kill -9 amid a stroke, a save that fails, closing with unsaved work, files that cannot be opened, a display
+# without OpenGL 4.5. Nothing is lost, and all of it is said in the window. recovery.sh BIN ASSETS
+. "$(dirname "$0")/kit.sh"
+
+"$bin/selvage" new "$2/cube.obj" "$here/cube.ptx" --size 16 -q
+start_display
+start_studio --size 320x200 "$here/cube.ptx"
+take_window
+key tool b
+drag '"event":"stroke"' 1 -40 0 10 3 8
+
+# killed while the button is down: the whole stroke before is there, this one is not
+does '"event":"samples"' mousemove $middle_x $middle_y mousedown 1 mousemove_relative 5 5
+kill -9 "$studio"
+wait "$studio" 2>/dev/null || true
+xdotool mouseup 1
+work=$(ls -d "$here"/state/selvage/unfinished/*.selvage)
+"$bin/selvage" session "$work" --export "$here/expected.ptx" -q
+
+start_studio --size 320x200 "$here/cube.ptx"
+wait_for '"event":"question"'
+take_window
+answer Return 0
+wait_for '"event":"recovered"'
+does '"event":"chooser"' key ctrl+e
+choose '"event":"exported"' "$here/back.ptx"
+cmp "$here/expected.ptx" "$here/back.ptx" || fail "what was brought back is not what was there"
+
+# a place that takes no files: the work stays, and it is said
+does '"event":"chooser"' key ctrl+s
+choose '"event":"failed"' /proc/no.selvage
+[ -d "$work" ] || fail "a failing save has lost the work"
+
+# closing asks; Escape keeps it open; not saving throws away
+does '"event":"question"' key ctrl+q
+answer Escape 2
+key frame f
+does '"event":"question"' key ctrl+q
+answer alt+n 1
+ends
+silent
+[ ! -d "$work" ] || fail "what was thrown away is still there"
+
+# what cannot be opened
+echo nonsense >"$here/bad.ptx"
+mkdir "$here/old.selvage"
+printf '{"kind":"selvage session","version":0}\n' >"$here/old.selvage/session.json"
+for file in bad.ptx missing.ptx old.selvage; do
+    start_studio --size 320x200 "$here/$file"
+    wait_for '"event":"failed"'
+    window=$(xdotool search --onlyvisible --name 'Selvage Studio' | tail -n 1)
+    xdotool windowfocus --sync "$window" key ctrl+q
+    ends
+    silent
+done
+
+# no OpenGL 4.5: words in the window
+export MESA_GL_VERSION_OVERRIDE=3.3
+start_studio --size 320x200 "$here/cube.ptx"
+wait_for '"event":"no-gl"'
+window=$(xdotool search --onlyvisible --name 'Selvage Studio' | tail -n 1)
+xdotool windowfocus --sync "$window" key ctrl+q
+ends
+silent
