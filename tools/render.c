@@ -5,6 +5,7 @@
 #include "command/scene.h"
 #include "verbs.h"
 
+#include <inttypes.h>
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
@@ -116,9 +117,10 @@ static int draw(const cli_command *command, const struct render *r, const char *
         scene_warn_of_nothing(path);
     if (!r->quiet) {
         slv_gl_texture_stats stats = slv_gl_texture_get_stats(texture, frame.strategy);
-        printf("%s: %u x %u, %s, %ux MSAA, %ux anisotropy, %u segments, %.1f MB on the GPU, %s\n",
+        printf("%s: %u x %u, %s, %ux MSAA, %ux anisotropy, %" PRIu64
+               " triangles, %.1f MB on the GPU, %s\n",
                path, frame.width, frame.height, frame.strategy->name, frame.msaa ? frame.msaa : 1,
-               r->aniso, shot.tessellation.segments, (double)stats.gpu_bytes / 1e6,
+               r->aniso, slv_gl_renderer_triangles(renderer), (double)stats.gpu_bytes / 1e6,
                slv_gl_get_info(gl)->renderer);
         if (r->compress)
             printf("compressed: texels are off by %.4f RMS, %.3f at most\n", stats.block_rms,

@@ -16,6 +16,8 @@ typedef struct lookups {
     slv_filter_params filter;
     uint32_t width; /* numbers a point */
     float scale, bias;
+    uint32_t nfaces;
+    uint8_t *log2; /* per face: of the most texels along an axis */
 } lookups;
 
 static slv_result evaluate(void *user, int32_t face, float spacing, size_t count, const float *uv,
@@ -44,15 +46,21 @@ static slv_result evaluate(void *user, int32_t face, float spacing, size_t count
 
 static uint32_t detail(void *user, int32_t face) {
     const lookups *from = user;
+    return (uint32_t)face < from->nfaces ? UINT32_C(1) << from->log2[face] : 1;
+}
+
+static slv_result read_sizes(const slv_env *env, lookups *to) {
     slv_source source;
-    slv_source_face found = {.res = {0, 0}};
-    if (!slv_cache_as_source(from->cache, from->file, &source)) {
-        if (source.fns->face(source.user, (uint32_t)face, &found))
-            found.res = (slv_res){0, 0};
-        slv_source_close(&source);
+    slv_result result = slvi_alloc(env, "displacement", to->nfaces, 1, &to->log2);
+    if (result || (result = slv_cache_as_source(to->cache, to->file, &source)))
+        return result;
+    for (uint32_t f = 0; f < to->nfaces && !result; f++) {
+        slv_source_face face;
+        if (!(result = source.fns->face(source.user, f, &face)))
+            to->log2[f] = (uint8_t)(face.res.u > face.res.v ? face.res.u : face.res.v);
     }
-    int log2 = found.res.u > found.res.v ? found.res.u : found.res.v;
-    return UINT32_C(1) << (log2 < 16 ? log2 : 16);
+    slv_source_close(&source);
+    return result;
 }
 
 slv_result slv_displacement_open(slv_cache *cache, slv_file_id file,
@@ -86,6 +94,7 @@ slv_result slv_displacement_open(slv_cache *cache, slv_file_id file,
         .cache = cache,
         .file = file,
         .width = width,
+        .nfaces = info.nfaces,
         .scale = p.scale == 0 ? 1 : p.scale,
         .bias = p.bias,
         .filter =
@@ -93,16 +102,21 @@ slv_result slv_displacement_open(slv_cache *cache, slv_file_id file,
     made->filter.first_channel = p.channel;
     made->filter.nchannels = width;
     slv_sampler *tried = NULL; /* what is wrong with the filter is said now */
-    if ((result = slv_sampler_create(cache, &made->filter, &tried))) {
-        slvi_free(made);
-        return result;
+    if ((result = slv_sampler_create(cache, &made->filter, &tried)) ||
+        (result = read_sizes(env, made))) {
+        slv_displacement failed = {p.space, NULL, NULL, made};
+        slv_displacement_close(&failed);
+    } else {
+        *out = (slv_displacement){p.space, evaluate, detail, made};
     }
     slv_sampler_destroy(tried);
-    *out = (slv_displacement){p.space, evaluate, detail, made};
-    return SLV_OK;
+    return result;
 }
 
 void slv_displacement_close(slv_displacement *displacement) {
-    slvi_free(displacement->user);
+    lookups *from = displacement->user;
+    if (from)
+        slvi_free(from->log2);
+    slvi_free(from);
     *displacement = (slv_displacement){SLV_DISPLACE_NORMAL, NULL, NULL, NULL};
 }

@@ -14,106 +14,21 @@
 /* Positions beyond are of no use to anybody, and their squares overflow. */
 #define FARTHEST 1e18f
 
-slv_result slvi_displace_scratch_make(const slv_env *env, uint64_t points,
-                                      slvi_displace_scratch *out) {
-    slv_result result = slvi_alloc(env, "displacement", points * 2, sizeof *out->uv, &out->uv);
-    return result ? result
-                  : slvi_alloc(env, "displacement", points * 3, sizeof *out->values, &out->values);
-}
-
-void slvi_displace_scratch_free(slvi_displace_scratch *scratch) {
-    slvi_free(scratch->uv);
-    slvi_free(scratch->values);
-}
-
 slv_result slvi_displace_begin(const slv_env *env, slvi_grid_job *job) {
     uint64_t count = 3 * (uint64_t)job->out->first[job->out->nfaces];
     slv_result result = slvi_alloc(env, "displacement", count, sizeof(float), &job->offsets);
     return result ? result : slvi_alloc(env, "displacement", count, sizeof(float), &job->facing);
 }
 
-static void cross(const float a[3], const float b[3], float out[3]) {
-    for (int c = 0; c < 3; c++)
-        out[c] = a[(c + 1) % 3] * b[(c + 2) % 3] - a[(c + 2) % 3] * b[(c + 1) % 3];
-}
-
 static float dot(const float a[3], const float b[3]) {
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 }
 
-/* False, and nothing changed, if there is no direction. */
-static bool normalise(const float v[3], float out[3]) {
-    double squares = 0;
-    for (int c = 0; c < 3; c++)
-        squares += (double)v[c] * (double)v[c];
-    if (!(squares > 1e-60) || !isfinite(squares))
-        return false;
-    double length = sqrt(squares);
-    for (int c = 0; c < 3; c++)
-        out[c] = (float)((double)v[c] / length);
-    return true;
-}
-
-/* The offset of a point in space. */
-static void make_offset(slv_displacement_space space, const float *value, const float normal[3],
-                        const float du[3], float out[3]) {
-    float along[3] = {0, 0, 0}, across[3];
-    switch (space) {
-    case SLV_DISPLACE_OBJECT:
-        memcpy(out, value, 3 * sizeof *out);
-        return;
-    case SLV_DISPLACE_TANGENT:
-        (void)normalise(du, along); /* nothing moves along what has no direction */
-        cross(normal, along, across);
-        for (int c = 0; c < 3; c++)
-            out[c] = value[0] * along[c] + value[1] * across[c] + value[2] * normal[c];
-        return;
-    case SLV_DISPLACE_NORMAL:
-        for (int c = 0; c < 3; c++)
-            out[c] = value[0] * normal[c];
-    }
-}
-
-/* The change of the offsets from one end of a face to the other, along the axis on which
- * neighbouring points are `step` vertices apart, at point `i` of 0..n. */
-static void slope(const float *offset, uint32_t i, uint32_t n, ptrdiff_t step, float out[3]) {
-    const float *before = i > 0 ? offset - 3 * step : offset;
-    const float *after = i < n ? offset + 3 * step : offset;
-    float segments = (float)n / (i > 0 && i < n ? 2.0f : 1.0f);
-    for (int c = 0; c < 3; c++)
-        out[c] = (after[c] - before[c]) * segments;
-}
-
-slv_result slvi_displace_face(const slvi_grid_job *job, uint32_t face,
-                              const slv_surface_arrays *limit, slvi_displace_scratch *scratch) {
-    const slv_displacement *d = job->displacement;
-    uint32_t n = job->out->segments[face], side = n + 1, count = side * side;
-    size_t first = 3 * (size_t)job->out->first[face], width = d->space ? 3 : 1;
-    float *offsets = job->offsets + first, *facing = job->facing + first;
-    for (uint32_t i = 0; i < count; i++) {
-        scratch->uv[2 * i] = (float)(i % side) / (float)n;
-        scratch->uv[2 * i + 1] = (float)(i / side) / (float)n;
-    }
-    slv_result result =
-        d->evaluate(d->user, (int32_t)face, 1 / (float)n, count, scratch->uv, scratch->values);
-    if (result)
-        return result;
-    for (size_t i = 0; i < count; i++)
-        make_offset(d->space, scratch->values + width * i, limit->normals + 3 * i,
-                    limit->du + 3 * i, offsets + 3 * i);
-    for (uint32_t i = 0; i < count; i++) {
-        float along_u[3], along_v[3], normal[3];
-        slope(offsets + 3 * (size_t)i, i % side, n, 1, along_u);
-        slope(offsets + 3 * (size_t)i, i / side, n, side, along_v);
-        for (int c = 0; c < 3; c++) {
-            along_u[c] += limit->du[3 * (size_t)i + (size_t)c];
-            along_v[c] += limit->dv[3 * (size_t)i + (size_t)c];
-        }
-        cross(along_u, along_v, normal);
-        if (!normalise(normal, facing + 3 * (size_t)i))
-            memcpy(facing + 3 * (size_t)i, limit->normals + 3 * (size_t)i, sizeof normal);
-    }
-    return SLV_OK;
+void slvi_displace_face(const slvi_grid_job *job, uint32_t face, const slvi_face_grid *grid) {
+    size_t first = 3 * (size_t)job->out->first[face],
+           size = 3 * ((size_t)job->out->first[face + 1] * sizeof(float)) - first * sizeof(float);
+    memcpy(job->offsets + first, grid->offsets, size);
+    memcpy(job->facing + first, grid->facing, size);
 }
 
 /* The vertices that are one point: those of a ring, or up to three beside an edge, in an order that
@@ -203,7 +118,7 @@ static void turn(const slvi_grid_job *job, uint32_t vertex, const meeting *m) {
         for (int c = 0; c < 3; c++)
             sum[c] += job->facing[3 * (size_t)other + (size_t)c];
     }
-    if (!normalise(sum, job->offsets + 3 * (size_t)vertex))
+    if (!slvi_normalise(sum, job->offsets + 3 * (size_t)vertex))
         memcpy(job->offsets + 3 * (size_t)vertex, job->facing + 3 * (size_t)vertex, sizeof sum);
 }
 

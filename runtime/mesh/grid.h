@@ -14,6 +14,7 @@ typedef struct slvi_grid_job {
     const slv_displacement *displacement; /* may be NULL */
     slv_env env;                          /* logs one at a time */
     slv_tessellation *out;
+    float *spacing; /* per face: how fine a displacement is looked up; NULL: as its points are */
     float *offsets, *facing; /* 3 a vertex: how far a face would move it, and the normal then */
 } slvi_grid_job;
 

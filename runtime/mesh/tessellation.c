@@ -1,5 +1,6 @@
 /* Grids of vertices on the limit surface, welded where faces meet. */
 #include "mesh/displace.h"
+#include "mesh/rates.h"
 
 #include "base/log.h"
 #include "base/memory.h"
@@ -55,54 +56,31 @@ uint32_t slv_tessellation_for(const slv_mesh *mesh, const slv_camera *camera, ui
     return segments;
 }
 
-/* The values of one face at a time, for a run of faces. */
-struct scratch {
-    float *positions, *normals, *du, *dv;
-    slvi_displace_scratch displace;
-};
-
-static slv_result make_scratch(const slvi_grid_job *job, uint64_t begin, uint64_t end,
-                               struct scratch *out) {
-    slv_result result;
-    uint64_t most = 1;
-    float **lists[] = {&out->positions, &out->normals, &out->du, &out->dv};
-    for (uint64_t face = begin; face < end; face++)
-        most = job->out->segments[face] > most ? job->out->segments[face] : most;
-    uint64_t points = (most + 1) * (most + 1);
-    for (size_t i = 0; i < (job->displacement ? 4 : 2); i++)
-        if ((result = slvi_alloc(&job->env, "tessellation", points * 3, sizeof(float), lists[i])))
-            return result;
-    return job->displacement ? slvi_displace_scratch_make(&job->env, points, &out->displace)
-                             : SLV_OK;
-}
-
 static slv_result evaluate(void *user, uint64_t begin, uint64_t end) {
     const slvi_grid_job *job = user;
     const slv_tessellation *out = job->out;
-    struct scratch s = {NULL};
-    slv_result result = make_scratch(job, begin, end, &s);
+    slvi_face_grid grid;
+    uint64_t most = 1;
+    for (uint64_t face = begin; face < end; face++)
+        most = out->segments[face] > most ? out->segments[face] : most;
+    slv_result result =
+        slvi_face_grid_make(&job->env, (most + 1) * (most + 1), job->displacement != NULL, &grid);
     for (uint64_t face = begin; face < end && !result; face++) {
         uint32_t n = out->segments[face];
-        slv_surface_arrays arrays = {
-            .positions = s.positions, .normals = s.normals, .du = s.du, .dv = s.dv};
-        if (!n || (result = slv_surface_evaluate_grid(job->surface, (int32_t)face, n, n, &arrays)))
+        if (!n || (result = slvi_face_grid_evaluate(job, (uint32_t)face, n, &grid)))
             continue;
         slv_vertex *vertex = out->vertices + out->first[face];
         for (uint32_t i = 0; i < (n + 1) * (n + 1); i++, vertex++) {
-            memcpy(vertex->position, s.positions + 3 * i, sizeof vertex->position);
-            memcpy(vertex->normal, s.normals + 3 * i, sizeof vertex->normal);
+            memcpy(vertex->position, grid.limit.positions + 3 * (size_t)i, sizeof vertex->position);
+            memcpy(vertex->normal, grid.limit.normals + 3 * (size_t)i, sizeof vertex->normal);
             vertex->uv[0] = slv_half_from_float((float)(i % (n + 1)) / (float)n);
             vertex->uv[1] = slv_half_from_float((float)(i / (n + 1)) / (float)n);
             vertex->face = (int32_t)face;
         }
         if (job->displacement)
-            result = slvi_displace_face(job, (uint32_t)face, &arrays, &s.displace);
+            slvi_displace_face(job, (uint32_t)face, &grid);
     }
-    slvi_free(s.positions);
-    slvi_free(s.normals);
-    slvi_free(s.du);
-    slvi_free(s.dv);
-    slvi_displace_scratch_free(&s.displace);
+    slvi_face_grid_free(&grid);
     return result;
 }
 
@@ -163,6 +141,34 @@ static slv_result weld(void *user, uint64_t begin, uint64_t end) {
     return SLV_OK;
 }
 
+/* The vertex of an edge that is drawn for the point k of n on it. */
+static uint32_t snapped(uint32_t k, uint32_t n, uint32_t shared) {
+    uint32_t step = n / shared;
+    return (k + step / 2) / step * step;
+}
+
+/* What an edge has beyond its own segments goes to the next of its vertices, so that both sides
+ * draw the same line. */
+static slv_result snap(void *user, uint64_t begin, uint64_t end) {
+    const slvi_grid_job *job = user;
+    const slv_tessellation *t = job->out;
+    for (uint64_t face = begin; face < end; face++) {
+        uint32_t n = t->segments[face];
+        for (unsigned e = 0; e < 4; e++) {
+            uint32_t shared = n ? slvi_edge_segments(job, (uint32_t)face, e) : 0;
+            t->edges[4 * face + e] = (uint16_t)shared;
+            for (uint32_t k = 1; k < n && shared < n; k++) {
+                float u, v, from_u, from_v;
+                slvi_edge_point(e, (float)k / (float)n, &u, &v);
+                slvi_edge_point(e, (float)snapped(k, n, shared) / (float)n, &from_u, &from_v);
+                t->vertices[slvi_vertex_at(t, (uint32_t)face, u, v)] =
+                    t->vertices[slvi_vertex_at(t, (uint32_t)face, from_u, from_v)];
+            }
+        }
+    }
+    return SLV_OK;
+}
+
 static void find_bounds(slv_tessellation *t) {
     for (int c = 0; c < 3; c++) {
         t->bounds_min[c] = INFINITY;
@@ -177,11 +183,14 @@ static void find_bounds(slv_tessellation *t) {
 }
 
 static slv_result check(const slv_env *env, const slv_mesh *mesh, const slv_surface *surface,
-                        const slv_adjacency *adjacency, uint32_t segments) {
-    uint32_t nfaces = slv_mesh_face_count(mesh);
-    if (segments < 2 || segments > 128 || (segments & (segments - 1)))
+                        const slv_adjacency *adjacency, const slv_tessellation_params *params) {
+    uint32_t nfaces = slv_mesh_face_count(mesh), segments = params->segments;
+    if (segments && (segments < 2 || segments > 128 || (segments & (segments - 1))))
         return slvi_fail(env, SLV_ERROR_ARGUMENT,
                          "%u segments: a power of two from 2 to 128 is needed", segments);
+    if (!segments && !(params->camera && params->width && params->height && params->pixels >= 0))
+        return slvi_fail(env, SLV_ERROR_ARGUMENT,
+                         "neither segments nor a picture for which faces are tessellated");
     if (slv_surface_face_count(surface) != nfaces || slv_adjacency_face_count(adjacency) != nfaces)
         return slvi_fail(env, SLV_ERROR_MISMATCH,
                          "the mesh has %u faces, its surface %u, the adjacency %u", nfaces,
@@ -189,26 +198,41 @@ static slv_result check(const slv_env *env, const slv_mesh *mesh, const slv_surf
     return SLV_OK;
 }
 
-/* Gives each face its place among the vertices. */
-static slv_result lay_out(const slv_env *env, const slv_mesh *mesh, const slv_adjacency *adjacency,
-                          uint32_t segments, slv_tessellation *made) {
-    uint64_t count = 0;
+/* Says how many segments each face has. */
+static slv_result divide(const slv_env *env, const slv_mesh *mesh, slvi_grid_job *job,
+                         const slv_tessellation_params *params) {
+    slv_tessellation *made = job->out;
     slv_result result;
     if ((result = slvi_alloc(env, "tessellation", (uint64_t)made->nfaces + 1, sizeof *made->first,
                              &made->first)) ||
         (result = slvi_alloc(env, "tessellation", made->nfaces, sizeof *made->segments,
-                             &made->segments)))
+                             &made->segments)) ||
+        (result =
+             slvi_alloc(env, "tessellation", made->nfaces, 4 * sizeof *made->edges, &made->edges)))
         return result;
     for (uint32_t f = 0; f < made->nfaces; f++) {
-        uint32_t n = slv_adjacency_is_subface(adjacency, (int32_t)f) ? segments / 2 : segments;
-        n = slv_mesh_face_is_hole(mesh, (int32_t)f) ? 0 : n;
-        made->segments[f] = (uint16_t)n;
+        bool half = slv_adjacency_is_subface(job->adjacency, (int32_t)f);
+        uint32_t n = !params->segments ? 1 : half ? params->segments / 2 : params->segments;
+        made->segments[f] = (uint16_t)(slv_mesh_face_is_hole(mesh, (int32_t)f) ? 0 : n);
+    }
+    if (params->segments)
+        return SLV_OK;
+    if ((result =
+             slvi_alloc(env, "tessellation", made->nfaces, sizeof *job->spacing, &job->spacing)))
+        return result;
+    return slvi_choose_rates(env, mesh, job, params);
+}
+
+/* Gives each face its place among the vertices. */
+static slv_result lay_out(const slv_env *env, slv_tessellation *made) {
+    uint64_t count = 0;
+    for (uint32_t f = 0; f < made->nfaces; f++) {
+        uint32_t n = made->segments[f];
         made->first[f] = (uint32_t)count;
         count += n ? (uint64_t)(n + 1) * (n + 1) : 0;
         if (count > INT32_MAX)
             return slvi_fail(env, SLV_ERROR_LIMIT,
-                             "%u faces with %u segments are too many vertices", made->nfaces,
-                             segments);
+                             "%u faces with %u segments are too many vertices", made->nfaces, n);
     }
     made->first[made->nfaces] = (uint32_t)count;
     return slvi_alloc(env, "vertices", count, sizeof *made->vertices, &made->vertices);
@@ -225,17 +249,19 @@ static slv_result tessellate(const slv_env *env, const slv_mesh *mesh, const slv
     slv_parallel_log *log = NULL;
     slv_result result;
     memset(out, 0, sizeof *out);
-    if ((result = check(env, mesh, surface, adjacency, params->segments)) ||
-        (result = lay_out(env, mesh, adjacency, params->segments, &made)) ||
+    if ((result = check(env, mesh, surface, adjacency, params)) ||
         (result = slvi_parallel_env_begin(env, &log, &job.env)) ||
+        (result = divide(env, mesh, &job, params)) || (result = lay_out(env, &made)) ||
         (result = job.displacement ? slvi_displace_begin(env, &job) : SLV_OK) ||
         (result = slvi_parallel_for(env, made.nfaces, 16, evaluate, &job)) ||
         (result = slvi_parallel_for(env, made.nfaces, 256, weld, &job)) ||
-        (result = job.displacement ? slvi_displace_end(env, &job) : SLV_OK))
+        (result = job.displacement ? slvi_displace_end(env, &job) : SLV_OK) ||
+        (result = slvi_parallel_for(env, made.nfaces, 256, snap, &job)))
         goto done;
     find_bounds(&made);
 done:
     slvi_parallel_env_end(log);
+    slvi_free(job.spacing);
     slvi_free(job.offsets);
     slvi_free(job.facing);
     if (result)
@@ -262,21 +288,46 @@ void slv_tessellation_free(slv_tessellation *tessellation) {
     slvi_free(tessellation->vertices);
     slvi_free(tessellation->first);
     slvi_free(tessellation->segments);
+    slvi_free(tessellation->edges);
     memset(tessellation, 0, sizeof *tessellation);
+}
+
+/* The vertex of a face's grid that is drawn at (x,y). */
+static uint32_t drawn(const slv_tessellation *t, uint32_t face, uint32_t x, uint32_t y) {
+    const uint16_t *edges = t->edges + 4 * (size_t)face;
+    uint32_t n = t->segments[face];
+    if (y == 0 || y == n) {
+        uint32_t shared = edges[y ? 2 : 0];
+        x = y ? n - snapped(n - x, n, shared) : snapped(x, n, shared);
+    } else if (x == 0 || x == n) {
+        uint32_t shared = edges[x ? 1 : 3];
+        y = x ? snapped(y, n, shared) : n - snapped(n - y, n, shared);
+    }
+    return t->first[face] + y * (n + 1) + x;
+}
+
+/* Unless it has no area; returns how many indices that is. */
+static uint32_t add_triangle(uint32_t a, uint32_t b, uint32_t c, uint32_t *out) {
+    if (a == b || b == c || c == a)
+        return 0;
+    if (out) {
+        out[0] = a;
+        out[1] = b;
+        out[2] = c;
+    }
+    return 3;
 }
 
 uint32_t slv_tessellation_indices(const slv_tessellation *tessellation, uint32_t face,
                                   uint32_t *out) {
-    uint32_t n = tessellation->segments[face], row = n + 1, first = tessellation->first[face];
-    if (!out)
-        return n * n * 6;
-    for (uint32_t y = 0; y < n; y++) {
+    uint32_t n = tessellation->segments[face], count = 0;
+    for (uint32_t y = 0; y < n; y++)
         for (uint32_t x = 0; x < n; x++) {
-            uint32_t a = first + y * row + x, b = a + 1, c = a + row, d = c + 1;
-            const uint32_t cell[6] = {a, b, d, a, d, c};
-            memcpy(out, cell, sizeof cell);
-            out += 6;
+            uint32_t a = drawn(tessellation, face, x, y), b = drawn(tessellation, face, x + 1, y);
+            uint32_t c = drawn(tessellation, face, x, y + 1),
+                     d = drawn(tessellation, face, x + 1, y + 1);
+            count += add_triangle(a, b, d, out ? out + count : NULL);
+            count += add_triangle(a, d, c, out ? out + count : NULL);
         }
-    }
-    return n * n * 6;
+    return count;
 }

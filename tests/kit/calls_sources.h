@@ -210,7 +210,10 @@ static slv_result call_folders(const slv_env *env) {
 /* A surface moved by a file. */
 static slv_result call_displaced(const slv_env *env) {
     slv_displacement displacement = {SLV_DISPLACE_NORMAL, NULL, NULL, NULL};
-    const slv_tessellation_params params = {.segments = 4, .displacement = &displacement};
+    const float low[3] = {0, 0, 0}, high[3] = {3, 1, 1};
+    const slv_camera camera = slv_camera_orbit(low, high, 20, 30, 30, 1);
+    const slv_tessellation_params params = {
+        .displacement = &displacement, .camera = &camera, .width = 16, .height = 16};
     slv_tessellation tessellation = {0};
     slv_cache *cache = NULL;
     slv_file_id file;

@@ -113,6 +113,8 @@ static slv_result call_renderer(const slv_env *env) {
     slv_gl_renderer *own = NULL;
     const slv_tessellation_params params = {.segments = 2};
     slv_result result = slv_gl_renderer_create_with(gl, env, grid.mesh, surface, &params, &own);
+    if (!result)
+        result = slv_gl_renderer_tessellate(own, env, grid.mesh, surface, &params);
     slv_gl_renderer_destroy(own);
     return result;
 }

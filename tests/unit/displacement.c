@@ -77,6 +77,115 @@ static void check_closed(void) {
     }
 }
 
+/* Pixels of a point of the mesh. */
+static void project(const slv_tessellation_params *p, const float at[3], float out[2]) {
+    const float *m = p->camera->world_to_camera, *w = p->camera->window;
+    float eye[3];
+    for (int r = 0; r < 3; r++)
+        eye[r] = m[4 * r] * at[0] + m[4 * r + 1] * at[1] + m[4 * r + 2] * at[2] + m[4 * r + 3];
+    out[0] = eye[0] / -eye[2] * (float)p->width / (w[1] - w[0]);
+    out[1] = eye[1] / -eye[2] * (float)p->height / (w[3] - w[2]);
+}
+
+/* The middles of cells are no pixel from where the limit has them. */
+static void check_error(const displaced *d, const slv_tessellation_params *p,
+                        const slv_tessellation *t) {
+    float worst = 0;
+    for (uint32_t f = 0; f < t->nfaces; f++) {
+        uint32_t n = t->segments[f];
+        const slv_vertex *v = t->vertices + t->first[f];
+        for (uint32_t i = 0; n > 2 && i < (n - 2) * (n - 2); i++) {
+            uint32_t x = 1 + i % (n - 2), y = 1 + i / (n - 2);
+            const slv_vertex *a = v + y * (n + 1) + x, *b = a + n + 2;
+            const slv_surface_point point = {(int32_t)f, ((float)x + 0.5f) / (float)n,
+                                             ((float)y + 0.5f) / (float)n};
+            float limit[3], here[2], there[2], middle[3];
+            const slv_surface_arrays arrays = {.positions = limit};
+            MUST(slv_surface_evaluate(d->surface, 1, &point, &arrays));
+            for (int c = 0; c < 3; c++)
+                middle[c] = 0.5f * (a->position[c] + b->position[c]);
+            project(p, limit, here);
+            project(p, middle, there);
+            worst = fmaxf(worst, hypotf(here[0] - there[0], here[1] - there[1]));
+        }
+    }
+    CHECK_MSG(worst < 1, "%g pixels", (double)worst);
+}
+
+/* Face by face: closed, and neighbours do differ. */
+static void check_rates(void) {
+    uint64_t random = 9;
+    uint32_t differ = 0;
+    for (uint32_t i = 0; i < test_effort(SHAPE_KINDS + 1); i++) {
+        slv_env env = test_env();
+        shape s = shape_random((int)(i % SHAPE_KINDS), &random);
+        const slv_displacement_params moved = {.scale = 0.1f};
+        displaced d = displaced_make(shape_mesh(NULL, &s), SLV_SCHEME_CATMARK, 5, &moved, &random);
+        slv_mesh_stats stats;
+        MUST(slv_mesh_get_stats(&env, d.mesh, &stats));
+        for (uint32_t k = 0; k < 3; k++) {
+            slv_camera camera =
+                slv_camera_orbit(stats.bounds_min, stats.bounds_max,
+                                 (float)(test_random(&random) % 360), 20, k ? 40 : 0, 1);
+            for (int side = 0; side < 4 && k == 1; side++)
+                camera.window[side] = 0.3f * camera.window[side] + (side < 2 ? 0.1f : 0);
+            const slv_tessellation_params params = {.displacement = i & 1 ? &d.displacement : NULL,
+                                                    .camera = &camera,
+                                                    .width = 16u << (k + k / 2),
+                                                    .height = 16u << (k + k / 2)};
+            slv_tessellation t;
+            MUST(slv_tessellate_with(&env, d.mesh, d.surface, d.adjacency, &params, &t));
+            uint32_t open = displaced_open_sides(&t), boundary = displaced_boundary(&d, &t);
+            CHECK_MSG(open == boundary, "shape %u: %u open sides, %u of a boundary", i, open,
+                      boundary);
+            for (uint32_t f = 0; f < 4 * t.nfaces; f++)
+                differ += t.edges[f] != t.segments[f / 4];
+            if (!params.displacement && camera.perspective)
+                check_error(&d, &params, &t);
+            slv_tessellation_free(&t);
+        }
+        shape_clear(&s);
+        displaced_free(&d);
+    }
+    CHECK(differ > 100);
+}
+
+/* A picture of few pixels needs few triangles, however many faces there are; a large one more, but
+ * not where nothing is seen. */
+static void check_size(void) {
+    slv_env env = test_env();
+    shape s = shape_grid(40, 40, true, true);
+    uint64_t random = 1;
+    displaced d = displaced_make(shape_mesh(NULL, &s), SLV_SCHEME_CATMARK, 0, NULL, &random);
+    const float low[3] = {-4, -4, -1}, high[3] = {4, 4, 1};
+    slv_camera camera = slv_camera_orbit(low, high, 30, 30, 30, 1);
+    slv_tessellation_params params = {.camera = &camera, .width = 8, .height = 8};
+    slv_tessellation t;
+    uint64_t count[3];
+    for (int k = 0; k < 3; k++) {
+        if (k)
+            params.width = params.height = 8192;
+        for (int side = 0; side < 4 && k == 2; side++)
+            camera.window[side] = 0.01f * camera.window[side];
+        params.width = params.height = k ? 2048 : 8;
+        MUST(slv_tessellate_with(&env, d.mesh, d.surface, d.adjacency, &params, &t));
+        count[k] = t.first[t.nfaces];
+        slv_tessellation_free(&t);
+    }
+    CHECK(count[0] == 4 * 1600);
+    CHECK_MSG(count[1] > 16 * 1600 && count[2] < count[1] / 2, "%u, and %u of a part",
+              (uint32_t)count[1], (uint32_t)count[2]);
+    const slv_tessellation_params bad[] = {{.width = 8, .height = 8},
+                                           {.camera = &camera, .width = 8},
+                                           {.segments = 3},
+                                           {.segments = 256}};
+    for (size_t i = 0; i < sizeof bad / sizeof *bad; i++)
+        CHECK(slv_tessellate_with(&env, d.mesh, d.surface, d.adjacency, &bad[i], &t) ==
+              SLV_ERROR_ARGUMENT);
+    shape_clear(&s);
+    displaced_free(&d);
+}
+
 /* z = f(u,v) of one flat square, and vectors. */
 typedef struct formula {
     slv_displacement_space space;
@@ -196,6 +305,8 @@ static void check_refused(void) {
 int main(void) {
     static const float none[3], vector[3] = {0.3f, -0.2f, 0.1f};
     check_closed();
+    check_rates();
+    check_size();
     check_formula(SLV_DISPLACE_NORMAL, none, none);
     check_formula(SLV_DISPLACE_OBJECT, vector, vector);
     check_formula(SLV_DISPLACE_TANGENT, vector, (const float[]){0.2f, 0.3f, 0.1f});

@@ -30,9 +30,10 @@ void displace_options_rows(displace_options *o, cli_option *out) {
 
 /* What the file says, and over it the options. */
 static displace_settings merge(const displace_options *o, const displace_settings *settings,
-                               const char *ptx) {
+                               const char *texture, const char *ptx) {
     displace_settings d = *settings;
-    const char *texture = o->texture ? cli_input(o->texture) : o->channel && !d.given ? ptx : NULL;
+    if (!texture && o->channel && !d.given)
+        texture = ptx;
     if (!d.given) {
         d.scale = 1;
         d.filter = (slv_filter_params){.filter = SLV_FILTER_BSPLINE, .lerp = true};
@@ -80,10 +81,14 @@ static int open_file(const cli_command *command, const slv_env *env, const displ
 int displace_begin(const cli_command *command, const slv_env *env, const displace_options *options,
                    const displace_settings *settings, const char *ptx, uint32_t nfaces,
                    displace_open *out) {
-    const displace_settings d = merge(options, settings, ptx);
+    const char *texture = options->texture;
+    int code = texture ? cli_settle_input(&texture) : EXIT_OK;
+    const displace_settings d = merge(options, settings, texture, ptx);
     bool more = options->scale_given || options->bias_given || options->space_given ||
                 options->filter_given;
     memset(out, 0, sizeof *out);
+    if (code)
+        return code;
     if (!d.given && more)
         return cli_usage(command, "nothing says what to displace by: --displacement FILE.ptx does, "
                                   "or --displacement-channel");

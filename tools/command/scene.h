@@ -95,10 +95,10 @@ typedef struct scene_options {
     { "--scheme", CLI_CHOICE, value, "subdivision scheme (catmark)", names_schemes(), 0, 0, given }
 #define SCENE_BOUNDARY(value, help, given)                                                         \
     { "--boundary", CLI_CHOICE, value, help, names_boundaries(), 0, 0, given }
-#define SCENE_TESS(value)                                                                          \
+#define SCENE_TESS(value, other)                                                                   \
     {                                                                                              \
-        "--tess", CLI_UINT, value,                                                                 \
-            "segments per face edge, a power of two (by the size on screen)", NULL, 2, 128, NULL   \
+        "--tess", CLI_UINT, value, "segments per face edge, a power of two (" other ")", NULL, 2,  \
+            128, NULL                                                                              \
     }
 #define SCENE_ADJACENCY(value)                                                                     \
     {                                                                                              \

@@ -26,7 +26,7 @@ void scene_options_rows(scene_options *o, cli_option *out) {
         SCENE_SCHEME(&o->scheme, &o->scheme_given),
         SCENE_BOUNDARY(&o->boundary, "boundary rule (the view's, the mesh's, or edge-and-corner)",
                        &o->boundary_given),
-        SCENE_TESS(&o->tess),
+        SCENE_TESS(&o->tess, "each face as many as the picture needs"),
         SCENE_SHADING(&o->shading, "shading (headlight, or the view's)", &o->shading_given),
         {"--background", CLI_COLOR, o->background,
          "linear r,g,b[,a], #rrggbb or a name (transparent)", NULL, 0, 0, NULL},
@@ -48,8 +48,9 @@ const char *scene_options_problem(const scene_options *o) {
         return "--fov: expected 0 (orthographic) or 0.01 to 170";
     if (o->tess & (o->tess - 1))
         return "--tess: expected a power of two from 2 to 128";
-    if (cli_both_standard(o->mesh, o->view))
-        return "--mesh and --view: both are the standard input, which is one";
+    if (cli_both_standard(o->mesh, o->view) || cli_both_standard(o->mesh, o->displace.texture) ||
+        cli_both_standard(o->view, o->displace.texture))
+        return "--mesh, --view, --displacement: two are the standard input, which is one";
     return NULL;
 }
 
@@ -160,8 +161,8 @@ int scene_load_shot(const cli_command *command, const slv_env *env, const char *
     if (scene_load_model(env, &params, &file, &out->scene))
         return EXIT_FAILED;
     out->camera = camera_of(o, &view, &out->scene, (float)size[0] / (float)size[1]);
-    out->tessellation.segments =
-        o->tess ? o->tess : slv_tessellation_for(out->scene.mesh, &out->camera, size[0], size[1]);
+    out->tessellation = (slv_tessellation_params){
+        .segments = o->tess, .camera = &out->camera, .width = size[0], .height = size[1]};
     int code = displace_begin(command, env, &o->displace, &view.displacement, ptx,
                               slv_mesh_face_count(out->scene.mesh), &out->scene.displace);
     if (out->scene.displace.moves)

@@ -191,7 +191,7 @@ static slv_result read_surface(const slv_env *env, const char *path, const json_
 static bool join_path(const char *view, const char *name, char out[DISPLACE_PATH]) {
     const char *slash = strrchr(view, '/');
     int folder =
-        name[0] == '/' || !slash || strncmp(view, "/dev/", 5) == 0 ? 0 : (int)(slash + 1 - view);
+        name[0] == '/' || !slash || strcmp(view, cli_input("-")) == 0 ? 0 : (int)(slash + 1 - view);
     return snprintf(out, DISPLACE_PATH, "%.*s%s", folder, view, name) < DISPLACE_PATH;
 }
 

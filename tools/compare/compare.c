@@ -473,7 +473,7 @@ int verb_compare(int argc, char **argv) {
         SCENE_SHADING(&o.shading, "shading (headlight)", NULL),
         SCENE_SCHEME(&o.scheme, NULL),
         SCENE_BOUNDARY(&o.boundary, "boundary rule (the mesh's, or edge-and-corner)", NULL),
-        SCENE_TESS(&o.tess),
+        SCENE_TESS(&o.tess, "by the size on screen"),
         SCENE_ADJACENCY(&o.adjacency),
         CLI_TEXTURE_ENCODING(&o.encoding),
         {"--reference", CLI_TEXT, &o.references,

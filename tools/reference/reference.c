@@ -104,6 +104,7 @@ static int make(const cli_command *command, const struct reference *r, const slv
     if (code)
         goto done;
     code = EXIT_FAILED;
+    shot.tessellation.pixels = SLV_TESSELLATION_PIXELS / 4; /* what others are measured against */
     const slv_reference_params params = {.tessellation = &shot.tessellation,
                                          .encoding = (slv_texture_encoding)r->scene.encoding};
     slv_reference_frame frame = {.camera = shot.camera,
@@ -176,10 +177,13 @@ static json_t *outcome_json(const struct reference *r, const char *path, const s
 
 static void print_outcome(const struct reference *r, const char *path, const struct outcome *o) {
     const convergence *c = &o->convergence;
-    printf("%s: %u x %u, %u samples per pixel, %s filter, %u segments, %.1f s, %.1f million "
+    char segments[32] = "";
+    if (o->segments)
+        snprintf(segments, sizeof segments, " %u segments,", o->segments);
+    printf("%s: %u x %u, %u samples per pixel, %s filter,%s %.1f s, %.1f million "
            "samples a second\n",
            path, o->width, o->height, r->samples, r->filter == SLV_PIXEL_BOX ? "box" : "mitchell",
-           o->segments, o->seconds, speed(o));
+           segments, o->seconds, speed(o));
     if (!isnan(o->stats.error))
         printf("its own error, estimated: %.2e RMS, %.2e in the worst pixel\n", o->stats.error,
                o->stats.worst);

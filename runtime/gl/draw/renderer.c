@@ -213,27 +213,47 @@ slv_result slv_gl_renderer_create_with(slv_gl *gl, const slv_env *env, const slv
                                        const slv_tessellation_params *params,
                                        slv_gl_renderer **out) {
     slv_gl_renderer *made = NULL;
-    slv_adjacency *adjacency = NULL;
     slv_result result = slvi_alloc(env, "renderer", 1, sizeof *made, &made);
     *out = NULL;
     if (result)
         return result;
     made->gl = gl;
-    if (!(result = slv_mesh_adjacency(env, mesh, &adjacency)) &&
-        !(result = slv_tessellate_with(env, mesh, surface, adjacency, params, &made->mesh)))
-        result = slvi_gl_buffer(gl, env, "vertices", made->mesh.vertices,
-                                (uint64_t)made->mesh.first[made->mesh.nfaces] * sizeof(slv_vertex),
-                                &made->vertices);
-    slv_adjacency_destroy(adjacency);
-    slvi_free(made->mesh.vertices); /* the driver has its own copy */
-    made->mesh.vertices = NULL;
     gl->api.CreateQueries(GL_TIME_ELAPSED, 1, &made->query);
-    if (result) {
+    if ((result = slv_gl_renderer_tessellate(made, env, mesh, surface, params))) {
         slv_gl_renderer_destroy(made);
         made = NULL;
     }
     *out = made;
     return result;
+}
+
+slv_result slv_gl_renderer_tessellate(slv_gl_renderer *renderer, const slv_env *env,
+                                      const slv_mesh *mesh, const slv_surface *surface,
+                                      const slv_tessellation_params *params) {
+    const slv_gl_api *api = &renderer->gl->api;
+    slv_tessellation grids = {0};
+    slv_adjacency *adjacency = NULL;
+    GLuint vertices = 0;
+    slv_result result;
+    if (!(result = slv_mesh_adjacency(env, mesh, &adjacency)) &&
+        !(result = slv_tessellate_with(env, mesh, surface, adjacency, params, &grids)))
+        result =
+            slvi_gl_buffer(renderer->gl, env, "vertices", grids.vertices,
+                           (uint64_t)grids.first[grids.nfaces] * sizeof(slv_vertex), &vertices);
+    slv_adjacency_destroy(adjacency);
+    if (result) {
+        slv_tessellation_free(&grids);
+        return result;
+    }
+    slvi_free(grids.vertices); /* the driver has its own copy */
+    grids.vertices = NULL;
+    for (uint32_t i = 0; i < renderer->nindices; i++)
+        free_indices(api, &renderer->indices[i]);
+    api->DeleteBuffers(1, &renderer->vertices);
+    slv_tessellation_free(&renderer->mesh);
+    renderer->vertices = vertices;
+    renderer->mesh = grids;
+    return SLV_OK;
 }
 
 void slv_gl_renderer_destroy(slv_gl_renderer *renderer) {
@@ -253,6 +273,13 @@ void slv_gl_renderer_destroy(slv_gl_renderer *renderer) {
 
 uint32_t slv_gl_renderer_framebuffer(const slv_gl_renderer *renderer) {
     return renderer->target.framebuffers[renderer->target.msaa > 1];
+}
+
+uint64_t slv_gl_renderer_triangles(const slv_gl_renderer *renderer) {
+    uint64_t count = 0;
+    for (uint32_t f = 0; f < renderer->mesh.nfaces; f++)
+        count += slv_tessellation_indices(&renderer->mesh, f, NULL) / 3;
+    return count;
 }
 
 /* Column-major, from window and the depth range of the surface seen from the eye. */

@@ -37,7 +37,16 @@ SLV_NODISCARD SLV_API slv_result slv_gl_renderer_create_with(slv_gl *gl, const s
                                                              const slv_surface *surface,
                                                              const slv_tessellation_params *params,
                                                              slv_gl_renderer **out);
+/* Divides a surface, that one or another, anew, for a camera that moved say, and keeps all else;
+ * after a failure the renderer is as it was. */
+SLV_NODISCARD SLV_API slv_result slv_gl_renderer_tessellate(slv_gl_renderer *renderer,
+                                                            const slv_env *env,
+                                                            const slv_mesh *mesh,
+                                                            const slv_surface *surface,
+                                                            const slv_tessellation_params *params);
 SLV_API void slv_gl_renderer_destroy(slv_gl_renderer *renderer);
+/* How many triangles a frame has. */
+SLV_API uint64_t slv_gl_renderer_triangles(const slv_gl_renderer *renderer);
 
 /* Draws one frame. `image` (may be NULL) receives linear RGBA with colour multiplied by alpha,
  * alpha the coverage of the pixel by the surface (an alpha channel of the texture is not looked

@@ -17,12 +17,15 @@ typedef struct slv_vertex {
     int32_t face;
 } slv_vertex;
 
-/* A face with n segments has (n + 1) * (n + 1) vertices from first[face] on, v-major, u fastest. */
+/* A face with n segments has (n + 1) * (n + 1) vertices from first[face] on, v-major, u fastest.
+ * Where an edge has fewer segments than its face, which is so where the face beyond has, the
+ * vertices in between are copies of the next ones that both faces have. */
 typedef struct slv_tessellation {
     uint32_t nfaces;
     slv_vertex *vertices; /* first[nfaces] */
     uint32_t *first;      /* per face, and one past the last: its first vertex */
     uint16_t *segments;   /* per face; 0 for holes, which have no vertices */
+    uint16_t *edges;      /* four per face: segments along each edge */
     float bounds_min[3], bounds_max[3];
 } slv_tessellation;
 
@@ -52,10 +55,21 @@ typedef struct slv_displacement {
     void *user;
 } slv_displacement;
 
-/* Zero means default, but for `segments`. */
+/* How far points may be from where they belong in a picture, in pixels, and unit normals from
+ * what they are. */
+#define SLV_TESSELLATION_PIXELS 0.25f
+#define SLV_TESSELLATION_TURN 0.03f
+
+/* Zero means default. */
 typedef struct slv_tessellation_params {
-    uint32_t segments;                    /* a power of two, 2 to 128 */
+    /* Of every face, a power of two, 2 to 128. 0: of each face as many as a picture needs, 1 to
+     * 256, which may differ between neighbours, and as few as can be where it is not in view: then
+     * `camera`, `width` and `height` are needed. */
+    uint32_t segments;
     const slv_displacement *displacement; /* NULL: the limit surface itself */
+    const slv_camera *camera;
+    uint32_t width, height;
+    float pixels; /* most that a point may be off; 0 means SLV_TESSELLATION_PIXELS */
     uint64_t reserved[4];
 } slv_tessellation_params;
 
@@ -73,11 +87,14 @@ SLV_NODISCARD SLV_API slv_result slv_tessellate(const slv_env *env, const slv_me
                                                 const slv_surface *surface,
                                                 const slv_adjacency *adjacency, uint32_t segments,
                                                 slv_tessellation *out);
-/* The same with all that there is to say. With a displacement the surface stays closed: points of
- * an edge or a vertex move by one amount, the mean over the faces that meet there, whatever their
- * resolutions, so that they are the same to the bit on all sides. Normals are those of the moved
- * surface, from differences of the displacement between neighbouring vertices, and one at each such
- * point where the limit is smooth. A point moved further than 1e18 is SLV_ERROR_LIMIT. */
+/* The same with all that there is to say. Where faces of different segments meet, both draw the
+ * edge with those of the coarser: there are no cracks and no vertices within the other's sides.
+ * What a face needs is found by trying its points against straight pieces, seen by the camera. With
+ * a displacement the surface stays closed: points of an edge or a vertex move by one amount, the
+ * mean over the faces that meet there, whatever their resolutions, so that they are the same to the
+ * bit on all sides. Normals are those of the moved surface, from differences of the displacement
+ * between neighbouring vertices, and one at each such point where the limit is smooth. A point
+ * moved further than 1e18 is SLV_ERROR_LIMIT. */
 SLV_NODISCARD SLV_API slv_result slv_tessellate_with(const slv_env *env, const slv_mesh *mesh,
                                                      const slv_surface *surface,
                                                      const slv_adjacency *adjacency,
@@ -87,7 +104,8 @@ SLV_NODISCARD SLV_API slv_result slv_tessellate_with(const slv_env *env, const s
 SLV_API void slv_tessellation_free(slv_tessellation *tessellation);
 
 /* Six indices for each cell of a face's grid, two triangles on both sides of its diagonal from
- * lowest to highest (u,v); returns how many were written (NULL only counts). */
+ * lowest to highest (u,v), without those that have no area; returns how many were written (NULL
+ * only counts). */
 SLV_API uint32_t slv_tessellation_indices(const slv_tessellation *tessellation, uint32_t face,
                                           uint32_t *out);
 
