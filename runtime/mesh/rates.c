@@ -63,6 +63,28 @@ static float length_in_pixels(const rates *r, const float corners[12]) {
     return length > 1 ? fminf(length, MOST) : 1;
 }
 
+/* How many pixels the longest way across the points is, likewise: a face that is moved may be many
+ * times as long as it was. */
+static float stretched_length(const trial *t) {
+    const rates *r = t->r;
+    float longest = 0, depth = 1;
+    for (uint32_t i = 0; r->perspective && i < (t->n + 1) * (t->n + 1); i++) {
+        float here = fmaxf(-t->eye[3 * (size_t)i + 2], r->nearest);
+        depth = i && depth < here ? depth : here;
+    }
+    for (uint32_t line = 0; line < 2 * (t->n + 1); line++) {
+        size_t step = line & 1 ? t->n + 1 : 1, at = line / 2 * (line & 1 ? 1 : t->n + 1);
+        float length = 0;
+        for (uint32_t k = 0; k < t->n; k++, at += step) {
+            const float *a = t->eye + 3 * at, *b = a + 3 * step;
+            float x = a[0] - b[0], y = a[1] - b[1], z = a[2] - b[2];
+            length += sqrtf(x * x + y * y + z * z);
+        }
+        longest = fmaxf(longest, length);
+    }
+    return fminf(longest / depth * fmaxf(r->per_unit[0], r->per_unit[1]), MOST);
+}
+
 /* Whether all points, and what is half as far again around them, are on one side beyond the
  * picture or behind the eye. */
 static bool is_outside(const trial *t) {
@@ -191,16 +213,22 @@ static slv_result choose(const rates *r, uint32_t face, trial_room *room, uint16
     const slvi_grid_job *job = r->job;
     const slv_displacement *d = job->displacement;
     float length = length_in_pixels(r, r->corners + 12 * (size_t)face);
+    trial t;
+    slv_result result = SLV_OK;
+    job->spacing[face] = 1 / length;
+    *out = 1;
+    if (d) {
+        if ((result = see(r, face, length > 2 ? LOOK / 2 : 1, room, &t)))
+            return result;
+        length = fmaxf(length, stretched_length(&t));
+        job->spacing[face] = 1 / length;
+    }
     uint32_t most = power_above(length / 2);
     uint32_t detail = d && d->detail
                           ? 2 * power_above((float)least(d->detail(d->user, (int32_t)face), MOST))
                       : d ? MOST
                           : 0;
     uint32_t tried = least(most, detail > SAMPLES ? detail : SAMPLES);
-    trial t;
-    slv_result result = SLV_OK;
-    job->spacing[face] = 1 / length;
-    *out = 1;
     if (most == 1)
         return SLV_OK;
     if (tried > LOOK && ((result = see(r, face, LOOK, room, &t)) || is_outside(&t)))

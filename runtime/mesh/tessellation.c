@@ -1,4 +1,5 @@
 /* Grids of vertices on the limit surface, welded where faces meet. */
+#include "mesh/cluster.h"
 #include "mesh/displace.h"
 #include "mesh/rates.h"
 
@@ -256,7 +257,8 @@ static slv_result tessellate(const slv_env *env, const slv_mesh *mesh, const slv
         (result = slvi_parallel_for(env, made.nfaces, 16, evaluate, &job)) ||
         (result = slvi_parallel_for(env, made.nfaces, 256, weld, &job)) ||
         (result = job.displacement ? slvi_displace_end(env, &job) : SLV_OK) ||
-        (result = slvi_parallel_for(env, made.nfaces, 256, snap, &job)))
+        (result = slvi_parallel_for(env, made.nfaces, 256, snap, &job)) ||
+        (result = params->segments ? SLV_OK : slvi_cluster(env, &made, params)))
         goto done;
     find_bounds(&made);
 done:
@@ -296,6 +298,8 @@ void slv_tessellation_free(slv_tessellation *tessellation) {
 static uint32_t drawn(const slv_tessellation *t, uint32_t face, uint32_t x, uint32_t y) {
     const uint16_t *edges = t->edges + 4 * (size_t)face;
     uint32_t n = t->segments[face];
+    if (n == 1)
+        return t->first[face] + y * 2 + x;
     if (y == 0 || y == n) {
         uint32_t shared = edges[y ? 2 : 0];
         x = y ? n - snapped(n - x, n, shared) : snapped(x, n, shared);
@@ -320,14 +324,19 @@ static uint32_t add_triangle(uint32_t a, uint32_t b, uint32_t c, uint32_t *out) 
 
 uint32_t slv_tessellation_indices(const slv_tessellation *tessellation, uint32_t face,
                                   uint32_t *out) {
+    const uint16_t *edges = tessellation->edges + 4 * (size_t)face;
     uint32_t n = tessellation->segments[face], count = 0;
+    /* of two triangles those with a side that is a point are gone */
+    const bool lower = n > 1 || (edges[0] && edges[1]), upper = n > 1 || (edges[2] && edges[3]);
     for (uint32_t y = 0; y < n; y++)
         for (uint32_t x = 0; x < n; x++) {
             uint32_t a = drawn(tessellation, face, x, y), b = drawn(tessellation, face, x + 1, y);
             uint32_t c = drawn(tessellation, face, x, y + 1),
                      d = drawn(tessellation, face, x + 1, y + 1);
-            count += add_triangle(a, b, d, out ? out + count : NULL);
-            count += add_triangle(a, d, c, out ? out + count : NULL);
+            if (lower)
+                count += add_triangle(a, b, d, out ? out + count : NULL);
+            if (upper)
+                count += add_triangle(a, d, c, out ? out + count : NULL);
         }
     return count;
 }

@@ -1,15 +1,13 @@
 /* How long a frame takes with each strategy, as a ratio to clamp. Frames of all strategies are
  * interleaved, so that whatever else the machine does falls on all alike; medians are compared.
  * Uses the demo scene that selvage-assets makes. */
-#include "kit/bench_kit.h"
+#include "kit/bench_scene.h"
 
 #include <selvage/gl_renderer.h>
 
-#include <libgen.h>
 #include <string.h>
-#include <sys/wait.h>
 
-enum { MAX_FRAMES = 999, MAX_PATH = 1024, MAX_STRATEGIES = 32 };
+enum { MAX_FRAMES = 999, MAX_STRATEGIES = 32 };
 
 typedef struct options {
     const char *folder;
@@ -36,40 +34,7 @@ typedef struct row {
     double to_full;               /* traverse to traverse-full, likewise */
 } row;
 
-static const char *const file_names[] = {"scene.obj", "scene.ptx", "scene_faces.ptx"};
-
 static const slv_env env = {.log = bench_log};
-
-/* The demo scene in a new temporary folder, by the program that lies beside this one. */
-static bool make_scene(const char *self, char folder[MAX_PATH]) {
-    char copy[MAX_PATH], program[MAX_PATH + 32];
-    int status = 0;
-    snprintf(copy, sizeof copy, "%s", self);
-    snprintf(program, sizeof program, "%s/selvage-assets", dirname(copy));
-    snprintf(folder, MAX_PATH, "/tmp/selvage-bench-XXXXXX");
-    if (!mkdtemp(folder))
-        return false;
-    pid_t child = fork();
-    if (child == 0) {
-        if (freopen("/dev/null", "w", stdout))
-            execl(program, program, folder, (char *)NULL);
-        _exit(127);
-    }
-    if (child > 0 && waitpid(child, &status, 0) == child && WIFEXITED(status) &&
-        WEXITSTATUS(status) == 0)
-        return true;
-    fprintf(stderr, "bench_strategies: %s could not make the demo scene\n", program);
-    return false;
-}
-
-static void remove_scene(const char *folder) {
-    char path[MAX_PATH + 32];
-    for (size_t i = 0; i < sizeof file_names / sizeof *file_names; i++) {
-        snprintf(path, sizeof path, "%s/%s", folder, file_names[i]);
-        unlink(path);
-    }
-    rmdir(folder);
-}
 
 static slv_frame frame_at(const scene *s, const options *o, float turn, uint32_t msaa) {
     slv_frame frame = {.width = o->width, .height = o->height, .msaa = msaa};
@@ -79,7 +44,7 @@ static slv_frame frame_at(const scene *s, const options *o, float turn, uint32_t
 }
 
 static slv_result load(const options *o, const char *folder, scene *s) {
-    char obj[MAX_PATH + 32], texture[MAX_PATH + 32];
+    char obj[BENCH_PATH + 32], texture[BENCH_PATH + 32];
     slv_ptx *ptx = NULL;
     slv_result result;
     snprintf(obj, sizeof obj, "%s/scene.obj", folder);
@@ -252,7 +217,7 @@ static bool parse(int argc, char **argv, options *o) {
 
 int main(int argc, char **argv) {
     options o = {.frames = 31, .width = 960, .height = 540};
-    char made[MAX_PATH] = "";
+    char made[BENCH_PATH] = "";
     bool good = parse(argc, argv, &o);
     if (!good) {
         fputs("usage: bench_strategies [FOLDER] [--frames N] [--msaa N] [--aniso N] "
@@ -263,9 +228,9 @@ int main(int argc, char **argv) {
         return 2;
     }
     if (!o.folder)
-        good = make_scene(argv[0], made);
+        good = bench_scene_make(argv[0], made);
     good = good && run(&o, o.folder ? o.folder : made) == SLV_OK;
     if (made[0])
-        remove_scene(made);
+        bench_scene_remove(made);
     return good ? 0 : 1;
 }

@@ -186,6 +186,56 @@ static void check_size(void) {
     displaced_free(&d);
 }
 
+static uint32_t count_triangles(const slv_tessellation *t) {
+    uint32_t count = 0;
+    for (uint32_t f = 0; f < t->nfaces; f++)
+        count += slv_tessellation_indices(t, f, NULL) / 3;
+    return count;
+}
+
+/* Many faces on few pixels: a surface as closed as it was, of as many triangles as there are
+ * pixels, none of whose vertices moved by more than one of them; displaced or not, and where some
+ * faces are larger than pixels. */
+static void check_many(void) {
+    const float low[3] = {-4, -4, -1}, high[3] = {4, 4, 1};
+    slv_env env = test_env();
+    uint64_t random = 3;
+    for (uint32_t i = 0; i < 6; i++) {
+        shape s = shape_grid(i < 4 ? 100 : 8, i < 4 ? 60 : 500, true, true);
+        const slv_displacement_params moved = {.scale = 0.05f};
+        displaced d = displaced_make(shape_mesh(NULL, &s), SLV_SCHEME_CATMARK, 0, &moved, &random);
+        const slv_camera camera = slv_camera_orbit(low, high, 30, 40, i & 2 ? 0 : 30, 1);
+        const slv_tessellation_params params = {.displacement = i & 1 ? &d.displacement : NULL,
+                                                .camera = &camera,
+                                                .width = 24,
+                                                .height = 24},
+                                      even = {.segments = 2, .displacement = params.displacement};
+        slv_tessellation t, whole;
+        MUST(slv_tessellate_with(&env, d.mesh, d.surface, d.adjacency, &params, &t));
+        MUST(slv_tessellate_with(&env, d.mesh, d.surface, d.adjacency, &even, &whole));
+        uint32_t triangles = count_triangles(&t);
+        CHECK_MSG(displaced_open_sides(&t) == 0, "%u: %u open sides", i, displaced_open_sides(&t));
+        if (i < 4) /* others have long faces */
+            CHECK_MSG(triangles > 200 && triangles < 10 * 24 * 24, "%u: %u triangles", i,
+                      triangles);
+        for (uint32_t f = 0; f < t.nfaces && !params.displacement && camera.perspective; f++)
+            for (uint32_t k = 0; k < 4; k++) {
+                const slv_vertex *a = t.vertices + t.first[f] + k,
+                                 *b = vertex_at(&whole, (int32_t)f, (float)(k & 1), (float)(k / 2));
+                float here[2], there[2];
+                if (t.segments[f] != 1)
+                    continue;
+                project(&params, a->position, here);
+                project(&params, b->position, there);
+                CHECK(hypotf(here[0] - there[0], here[1] - there[1]) < 1);
+            }
+        slv_tessellation_free(&t);
+        slv_tessellation_free(&whole);
+        shape_clear(&s);
+        displaced_free(&d);
+    }
+}
+
 /* z = f(u,v) of one flat square, and vectors. */
 typedef struct formula {
     slv_displacement_space space;
@@ -307,6 +357,7 @@ int main(void) {
     check_closed();
     check_rates();
     check_size();
+    check_many();
     check_formula(SLV_DISPLACE_NORMAL, none, none);
     check_formula(SLV_DISPLACE_OBJECT, vector, vector);
     check_formula(SLV_DISPLACE_TANGENT, vector, (const float[]){0.2f, 0.3f, 0.1f});

@@ -25,7 +25,7 @@ typedef struct slv_tessellation {
     slv_vertex *vertices; /* first[nfaces] */
     uint32_t *first;      /* per face, and one past the last: its first vertex */
     uint16_t *segments;   /* per face; 0 for holes, which have no vertices */
-    uint16_t *edges;      /* four per face: segments along each edge */
+    uint16_t *edges;      /* four per face: segments along each edge; 0 if its ends are one point */
     float bounds_min[3], bounds_max[3];
 } slv_tessellation;
 
@@ -57,14 +57,15 @@ typedef struct slv_displacement {
 
 /* How far points may be from where they belong in a picture, in pixels, and unit normals from
  * what they are. */
-#define SLV_TESSELLATION_PIXELS 0.25f
-#define SLV_TESSELLATION_TURN 0.03f
+#define SLV_TESSELLATION_PIXELS 0.125f
+#define SLV_TESSELLATION_TURN 0.025f
 
 /* Zero means default. */
 typedef struct slv_tessellation_params {
     /* Of every face, a power of two, 2 to 128. 0: of each face as many as a picture needs, 1 to
-     * 256, which may differ between neighbours, and as few as can be where it is not in view: then
-     * `camera`, `width` and `height` are needed. */
+     * 256, which may differ between neighbours, and as few as can be where it is not in view;
+     * vertices of faces smaller than a pixel are drawn together. Then `camera`, `width` and
+     * `height` are needed. */
     uint32_t segments;
     const slv_displacement *displacement; /* NULL: the limit surface itself */
     const slv_camera *camera;
