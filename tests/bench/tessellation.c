@@ -8,7 +8,7 @@
 
 #include <string.h>
 
-enum { MAX_FRAMES = 101 };
+enum { MAX_FRAMES = 101, WAYS = 3 };
 
 typedef struct options {
     uint32_t frames, width, height, faces, finest;
@@ -47,8 +47,8 @@ static double off_pixels(const slv_image *a, const slv_image *b) {
 /* The last way is the one that pictures are held against; frames of it are not timed. */
 static void measure(const options *o, slv_gl *gl, const char *scene, const slv_mesh *mesh,
                     const slv_surface *surface, slv_gl_texture *texture, const slv_frame *frame,
-                    way *ways, uint32_t count) {
-    for (uint32_t i = 0; i < count; i++) {
+                    way ways[WAYS]) {
+    for (uint32_t i = 0; i < WAYS; i++) {
         const slv_tessellation_params params = {.segments = ways[i].segments,
                                                 .camera = &frame->camera,
                                                 .width = frame->width,
@@ -61,20 +61,20 @@ static void measure(const options *o, slv_gl *gl, const char *scene, const slv_m
             slv_gl_renderer_draw(ways[i].renderer, &env, texture, frame, &ways[i].image, NULL));
     }
     for (uint32_t f = 0; f < o->frames; f++)
-        for (uint32_t i = 0; i + 1 < count; i++)
+        for (uint32_t i = 0; i + 1 < WAYS; i++)
             bench_stop(slv_gl_renderer_draw(ways[i].renderer, &env, texture, frame, NULL,
                                             &ways[i].seconds[f]));
-    for (uint32_t i = 0; i < count; i++) {
+    for (uint32_t i = 0; i < WAYS; i++) {
         way *w = &ways[i];
         report(o, scene, w, "triangles", "", (double)slv_gl_renderer_triangles(w->renderer));
         report(o, scene, w, "processor time to divide", "ms", 1000 * w->made);
-        if (i + 1 < count) {
+        if (i + 1 < WAYS) {
             report(o, scene, w, "frame", "ms", 1000 * bench_median(w->seconds, o->frames));
             report(o, scene, w, "pixels off by more than 2/255", "%",
-                   off_pixels(&w->image, &ways[count - 1].image));
+                   off_pixels(&w->image, &ways[WAYS - 1].image));
         }
     }
-    for (uint32_t i = 0; i < count; i++) {
+    for (uint32_t i = 0; i < WAYS; i++) {
         slv_image_free(&ways[i].image);
         slv_gl_renderer_destroy(ways[i].renderer);
     }
@@ -105,12 +105,12 @@ static void demo(const options *o, slv_gl *gl, const char *folder) {
                              .msaa = 4,
                              .camera = slv_camera_orbit(stats.bounds_min, stats.bounds_max, 30, 20,
                                                         35, (float)o->width / (float)o->height)};
-    way ways[] = {
+    way ways[WAYS] = {
         {.name = "all alike",
          .segments = slv_tessellation_for(mesh, &frame.camera, frame.width, frame.height)},
         {.name = "face by face"},
         {.name = "the finest", .segments = o->finest}};
-    measure(o, gl, "demo scene", mesh, surface, uploaded, &frame, ways, 3);
+    measure(o, gl, "demo scene", mesh, surface, uploaded, &frame, ways);
     slv_gl_texture_destroy(uploaded);
     slv_surface_destroy(surface);
     slv_adjacency_destroy(adjacency);
@@ -143,12 +143,12 @@ static void far_away(const options *o, slv_gl *gl, const char *name, uint32_t ar
         .height = o->height,
         .msaa = 4,
         .camera = slv_camera_orbit(low, high, 30, 40, 35, (float)o->width / (float)o->height)};
-    way ways[] = {
+    way ways[WAYS] = {
         {.name = "all alike",
          .segments = slv_tessellation_for(torus.mesh, &frame.camera, frame.width, frame.height)},
         {.name = "face by face"},
         {.name = "the finest", .segments = 4}};
-    measure(o, gl, name, torus.mesh, torus.surface, uploaded, &frame, ways, 3);
+    measure(o, gl, name, torus.mesh, torus.surface, uploaded, &frame, ways);
     slv_gl_texture_destroy(uploaded);
     slv_texture_destroy(texture);
     bench_torus_free(&torus);

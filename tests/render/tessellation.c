@@ -100,6 +100,6 @@ int main(void) {
     slv_texture_destroy(texture);
     slv_mesh_destroy(mesh);
     slv_gl_destroy(gl);
-    kit_remove(scratch.root);
+    test_remove(scratch.root);
     return test_end();
 }
