@@ -5,7 +5,7 @@
 unset GALLIVM_PERF LP_NUM_THREADS # as users have it
 
 size=960x540 turns=60
-[ "${3:-}" != --smoke ] || size=320x180 turns=4
+[ "${3:-}" != --smoke ] || size=320x180 turns=12
 start_display 1400x900
 
 moment() { date +%s.%N; }
