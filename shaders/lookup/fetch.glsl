@@ -24,7 +24,7 @@ float slv_spread(slv_footprint f) {
 slv_tap slv_fetch(slv_site site) {
     vec3 p = vec3(site.uv, site.layer);
     slv_tap sum = slv_tap(vec4(0.0), 0.0);
-    bool waiting = !gl_HelperInvocation;
+    bool waiting = !SLV_HELPER;
     do {
         int pool = readFirstInvocationARB(site.pool);
         if (pool == site.pool) {

@@ -35,7 +35,7 @@ slv_footprint slv_footprint_of(vec2 size, vec2 dx, vec2 dy) {
 #endif
     taps |= 1; // an odd number has one in the centre, which the face cannot miss however small it is
 #if SLV_VECTORS
-    taps = gl_HelperInvocation ? 1 : taps;
+    taps = SLV_HELPER ? 1 : taps;
 #endif
 #endif
     return slv_footprint(dx, dy, axis, taps, log2(max(longest / float(taps), 1e-12)));

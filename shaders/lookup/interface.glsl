@@ -23,9 +23,16 @@
 //   SLV_VECTORS         1 if fragments run in vectors that only a loop's end can leave early (llvmpipe). Both sides of an `if` run
 //                       there for all, every case of a `switch`, and the body of a loop once more than needed if its condition
 //                       stands at the top
+//   SLV_EXPLICIT        1 where there are no derivatives: slv_sample is left out, for vertex and compute shaders
 //   SLV_SCALED          1 if texels are stored divided by SLV_SCALE, because sums of such large floats would overflow
 // A strategy may define features:
 //   SLV_KEEPS_ROW       both sides of an edge look up the same texels: a footprint keeps its row of taps however small it is
+
+#if SLV_EXPLICIT
+#define SLV_HELPER false
+#else
+#define SLV_HELPER gl_HelperInvocation
+#endif
 
 layout(binding = SLV_FIRST_UNIT) uniform sampler2DArray slv_pool[SLV_POOLS];
 
@@ -57,6 +64,8 @@ vec4 slv_value(vec4 stored) {
 
 vec4 slv_sample_grad(int face, vec2 uv, vec2 dx, vec2 dy); // the strategy's own
 
+#if !SLV_EXPLICIT
 vec4 slv_sample(int face, vec2 uv) {
     return slv_sample_grad(face, uv, dFdx(uv), dFdy(uv));
 }
+#endif

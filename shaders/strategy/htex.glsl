@@ -100,7 +100,7 @@ vec4 slv_square_value(uint square, int turn, vec2 st, vec2 texel, slv_footprint 
     int own = int(square >> 16 & 15u);
 #if SLV_VECTORS && SLV_POOLS > 1
     vec4 value = vec4(0.0);
-    bool waiting = !gl_HelperInvocation; // which are not among those that the value is read from
+    bool waiting = !SLV_HELPER; // which are not among those that the value is read from
     do {
         int pool = readFirstInvocationARB(own);
         if (pool == own) {
@@ -153,7 +153,7 @@ vec4 slv_sample_grad(int face, vec2 uv, vec2 dx, vec2 dy) {
     bvec2 near = lessThan(place.st - fit * reach, 0.5 * texel);
     uint pending = 1u | (near.x ? 2u : 0u) | (near.y ? 8u : 0u);
 #if SLV_VECTORS
-    pending = gl_HelperInvocation ? 1u : pending;
+    pending = SLV_HELPER ? 1u : pending;
 #endif
     vec4 value = vec4(0.0);
     do {

@@ -68,6 +68,19 @@ static void check_picture(const char *path, const char *name) {
     slv_image_free(&image);
 }
 
+/* How many pixels are red: painted and shining. */
+static double reddest(const char *path) {
+    slv_env env = test_env();
+    slv_image image = {0};
+    double count = 0;
+    REQUIRE(slv_image_load(&env, path, &image) == SLV_OK);
+    for (size_t i = 0; i < (size_t)image.width * image.height; i++)
+        count += image.pixels[4 * i] > 0.9f && image.pixels[4 * i + 1] < 0.6f &&
+                 image.pixels[4 * i + 2] < 0.6f && image.pixels[4 * i + 3] > 0.9f;
+    slv_image_free(&image);
+    return count;
+}
+
 /* A checked ball under a white sky: dark and light squares, and nothing brighter than the sky. */
 static void check_traced(const char *path) {
     slv_env env = test_env();
@@ -147,6 +160,21 @@ int main(void) {
         CHECK_MSG(run.code == 0 && !run.err[0], "%s ended with %d: %s", strategy, run.code,
                   run.err);
         check_picture(png, strategy);
+    }
+    for (int frames = 0; frames <= 8; frames += 8) { /* painted or not */
+        static double reddish[2];
+        const char *number = frames ? "8" : "0";
+        unsigned long long bytes = 1;
+        int shown = -1;
+        kit_join(png, scratch.folder, "viewer.png");
+        run_example("example_viewer", (const char *const[]){ptx, png, number, NULL});
+        CHECK_MSG(run.code == 0 && !run.err[0] &&
+                      sscanf(run.out, "%d frames, %llu bytes", &shown, &bytes) == 2 &&
+                      shown == frames && (bytes > 0) == (frames > 0),
+                  "viewer says: %s%s", run.out, run.err);
+        reddish[frames > 0] = reddest(png);
+        CHECK_MSG(!frames || reddish[1] > reddish[0] + 500, "%g pixels are red, before %g",
+                  reddish[1], reddish[0]);
     }
     run_example("example_sample_in_your_shader", (const char *const[]){missing, png, NULL});
     CHECK(run.code == 1 && kit_lines(run.err) == 1);

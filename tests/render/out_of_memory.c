@@ -40,8 +40,11 @@ static slv_result create(const slv_env *env, const slv_gl_texture_params *params
     slv_result result =
         slv_gl_texture_create(gl, env, grid.texture, grid.adjacency, params, &texture);
     const char *text;
+    uint64_t key;
     if (!result)
         result = slv_gl_texture_glsl(texture, slv_strategy_find("traverse"), 0, &text);
+    if (!result)
+        result = slv_gl_texture_key(texture, slv_strategy_find("traverse"), 1, &key);
     slv_gl_texture_destroy(texture);
     return result;
 }

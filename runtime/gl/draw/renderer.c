@@ -416,7 +416,7 @@ slv_result slv_gl_renderer_draw(slv_gl_renderer *renderer, const slv_env *env,
         if (programs[variant])
             continue;
         const char *lookups = NULL;
-        if ((result = slv_gl_texture_glsl(texture, slot->strategy, variant, &lookups)) ||
+        if ((result = slvi_gl_texture_text(texture, slot->strategy, variant, &lookups)) ||
             (result = surface_program(renderer, env, lookups, &programs[variant])))
             return result;
         set_frame(renderer, &frame, programs[variant]);

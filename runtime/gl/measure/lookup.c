@@ -24,7 +24,7 @@ static slv_result lookup_program(slv_gl_texture *texture, const slv_env *env, sl
     GLuint *program = &slot->lookup_programs[variant];
     const char *lookups = NULL;
     slv_result result = SLV_OK;
-    if (!*program && !(result = slv_gl_texture_glsl(texture, slot->strategy, variant, &lookups)))
+    if (!*program && !(result = slvi_gl_texture_text(texture, slot->strategy, variant, &lookups)))
         result = slvi_gl_program(texture->gl, env, "lookup", lookups, program);
     *out = *program;
     return result;

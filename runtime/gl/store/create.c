@@ -35,7 +35,15 @@ static slv_result fill_params(slv_gl *gl, const slv_env *env, const slv_texture_
     if (!params.border)
         params.border = params.anisotropy;
     params.border = params.border < 256 ? params.border : 256;
-    uint32_t units = gl->info.texture_units / (params.nchannels == 4 ? 2 : 1), fitting = 16;
+    if (!params.first_unit)
+        params.first_unit = SLV_GL_FIRST_UNIT;
+    if (!params.first_storage)
+        params.first_storage = SLV_GL_FIRST_STORAGE;
+    if (params.first_unit >= gl->info.texture_units)
+        return slvi_fail(env, SLV_ERROR_ARGUMENT, "there is no texture unit %u, only %u of them",
+                         params.first_unit, gl->info.texture_units);
+    uint32_t units = gl->info.texture_units - params.first_unit, fitting = 16;
+    units /= params.nchannels == 4 ? 2 : 1;
     if (params.batch_pools && params.batch_pools < units)
         units = params.batch_pools;
     while (fitting > units)
@@ -46,6 +54,26 @@ static slv_result fill_params(slv_gl *gl, const slv_env *env, const slv_texture_
         params.pool_layers = layers;
     *out = params;
     return SLV_OK;
+}
+
+/* The host's prefix, which is copied. */
+static slv_result take_prefix(slv_gl_texture *texture, const char *prefix) {
+    size_t length = prefix ? strlen(prefix) : 0;
+    bool valid = length < 33 && length > 0 && !(prefix[0] >= '0' && prefix[0] <= '9') &&
+                 prefix[0] != '_' && strncmp(prefix, "gl_", 3) != 0 && !strstr(prefix, "__");
+    for (size_t i = 0; valid && i < length; i++)
+        valid = (prefix[i] >= 'a' && prefix[i] <= 'z') || (prefix[i] >= 'A' && prefix[i] <= 'Z') ||
+                (prefix[i] >= '0' && prefix[i] <= '9') || prefix[i] == '_';
+    if (!prefix || strcmp(prefix, "slv_") == 0)
+        return SLV_OK;
+    if (!valid)
+        return slvi_fail(&texture->env, SLV_ERROR_ARGUMENT, "\"%.40s\" is no prefix of names",
+                         prefix);
+    slv_result result = slvi_alloc(&texture->env, "prefix", length + 1, 1, &texture->prefix);
+    if (!result)
+        memcpy(texture->prefix, prefix, length);
+    texture->params.prefix = texture->prefix;
+    return result;
 }
 
 static slv_result check_strategy(const slv_env *env, const slv_strategy *strategy) {
@@ -195,7 +223,7 @@ static slv_result prepare(slv_gl *gl, const slv_env *env, const slv_gl_given *gi
     made->serial = ++gl->serial;
     made->nfaces = desc->nfaces;
     if ((result = fill_params(gl, env, desc, params, &made->params)) ||
-        (result = list_slots(made, params)) ||
+        (result = take_prefix(made, made->params.prefix)) || (result = list_slots(made, params)) ||
         (result = slvi_alloc(env, "face table", desc->nfaces, sizeof *made->res, &made->res)) ||
         (result = slvi_gl_making_begin(made)) ||
         (result = slvi_gl_live_create(gl, &made->env, given, &made->params, &made->making->steps,

@@ -9,8 +9,9 @@
 
 /* Software samplers take an anisotropic footprint from neighbouring fragments' coordinates and
  * ignore explicit derivatives; of an isotropic one they only estimate the length. */
-bool slvi_gl_taps_in_shader(const slv_gl *gl) {
-    return gl->info.software;
+bool slvi_gl_taps_in_shader(const slv_gl_texture *texture) {
+    slv_gl_taps taps = texture->params.taps;
+    return taps == SLV_GL_TAPS_AUTO ? texture->gl->info.software : taps == SLV_GL_TAPS_SHADER;
 }
 
 static bool in_vectors(const slv_gl_texture *texture) {
@@ -44,19 +45,21 @@ static slv_result write_variant(const slv_gl_texture *texture, const slv_gl_slot
     snprintf(*out, size,
              "#define SLV_POOLS %u\n#define SLV_SUBFACES %u\n"
              "#define SLV_SPLIT_COVERAGE %d\n#define SLV_ANISOTROPY %u\n#define SLV_BORDER %u\n"
-             "#define SLV_TAPS %d\n#define SLV_VECTORS %d\n#define SLV_FIRST_UNIT %d\n#define "
-             "SLV_FIRST_STORAGE %d\n#define SLV_CHUNK %u\n#define SLV_SCALED %d\n#define SLV_SCALE "
+             "#define SLV_TAPS %d\n#define SLV_VECTORS %d\n#define SLV_FIRST_UNIT %u\n#define "
+             "SLV_FIRST_STORAGE %u\n#define SLV_CHUNK %u\n#define SLV_EXPLICIT %d\n#define "
+             "SLV_SCALED %d\n#define SLV_SCALE "
              "vec4(vec3(%.1f), "
              "%.1f)\n%s\n",
              slv_gl_variant_pools(variant), variant & 1, slot->split_coverage, params->anisotropy,
-             params->border, slvi_gl_taps_in_shader(texture->gl), in_vectors(texture),
-             SLV_GL_FIRST_UNIT, SLV_GL_FIRST_STORAGE, chunk_of(texture, slot), texture->scaled,
-             (double)scale, (double)(params->nchannels == 4 ? scale : 1), slot->lookups);
+             params->border, slvi_gl_taps_in_shader(texture), in_vectors(texture),
+             params->first_unit, params->first_storage, chunk_of(texture, slot),
+             params->explicit_only, texture->scaled, (double)scale,
+             (double)(params->nchannels == 4 ? scale : 1), slot->lookups);
     return SLV_OK;
 }
 
-slv_result slv_gl_texture_glsl(slv_gl_texture *texture, const slv_strategy *strategy,
-                               uint32_t variant, const char **out) {
+slv_result slvi_gl_texture_text(slv_gl_texture *texture, const slv_strategy *strategy,
+                                uint32_t variant, const char **out) {
     slv_gl_slot *slot = NULL;
     slv_result result = slvi_gl_texture_need(texture, &texture->env, strategy, &slot);
     *out = NULL;
@@ -69,4 +72,67 @@ slv_result slv_gl_texture_glsl(slv_gl_texture *texture, const slv_strategy *stra
         result = write_variant(texture, slot, variant, &slot->glsl[variant]);
     *out = slot->glsl[variant];
     return result;
+}
+
+static bool is_word(char c) {
+    return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '_';
+}
+
+/* A copy with other names: what begins with slv_ begins with the prefix, what begins with SLV_ with
+ * the same in capitals. Lines of extensions are left out. */
+static slv_result rename_all(const slv_env *env, const char *text, const char *prefix, char **out) {
+    size_t length = strlen(prefix), size = strlen(text) + 1;
+    for (const char *at = text; (at = strstr(at, "_")); at++)
+        size += length;
+    slv_result result = slvi_alloc_plain(env, "text of a strategy", size, 1, out);
+    if (result)
+        return result;
+    char *to = *out;
+    for (const char *at = text; *at;) {
+        bool begins = at == text || !is_word(at[-1]);
+        if (begins && strncmp(at, "#extension", 10) == 0) {
+            at += strcspn(at, "\n");
+        } else if (begins && strncmp(at, "slv_", 4) == 0) {
+            memcpy(to, prefix, length);
+            to += length;
+            at += 4;
+        } else if (begins && strncmp(at, "SLV_", 4) == 0) {
+            for (size_t i = 0; i < length; i++)
+                *to++ = prefix[i] >= 'a' && prefix[i] <= 'z' ? (char)(prefix[i] - 'a' + 'A')
+                                                             : prefix[i];
+            at += 4;
+        } else {
+            *to++ = *at++;
+        }
+    }
+    *to = 0;
+    return SLV_OK;
+}
+
+slv_result slv_gl_texture_glsl(slv_gl_texture *texture, const slv_strategy *strategy,
+                               uint32_t variant, const char **out) {
+    const char *text = NULL;
+    slv_result result = slvi_gl_texture_text(texture, strategy, variant, &text);
+    *out = text;
+    if (result || !texture->prefix)
+        return result;
+    char **named = &slvi_gl_texture_slot(texture, strategy)->named[variant];
+    if (!*named)
+        result = rename_all(&texture->env, text, texture->prefix, named);
+    *out = result ? NULL : *named;
+    return result;
+}
+
+slv_result slv_gl_texture_key(slv_gl_texture *texture, const slv_strategy *strategy,
+                              uint32_t variant, uint64_t *out) {
+    const char *text = NULL;
+    slv_result result = slv_gl_texture_glsl(texture, strategy, variant, &text);
+    *out = UINT64_C(0xcbf29ce484222325); /* FNV-1a */
+    for (; !result && *text; text++)
+        *out = (*out ^ (unsigned char)*text) * UINT64_C(0x100000001b3);
+    return result;
+}
+
+const char *slv_gl_texture_extensions(const slv_gl_texture *texture) {
+    return in_vectors(texture) ? "#extension GL_ARB_shader_ballot : require\n" : "";
 }

@@ -27,6 +27,7 @@ void slv_gl_texture_destroy(slv_gl_texture *texture) {
         slvi_free(slot->lookups);
         for (int v = 0; v < SLV_GL_MAX_VARIANTS; v++) {
             slvi_free(slot->glsl[v]);
+            slvi_free(slot->named[v]);
             if (slot->lookup_programs[v])
                 api->DeleteProgram(slot->lookup_programs[v]);
         }
@@ -37,6 +38,7 @@ void slv_gl_texture_destroy(slv_gl_texture *texture) {
     slvi_free(texture->reaches);
     slvi_free(texture->slots);
     slvi_free(texture->res);
+    slvi_free(texture->prefix);
     slvi_free(texture);
 }
 
@@ -119,9 +121,9 @@ static void bind_tables(const slv_gl_texture *texture, const slv_gl_slot *slot, 
         while (last < 4 && tables[last] && size[last])
             last++;
         if (last > first)
-            texture->gl->api.BindBuffersRange(GL_SHADER_STORAGE_BUFFER,
-                                              SLV_GL_FIRST_STORAGE + first, (GLsizei)(last - first),
-                                              tables + first, at + first, size + first);
+            texture->gl->api.BindBuffersRange(
+                GL_SHADER_STORAGE_BUFFER, texture->params.first_storage + first,
+                (GLsizei)(last - first), tables + first, at + first, size + first);
         first = last;
     }
 }
@@ -134,7 +136,7 @@ void slv_gl_texture_bind_shared(slv_gl_texture *texture, const slv_strategy *str
     uint32_t units = units_of(texture, slot);
     for (uint32_t k = 0; k < units; k++)
         samplers[k] = slot->sampler;
-    texture->gl->api.BindSamplers(SLV_GL_FIRST_UNIT, (GLsizei)units, samplers);
+    texture->gl->api.BindSamplers(texture->params.first_unit, (GLsizei)units, samplers);
     bind_tables(texture, slot, 0);
 }
 
@@ -154,7 +156,7 @@ void slv_gl_texture_bind_batch(slv_gl_texture *texture, const slv_strategy *stra
             arrays[npools + k] = pool->coverage;
     }
     units *= slot->split_coverage ? 2 : 1;
-    texture->gl->api.BindTextures(SLV_GL_FIRST_UNIT, (GLsizei)units, arrays);
+    texture->gl->api.BindTextures(texture->params.first_unit, (GLsizei)units, arrays);
     if (reach_of(texture, slot)->chunks.count > 1)
         bind_tables(texture, slot, range->chunk);
 }
@@ -172,5 +174,5 @@ void slv_gl_texture_unbind(slv_gl_texture *texture) {
         uint32_t bound = units_of(texture, &texture->slots[k]);
         units = units > bound ? units : bound;
     }
-    texture->gl->api.BindSamplers(SLV_GL_FIRST_UNIT, (GLsizei)units, NULL);
+    texture->gl->api.BindSamplers(texture->params.first_unit, (GLsizei)units, NULL);
 }

@@ -17,6 +17,7 @@ typedef struct slv_gl_slot {
     bool split_coverage; /* coverage has arrays of its own */
     char *lookups;       /* its GLSL, without a variant's definitions */
     char *glsl[SLV_GL_MAX_VARIANTS];
+    char *named[SLV_GL_MAX_VARIANTS]; /* the same with the host's prefix */
     GLuint lookup_programs[SLV_GL_MAX_VARIANTS];
 } slv_gl_slot;
 
@@ -34,6 +35,7 @@ struct slv_gl_texture {
     slv_gl_texture_params params;
     uint32_t nfaces;
     slv_res *res; /* of each face */
+    char *prefix; /* or NULL */
     uint64_t texel_bytes;
     bool scaled;                  /* see slvi_gl_scale_down */
     slv_gl_live *live;            /* NULL where nothing follows changes */
@@ -61,7 +63,10 @@ slv_result slvi_gl_texture_prepare(slv_gl *gl, const slv_env *env, const slv_gl_
 slv_result slvi_gl_texture_renew(slv_gl_texture *texture);
 
 /* Whether shaders take the taps of a long footprint themselves, where the sampler would not. */
-bool slvi_gl_taps_in_shader(const slv_gl *gl);
+bool slvi_gl_taps_in_shader(const slv_gl_texture *texture);
+/* slv_gl_texture_glsl with the library's own names. */
+slv_result slvi_gl_texture_text(slv_gl_texture *texture, const slv_strategy *strategy,
+                                uint32_t variant, const char **out);
 /* Reads the GLSL of a slot's strategy. */
 slv_result slvi_gl_slot_read(const slv_env *env, slv_gl_slot *slot);
 

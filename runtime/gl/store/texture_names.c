@@ -3,6 +3,11 @@
 
 #include <selvage/gl_texture.h>
 
+const char *slv_gl_taps_name(slv_gl_taps taps) {
+    static const char *const names[] = {"auto", "sampler", "shader"};
+    return slvi_name_of(names, SLVI_COUNT(names), (int)taps);
+}
+
 const char *slv_gl_branching_name(slv_gl_branching branching) {
     static const char *const names[] = {"auto", "real", "vectors"};
     return slvi_name_of(names, SLVI_COUNT(names), (int)branching);

@@ -53,6 +53,16 @@ typedef enum slv_gl_compression {
 
 SLV_API const char *slv_gl_compression_name(slv_gl_compression compression); /* none, blocks */
 
+/* Who takes the taps of a long anisotropic footprint: the sampler, or shaders one by one, since
+ * software samplers do not go by the derivatives that they are given. */
+typedef enum slv_gl_taps {
+    SLV_GL_TAPS_AUTO = 0, /* by the driver */
+    SLV_GL_TAPS_SAMPLER,
+    SLV_GL_TAPS_SHADER
+} slv_gl_taps;
+
+SLV_API const char *slv_gl_taps_name(slv_gl_taps taps); /* auto, sampler, shader */
+
 /* Zero means default. */
 typedef struct slv_gl_texture_params {
     const slv_strategy *const *strategies; /* those that will be drawn, which must outlive the
@@ -75,6 +85,15 @@ typedef struct slv_gl_texture_params {
                   outlive this one, which keeps levels and forms in memory, and a decoded copy of
                   encoded colours */
     slv_progress progress; /* faces, once for each form in which they are stored; on this thread */
+    slv_gl_taps taps;
+    /* For a host that has bindings of its own, or several textures in one shader: */
+    uint32_t first_unit;    /* texture unit; 0 means SLV_GL_FIRST_UNIT */
+    uint32_t first_storage; /* storage binding; 0 means SLV_GL_FIRST_STORAGE */
+    const char *prefix; /* of all names in the text, in place of slv_ (and, in capitals, of SLV_): a
+                           letter and up to 31 letters, digits and _. With one of its own a text has
+                           no #extension line (slv_gl_texture_extensions). NULL means slv_ */
+    bool explicit_only; /* the text is for stages without derivatives, vertex and compute shaders:
+                           slv_sample is left out */
     uint64_t reserved[4];
 } slv_gl_texture_params;
 
@@ -144,8 +163,16 @@ SLV_NODISCARD SLV_API slv_result slv_gl_texture_glsl(slv_gl_texture *texture,
                                                      const slv_strategy *strategy, uint32_t variant,
                                                      const char **out);
 
-/* Binds what a batch needs: array textures and samplers from SLV_GL_FIRST_UNIT, tables from
- * SLV_GL_FIRST_STORAGE. Changes nothing else. A batch that does not exist binds nothing. */
+/* Programs with texts of the same key can be the same. */
+SLV_NODISCARD SLV_API slv_result slv_gl_texture_key(slv_gl_texture *texture,
+                                                    const slv_strategy *strategy, uint32_t variant,
+                                                    uint64_t *out);
+/* The #extension lines that a text with a prefix of its own needs before any declaration; the same
+ * for all textures of a context, once. May be "". */
+SLV_API const char *slv_gl_texture_extensions(const slv_gl_texture *texture);
+
+/* Binds what a batch needs: array textures and samplers from the first unit, tables from the first
+ * storage binding. Changes nothing else. A batch that does not exist binds nothing. */
 SLV_API void slv_gl_texture_bind(slv_gl_texture *texture, const slv_strategy *strategy,
                                  uint32_t batch);
 /* The same in two parts, for a frame of many batches: what all batches of a strategy share,

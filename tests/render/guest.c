@@ -1,0 +1,250 @@
+/* Textures in a host's own programs: several in one shader, with names, texture units and storage
+ * bindings that the host chooses, in stages without derivatives; and lookups that leave the taps of
+ * a footprint to the sampler. */
+#include "kit/border_kit.h"
+#include "kit/strategy_kit.h"
+
+#include <selvage/gl_context.h>
+#include <selvage/gl_texture.h>
+
+#include <GL/glcorearb.h>
+
+enum { POINTS = 256 };
+
+static slv_gl *gl;
+static kit cube;
+
+#define FUNCTIONS(X)                                                                               \
+    X(PFNGLCREATESHADERPROC, CreateShader)                                                         \
+    X(PFNGLSHADERSOURCEPROC, ShaderSource)                                                         \
+    X(PFNGLCOMPILESHADERPROC, CompileShader)                                                       \
+    X(PFNGLGETSHADERIVPROC, GetShaderiv)                                                           \
+    X(PFNGLGETSHADERINFOLOGPROC, GetShaderInfoLog)                                                 \
+    X(PFNGLDELETESHADERPROC, DeleteShader)                                                         \
+    X(PFNGLCREATEPROGRAMPROC, CreateProgram)                                                       \
+    X(PFNGLATTACHSHADERPROC, AttachShader)                                                         \
+    X(PFNGLLINKPROGRAMPROC, LinkProgram)                                                           \
+    X(PFNGLGETPROGRAMIVPROC, GetProgramiv)                                                         \
+    X(PFNGLUSEPROGRAMPROC, UseProgram)                                                             \
+    X(PFNGLDELETEPROGRAMPROC, DeleteProgram)                                                       \
+    X(PFNGLCREATEBUFFERSPROC, CreateBuffers)                                                       \
+    X(PFNGLDELETEBUFFERSPROC, DeleteBuffers)                                                       \
+    X(PFNGLNAMEDBUFFERSTORAGEPROC, NamedBufferStorage)                                             \
+    X(PFNGLBINDBUFFERBASEPROC, BindBufferBase)                                                     \
+    X(PFNGLDISPATCHCOMPUTEPROC, DispatchCompute)                                                   \
+    X(PFNGLMEMORYBARRIERPROC, MemoryBarrier)                                                       \
+    X(PFNGLGETNAMEDBUFFERSUBDATAPROC, GetNamedBufferSubData)
+static struct {
+#define MEMBER(type, name) type name;
+    FUNCTIONS(MEMBER)
+} api;
+
+static void load(void) {
+#define LOAD(type, name)                                                                           \
+    api.name = (type)slv_gl_get_function(gl, "gl" #name);                                          \
+    REQUIRE(api.name);
+    FUNCTIONS(LOAD)
+#undef LOAD
+}
+
+static slv_gl_texture *make(const slv_gl_texture_params *params) {
+    slv_env env = test_env();
+    slv_gl_texture *made = NULL;
+    REQUIRE(slv_gl_texture_create(gl, &env, cube.texture, cube.adjacency, params, &made) == SLV_OK);
+    return made;
+}
+
+static GLuint compile(GLenum stage, const char *const *texts, GLsizei count) {
+    GLuint shader = api.CreateShader(stage);
+    GLint fine = 0;
+    char log[2048] = "";
+    api.ShaderSource(shader, count, texts, NULL);
+    api.CompileShader(shader);
+    api.GetShaderiv(shader, GL_COMPILE_STATUS, &fine);
+    if (!fine)
+        api.GetShaderInfoLog(shader, sizeof log, NULL, log);
+    CHECK_MSG(fine, "%s", log);
+    return shader;
+}
+
+/* Points of random faces, footprints of a texel or so. */
+struct points {
+    int32_t faces[POINTS];
+    float uv[2 * POINTS], dx[2 * POINTS], dy[2 * POINTS];
+};
+
+static void make_points(struct points *p, float width) {
+    uint64_t random = 5;
+    memset(p, 0, sizeof *p);
+    for (uint32_t i = 0; i < POINTS; i++) {
+        p->faces[i] = (int32_t)(test_random(&random) % cube.nfaces);
+        p->uv[2 * i] = (float)(test_random(&random) % 1024) / 1023;
+        p->uv[2 * i + 1] = (float)(test_random(&random) % 1024) / 1023;
+        p->dx[2 * i] = p->dy[2 * i + 1] = width;
+    }
+}
+
+static const char *const compute_text =
+    "layout(local_size_x = 64) in;\n"
+    "struct point { vec2 uv; int face; float width; };\n"
+    "layout(std430, binding = 0) readonly buffer points_block { point points[]; };\n"
+    "layout(std430, binding = 1) writeonly buffer values_block { vec4 values[]; };\n"
+    "void main() {\n"
+    "    uint i = gl_GlobalInvocationID.x;\n"
+    "    point p = points[i];\n"
+    "    vec2 dx = vec2(p.width, 0.0), dy = vec2(0.0, p.width);\n"
+    "    values[2u * i] = colour_sample_grad(p.face, p.uv, dx, dy);\n"
+    "    values[2u * i + 1u] = rough_sample_grad(p.face, p.uv, dx, dy);\n"
+    "}\n";
+
+/* Runs a compute shader that looks both textures up. */
+static void run(const char *const *texts, GLsizei count, const struct points *p, float width,
+                float *values) {
+    struct {
+        float uv[2];
+        int32_t face;
+        float width;
+    } rows[POINTS];
+    GLuint buffers[2], shader = compile(GL_COMPUTE_SHADER, texts, count);
+    GLuint program = api.CreateProgram();
+    GLint fine = 0;
+    for (uint32_t i = 0; i < POINTS; i++) {
+        memcpy(rows[i].uv, p->uv + 2 * i, sizeof rows[i].uv);
+        rows[i].face = p->faces[i];
+        rows[i].width = width;
+    }
+    api.AttachShader(program, shader);
+    api.LinkProgram(program);
+    api.GetProgramiv(program, GL_LINK_STATUS, &fine);
+    REQUIRE(fine);
+    api.CreateBuffers(2, buffers);
+    api.NamedBufferStorage(buffers[0], sizeof rows, rows, 0);
+    api.NamedBufferStorage(buffers[1], POINTS * 8 * sizeof *values, NULL, 0);
+    api.BindBufferBase(GL_SHADER_STORAGE_BUFFER, 0, buffers[0]);
+    api.BindBufferBase(GL_SHADER_STORAGE_BUFFER, 1, buffers[1]);
+    api.UseProgram(program);
+    api.DispatchCompute(POINTS / 64, 1, 1);
+    api.MemoryBarrier(GL_BUFFER_UPDATE_BARRIER_BIT);
+    api.GetNamedBufferSubData(buffers[1], 0, POINTS * 8 * sizeof *values, values);
+    api.UseProgram(0);
+    api.DeleteBuffers(2, buffers);
+    api.DeleteProgram(program);
+    api.DeleteShader(shader);
+}
+
+/* One texture as colour and, by another strategy, as something else, in one shader: each gives what
+ * it gives alone. */
+static void check_two(const slv_strategy *first, const slv_strategy *second) {
+    static float alone[2][4 * POINTS], together[8 * POINTS];
+    static struct points points;
+    slv_env env = test_env();
+    const float width = 0.1f;
+    const char *texts[5] = {"#version 450 core\n", NULL, NULL, NULL, compute_text};
+    slv_gl_texture_params params[2] = {
+        {KIT_ONLY(first), .batch_pools = 8, .prefix = "colour_", .explicit_only = true},
+        {KIT_ONLY(second), .batch_pools = 4, .prefix = "rough_", .explicit_only = true,
+         .first_unit = 8, .first_storage = 9}};
+    slv_gl_texture *made[2];
+    make_points(&points, width);
+    for (uint32_t i = 0; i < 2; i++) {
+        made[i] = make(&params[i]);
+        const slv_strategy *strategy = i ? second : first;
+        REQUIRE(slv_gl_texture_batch_count(made[i], strategy) == 1);
+        slv_gl_batch batch = slv_gl_texture_batch(made[i], strategy, 0);
+        REQUIRE(slv_gl_texture_lookup(made[i], &env, strategy, POINTS, points.faces, points.uv,
+                                      points.dx, points.dy, alone[i]) == SLV_OK);
+        REQUIRE(slv_gl_texture_glsl(made[i], strategy, batch.variant, &texts[2 + i]) == SLV_OK);
+        CHECK(!strstr(texts[2 + i], "slv_") && !strstr(texts[2 + i], "SLV_"));
+        CHECK(!strstr(texts[2 + i], "#extension"));
+    }
+    texts[1] = slv_gl_texture_extensions(made[0]);
+    for (uint32_t i = 0; i < 2; i++)
+        slv_gl_texture_bind(made[i], i ? second : first, 0);
+    run(texts, 5, &points, width, together);
+    for (uint32_t i = 0; i < 8 * POINTS; i++) {
+        float value = alone[i / 4 % 2][4 * (i / 8) + i % 4];
+        CHECK_MSG(fabsf(together[i] - value) <= 1e-6f, "%s with %s: %g, alone %g", first->name,
+                  second->name, (double)together[i], (double)value);
+    }
+    /* and in a vertex shader */
+    texts[4] =
+        "void main() { gl_Position = colour_sample_grad(0, vec2(0.5), vec2(0.1), vec2(0.1)); }\n";
+    api.DeleteShader(compile(GL_VERTEX_SHADER, texts, 5));
+    for (uint32_t i = 0; i < 2; i++) {
+        slv_gl_texture_unbind(made[i]);
+        slv_gl_texture_destroy(made[i]);
+    }
+}
+
+/* What the sampler takes by itself of a texture of one colour is that colour: coverage is weighed
+ * in the same way. */
+static void check_taps(const slv_strategy *strategy) {
+    static const float colour[3] = {0.25f, 0.5f, 0.75f};
+    static float values[4 * POINTS];
+    static struct points points;
+    slv_env env = test_env();
+    uint64_t keys[2];
+    make_points(&points, 0.5f);
+    for (uint32_t i = 0; i < 2; i++) {
+        slv_gl_texture_params params = {KIT_ONLY(strategy), .anisotropy = 4,
+                                        .taps = i ? SLV_GL_TAPS_SAMPLER : SLV_GL_TAPS_SHADER};
+        const char *text = NULL;
+        slv_gl_texture *made = make(&params);
+        slv_gl_batch batch = slv_gl_texture_batch(made, strategy, 0);
+        REQUIRE(slv_gl_texture_glsl(made, strategy, batch.variant, &text) == SLV_OK);
+        CHECK(strstr(text, i ? "#define SLV_TAPS 0\n" : "#define SLV_TAPS 1\n"));
+        REQUIRE(slv_gl_texture_key(made, strategy, batch.variant, &keys[i]) == SLV_OK);
+        for (uint32_t k = 0; k < POINTS; k++)
+            points.dx[2 * k] = i ? 0.05f : 0.5f; /* long footprints, too */
+        REQUIRE(slv_gl_texture_lookup(made, &env, strategy, POINTS, points.faces, points.uv,
+                                      points.dx, points.dy, values) == SLV_OK);
+        /* a software sampler takes footprints from other fragments, beyond what a page holds */
+        bool exact = !i || strategy->packing != SLV_GL_PAGES;
+        for (uint32_t k = 0; k < 4 * POINTS; k++) {
+            float most = k % 4 < 3 ? colour[k % 4] : 1, least = exact ? most : 0;
+            CHECK_MSG(values[k] > least - 1e-3f && values[k] < (exact ? most : 1) + 1e-3f,
+                      "%s, taps %u: %g", strategy->name, i, (double)values[k]);
+        }
+        slv_gl_texture_destroy(made);
+    }
+    CHECK(keys[0] != keys[1]);
+}
+
+static void check_refused(void) {
+    static const char *const wrong[] = {
+        "", "1a", "a-b", "gl_x", "a__b", "_a", "abcdefghijklmnopqrstuvwxyz_abcdefg"};
+    slv_env quiet = {0};
+    slv_gl_texture *made = NULL;
+    for (size_t i = 0; i <= sizeof wrong / sizeof *wrong; i++) {
+        slv_gl_texture_params params = {KIT_ONLY(slv_strategy_find("clamp"))};
+        if (i < sizeof wrong / sizeof *wrong)
+            params.prefix = wrong[i];
+        else
+            params.first_unit = 10000;
+        CHECK(slv_gl_texture_create(gl, &quiet, cube.texture, cube.adjacency, &params, &made) ==
+              SLV_ERROR_ARGUMENT);
+        CHECK(!made);
+    }
+}
+
+int main(void) {
+    slv_env env = test_env();
+    uint64_t random = 3;
+    REQUIRE(slv_gl_create(&env, SLV_GL_AUTO, &gl) == SLV_OK);
+    load();
+    kit_cube(&cube, &random);
+    kit_equal(&cube, 4);
+    kit_noise(&cube, SLV_TYPE_HALF, 3, &random);
+    check_two(slv_strategy_find("borders"), slv_strategy_find("traverse"));
+    check_two(slv_strategy_find("htex"), slv_strategy_find("borders"));
+    for (uint32_t face = 0; face < cube.nfaces; face++) {
+        static const uint16_t halves[3] = {0x3400, 0x3800, 0x3a00};
+        REQUIRE(slv_texture_set_constant(cube.texture, face, halves) == SLV_OK);
+    }
+    for (uint32_t i = 0; i < slv_strategy_count(); i++)
+        check_taps(slv_strategy_at(i));
+    check_refused();
+    kit_free(&cube);
+    slv_gl_destroy(gl);
+    return test_end();
+}
