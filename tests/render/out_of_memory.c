@@ -54,7 +54,8 @@ static slv_result call_texture(const slv_env *env) {
 }
 
 static slv_result call_blocks(const slv_env *env) {
-    return create(env, &(slv_gl_texture_params){.compression = SLV_GL_COMPRESSION_BLOCKS});
+    return create(
+        env, &(slv_gl_texture_params){.compression = SLV_GL_COMPRESSION_BLOCKS, .prefix = "mine_"});
 }
 
 /* What follows changes of its texels. */
