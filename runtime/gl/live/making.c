@@ -52,8 +52,7 @@ static GLuint make_sampler(const slv_gl_texture *texture, const slv_strategy *st
     api->SamplerParameteri(sampler, GL_TEXTURE_MIN_FILTER,
                            strategy->packing == SLV_GL_PAGES ? GL_LINEAR : GL_LINEAR_MIPMAP_LINEAR);
     api->SamplerParameterfv(sampler, GL_TEXTURE_BORDER_COLOR, zero);
-    if (texture->params.anisotropy > 1 && !slvi_gl_taps_in_shader(texture) &&
-        !strategy->own_taps)
+    if (texture->params.anisotropy > 1 && !slvi_gl_taps_in_shader(texture) && !strategy->own_taps)
         api->SamplerParameterf(sampler, GL_TEXTURE_MAX_ANISOTROPY,
                                (float)texture->params.anisotropy);
     return sampler;
