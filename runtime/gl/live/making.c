@@ -13,7 +13,7 @@
 #include <time.h>
 
 #define AT_ONCE (UINT64_C(32) << 20) /* bytes in one call of the driver's */
-#define IN_STEPS (UINT64_C(1) << 20) /* the same where a call is to end soon */
+#define IN_STEPS (UINT64_C(1) << 18) /* the same where a call is to end soon */
 #define MOST_SECONDS 0.02
 
 slv_result slvi_gl_making_begin(slv_gl_texture *texture) {
