@@ -1,6 +1,6 @@
-/* How many draws and calls of OpenGL's a frame takes where neighbours seldom have texels of one
- * size: 100,000 faces of 16 random resolutions, with every strategy. The renderer's context is a
- * host's whose functions count. */
+/* How many draws, calls of OpenGL's and pieces of memory a frame takes where neighbours seldom have
+ * texels of one size: 100,000 faces of 16 random resolutions, with every strategy. The renderer's
+ * context is a host's whose functions count. */
 #include "kit/mesh_shapes.h"
 #include "kit/strategy_kit.h"
 
@@ -15,7 +15,26 @@ enum { COLUMNS = 400, ROWS = 250 };
 #endif
 
 static slv_gl_api real;
-static uint64_t calls, draws;
+static uint64_t calls, draws, pieces;
+
+static void *allocate(void *user, size_t bytes) {
+    (void)user;
+    pieces++;
+    return malloc(bytes);
+}
+
+static void release(void *user, void *memory) {
+    (void)user;
+    free(memory);
+}
+
+/* Whose memory is counted. */
+static slv_env counting_env(void) {
+    slv_env env = test_env();
+    env.allocate = allocate;
+    env.release = release;
+    return env;
+}
 
 /* Functions that a frame may call. */
 #define COUNTED(X)                                                                                 \
@@ -105,20 +124,21 @@ static slv_gl_proc get_real(void *user, const char *name) {
 static void count_frame(slv_gl *gl, slv_gl_renderer *renderer, slv_gl_texture *texture,
                         const slv_strategy *strategy) {
     const float low[3] = {0, 0, -1}, high[3] = {COLUMNS, ROWS, 1};
-    slv_env env = test_env();
+    slv_env env = counting_env();
     slv_frame frame = {.width = 64, .height = 64, .strategy = strategy};
     slv_gl_api all = gl->api;
     frame.camera = slv_camera_orbit(low, high, 30, 20, 35, 1);
     slv_result result = slv_gl_renderer_draw(renderer, &env, texture, &frame, NULL, NULL);
     REQUIRE(result == SLV_OK); /* makes programs and lists of triangles */
     load(&gl->api, get_trap, NULL);
-    calls = draws = 0;
+    calls = draws = pieces = 0;
     result = slv_gl_renderer_draw(renderer, &env, texture, &frame, NULL, NULL);
     REQUIRE(result == SLV_OK);
     gl->api = all;
     bool reaches = strategy->reach == SLV_GL_REACH_NEIGHBOURS;
     fprintf(stderr, "%-14s %4llu draws, %5llu calls\n", strategy->name, (unsigned long long)draws,
             (unsigned long long)calls);
+    CHECK_MSG(pieces == 0, "%s: %llu pieces of memory", strategy->name, (unsigned long long)pieces);
     CHECK(draws > 0 && draws == slv_gl_texture_batch_count(texture, strategy));
     CHECK_MSG(draws <= (reaches ? 500 : 100) && calls <= 6000, "%s: %llu draws, %llu calls",
               strategy->name, (unsigned long long)draws, (unsigned long long)calls);
@@ -126,7 +146,7 @@ static void count_frame(slv_gl *gl, slv_gl_renderer *renderer, slv_gl_texture *t
 
 static void check(slv_gl *gl) {
     uint64_t random = 3;
-    slv_env env = test_env();
+    slv_env env = counting_env();
     shape s = shape_grid(COLUMNS, ROWS, false, false);
     slv_surface *surface = NULL;
     slv_adjacency *adjacency = NULL;

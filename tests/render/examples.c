@@ -81,6 +81,26 @@ static double reddest(const char *path) {
     return count;
 }
 
+/* Painted or not. */
+static void check_viewer(const char *ptx) {
+    char png[KIT_PATH];
+    for (int frames = 0; frames <= 8; frames += 8) {
+        static double reddish[2];
+        const char *number = frames ? "8" : "0";
+        unsigned long long bytes = 1;
+        int shown = -1;
+        kit_join(png, scratch.folder, "viewer.png");
+        run_example("example_viewer", (const char *const[]){ptx, png, number, NULL});
+        CHECK_MSG(run.code == 0 && !run.err[0] &&
+                      sscanf(run.out, "%d frames, %llu bytes", &shown, &bytes) == 2 &&
+                      shown == frames && (bytes > 0) == (frames > 0),
+                  "viewer says: %s%s", run.out, run.err);
+        reddish[frames > 0] = reddest(png);
+        CHECK_MSG(!frames || reddish[1] > reddish[0] + 500, "%g pixels are red, before %g",
+                  reddish[1], reddish[0]);
+    }
+}
+
 /* A checked ball under a white sky: dark and light squares, and nothing brighter than the sky. */
 static void check_traced(const char *path) {
     slv_env env = test_env();
@@ -161,21 +181,7 @@ int main(void) {
                   run.err);
         check_picture(png, strategy);
     }
-    for (int frames = 0; frames <= 8; frames += 8) { /* painted or not */
-        static double reddish[2];
-        const char *number = frames ? "8" : "0";
-        unsigned long long bytes = 1;
-        int shown = -1;
-        kit_join(png, scratch.folder, "viewer.png");
-        run_example("example_viewer", (const char *const[]){ptx, png, number, NULL});
-        CHECK_MSG(run.code == 0 && !run.err[0] &&
-                      sscanf(run.out, "%d frames, %llu bytes", &shown, &bytes) == 2 &&
-                      shown == frames && (bytes > 0) == (frames > 0),
-                  "viewer says: %s%s", run.out, run.err);
-        reddish[frames > 0] = reddest(png);
-        CHECK_MSG(!frames || reddish[1] > reddish[0] + 500, "%g pixels are red, before %g",
-                  reddish[1], reddish[0]);
-    }
+    check_viewer(ptx);
     run_example("example_sample_in_your_shader", (const char *const[]){missing, png, NULL});
     CHECK(run.code == 1 && kit_lines(run.err) == 1);
     run_example("example_sample_in_your_shader", (const char *const[]){ptx, png, "wrong", NULL});
