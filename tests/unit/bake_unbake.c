@@ -52,6 +52,7 @@ static void values(void) {
     uint32_t inside = 0;
     uv_write_image("ramp.exr", 128, 96, 3, uv_ramp, &uv_floats);
     MUST(slv_mesh_face_texcoords(&env, mesh, &corners));
+    slv_mesh_destroy(mesh);
     RUNS(1, "bake uv.obj --uv ramp.exr -o ramp.ptx --match 2"); /* one face has no coordinates */
     RUNS(0, "unbake ramp.ptx --mesh uv.obj -o back.exr --size 128x96");
     HAS("1 faces have no texture coordinates");
@@ -81,7 +82,6 @@ static void values(void) {
         CHECK_MSG(fabsf(back.pixels[i] - 7) < 1e-4f, "%u: %g", i / 3, (double)back.pixels[i]);
     slv_image_free(&back);
     slv_free(corners);
-    slv_mesh_destroy(mesh);
 }
 
 /* Beside the cut between the two quads, which are 3 and 4 in value, a pixel outside of the island
@@ -107,6 +107,9 @@ static void seams(void) {
         MUST(slv_texture_set_constant(texture, face, &(float){(float)(3 + face)}));
     MUST(slv_ptx_save(&env, tool_path("pair.ptx"), texture, adjacency,
                       &(slv_ptx_write_params){.mesh = mesh}));
+    slv_texture_destroy(texture);
+    slv_adjacency_destroy(adjacency);
+    slv_mesh_destroy(mesh);
     tool_write_file("pair.obj", pair, sizeof pair - 1);
     RUNS(0, "unbake pair.ptx --mesh pair.obj -o pair.exr --size 64");
     slv_image back = load("pair.exr");
@@ -115,9 +118,6 @@ static void seams(void) {
     CHECK_MSG(row[25] == 4 && row[38] == 3, "%g %g", (double)row[25], (double)row[38]);
     CHECK_MSG(row[6] == 3 && row[57] == 4, "%g %g", (double)row[6], (double)row[57]);
     slv_image_free(&back);
-    slv_texture_destroy(texture);
-    slv_adjacency_destroy(adjacency);
-    slv_mesh_destroy(mesh);
 }
 
 static void tiles(void) {
