@@ -48,9 +48,11 @@ const char *scene_options_problem(const scene_options *o) {
         return "--fov: expected 0 (orthographic) or 0.01 to 170";
     if (o->tess & (o->tess - 1))
         return "--tess: expected a power of two from 2 to 128";
-    if (cli_both_standard(o->mesh, o->view) || cli_both_standard(o->mesh, o->displace.texture) ||
+    if (cli_both_standard(o->mesh, o->view))
+        return "--mesh and --view: both are the standard input, which is one";
+    if (cli_both_standard(o->mesh, o->displace.texture) ||
         cli_both_standard(o->view, o->displace.texture))
-        return "--mesh, --view, --displacement: two are the standard input, which is one";
+        return "--displacement and another: both are the standard input, which is one";
     return NULL;
 }
 
