@@ -1,0 +1,40 @@
+#!/bin/sh
+# Makes the pictures of studio.md: drives the window over the demo scene by real events, and takes what is on the display.
+#   docs/studio_pictures.sh build/bin
+here_docs=$(cd "$(dirname "$0")" && pwd)
+. "$here_docs/../tests/studio/kit.sh"
+
+take() { # NAME
+    xdotool mousemove 5 5
+    refined_now
+    import -window "$window" -colors 128 "$here_docs/images/$1.png"
+}
+# The last picture is a refined one of what was done last.
+refined_now() {
+    tries=0
+    until awk '/"event":"(done|stroke|view)"/ { r = 0 } /"event":"frame"/ { r = /"refined":true/ } END { exit !r }' "$log"; do
+        tries=$((tries + 1))
+        [ $tries -lt 1200 ] || fail "no refined picture"
+        sleep 0.05
+    done
+}
+
+"$bin/selvage-assets" "$here/demo" >/dev/null
+start_display 1000x640
+start_studio --size 660x420 "$here/demo/scene_faces.ptx"
+take_window
+for i in 1 2 3 4 5 6; do xdotool mousemove $middle_x $((middle_y + 20)) click 4; done
+key strategy 1
+key compare bar
+key other-next Tab
+key seams l
+take studio_split
+key seams l
+key compare Escape
+key tool b
+drag '"event":"stroke"' 1 -120 30 12 -3 16
+key layer-add ctrl+shift+n
+take studio
+kill -9 "$studio"
+wait "$studio" 2>/dev/null || true
+studio=
