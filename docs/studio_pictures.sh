@@ -26,7 +26,7 @@ take_window
 for i in 1 2 3 4 5 6; do xdotool mousemove $middle_x $((middle_y + 20)) click 4; done
 key strategy 1
 key compare bar
-key other-next Tab
+key other-next t
 key seams l
 take studio_split
 key seams l

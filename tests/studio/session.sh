@@ -13,7 +13,7 @@ grep -q '"event":"view","azimuth":1.2' "$log" || fail "the view was not turned b
 key strategy 1
 key strategy 2
 key compare bar
-key other-next Tab
+key other-next t
 drag '"event":"view"' 1 0 40 10 0 4 # the divider
 key compare Escape
 key frame f

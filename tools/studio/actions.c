@@ -128,7 +128,7 @@ static const row rows[] = {
      false},
     {"Compare", "Flicker", "compare", "flicker", "k", studio_set_compare, studio_get_compare,
      false},
-    {"Compare", "Another One on the Other Side", "other-next", NULL, "Tab", studio_do_other_next,
+    {"Compare", "Another One on the Other Side", "other-next", NULL, "t", studio_do_other_next,
      NULL, false},
     {"Compare", "Seam Jump", "seam-jump", NULL, "j", studio_do_seam_jump, NULL, true},
     {"Compare", "Report on All Strategies", "report", NULL, "<Control>r", studio_do_report, NULL,
