@@ -50,12 +50,6 @@ slv_result slvi_index_write(const slv_env *env, const char *path, json_t *root);
 /* SLV_OK if there is no file of that name, or an index, which may be written anew. */
 slv_result slvi_index_may_be(const slv_env *env, const char *path);
 
-/* Whether JSON could not be read for want of memory, which jansson does not always say: what is
- * wrong with a text it does. */
-static inline bool slvi_index_lacked_memory(const json_error_t *error) {
-    return !error->text[0] || json_error_code(error) == json_error_out_of_memory;
-}
-
 /* Reading: what is wrong is said in one line, naming the face. */
 slv_result slvi_index_open(const slv_env *env, const char *path, slv_exchange *source);
 slv_result slvi_index_read_face(const slv_env *env, const char *path, const json_t *item,

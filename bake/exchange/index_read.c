@@ -2,6 +2,7 @@
 #include "exchange/index.h"
 
 #include "base/file.h"
+#include "base/json.h"
 #include "base/names.h"
 
 #include <selvage/file.h>
@@ -133,11 +134,11 @@ slv_result slvi_index_open(const slv_env *env, const char *path, slv_exchange *s
     slv_result result = slv_text_load(env, index, &text, &size);
     if (result)
         return result;
-    source->index = json_loadb(text, size, JSON_REJECT_DUPLICATES, &error);
+    result = slvi_json_load(text, size, JSON_REJECT_DUPLICATES, &source->index, &error);
     slv_free(text);
-    if (!source->index && slvi_index_lacked_memory(&error))
-        return slvi_fail(env, SLV_ERROR_MEMORY, "%s: no memory to read it", index);
-    if (!source->index)
+    if (result == SLV_ERROR_MEMORY)
+        return slvi_fail(env, result, "%s: no memory to read it", index);
+    if (result)
         return slvi_fail(env, SLV_ERROR_FORMAT, "%s:%d: %s", index, error.line, error.text);
     if ((result =
              read_encoding(env, index, source->index, "texture_encoding", &source->encoding)) ||

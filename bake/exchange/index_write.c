@@ -1,4 +1,5 @@
 /* Writing the index of exported images. */
+#include "base/json.h"
 #include "exchange/index.h"
 
 #include "exchange/geometry.h"
@@ -191,12 +192,13 @@ slv_result slvi_index_may_be(const slv_env *env, const char *path) {
     slv_result result = slv_text_load(env, path, &text, &size);
     if (result)
         return result;
-    json_t *root = json_loadb(text, size, 0, &error);
+    json_t *root;
+    result = slvi_json_load(text, size, 0, &root, &error);
     slv_free(text);
     const char *kind = json_string_value(json_object_get(root, "kind"));
     bool good = kind && strcmp(kind, SLVI_INDEX_KIND) == 0;
-    if (!root && slvi_index_lacked_memory(&error))
-        result = slvi_fail(env, SLV_ERROR_MEMORY, "%s: no memory to read it", path);
+    if (result == SLV_ERROR_MEMORY)
+        slvi_fail(env, result, "%s: no memory to read it", path);
     else if (!good)
         result =
             slvi_fail(env, SLV_ERROR_IO,

@@ -1,5 +1,6 @@
 /* The record of a merge: one entry of metadata, as JSON. */
 #include "exchange/parts.h"
+#include "base/json.h"
 
 #include "exchange/index.h"
 
@@ -162,13 +163,13 @@ slv_result slvi_parts_read(const slv_env *env, const slv_ptx *ptx, slvi_parts *o
         const slv_ptx_meta *meta;
         if ((result = slv_ptx_load_meta(ptx, i, &meta)) || strcmp(meta->key, SLV_PARTS_KEY) != 0)
             continue;
-        out->root =
-            meta->type == SLV_META_STRING ? json_loadb(meta->values, meta->count, 0, &error) : NULL;
-        if (!out->root)
-            result = meta->type == SLV_META_STRING && slvi_index_lacked_memory(&error)
-                         ? slvi_fail(env, SLV_ERROR_MEMORY, "%s: no memory for the record of parts",
-                                     slv_ptx_name(ptx))
-                         : bad_record(env, ptx, "it cannot be read");
+        result = meta->type == SLV_META_STRING
+                     ? slvi_json_load(meta->values, meta->count, 0, &out->root, &error)
+                     : SLV_ERROR_FORMAT;
+        if (result == SLV_ERROR_MEMORY)
+            slvi_fail(env, result, "%s: no memory for the record of parts", slv_ptx_name(ptx));
+        else if (result)
+            result = bad_record(env, ptx, "it cannot be read");
     }
     if (!result && !out->root)
         result =

@@ -2,6 +2,7 @@
 #include "brush/brush_data.h"
 
 #include "base/file.h"
+#include "base/json.h"
 #include "base/log.h"
 #include "base/memory.h"
 
@@ -148,9 +149,11 @@ static slv_result add_default_curve(slv_brush *brush, json_t *settings) {
 
 static slv_result read_file(slv_brush *brush, const char *name, const char *text, size_t size) {
     json_error_t error;
-    json_t *root = json_loadb(text, size, 0, &error);
-    slv_result result = SLV_OK;
-    if (!root)
+    json_t *root;
+    slv_result result = slvi_json_load(text, size, 0, &root, &error);
+    if (result == SLV_ERROR_MEMORY)
+        return slvi_fail(&brush->env, result, "%s: no memory to read it", name);
+    if (result)
         return slvi_fail(&brush->env, SLV_ERROR_FORMAT, "%s: line %d: %s", name, error.line,
                          error.text);
     json_t *settings = json_object_get(root, "settings"),

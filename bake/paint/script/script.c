@@ -2,6 +2,7 @@
 #include "script/script_data.h"
 #include "surface/painter_data.h"
 
+#include "base/json.h"
 #include "base/log.h"
 #include "base/memory.h"
 
@@ -167,8 +168,12 @@ slv_result slv_script_run(slv_script *script, uint64_t number, const char *line,
         blank++;
     if (blank == size || line[blank] == '#')
         return SLV_OK;
-    json_t *root = json_loadb(line, size, JSON_REJECT_DUPLICATES, &error);
-    if (!root)
+    json_t *root;
+    if ((result = slvi_json_load(line, size, JSON_REJECT_DUPLICATES, &root, &error)) ==
+        SLV_ERROR_MEMORY)
+        return slvi_fail(&script->env, result, "%s: line %llu: no memory to read it", script->name,
+                         (unsigned long long)number);
+    if (result)
         return slvi_fail(&script->env, SLV_ERROR_FORMAT, "%s: line %llu: %s", script->name,
                          (unsigned long long)number, error.text);
     if (!(result = slvi_script_read(script, number, root, &all))) {

@@ -2,6 +2,7 @@
 #include "session/session_data.h"
 
 #include "base/file.h"
+#include "base/json.h"
 #include "base/log.h"
 #include "base/output.h"
 
@@ -97,8 +98,12 @@ slv_result slvi_session_read_description(const slv_env *env, const char *path,
     slv_result result = slvi_file_read(env, path, &text, &size);
     if (result)
         return result;
-    json_t *root = json_loadb(text, size, JSON_REJECT_DUPLICATES, NULL);
+    json_error_t error;
+    json_t *root;
+    result = slvi_json_load(text, size, JSON_REJECT_DUPLICATES, &root, &error);
     slvi_free(text);
+    if (result == SLV_ERROR_MEMORY)
+        return slvi_fail(env, result, "%s: no memory to read it", path);
     const char *wrong = root ? read_root(root, out) : "the file";
     const json_t *list = json_object_get(root, "background");
     if (wrong)

@@ -1,6 +1,7 @@
 /* What is done to a document as JSON, and done again. */
 #include "session/session_data.h"
 
+#include "base/json.h"
 #include "base/log.h"
 #include "base/memory.h"
 #include "base/names.h"
@@ -13,77 +14,100 @@ static const char *const op_names[SLVI_OP_COUNT] = {
     "add-layer", "remove-layer", "move-layer", "duplicate-layer", "merge-down", "set-layer",
     "add-mask",  "remove-mask",  "resize",     "select",          "load"};
 
+/* A list that has all of its values, or NULL. */
+static json_t *whole(json_t *list, uint32_t count) {
+    if (json_array_size(list) == count)
+        return list;
+    json_decref(list);
+    return NULL;
+}
+
 static json_t *res_of(uint32_t count, const slv_res *res) {
     json_t *list = json_array();
     for (uint32_t i = 0; i < count; i++)
         json_array_append_new(list, json_pack("[ii]", (int)res[i].u, (int)res[i].v));
-    return list;
+    return whole(list, count);
 }
 
 static json_t *faces_of(uint32_t count, const uint32_t *faces) {
     json_t *list = json_array();
     for (uint32_t i = 0; i < count; i++)
         json_array_append_new(list, json_integer(faces ? faces[i] : i));
-    return list;
+    return whole(list, count);
 }
 
 static json_t *fill_of(uint32_t count, const float *values) {
     json_t *list = json_array();
     for (uint32_t i = 0; i < count; i++)
         json_array_append_new(list, json_real((double)values[i]));
-    return list;
+    return whole(list, count);
 }
 
-static void put_props(json_t *to, const slv_layer_props *props) {
-    json_object_set_new(to, "name", json_string(props->name));
-    json_object_set_new(to, "opacity", json_real((double)props->opacity));
-    json_object_set_new(to, "blend", json_string(slv_blend_name(props->blend)));
-    json_object_set_new(to, "hidden", json_boolean(props->hidden));
-    json_object_set_new(to, "locked", json_boolean(props->locked));
+/* What is put into an object; a value that is not there is want of memory. */
+typedef struct putter {
+    json_t *to;
+    bool lacked;
+} putter;
+
+static void put(putter *p, const char *key, json_t *value) {
+    p->lacked |= json_object_set_new(p->to, key, value) != 0;
+}
+
+/* False if the name is not UTF-8. */
+static bool put_props(putter *p, const slv_layer_props *props) {
+    json_t *name;
+    slv_result result = slvi_json_text(props->name, &name);
+    put(p, "name", name);
+    put(p, "opacity", json_real((double)props->opacity));
+    put(p, "blend", json_string(slv_blend_name(props->blend)));
+    put(p, "hidden", json_boolean(props->hidden));
+    put(p, "locked", json_boolean(props->locked));
+    return result != SLV_ERROR_ARGUMENT;
 }
 
 slv_result slvi_edit_to_json(const slv_env *env, const slvi_op *op, uint32_t nfaces, json_t **out) {
-    json_t *to = json_object();
-    bool props = op->kind == SLVI_OP_ADD || op->kind == SLVI_OP_SET;
-    json_object_set_new(to, "op", json_string(op_names[op->kind]));
-    json_object_set_new(to, "layer", json_integer(op->id));
+    putter p = {.to = json_object()};
+    bool good = true, props = op->kind == SLVI_OP_ADD || op->kind == SLVI_OP_SET;
+    put(&p, "op", json_string(op_names[op->kind]));
+    put(&p, "layer", json_integer(op->id));
     if (props)
-        put_props(to, &op->props);
+        good = put_props(&p, &op->props);
     switch (op->kind) {
     case SLVI_OP_ADD:
-        json_object_set_new(to, "above", json_integer(op->other));
-        json_object_set_new(to, "type", json_string(slv_type_name(op->type)));
+        put(&p, "above", json_integer(op->other));
+        put(&p, "type", json_string(slv_type_name(op->type)));
         if (op->fill)
-            json_object_set_new(to, "fill", fill_of(op->count, op->fill));
+            put(&p, "fill", fill_of(op->count, op->fill));
         if (op->res)
-            json_object_set_new(to, "res", res_of(nfaces, op->res));
+            put(&p, "res", res_of(nfaces, op->res));
         break;
     case SLVI_OP_RESIZE:
-        json_object_set_new(to, "res", res_of(op->count, op->res));
-        json_object_set_new(to, "faces", faces_of(op->count, op->faces));
+        put(&p, "res", res_of(op->count, op->res));
+        put(&p, "faces", faces_of(op->count, op->faces));
         break;
     case SLVI_OP_SELECT:
-        json_object_set_new(to, "faces", faces_of(op->count, op->faces));
+        put(&p, "faces", faces_of(op->count, op->faces));
         break;
     case SLVI_OP_MOVE:
-        json_object_set_new(to, "index", json_integer(op->index));
+        put(&p, "index", json_integer(op->index));
         break;
     case SLVI_OP_DUPLICATE:
-        json_object_set_new(to, "copy", json_integer(op->other));
+        put(&p, "copy", json_integer(op->other));
         break;
     case SLVI_OP_ADD_MASK:
-        json_object_set_new(to, "value", json_real((double)op->value));
+        put(&p, "value", json_real((double)op->value));
         break;
     default:
         break;
     }
-    *out = to;
-    if (to && (!props || json_object_get(to, "name")))
+    *out = p.to;
+    if (good && !p.lacked)
         return SLV_OK;
-    json_decref(to);
+    json_decref(p.to);
     *out = NULL;
-    return slvi_fail(env, to ? SLV_ERROR_ARGUMENT : SLV_ERROR_MEMORY,
-                     "journal: the name of layer %u is not UTF-8", (unsigned)op->id);
+    return good ? slvi_fail(env, SLV_ERROR_MEMORY, "journal: no memory for a line")
+                : slvi_fail(env, SLV_ERROR_ARGUMENT, "journal: the name of layer %u is not UTF-8",
+                            (unsigned)op->id);
 }
 
 /* ---- doing it again ---- */

@@ -3,6 +3,7 @@
 
 #include "base/beside.h"
 #include "base/file.h"
+#include "base/json.h"
 #include "base/log.h"
 #include "base/memory.h"
 #include "base/output.h"
@@ -115,12 +116,15 @@ static slv_result replay_line(slv_session *session, const slvi_journal_text *tex
         return result;
     memcpy(copy, text->text + line->at, size - 1);
     copy[size - 1] = '}';
-    json_t *root = json_loadb(copy, size, JSON_REJECT_DUPLICATES, NULL);
+    json_error_t error;
+    json_t *root;
+    result = slvi_json_load(copy, size, JSON_REJECT_DUPLICATES, &root, &error);
     json_t *edits = json_object_get(root, "edits");
     slvi_free(copy);
-    if (!root)
-        return slvi_fail(&session->env, SLV_ERROR_FORMAT, "%s: line %" PRIu64 " is no JSON",
-                         session->journal.path, line->number);
+    if (result)
+        return slvi_fail(&session->env, result, "%s: line %" PRIu64 " %s", session->journal.path,
+                         line->number,
+                         result == SLV_ERROR_MEMORY ? "does not fit into memory" : "is no JSON");
     if (!json_is_array(edits)) {
         result = replay_edit(session, root);
     } else if (!(result = slv_document_begin(session->document,

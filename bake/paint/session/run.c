@@ -3,6 +3,7 @@
 #include "session/session_data.h"
 
 #include "base/file.h"
+#include "base/json.h"
 #include "base/log.h"
 #include "base/output.h"
 #include "history/history.h"
@@ -199,15 +200,17 @@ static slv_result run_line(slv_session *session, uint32_t layer, bool mask, json
 slv_result slvi_session_line(slv_session *session, const char *folder, const char *line,
                              size_t size, json_t **out) {
     json_error_t error;
-    json_t *root = json_loadb(line, size, JSON_REJECT_DUPLICATES, &error);
+    json_t *root;
+    slv_result result = slvi_json_load(line, size, JSON_REJECT_DUPLICATES, &root, &error);
     *out = NULL;
+    if (result == SLV_ERROR_MEMORY)
+        return slvi_fail(&session->env, result, "%s: a line: no memory to read it", session->path);
     if (!json_is_object(root)) {
         json_decref(root);
         return slvi_fail(&session->env, SLV_ERROR_FORMAT, "%s: a line: %s", session->path,
                          root ? "expected an object" : error.text);
     }
-    slv_result result = keep_brush(session, folder, root);
-    if (result)
+    if ((result = keep_brush(session, folder, root)))
         json_decref(root);
     else
         *out = root;
