@@ -312,8 +312,7 @@ int verb_bake(int argc, char **argv) {
         .writes = "a texture with the mesh inside",
         .examples = "  selvage bake cow.obj --uv cow.png -o cow.ptx\n"
                     "  selvage bake cow.obj --uv 'colour.<UDIM>.exr' -o cow.ptx --match 2\n"
-                    "  selvage bake cow.obj --uv cow.png -o cow.ptx --miss-map why.ptx "
-                    "--max-miss 0.01\n"
+                    "  selvage bake cow.obj --uv cow.png -o cow.ptx --miss-map why.ptx\n"
                     "  selvage bake cow.obj --rays ao --texels 200k -o occlusion.ptx\n"
                     "  selvage bake cow.obj --detail sculpt.obj --type half -o height.ptx\n"
                     "  selvage bake cow.obj --pattern noise --frequency 8 -o cow.ptx\n",

@@ -39,6 +39,31 @@ static slv_camera look_at(const scene_shot *shot, const double at[2]) {
     return camera;
 }
 
+/* From the scene's face to the file's, and the texel there. A triangle's square has the upper half
+ * of a cell beyond the diagonal, mirrored at it. */
+static void find_texel(const scene_data *scene, found *out) {
+    const slv_texture *texture = scene->triangles ? scene->triangles : scene->texture;
+    if (scene->triangles)
+        slv_triangle_from_subface((unsigned)out->hit.face % 3, out->hit.u, out->hit.v, &out->hit.u,
+                                  &out->hit.v);
+    out->hit.face = scene_file_face(scene, out->hit.face);
+    slv_res res = slv_texture_get_desc(texture)->res[out->hit.face];
+    float within[2];
+    for (int k = 0; k < 2; k++) {
+        out->size[k] = 1u << (k ? res.v : res.u);
+        float place = fminf(fmaxf(k ? out->hit.v : out->hit.u, 0), 1) * (float)out->size[k];
+        uint32_t texel = (uint32_t)place < out->size[k] ? (uint32_t)place : out->size[k] - 1;
+        within[k] = place - (float)texel;
+        *(k ? &out->y : &out->x) = texel;
+    }
+    if (scene->triangles && within[0] + within[1] > 1 && out->x + out->y + 1 < out->size[0]) {
+        uint32_t x = out->x;
+        out->x = out->size[0] - 1 - out->y;
+        out->y = out->size[0] - 1 - x;
+    }
+    slv_texture_fetch(texture, (uint32_t)out->hit.face, out->x, out->y, out->values);
+}
+
 /* Values are the file's numbers, or the light that they stand for if sRGB is asked for. */
 static slv_result find(const slv_env *env, const scene_shot *shot, bool srgb, const double at[2],
                        found *out) {
@@ -55,18 +80,11 @@ static slv_result find(const slv_env *env, const scene_shot *shot, bool srgb, co
     slv_reference_destroy(reference);
     if (result || out->hit.face < 0)
         return result;
-    slv_res res = desc->res[out->hit.face];
     out->nchannels = desc->nchannels;
     out->values = calloc(desc->nchannels, sizeof *out->values);
     if (!out->values)
         return output_fail(env, SLV_ERROR_MEMORY, "no memory for %u channels", desc->nchannels);
-    for (int k = 0; k < 2; k++) {
-        float place = k ? out->hit.v : out->hit.u;
-        out->size[k] = 1u << (k ? res.v : res.u);
-        uint32_t texel = (uint32_t)(fminf(fmaxf(place, 0), 1) * (float)out->size[k]);
-        *(k ? &out->y : &out->x) = texel < out->size[k] ? texel : out->size[k] - 1;
-    }
-    slv_texture_fetch(shot->scene.texture, (uint32_t)out->hit.face, out->x, out->y, out->values);
+    find_texel(&shot->scene, out);
     if (srgb)
         slv_texels_decode(desc->nchannels, desc->alpha_channel, out->values, 1);
     return SLV_OK;
@@ -139,7 +157,7 @@ int verb_pick(int argc, char **argv) {
         .name = "pick",
         .summary = "say which face and texel a place in a picture shows",
         .arguments = "FILE.ptx X Y",
-        .reads = "a texture of quads; a mesh and a view file if they are named",
+        .reads = "a texture; a mesh and a view file if they are named",
         .exits = "0 a face is there, 1 none is, or failure, 2 wrong usage",
         .examples = "  selvage pick teapot.ptx 300 120 --view view.json\n"
                     "  selvage pick cow.ptx --mesh cow.obj --azimuth 60 256 256 --json\n",

@@ -168,7 +168,7 @@ int verb_render(int argc, char **argv) {
         .name = "render",
         .summary = "draw a .ptx on its subdivision surface",
         .arguments = "FILE.ptx [OUT.png|OUT.exr]",
-        .reads = "a texture of quads; a mesh and a view file if they are named",
+        .reads = "a texture; a mesh and a view file if they are named",
         .writes = "a picture, PNG or EXR, alpha where there is no surface",
         .examples =
             "  selvage render teapot.ptx -o teapot.png\n"

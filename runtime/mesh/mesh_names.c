@@ -6,8 +6,8 @@
 #include <string.h>
 
 static const char *const boundaries[] = {"default", "none", "edge-only", "edge-and-corner"};
-static const char *const schemes[] = {"catmark", "bilinear"};
 static const char *const spaces[] = {"normal", "object", "tangent"};
+static const char *const schemes[] = {"catmark", "bilinear", "loop"};
 
 const char *slv_boundary_name(slv_boundary boundary) {
     return slvi_name_of(boundaries, SLVI_COUNT(boundaries), (int)boundary);

@@ -9,6 +9,7 @@
 #include "kit/calls_document.h"
 #include "kit/calls_paint.h"
 #include "kit/calls_sources.h"
+#include "kit/calls_triangles.h"
 
 #include <selvage/edge_aligned.h>
 #include <selvage/file.h>
@@ -489,6 +490,7 @@ static const calls_entry calls_all[] = {
     {"catmark", call_catmark},
     {"bilinear", call_bilinear},
     {"displaced", call_displaced},
+    {"triangles", call_triangles},
     {"texture", call_texture},
     {"edge_aligned", call_edge_aligned},
     {"htex", call_htex},

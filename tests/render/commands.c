@@ -166,8 +166,9 @@ static void check_inputs_refused(void) {
     kit_join(triangles, data, "tri_tiled_u8_1.ptx");
     check_refused(1, "tri_tiled_u8_1.ptx|triangle", NULL,
                   ARGUMENTS("render", triangles, "--mesh", cube_obj));
-    check_refused(1, "tri_tiled_u8_1.ptx|triangle", NULL, ARGUMENTS("render", triangles));
-    check_refused(1, "triangle", NULL, ARGUMENTS("compare", triangles));
+    check_refused(1, "tri_tiled_u8_1.ptx|no geometry|--mesh FILE.obj", NULL,
+                  ARGUMENTS("render", triangles));
+    check_refused(1, "tri_tiled_u8_1.ptx|no geometry", NULL, ARGUMENTS("compare", triangles));
     kit_join(path, data, "cube_u16_rgba.ptx");
     check_refused(1, "cube_u16_rgba.ptx|no geometry|--mesh FILE.obj", NULL,
                   ARGUMENTS("render", path));
@@ -188,7 +189,7 @@ static void check_inputs_refused(void) {
                "bad_view.json|screen_window");
     check_view("{\"shading\": {\"model\": \"toon\"}}", "bad_view.json|toon");
     check_view("{\"boundary\": \"soft\"}", "bad_view.json|soft");
-    check_view("{\"scheme\": \"loop\"}", "bad_view.json|loop");
+    check_view("{\"scheme\": \"lopp\"}", "bad_view.json|lopp");
     check_refused(1, "missing.json", NULL,
                   ARGUMENTS("render", cube_ptx, "--view", kit_join(path, inputs, "missing.json")));
     check_refused(2, "'3'|channels 0 to 2|r, g, b", NULL,

@@ -75,7 +75,7 @@ int main(void) {
                 leads_back_slv_shading(name, i));
     CHECK_NAMES(slv_boundary, SLV_BOUNDARY_EDGE_AND_CORNER, slv_boundary_name,
                 leads_back_slv_boundary(name, i));
-    CHECK_NAMES(slv_scheme, SLV_SCHEME_BILINEAR, slv_scheme_name, leads_back_slv_scheme(name, i));
+    CHECK_NAMES(slv_scheme, SLV_SCHEME_LOOP, slv_scheme_name, leads_back_slv_scheme(name, i));
     CHECK_NAMES(slv_displacement_space, SLV_DISPLACE_TANGENT, slv_displacement_space_name,
                 leads_back_slv_displacement_space(name, i));
     CHECK_NAMES(slv_filter, SLV_FILTER_COUNT - 1, slv_filter_name, leads_back_slv_filter(name, i));

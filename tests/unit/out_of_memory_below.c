@@ -93,7 +93,8 @@ static bool is_left_out(const calls_entry *entry) {
 /* OpenSubdiv's factory of refiners, which holds them by a plain pointer, loses one that it cannot
  * finish; OpenEXR's C++ library what it had of a file's parts. */
 static bool loses(const calls_entry *entry) {
-    return entry->call == call_catmark || entry->call == call_bilinear || entry->call == call_exr ||
+    return entry->call == call_catmark || entry->call == call_bilinear ||
+           entry->call == call_triangles || entry->call == call_exr ||
            entry->call == call_transfer_from || entry->call == call_streams ||
            entry->call == call_blank;
 }

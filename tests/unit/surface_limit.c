@@ -2,6 +2,7 @@
  * are sound. */
 #include "kit/edge_kit.h"
 #include "kit/mesh_shapes.h"
+#include "kit/triangle_kit.h"
 
 #include <selvage/surface.h>
 
@@ -185,6 +186,50 @@ static void test_random_meshes(void) {
         slv_mesh_destroy(mesh);
         shape_clear(&s);
     }
+}
+
+/* Loop's limit: alike on both sides of edges, derivatives those of the positions; in the plane, the
+ * plane. Vertices of valence n lie where Loop's mask has them. */
+static void test_loop(void) {
+    slv_env env = test_env();
+    uint64_t random = 5;
+    float p[3], du[3], dv[3], n[3];
+    for (int kind = 0; kind < 2 * TRIANGLE_KINDS; kind++) {
+        shape s = triangle_shape(kind, &random);
+        slv_mesh *mesh = shape_mesh(&env, &s);
+        slv_surface *surface = make_surface(&env, mesh, SLV_SCHEME_LOOP);
+        check_edges(mesh, surface);
+        check_derivatives(mesh, surface);
+        slv_surface_destroy(surface);
+        slv_mesh_destroy(mesh);
+        shape_clear(&s);
+    }
+    shape s = shape_tetrahedron();
+    slv_mesh *mesh = shape_mesh(&env, &s);
+    slv_surface *surface = make_surface(&env, mesh, SLV_SCHEME_LOOP);
+    /* valence 3: beta is 3/16, and the limit 1 / (1 + 8/3 beta n) of the vertex */
+    at(surface, 0, 0, 0, p, du, dv, n);
+    const float *own = s.positions + 3 * s.verts[0];
+    for (int c = 0; c < 3; c++) {
+        float others = 0, beta = 3 / 16.0f, share = 1 / (3 + 3 / (8 * beta));
+        for (uint32_t v = 0; v < 4; v++)
+            others += (int32_t)v == s.verts[0] ? 0 : s.positions[3 * v + (uint32_t)c];
+        float expected = (1 - 3 * share) * own[c] + share * others;
+        CHECK_MSG(fabsf(p[c] - expected) < 1e-5f, "%g, expected %g", (double)p[c],
+                  (double)expected);
+    }
+    slv_surface_destroy(surface);
+    slv_mesh_destroy(mesh);
+    shape_clear(&s);
+    s = shape_grid(4, 4, false, false);
+    mesh = shape_mesh(&env, &s);
+    surface = NULL;
+    const slv_surface_params loop = {.scheme = SLV_SCHEME_LOOP};
+    CHECK(slv_surface_create(&env, mesh, &loop, &surface) == SLV_ERROR_UNSUPPORTED && !surface);
+    CHECK_MSG(strstr(test_last_log, "polygon 0 has 4 vertices, and the Loop scheme"), "%s",
+              test_last_log);
+    slv_mesh_destroy(mesh);
+    shape_clear(&s);
 }
 
 static void check_finite(const slv_mesh *mesh, const slv_surface *surface) {
@@ -385,6 +430,7 @@ int main(void) {
     test_flat();
     test_known_limits();
     test_random_meshes();
+    test_loop();
     test_spoilt_meshes();
     test_degenerate();
     test_crowded();

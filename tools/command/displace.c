@@ -58,6 +58,8 @@ static int open_file(const cli_command *command, const slv_env *env, const displ
     if (slv_cache_create(env, NULL, &out->cache) || slv_cache_open(out->cache, d->texture, &file) ||
         slv_cache_get_info(out->cache, file, &info))
         return EXIT_FAILED;
+    if (info.mesh_type == SLV_PTX_TRIANGLE)
+        return cli_error("%s: is of triangles: a texture of quads displaces", d->texture);
     if (info.nfaces != nfaces)
         return cli_error("%s: displaces %u faces, and the mesh has %u", d->texture, info.nfaces,
                          nfaces);

@@ -59,14 +59,15 @@ slv_result ids_draw(const slv_env *env, const scene_shot *shot, bool exr, slv_im
     if (!result)
         result = slv_image_create(env, shot->width, shot->height, exr ? 1 : 4, out);
     for (size_t i = 0; i < npixels && !result; i++) {
+        int32_t face = scene_file_face(&shot->scene, hits[i].face);
         if (exr) {
-            out->pixels[i] = (float)hits[i].face;
+            out->pixels[i] = (float)face;
             continue;
         }
-        uint32_t code = ((uint32_t)(hits[i].face + 1) * (uint32_t)IDS_FACTOR) & 0xFFFFFF;
+        uint32_t code = ((uint32_t)(face + 1) * (uint32_t)IDS_FACTOR) & 0xFFFFFF;
         for (int c = 0; c < 3; c++)
             out->pixels[4 * i + (size_t)c] = (float)(code >> 8 * c & 255) / 255;
-        out->pixels[4 * i + 3] = hits[i].face >= 0;
+        out->pixels[4 * i + 3] = face >= 0;
     }
     slv_reference_destroy(reference);
     free(hits);

@@ -70,6 +70,14 @@ static const char *hint_group(const slv_mesh_view *mesh, const char *typed, char
     return text;
 }
 
+static bool is_of_triangles(const slv_mesh *mesh) {
+    const slv_mesh_view *view = slv_mesh_get_view(mesh);
+    for (uint32_t poly = 0; poly < view->npolys; poly++)
+        if (view->poly_sizes[poly] != 3)
+            return false;
+    return true;
+}
+
 slv_result scene_load_geometry(const slv_env *env, const slv_ptx *ptx, const char *option,
                                slv_mesh **out) {
     slv_env silent = *env;
@@ -87,12 +95,9 @@ slv_result scene_load_model(const slv_env *env, const scene_params *params, slv_
     memset(out, 0, sizeof *out);
     if ((result = salvage_open(env, params->ptx, params->salvage, ptx)))
         goto done;
-    if (slv_ptx_get_info(*ptx)->mesh_type != SLV_PTX_QUAD) {
-        result = output_fail(env, SLV_ERROR_UNSUPPORTED,
-                             "%s: is a texture of triangles, and only those of quads can be drawn",
-                             params->ptx);
-        goto done;
-    }
+    const slv_ptx_info *info = slv_ptx_get_info(*ptx);
+    const bool triangles = info->mesh_type == SLV_PTX_TRIANGLE;
+    const uint64_t nfaces = (triangles ? 3 : 1) * (uint64_t)info->nfaces;
     result = params->mesh ? slv_mesh_load(env, cli_input(params->mesh), &out->mesh)
                           : scene_load_geometry(env, *ptx, "--mesh FILE.obj", &out->mesh);
     if (result || (params->adjacency == 0 && (result = slv_ptx_match_mesh(env, *ptx, out->mesh))))
@@ -101,12 +106,14 @@ slv_result scene_load_model(const slv_env *env, const scene_params *params, slv_
                                     : slv_mesh_adjacency(env, out->mesh, &out->adjacency);
     if (result)
         goto done;
-    if (slv_adjacency_face_count(out->adjacency) != slv_ptx_get_info(*ptx)->nfaces ||
-        slv_mesh_face_count(out->mesh) != slv_ptx_get_info(*ptx)->nfaces) {
+    if (slv_adjacency_face_count(out->adjacency) != nfaces ||
+        slv_mesh_face_count(out->mesh) != nfaces || (triangles && !is_of_triangles(out->mesh))) {
         result = slv_ptx_match_mesh(env, *ptx, out->mesh); /* for its message */
         goto done;
     }
     slv_surface_params surface = {.scheme = params->scheme, .boundary = params->boundary};
+    if (triangles && !params->scheme_given)
+        surface.scheme = SLV_SCHEME_LOOP;
     if ((result = slv_surface_create(env, out->mesh, &surface, &out->surface)))
         goto done;
     if (!find_bounds(slv_mesh_get_view(out->mesh), params->focus, out->bounds_min,
@@ -126,11 +133,30 @@ done:
     return result;
 }
 
+static bool is_black(const slv_ptx *ptx) {
+    const slv_ptx_info *info = slv_ptx_get_info(ptx);
+    /* the filter of triangles knows no border modes */
+    return info->mesh_type == SLV_PTX_QUAD &&
+           (info->border_u == SLV_BORDER_BLACK || info->border_v == SLV_BORDER_BLACK);
+}
+
 slv_result scene_load_texels(const slv_env *env, const slv_ptx *ptx, const slv_res *res,
-                             scene_data *out) {
+                             slv_texture_encoding encoding, scene_data *out) {
+    bool triangles = slv_ptx_get_info(ptx)->mesh_type == SLV_PTX_TRIANGLE;
+    if (slv_ptx_get_info(ptx)->edge_filter == SLV_EDGE_FILTER_TANVEC && !triangles)
+        cli_warning(
+            "%s: holds vectors, which are drawn as numbers: those of neighbours are not turned "
+            "at edges",
+            slv_ptx_name(ptx));
+    if (is_black(ptx))
+        cli_warning("%s: its border mode black is not drawn: it ends as it stands",
+                    slv_ptx_name(ptx));
     slv_result result = scene_check_memory(env, ptx, res);
     if (!result)
-        result = slv_ptx_load_texture_at(env, ptx, res, &out->texture);
+        result =
+            slv_ptx_load_texture_at(env, ptx, res, triangles ? &out->triangles : &out->texture);
+    if (!result && triangles)
+        result = slv_triangle_texture(env, out->triangles, out->adjacency, encoding, &out->texture);
     out->salvaged = !result && salvage_tell(ptx) != EXIT_OK;
     return result;
 }
@@ -138,10 +164,14 @@ slv_result scene_load_texels(const slv_env *env, const slv_ptx *ptx, const slv_r
 slv_result scene_load(const slv_env *env, const scene_params *params, scene_data *out) {
     slv_ptx *ptx = NULL;
     slv_result result = scene_load_model(env, params, &ptx, out);
-    if (!result && (result = scene_load_texels(env, ptx, NULL, out)))
+    if (!result && (result = scene_load_texels(env, ptx, NULL, params->encoding, out)))
         scene_free(out);
     slv_ptx_close(ptx);
     return result;
+}
+
+int32_t scene_file_face(const scene_data *scene, int32_t face) {
+    return face >= 0 && scene->triangles ? face / 3 : face;
 }
 
 void scene_free(scene_data *scene) {
@@ -150,5 +180,6 @@ void scene_free(scene_data *scene) {
     slv_surface_destroy(scene->surface);
     slv_texture_destroy(scene->texture);
     displace_close(&scene->displace);
+    slv_texture_destroy(scene->triangles);
     memset(scene, 0, sizeof *scene);
 }

@@ -33,6 +33,8 @@ void scene_fit_window(float window[4], float aspect);
 typedef struct scene_params {
     const char *ptx, *mesh; /* mesh may be NULL: the geometry inside the .ptx */
     slv_scheme scheme;
+    bool scheme_given; /* else that of triangles is Loop's */
+    slv_texture_encoding encoding;
     slv_boundary boundary;
     int adjacency;     /* 0 they must agree, 1 the file's, 2 the mesh's */
     const char *focus; /* NULL, or the group of the mesh that the camera frames */
@@ -44,6 +46,7 @@ typedef struct scene {
     slv_adjacency *adjacency;
     slv_surface *surface;
     slv_texture *texture;
+    slv_texture *triangles;             /* NULL, or what the texture of sub-faces was made of */
     float bounds_min[3], bounds_max[3]; /* of the mesh, or of the group in focus */
     bool salvaged;                      /* faces were filled, which has been told */
     displace_open displace;
@@ -55,11 +58,13 @@ slv_result scene_load(const slv_env *env, const scene_params *params, scene_data
 slv_result scene_load_model(const slv_env *env, const scene_params *params, slv_ptx **ptx,
                             scene_data *out);
 slv_result scene_load_texels(const slv_env *env, const slv_ptx *ptx, const slv_res *res,
-                             scene_data *out);
+                             slv_texture_encoding encoding, scene_data *out);
 /* The geometry inside a .ptx; if there is none, says that `option`, "--mesh FILE.obj", gives it. */
 slv_result scene_load_geometry(const slv_env *env, const slv_ptx *ptx, const char *option,
                                slv_mesh **out);
 void scene_free(scene_data *scene);
+/* Which face of the file a face of the scene is part of, or -1 if it is none. */
+int32_t scene_file_face(const scene_data *scene, int32_t face);
 
 /* What the verbs that make one picture ask about the scene and the view of it. */
 typedef struct scene_options {
@@ -92,7 +97,11 @@ typedef struct scene_options {
 #define SCENE_SHADING(value, help, given)                                                          \
     { "--shading", CLI_CHOICE, value, help, names_shadings(), 0, 0, given }
 #define SCENE_SCHEME(value, given)                                                                 \
-    { "--scheme", CLI_CHOICE, value, "subdivision scheme (catmark)", names_schemes(), 0, 0, given }
+    {                                                                                              \
+        "--scheme", CLI_CHOICE, value,                                                             \
+            "subdivision scheme (the view's, else catmark, of triangles loop)", names_schemes(),   \
+            0, 0, given                                                                            \
+    }
 #define SCENE_BOUNDARY(value, help, given)                                                         \
     { "--boundary", CLI_CHOICE, value, help, names_boundaries(), 0, 0, given }
 #define SCENE_TESS(value, other)                                                                   \

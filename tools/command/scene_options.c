@@ -100,8 +100,9 @@ static slv_result pick_channels(const slv_env *env, const value_channel *list, u
 }
 
 static int choose_channels(const cli_command *command, const slv_env *env, const char *text,
-                           slv_texture **texture) {
-    const slv_texture_desc *desc = slv_texture_get_desc(*texture);
+                           scene_data *scene) {
+    const slv_texture *of[2] = {scene->texture, scene->triangles};
+    const slv_texture_desc *desc = slv_texture_get_desc(scene->texture);
     const value_channels file = {desc->nchannels, desc->alpha_channel};
     value_channel *list = NULL;
     uint32_t count;
@@ -109,8 +110,9 @@ static int choose_channels(const cli_command *command, const slv_env *env, const
     if (!code && count > 4)
         code =
             cli_usage(command, "--channels: '%s' are %u, and at most 4 can be shown", text, count);
-    if (!code && pick_channels(env, list, count, texture))
-        code = EXIT_FAILED;
+    for (int k = 0; k < 2 && !code; k++)
+        if (of[k] && pick_channels(env, list, count, k ? &scene->triangles : &scene->texture))
+            code = EXIT_FAILED;
     free(list);
     return code;
 }
@@ -147,6 +149,8 @@ int scene_load_shot(const cli_command *command, const slv_env *env, const char *
                            .adjacency = o->adjacency,
                            .focus = o->focus,
                            .salvage = o->salvage,
+                           .scheme_given = o->scheme_given || view.has_scheme,
+                           .encoding = (slv_texture_encoding)o->encoding,
                            .scheme = o->scheme_given ? (slv_scheme)o->scheme : view.scheme,
                            .boundary =
                                o->boundary_given ? (slv_boundary)o->boundary : view.boundary};
@@ -171,12 +175,12 @@ int scene_load_shot(const cli_command *command, const slv_env *env, const char *
         out->tessellation.displacement = &out->scene.displace.displacement;
     if (!code)
         code = scene_choose_detail(env, file, out, &res) ||
-                       scene_load_texels(env, file, res, &out->scene)
+                       scene_load_texels(env, file, res, params.encoding, &out->scene)
                    ? EXIT_FAILED
                    : EXIT_OK;
     const char *channels = code ? NULL : channels_shown(o, out->scene.texture);
     if (channels)
-        code = choose_channels(command, env, channels, &out->scene.texture);
+        code = choose_channels(command, env, channels, &out->scene);
     free(res);
     slv_ptx_close(file);
     return code;

@@ -20,7 +20,7 @@ struct compare {
     cli_list views;
     int scheme, boundary, shading, context, adjacency, encoding;
     bool quick, quiet, progress, resume, compress, size_given, frames_given, reference_frames_given,
-        samples_given;
+        samples_given, scheme_given;
     uint32_t size[2], aniso, frames, tess, threads, samples, accumulate, reference_frames;
     float azimuth, elevation, fov, orbit, tilt, dolly;
 };
@@ -177,8 +177,8 @@ static json_t *conditions(const struct session *s) {
         "tess", (json_int_t)r->segments, "orbit", (double)r->path.azimuth, (double)r->path.turn,
         (double)r->path.elevation, (double)r->path.tilt, (double)r->path.fov, (double)r->path.dolly,
         "focus", o->focus ? output_json_text(o->focus, strlen(o->focus)) : json_null(), "surface",
-        o->scheme, o->boundary, o->shading, "views", views, "texture-encoding",
-        slv_texture_encoding_name((slv_texture_encoding)o->encoding));
+        o->scheme_given ? o->scheme : -1, o->boundary, o->shading, "views", views,
+        "texture-encoding", slv_texture_encoding_name((slv_texture_encoding)o->encoding));
 }
 
 /* Before anything is measured, since textures other than 8-bit are refused. */
@@ -198,6 +198,8 @@ static slv_result prepare(struct session *s) {
                            .adjacency = o->adjacency,
                            .focus = o->focus,
                            .scheme = (slv_scheme)o->scheme,
+                           .scheme_given = o->scheme_given,
+                           .encoding = (slv_texture_encoding)o->encoding,
                            .boundary = (slv_boundary)o->boundary};
     const slv_strategy *strategies[REPORT_MAX_STRATEGIES + 1];
     slv_gl_texture_params upload = {.strategies = strategies,
@@ -471,7 +473,7 @@ int verb_compare(int argc, char **argv) {
         SCENE_FOCUS(&o.focus, NULL),
         SCENE_FOV(&o.fov, NULL),
         SCENE_SHADING(&o.shading, "shading (headlight)", NULL),
-        SCENE_SCHEME(&o.scheme, NULL),
+        SCENE_SCHEME(&o.scheme, &o.scheme_given),
         SCENE_BOUNDARY(&o.boundary, "boundary rule (the mesh's, or edge-and-corner)", NULL),
         SCENE_TESS(&o.tess, "by the size on screen"),
         SCENE_ADJACENCY(&o.adjacency),
@@ -495,7 +497,7 @@ int verb_compare(int argc, char **argv) {
         .name = "compare",
         .summary = "measure the seam strategies against each other on one camera orbit",
         .arguments = "FILE.ptx [DIR]",
-        .reads = "a texture of quads; a mesh and view files if they are named",
+        .reads = "a texture; a mesh and view files if they are named",
         .writes = "a folder: report.html, report.json, frames.jsonl, tables and pictures",
         .examples =
             "  selvage compare scene.ptx --mesh scene.obj --out report\n"

@@ -239,7 +239,7 @@ int verb_reference(int argc, char **argv) {
         .name = "reference",
         .summary = "ray-cast a .ptx: the picture that strategies are measured against",
         .arguments = "FILE.ptx [OUT.exr]",
-        .reads = "a texture of quads; a mesh and a view file if they are named",
+        .reads = "a texture; a mesh and a view file if they are named",
         .writes = "a picture, EXR, linear; another of its error and a folder if they are named",
         .examples =
             "  selvage reference teapot.ptx --samples 1024 -o teapot.exr\n"

@@ -217,7 +217,7 @@ SLV_NODISCARD SLV_API slv_result slv_ptx_load_texture(const slv_env *env, const 
  * `res` has one for each face; NULL: their own. No more is read, nor in memory, than that takes. */
 SLV_NODISCARD SLV_API slv_result slv_ptx_load_texture_at(const slv_env *env, const slv_ptx *ptx,
                                                          const slv_res *res, slv_texture **out);
-/* The file's own adjacency. Triangle files are SLV_ERROR_UNSUPPORTED. */
+/* The file's own adjacency; of triangles that of their sub-faces (selvage/subface.h). */
 SLV_NODISCARD SLV_API slv_result slv_ptx_load_adjacency(const slv_env *env, const slv_ptx *ptx,
                                                         slv_adjacency **out);
 /* The control mesh in PtexFaceVertCounts, PtexFaceVertIndices and PtexVertPositions.
@@ -234,7 +234,7 @@ SLV_NODISCARD SLV_API slv_result slv_ptx_find_mesh(const slv_env *env, const slv
 /* Whether a mesh is the one that the file was painted on: mesh type, face count, sub-face flags,
  * adjacency. SLV_ERROR_MISMATCH, with the first face and edge that differ in the message. A file
  * without any adjacency matches by its face count; edges of holes may be either; of two sub-faces
- * across an edge either may be named. */
+ * across an edge either may be named. Triangles belong to a mesh of as many. */
 SLV_NODISCARD SLV_API slv_result slv_ptx_match_mesh(const slv_env *env, const slv_ptx *ptx,
                                                     const slv_mesh *mesh);
 

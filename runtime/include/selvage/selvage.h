@@ -29,9 +29,11 @@
 #include <selvage/result.h>
 #include <selvage/source.h>
 #include <selvage/stream.h>
+#include <selvage/subface.h>
 #include <selvage/surface.h>
 #include <selvage/tessellation.h>
 #include <selvage/texture.h>
 #include <selvage/threads.h>
+#include <selvage/triangle.h>
 
 #endif

@@ -8,9 +8,13 @@
 extern "C" {
 #endif
 
-typedef enum slv_scheme { SLV_SCHEME_CATMARK = 0, SLV_SCHEME_BILINEAR } slv_scheme;
+typedef enum slv_scheme {
+    SLV_SCHEME_CATMARK = 0,
+    SLV_SCHEME_BILINEAR, /* polygons as they are: triangles are flat */
+    SLV_SCHEME_LOOP      /* of triangles only (Loop 1987) */
+} slv_scheme;
 
-/* catmark, bilinear */
+/* catmark, bilinear, loop */
 SLV_API const char *slv_scheme_name(slv_scheme scheme);
 SLV_API bool slv_scheme_from_name(const char *name, slv_scheme *out);
 
@@ -30,7 +34,8 @@ typedef struct slv_surface_params {
  * are vertices where several fans of polygons meet. A polygon that has no limit (it names a vertex
  * twice, has more than 512 sides or as many polygons around a corner, or has sharp tags beside two
  * polygons that share several edges, which OpenSubdiv 3.5 does not survive) stays flat, bilinear
- * between its vertices; their number goes into one warning. */
+ * between its vertices; their number goes into one warning. The Loop scheme for a polygon of more
+ * than three sides is SLV_ERROR_UNSUPPORTED. */
 typedef struct slv_surface slv_surface;
 
 typedef struct slv_surface_point {

@@ -31,11 +31,11 @@ constexpr uint32_t kChunk = 256; /* polygons prepared and stored together */
 using BfrSurface = Bfr::Surface<float>;
 
 /* How the limit of a polygon is found. */
-enum class Kind : uint8_t { bilinear, regular, irregular };
+enum class Kind : uint8_t { bilinear, regular, irregular, triangle };
 
 struct Patch {
     Kind kind = Kind::bilinear;
-    uint32_t surface = 0; /* irregular: which of the chunk's */
+    uint32_t surface = 0; /* irregular, triangle: which of the chunk's */
     size_t points = 0;    /* where in the chunk's points */
 };
 

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <selvage/subface.h>
 
 namespace slvi_surface {
 namespace {
@@ -90,6 +91,25 @@ void evaluate_irregular(const Prepared &face, float u, float v, bool derivatives
         }
 }
 
+/* The limit of a triangle in its barycentric coordinates, of which a sub-face's are a function. */
+void evaluate_triangle(const Prepared &face, float s, float t, bool derivatives, Point &out) {
+    float uv[2], du[3], dv[3];
+    slv_triangle_from_subface(unsigned(face.sub), s, t, &uv[0], &uv[1]);
+    if (!derivatives) {
+        face.surface->Evaluate(uv, face.points, 3, out.position);
+        return;
+    }
+    face.surface->Evaluate(uv, face.points, 3, out.position, du, dv);
+    /* the weights of the vertices, from the sub-face's own on */
+    const float along_s[3] = {(2 * t - 3) / 6, (3 - t) / 6, -t / 6},
+                along_t[3] = {(2 * s - 3) / 6, -s / 6, (3 - s) / 6};
+    int at_u = (4 - face.sub) % 3, at_v = (5 - face.sub) % 3;
+    for (int c = 0; c < 3; c++) {
+        out.du[c] = along_s[at_u] * du[c] + along_s[at_v] * dv[c];
+        out.dv[c] = along_t[at_u] * du[c] + along_t[at_v] * dv[c];
+    }
+}
+
 void evaluate_point(Prepared &face, float u, float v, bool derivatives, Point &out) {
     switch (face.kind) {
     case Kind::bilinear:
@@ -100,6 +120,9 @@ void evaluate_point(Prepared &face, float u, float v, bool derivatives, Point &o
         break;
     case Kind::irregular:
         evaluate_irregular(face, u, v, derivatives, out);
+        break;
+    case Kind::triangle:
+        evaluate_triangle(face, u, v, derivatives, out);
         break;
     }
 }
@@ -177,7 +200,7 @@ void prepare_face(const slv_surface &s, int32_t id, Prepared &out) {
     if (patch.kind == Kind::bilinear)
         return;
     out.points = &chunk.points[patch.points];
-    if (patch.kind == Kind::irregular) {
+    if (patch.kind != Kind::regular) {
         out.surface = &chunk.surfaces[patch.surface];
         out.parameters = out.surface->GetParameterization();
     }

@@ -69,12 +69,13 @@ void prepare_polygon(Build &build, uint32_t poly, Chunk &chunk) {
         return;
     }
     patch.points = chunk.points.size();
-    if (surface.IsRegular() && surface.GetNumControlPoints() == 16) {
+    if (build.surface->scheme == SLV_SCHEME_CATMARK && surface.IsRegular() &&
+        surface.GetNumControlPoints() == 16) {
         patch.kind = Kind::regular;
         store_regular(surface, build.topology->positions, chunk);
         return;
     }
-    patch.kind = Kind::irregular;
+    patch.kind = build.surface->scheme == SLV_SCHEME_LOOP ? Kind::triangle : Kind::irregular;
     patch.surface = uint32_t(chunk.surfaces.size());
     chunk.points.resize(patch.points + 3 * size_t(surface.GetNumPatchPoints()));
     surface.PreparePatchPoints(build.topology->positions.data(), 3, &chunk.points[patch.points], 3);
@@ -177,7 +178,7 @@ slv_result slv_surface_create(const slv_env *env, const slv_mesh *mesh,
                       "enumerations are ints");
         std::memcpy(&scheme, &params->scheme, sizeof scheme);
         std::memcpy(&boundary, &params->boundary, sizeof boundary);
-        if (scheme < 0 || scheme > SLV_SCHEME_BILINEAR || boundary < 0 ||
+        if (scheme < 0 || scheme > SLV_SCHEME_LOOP || boundary < 0 ||
             boundary > SLV_BOUNDARY_EDGE_AND_CORNER)
             return slvi_fail(env, SLV_ERROR_ARGUMENT,
                              "surface: unknown scheme %d or boundary rule %d", scheme, boundary);
@@ -195,7 +196,13 @@ slv_result slv_surface_create(const slv_env *env, const slv_mesh *mesh,
         s->scheme = chosen.scheme;
         s->boundary = chosen.boundary;
         copy_mesh(mesh, s.get());
-        if (chosen.scheme == SLV_SCHEME_CATMARK) {
+        for (size_t p = 0; chosen.scheme == SLV_SCHEME_LOOP && p < s->sizes.size(); p++)
+            if (s->sizes[p] != 3)
+                return slvi_fail(env, SLV_ERROR_UNSUPPORTED,
+                                 "surface: polygon %zu has %d vertices, and the Loop scheme is of "
+                                 "triangles only",
+                                 p, int(s->sizes[p]));
+        if (chosen.scheme != SLV_SCHEME_BILINEAR) {
             slv_result result = build_patches(env, mesh, s.get());
             if (result)
                 return result;

@@ -28,7 +28,8 @@ void leave_out_bad(const slv_surface &s, Topology &out) {
 
 /* `verts` is like the surface's, for `nverts` vertices. Leaves `out.refiner` empty where
  * OpenSubdiv's own limits are exceeded. */
-void make_refiner(const slv_surface &s, const int32_t *verts, size_t nverts, Topology &out) {
+void make_refiner(const slv_surface &s, Sdc::SchemeType scheme, const int32_t *verts, size_t nverts,
+                  Topology &out) {
     std::vector<uint32_t> valence(nverts, 0);
     bool fits = true;
     out.osd_face.assign(s.sizes.size(), -1);
@@ -62,8 +63,7 @@ void make_refiner(const slv_surface &s, const int32_t *verts, size_t nverts, Top
     options.SetVtxBoundaryInterpolation(s.boundary == SLV_BOUNDARY_EDGE_ONLY
                                             ? Sdc::Options::VTX_BOUNDARY_EDGE_ONLY
                                             : Sdc::Options::VTX_BOUNDARY_EDGE_AND_CORNER);
-    out.refiner.reset(
-        Refiners::Create(descriptor, Refiners::Options(Sdc::SCHEME_CATMARK, options)));
+    out.refiner.reset(Refiners::Create(descriptor, Refiners::Options(scheme, options)));
 }
 
 /* Edges that are not simply shared become infinitely sharp: that is what keeps the sheets that meet
@@ -223,7 +223,8 @@ slv_result make_manifold(const slv_env *env, const slv_mesh *mesh, const slv_sur
         const float *from = &s.positions[3 * size_t(fans.origin[v])];
         out.positions.insert(out.positions.end(), from, from + 3);
     }
-    make_refiner(s, fans.side_vert, fans.nverts, out);
+    make_refiner(s, s.scheme == SLV_SCHEME_LOOP ? Sdc::SCHEME_LOOP : Sdc::SCHEME_CATMARK,
+                 fans.side_vert, fans.nverts, out);
     return SLV_OK;
 }
 
@@ -240,7 +241,8 @@ slv_result slv_surface_osd_adjacency(const slv_surface *surface, slv_face_adjace
             }
         Topology topology;
         leave_out_bad(*surface, topology);
-        make_refiner(*surface, surface->verts.data(), surface->positions.size() / 3, topology);
+        make_refiner(*surface, Sdc::SCHEME_CATMARK, surface->verts.data(),
+                     surface->positions.size() / 3, topology);
         if (!topology.refiner)
             return slvi_fail(&surface->env, SLV_ERROR_UNSUPPORTED,
                              "surface: the mesh is beyond OpenSubdiv's limits");

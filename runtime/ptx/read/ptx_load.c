@@ -5,6 +5,8 @@
 #include "base/memory.h"
 #include "mesh/mesh_data.h"
 
+#include <selvage/subface.h>
+
 /* Blocks of consecutive faces follow each other. */
 #define READ_AHEAD (1 << 18)
 
@@ -184,9 +186,6 @@ static slv_result load_adjacency(const slv_env *env, const slv_ptx *ptx, slv_adj
     slv_face_adjacency *records = NULL;
     uint8_t *flags = NULL;
     *out = NULL;
-    if (ptx->info.mesh_type == SLV_PTX_TRIANGLE)
-        return slvi_fail(env, SLV_ERROR_UNSUPPORTED,
-                         "%s: is a triangle-mesh texture; adjacency is of quads only", ptx->name);
     slv_result result = ptx_need(ptx, PTX_FACES);
     if (!result)
         result = slvi_alloc(env, ptx->name, ptx->info.nfaces, sizeof *records, &records);
@@ -198,7 +197,9 @@ static slv_result load_adjacency(const slv_env *env, const slv_ptx *ptx, slv_adj
         flags[face] = f.flags & SLV_FACE_SUBFACE;
     }
     if (!result)
-        result = slv_adjacency_create(env, ptx->info.nfaces, records, flags, out);
+        result = ptx->info.mesh_type == SLV_PTX_TRIANGLE
+                     ? slv_adjacency_create_triangles(env, ptx->info.nfaces, records, out)
+                     : slv_adjacency_create(env, ptx->info.nfaces, records, flags, out);
     slvi_free(records);
     slvi_free(flags);
     return result;
