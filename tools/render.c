@@ -65,6 +65,56 @@ static bool is_empty(const slv_image *image, const float background[4]) {
     return true;
 }
 
+static slv_frame frame_of(const struct render *r, const scene_shot *shot) {
+    slv_frame frame = {.camera = shot->camera,
+                       .width = shot->width,
+                       .height = shot->height,
+                       .msaa = r->msaa,
+                       .strategy = slv_strategy_at((uint32_t)r->strategy),
+                       .shading = shot->shading,
+                       .ka = shot->ka,
+                       .kd = shot->kd,
+                       .float_target = r->bits == 32};
+    memcpy(frame.background, shot->background, sizeof frame.background);
+    return frame;
+}
+
+/* The image, or images, of a mesh with texture coordinates. */
+static int draw_images(const slv_env *env, const struct render *r, const scene_shot *shot,
+                       const char *path) {
+    const slv_frame frame = frame_of(r, shot);
+    const bool data = slv_bake_source_get_desc(shot->scene.uv)->encoding == SLV_TEXTURE_DATA;
+    const slv_image_params file = {.bits = r->bits,
+                                   .encoding = r->raw || data ? SLV_ENCODE_RAW : SLV_ENCODE_SRGB};
+    slv_gl *gl = NULL;
+    slv_gl_images *images = NULL;
+    slv_gl_renderer *renderer = NULL;
+    slv_image image = {0};
+    int code = EXIT_FAILED;
+    if (slv_gl_create(env, (slv_gl_backend)r->context, &gl) ||
+        slv_gl_images_create(gl, env, &shot->scene.images, r->aniso, &images) ||
+        slv_gl_renderer_create_with(gl, env, shot->scene.mesh, shot->scene.surface,
+                                    &shot->tessellation, &renderer) ||
+        slv_gl_renderer_draw_images(renderer, env, images, &frame, &image, NULL) ||
+        output_image(env, path, &image, file, r->scene.progress, r->quiet))
+        goto done;
+    if (is_empty(&image, frame.background))
+        scene_warn_of_nothing(path);
+    if (!r->quiet)
+        printf("%s: %u x %u, %u image(s) by texture coordinates, %ux MSAA, %ux anisotropy, %.1f MB "
+               "on the GPU, %s\n",
+               path, frame.width, frame.height, shot->scene.images.ntiles,
+               frame.msaa ? frame.msaa : 1, r->aniso, (double)slv_gl_images_bytes(images) / 1e6,
+               slv_gl_get_info(gl)->renderer);
+    code = EXIT_OK;
+done:
+    slv_image_free(&image);
+    slv_gl_renderer_destroy(renderer);
+    slv_gl_images_destroy(images);
+    slv_gl_destroy(gl);
+    return code;
+}
+
 static int draw(const cli_command *command, const struct render *r, const char *path) {
     slv_env env = cli_env(r->scene.threads);
     const slv_strategy *strategy = slv_strategy_at((uint32_t)r->strategy);
@@ -80,14 +130,15 @@ static int draw(const cli_command *command, const struct render *r, const char *
                                                                : SLV_GL_COMPRESSION_NONE,
                                     .encoding = (slv_texture_encoding)r->scene.encoding};
     slv_image_params file = {.bits = r->bits};
-    const char *const inputs[] = {r->ptx, r->scene.mesh, r->scene.view, r->scene.displace.texture};
-    if (output_check(&env, path, inputs, 4))
+    const char *const inputs[] = {r->ptx, r->scene.mesh, r->scene.view, r->scene.displace.texture,
+                                  r->scene.uv};
+    if (output_check(&env, path, inputs, 5))
         return EXIT_FAILED;
     int code = scene_load_shot(command, &env, r->ptx, &r->scene, &shot);
     if (code)
         goto done;
-    if (r->pass) {
-        code = draw_ids(&env, r, &shot, path);
+    if (r->pass || shot.scene.uv) {
+        code = r->pass ? draw_ids(&env, r, &shot, path) : draw_images(&env, r, &shot, path);
         goto done;
     }
     code = EXIT_FAILED;
@@ -95,16 +146,7 @@ static int draw(const cli_command *command, const struct render *r, const char *
         upload.encoding = SLV_TEXTURE_DATA;
     if (r->raw || slv_texture_get_encoding(shot.scene.texture, upload.encoding) == SLV_TEXTURE_DATA)
         file.encoding = SLV_ENCODE_RAW;
-    slv_frame frame = {.camera = shot.camera,
-                       .width = shot.width,
-                       .height = shot.height,
-                       .msaa = r->msaa,
-                       .strategy = strategy,
-                       .shading = shot.shading,
-                       .ka = shot.ka,
-                       .kd = shot.kd,
-                       .float_target = r->bits == 32};
-    memcpy(frame.background, shot.background, sizeof frame.background);
+    const slv_frame frame = frame_of(r, &shot);
     if (slv_gl_create(&env, (slv_gl_backend)r->context, &gl) ||
         slv_gl_texture_create(gl, &env, shot.scene.texture, shot.scene.adjacency, &upload,
                               &texture) ||
@@ -137,7 +179,7 @@ done:
 }
 
 int verb_render(int argc, char **argv) {
-    enum { OWN = 11 };
+    enum { OWN = 13 };
     struct render r = {.scene = scene_options_default(), .msaa = 4, .aniso = 1};
     char strategies[SCENE_STRATEGIES_SIZE], how[80];
     uint32_t narguments = 0;
@@ -161,6 +203,8 @@ int verb_render(int argc, char **argv) {
         {"--bits", CLI_UINT, &r.bits, "PNG: 8 or 16 (8). EXR: 16 half or 32 float (16)", NULL, 8,
          32, NULL},
         SCENE_CONTEXT(&r.context),
+        SCENE_UV(&r.scene.uv),
+        SCENE_ROUND(&r.scene.round),
         CLI_SALVAGE(&r.scene.salvage),
         CLI_QUIET(&r.quiet, "print nothing on success"),
     };
@@ -168,13 +212,15 @@ int verb_render(int argc, char **argv) {
         .name = "render",
         .summary = "draw a .ptx on its subdivision surface",
         .arguments = "FILE.ptx [OUT.png|OUT.exr]",
-        .reads = "a texture; a mesh and a view file if they are named",
+        .reads = "a texture; a mesh and a view file if they are named; with --uv a mesh and "
+                 "images",
         .writes = "a picture, PNG or EXR, alpha where there is no surface",
         .examples =
             "  selvage render teapot.ptx -o teapot.png\n"
             "  selvage render cow.ptx --mesh cow.obj --azimuth 60 --strategy discard\n"
             "  selvage render teapot.ptx --view view.json --raw --out linear.exr --bits 32\n"
-            "  selvage render teapot.ptx --pass ids faces.exr\n",
+            "  selvage render teapot.ptx --pass ids faces.exr\n"
+            "  selvage render cow.obj --uv 'cow.<UDIM>.exr' -o cow.png\n",
         .options = options,
         .noptions = sizeof options / sizeof *options,
         .min_arguments = 1,
@@ -192,6 +238,8 @@ int verb_render(int argc, char **argv) {
     const char *problem = scene_options_problem(&r.scene);
     if (problem)
         return cli_usage(&command, "%s", problem);
+    if (r.scene.uv && r.compress)
+        return cli_usage(&command, "--compress is of per-face textures, not of --uv");
     if (r.msaa & (r.msaa - 1))
         return cli_usage(&command, "--msaa: expected 1, 2, 4 or 8");
     const char *out = output_path(&r, buffer, sizeof buffer);

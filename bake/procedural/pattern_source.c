@@ -84,7 +84,7 @@ static void destroy(slv_bake_source *source) {
 
 slv_result slv_bake_from_pattern(const slv_env *env, const slv_surface *surface,
                                  const slv_procedural *pattern, slv_bake_source **out) {
-    static const slvi_bake_fns fns = {evaluate, NULL, NULL, destroy};
+    static const slvi_bake_fns fns = {evaluate, NULL, NULL, destroy, NULL};
     pattern_source *s = NULL;
     *out = NULL;
     slv_result result = slvi_alloc(env, "bake: pattern", 1, sizeof *s, &s);

@@ -93,7 +93,7 @@ static void destroy(slv_bake_source *source) {
 
 slv_result slv_bake_from_surface(const slv_env *env, const slv_surface *surface,
                                  slv_bake_surface_kind kind, slv_bake_source **out) {
-    static const slvi_bake_fns fns = {evaluate, NULL, NULL, destroy};
+    static const slvi_bake_fns fns = {evaluate, NULL, NULL, destroy, NULL};
     surface_source *s = NULL;
     *out = NULL;
     if ((unsigned)kind > SLV_BAKE_DENSITY)

@@ -224,7 +224,7 @@ static slv_result check(const slv_env *env, slv_bake_detail *p) {
 slv_result slv_bake_from_detail(const slv_env *env, const slv_mesh *mesh,
                                 const slv_surface *surface, const slv_mesh *detailed,
                                 const slv_bake_detail *params, slv_bake_source **out) {
-    static const slvi_bake_fns fns = {evaluate, NULL, NULL, destroy};
+    static const slvi_bake_fns fns = {evaluate, NULL, NULL, destroy, NULL};
     detail *d = NULL;
     slv_bake_detail own = params ? *params : (slv_bake_detail){0};
     *out = NULL;

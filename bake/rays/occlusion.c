@@ -172,7 +172,7 @@ static slv_result check(const slv_env *env, slv_bake_rays *params) {
 
 slv_result slv_bake_from_rays(const slv_env *env, const slv_mesh *mesh, const slv_surface *surface,
                               const slv_bake_rays *params, slv_bake_source **out) {
-    static const slvi_bake_fns fns = {evaluate, NULL, NULL, destroy};
+    static const slvi_bake_fns fns = {evaluate, NULL, NULL, destroy, NULL};
     occlusion *o = NULL;
     slv_adjacency *adjacency = NULL;
     slv_bake_rays own = params ? *params : (slv_bake_rays){0};

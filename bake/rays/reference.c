@@ -78,8 +78,16 @@ static slv_result make_scene(slv_reference *r) {
 static slv_result check(const slv_env *env, const slv_mesh *mesh, const slv_surface *surface,
                         const slv_texture *texture, const slv_adjacency *adjacency,
                         slv_reference_params *params) {
-    const slv_texture_desc *desc = slv_texture_get_desc(texture);
     uint32_t nfaces = slv_mesh_face_count(mesh);
+    if (params->images &&
+        (texture || params->images->nfaces != nfaces || slv_surface_face_count(surface) != nfaces))
+        return slvi_fail(env, SLV_ERROR_MISMATCH,
+                         "reference: the mesh has %u faces, the surface %u, the images %u%s",
+                         nfaces, slv_surface_face_count(surface), params->images->nfaces,
+                         texture ? ", and there is a texture too" : "");
+    if (params->images)
+        return SLV_OK;
+    const slv_texture_desc *desc = slv_texture_get_desc(texture);
     if (slv_surface_face_count(surface) != nfaces || desc->nfaces != nfaces ||
         slv_adjacency_face_count(adjacency) != nfaces)
         return slvi_fail(env, SLV_ERROR_MISMATCH,
@@ -115,10 +123,13 @@ static slv_result create(const slv_env *env, const slv_mesh *mesh, const slv_sur
         return result;
     made->env = slvi_env_or_default(env);
     uint32_t shown = params.nchannels < 3 ? params.nchannels : 3;
-    if ((result = slv_texture_decode(env, texture, params.encoding, &decoded)) ||
-        (result = slvi_reference_texels_create(env, decoded ? decoded : texture, adjacency,
-                                               params.first_channel, shown, &made->texels)) ||
-        (result = slv_mesh_adjacency(env, mesh, &own)) ||
+    if (params.images)
+        made->images = *params.images;
+    else if ((result = slv_texture_decode(env, texture, params.encoding, &decoded)) ||
+             (result = slvi_reference_texels_create(env, decoded ? decoded : texture, adjacency,
+                                                    params.first_channel, shown, &made->texels)))
+        goto done;
+    if ((result = slv_mesh_adjacency(env, mesh, &own)) ||
         (result =
              slv_tessellate_with(env, mesh, surface, own,
                                  params.tessellation ? params.tessellation : &even, &made->mesh)) ||
@@ -160,8 +171,7 @@ slv_result slv_reference_lookup(const slv_reference *reference, size_t count,
         if (points[i].face < 0 || (uint32_t)points[i].face >= reference->mesh.nfaces)
             return slvi_fail(&reference->env, SLV_ERROR_ARGUMENT,
                              "reference: point %zu: there is no face %d", i, points[i].face);
-        reference_fetch(&reference->texels, (uint32_t)points[i].face, points[i].u, points[i].v,
-                        rgb + 3 * i);
+        reference_color(reference, (uint32_t)points[i].face, points[i].u, points[i].v, rgb + 3 * i);
     }
     return SLV_OK;
 }

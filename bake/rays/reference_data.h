@@ -17,11 +17,24 @@
 struct slv_reference {
     slv_env env;
     reference_texels texels;
+    slv_uv_images images; /* in place of texels, if there is a `color` */
     slv_tessellation mesh;
     uint32_t *quads; /* 4 each */
     RTCDevice device;
     RTCScene scene;
 };
+
+static inline void reference_color(const slv_reference *r, uint32_t face, float u, float v,
+                                   float rgb[3]) {
+    if (!r->images.color) {
+        reference_fetch(&r->texels, face, u, v, rgb);
+        return;
+    }
+    float rgba[4];
+    r->images.color(r->images.user, face, reference_clamp(u, 1.0f), reference_clamp(v, 1.0f), rgba);
+    for (int c = 0; c < 3; c++)
+        rgb[c] = rgba[c];
+}
 
 /* The camera turned round: eye space to world space, columns x, y, z, and the origin. */
 typedef struct reference_eye {

@@ -120,7 +120,7 @@ static void shade(const work *w, const packet *p, uint32_t lane, float rgb[3]) {
     if (w->frame->shading == SLV_SHADE_FACES)
         face_color(face, u, v, rgb);
     else
-        reference_fetch(&reference->texels, face, u, v, rgb);
+        reference_color(reference, face, u, v, rgb);
     if (w->frame->shading == SLV_SHADE_UNLIT)
         return;
     float front = facing(w, quad, s, t, p->x[lane], p->y[lane]);

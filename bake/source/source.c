@@ -52,6 +52,13 @@ const slv_bake_tile *slv_bake_source_tiles(const slv_bake_source *source, uint32
     return source->fns->tiles ? source->fns->tiles(source, count) : NULL;
 }
 
+bool slv_bake_source_images(const slv_bake_source *source, slv_uv_images *out) {
+    memset(out, 0, sizeof *out);
+    if (source->fns->images)
+        source->fns->images(source, out);
+    return source->fns->images != NULL;
+}
+
 void slv_bake_source_destroy(slv_bake_source *source) {
     if (source)
         source->fns->destroy(source);

@@ -13,6 +13,7 @@ typedef struct slvi_bake_fns {
     void (*extent)(const slv_bake_source *source, uint32_t face, float size[2]);
     const slv_bake_tile *(*tiles)(const slv_bake_source *source, uint32_t *count); /* or NULL */
     void (*destroy)(slv_bake_source *source); /* all of it, the struct too */
+    void (*images)(const slv_bake_source *source, slv_uv_images *out); /* or NULL */
 } slvi_bake_fns;
 
 /* Begins what a source of a kind is. */

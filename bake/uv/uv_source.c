@@ -8,6 +8,8 @@
 #include "base/log.h"
 #include "base/memory.h"
 
+#include <selvage/wrap.h>
+
 #include <math.h>
 #include <string.h>
 
@@ -20,6 +22,7 @@ typedef struct uv_source {
     uv_set set;
     float *corners; /* 8 a face */
     int32_t *cells; /* 4 a face: u0, v0, u1, v1 of the cells that filters reach, both included */
+    slv_uv_tile *squares; /* of the tiles */
 } uv_source;
 
 /* A face as it is sampled. */
@@ -447,18 +450,97 @@ static const slv_bake_tile *tiles(const slv_bake_source *source, uint32_t *count
     return s->set.list;
 }
 
+/* ---- as images ---- */
+
+static void none_color(float rgba[4]) {
+    slv_bake_miss_color(SLV_BAKE_NO_TILE, rgba);
+    slv_texels_decode(3, SLV_NO_ALPHA, rgba, 1);
+    rgba[3] = 1;
+}
+
+static void as_rgba(const uv_set *set, const double *value, float rgba[4]) {
+    bool grey = set->nchannels < 3;
+    for (uint32_t c = 0; c < 3; c++)
+        rgba[c] = (float)value[grey ? 0 : c];
+    rgba[3] = set->alpha >= 0 ? (float)value[set->alpha] : 1;
+    if (!isfinite(rgba[0]) || !isfinite(rgba[1]) || !isfinite(rgba[2]) || !isfinite(rgba[3]))
+        none_color(rgba);
+}
+
+static void read_pixels(const void *user, uint32_t tile, uint32_t x, uint32_t y, uint32_t count,
+                        float *rgba) {
+    const uv_set *set = &((const uv_source *)user)->set;
+    for (uint32_t i = 0; i < count; i++, rgba += 4) {
+        uv_pixel pixel;
+        slvi_uv_decode(&set->tiles[tile], set->nchannels, x + i, y, 1, &pixel);
+        const double value[4] = {(double)pixel[0], (double)pixel[1], (double)pixel[2],
+                                 (double)pixel[3]};
+        as_rgba(set, value, rgba);
+    }
+}
+
+static void color_at(const void *user, uint32_t face, float u, float v, float rgba[4]) {
+    const uv_source *s = user;
+    uv_face f = {.source = s, .corners = corners_of(s, face), .cells = s->cells + 4 * (size_t)face};
+    double at[2], sum[4] = {0};
+    none_color(rgba);
+    if (isnan(f.corners[0]))
+        return;
+    own_cells(f.corners, f.own);
+    place(f.corners, (double)u, (double)v, at);
+    if (sample_at(&f, at[0], at[1], sum) == SLV_BAKE_HIT)
+        as_rgba(&s->set, sum, rgba);
+}
+
+static void images(const slv_bake_source *source, slv_uv_images *out) {
+    const uv_source *s = (const uv_source *)source;
+    *out = (slv_uv_images){.nfaces = s->base.nfaces,
+                           .texcoords = s->corners,
+                           .tiled = s->set.udim || s->set.wrap == SLV_BAKE_WRAP_NONE,
+                           .repeat = s->set.wrap == SLV_BAKE_WRAP_REPEAT,
+                           .wide = s->set.type == SLV_TYPE_FLOAT || s->set.type == SLV_TYPE_U16,
+                           .ntiles = s->set.ntiles,
+                           .tiles = s->squares,
+                           .pixels = read_pixels,
+                           .color = color_at,
+                           .user = s};
+    none_color(out->none);
+}
+
+static slv_result list_squares(const slv_env *env, uv_source *s) {
+    slv_result result =
+        slvi_alloc(env, "bake: tiles", s->set.ntiles, sizeof *s->squares, &s->squares);
+    for (uint32_t i = 0; i < s->set.ntiles && !result; i++) {
+        const slv_bake_tile *tile = &s->set.list[i];
+        int32_t cell = tile->number ? (int32_t)tile->number - UV_FIRST_TILE : 0;
+        s->squares[i] =
+            (slv_uv_tile){cell % UV_CELLS_U, cell / UV_CELLS_U, tile->width, tile->height};
+    }
+    return result;
+}
+
 static void destroy(slv_bake_source *source) {
     uv_source *s = (uv_source *)source;
+    slvi_free(s->squares);
     slvi_uv_set_free(&s->set);
     slvi_free(s->corners);
     slvi_free(s->cells);
     slvi_free(s);
 }
 
+/* Whole numbers are added, so that all of a face is within half of the map's length of its first
+ * corner. */
+static void go_round(float *corners, uint32_t nfaces, int axis) {
+    for (uint32_t face = 0; face < nfaces; face++, corners += 8)
+        for (int c = 1; c < 4 && !isnan(corners[0]); c++)
+            corners[2 * c + axis] =
+                corners[axis] + slv_wrap_step(corners[axis], corners[2 * c + axis]);
+}
+
 slv_result slv_bake_from_uv(const slv_env *env, const slv_mesh *mesh, const char *path,
                             const slv_bake_uv *params, slv_bake_source **out) {
     static const slv_bake_uv none = {0};
-    static const slvi_bake_fns fns = {evaluate, extent, tiles, destroy};
+    static const slvi_bake_fns fns = {evaluate, extent, tiles, destroy, images};
     uv_source *s = NULL;
     *out = NULL;
     slv_result result = slvi_alloc(env, "bake: UV image", 1, sizeof *s, &s);
@@ -474,9 +556,15 @@ slv_result slv_bake_from_uv(const slv_env *env, const slv_mesh *mesh, const char
                            path);
         goto done;
     }
-    if ((result = slvi_uv_set_load(env, path, params ? params : &none, s->corners, s->base.nfaces,
-                                   &s->set)) ||
-        (result = find_cells(env, mesh, s)))
+    slv_bake_uv chosen = params ? *params : none;
+    if (chosen.round_u)
+        go_round(s->corners, s->base.nfaces, 0);
+    if (chosen.round_v)
+        go_round(s->corners, s->base.nfaces, 1);
+    if ((chosen.round_u || chosen.round_v) && !chosen.wrap)
+        chosen.wrap = SLV_BAKE_WRAP_REPEAT;
+    if ((result = slvi_uv_set_load(env, path, &chosen, s->corners, s->base.nfaces, &s->set)) ||
+        (result = find_cells(env, mesh, s)) || (result = list_squares(env, s)))
         goto done;
     s->base.desc =
         (slv_bake_source_desc){s->set.type, s->set.nchannels, s->set.alpha, s->set.encoding};

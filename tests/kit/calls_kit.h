@@ -22,6 +22,7 @@
 #include <selvage/reference.h>
 #include <selvage/threads.h>
 #include <selvage/transfer.h>
+#include <selvage/wrap.h>
 
 /* ---- meshes and surfaces ---- */
 
@@ -57,6 +58,14 @@ static slv_result call_mesh_file(const slv_env *env) {
         result = slv_mesh_save_obj(env, copy, calls_path("out.obj"));
     slv_mesh_destroy(mesh);
     slv_mesh_destroy(copy);
+    return result;
+}
+
+static slv_result call_wrap(const slv_env *env) {
+    const slv_wrap_params params = {.map = SLV_WRAP_TORUS};
+    slv_mesh *mesh = NULL;
+    slv_result result = slv_mesh_wrap(env, calls.mesh, &params, NULL, &mesh);
+    slv_mesh_destroy(mesh);
     return result;
 }
 
@@ -486,6 +495,7 @@ static const calls_entry calls_all[] = {
     {"parse_obj", call_parse_obj},
     {"parse_ply", call_parse_ply},
     {"mesh_file", call_mesh_file},
+    {"wrap", call_wrap},
     {"adjacency", call_adjacency},
     {"catmark", call_catmark},
     {"bilinear", call_bilinear},

@@ -226,7 +226,7 @@ static void check_bad(const char *ptx) {
                             "--displacement-channel", "1", "x.png"),
                   2, "first of 3");
     kit_join(path, kit_variable("SELVAGE_TESTS"), "conformance/data/tri_tiled_u8_1.ptx");
-    check_refused(ARGUMENTS(SMALL, "-d", path, "x.png"), 1, "tri_tiled_u8_1.ptx: displaces");
+    check_refused(ARGUMENTS(SMALL, "-d", path, "x.png"), 1, "tri_tiled_u8_1.ptx: is of triangles");
 }
 
 int main(void) {

@@ -5,6 +5,7 @@
 #include "kit/host_kit.h"
 #include "kit/memory_kit.h"
 
+#include <selvage/gl_images.h>
 #include <selvage/gl_live.h>
 #include <selvage/gl_renderer.h>
 #include <selvage/gl_residency.h>
@@ -51,6 +52,36 @@ static slv_result create(const slv_env *env, const slv_gl_texture_params *params
 
 static slv_result call_texture(const slv_env *env) {
     return create(env, NULL);
+}
+
+static void two_pixels(const void *user, uint32_t tile, uint32_t x, uint32_t y, uint32_t count,
+                       float *rgba) {
+    (void)user, (void)tile, (void)y;
+    for (uint32_t i = 0; i < 4 * count; i++)
+        rgba[i] = (float)(x + i) / 8;
+}
+
+/* Images for the faces of the mesh, drawn. */
+static slv_result call_images(const slv_env *env) {
+    static const slv_uv_tile tile = {0, 0, 2, 2};
+    const slv_frame frame = {.width = 8, .height = 8};
+    slv_gl_images *images = NULL;
+    uint32_t nfaces = slv_texture_get_desc(grid.texture)->nfaces;
+    float *texcoords = calloc(nfaces, 8 * sizeof *texcoords);
+    const slv_uv_images given = {.nfaces = nfaces,
+                                 .texcoords = texcoords,
+                                 .ntiles = 1,
+                                 .tiles = &tile,
+                                 .pixels = two_pixels};
+    REQUIRE(texcoords);
+    slv_gl_renderer *own = NULL; /* which keeps what it made for the images */
+    slv_result result = slv_gl_images_create(gl, env, &given, 1, &images);
+    if (!result && !(result = slv_gl_renderer_create(gl, env, grid.mesh, surface, 2, &own)))
+        result = slv_gl_renderer_draw_images(own, env, images, &frame, NULL, NULL);
+    slv_gl_renderer_destroy(own);
+    slv_gl_images_destroy(images);
+    free(texcoords);
+    return result;
 }
 
 static slv_result call_blocks(const slv_env *env) {
@@ -139,11 +170,11 @@ int main(void) {
     static const struct {
         const char *name;
         slv_result (*call)(const slv_env *env);
-    } entries[] = {{"texture", call_texture},     {"live", call_live},
-                   {"residency", call_residency}, {"blocks", call_blocks},
-                   {"lookup", call_lookup},       {"seam", call_seam},
-                   {"draw", call_draw},           {"renderer", call_renderer},
-                   {"context", call_context},     {"wrap", call_wrap}};
+    } entries[] = {
+        {"images", call_images},       {"texture", call_texture}, {"live", call_live},
+        {"residency", call_residency}, {"blocks", call_blocks},   {"lookup", call_lookup},
+        {"seam", call_seam},           {"draw", call_draw},       {"renderer", call_renderer},
+        {"context", call_context},     {"wrap", call_wrap}};
     slv_env env = test_env();
     uint64_t random = 1;
     REQUIRE(slv_gl_create(&env, SLV_GL_AUTO, &gl) == SLV_OK);
@@ -153,7 +184,9 @@ int main(void) {
     REQUIRE(slv_surface_create(&env, grid.mesh, NULL, &surface) == SLV_OK);
     REQUIRE(slv_gl_texture_create(gl, &env, grid.texture, grid.adjacency, NULL, &made) == SLV_OK);
     REQUIRE(slv_gl_renderer_create(gl, &env, grid.mesh, surface, 2, &renderer) == SLV_OK);
-    REQUIRE(call_lookup(&env) == SLV_OK && call_draw(&env) == SLV_OK); /* compiles the shaders */
+    /* compiles the shaders */
+    REQUIRE(call_lookup(&env) == SLV_OK && call_draw(&env) == SLV_OK &&
+            call_images(&env) == SLV_OK);
     for (size_t i = 0; i < sizeof entries / sizeof *entries; i++) {
         /* a context that was made is the current one then */
         long failed;

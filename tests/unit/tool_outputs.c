@@ -30,6 +30,7 @@ static const struct writer {
     {"merge in.ptx other.ptx -o", ".ptx", .prints = true},
     {"transfer in.ptx --to in.obj", ".ptx", .prints = true},
     {"new in.obj --json", ".ptx", .prints = true},
+    {"wrap in.obj --json -o", ".obj", .prints = true},
     {"bake in.obj --pattern noise --size 16 --json -o", ".ptx", .prints = true},
     {"unbake uv.ptx --mesh uv.obj --size 64 --json -o", ".exr", .prints = true},
     {"bake uv.obj --uv uv.png --size 32 --quiet -o kept.ptx --miss-map", ".ptx", .prints = false},

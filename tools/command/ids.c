@@ -44,7 +44,8 @@ void ids_number_draw(slv_image *image, uint32_t number, uint32_t left, uint32_t 
 }
 
 slv_result ids_draw(const slv_env *env, const scene_shot *shot, bool exr, slv_image *out) {
-    const slv_reference_params params = {.tessellation = &shot->tessellation};
+    const slv_reference_params params = {.tessellation = &shot->tessellation,
+                                         .images = shot->scene.uv ? &shot->scene.images : NULL};
     size_t npixels = (size_t)shot->width * shot->height;
     slv_reference_hit *hits = calloc(npixels, sizeof *hits);
     slv_reference *reference = NULL;

@@ -89,6 +89,33 @@ slv_result scene_load_geometry(const slv_env *env, const slv_ptx *ptx, const cha
     return result ? slv_ptx_load_mesh(env, ptx, out) : SLV_OK; /* for its message */
 }
 
+static slv_result find_focus(const slv_env *env, const scene_params *params, scene_data *out) {
+    const slv_mesh_view *mesh = slv_mesh_get_view(out->mesh);
+    char hint[WORDS_HINT];
+    if (find_bounds(mesh, params->focus, out->bounds_min, out->bounds_max))
+        return SLV_OK;
+    return output_fail(env, SLV_ERROR_ARGUMENT, "%s: there is no group '%s' to focus on%s",
+                       params->mesh ? params->mesh : params->ptx,
+                       params->focus ? params->focus : "",
+                       params->focus ? hint_group(mesh, params->focus, hint) : "");
+}
+
+slv_result scene_load_images(const slv_env *env, const scene_params *params, const slv_bake_uv *uv,
+                             const char *image, scene_data *out) {
+    const slv_surface_params surface = {.scheme = params->scheme, .boundary = params->boundary};
+    slv_result result;
+    memset(out, 0, sizeof *out);
+    if (!(result = slv_mesh_load(env, cli_input(params->mesh), &out->mesh)) &&
+        !(result = slv_bake_from_uv(env, out->mesh, image, uv, &out->uv)) &&
+        !(result = slv_surface_create(env, out->mesh, &surface, &out->surface)))
+        result = find_focus(env, params, out);
+    if (!result)
+        slv_bake_source_images(out->uv, &out->images);
+    else
+        scene_free(out);
+    return result;
+}
+
 slv_result scene_load_model(const slv_env *env, const scene_params *params, slv_ptx **ptx,
                             scene_data *out) {
     slv_result result;
@@ -116,14 +143,7 @@ slv_result scene_load_model(const slv_env *env, const scene_params *params, slv_
         surface.scheme = SLV_SCHEME_LOOP;
     if ((result = slv_surface_create(env, out->mesh, &surface, &out->surface)))
         goto done;
-    if (!find_bounds(slv_mesh_get_view(out->mesh), params->focus, out->bounds_min,
-                     out->bounds_max)) {
-        char hint[WORDS_HINT];
-        result = output_fail(
-            env, SLV_ERROR_ARGUMENT, "%s: there is no group '%s' to focus on%s",
-            params->mesh ? params->mesh : params->ptx, params->focus ? params->focus : "",
-            params->focus ? hint_group(slv_mesh_get_view(out->mesh), params->focus, hint) : "");
-    }
+    result = find_focus(env, params, out);
 done:
     if (result) {
         scene_free(out);
@@ -179,6 +199,7 @@ void scene_free(scene_data *scene) {
     slv_adjacency_destroy(scene->adjacency);
     slv_surface_destroy(scene->surface);
     slv_texture_destroy(scene->texture);
+    slv_bake_source_destroy(scene->uv);
     displace_close(&scene->displace);
     slv_texture_destroy(scene->triangles);
     memset(scene, 0, sizeof *scene);

@@ -5,6 +5,8 @@
 
 #include "command/displace.h"
 
+#include <selvage/bake.h>
+
 /* A camera and its shading, as a view file states them. */
 typedef struct scene_view {
     slv_camera camera;
@@ -50,6 +52,8 @@ typedef struct scene {
     float bounds_min[3], bounds_max[3]; /* of the mesh, or of the group in focus */
     bool salvaged;                      /* faces were filled, which has been told */
     displace_open displace;
+    slv_bake_source *uv; /* NULL, or what is shown in place of a texture: */
+    slv_uv_images images;
 } scene_data;
 
 slv_result scene_load(const slv_env *env, const scene_params *params, scene_data *out);
@@ -59,6 +63,9 @@ slv_result scene_load_model(const slv_env *env, const scene_params *params, slv_
                             scene_data *out);
 slv_result scene_load_texels(const slv_env *env, const slv_ptx *ptx, const slv_res *res,
                              slv_texture_encoding encoding, scene_data *out);
+/* A mesh and an image through its texture coordinates: there is no texture then. */
+slv_result scene_load_images(const slv_env *env, const scene_params *params, const slv_bake_uv *uv,
+                             const char *image, scene_data *out);
 /* The geometry inside a .ptx; if there is none, says that `option`, "--mesh FILE.obj", gives it. */
 slv_result scene_load_geometry(const slv_env *env, const slv_ptx *ptx, const char *option,
                                slv_mesh **out);
@@ -69,6 +76,8 @@ int32_t scene_file_face(const scene_data *scene, int32_t face);
 /* What the verbs that make one picture ask about the scene and the view of it. */
 typedef struct scene_options {
     const char *mesh, *view, *focus, *channels;
+    int round;      /* 1 u goes round, 2 v, 3 both */
+    const char *uv; /* an image for the mesh that the verb's argument is then */
     int scheme, boundary, shading, adjacency, encoding; /* encoding: slv_texture_encoding */
     bool scheme_given, boundary_given, shading_given, size_given, orbit_given, fov_given, progress,
         salvage;
@@ -77,6 +86,20 @@ typedef struct scene_options {
     displace_options displace;
 } scene_options;
 
+/* Of the verbs that draw. */
+#define SCENE_UV(value)                                                                            \
+    {                                                                                              \
+        "--uv", CLI_TEXT, value,                                                                   \
+            "draw this image, or a set of tiles (name.<UDIM>.exr), through texture coordinates: "  \
+            "the argument is the mesh that has them",                                              \
+            "IMAGE", 0, 0, NULL                                                                    \
+    }
+#define SCENE_ROUND(value)                                                                         \
+    {                                                                                              \
+        "--round", CLI_CHOICE, value,                                                              \
+            "with --uv: coordinates that go round, one value a vertex (selvage wrap)",             \
+            "no|u|v|both", 0, 0, NULL                                                              \
+    }
 /* Rows that compare has too. */
 #define SCENE_VIEW(kind, value, help)                                                              \
     { "--view|-v", kind, value, help, "FILE.json", 0, 0, NULL }

@@ -53,6 +53,11 @@ const char *scene_options_problem(const scene_options *o) {
     if (cli_both_standard(o->mesh, o->displace.texture) ||
         cli_both_standard(o->view, o->displace.texture))
         return "--displacement and another: both are the standard input, which is one";
+    if (o->round && !o->uv)
+        return "--round is of texture coordinates: it takes --uv";
+    if (o->uv && (o->mesh || o->channels || o->adjacency || o->salvage))
+        return "--uv: the argument is the mesh, and an image has no --mesh, --channels, "
+               "--adjacency or --salvage";
     return NULL;
 }
 
@@ -164,7 +169,12 @@ int scene_load_shot(const cli_command *command, const slv_env *env, const char *
         out->background[c] = c < 3 ? o->background[c] * o->background[3] : o->background[3];
     slv_ptx *file = NULL;
     slv_res *res = NULL;
-    if (scene_load_model(env, &params, &file, &out->scene))
+    const slv_bake_uv uv = {.encoding = (slv_texture_encoding)o->encoding,
+                            .round_u = o->round & 1,
+                            .round_v = o->round >> 1};
+    params.mesh = o->uv ? ptx : o->mesh;
+    if (o->uv ? scene_load_images(env, &params, &uv, o->uv, &out->scene)
+              : scene_load_model(env, &params, &file, &out->scene))
         return EXIT_FAILED;
     out->camera = camera_of(o, &view, &out->scene, (float)size[0] / (float)size[1]);
     out->tessellation = (slv_tessellation_params){
@@ -173,12 +183,12 @@ int scene_load_shot(const cli_command *command, const slv_env *env, const char *
                               slv_mesh_face_count(out->scene.mesh), &out->scene.displace);
     if (out->scene.displace.moves)
         out->tessellation.displacement = &out->scene.displace.displacement;
-    if (!code)
+    if (!code && !o->uv)
         code = scene_choose_detail(env, file, out, &res) ||
                        scene_load_texels(env, file, res, params.encoding, &out->scene)
                    ? EXIT_FAILED
                    : EXIT_OK;
-    const char *channels = code ? NULL : channels_shown(o, out->scene.texture);
+    const char *channels = code || o->uv ? NULL : channels_shown(o, out->scene.texture);
     if (channels)
         code = choose_channels(command, env, channels, &out->scene);
     free(res);

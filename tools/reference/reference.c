@@ -106,7 +106,8 @@ static int make(const cli_command *command, const struct reference *r, const slv
     code = EXIT_FAILED;
     shot.tessellation.pixels = SLV_TESSELLATION_PIXELS / 4; /* what others are measured against */
     const slv_reference_params params = {.tessellation = &shot.tessellation,
-                                         .encoding = (slv_texture_encoding)r->scene.encoding};
+                                         .encoding = (slv_texture_encoding)r->scene.encoding,
+                                         .images = shot.scene.uv ? &shot.scene.images : NULL};
     slv_reference_frame frame = {.camera = shot.camera,
                                  .width = shot.width,
                                  .height = shot.height,
@@ -199,10 +200,11 @@ static void print_outcome(const struct reference *r, const char *path, const str
 static int run(const cli_command *command, const struct reference *r, const char *path) {
     struct outcome outcome = {.seconds = 0};
     slv_env env = cli_env(r->scene.threads);
-    const char *const inputs[] = {r->ptx, r->scene.mesh, r->scene.view, r->scene.displace.texture};
+    const char *const inputs[] = {r->ptx, r->scene.mesh, r->scene.view, r->scene.displace.texture,
+                                  r->scene.uv};
     /* whether all can be written is known before hours are spent */
-    if (output_check(&env, path, inputs, 4) ||
-        (r->error && output_check(&env, r->error, inputs, 4)) ||
+    if (output_check(&env, path, inputs, 5) ||
+        (r->error && output_check(&env, r->error, inputs, 5)) ||
         (r->convergence && output_try_folder(&env, r->convergence)))
         return EXIT_FAILED;
     int code = make(command, r, &env, path, &outcome);
@@ -216,7 +218,7 @@ static int run(const cli_command *command, const struct reference *r, const char
 }
 
 int verb_reference(int argc, char **argv) {
-    enum { OWN = 9 };
+    enum { OWN = 11 };
     uint32_t narguments = 0;
     struct reference r = {.scene = scene_options_default(), .samples = 256};
     cli_option options[OWN + SCENE_OPTION_ROWS] = {
@@ -232,6 +234,8 @@ int verb_reference(int argc, char **argv) {
          "1, 4, 16, ... samples against the most: a table and a plot", "FOLDER", 0, 0, NULL},
         {"--seed", CLI_UINT, &r.seed, "other samples (0)", NULL, 0, UINT32_MAX, NULL},
         {"--bits", CLI_UINT, &r.bits, "16 half or 32 float (32)", NULL, 16, 32, NULL},
+        SCENE_UV(&r.scene.uv),
+        SCENE_ROUND(&r.scene.round),
         CLI_JSON(&r.json),
         CLI_QUIET(&r.quiet, "print nothing on success"),
     };
@@ -239,7 +243,8 @@ int verb_reference(int argc, char **argv) {
         .name = "reference",
         .summary = "ray-cast a .ptx: the picture that strategies are measured against",
         .arguments = "FILE.ptx [OUT.exr]",
-        .reads = "a texture; a mesh and a view file if they are named",
+        .reads = "a texture; a mesh and a view file if they are named; with --uv a mesh and "
+                 "images",
         .writes = "a picture, EXR, linear; another of its error and a folder if they are named",
         .examples =
             "  selvage reference teapot.ptx --samples 1024 -o teapot.exr\n"

@@ -13,6 +13,7 @@
 
 #include <selvage/filter.h>
 #include <selvage/surface.h>
+#include <selvage/uv_images.h>
 
 #ifdef __cplusplus
 extern "C" {
@@ -120,7 +121,9 @@ typedef struct slv_bake_uv {
     slv_texture_encoding encoding; /* of the images' colours; default: what each file says, else
                                       SRGB of a PNG and LINEAR of an OpenEXR */
     slv_bake_wrap wrap;
-    uint64_t reserved[4];
+    bool round_u, round_v; /* the coordinate goes round, with one value a vertex (wrap.h): within a
+                              polygon it takes the short way, and the image repeats */
+    uint64_t reserved[3];
 } slv_bake_uv;
 
 /* An image through the mesh's texture coordinates (u to the right, v up), or a set of tiles, where
@@ -232,6 +235,10 @@ typedef struct slv_bake_tile {
 } slv_bake_tile;
 /* In the order of their numbers, NULL of other sources. Owned by the source. */
 SLV_API const slv_bake_tile *slv_bake_source_tiles(const slv_bake_source *source, uint32_t *count);
+
+/* The images of slv_bake_from_uv as they are, to be drawn or traced: valid as long as the source.
+ * Filtering goes from tile to tile as it does in a bake. False of other sources. */
+SLV_API bool slv_bake_source_images(const slv_bake_source *source, slv_uv_images *out);
 
 /* Zero means default. How large faces are is said by one of the first six; by none of them by the
  * source, each face along each axis with the power of two nearest to what the source has there, or

@@ -11,6 +11,7 @@
 #include <selvage/image.h>
 #include <selvage/tessellation.h>
 #include <selvage/texture.h>
+#include <selvage/uv_images.h>
 
 #ifdef __cplusplus
 extern "C" {
@@ -24,7 +25,9 @@ typedef struct slv_reference_params {
     slv_texture_encoding encoding; /* of the colours, which become light before they are
                                       interpolated; default: as slv_texture_get_encoding has it */
     const slv_tessellation_params *tessellation; /* in place of `segments`, if it is not NULL */
-    uint64_t reserved[3];
+    const slv_uv_images *images; /* NULL, or what is shown in place of the texture, which is NULL
+                                    then: it is looked at as long as the reference is there */
+    uint64_t reserved[2];
 } slv_reference_params;
 
 /* A surface and its texture, ready for rays. Immutable; any number of threads may use it. */

@@ -1,4 +1,5 @@
 /* Frames of a tessellated surface: targets, triangles in the order of batches, programs. */
+#include "gl/draw/images.h"
 #include "gl/store/tables.h"
 #include "gl/store/texture.h"
 
@@ -135,18 +136,20 @@ static slv_result indices_of(slv_gl_renderer *renderer, const slv_env *env,
     return SLV_OK;
 }
 
-static slv_result make_indices(slv_gl_renderer *renderer, const slv_env *env,
-                               const slv_gl_texture *texture, struct batch_indices *out) {
-    const slv_gl_batches *batches = slvi_gl_texture_batches(texture, out->strategy);
+/* The faces of the batches; one may be in several. `texture` is the serial of what they are of. */
+static slv_result make_indices(slv_gl_renderer *renderer, const slv_env *env, uint64_t texture,
+                               const slv_gl_batches *batches, struct batch_indices *out) {
     const slv_gl_api *api = &renderer->gl->api;
     uint32_t *list = NULL;
     uint64_t count = 0;
     slv_result result = SLV_OK;
-    if (out->texture == texture->serial)
+    if (out->texture == texture)
         return SLV_OK;
     free_indices(api, out);
-    for (uint32_t f = 0; f < renderer->mesh.nfaces; f++)
-        count += slv_tessellation_indices(&renderer->mesh, f, NULL);
+    for (uint32_t b = 0; b < batches->count; b++)
+        for (uint32_t i = 0; i < batches->ranges[b].count; i++)
+            count += slv_tessellation_indices(&renderer->mesh,
+                                              batches->faces[batches->ranges[b].first + i], NULL);
     if (count > INT32_MAX)
         return slvi_fail(env, SLV_ERROR_LIMIT, "too many triangles: choose a coarser tessellation");
     if ((result = slvi_alloc(env, "triangles", count, sizeof *list, &list)) ||
@@ -165,7 +168,7 @@ static slv_result make_indices(slv_gl_renderer *renderer, const slv_env *env,
         goto done;
     out->array = make_array(api, renderer->vertices, out->buffer);
     out->nbatches = batches->count;
-    out->texture = texture->serial;
+    out->texture = texture;
 done:
     slvi_free(list);
     if (result)
@@ -343,6 +346,21 @@ static void draw_batches(const slv_gl_renderer *renderer, slv_gl_texture *textur
     }
 }
 
+static void draw_images(const slv_gl_images *images, const struct batch_indices *indices,
+                        GLuint program) {
+    const slv_gl_api *api = &images->gl->api;
+    api->BindVertexArray(indices->array);
+    api->UseProgram(program);
+    slvi_gl_images_bind(images);
+    for (uint32_t b = 0; b < images->batches.count; b++) {
+        slvi_gl_images_bind_batch(images, b, program);
+        api->DrawElements(GL_TRIANGLES, (GLsizei)(indices->first[b + 1] - indices->first[b]),
+                          GL_UNSIGNED_INT,
+                          (const void *)(uintptr_t)(indices->first[b] * sizeof(uint32_t)));
+    }
+    slvi_gl_images_unbind(images);
+}
+
 static double now(void) {
     struct timespec time;
     clock_gettime(CLOCK_MONOTONIC, &time);
@@ -383,44 +401,33 @@ static slv_frame with_defaults(const slv_frame *given) {
     return frame;
 }
 
-slv_result slv_gl_renderer_draw(slv_gl_renderer *renderer, const slv_env *env,
-                                slv_gl_texture *texture, const slv_frame *given, slv_image *image,
-                                double *seconds) {
+/* What a frame draws: a texture, or images. */
+struct subject {
+    slv_gl_texture *texture;
+    const slv_gl_images *images;
+    const struct batch_indices *indices;
+    GLuint programs[SLV_GL_MAX_VARIANTS];
+};
+
+static slv_result check_frame(const slv_gl_renderer *renderer, const slv_env *env,
+                              const slv_frame *frame, const char *what, uint32_t nfaces) {
+    const slv_gl_info *info = &renderer->gl->info;
+    if (nfaces != renderer->mesh.nfaces)
+        return slvi_fail(env, SLV_ERROR_MISMATCH, "%s %u faces, the mesh %u", what, nfaces,
+                         renderer->mesh.nfaces);
+    if (frame->msaa > info->max_msaa || (frame->msaa & (frame->msaa - 1)))
+        return slvi_fail(env, SLV_ERROR_UNSUPPORTED,
+                         "%u samples per pixel: the driver has at most %u", frame->msaa,
+                         info->max_msaa);
+    return SLV_OK;
+}
+
+/* Clears, draws, resolves, and reads back. */
+static slv_result make_frame(slv_gl_renderer *renderer, const slv_env *env, const slv_frame *frame,
+                             const struct subject *subject, slv_image *image, double *seconds) {
     slv_gl *gl = renderer->gl;
     const slv_gl_api *api = &gl->api;
-    slv_frame frame = with_defaults(given);
-    GLuint programs[SLV_GL_MAX_VARIANTS] = {0};
-    const slv_gl_batches *batches = slvi_gl_texture_batches(texture, frame.strategy);
-    struct batch_indices *indices = NULL;
-    slv_gl_slot *slot = NULL;
-    slv_result result = slvi_gl_texture_need(texture, env, frame.strategy, &slot);
-    if (result)
-        return result;
-    if (slv_gl_texture_face_count(texture) != renderer->mesh.nfaces)
-        return slvi_fail(env, SLV_ERROR_MISMATCH, "the texture has %u faces, the mesh %u",
-                         slv_gl_texture_face_count(texture), renderer->mesh.nfaces);
-    if (frame.msaa > gl->info.max_msaa || (frame.msaa & (frame.msaa - 1)))
-        return slvi_fail(env, SLV_ERROR_UNSUPPORTED,
-                         "%u samples per pixel: the driver has at most %u", frame.msaa,
-                         gl->info.max_msaa);
-    if ((result = make_target(gl, env, &frame, &renderer->target)) ||
-        (result = indices_of(renderer, env, slot->strategy, &indices)) ||
-        (result = make_indices(renderer, env, texture, indices)))
-        return result;
-    /* A viewer that keeps making textures starts afresh now and then: before a frame has collected
-     * its programs, not amid. */
-    if (renderer->nprograms + SLV_GL_MAX_VARIANTS > MAX_PROGRAMS)
-        free_programs(renderer);
-    for (uint32_t b = 0; b < batches->count; b++) {
-        uint32_t variant = batches->ranges[b].variant;
-        if (programs[variant])
-            continue;
-        const char *lookups = NULL;
-        if ((result = slvi_gl_texture_text(texture, slot->strategy, variant, &lookups)) ||
-            (result = surface_program(renderer, env, lookups, &programs[variant])))
-            return result;
-        set_frame(renderer, &frame, programs[variant]);
-    }
+    slv_result result = SLV_OK;
     slvi_gl_set_state(gl);
     static const float far_away = 1;
     const struct target *target = &renderer->target;
@@ -431,15 +438,19 @@ slv_result slv_gl_renderer_draw(slv_gl_renderer *renderer, const slv_env *env,
     if (timed)
         api->BeginQuery(GL_TIME_ELAPSED, renderer->query);
     api->BindFramebuffer(GL_FRAMEBUFFER, target->framebuffers[0]);
-    api->Viewport(0, 0, (GLsizei)frame.width, (GLsizei)frame.height);
+    api->Viewport(0, 0, (GLsizei)frame->width, (GLsizei)frame->height);
     api->Enable(GL_DEPTH_TEST);
-    api->ClearNamedFramebufferfv(target->framebuffers[0], GL_COLOR, 0, frame.background);
+    api->ClearNamedFramebufferfv(target->framebuffers[0], GL_COLOR, 0, frame->background);
     api->ClearNamedFramebufferfv(target->framebuffers[0], GL_DEPTH, 0, &far_away);
-    draw_batches(renderer, texture, indices, programs);
-    if (frame.msaa > 1)
+    if (subject->images)
+        draw_images(subject->images, subject->indices, subject->programs[0]);
+    else
+        draw_batches(renderer, subject->texture, subject->indices, subject->programs);
+    if (frame->msaa > 1)
         api->BlitNamedFramebuffer(target->framebuffers[0], target->framebuffers[1], 0, 0,
-                                  (GLint)frame.width, (GLint)frame.height, 0, 0, (GLint)frame.width,
-                                  (GLint)frame.height, GL_COLOR_BUFFER_BIT, GL_NEAREST);
+                                  (GLint)frame->width, (GLint)frame->height, 0, 0,
+                                  (GLint)frame->width, (GLint)frame->height, GL_COLOR_BUFFER_BIT,
+                                  GL_NEAREST);
     if (timed) {
         GLuint64 nanoseconds = 0;
         api->EndQuery(GL_TIME_ELAPSED);
@@ -451,10 +462,65 @@ slv_result slv_gl_renderer_draw(slv_gl_renderer *renderer, const slv_env *env,
     }
     if (image)
         result = read_back(renderer, env, image);
-    slv_gl_texture_unbind(texture);
+    if (subject->texture)
+        slv_gl_texture_unbind(subject->texture);
     api->BindVertexArray(0);
     api->BindFramebuffer(GL_FRAMEBUFFER, 0);
     if (!result && (result = slvi_gl_check(gl, env, "drawing")) && image)
         slv_image_free(image);
     return result;
+}
+
+slv_result slv_gl_renderer_draw(slv_gl_renderer *renderer, const slv_env *env,
+                                slv_gl_texture *texture, const slv_frame *given, slv_image *image,
+                                double *seconds) {
+    slv_frame frame = with_defaults(given);
+    struct subject subject = {.texture = texture};
+    const slv_gl_batches *batches = slvi_gl_texture_batches(texture, frame.strategy);
+    struct batch_indices *indices = NULL;
+    slv_gl_slot *slot = NULL;
+    slv_result result = slvi_gl_texture_need(texture, env, frame.strategy, &slot);
+    if (result || (result = check_frame(renderer, env, &frame, "the texture has",
+                                        slv_gl_texture_face_count(texture))))
+        return result;
+    if ((result = make_target(renderer->gl, env, &frame, &renderer->target)) ||
+        (result = indices_of(renderer, env, slot->strategy, &indices)) ||
+        (result = make_indices(renderer, env, texture->serial, batches, indices)))
+        return result;
+    subject.indices = indices;
+    /* A viewer that keeps making textures starts afresh now and then: before a frame has collected
+     * its programs, not amid. */
+    if (renderer->nprograms + SLV_GL_MAX_VARIANTS > MAX_PROGRAMS)
+        free_programs(renderer);
+    for (uint32_t b = 0; b < batches->count; b++) {
+        uint32_t variant = batches->ranges[b].variant;
+        if (subject.programs[variant])
+            continue;
+        const char *lookups = NULL;
+        if ((result = slvi_gl_texture_text(texture, slot->strategy, variant, &lookups)) ||
+            (result = surface_program(renderer, env, lookups, &subject.programs[variant])))
+            return result;
+        set_frame(renderer, &frame, subject.programs[variant]);
+    }
+    return make_frame(renderer, env, &frame, &subject, image, seconds);
+}
+
+slv_result slv_gl_renderer_draw_images(slv_gl_renderer *renderer, const slv_env *env,
+                                       slv_gl_images *images, const slv_frame *given,
+                                       slv_image *image, double *seconds) {
+    slv_frame frame = with_defaults(given);
+    struct subject subject = {.images = images};
+    struct batch_indices *indices = NULL;
+    slv_result result = check_frame(renderer, env, &frame, "the images are for", images->nfaces);
+    if (result || (result = make_target(renderer->gl, env, &frame, &renderer->target)) ||
+        (result = indices_of(renderer, env, NULL, &indices)) ||
+        (result = make_indices(renderer, env, images->serial, &images->batches, indices)))
+        return result;
+    subject.indices = indices;
+    if (renderer->nprograms == MAX_PROGRAMS)
+        free_programs(renderer);
+    if ((result = surface_program(renderer, env, images->lookups, &subject.programs[0])))
+        return result;
+    set_frame(renderer, &frame, subject.programs[0]);
+    return make_frame(renderer, env, &frame, &subject, image, seconds);
 }

@@ -109,8 +109,8 @@ SLV_NODISCARD SLV_API slv_result slv_mesh_parse_obj(const slv_env *env, const ch
  * SLV_ERROR_UNSUPPORTED. */
 SLV_NODISCARD SLV_API slv_result slv_mesh_parse_ply(const slv_env *env, const char *name,
                                                     const char *bytes, size_t size, slv_mesh **out);
-/* Writes positions, polygons, groups, creases, corners, holes and boundary rule. Atomic: beside,
- * then rename. */
+/* Writes positions, texture coordinates, polygons, groups, creases, corners, holes and boundary
+ * rule. Atomic: beside, then rename. */
 SLV_NODISCARD SLV_API slv_result slv_mesh_save_obj(const slv_env *env, const slv_mesh *mesh,
                                                    const char *path);
 SLV_API void slv_mesh_destroy(slv_mesh *mesh);

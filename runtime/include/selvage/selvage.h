@@ -12,6 +12,7 @@
 #include <selvage/filter.h>
 #include <selvage/form.h>
 #include <selvage/gl_context.h>
+#include <selvage/gl_images.h>
 #include <selvage/gl_live.h>
 #include <selvage/gl_renderer.h>
 #include <selvage/gl_residency.h>
@@ -35,5 +36,7 @@
 #include <selvage/texture.h>
 #include <selvage/threads.h>
 #include <selvage/triangle.h>
+#include <selvage/uv_images.h>
+#include <selvage/wrap.h>
 
 #endif

@@ -63,11 +63,17 @@ static void write_mesh(FILE *stream, const slv_mesh *mesh, uint32_t *open) {
                z = (double)p[2] + view->origin[2];
         fprintf(stream, "v %.*g %.*g %.*g\n", digits, x, digits, y, digits, z);
     }
+    for (uint32_t i = 0; i < view->ntexcoords; i++)
+        fprintf(stream, "vt %.9g %.9g\n", (double)view->texcoords[2 * (size_t)i],
+                (double)view->texcoords[2 * (size_t)i + 1]);
     for (uint32_t p = 0; p < view->npolys; p++) {
         write_groups(stream, view, p, &groups);
         fputc('f', stream);
-        for (uint32_t s = mesh->poly_first[p]; s < mesh->poly_first[p + 1]; s++)
+        for (uint32_t s = mesh->poly_first[p]; s < mesh->poly_first[p + 1]; s++) {
             fprintf(stream, " %" PRId64, (int64_t)view->poly_verts[s] + 1);
+            if (view->poly_texcoords && view->poly_texcoords[s] >= 0)
+                fprintf(stream, "/%" PRId64, (int64_t)view->poly_texcoords[s] + 1);
+        }
         fputc('\n', stream);
     }
     for (uint32_t i = 0; i < view->ncreases; i++)

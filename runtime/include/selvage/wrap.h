@@ -1,0 +1,70 @@
+/* Texture coordinates that go round: cylindrical, toroidal and spherical ones with a single value a
+ * vertex, for programs that interpolate them the short way, after
+ * Tarini, "Cylindrical and toroidal parameterizations without vertex seams" (2011); and meshes
+ * without the vertices that were duplicated for want of it. */
+#ifndef SELVAGE_WRAP_H
+#define SELVAGE_WRAP_H
+
+#include <selvage/mesh.h>
+
+#include <math.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/* From one coordinate to another the short way: what to add to the first, -1/2 to 1/2. */
+static inline float slv_wrap_step(float from, float to) {
+    float d = to - from;
+    return d - rintf(d);
+}
+
+typedef enum slv_wrap_map {
+    SLV_WRAP_KEEP = 0, /* those that the mesh has */
+    SLV_WRAP_CYLINDER, /* u around the axis, v along it, 0 to 1 from end to end */
+    SLV_WRAP_TORUS,    /* u around the axis, v around the middle of the tube; both go round */
+    SLV_WRAP_SPHERE    /* u around the axis, v from pole to pole */
+} slv_wrap_map;
+
+SLV_API const char *slv_wrap_map_name(slv_wrap_map map); /* keep, cylinder, torus, sphere */
+SLV_API bool slv_wrap_map_from_name(const char *name, slv_wrap_map *out);
+
+/* Zero means default. */
+typedef struct slv_wrap_params {
+    slv_wrap_map map;
+    int axis;           /* 0 x, 1 y, 2 z, through the middle of the mesh's box */
+    bool keep_vertices; /* vertices at one place stay apart */
+    uint64_t reserved[4];
+} slv_wrap_params;
+
+/* What was made, and what cannot be made this way; numbers of polygons are the input's, and the
+ * first of a kind is named, or -1. */
+typedef struct slv_wrap_report {
+    uint32_t nverts, nwelded; /* of the result; how many of the input's are gone */
+    uint32_t nkept;           /* vertices at the place of another that stay: joined, an edge would
+                                 have three sides or two that run the same way */
+    int32_t first_kept;
+    uint32_t ncollapsed; /* polygons that have no three vertices left, and are gone */
+    int32_t first_collapsed;
+    uint32_t nseam[2]; /* polygons over the end of u and of v: interpolated the short way */
+    uint32_t nwide;    /* polygons that span half of the map or more along an axis that goes
+                          round: the method takes them the wrong way */
+    int32_t first_wide;
+    uint32_t nmany;     /* vertices without a single value: poles, and ends of charts */
+    int32_t first_many; /* a vertex of the result */
+    uint64_t reserved[4];
+} slv_wrap_report;
+
+/* Joins vertices at one place to the bit, makes coordinates with one value a vertex, and drops
+ * normals, which belong to vertices that are gone. Positions are the input's own; groups, creases,
+ * corners and holes stay. A pole, which has no angle, has the values of the polygons around it, as
+ * a vertex that keeps several has. KEEP of a mesh without texture coordinates only joins. */
+SLV_NODISCARD SLV_API slv_result slv_mesh_wrap(const slv_env *env, const slv_mesh *mesh,
+                                               const slv_wrap_params *params,
+                                               slv_wrap_report *report, slv_mesh **out);
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif

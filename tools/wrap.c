@@ -1,0 +1,117 @@
+/* The verb wrap: one texture coordinate a vertex, and no vertices that are there twice. */
+#include "command/names.h"
+#include "command/output.h"
+#include "verbs.h"
+
+#include <selvage/wrap.h>
+
+#include <string.h>
+
+enum { VERTEX_BYTES = 32 }; /* of position, normal and texture coordinates in floats */
+
+struct wrap_options {
+    const char *paths[2];
+    int map, axis;
+    bool keep, json, quiet;
+};
+
+static void print_limits(const slv_wrap_report *r) {
+    if (r->nkept)
+        printf(
+            "  %u vertices stay beside others at their place, since an edge would have more than "
+            "two sides: the first is %d\n",
+            r->nkept, r->first_kept + 1);
+    if (r->ncollapsed)
+        printf("  %u polygons had no three vertices left, and are gone: the first was %d\n",
+               r->ncollapsed, r->first_collapsed + 1);
+    if (r->nwide)
+        printf("  %u polygons span half of the map or more, and will be taken the wrong way: the "
+               "first is %d\n",
+               r->nwide, r->first_wide + 1);
+    if (r->nmany)
+        printf("  %u vertices have no single value, as at poles and where charts end: the first is "
+               "%d\n",
+               r->nmany, r->first_many + 1);
+}
+
+static json_t *report_json(const struct wrap_options *o, const slv_wrap_report *r,
+                           uint32_t nbefore) {
+    return json_pack(
+        "{s:i, s:o, s:I, s:I, s:I, s:I, s:I, s:I, s:I, s:I, s:I, s:I, s:I, s:I}", "schema", 1,
+        "path", output_json_text(o->paths[1], strlen(o->paths[1])), "vertices_before",
+        (json_int_t)nbefore, "vertices", (json_int_t)r->nverts, "welded", (json_int_t)r->nwelded,
+        "bytes_saved", (json_int_t)r->nwelded * VERTEX_BYTES, "kept", (json_int_t)r->nkept,
+        "collapsed", (json_int_t)r->ncollapsed, "seam_u", (json_int_t)r->nseam[0], "seam_v",
+        (json_int_t)r->nseam[1], "wide", (json_int_t)r->nwide, "first_wide",
+        (json_int_t)(r->nwide ? r->first_wide + 1 : 0), "many_valued", (json_int_t)r->nmany,
+        "first_many_valued", (json_int_t)(r->nmany ? r->first_many + 1 : 0));
+}
+
+static int run_wrap(const struct wrap_options *o) {
+    slv_env env = cli_env(0);
+    const slv_wrap_params params = {
+        .map = (slv_wrap_map)o->map, .axis = o->axis, .keep_vertices = o->keep};
+    slv_wrap_report report;
+    slv_mesh *mesh = NULL, *made = NULL;
+    int code = EXIT_FAILED;
+    if (output_check(&env, o->paths[1], o->paths, 1) ||
+        slv_mesh_load(&env, cli_input(o->paths[0]), &mesh) ||
+        slv_mesh_wrap(&env, mesh, &params, &report, &made) ||
+        slv_mesh_save_obj(&env, made, o->paths[1]))
+        goto done;
+    uint32_t before = slv_mesh_get_view(mesh)->nverts;
+    code = EXIT_OK;
+    if (o->json)
+        code = output_print_json(o->paths[1], report_json(o, &report, before));
+    else if (!o->quiet) {
+        output_terminal(stdout, o->paths[1], strlen(o->paths[1]), SIZE_MAX);
+        printf(": %u vertices of %u, %u duplicates welded (%u bytes of %d a vertex)\n"
+               "  %u polygons go over the end of u, %u over that of v\n",
+               report.nverts, before, report.nwelded, report.nwelded * VERTEX_BYTES, VERTEX_BYTES,
+               report.nseam[0], report.nseam[1]);
+        print_limits(&report);
+    }
+done:
+    slv_mesh_destroy(made);
+    slv_mesh_destroy(mesh);
+    return code;
+}
+
+int verb_wrap(int argc, char **argv) {
+    struct wrap_options o = {.axis = 1};
+    uint32_t narguments = 0;
+    const cli_option options[] = {
+        CLI_OUT(&o.paths[1], "the file to write", "OUT.obj"),
+        {"--map", CLI_CHOICE, &o.map,
+         "the mesh's own coordinates, or new ones: around an axis, a torus, from pole to pole "
+         "(keep)",
+         "keep|cylinder|torus|sphere", 0, 0, NULL},
+        {"--axis", CLI_CHOICE, &o.axis, "what new ones go around, through the middle (y)", "x|y|z",
+         0, 0, NULL},
+        {"--keep-vertices", CLI_FLAG, &o.keep, "weld nothing", NULL, 0, 0, NULL},
+        CLI_JSON(&o.json),
+        CLI_QUIET(&o.quiet, "print nothing on success"),
+    };
+    const cli_command command = {
+        .name = "wrap",
+        .summary = "texture coordinates that go round with one value a vertex",
+        .arguments = "MESH.obj OUT.obj|-o OUT.obj",
+        .reads = "a mesh, OBJ or PLY",
+        .writes = "the mesh with one texture coordinate a vertex, without duplicated vertices",
+        .examples = "  selvage wrap vase.obj round.obj\n"
+                    "  selvage wrap tube.obj round.obj --map cylinder --axis z\n",
+        .options = options,
+        .noptions = sizeof options / sizeof *options,
+        .min_arguments = 1,
+        .max_arguments = 1,
+        .positional = o.paths,
+        .npositional = &narguments,
+        .output = &o.paths[1],
+        .output_needed = true};
+    int code = cli_parse(&command, argc, argv);
+    if (code >= 0)
+        return code;
+    if (!cli_ends_with(o.paths[1], ".obj"))
+        return cli_usage(&command, "%s: the name of what is written must end in .obj", o.paths[1]);
+    return run_wrap(&o);
+}
