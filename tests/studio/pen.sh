@@ -1,6 +1,6 @@
 #!/bin/sh
-# Pens and mice: 200 motions are 200 samples, however few events they come in; the log of a pen, played below the toolkit's
-# events, brings pressure, tilt and eraser to the dabs. pen.sh BIN ASSETS
+# Pens and mice: 200 motions are 200 samples, however few events they come in; the log of a pen, played where the toolkit's
+# events end, brings pressure, tilt and eraser to the dabs. pen.sh BIN ASSETS
 . "$(dirname "$0")/kit.sh"
 
 "$bin/selvage" new "$2/cube.obj" "$here/cube.ptx" --size 32 -q
