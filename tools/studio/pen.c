@@ -1,6 +1,6 @@
-/* The log of a pen, played into the picture where the toolkit's events end: recorded tablets are tried
- * so where there is none. A line is `down`, `move` or `up`, milliseconds, x and y in pixels of the
- * picture, pressure, tilt x and y, and perhaps `eraser`. */
+/* The log of a pen, played into the picture where the toolkit's events end: recorded tablets are
+ * tried so where there is none. A line is `down`, `move` or `up`, milliseconds, x and y in pixels
+ * of the picture, pressure, tilt x and y, and perhaps `eraser`. */
 #include "studio/studio.h"
 
 #include <fcntl.h>
