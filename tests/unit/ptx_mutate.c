@@ -31,7 +31,8 @@ static void use(const uint8_t *bytes, size_t size) {
     CHECK_MSG(error_lines == (result ? 1 : 0), "%d lines: %s", error_lines, test_last_log);
     slv_texture_destroy(texture);
     if (slv_ptx_load_adjacency(&env, ptx, &adjacency) == SLV_OK)
-        CHECK(slv_adjacency_face_count(adjacency) == info->nfaces);
+        CHECK(slv_adjacency_face_count(adjacency) ==
+              (info->mesh_type == SLV_PTX_TRIANGLE ? 3 : 1) * info->nfaces);
     slv_adjacency_destroy(adjacency);
     test_ignore(slv_ptx_load_mesh(&env, ptx, &mesh));
     slv_mesh_destroy(mesh);

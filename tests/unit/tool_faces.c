@@ -223,11 +223,11 @@ static void check_words(void) {
                  boundaries[boundary]);
             CHECK_MSG(!strcmp(found, tool_out), "%s: %s, %s", view, found, tool_out);
         }
-    tool_write_file("words.json", "{\"scheme\": \"loop\"}", 18);
+    tool_write_file("words.json", "{\"scheme\": \"lopp\"}", 18);
     RUNS(1, "pick a.ptx 256 256 --view words.json");
-    HAS("expected catmark|bilinear");
+    HAS("expected catmark|bilinear|loop");
     RUNS(2, "pick a.ptx 256 256 --scheme catmul-clark");
-    HAS("expected catmark|bilinear");
+    HAS("expected catmark|bilinear|loop");
     tool_write_file("words.json", "{\"boundary\": \"edge-ony\"}", 24);
     RUNS(1, "pick a.ptx 256 256 --view words.json");
     HAS("expected default|none|edge-only|edge-and-corner; did you mean 'edge-only'?");
