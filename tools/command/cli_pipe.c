@@ -14,7 +14,11 @@
 
 #define FOLDER "/dev/fd/"
 
-enum { PART = 1 << 18, PATIENCE = 2000 /* milliseconds until somebody writes */ };
+enum {
+    PART = 1 << 18,
+    PATIENCE = 2000, /* milliseconds until somebody writes */
+    MOST_NAMES = 64
+};
 
 static const char *folder(void) {
     const char *given = getenv("TMPDIR");
@@ -86,12 +90,14 @@ static int name_file(int file, int descriptor, const char **path) {
         close(file);
         return good ? EXIT_OK : cli_error("%s: %s", *path, strerror(errno));
     }
-    char *name = malloc(sizeof FOLDER + 12);
-    if (!name) {
+    static char names[MOST_NAMES][sizeof FOLDER + 12];
+    static int count;
+    if (count == MOST_NAMES) {
         close(file);
-        return cli_error("%s: no memory for its name", *path);
+        return cli_error("%s: is one pipe more than %d", *path, MOST_NAMES);
     }
-    sprintf(name, FOLDER "%d", file);
+    char *name = names[count++];
+    snprintf(name, sizeof names[0], FOLDER "%d", file);
     *path = name;
     return EXIT_OK;
 }
