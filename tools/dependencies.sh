@@ -1,9 +1,9 @@
 #!/bin/sh
 # Makes sure that what Selvage is built with is installed: says what is missing, and installs it with apt-get where there
 # is one. Elsewhere it prints the list and leaves the rest to whoever runs it. With the argument `tests` it also sees to
-# what tests take: a display without a screen and events for it (Xvfb, xdotool), universal-ctags, ImageMagick, OpenEXR's tools, MyPaint's brushes, and a browser, in which one of them opens a report and
-# makes do without where there is none to be had. With `ci` it sees to all that .ci/run takes: that, and clang with its
-# formatter.
+# what tests take: a display without a screen and events for it (Xvfb, xdotool), universal-ctags, ImageMagick, OpenEXR's
+# tools, MyPaint's brushes, and a browser, in which one of them opens a report and makes do without where there is none to
+# be had. With `ci` it sees to all that .ci/run takes: that, and clang with its formatter.
 set -eu
 
 packages="cmake ninja-build gcc g++ pkg-config libosd-dev libopenexr-dev libpng-dev libdeflate-dev libjansson-dev
