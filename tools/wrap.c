@@ -56,8 +56,10 @@ static int run_wrap(const struct wrap_options *o) {
     int code = EXIT_FAILED;
     if (output_check(&env, o->paths[1], o->paths, 1) ||
         slv_mesh_load(&env, cli_input(o->paths[0]), &mesh) ||
-        slv_mesh_wrap(&env, mesh, &params, &report, &made) ||
-        slv_mesh_save_obj(&env, made, o->paths[1]))
+        slv_mesh_wrap(&env, mesh, &params, &report, &made))
+        goto done;
+    cli_catch_interrupts();
+    if (slv_mesh_save_obj(&env, made, o->paths[1]))
         goto done;
     uint32_t before = slv_mesh_get_view(mesh)->nverts;
     code = EXIT_OK;
