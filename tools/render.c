@@ -142,6 +142,8 @@ static int draw(const cli_command *command, const struct render *r, const char *
         goto done;
     }
     code = EXIT_FAILED;
+    upload.border_u = shot.scene.border_u;
+    upload.border_v = shot.scene.border_v;
     if (r->raw && !upload.encoding)
         upload.encoding = SLV_TEXTURE_DATA;
     if (r->raw || slv_texture_get_encoding(shot.scene.texture, upload.encoding) == SLV_TEXTURE_DATA)

@@ -87,6 +87,10 @@ static slv_result check(const slv_env *env, const slv_mesh *mesh, const slv_surf
                          texture ? ", and there is a texture too" : "");
     if (params->images)
         return SLV_OK;
+    if ((unsigned)params->border_u > SLV_BORDER_PERIODIC ||
+        (unsigned)params->border_v > SLV_BORDER_PERIODIC)
+        return slvi_fail(env, SLV_ERROR_ARGUMENT, "reference: unknown border mode %d or %d",
+                         (int)params->border_u, (int)params->border_v);
     const slv_texture_desc *desc = slv_texture_get_desc(texture);
     if (slv_surface_face_count(surface) != nfaces || desc->nfaces != nfaces ||
         slv_adjacency_face_count(adjacency) != nfaces)
@@ -127,7 +131,9 @@ static slv_result create(const slv_env *env, const slv_mesh *mesh, const slv_sur
         made->images = *params.images;
     else if ((result = slv_texture_decode(env, texture, params.encoding, &decoded)) ||
              (result = slvi_reference_texels_create(env, decoded ? decoded : texture, adjacency,
-                                                    params.first_channel, shown, &made->texels)))
+                                                    params.first_channel, shown, &made->texels)) ||
+             (result = slvi_reference_texels_border(env, adjacency, params.border_u,
+                                                    params.border_v, &made->texels)))
         goto done;
     if ((result = slv_mesh_adjacency(env, mesh, &own)) ||
         (result =

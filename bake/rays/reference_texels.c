@@ -211,7 +211,20 @@ done:
     return result;
 }
 
+slv_result slvi_reference_texels_border(const slv_env *env, const slv_adjacency *adjacency,
+                                        slv_border_mode border_u, slv_border_mode border_v,
+                                        reference_texels *texels) {
+    uint32_t nfaces = slv_adjacency_face_count(adjacency);
+    if (border_u != SLV_BORDER_BLACK && border_v != SLV_BORDER_BLACK)
+        return SLV_OK;
+    slv_result result = slvi_alloc(env, "faces", nfaces, 1, &texels->black);
+    for (uint32_t face = 0; face < nfaces && !result; face++)
+        texels->black[face] = (uint8_t)slvi_black_edges(adjacency, face, border_u, border_v);
+    return result;
+}
+
 void slvi_reference_texels_free(reference_texels *texels) {
+    slvi_free(texels->black);
     slvi_free(texels->res);
     slvi_free(texels->first);
     slvi_free(texels->values);

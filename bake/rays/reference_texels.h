@@ -4,6 +4,7 @@
 #define SLV_BAKE_REFERENCE_TEXELS_H
 
 #include "texture/bilinear.h"
+#include "texture/black.h"
 
 /* Where a face's edge runs along a neighbour of longer texels, and takes its values from there. */
 typedef struct reference_link {
@@ -22,12 +23,17 @@ typedef struct reference_texels {
     uint32_t *first_link; /* per face, and one past the last */
     reference_link *links;
     float *corners; /* 4 * nchannels per face: what each corner lacks of its vertex's value */
+    uint8_t *black; /* NULL, or per face the edges beyond which it is black */
     bool *mended;   /* per face: it has links, or a corner that lacks something */
 } reference_texels;
 
 slv_result slvi_reference_texels_create(const slv_env *env, const slv_texture *texture,
                                         const slv_adjacency *adjacency, uint32_t first_channel,
                                         uint32_t nchannels, reference_texels *out);
+/* Makes them black beyond the boundary where either mode asks for it. */
+slv_result slvi_reference_texels_border(const slv_env *env, const slv_adjacency *adjacency,
+                                        slv_border_mode border_u, slv_border_mode border_v,
+                                        reference_texels *texels);
 void slvi_reference_texels_free(reference_texels *texels);
 
 static inline float reference_clamp(float x, float most) {
@@ -54,6 +60,11 @@ static inline void reference_fetch(const reference_texels *texels, uint32_t face
     v = reference_clamp(v, 1.0f);
     if (reference_bilinear(texels, face, u, v, rgb) && texels->mended[face])
         slvi_reference_mend(texels, face, u, v, rgb);
+    if (texels->black && texels->black[face]) {
+        float lit = slvi_lit(texels->black[face], texels->res[face], u, v);
+        for (uint32_t c = 0; c < texels->nchannels; c++)
+            rgb[c] *= lit;
+    }
     if (texels->nchannels < 3) {
         rgb[1] = texels->nchannels == 1 ? rgb[0] : rgb[1];
         rgb[2] = texels->nchannels == 1 ? rgb[0] : 0.0f;

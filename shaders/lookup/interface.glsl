@@ -25,6 +25,9 @@
 //                       stands at the top
 //   SLV_EXPLICIT        1 where there are no derivatives: slv_sample is left out, for vertex and compute shaders
 //   SLV_SCALED          1 if texels are stored divided by SLV_SCALE, because sums of such large floats would overflow
+//   SLV_BLACK           1 if the texture is black beyond its boundary: what the strategy defines is then renamed, and beyond.glsl
+//                       takes away what lies there
+//   SLV_OWN_ALPHA       with SLV_BLACK: 1 if alpha is a channel of the texels and not always 1
 // A strategy may define features:
 //   SLV_KEEPS_ROW       both sides of an edge look up the same texels: a footprint keeps its row of taps however small it is
 
@@ -42,14 +45,14 @@ layout(binding = SLV_FIRST_UNIT) uniform sampler2DArray slv_pool[SLV_POOLS];
 #define SLV_ROW(face) (face)
 #endif
 
-// Per face: pool | layer << 16, and log2 width | log2 height << 8.
+// Per face: pool | layer << 16, and log2 width | log2 height << 8 | the edges beyond which it is black << 16.
 layout(std430, binding = SLV_FIRST_STORAGE) readonly buffer slv_store_block {
     uvec2 slv_store[];
 };
 
 vec2 slv_face_size(int face) {
     uint res = slv_store[SLV_ROW(face)].y;
-    return vec2(float(1u << (res & 255u)), float(1u << (res >> 8)));
+    return vec2(float(1u << (res & 255u)), float(1u << (res >> 8 & 255u)));
 }
 
 // The value of a lookup from that of its texels as they are stored.
@@ -68,4 +71,9 @@ vec4 slv_sample_grad(int face, vec2 uv, vec2 dx, vec2 dy); // the strategy's own
 vec4 slv_sample(int face, vec2 uv) {
     return slv_sample_grad(face, uv, dFdx(uv), dFdy(uv));
 }
+#endif
+
+#if SLV_BLACK
+#define slv_sample_grad slv_sample_repeated
+vec4 slv_sample_grad(int face, vec2 uv, vec2 dx, vec2 dy);
 #endif

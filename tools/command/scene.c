@@ -153,24 +153,18 @@ done:
     return result;
 }
 
-static bool is_black(const slv_ptx *ptx) {
-    const slv_ptx_info *info = slv_ptx_get_info(ptx);
-    /* the filter of triangles knows no border modes */
-    return info->mesh_type == SLV_PTX_QUAD &&
-           (info->border_u == SLV_BORDER_BLACK || info->border_v == SLV_BORDER_BLACK);
-}
-
 slv_result scene_load_texels(const slv_env *env, const slv_ptx *ptx, const slv_res *res,
                              slv_texture_encoding encoding, scene_data *out) {
-    bool triangles = slv_ptx_get_info(ptx)->mesh_type == SLV_PTX_TRIANGLE;
-    if (slv_ptx_get_info(ptx)->edge_filter == SLV_EDGE_FILTER_TANVEC && !triangles)
+    const slv_ptx_info *info = slv_ptx_get_info(ptx);
+    bool triangles = info->mesh_type == SLV_PTX_TRIANGLE;
+    /* the filter of triangles knows no border modes */
+    out->border_u = triangles ? SLV_BORDER_CLAMP : info->border_u;
+    out->border_v = triangles ? SLV_BORDER_CLAMP : info->border_v;
+    if (info->edge_filter == SLV_EDGE_FILTER_TANVEC && !triangles)
         cli_warning(
             "%s: holds vectors, which are drawn as numbers: those of neighbours are not turned "
             "at edges",
             slv_ptx_name(ptx));
-    if (is_black(ptx))
-        cli_warning("%s: its border mode black is not drawn: it ends as it stands",
-                    slv_ptx_name(ptx));
     slv_result result = scene_check_memory(env, ptx, res);
     if (!result)
         result =

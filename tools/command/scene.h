@@ -50,6 +50,7 @@ typedef struct scene {
     slv_texture *texture;
     slv_texture *triangles;             /* NULL, or what the texture of sub-faces was made of */
     float bounds_min[3], bounds_max[3]; /* of the mesh, or of the group in focus */
+    slv_border_mode border_u, border_v; /* how the texture is drawn */
     bool salvaged;                      /* faces were filled, which has been told */
     displace_open displace;
     slv_bake_source *uv; /* NULL, or what is shown in place of a texture: */

@@ -215,6 +215,8 @@ static slv_result prepare(struct session *s) {
         (result = experiment_find_rates(&s->env, s->gl, o->accumulate, report)) ||
         (result = compare_read_views(&s->env, &o->views, report)))
         return result;
+    upload.border_u = s->scene.border_u;
+    upload.border_v = s->scene.border_v;
     report->gl = *slv_gl_get_info(s->gl);
     report->nfaces = slv_mesh_face_count(s->scene.mesh);
     report->nresolutions = count_resolutions(s->scene.texture);

@@ -107,6 +107,8 @@ static int make(const cli_command *command, const struct reference *r, const slv
     shot.tessellation.pixels = SLV_TESSELLATION_PIXELS / 4; /* what others are measured against */
     const slv_reference_params params = {.tessellation = &shot.tessellation,
                                          .encoding = (slv_texture_encoding)r->scene.encoding,
+                                         .border_u = shot.scene.border_u,
+                                         .border_v = shot.scene.border_v,
                                          .images = shot.scene.uv ? &shot.scene.images : NULL};
     slv_reference_frame frame = {.camera = shot.camera,
                                  .width = shot.width,

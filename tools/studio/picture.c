@@ -230,6 +230,8 @@ static slv_result need_texture(studio_picture *p, const studio_document *d, cons
                                           .anisotropy = look->anisotropy,
                                           .first_channel = look->channel ? look->channel - 1 : 0,
                                           .nchannels = look->channel ? 1 : 0,
+                                          .border_u = d->scene.border_u,
+                                          .border_v = d->scene.border_v,
                                           .live = true};
     slv_gl_texture_destroy(s->texture);
     *s = (shown){.anisotropy = look->anisotropy, .channel = look->channel};

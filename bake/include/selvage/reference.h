@@ -9,6 +9,7 @@
 #define SELVAGE_REFERENCE_H
 
 #include <selvage/image.h>
+#include <selvage/source.h>
 #include <selvage/tessellation.h>
 #include <selvage/texture.h>
 #include <selvage/uv_images.h>
@@ -27,7 +28,8 @@ typedef struct slv_reference_params {
     const slv_tessellation_params *tessellation; /* in place of `segments`, if it is not NULL */
     const slv_uv_images *images; /* NULL, or what is shown in place of the texture, which is NULL
                                     then: it is looked at as long as the reference is there */
-    uint64_t reserved[2];
+    slv_border_mode border_u, border_v; /* as slv_gl_texture_params has them */
+    uint64_t reserved[1];
 } slv_reference_params;
 
 /* A surface and its texture, ready for rays. Immutable; any number of threads may use it. */

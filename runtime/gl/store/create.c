@@ -25,6 +25,10 @@ static slv_result fill_params(slv_gl *gl, const slv_env *env, const slv_texture_
     if ((unsigned)params.encoding > SLV_TEXTURE_DATA)
         return slvi_fail(env, SLV_ERROR_ARGUMENT, "unknown texture encoding %d",
                          (int)params.encoding);
+    if ((unsigned)params.border_u > SLV_BORDER_PERIODIC ||
+        (unsigned)params.border_v > SLV_BORDER_PERIODIC)
+        return slvi_fail(env, SLV_ERROR_ARGUMENT, "unknown border mode %d or %d",
+                         (int)params.border_u, (int)params.border_v);
     if (!params.anisotropy)
         params.anisotropy = 1;
     if (params.anisotropy > gl->info.max_anisotropy) {
@@ -112,7 +116,7 @@ static slv_result list_slots(slv_gl_texture *texture, const slv_gl_texture_param
         slv_gl_slot *slot = &texture->slots[texture->nslots++];
         slot->strategy = strategy;
         slot->split_coverage = texture->params.nchannels == 4 && strategy->coverage;
-        result = slvi_gl_slot_read(env, slot);
+        result = slvi_gl_slot_read(texture, slot);
     }
     return result;
 }

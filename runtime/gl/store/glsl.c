@@ -21,10 +21,21 @@ static bool in_vectors(const slv_gl_texture *texture) {
                                                : branching == SLV_GL_BRANCHING_VECTORS);
 }
 
-slv_result slvi_gl_slot_read(const slv_env *env, slv_gl_slot *slot) {
+slv_result slvi_gl_slot_read(const slv_gl_texture *texture, slv_gl_slot *slot) {
+    const slv_env *env = &texture->env;
     const slv_strategy *strategy = slot->strategy;
-    return slvi_gl_shader_with_parts(env, strategy->file ? strategy->file : strategy->name,
-                                     strategy->glsl, &slot->lookups);
+    char *beyond = NULL;
+    slv_result result = slvi_gl_shader_with_parts(
+        env, strategy->file ? strategy->file : strategy->name, strategy->glsl, &slot->lookups);
+    if (result || !slvi_gl_is_black(&texture->params))
+        return result;
+    if ((result = slvi_gl_shader_with_parts(env, "lookup/beyond.glsl", NULL, &beyond)))
+        return result;
+    size_t length = strlen(slot->lookups), more = strlen(beyond) + 1;
+    if (!(result = slvi_grow(env, "shader text", length + more, 1, &slot->lookups)))
+        memcpy(slot->lookups + length, beyond, more);
+    slvi_free(beyond);
+    return result;
 }
 
 /* How many faces the rows that a draw is shown belong to; 0 means all. */
@@ -47,13 +58,14 @@ static slv_result write_variant(const slv_gl_texture *texture, const slv_gl_slot
              "#define SLV_SPLIT_COVERAGE %d\n#define SLV_ANISOTROPY %u\n#define SLV_BORDER %u\n"
              "#define SLV_TAPS %d\n#define SLV_VECTORS %d\n#define SLV_FIRST_UNIT %u\n#define "
              "SLV_FIRST_STORAGE %u\n#define SLV_CHUNK %u\n#define SLV_EXPLICIT %d\n#define "
-             "SLV_SCALED %d\n#define SLV_SCALE "
+             "SLV_BLACK %d\n#define SLV_OWN_ALPHA %d\n#define SLV_SCALED %d\n#define SLV_SCALE "
              "vec4(vec3(%.1f), "
              "%.1f)\n%s\n",
              slv_gl_variant_pools(variant), variant & 1, slot->split_coverage, params->anisotropy,
              params->border, slvi_gl_taps_in_shader(texture), in_vectors(texture),
              params->first_unit, params->first_storage, chunk_of(texture, slot),
-             params->explicit_only, texture->scaled, (double)scale,
+             params->explicit_only, slvi_gl_is_black(params),
+             slvi_gl_is_black(params) && params->nchannels == 4, texture->scaled, (double)scale,
              (double)(params->nchannels == 4 ? scale : 1), slot->lookups);
     return SLV_OK;
 }

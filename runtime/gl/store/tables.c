@@ -3,6 +3,7 @@
 
 #include "base/log.h"
 #include "base/memory.h"
+#include "texture/black.h"
 
 #include <string.h>
 
@@ -63,7 +64,10 @@ void slvi_gl_face_row(const slv_gl_source *source, const slv_gl_pools *pools, co
     row[0] = 0;
     if (pools->form->items(made, face, items) == 1)
         row[0] = pools->pool_of[items[0]] | pools->layer_of[items[0]] << 16;
-    row[1] = (uint32_t)res.u | (uint32_t)res.v << 8;
+    row[1] =
+        (uint32_t)res.u | (uint32_t)res.v << 8 |
+        slvi_black_edges(source->adjacency, face, source->params.border_u, source->params.border_v)
+            << 16;
 }
 
 slv_result slvi_gl_face_table(const slv_gl_source *source, const slv_gl_pools *pools,

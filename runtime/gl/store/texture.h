@@ -9,6 +9,11 @@
 /* Units that a draw can take: 16 pools, each with its coverage. */
 #define SLV_GL_MAX_UNITS 32
 
+/* Whether zeros lie beyond a boundary. */
+static inline bool slvi_gl_is_black(const slv_gl_texture_params *params) {
+    return params->border_u == SLV_BORDER_BLACK || params->border_v == SLV_BORDER_BLACK;
+}
+
 /* One strategy of a texture. */
 typedef struct slv_gl_slot {
     const slv_strategy *strategy;
@@ -67,7 +72,7 @@ bool slvi_gl_taps_in_shader(const slv_gl_texture *texture);
 /* slv_gl_texture_glsl with the library's own names. */
 slv_result slvi_gl_texture_text(slv_gl_texture *texture, const slv_strategy *strategy,
                                 uint32_t variant, const char **out);
-/* Reads the GLSL of a slot's strategy. */
-slv_result slvi_gl_slot_read(const slv_env *env, slv_gl_slot *slot);
+/* Reads the GLSL of a slot's strategy, and what follows it. */
+slv_result slvi_gl_slot_read(const slv_gl_texture *texture, slv_gl_slot *slot);
 
 #endif

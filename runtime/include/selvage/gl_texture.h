@@ -20,6 +20,7 @@
 
 #include <selvage/gl_context.h>
 #include <selvage/gl_strategy.h>
+#include <selvage/source.h>
 
 #ifdef __cplusplus
 extern "C" {
@@ -94,7 +95,11 @@ typedef struct slv_gl_texture_params {
                            no #extension line (slv_gl_texture_extensions). NULL means slv_ */
     bool explicit_only; /* the text is for stages without derivatives, vertex and compute shaders:
                            slv_sample is left out */
-    uint64_t reserved[4];
+    /* What lies beyond an edge without a neighbour, as lookups on the CPU have it: nothing that
+       counts, or with SLV_BORDER_BLACK zero. In lookups within a face SLV_BORDER_PERIODIC is the
+       same as SLV_BORDER_CLAMP. */
+    slv_border_mode border_u, border_v;
+    uint64_t reserved[3];
 } slv_gl_texture_params;
 
 /* Programs are needed for each variant that occurs; see slv_gl_batch. */

@@ -110,7 +110,10 @@ static bool go_on(void *user, uint64_t done, uint64_t total) {
 }
 
 static slv_result need_reference(experiment *e) {
-    const slv_reference_params params = {.segments = e->report->segments, .encoding = e->encoding};
+    const slv_reference_params params = {.segments = e->report->segments,
+                                         .encoding = e->encoding,
+                                         .border_u = e->scene->border_u,
+                                         .border_v = e->scene->border_v};
     return e->reference
                ? SLV_OK
                : slv_reference_create(e->env, e->scene->mesh, e->scene->surface, e->scene->texture,
