@@ -74,7 +74,8 @@ static slv_frame frame_of(const struct render *r, const scene_shot *shot) {
                        .shading = shot->shading,
                        .ka = shot->ka,
                        .kd = shot->kd,
-                       .float_target = r->bits == 32};
+                       .float_target = r->bits == 32,
+                       .alpha = shot->scene.alpha};
     memcpy(frame.background, shot->background, sizeof frame.background);
     return frame;
 }
@@ -181,7 +182,7 @@ done:
 }
 
 int verb_render(int argc, char **argv) {
-    enum { OWN = 13 };
+    enum { OWN = 15 };
     struct render r = {.scene = scene_options_default(), .msaa = 4, .aniso = 1};
     char strategies[SCENE_STRATEGIES_SIZE], how[80];
     uint32_t narguments = 0;
@@ -205,6 +206,7 @@ int verb_render(int argc, char **argv) {
         {"--bits", CLI_UINT, &r.bits, "PNG: 8 or 16 (8). EXR: 16 half or 32 float (16)", NULL, 8,
          32, NULL},
         SCENE_CONTEXT(&r.context),
+        SCENE_ALPHA(&r.scene.alpha, &r.scene.premultiplied, "blend"),
         SCENE_UV(&r.scene.uv),
         SCENE_ROUND(&r.scene.round),
         CLI_SALVAGE(&r.scene.salvage),
@@ -233,10 +235,12 @@ int verb_render(int argc, char **argv) {
     char buffer[512];
     while (slv_strategy_at((uint32_t)r.strategy) != slv_strategy_default())
         r.strategy++;
+    r.scene.alpha = SLV_ALPHA_BLEND;
     scene_options_rows(&r.scene, options + OWN);
     int code = cli_parse(&command, argc, argv);
     if (code >= 0)
         return code;
+    r.scene.raw = r.raw;
     const char *problem = scene_options_problem(&r.scene);
     if (problem)
         return cli_usage(&command, "%s", problem);

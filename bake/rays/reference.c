@@ -4,6 +4,9 @@
 #include "base/log.h"
 #include "base/memory.h"
 
+#include <math.h>
+#include <string.h>
+
 static slv_result embree_result(const slv_env *env, RTCDevice device) {
     enum RTCError error = rtcGetDeviceError(device);
     if (device && error == RTC_ERROR_NONE)
@@ -54,6 +57,8 @@ static slv_result make_scene(slv_reference *r) {
     slv_result result = check_bounds(r);
     if (result || (result = make_quads(r, &nquads)))
         return result;
+    for (int k = 0; k < 3 && nquads; k++)
+        r->step += fabsf(r->mesh.bounds_max[k] - r->mesh.bounds_min[k]);
     /* One thread builds the tree, so that which of two quads a ray along their edge hits does not
      * depend on how many there are. */
     if (!(r->device = rtcNewDevice("threads=1")))
@@ -99,6 +104,9 @@ static slv_result check(const slv_env *env, const slv_mesh *mesh, const slv_surf
                          "adjacency %u",
                          nfaces, slv_surface_face_count(surface), desc->nfaces,
                          slv_adjacency_face_count(adjacency));
+    if ((unsigned)params->alpha > SLV_ALPHA_MASK)
+        return slvi_fail(env, SLV_ERROR_ARGUMENT, "reference: there is no alpha mode %d",
+                         (int)params->alpha);
     if (!params->nchannels && params->first_channel < desc->nchannels) {
         params->nchannels = desc->nchannels - params->first_channel;
         params->nchannels = params->nchannels < 4 ? params->nchannels : 4;
@@ -120,13 +128,19 @@ static slv_result create(const slv_env *env, const slv_mesh *mesh, const slv_sur
     slv_texture *decoded = NULL;
     slv_reference *made = NULL;
     slv_result result;
+    bool grey_alpha = false;
+    if (texture && !params.nchannels && !params.first_channel) {
+        const slv_texture_desc *desc = slv_texture_get_desc(texture);
+        grey_alpha = desc->nchannels == 2 && desc->alpha_channel == 1;
+    }
     const slv_tessellation_params even = {.segments = params.segments ? params.segments : 32};
     *out = NULL;
     if ((result = check(env, mesh, surface, texture, adjacency, &params)) ||
         (result = slvi_alloc(env, "reference", 1, sizeof *made, &made)))
         return result;
     made->env = slvi_env_or_default(env);
-    uint32_t shown = params.nchannels < 3 ? params.nchannels : 3;
+    made->alpha = params.alpha;
+    uint32_t most = params.alpha ? 4 : 3, shown = params.nchannels < most ? params.nchannels : most;
     if (params.images)
         made->images = *params.images;
     else if ((result = slv_texture_decode(env, texture, params.encoding, &decoded)) ||
@@ -135,6 +149,7 @@ static slv_result create(const slv_env *env, const slv_mesh *mesh, const slv_sur
              (result = slvi_reference_texels_border(env, adjacency, params.border_u,
                                                     params.border_v, &made->texels)))
         goto done;
+    made->texels.alpha = grey_alpha;
     if ((result = slv_mesh_adjacency(env, mesh, &own)) ||
         (result =
              slv_tessellate_with(env, mesh, surface, own,
@@ -177,7 +192,9 @@ slv_result slv_reference_lookup(const slv_reference *reference, size_t count,
         if (points[i].face < 0 || (uint32_t)points[i].face >= reference->mesh.nfaces)
             return slvi_fail(&reference->env, SLV_ERROR_ARGUMENT,
                              "reference: point %zu: there is no face %d", i, points[i].face);
-        reference_color(reference, (uint32_t)points[i].face, points[i].u, points[i].v, rgb + 3 * i);
+        float rgba[4];
+        reference_color(reference, (uint32_t)points[i].face, points[i].u, points[i].v, rgba);
+        memcpy(rgb + 3 * i, rgba, 3 * sizeof *rgb);
     }
     return SLV_OK;
 }

@@ -18,6 +18,8 @@ struct slv_reference {
     slv_env env;
     reference_texels texels;
     slv_uv_images images; /* in place of texels, if there is a `color` */
+    slv_alpha_mode alpha;
+    float step; /* between two hits of a ray */
     slv_tessellation mesh;
     uint32_t *quads; /* 4 each */
     RTCDevice device;
@@ -25,15 +27,13 @@ struct slv_reference {
 };
 
 static inline void reference_color(const slv_reference *r, uint32_t face, float u, float v,
-                                   float rgb[3]) {
-    if (!r->images.color) {
-        reference_fetch(&r->texels, face, u, v, rgb);
-        return;
-    }
-    float rgba[4];
-    r->images.color(r->images.user, face, reference_clamp(u, 1.0f), reference_clamp(v, 1.0f), rgba);
-    for (int c = 0; c < 3; c++)
-        rgb[c] = rgba[c];
+                                   float rgba[4]) {
+    if (!r->images.color)
+        reference_fetch(&r->texels, face, u, v, rgba);
+    else
+        r->images.color(r->images.user, face, reference_clamp(u, 1.0f), reference_clamp(v, 1.0f),
+                        rgba);
+    rgba[3] = r->alpha ? reference_clamp(rgba[3], 1.0f) : 1.0f;
 }
 
 /* The camera turned round: eye space to world space, columns x, y, z, and the origin. */

@@ -106,7 +106,8 @@ static void place(const slv_tessellation *mesh, const uint32_t *quad, float s, f
     }
 }
 
-static void shade(const work *w, const packet *p, uint32_t lane, float rgb[3]) {
+/* The colour of a hit, multiplied by alpha. */
+static void shade(const work *w, const packet *p, uint32_t lane, float rgba[4]) {
     const slv_reference *reference = w->reference;
     const slv_tessellation *mesh = &reference->mesh;
     const struct RTCHit16 *hit = &p->rays.hit;
@@ -117,10 +118,17 @@ static void shade(const work *w, const packet *p, uint32_t lane, float rgb[3]) {
     place(mesh, quad, s, t, uv);
     float u = uv[0], v = uv[1];
     float light = 1;
-    if (w->frame->shading == SLV_SHADE_FACES)
-        face_color(face, u, v, rgb);
-    else
-        reference_color(reference, face, u, v, rgb);
+    reference_color(reference, face, u, v, rgba);
+    if (w->frame->shading == SLV_SHADE_FACES) {
+        face_color(face, u, v, rgba);
+        for (int c = 0; c < 3; c++)
+            rgba[c] *= rgba[3];
+    }
+    if (reference->alpha == SLV_ALPHA_MASK) {
+        bool there = rgba[3] >= 0.5f;
+        for (int c = 0; c < 4; c++)
+            rgba[c] = there ? rgba[c] / rgba[3] : 0;
+    }
     if (w->frame->shading == SLV_SHADE_UNLIT)
         return;
     float front = facing(w, quad, s, t, p->x[lane], p->y[lane]);
@@ -133,7 +141,25 @@ static void shade(const work *w, const packet *p, uint32_t lane, float rgb[3]) {
     else
         light = kd * fabsf(front) + ka;
     for (int c = 0; c < 3; c++)
-        rgb[c] *= light;
+        rgba[c] *= light;
+}
+
+/* Lets rays that were not stopped go on behind what they hit. */
+static bool go_on(const work *w, packet *p, const float left[RAYS]) {
+    bool any = false;
+    for (uint32_t lane = 0; lane < p->count; lane++) {
+        float at = p->rays.ray.tfar[lane];
+        if (p->valid[lane] && left[lane] <= 0)
+            p->valid[lane] = 0;
+        if (!p->valid[lane])
+            continue;
+        p->rays.ray.tnear[lane] = at + 2e-6f * (at + w->reference->step);
+        p->rays.ray.tfar[lane] = INFINITY;
+        p->rays.hit.geomID[lane] = RTC_INVALID_GEOMETRY_ID;
+        p->rays.hit.instID[0][lane] = RTC_INVALID_GEOMETRY_ID;
+        any = true;
+    }
+    return any;
 }
 
 static void flush(const work *w, packet *p) {
@@ -141,13 +167,27 @@ static void flush(const work *w, packet *p) {
         return;
     for (uint32_t lane = 0; lane < RAYS; lane++)
         p->valid[lane] = lane < p->count ? -1 : 0;
-    intersect(w->reference, p);
+    float seen[RAYS][4] = {{0}}, left[RAYS];
+    for (uint32_t lane = 0; lane < RAYS; lane++)
+        left[lane] = 1;
+    do {
+        intersect(w->reference, p);
+        for (uint32_t lane = 0; lane < p->count; lane++) {
+            float rgba[4];
+            if (!p->valid[lane])
+                continue;
+            bool missed = p->rays.hit.geomID[lane] == RTC_INVALID_GEOMETRY_ID;
+            if (missed)
+                memcpy(rgba, w->frame->background, sizeof rgba);
+            else
+                shade(w, p, lane, rgba);
+            for (int c = 0; c < 4; c++)
+                seen[lane][c] += left[lane] * rgba[c];
+            left[lane] = missed ? 0 : left[lane] * (1 - rgba[3]);
+        }
+    } while (go_on(w, p, left));
     for (uint32_t lane = 0; lane < p->count; lane++) {
-        float rgba[4] = {0, 0, 0, 1};
-        if (p->rays.hit.geomID[lane] == RTC_INVALID_GEOMETRY_ID)
-            memcpy(rgba, w->frame->background, sizeof rgba);
-        else
-            shade(w, p, lane, rgba);
+        const float *rgba = seen[lane];
         sum *to = p->to[lane];
         float weight = p->weight[lane];
         for (int c = 0; c < 4; c++) {

@@ -76,7 +76,7 @@ static void list_links(const slv_adjacency *adjacency, uint32_t nfaces, referenc
 
 /* The whole quad whose edge goes straight past a corner of two sub-faces, and its value there. */
 static bool quad_value(const reference_texels *t, const slv_adjacency *adjacency, uint32_t face,
-                       unsigned corner, float value[3]) {
+                       unsigned corner, float value[4]) {
     for (unsigned side = 0; side < 2; side++) {
         slv_neighbour to[2];
         float u = (float)slvi_corner_u(corner), v = (float)slvi_corner_v(corner);
@@ -92,7 +92,7 @@ static bool quad_value(const reference_texels *t, const slv_adjacency *adjacency
 }
 
 static void corner_value(const reference_texels *t, uint32_t face, unsigned corner,
-                         float value[3]) {
+                         float value[4]) {
     reference_bilinear(t, face, (float)slvi_corner_u(corner), (float)slvi_corner_v(corner), value);
 }
 
@@ -104,8 +104,8 @@ static void mend_corners(const slv_adjacency *adjacency, uint32_t nfaces, refere
         for (unsigned corner = 0; corner < 4; corner++) {
             uint32_t position;
             slv_ring ring = slv_adjacency_ring(adjacency, (int32_t)face, corner, &position);
-            float value[3], meeting[3];
-            double sum[3] = {0, 0, 0};
+            float value[4], meeting[4];
+            double sum[4] = {0, 0, 0, 0};
             if (position)
                 continue;
             for (uint32_t i = 0; i < ring.count; i++) {
@@ -131,28 +131,30 @@ static void mend_corners(const slv_adjacency *adjacency, uint32_t nfaces, refere
 }
 
 /* Bilinear, with what the corners lack added within half a texel of them. */
-static void with_corners(const reference_texels *t, uint32_t face, float u, float v, float rgb[3]) {
+static void with_corners(const reference_texels *t, uint32_t face, float u, float v,
+                         float rgba[4]) {
     float x = u * (float)(1u << t->res[face].u), y = v * (float)(1u << t->res[face].v);
     float right = (float)(1u << t->res[face].u) - x, top = (float)(1u << t->res[face].v) - y;
-    reference_bilinear(t, face, u, v, rgb);
+    reference_bilinear(t, face, u, v, rgba);
     for (unsigned corner = 0; corner < 4; corner++) {
         float across = 1.0f - 2.0f * (slvi_corner_u(corner) ? right : x);
         float up = 1.0f - 2.0f * (slvi_corner_v(corner) ? top : y);
         const float *lacks = t->corners + ((size_t)face * 4 + corner) * t->nchannels;
         for (uint32_t c = 0; across > 0 && up > 0 && c < t->nchannels; c++)
-            rgb[c] += across * up * lacks[c];
+            rgba[c] += across * up * lacks[c];
     }
 }
 
 /* On an edge the border texels agree with those of a coarser neighbour at this face's texel centres
  * only, and between two of them where the neighbour is linear. What is left is added here, fading
  * out towards the row of centres. */
-void slvi_reference_mend(const reference_texels *t, uint32_t face, float u, float v, float rgb[3]) {
+void slvi_reference_mend(const reference_texels *t, uint32_t face, float u, float v,
+                         float rgba[4]) {
     float width = (float)(1u << t->res[face].u), height = (float)(1u << t->res[face].v);
-    with_corners(t, face, u, v, rgb);
+    with_corners(t, face, u, v, rgba);
     for (uint32_t i = t->first_link[face]; i < t->first_link[face + 1]; i++) {
         const reference_link *link = &t->links[i];
-        float texels = slvi_edge_along_v(link->edge) ? width : height, own[3], other[3];
+        float texels = slvi_edge_along_v(link->edge) ? width : height, own[4], other[4];
         float depth = slvi_edge_depth(link->edge, u, v) * texels;
         float at = slvi_edge_t(link->edge, u, v), edge_u = u, edge_v = v;
         if (depth >= 0.5f || at < link->t0 || at > link->t1 || (at == link->t1 && at < 1.0f))
@@ -163,7 +165,7 @@ void slvi_reference_mend(const reference_texels *t, uint32_t face, float u, floa
         with_corners(t, link->face, reference_clamp(edge_u, 1.0f), reference_clamp(edge_v, 1.0f),
                      other);
         for (uint32_t c = 0; c < t->nchannels; c++)
-            rgb[c] += (1.0f - 2.0f * depth) * (other[c] - own[c]);
+            rgba[c] += (1.0f - 2.0f * depth) * (other[c] - own[c]);
     }
 }
 

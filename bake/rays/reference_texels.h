@@ -16,7 +16,8 @@ typedef struct reference_link {
 
 /* The shown channels of level 0 of every face, bordered by one texel. */
 typedef struct reference_texels {
-    uint32_t nchannels; /* 1 to 3 */
+    uint32_t nchannels; /* 1 to 4 */
+    bool alpha;         /* the last one is alpha */
     slv_res *res;
     uint64_t *first; /* per face: its first value */
     float *values;
@@ -42,33 +43,36 @@ static inline float reference_clamp(float x, float most) {
 
 /* Bilinear in the bordered texels; true if one of them was a border texel. */
 static inline bool reference_bilinear(const reference_texels *texels, uint32_t face, float u,
-                                      float v, float rgb[3]) {
+                                      float v, float rgba[4]) {
     slv_res res = texels->res[face];
     slvi_bilinear at = slvi_bilinear_bordered_floats(texels->values + texels->first[face], res,
-                                                     texels->nchannels, u, v, rgb);
+                                                     texels->nchannels, u, v, rgba);
     return at.x == 0 || at.y == 0 || at.x == 1u << res.u || at.y == 1u << res.v;
 }
 
 /* A value beside an edge of a face that needs it, made to meet the neighbours' on the edge. */
 void slvi_reference_mend(const reference_texels *texels, uint32_t face, float u, float v,
-                         float rgb[3]);
+                         float rgba[4]);
 
-/* The texture as a function; (u,v) is clamped. */
+/* The texture as a function; (u,v) is clamped. Alpha is 1 where it is no channel. */
 static inline void reference_fetch(const reference_texels *texels, uint32_t face, float u, float v,
-                                   float rgb[3]) {
+                                   float rgba[4]) {
     u = reference_clamp(u, 1.0f);
     v = reference_clamp(v, 1.0f);
-    if (reference_bilinear(texels, face, u, v, rgb) && texels->mended[face])
-        slvi_reference_mend(texels, face, u, v, rgb);
+    if (reference_bilinear(texels, face, u, v, rgba) && texels->mended[face])
+        slvi_reference_mend(texels, face, u, v, rgba);
     if (texels->black && texels->black[face]) {
         float lit = slvi_lit(texels->black[face], texels->res[face], u, v);
         for (uint32_t c = 0; c < texels->nchannels; c++)
-            rgb[c] *= lit;
+            rgba[c] *= lit;
     }
-    if (texels->nchannels < 3) {
-        rgb[1] = texels->nchannels == 1 ? rgb[0] : rgb[1];
-        rgb[2] = texels->nchannels == 1 ? rgb[0] : 0.0f;
-    }
+    if (texels->nchannels == 4)
+        return;
+    rgba[3] = texels->alpha ? rgba[1] : 1.0f;
+    if (texels->nchannels == 1 || texels->alpha)
+        rgba[1] = rgba[2] = rgba[0];
+    else if (texels->nchannels == 2)
+        rgba[2] = 0.0f;
 }
 
 #endif

@@ -12,6 +12,12 @@
 static const char *const shadings[] = {"headlight", "headlight-abs", "unlit",
                                        "faces",     "levels",        "headlight-cos2"};
 
+static const char *const alpha_modes[] = {"ignore", "blend", "mask"};
+
+const char *slv_alpha_mode_name(slv_alpha_mode mode) {
+    return slvi_name_of(alpha_modes, SLVI_COUNT(alpha_modes), (int)mode);
+}
+
 const char *slv_shading_name(slv_shading shading) {
     return slvi_name_of(shadings, SLVI_COUNT(shadings), (int)shading);
 }

@@ -10,9 +10,51 @@ layout(location = 5) uniform vec2 ambient_diffuse; // ka, kd
 
 layout(location = 0) out vec4 color;
 
+// Before this stands SURFACE_ALPHA, a slv_alpha_mode: colours of textures are multiplied by alpha if it is not 0. To blend, fragments
+// are kept in lists, one a pixel; SURFACE_STORAGE is where, SURFACE_MSAA how many samples a pixel has.
+#ifndef SURFACE_ALPHA
+#define SURFACE_ALPHA 0
+#endif
+#if SURFACE_ALPHA == 1
+layout(location = 6) uniform ivec4 fragment_room; // width, the first row, and how many fragments there is room for
+
+layout(std430, binding = SURFACE_STORAGE) buffer surface_heads_block {
+    uint surface_heads[]; // the number of a fragment, or 0
+};
+layout(std430, binding = SURFACE_STORAGE + 1) buffer surface_fragments_block {
+    uint nfragments, unused[3];
+    uvec4 surface_fragments[]; // two each, from number 1 on: the next, depth, samples; colour
+};
+
+void keep(vec4 c) {
+    uint at = atomicAdd(nfragments, 1u);
+    if (at >= uint(fragment_room.z))
+        return;
+    int pixel = (int(gl_FragCoord.y) - fragment_room.y) * fragment_room.x + int(gl_FragCoord.x);
+    uint next = atomicExchange(surface_heads[pixel], at + 1u);
+    surface_fragments[2u * at] = uvec4(next, floatBitsToUint(gl_FragCoord.z), uint(gl_SampleMaskIn[0]), 0u);
+    surface_fragments[2u * at + 1u] = floatBitsToUint(c);
+}
+#endif
+
 vec3 hue(float h) {
     return clamp(abs(fract(h + vec3(0.0, 2.0, 1.0) / 3.0) * 6.0 - 3.0) - 1.0, 0.0, 1.0);
 }
+
+#if SURFACE_ALPHA == 2
+// How much alpha changes from pixel to pixel. Helper pixels can do without a lookup, so that values are no good for derivatives.
+float alpha_step(float a) {
+#if SURFACE_IMAGES
+    return fwidth(a);
+#else
+    vec2 dx = dFdx(surface_uv), dy = dFdy(surface_uv);
+    vec2 x = clamp(surface_uv + dx, 0.0, 1.0) == surface_uv + dx ? dx : -dx;
+    vec2 y = clamp(surface_uv + dy, 0.0, 1.0) == surface_uv + dy ? dy : -dy;
+    return abs(slv_sample_grad(surface_face, surface_uv + x, dx, dy).a - a) +
+           abs(slv_sample_grad(surface_face, surface_uv + y, dx, dy).a - a);
+#endif
+}
+#endif
 
 void main() {
     vec3 n = eye_normal / max(length(eye_normal), 1e-20);
@@ -20,6 +62,11 @@ void main() {
     float ka = ambient_diffuse.x, kd = ambient_diffuse.y;
     float facing = -dot(n, i);
     vec4 c = slv_sample(surface_face, surface_uv);
+#if SURFACE_ALPHA == 0
+    c.a = 1.0;
+#else
+    c.a = clamp(c.a, 0.0, 1.0);
+#endif
     float headlight = kd * max(facing, 0.0) + ka;
     float headlight_abs = kd * clamp(abs(facing) + ka, 0.0, 1.0);
     if (shading == 0) {
@@ -34,10 +81,30 @@ void main() {
         h ^= h >> 13;
         vec2 d = abs(surface_uv - 0.5);
         vec3 base = mix(vec3(0.8), hue(float(h & 1023u) / 1024.0), 0.6);
-        c.rgb = base * (abs(facing) * kd + ka) * (max(d.x, d.y) > 0.48 ? 0.6 : 1.0);
+        c.rgb = base * (abs(facing) * kd + ka) * (max(d.x, d.y) > 0.48 ? 0.6 : 1.0) * c.a;
     } else if (shading == 4) {
         float level = slv_level(surface_face, dFdx(surface_uv), dFdy(surface_uv));
-        c.rgb = hue(min(level / 9.0, 1.0) * 0.7) * (abs(facing) * kd + ka);
+        c.rgb = hue(min(level / 9.0, 1.0) * 0.7) * (abs(facing) * kd + ka) * c.a;
     }
-    color = vec4(c.rgb, 1.0);
+#if SURFACE_ALPHA == 1
+    if (c != vec4(0.0))
+        keep(c);
+    color = vec4(0.0);
+#elif SURFACE_ALPHA == 2
+    // alpha as coverage: where it passes 1/2 the rim is as wide as a pixel
+    float inside = (c.a - 0.5) / max(alpha_step(c.a), 1e-4) + 0.5;
+#if SURFACE_MSAA > 1
+    int covered = int(clamp(inside, 0.0, 1.0) * float(SURFACE_MSAA) + 0.5);
+#else
+    int covered = c.a >= 0.5 ? 1 : 0;
+#endif
+    if (covered == 0)
+        discard;
+#if SURFACE_MSAA > 1
+    gl_SampleMask[0] = (1 << covered) - 1;
+#endif
+    color = vec4(c.rgb / max(c.a, 1e-3), 1.0);
+#else
+    color = c;
+#endif
 }

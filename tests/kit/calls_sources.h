@@ -136,14 +136,15 @@ static slv_result call_store_rects(const slv_env *env) {
     static const slv_res res = {4, 4};
     static const uint8_t texels[9] = {1, 2, 3, 4, 5, 6, 7, 8, 9};
     const slv_texture_desc desc = {
-        .nfaces = 1, .type = SLV_TYPE_U8, .nchannels = 1, .alpha_channel = -1, .res = &res};
+        .nfaces = 1, .type = SLV_TYPE_U8, .nchannels = 1, .alpha_channel = 0, .res = &res};
     const slv_rect rect = {1, 1, 3, 3}, all = {0, 0, 2, 4};
     const slv_res other = {1, 2};
-    slv_texture *texture = NULL, *light = NULL;
+    slv_texture *texture = NULL, *light = NULL, *multiplied = NULL;
     slv_levels *levels = NULL;
     slv_result result = slv_texture_create(env, &desc, &texture);
     if (!result && !(result = slv_texture_set_constant(texture, 0, "a")) &&
         !(result = slv_texture_decode(env, texture, SLV_TEXTURE_SRGB, &light)) &&
+        !(result = slv_texture_premultiply(env, texture, SLV_TEXTURE_SRGB, &multiplied)) &&
         !(result = slv_levels_create_over(env, texture, &levels)) &&
         !(result = slv_texture_set_rect(texture, 0, rect, texels)) &&
         !(result = slv_texture_changed(texture, 1, visit_rect, NULL)) &&
@@ -153,6 +154,7 @@ static slv_result call_store_rects(const slv_env *env) {
         !(result = slv_texture_decode_rect(env, texture, 0, all, light)))
         result = slv_levels_update(levels, texture, 0, all);
     slv_texture_destroy(light);
+    slv_texture_destroy(multiplied);
     slv_levels_destroy(levels);
     slv_texture_destroy(texture);
     return result;

@@ -73,6 +73,7 @@ int main(void) {
                 leads_back_slv_texture_encoding(name, i));
     CHECK_NAMES(slv_shading, SLV_SHADE_HEADLIGHT_COS2, slv_shading_name,
                 leads_back_slv_shading(name, i));
+    CHECK_NAMES(slv_alpha_mode, SLV_ALPHA_MASK, slv_alpha_mode_name, true);
     CHECK_NAMES(slv_boundary, SLV_BOUNDARY_EDGE_AND_CORNER, slv_boundary_name,
                 leads_back_slv_boundary(name, i));
     CHECK_NAMES(slv_scheme, SLV_SCHEME_LOOP, slv_scheme_name, leads_back_slv_scheme(name, i));

@@ -10,6 +10,7 @@ const char *names_edge_filters(void);
 const char *names_schemes(void);
 const char *names_boundaries(void);
 const char *names_shadings(void);
+const char *names_alpha_modes(void);
 const char *names_contexts(void); /* those that can be asked for */
 const char *names_pixel_filters(void);
 const char *names_filters(void);

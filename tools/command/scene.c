@@ -153,6 +153,26 @@ done:
     return result;
 }
 
+slv_alpha_mode scene_alpha_of(const slv_ptx_info *info, slv_alpha_mode wanted) {
+    bool shown = info->alpha_channel == 3 || (info->alpha_channel == 1 && info->nchannels == 2);
+    return shown ? wanted : SLV_ALPHA_IGNORE;
+}
+
+/* Colours of what is averaged are multiplied by alpha. */
+static slv_result multiply(const slv_env *env, slv_texture_encoding encoding, const scene_data *of,
+                           slv_texture **texture) {
+    slv_texture *multiplied = NULL;
+    if (of->alpha == SLV_ALPHA_IGNORE || of->premultiplied)
+        return SLV_OK;
+    slv_result result = slv_texture_premultiply(
+        env, *texture, of->raw && !encoding ? SLV_TEXTURE_DATA : encoding, &multiplied);
+    if (!result) {
+        slv_texture_destroy(*texture);
+        *texture = multiplied;
+    }
+    return result;
+}
+
 slv_result scene_load_texels(const slv_env *env, const slv_ptx *ptx, const slv_res *res,
                              slv_texture_encoding encoding, scene_data *out) {
     const slv_ptx_info *info = slv_ptx_get_info(ptx);
@@ -169,6 +189,8 @@ slv_result scene_load_texels(const slv_env *env, const slv_ptx *ptx, const slv_r
     if (!result)
         result =
             slv_ptx_load_texture_at(env, ptx, res, triangles ? &out->triangles : &out->texture);
+    if (!result)
+        result = multiply(env, encoding, out, triangles ? &out->triangles : &out->texture);
     if (!result && triangles)
         result = slv_triangle_texture(env, out->triangles, out->adjacency, encoding, &out->texture);
     out->salvaged = !result && salvage_tell(ptx) != EXIT_OK;
@@ -178,8 +200,12 @@ slv_result scene_load_texels(const slv_env *env, const slv_ptx *ptx, const slv_r
 slv_result scene_load(const slv_env *env, const scene_params *params, scene_data *out) {
     slv_ptx *ptx = NULL;
     slv_result result = scene_load_model(env, params, &ptx, out);
-    if (!result && (result = scene_load_texels(env, ptx, NULL, params->encoding, out)))
-        scene_free(out);
+    if (!result) {
+        out->alpha = scene_alpha_of(slv_ptx_get_info(ptx), params->alpha);
+        out->premultiplied = params->premultiplied;
+        if ((result = scene_load_texels(env, ptx, NULL, params->encoding, out)))
+            scene_free(out);
+    }
     slv_ptx_close(ptx);
     return result;
 }

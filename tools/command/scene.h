@@ -41,6 +41,8 @@ typedef struct scene_params {
     int adjacency;     /* 0 they must agree, 1 the file's, 2 the mesh's */
     const char *focus; /* NULL, or the group of the mesh that the camera frames */
     bool salvage;      /* faces that cannot be read are filled */
+    slv_alpha_mode alpha;
+    bool premultiplied; /* colours are stored multiplied by alpha */
 } scene_params;
 
 typedef struct scene {
@@ -51,12 +53,17 @@ typedef struct scene {
     slv_texture *triangles;             /* NULL, or what the texture of sub-faces was made of */
     float bounds_min[3], bounds_max[3]; /* of the mesh, or of the group in focus */
     slv_border_mode border_u, border_v; /* how the texture is drawn */
+    slv_alpha_mode alpha;               /* too: colours are then multiplied by alpha */
+    bool premultiplied;                 /* they are in the file */
+    bool raw;                           /* numbers are not light */
     bool salvaged;                      /* faces were filled, which has been told */
     displace_open displace;
     slv_bake_source *uv; /* NULL, or what is shown in place of a texture: */
     slv_uv_images images;
 } scene_data;
 
+/* What is made of alpha in a file of which all channels are shown, as far as there are four. */
+slv_alpha_mode scene_alpha_of(const slv_ptx_info *info, slv_alpha_mode wanted);
 slv_result scene_load(const slv_env *env, const scene_params *params, scene_data *out);
 /* The same in two steps: all but the texels, and then those, at their own resolutions or others.
  * The file is the caller's; it is NULL after a failure. */
@@ -77,8 +84,11 @@ int32_t scene_file_face(const scene_data *scene, int32_t face);
 /* What the verbs that make one picture ask about the scene and the view of it. */
 typedef struct scene_options {
     const char *mesh, *view, *focus, *channels;
-    int round;      /* 1 u goes round, 2 v, 3 both */
-    const char *uv; /* an image for the mesh that the verb's argument is then */
+    int alpha;          /* slv_alpha_mode */
+    bool premultiplied; /* colours are stored multiplied by alpha */
+    bool raw;           /* numbers are not light */
+    int round;          /* 1 u goes round, 2 v, 3 both */
+    const char *uv;     /* an image for the mesh that the verb's argument is then */
     int scheme, boundary, shading, adjacency, encoding; /* encoding: slv_texture_encoding */
     bool scheme_given, boundary_given, shading_given, size_given, orbit_given, fov_given, progress,
         salvage;
@@ -88,6 +98,20 @@ typedef struct scene_options {
 } scene_options;
 
 /* Of the verbs that draw. */
+#define SCENE_ALPHA(mode, premultiplied, what)                                                     \
+    {"--alpha",                                                                                    \
+     CLI_CHOICE,                                                                                   \
+     mode,                                                                                         \
+     "what a channel of alpha does: show what lies behind, cut out what is below 1/2, or "         \
+     "nothing (" what ")",                                                                         \
+     names_alpha_modes(),                                                                          \
+     0,                                                                                            \
+     0,                                                                                            \
+     NULL},                                                                                        \
+    {                                                                                              \
+        "--premultiplied", CLI_FLAG, premultiplied, "colours are stored multiplied by alpha",      \
+            NULL, 0, 0, NULL                                                                       \
+    }
 #define SCENE_UV(value)                                                                            \
     {                                                                                              \
         "--uv", CLI_TEXT, value,                                                                   \

@@ -3,6 +3,7 @@
 #include "command/output.h"
 #include "command/scene.h"
 
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -104,29 +105,56 @@ static slv_result pick_channels(const slv_env *env, const value_channel *list, u
     return SLV_OK;
 }
 
-static int choose_channels(const cli_command *command, const slv_env *env, const char *text,
+/* The channels that are shown in place of all: those asked for, or three colours and an alpha that
+ * stands elsewhere in the file. */
+static const char *channels_shown(const scene_options *o, const slv_ptx_info *info, char text[80]) {
+    uint32_t colours[3], count = 0, alpha = (uint32_t)info->alpha_channel;
+    if (o->channels || !o->alpha || info->alpha_channel < 0 ||
+        scene_alpha_of(info, SLV_ALPHA_BLEND))
+        return o->channels;
+    for (uint32_t c = 0; c < info->nchannels && count < 3; c++)
+        if (c != alpha)
+            colours[count++] = c;
+    if (count == 2 || !count)
+        return NULL;
+    snprintf(text, 80, "%u,%u,%u,%u", colours[0], colours[count == 3], colours[2 * (count == 3)],
+             alpha);
+    return text;
+}
+
+/* Which channels are shown, and what is made of alpha. No list: as there are. */
+static int choose_channels(const cli_command *command, const scene_options *o,
+                           const slv_ptx_info *info, value_channel **list, uint32_t *count,
                            scene_data *scene) {
-    const slv_texture *of[2] = {scene->texture, scene->triangles};
-    const slv_texture_desc *desc = slv_texture_get_desc(scene->texture);
-    const value_channels file = {desc->nchannels, desc->alpha_channel};
-    value_channel *list = NULL;
-    uint32_t count;
-    int code = value_channel_list(command, "--channels", text, file, false, &list, &count);
-    if (!code && count > 4)
-        code =
-            cli_usage(command, "--channels: '%s' are %u, and at most 4 can be shown", text, count);
-    for (int k = 0; k < 2 && !code; k++)
-        if (of[k] && pick_channels(env, list, count, k ? &scene->triangles : &scene->texture))
-            code = EXIT_FAILED;
-    free(list);
+    char text[80];
+    const char *channels = channels_shown(o, info, text);
+    const value_channels file = {info->nchannels, info->alpha_channel};
+    int code = EXIT_OK;
+    if (channels)
+        code = value_channel_list(command, "--channels", channels, file, false, list, count);
+    if (!code && *count > 4)
+        code = cli_usage(command, "--channels: '%s' are %u, and at most 4 can be shown", channels,
+                         *count);
+    scene->premultiplied = o->premultiplied;
+    scene->raw = o->raw;
+    scene->alpha = scene_alpha_of(info, (slv_alpha_mode)o->alpha);
+    if (!code && channels) {
+        bool last = (*count == 4 || *count == 2) && info->alpha_channel >= 0 &&
+                    (*list)[*count - 1].source == info->alpha_channel;
+        scene->alpha = last ? (slv_alpha_mode)o->alpha : SLV_ALPHA_IGNORE;
+    }
     return code;
 }
 
-/* Of two channels the second is no green if it is alpha: the first is grey. */
-static const char *channels_shown(const scene_options *o, const slv_texture *texture) {
-    const slv_texture_desc *desc = slv_texture_get_desc(texture);
-    bool grey = desc->nchannels == 2 && desc->alpha_channel == 1;
-    return o->channels || !grey ? o->channels : "0,0,0,1";
+/* What was loaded with no more channels than are shown. */
+static slv_result pick_all(const slv_env *env, const value_channel *list, uint32_t count,
+                           scene_data *scene) {
+    slv_result result = SLV_OK;
+    if (scene->texture)
+        result = pick_channels(env, list, count, &scene->texture);
+    if (!result && scene->triangles)
+        result = pick_channels(env, list, count, &scene->triangles);
+    return result;
 }
 
 /* Options come first: of a file's camera nothing is left by an orbit. */
@@ -169,6 +197,8 @@ int scene_load_shot(const cli_command *command, const slv_env *env, const char *
         out->background[c] = c < 3 ? o->background[c] * o->background[3] : o->background[3];
     slv_ptx *file = NULL;
     slv_res *res = NULL;
+    value_channel *channels = NULL;
+    uint32_t nchannels = 0;
     const slv_bake_uv uv = {.encoding = (slv_texture_encoding)o->encoding,
                             .round_u = o->round & 1,
                             .round_v = o->round >> 1};
@@ -184,13 +214,16 @@ int scene_load_shot(const cli_command *command, const slv_env *env, const char *
     if (out->scene.displace.moves)
         out->tessellation.displacement = &out->scene.displace.displacement;
     if (!code && !o->uv)
-        code = scene_choose_detail(env, file, out, &res) ||
-                       scene_load_texels(env, file, res, params.encoding, &out->scene)
-                   ? EXIT_FAILED
-                   : EXIT_OK;
-    const char *channels = code || o->uv ? NULL : channels_shown(o, out->scene.texture);
-    if (channels)
-        code = choose_channels(command, env, channels, &out->scene);
+        code =
+            choose_channels(command, o, slv_ptx_get_info(file), &channels, &nchannels, &out->scene);
+    if (!code && !o->uv &&
+        (scene_choose_detail(env, file, out, &res) ||
+         scene_load_texels(env, file, res, params.encoding, &out->scene) ||
+         (channels && pick_all(env, channels, nchannels, &out->scene))))
+        code = EXIT_FAILED;
+    if (o->uv)
+        out->scene.alpha = (slv_alpha_mode)o->alpha;
+    free(channels);
     free(res);
     slv_ptx_close(file);
     return code;

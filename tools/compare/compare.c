@@ -18,9 +18,9 @@ struct compare {
     uint32_t narguments;
     const char *mesh, *out, *strategies, *focus, *msaa, *references;
     cli_list views;
-    int scheme, boundary, shading, context, adjacency, encoding;
+    int scheme, boundary, shading, context, adjacency, encoding, alpha;
     bool quick, quiet, progress, resume, compress, size_given, frames_given, reference_frames_given,
-        samples_given, scheme_given;
+        samples_given, scheme_given, premultiplied;
     uint32_t size[2], aniso, frames, tess, threads, samples, accumulate, reference_frames;
     float azimuth, elevation, fov, orbit, tilt, dolly;
 };
@@ -167,7 +167,7 @@ static json_t *conditions(const struct session *s) {
     return json_pack(
         "{s:i, s:I, s:o, s:o, s:o, s:o, s:o, s:o, s:[I,I], s:I, s:I, s:I, s:I, s:I, "
         "s:[f,f,f,f,f,f],"
-        " s:o, s:[i,i,i], s:o, s:s}",
+        " s:o, s:[i,i,i], s:o, s:[i,b], s:s}",
         "schema", 2, "version", (json_int_t)slv_version(), "driver",
         output_json_text(r->gl.renderer, strlen(r->gl.renderer)), "texture", fingerprint(r->ptx),
         "mesh", fingerprint(r->mesh), "strategies", strategies, "msaa", rates, "reference",
@@ -177,8 +177,9 @@ static json_t *conditions(const struct session *s) {
         "tess", (json_int_t)r->segments, "orbit", (double)r->path.azimuth, (double)r->path.turn,
         (double)r->path.elevation, (double)r->path.tilt, (double)r->path.fov, (double)r->path.dolly,
         "focus", o->focus ? output_json_text(o->focus, strlen(o->focus)) : json_null(), "surface",
-        o->scheme_given ? o->scheme : -1, o->boundary, o->shading, "views", views,
-        "texture-encoding", slv_texture_encoding_name((slv_texture_encoding)o->encoding));
+        o->scheme_given ? o->scheme : -1, o->boundary, o->shading, "views", views, "alpha",
+        o->alpha, o->premultiplied, "texture-encoding",
+        slv_texture_encoding_name((slv_texture_encoding)o->encoding));
 }
 
 /* Before anything is measured, since textures other than 8-bit are refused. */
@@ -200,7 +201,9 @@ static slv_result prepare(struct session *s) {
                            .scheme = (slv_scheme)o->scheme,
                            .scheme_given = o->scheme_given,
                            .encoding = (slv_texture_encoding)o->encoding,
-                           .boundary = (slv_boundary)o->boundary};
+                           .boundary = (slv_boundary)o->boundary,
+                           .alpha = (slv_alpha_mode)o->alpha,
+                           .premultiplied = o->premultiplied};
     const slv_strategy *strategies[REPORT_MAX_STRATEGIES + 1];
     slv_gl_texture_params upload = {.strategies = strategies,
                                     .anisotropy = o->aniso,
@@ -478,6 +481,7 @@ int verb_compare(int argc, char **argv) {
         SCENE_SCHEME(&o.scheme, &o.scheme_given),
         SCENE_BOUNDARY(&o.boundary, "boundary rule (the mesh's, or edge-and-corner)", NULL),
         SCENE_TESS(&o.tess, "by the size on screen"),
+        SCENE_ALPHA(&o.alpha, &o.premultiplied, "ignore"),
         SCENE_ADJACENCY(&o.adjacency),
         CLI_TEXTURE_ENCODING(&o.encoding),
         {"--reference", CLI_TEXT, &o.references,

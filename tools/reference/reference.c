@@ -107,6 +107,7 @@ static int make(const cli_command *command, const struct reference *r, const slv
     shot.tessellation.pixels = SLV_TESSELLATION_PIXELS / 4; /* what others are measured against */
     const slv_reference_params params = {.tessellation = &shot.tessellation,
                                          .encoding = (slv_texture_encoding)r->scene.encoding,
+                                         .alpha = shot.scene.alpha,
                                          .border_u = shot.scene.border_u,
                                          .border_v = shot.scene.border_v,
                                          .images = shot.scene.uv ? &shot.scene.images : NULL};
@@ -220,7 +221,7 @@ static int run(const cli_command *command, const struct reference *r, const char
 }
 
 int verb_reference(int argc, char **argv) {
-    enum { OWN = 11 };
+    enum { OWN = 13 };
     uint32_t narguments = 0;
     struct reference r = {.scene = scene_options_default(), .samples = 256};
     cli_option options[OWN + SCENE_OPTION_ROWS] = {
@@ -236,6 +237,7 @@ int verb_reference(int argc, char **argv) {
          "1, 4, 16, ... samples against the most: a table and a plot", "FOLDER", 0, 0, NULL},
         {"--seed", CLI_UINT, &r.seed, "other samples (0)", NULL, 0, UINT32_MAX, NULL},
         {"--bits", CLI_UINT, &r.bits, "16 half or 32 float (32)", NULL, 16, 32, NULL},
+        SCENE_ALPHA(&r.scene.alpha, &r.scene.premultiplied, "blend"),
         SCENE_UV(&r.scene.uv),
         SCENE_ROUND(&r.scene.round),
         CLI_JSON(&r.json),
@@ -260,6 +262,7 @@ int verb_reference(int argc, char **argv) {
         .npositional = &narguments,
         .output = &r.out};
     char buffer[512];
+    r.scene.alpha = SLV_ALPHA_BLEND;
     scene_options_rows(&r.scene, options + OWN);
     int code = cli_parse(&command, argc, argv);
     if (code >= 0)

@@ -29,13 +29,14 @@ typedef struct slv_reference_params {
     const slv_uv_images *images; /* NULL, or what is shown in place of the texture, which is NULL
                                     then: it is looked at as long as the reference is there */
     slv_border_mode border_u, border_v; /* as slv_gl_texture_params has them */
+    slv_alpha_mode alpha; /* as slv_frame has it: rays go on through what is not opaque */
     uint64_t reserved[1];
 } slv_reference_params;
 
 /* A surface and its texture, ready for rays. Immutable; any number of threads may use it. */
 typedef struct slv_reference slv_reference;
 
-/* Copies what it needs: every texel of level 0 as a float for each shown channel but alpha, with a
+/* Copies what it needs: every texel of level 0 as a float for each shown channel (alpha if it is looked at), with a
  * border of one texel (slv_border_build), and the triangles. `adjacency`, the texture's, must have
  * as many faces as the mesh, the surface and the texture. */
 SLV_NODISCARD SLV_API slv_result slv_reference_create(const slv_env *env, const slv_mesh *mesh,

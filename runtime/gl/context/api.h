@@ -35,6 +35,8 @@
     X(PFNGLPOINTSIZEPROC, PointSize)                                                               \
     X(PFNGLPOLYGONMODEPROC, PolygonMode)                                                           \
     X(PFNGLGETINTEGER64VPROC, GetInteger64v)                                                       \
+    X(PFNGLSCISSORPROC, Scissor)                                                                   \
+    X(PFNGLMEMORYBARRIERPROC, MemoryBarrier)                                                       \
     X(PFNGLVIEWPORTPROC, Viewport)                                                                 \
     X(PFNGLDEPTHFUNCPROC, DepthFunc)                                                               \
     X(PFNGLDEPTHMASKPROC, DepthMask)                                                               \
@@ -62,6 +64,8 @@
     X(PFNGLCREATEBUFFERSPROC, CreateBuffers)                                                       \
     X(PFNGLDELETEBUFFERSPROC, DeleteBuffers)                                                       \
     X(PFNGLNAMEDBUFFERSUBDATAPROC, NamedBufferSubData)                                             \
+    X(PFNGLCLEARNAMEDBUFFERSUBDATAPROC, ClearNamedBufferSubData)                                   \
+    X(PFNGLGETNAMEDBUFFERSUBDATAPROC, GetNamedBufferSubData)                                       \
     X(PFNGLNAMEDBUFFERSTORAGEPROC, NamedBufferStorage)                                             \
     X(PFNGLBINDBUFFERSRANGEPROC, BindBuffersRange)                                                 \
     X(PFNGLCREATEVERTEXARRAYSPROC, CreateVertexArrays)                                             \
@@ -100,6 +104,9 @@
     X(PFNGLPROGRAMUNIFORM2FPROC, ProgramUniform2f)                                                 \
     X(PFNGLPROGRAMUNIFORMMATRIX4FVPROC, ProgramUniformMatrix4fv)                                   \
     X(PFNGLPROGRAMUNIFORMMATRIX3FVPROC, ProgramUniformMatrix3fv)                                   \
+    X(PFNGLPROGRAMUNIFORM4IPROC, ProgramUniform4i)                                                 \
+    X(PFNGLPROGRAMUNIFORM4FVPROC, ProgramUniform4fv)                                               \
+    X(PFNGLDRAWARRAYSPROC, DrawArrays)                                                             \
     X(PFNGLDRAWELEMENTSPROC, DrawElements)                                                         \
     X(PFNGLCREATEQUERIESPROC, CreateQueries)                                                       \
     X(PFNGLDELETEQUERIESPROC, DeleteQueries)                                                       \

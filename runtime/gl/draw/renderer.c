@@ -1,4 +1,5 @@
 /* Frames of a tessellated surface: targets, triangles in the order of batches, programs. */
+#include "gl/draw/blend.h"
 #include "gl/draw/images.h"
 #include "gl/store/tables.h"
 #include "gl/store/texture.h"
@@ -9,6 +10,7 @@
 #include <selvage/gl_renderer.h>
 
 #include <stddef.h>
+#include <stdio.h>
 #include <string.h>
 #include <time.h>
 
@@ -43,6 +45,15 @@ struct slv_gl_renderer {
     uint32_t nindices;
     struct program programs[MAX_PROGRAMS];
     uint32_t nprograms;
+    slv_gl_blender blender;
+};
+
+/* What a frame draws: a texture, or images. */
+struct subject {
+    slv_gl_texture *texture;
+    const slv_gl_images *images;
+    const struct batch_indices *indices;
+    GLuint programs[SLV_GL_MAX_VARIANTS];
 };
 
 static void free_target(const slv_gl_api *api, struct target *target) {
@@ -184,20 +195,36 @@ static void free_programs(slv_gl_renderer *renderer) {
     renderer->nprograms = 0;
 }
 
+/* Two bindings that lookups leave free. */
+static uint32_t storage_of(const struct subject *subject) {
+    uint32_t first =
+        subject->texture ? subject->texture->params.first_storage : SLV_GL_FIRST_STORAGE;
+    return first >= 2 ? 0 : first + 4;
+}
+
 static slv_result surface_program(slv_gl_renderer *renderer, const slv_env *env,
+                                  const slv_frame *frame, const struct subject *subject,
                                   const char *lookups, GLuint *out) {
-    char *text = NULL;
+    char head[128], *text = NULL;
+    int length = snprintf(head, sizeof head,
+                          "#define SURFACE_ALPHA %d\n#define SURFACE_MSAA %u\n"
+                          "#define SURFACE_STORAGE %u\n#define SURFACE_IMAGES %d\n",
+                          (int)frame->alpha, frame->alpha ? frame->msaa : 1, storage_of(subject),
+                          subject->images != NULL);
+    size_t size = strlen(lookups) + 1;
     slv_result result;
     for (uint32_t i = 0; i < renderer->nprograms; i++) {
-        if (strcmp(renderer->programs[i].text, lookups) == 0) {
+        const char *made = renderer->programs[i].text;
+        if (strncmp(made, head, (size_t)length) == 0 && strcmp(made + length, lookups) == 0) {
             *out = renderer->programs[i].program;
             return SLV_OK;
         }
     }
-    if ((result = slvi_alloc(env, "shader", strlen(lookups) + 1, 1, &text)))
+    if ((result = slvi_alloc(env, "shader", (size_t)length + size, 1, &text)))
         return result;
-    memcpy(text, lookups, strlen(lookups) + 1);
-    if ((result = slvi_gl_program(renderer->gl, env, "surface", lookups, out)))
+    memcpy(text, head, (size_t)length);
+    memcpy(text + length, lookups, size);
+    if ((result = slvi_gl_program(renderer->gl, env, "surface", text, out)))
         slvi_free(text);
     else
         renderer->programs[renderer->nprograms++] = (struct program){text, *out};
@@ -268,6 +295,7 @@ void slv_gl_renderer_destroy(slv_gl_renderer *renderer) {
         free_indices(api, &renderer->indices[i]);
     slvi_free(renderer->indices);
     free_programs(renderer);
+    slvi_gl_blender_free(renderer->gl, &renderer->blender);
     api->DeleteBuffers(1, &renderer->vertices);
     api->DeleteQueries(1, &renderer->query);
     slv_tessellation_free(&renderer->mesh);
@@ -401,25 +429,57 @@ static slv_frame with_defaults(const slv_frame *given) {
     return frame;
 }
 
-/* What a frame draws: a texture, or images. */
-struct subject {
-    slv_gl_texture *texture;
-    const slv_gl_images *images;
-    const struct batch_indices *indices;
-    GLuint programs[SLV_GL_MAX_VARIANTS];
-};
-
 static slv_result check_frame(const slv_gl_renderer *renderer, const slv_env *env,
                               const slv_frame *frame, const char *what, uint32_t nfaces) {
     const slv_gl_info *info = &renderer->gl->info;
     if (nfaces != renderer->mesh.nfaces)
         return slvi_fail(env, SLV_ERROR_MISMATCH, "%s %u faces, the mesh %u", what, nfaces,
                          renderer->mesh.nfaces);
+    if ((unsigned)frame->alpha > SLV_ALPHA_MASK)
+        return slvi_fail(env, SLV_ERROR_ARGUMENT, "there is no alpha mode %d", (int)frame->alpha);
     if (frame->msaa > info->max_msaa || (frame->msaa & (frame->msaa - 1)))
         return slvi_fail(env, SLV_ERROR_UNSUPPORTED,
                          "%u samples per pixel: the driver has at most %u", frame->msaa,
                          info->max_msaa);
     return SLV_OK;
+}
+
+static void draw_subject(const slv_gl_renderer *renderer, const struct subject *subject) {
+    if (subject->images)
+        draw_images(subject->images, subject->indices, subject->programs[0]);
+    else
+        draw_batches(renderer, subject->texture, subject->indices, subject->programs);
+}
+
+struct blending {
+    const slv_gl_renderer *renderer;
+    const struct subject *subject;
+};
+
+static void draw_fragments(void *user, const GLint room[4]) {
+    const struct blending *b = user;
+    for (uint32_t v = 0; v < SLV_GL_MAX_VARIANTS; v++)
+        if (b->subject->programs[v])
+            b->renderer->gl->api.ProgramUniform4i(b->subject->programs[v], 6, room[0], room[1],
+                                                  room[2], room[3]);
+    draw_subject(b->renderer, b->subject);
+}
+
+static slv_result blend_subject(slv_gl_renderer *renderer, const slv_env *env,
+                                const slv_frame *frame, const struct subject *subject) {
+    const struct target *target = &renderer->target;
+    struct blending blending = {renderer, subject};
+    const slv_gl_blend blend = {.drawn = target->framebuffers[0],
+                                .shown = target->framebuffers[target->msaa > 1],
+                                .width = frame->width,
+                                .height = frame->height,
+                                .msaa = frame->msaa,
+                                .storage = storage_of(subject),
+                                .background = frame->background,
+                                .array = subject->indices->array,
+                                .draw = draw_fragments,
+                                .user = &blending};
+    return slvi_gl_blend(renderer->gl, env, &renderer->blender, &blend);
 }
 
 /* Clears, draws, resolves, and reads back. */
@@ -442,11 +502,11 @@ static slv_result make_frame(slv_gl_renderer *renderer, const slv_env *env, cons
     api->Enable(GL_DEPTH_TEST);
     api->ClearNamedFramebufferfv(target->framebuffers[0], GL_COLOR, 0, frame->background);
     api->ClearNamedFramebufferfv(target->framebuffers[0], GL_DEPTH, 0, &far_away);
-    if (subject->images)
-        draw_images(subject->images, subject->indices, subject->programs[0]);
+    if (frame->alpha == SLV_ALPHA_BLEND)
+        result = blend_subject(renderer, env, frame, subject);
     else
-        draw_batches(renderer, subject->texture, subject->indices, subject->programs);
-    if (frame->msaa > 1)
+        draw_subject(renderer, subject);
+    if (frame->msaa > 1 && frame->alpha != SLV_ALPHA_BLEND)
         api->BlitNamedFramebuffer(target->framebuffers[0], target->framebuffers[1], 0, 0,
                                   (GLint)frame->width, (GLint)frame->height, 0, 0,
                                   (GLint)frame->width, (GLint)frame->height, GL_COLOR_BUFFER_BIT,
@@ -460,7 +520,7 @@ static slv_result make_frame(slv_gl_renderer *renderer, const slv_env *env, cons
         api->Finish();
         *seconds = now() - start;
     }
-    if (image)
+    if (image && !result)
         result = read_back(renderer, env, image);
     if (subject->texture)
         slv_gl_texture_unbind(subject->texture);
@@ -498,7 +558,8 @@ slv_result slv_gl_renderer_draw(slv_gl_renderer *renderer, const slv_env *env,
             continue;
         const char *lookups = NULL;
         if ((result = slvi_gl_texture_text(texture, slot->strategy, variant, &lookups)) ||
-            (result = surface_program(renderer, env, lookups, &subject.programs[variant])))
+            (result = surface_program(renderer, env, &frame, &subject, lookups,
+                                      &subject.programs[variant])))
             return result;
         set_frame(renderer, &frame, subject.programs[variant]);
     }
@@ -519,7 +580,8 @@ slv_result slv_gl_renderer_draw_images(slv_gl_renderer *renderer, const slv_env 
     subject.indices = indices;
     if (renderer->nprograms == MAX_PROGRAMS)
         free_programs(renderer);
-    if ((result = surface_program(renderer, env, images->lookups, &subject.programs[0])))
+    if ((result = surface_program(renderer, env, &frame, &subject, images->lookups,
+                                  &subject.programs[0])))
         return result;
     set_frame(renderer, &frame, subject.programs[0]);
     return make_frame(renderer, env, &frame, &subject, image, seconds);

@@ -13,6 +13,8 @@ static slv_result fill_params(slv_gl *gl, const slv_env *env, const slv_texture_
     slv_gl_texture_params params = {0};
     if (given)
         params = *given;
+    if (!params.nchannels && !params.first_channel)
+        params.grey_alpha = desc->nchannels == 2 && desc->alpha_channel == 1;
     if (!params.nchannels && params.first_channel < desc->nchannels) {
         params.nchannels = desc->nchannels - params.first_channel;
         params.nchannels = params.nchannels < 4 ? params.nchannels : 4;
@@ -22,6 +24,9 @@ static slv_result fill_params(slv_gl *gl, const slv_env *env, const slv_texture_
         return slvi_fail(
             env, SLV_ERROR_ARGUMENT, "channels %u to %u cannot be shown, the texture has %u",
             params.first_channel, params.first_channel + params.nchannels - 1, desc->nchannels);
+    if (params.grey_alpha && params.nchannels != 2)
+        return slvi_fail(env, SLV_ERROR_ARGUMENT, "grey and alpha are two channels and not %u",
+                         params.nchannels);
     if ((unsigned)params.encoding > SLV_TEXTURE_DATA)
         return slvi_fail(env, SLV_ERROR_ARGUMENT, "unknown texture encoding %d",
                          (int)params.encoding);
@@ -47,7 +52,7 @@ static slv_result fill_params(slv_gl *gl, const slv_env *env, const slv_texture_
         return slvi_fail(env, SLV_ERROR_ARGUMENT, "there is no texture unit %u, only %u of them",
                          params.first_unit, gl->info.texture_units);
     uint32_t units = gl->info.texture_units - params.first_unit, fitting = 16;
-    units /= params.nchannels == 4 ? 2 : 1;
+    units /= slvi_gl_own_alpha(&params) ? 2 : 1;
     if (params.batch_pools && params.batch_pools < units)
         units = params.batch_pools;
     while (fitting > units)
@@ -115,7 +120,7 @@ static slv_result list_slots(slv_gl_texture *texture, const slv_gl_texture_param
             continue;
         slv_gl_slot *slot = &texture->slots[texture->nslots++];
         slot->strategy = strategy;
-        slot->split_coverage = texture->params.nchannels == 4 && strategy->coverage;
+        slot->split_coverage = slvi_gl_own_alpha(&texture->params) && strategy->coverage;
         result = slvi_gl_slot_read(texture, slot);
     }
     return result;

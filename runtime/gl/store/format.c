@@ -8,22 +8,26 @@
 
 #include <string.h>
 
-slv_gl_format slvi_gl_format_for(slv_type type, uint32_t first, uint32_t nchannels, bool coverage) {
+slv_gl_format slvi_gl_format_for(slv_type type, const slv_gl_texture_params *params,
+                                 bool coverage) {
     static const GLenum internal[4][3] = {{GL_R8, GL_RG8, GL_RGBA8},
                                           {GL_R16, GL_RG16, GL_RGBA16},
                                           {GL_R16F, GL_RG16F, GL_RGBA16F},
                                           {GL_R32F, GL_RG32F, GL_RGBA32F}};
     static const GLenum data[4] = {GL_UNSIGNED_BYTE, GL_UNSIGNED_SHORT, GL_HALF_FLOAT, GL_FLOAT};
     static const GLenum external[3] = {GL_RED, GL_RG, GL_RGBA};
-    uint32_t wanted = nchannels < 4 && coverage ? nchannels + 1 : nchannels;
+    const uint32_t nchannels = params->nchannels;
+    const bool own_alpha = slvi_gl_own_alpha(params);
+    uint32_t wanted = !own_alpha && coverage ? nchannels + 1 : nchannels;
     uint32_t shape = wanted == 1   ? 0
                      : wanted == 2 ? 1
                                    : 2; /* three-component texels would be padded by the driver */
     slv_gl_format format = {.type = type,
-                            .first = first,
+                            .first = params->first_channel,
                             .nsource = nchannels,
                             .ncomponents = shape == 2 ? 4 : shape + 1,
-                            .coverage = nchannels < 4 && (coverage || shape == 2),
+                            .coverage = !own_alpha && (coverage || shape == 2),
+                            .own_alpha = own_alpha,
                             .internal = internal[type][shape],
                             .external = external[shape],
                             .data = data[type],
@@ -31,6 +35,9 @@ slv_gl_format slvi_gl_format_for(slv_type type, uint32_t first, uint32_t nchanne
     if (nchannels == 1) {
         format.swizzle[1] = format.swizzle[2] = GL_RED;
         format.swizzle[3] = coverage ? GL_GREEN : GL_ONE;
+    } else if (params->grey_alpha) {
+        format.swizzle[1] = format.swizzle[2] = GL_RED;
+        format.swizzle[3] = GL_GREEN;
     } else if (shape == 1) {
         format.swizzle[2] = GL_ZERO;
         format.swizzle[3] = GL_ONE;
@@ -39,15 +46,16 @@ slv_gl_format slvi_gl_format_for(slv_type type, uint32_t first, uint32_t nchanne
     return format;
 }
 
-slv_gl_format slvi_gl_format_srgb(const slv_gl *gl, const uint8_t *srgb, uint32_t first,
-                                  uint32_t nchannels, bool coverage, bool blocks) {
+slv_gl_format slvi_gl_format_srgb(const slv_gl *gl, const uint8_t *srgb,
+                                  const slv_gl_texture_params *params, bool coverage, bool blocks) {
     static const GLenum internal[] = {0, SLV_GL_SR8, SLV_GL_SRG8, 0, GL_SRGB8_ALPHA8};
-    slv_gl_format format = slvi_gl_format_for(SLV_TYPE_U8, first, nchannels, coverage);
+    slv_gl_format format = slvi_gl_format_for(SLV_TYPE_U8, params, coverage);
     /* blocks of one or two components know no sRGB; by itself OpenGL knows none of these */
     if (format.ncomponents < 4 && blocks)
         return format;
-    if (format.ncomponents < 4 && !gl->narrow_srgb)
-        return slvi_gl_format_for(SLV_TYPE_HALF, first, nchannels, coverage);
+    /* and of two of them the second would not be spared */
+    if (format.ncomponents < 4 && (!gl->narrow_srgb || format.own_alpha))
+        return slvi_gl_format_for(SLV_TYPE_HALF, params, coverage);
     format.internal = internal[format.ncomponents];
     format.srgb = srgb;
     return format;

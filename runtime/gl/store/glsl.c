@@ -65,8 +65,8 @@ static slv_result write_variant(const slv_gl_texture *texture, const slv_gl_slot
              params->border, slvi_gl_taps_in_shader(texture), in_vectors(texture),
              params->first_unit, params->first_storage, chunk_of(texture, slot),
              params->explicit_only, slvi_gl_is_black(params),
-             slvi_gl_is_black(params) && params->nchannels == 4, texture->scaled, (double)scale,
-             (double)(params->nchannels == 4 ? scale : 1), slot->lookups);
+             slvi_gl_is_black(params) && slvi_gl_own_alpha(params), texture->scaled, (double)scale,
+             (double)(slvi_gl_own_alpha(params) ? scale : 1), slot->lookups);
     return SLV_OK;
 }
 

@@ -169,7 +169,7 @@ slv_result slvi_gl_store_make_pool(const slv_gl_source *source, slv_gl_store *st
     if ((result = slvi_gl_check(source->gl, source->env, "array texture")))
         return result;
     store->bytes += slvi_gl_layer_bytes(pools, pool) * pool->capacity;
-    return store->coverage && format->nsource == 4
+    return store->coverage && format->own_alpha
                ? make_coverage(source, pool, &store->coverage_bytes)
                : SLV_OK;
 }
@@ -187,18 +187,18 @@ static slv_result begin_following(const slv_gl_source *source, uint32_t nitems,
 slv_result slvi_gl_store_prepare(const slv_gl_source *source, const slv_form *form, void *made,
                                  slv_gl_packing packing, bool coverage, slv_gl_store *out) {
     slv_type type = slv_levels_get_desc(source->levels)->type;
-    uint32_t first = source->params.first_channel, nchannels = source->params.nchannels;
+    const slv_gl_texture_params *params = &source->params;
     slv_gl_items items = {0};
     slv_gl_pools *pools = &out->pools;
     slv_result result = SLV_OK;
     bool blocks = source->params.compression == SLV_GL_COMPRESSION_BLOCKS;
     *out = (slv_gl_store){
         .pools = {.form = form, .packing = packing}, .made = made, .coverage = coverage};
-    pools->format = source->srgb ? slvi_gl_format_srgb(source->gl, source->srgb, first, nchannels,
-                                                       coverage, blocks)
-                                 : slvi_gl_format_for(type, first, nchannels, coverage);
+    pools->format = source->srgb
+                        ? slvi_gl_format_srgb(source->gl, source->srgb, params, coverage, blocks)
+                        : slvi_gl_format_for(type, params, coverage);
     pools->wide_format = slvi_gl_format_for(
-        source->type == SLV_TYPE_U8 ? SLV_TYPE_HALF : SLV_TYPE_FLOAT, first, nchannels, coverage);
+        source->type == SLV_TYPE_U8 ? SLV_TYPE_HALF : SLV_TYPE_FLOAT, params, coverage);
     if ((blocks && (result = slvi_gl_format_compress(source->gl, source->env, source->type,
                                                      &pools->format))) ||
         (result = list_items(source, form, made, &items)) ||

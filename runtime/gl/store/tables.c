@@ -113,6 +113,8 @@ void slvi_gl_table_value(const slv_gl_texture_params *params, const float *from,
     to[1] = to[2] = 0;
     to[3] = 1;
     memcpy(to, from + params->first_channel, params->nchannels * sizeof *to);
-    if (params->nchannels == 1)
+    if (params->grey_alpha)
+        to[3] = to[1];
+    if (params->nchannels == 1 || params->grey_alpha)
         to[1] = to[2] = to[0];
 }

@@ -41,6 +41,16 @@ typedef enum slv_shading {
     SLV_SHADE_HEADLIGHT_COS2 /* c * (ka + kd * dot(n, i)^2) */
 } slv_shading;
 
+/* What becomes of an alpha channel. */
+typedef enum slv_alpha_mode {
+    SLV_ALPHA_IGNORE = 0, /* colours are shown as they are stored, all of the surface is opaque */
+    SLV_ALPHA_BLEND,      /* what lies behind shows through */
+    SLV_ALPHA_MASK        /* the surface is cut out where alpha is below 1/2 */
+} slv_alpha_mode;
+
+/* ignore, blend, mask */
+SLV_API const char *slv_alpha_mode_name(slv_alpha_mode mode);
+
 /* headlight, headlight-abs, unlit, faces, levels, headlight-cos2 */
 SLV_API const char *slv_shading_name(slv_shading shading);
 SLV_API bool slv_shading_from_name(const char *name, slv_shading *out);

@@ -20,6 +20,8 @@ typedef struct slv_frame {
     float ka, kd;        /* both zero means 0.2 and 0.8 */
     float background[4]; /* linear RGBA, colour multiplied by alpha */
     bool float_target;   /* render to 32-bit float instead of half */
+    slv_alpha_mode alpha; /* but for SLV_ALPHA_IGNORE the colours of the texture must be multiplied
+                             by alpha (slv_texture_premultiply) */
     uint64_t reserved[4];
 } slv_frame;
 
@@ -49,8 +51,9 @@ SLV_API void slv_gl_renderer_destroy(slv_gl_renderer *renderer);
 SLV_API uint64_t slv_gl_renderer_triangles(const slv_gl_renderer *renderer);
 
 /* Draws one frame. `image` (may be NULL) receives linear RGBA with colour multiplied by alpha,
- * alpha the coverage of the pixel by the surface (an alpha channel of the texture is not looked
- * at). `seconds` (may be NULL) receives the time of drawing and resolving, without reading back: by
+ * alpha the coverage of the pixel by the surface. To blend, fragments are sorted pixel by pixel, so
+ * that triangles may come in any order, and each counts for the samples that it covers: one row of
+ * more than 512 MiB of them, or of the driver's longest buffer, is SLV_ERROR_LIMIT. `seconds` (may be NULL) receives the time of drawing and resolving, without reading back: by
  * GL timer on hardware, by the clock around glFinish in software. Changes GL state as slv_gl_wrap
  * says. The texture may be another each time. */
 SLV_NODISCARD SLV_API slv_result slv_gl_renderer_draw(slv_gl_renderer *renderer, const slv_env *env,

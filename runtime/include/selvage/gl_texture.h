@@ -95,6 +95,8 @@ typedef struct slv_gl_texture_params {
                            no #extension line (slv_gl_texture_extensions). NULL means slv_ */
     bool explicit_only; /* the text is for stages without derivatives, vertex and compute shaders:
                            slv_sample is left out */
+    bool grey_alpha; /* of two channels the first is shown as grey, and the second is alpha: so they
+                        are also where nchannels and first_channel are 0 and the texture says so */
     /* What lies beyond an edge without a neighbour, as lookups on the CPU have it: nothing that
        counts, or with SLV_BORDER_BLACK zero. In lookups within a face SLV_BORDER_PERIODIC is the
        same as SLV_BORDER_CLAMP. */
@@ -106,7 +108,7 @@ typedef struct slv_gl_texture_params {
 #define SLV_GL_MAX_VARIANTS 10
 
 /* The first texture unit and shader storage binding that a bound texture uses: batch_pools units,
- * twice as many for data of four channels, and 4 bindings. */
+ * twice as many where alpha is a channel of the texels, and 4 bindings. */
 #define SLV_GL_FIRST_UNIT 0
 #define SLV_GL_FIRST_STORAGE 4
 

@@ -111,5 +111,6 @@ slv_frame experiment_frame_at(const experiment *e, double t, const slv_strategy 
                        .height = e->report->height,
                        .strategy = strategy,
                        .shading = e->shading,
+                       .alpha = e->scene->alpha,
                        .camera = orbit_camera(&e->report->path, t)};
 }

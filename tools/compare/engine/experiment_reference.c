@@ -112,6 +112,7 @@ static bool go_on(void *user, uint64_t done, uint64_t total) {
 static slv_result need_reference(experiment *e) {
     const slv_reference_params params = {.segments = e->report->segments,
                                          .encoding = e->encoding,
+                                         .alpha = e->scene->alpha,
                                          .border_u = e->scene->border_u,
                                          .border_v = e->scene->border_v};
     return e->reference
