@@ -36,9 +36,9 @@ typedef struct slv_reference_params {
 /* A surface and its texture, ready for rays. Immutable; any number of threads may use it. */
 typedef struct slv_reference slv_reference;
 
-/* Copies what it needs: every texel of level 0 as a float for each shown channel (alpha if it is looked at), with a
- * border of one texel (slv_border_build), and the triangles. `adjacency`, the texture's, must have
- * as many faces as the mesh, the surface and the texture. */
+/* Copies what it needs: every texel of level 0 as a float for each shown channel (alpha if it is
+ * looked at), with a border of one texel (slv_border_build), and the triangles. `adjacency`, the
+ * texture's, must have as many faces as the mesh, the surface and the texture. */
 SLV_NODISCARD SLV_API slv_result slv_reference_create(const slv_env *env, const slv_mesh *mesh,
                                                       const slv_surface *surface,
                                                       const slv_texture *texture,

@@ -11,8 +11,8 @@ typedef struct slv_gl_blender {
     uint32_t storage, msaa;     /* that the program is for */
 } slv_gl_blender;
 
-/* A picture to blend. `drawn` (multisampled, say) is what triangles cover, `shown` where the picture
- * goes. */
+/* A picture to blend. `drawn` (multisampled, say) is what triangles cover, `shown` where the
+ * picture goes. */
 typedef struct slv_gl_blend {
     GLuint drawn, shown;
     uint32_t width, height, msaa, storage; /* storage: the first of two bindings of buffers */

@@ -17,9 +17,9 @@ typedef struct slv_frame {
     uint32_t msaa; /* 1, 2, 4, 8; default 1. More than the driver has is SLV_ERROR_UNSUPPORTED */
     const slv_strategy *strategy; /* NULL means the texture's first */
     slv_shading shading;
-    float ka, kd;        /* both zero means 0.2 and 0.8 */
-    float background[4]; /* linear RGBA, colour multiplied by alpha */
-    bool float_target;   /* render to 32-bit float instead of half */
+    float ka, kd;         /* both zero means 0.2 and 0.8 */
+    float background[4];  /* linear RGBA, colour multiplied by alpha */
+    bool float_target;    /* render to 32-bit float instead of half */
     slv_alpha_mode alpha; /* but for SLV_ALPHA_IGNORE the colours of the texture must be multiplied
                              by alpha (slv_texture_premultiply) */
     uint64_t reserved[4];
@@ -53,9 +53,10 @@ SLV_API uint64_t slv_gl_renderer_triangles(const slv_gl_renderer *renderer);
 /* Draws one frame. `image` (may be NULL) receives linear RGBA with colour multiplied by alpha,
  * alpha the coverage of the pixel by the surface. To blend, fragments are sorted pixel by pixel, so
  * that triangles may come in any order, and each counts for the samples that it covers: one row of
- * more than 512 MiB of them, or of the driver's longest buffer, is SLV_ERROR_LIMIT. `seconds` (may be NULL) receives the time of drawing and resolving, without reading back: by
- * GL timer on hardware, by the clock around glFinish in software. Changes GL state as slv_gl_wrap
- * says. The texture may be another each time. */
+ * more than 512 MiB of them, or of the driver's longest buffer, is SLV_ERROR_LIMIT. `seconds` (may
+ * be NULL) receives the time of drawing and resolving, without reading back: by GL timer on
+ * hardware, by the clock around glFinish in software. Changes GL state as slv_gl_wrap says. The
+ * texture may be another each time. */
 SLV_NODISCARD SLV_API slv_result slv_gl_renderer_draw(slv_gl_renderer *renderer, const slv_env *env,
                                                       slv_gl_texture *texture,
                                                       const slv_frame *frame, slv_image *image,

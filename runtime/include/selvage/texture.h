@@ -135,9 +135,8 @@ SLV_NODISCARD SLV_API slv_result slv_texture_decode_rect(const slv_env *env,
 /* A copy of a texture whose colours are multiplied by its alpha, as light: that of SLV_TEXTURE_SRGB
  * is decoded for it and encoded again. In .ptx files alpha covers the channels before it, or, if it
  * is channel 0, those behind it, and colours are as painted; drawn with alpha they must be
- * multiplied, so that what is painted where nothing shows does not show at the rim. Of the type of the texture,
- * rounded. A texture without alpha is
- * SLV_ERROR_ARGUMENT. On env->threads threads. */
+ * multiplied, so that what is painted where nothing shows does not show at the rim. Of the type of
+ * the texture, rounded. A texture without alpha is SLV_ERROR_ARGUMENT. On env->threads threads. */
 SLV_NODISCARD SLV_API slv_result slv_texture_premultiply(const slv_env *env,
                                                          const slv_texture *texture,
                                                          slv_texture_encoding wanted,
