@@ -34,6 +34,19 @@ slv_tap slv_scaled(slv_tap tap, float scale) {
     return slv_tap(tap.color * scale, tap.coverage * scale);
 }
 
+#if SLV_CONSTANTS
+// A face of one value has one texel: it is looked up in its middle, and what a filter covers of the face is computed. Returns that.
+float slv_constant(bool constant, vec2 size, inout vec2 uv, inout slv_footprint f) {
+    float covered = 1.0;
+    if (constant) {
+        covered = slv_within(size, bvec4(true), uv, f);
+        uv = vec2(0.5);
+        f = slv_footprint(vec2(0.0), vec2(0.0), vec2(0.0), 1, 0.0);
+    }
+    return covered;
+}
+#endif
+
 // A whole footprint, from one lookup where the sampler makes the taps.
 #if SLV_TAPS
 #define SLV_GATHER(lookup, p, f)                                                                   \
@@ -47,7 +60,7 @@ slv_tap slv_scaled(slv_tap tap, float scale) {
 #define SLV_GATHER(lookup, p, f) return lookup(p, f)
 #endif
 
-slv_tap slv_own(int face, vec2 uv, slv_footprint f) {
+slv_tap slv_own_taps(int face, vec2 uv, slv_footprint f) {
     vec3 p = vec3(uv, float(slv_store[SLV_ROW(face)].x >> 16));
 #define SLV_OWN_LOOKUP(p, f) SLV_LOOKUP(0, p, f)
 #if SLV_ANISOTROPY > 1 && !SLV_TAPS
@@ -61,6 +74,16 @@ slv_tap slv_own(int face, vec2 uv, slv_footprint f) {
     return tap;
 #else
     SLV_GATHER(SLV_OWN_LOOKUP, p, f);
+#endif
+}
+
+slv_tap slv_own(int face, vec2 uv, slv_footprint f) {
+#if SLV_CONSTANTS
+    bool constant = (slv_store[SLV_ROW(face)].y >> 20 & 1u) != 0u;
+    float covered = slv_constant(constant, slv_face_size(face), uv, f);
+    return slv_scaled(slv_own_taps(face, uv, f), covered);
+#else
+    return slv_own_taps(face, uv, f);
 #endif
 }
 

@@ -7,6 +7,8 @@ struct slv_site {
     vec2 uv;
     slv_footprint f;
     float along; // how far along the shared edge its filter reaches, the edge's length being 1; 2 if it is not beside the point
+    bool constant; // of one value
+    vec2 size;
 };
 
 // How far the outermost tap is from the centre, as a part of the row's axis.
@@ -21,7 +23,7 @@ float slv_spread(slv_footprint f) {
 #if SLV_VECTORS
 // An index that is the same for a whole vector may select any array: one round for each that occurs among its fragments, which
 // for neighbours across one edge is one.
-slv_tap slv_fetch(slv_site site) {
+slv_tap slv_fetch_site(slv_site site) {
     vec3 p = vec3(site.uv, site.layer);
     slv_tap sum = slv_tap(vec4(0.0), 0.0);
     bool waiting = !SLV_HELPER;
@@ -92,9 +94,18 @@ slv_tap slv_fetch_one(int pool, vec3 p, slv_footprint f) {
 #endif
 }
 
-slv_tap slv_fetch(slv_site site) {
+slv_tap slv_fetch_site(slv_site site) {
     vec3 p = vec3(site.uv, site.layer);
 #define SLV_POOL_LOOKUP(p, f) slv_fetch_one(site.pool, p, f)
     SLV_GATHER(SLV_POOL_LOOKUP, p, site.f);
 }
 #endif
+
+slv_tap slv_fetch(slv_site site) {
+#if SLV_CONSTANTS
+    float covered = slv_constant(site.constant, site.size, site.uv, site.f);
+    return slv_scaled(slv_fetch_site(site), covered);
+#else
+    return slv_fetch_site(site);
+#endif
+}

@@ -50,3 +50,23 @@ float slv_level(int face, vec2 dx, vec2 dy) {
     vec2 size = slv_face_size(face);
     return clamp(slv_footprint_of(size, dx, dy).level, 0.0, log2(max(size.x, size.y)));
 }
+
+// The part of a row of taps at a level of so many texels that lies on this side of some of a face's edges.
+float slv_within_level(vec2 texels, bvec4 edges, vec2 uv, slv_footprint f) {
+    float sum = 0.0;
+    int k = 1;
+    do {
+        vec2 at = uv + slv_tap_offset(f, k);
+        vec2 low = clamp(at * texels + 0.5, 0.0, 1.0), high = clamp((1.0 - at) * texels + 0.5, 0.0, 1.0);
+        vec4 parts = mix(vec4(1.0), vec4(low.y, high.x, high.y, low.x), edges);
+        sum += parts.x * parts.y * parts.z * parts.w;
+    } while (++k <= f.taps);
+    return sum / float(f.taps);
+}
+
+// The same between levels, of a face of a size.
+float slv_within(vec2 size, bvec4 edges, vec2 uv, slv_footprint f) {
+    float coarsest = log2(max(size.x, size.y)), level = clamp(f.level, 0.0, coarsest), fine = floor(level);
+    return mix(slv_within_level(max(size * exp2(-fine), 1.0), edges, uv, f),
+               slv_within_level(max(size * exp2(-min(fine + 1.0, coarsest)), 1.0), edges, uv, f), level - fine);
+}

@@ -25,6 +25,7 @@
 //                       stands at the top
 //   SLV_EXPLICIT        1 where there are no derivatives: slv_sample is left out, for vertex and compute shaders
 //   SLV_SCALED          1 if texels are stored divided by SLV_SCALE, because sums of such large floats would overflow
+//   SLV_CONSTANTS       1 if there may be faces of one value, which have one texel whatever their size
 //   SLV_BLACK           1 if the texture is black beyond its boundary: what the strategy defines is then renamed, and beyond.glsl
 //                       takes away what lies there
 //   SLV_OWN_ALPHA       with SLV_BLACK: 1 if alpha is a channel of the texels and not always 1
@@ -45,7 +46,8 @@ layout(binding = SLV_FIRST_UNIT) uniform sampler2DArray slv_pool[SLV_POOLS];
 #define SLV_ROW(face) (face)
 #endif
 
-// Per face: pool | layer << 16, and log2 width | log2 height << 8 | the edges beyond which it is black << 16.
+// Per face: pool | layer << 16, and log2 width | log2 height << 8 | the edges beyond which it is black << 16 |
+// whether it has one texel for all << 20.
 layout(std430, binding = SLV_FIRST_STORAGE) readonly buffer slv_store_block {
     uvec2 slv_store[];
 };

@@ -12,6 +12,7 @@
 //   bits 0-15   layer
 //   bits 16-20  log2 of the width, bits 21-25 of the height
 //   bits 26-29  pool
+//   bit 30      the face has one texel for all
 // and for each corner where its values are (corner_values.glsl). Software drivers read word for word: only what is needed is read.
 struct slv_links {
     uvec2 links, unused;

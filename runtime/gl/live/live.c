@@ -58,6 +58,7 @@ slv_result slvi_gl_live_create(slv_gl *gl, const slv_env *env, const slv_gl_give
     live->source.gl = gl;
     live->source.type = live->decoded ? SLV_TYPE_U8 : slv_texture_get_desc(live->texture)->type;
     live->source.levels = live->levels;
+    live->source.light = given->decoded ? NULL : light_of(live);
     live->source.srgb = live->srgb;
     live->source.adjacency = given->adjacency;
     live->source.params = *params;

@@ -19,7 +19,7 @@ slv_result slvi_gl_move_reserve(const slv_gl_live *live, slv_gl_store *store, ui
 /* Lets go of what is reserved, and of arrays that nothing is in any more. */
 void slvi_gl_move_sweep(const slv_gl_source *source, slv_gl_store *store);
 /* Whether an item is in a pool of its class. */
-bool slvi_gl_move_needed(const slv_gl_store *store, uint32_t item);
+bool slvi_gl_move_needed(const slv_gl_source *source, const slv_gl_store *store, uint32_t item);
 /* A face's row of the table of faces anew. */
 void slvi_gl_move_row(const slv_gl_source *source, const slv_gl_store *store, uint32_t face);
 /* After items have moved: their order, and the table of levels. */

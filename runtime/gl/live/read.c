@@ -14,6 +14,11 @@ slv_result slv_gl_texture_read(const slv_gl_texture *texture, const slv_env *env
     if (result)
         return result;
     const slv_gl_pools *pools = &texture->stores[slot->store].pools;
+    /* a face of one value has one texel for all levels */
+    if (pools->form == slv_form_bare() && item < pools->nitems &&
+        pools->pools[pools->pool_of[item]].nlevels == 1 &&
+        level < slv_res_level_count(texture->res[item]))
+        level = 0;
     if (item >= pools->nitems || level >= pools->pools[pools->pool_of[item]].nlevels)
         return slvi_fail(env, SLV_ERROR_ARGUMENT, "there is no level %u of %s number %u", level,
                          pools->form->item, item);

@@ -67,7 +67,7 @@ static slv_result move(struct update *update, slv_gl_store *store, uint32_t item
     if (wide != store->wide[item])
         *(blocks ? &store->nclipped : &store->nwide) += wide ? 1u : UINT32_MAX;
     store->wide[item] = wide;
-    if (!slvi_gl_move_needed(store, item))
+    if (!slvi_gl_move_needed(source, store, item))
         return SLV_OK;
     if ((result = slvi_gl_move_item(source, store, item, &update->live->room, fillers, &waits)))
         return result;
@@ -107,8 +107,11 @@ static slv_result update_store(struct update *update, slv_gl_store *store) {
     for (uint32_t i = 0, n = stale->count; !result && i < n; i++)
         result = move(update, store, stale->listed[i]);
     if (!result && form == slv_form_bare() && !store->moved) { /* the rectangles are known */
-        for (uint32_t i = 0; !result && i < live->nchanges; i++)
-            result = upload(update, store, live->changes[i].face, &live->changes[i].rect);
+        for (uint32_t i = 0; !result && i < live->nchanges; i++) {
+            const slv_gl_change *change = &live->changes[i];
+            bool constant = slvi_gl_is_constant(&live->source, change->face);
+            result = upload(update, store, change->face, constant ? NULL : &change->rect);
+        }
         return result;
     }
     for (uint32_t i = 0; !result && i < stale->count; i++)
@@ -128,8 +131,11 @@ static void resize_faces(struct update *update) {
             continue;
         texture->texel_bytes += (texel << (res.u + res.v)) - (texel << (old->u + old->v));
         *old = res;
-        for (uint32_t k = 0; k < texture->nstores; k++)
+        for (uint32_t k = 0; k < texture->nstores; k++) {
             slvi_gl_move_row(&update->live->source, &texture->stores[k], face);
+            /* links say how large it is, and it may stay where it lies */
+            texture->stores[k].moved |= slvi_gl_is_constant(&update->live->source, face);
+        }
     }
 }
 

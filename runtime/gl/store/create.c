@@ -241,6 +241,9 @@ static slv_result prepare(slv_gl *gl, const slv_env *env, const slv_gl_given *gi
     memcpy(made->res, desc->res, desc->nfaces * sizeof *made->res);
     made->texel_bytes = texel_bytes(desc, made->params.nchannels);
     made->scaled = made->live->scaled;
+    made->constants = made->live->source.light && made->params.live;
+    for (uint32_t f = 0; f < desc->nfaces && !made->constants; f++)
+        made->constants = slvi_gl_is_constant(&made->live->source, f);
     if (!at_once)
         made->live->source.put_off = &made->making->tables;
     else

@@ -72,6 +72,14 @@ void slvi_gl_pools_give(slv_gl_pools *pools, uint32_t item, uint32_t pool);
 slv_result slvi_gl_pools_list(const slv_env *env, slv_gl_pools *pools);
 void slvi_gl_pools_free(slv_gl_pools *pools);
 
+/* The class that an item belongs in. */
+static inline slv_res slvi_gl_item_res(const slv_gl_source *source, const slv_form *form,
+                                       const void *made, uint32_t item) {
+    slv_res one = {0, 0};
+    return form == slv_form_bare() && slvi_gl_is_constant(source, item) ? one
+                                                                        : form->res(made, item);
+}
+
 static inline const slv_gl_format *slv_gl_pool_format(const slv_gl_pools *pools,
                                                       const slv_gl_pool *pool) {
     return pool->wide ? &pools->wide_format : &pools->format;

@@ -26,6 +26,8 @@ typedef struct slv_gl_source {
     slv_gl *gl;
     slv_type type;            /* of the texture */
     const slv_levels *levels; /* of its colours, decoded */
+    const slv_texture *light; /* what the levels are of: faces of one value take one texel of forms
+                                 that have faces as they are. NULL: they take as many as others */
     const uint8_t *srgb;      /* NULL, or what encodes them again: 8-bit colours */
     const slv_adjacency *adjacency;
     slv_gl_texture_params params; /* defaults filled in */
@@ -33,6 +35,11 @@ typedef struct slv_gl_source {
     slvi_steps *steps;            /* as many as there are faces for each store */
     slv_gl_tables *put_off;       /* NULL: buffers are made at once */
 } slv_gl_source;
+
+/* Whether all texels of a face are one. */
+static inline bool slvi_gl_is_constant(const slv_gl_source *source, uint32_t face) {
+    return source->light && slv_texture_is_constant(source->light, face);
+}
 
 /* Faces in breadth-first order over the adjacency, so that faces which meet get layers close
  * together. `order` has room for all. */

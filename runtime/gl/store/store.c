@@ -30,7 +30,7 @@ static slv_result list_items(const slv_gl_source *source, const slv_form *form, 
         (result = slvi_gl_face_order(source, faces)))
         goto done;
     for (uint32_t i = 0; i < out->count; i++)
-        out->res[i] = form->res(made, i);
+        out->res[i] = slvi_gl_item_res(source, form, made, i);
     for (uint32_t i = 0; i < nfaces; i++) {
         uint32_t items[SLV_FORM_ITEMS], count = form->items(made, faces[i], items);
         for (uint32_t k = 0; k < count; k++) {

@@ -67,7 +67,8 @@ void slvi_gl_face_row(const slv_gl_source *source, const slv_gl_pools *pools, co
     row[1] =
         (uint32_t)res.u | (uint32_t)res.v << 8 |
         slvi_black_edges(source->adjacency, face, source->params.border_u, source->params.border_v)
-            << 16;
+            << 16 |
+        (uint32_t)slvi_gl_is_constant(source, face) << 20;
 }
 
 slv_result slvi_gl_face_table(const slv_gl_source *source, const slv_gl_pools *pools,

@@ -42,6 +42,7 @@ struct slv_gl_texture {
     slv_res *res; /* of each face */
     char *prefix; /* or NULL */
     uint64_t texel_bytes;
+    bool constants;               /* faces of one value may have one texel */
     bool scaled;                  /* see slvi_gl_scale_down */
     slv_gl_live *live;            /* NULL where nothing follows changes */
     struct slv_gl_making *making; /* NULL once all is uploaded */

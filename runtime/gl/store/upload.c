@@ -26,8 +26,9 @@ static slv_result read_level(const struct origin *from, uint32_t item, uint32_t 
                              float *scratch, struct level *out) {
     const slv_form *form = from->pools->form;
     const slv_texture_desc *desc = slv_levels_get_desc(from->source->levels);
-    out->extent = slv_form_level_extent(form, form->res(from->made, item), level,
-                                        slvi_gl_border(&from->source->params));
+    out->extent =
+        slv_form_level_extent(form, slvi_gl_item_res(from->source, form, from->made, item), level,
+                              slvi_gl_border(&from->source->params));
     slv_result result = rim ? form->read_rim(from->made, item, level, scratch, &out->read)
                             : form->read(from->made, item, level, scratch, &out->read);
     if (!result && out->read.type != desc->type && out->read.type != SLV_TYPE_FLOAT)
@@ -109,8 +110,9 @@ static slv_result fill_level(const struct origin *from, uint32_t item, uint32_t 
                              slv_rect rect, float *scratch, unsigned char *out, size_t pitch) {
     const slv_form *form = from->pools->form;
     struct level level;
-    level.extent = slv_form_level_extent(form, form->res(from->made, item), number,
-                                         slvi_gl_border(&from->source->params));
+    level.extent =
+        slv_form_level_extent(form, slvi_gl_item_res(from->source, form, from->made, item), number,
+                              slvi_gl_border(&from->source->params));
     if (form->read_rim && form->borders && rect.width == level.extent.width &&
         rect.height == level.extent.height)
         return fill_around(from, item, number, scratch, out, pitch);
