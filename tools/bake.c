@@ -15,8 +15,8 @@ struct bake_options {
     uint32_t seed, samples;
     bool size_given, max_given, density_given, match_given, error_given, type_given, pattern_given;
     bool surface_given, rays_given, detail_kind_given, front_given, back_given;
-    bool no_reductions, json, progress, quiet;
-    int type, scheme, encoding, wrap, pattern, surface, rays, detail_kind;
+    bool no_reductions, reductions_given, json, progress, quiet;
+    int type, scheme, encoding, wrap, pattern, surface, rays, detail_kind, reductions;
 };
 
 static void print_misses(FILE *stream, const slv_bake_report *report) {
@@ -230,6 +230,8 @@ static int make_job(const cli_command *command, struct bake_options *o, slv_bake
     job->type = (slv_type)o->type;
     job->scheme = (slv_scheme)o->scheme;
     job->no_reductions = o->no_reductions;
+    job->seams_given = o->reductions_given;
+    job->seams = (slv_ptx_seams)o->reductions;
     job->compression = (int)o->compression;
     job->miss_map = o->miss_map;
     return -1;
@@ -296,6 +298,10 @@ int verb_bake(int argc, char **argv) {
          "FILE.ptx", 0, 0, NULL},
         {"--scheme", CLI_CHOICE, &o.scheme, "subdivision scheme of the surface (catmark)",
          names_schemes(), 0, 0, NULL},
+        CLI_REDUCTIONS(&o.reductions,
+                       "whether faces agree where they meet, in reductions or in all levels (all, "
+                       "where values can be averaged)",
+                       &o.reductions_given),
         {"--no-reductions", CLI_FLAG, &o.no_reductions, "store full resolution only", NULL, 0, 0,
          NULL},
         CLI_COMPRESSION(&o.compression),

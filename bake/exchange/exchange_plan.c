@@ -158,6 +158,7 @@ slv_result slvi_exchange_plan_make(const slv_env *env, const slv_exchange_params
     if (changes & SLV_EXCHANGE_REDUCTIONS)
         target->no_reductions = params->no_reductions;
     target->compression = params->compression;
+    target->seams = params->seams;
     return SLV_OK;
 }
 

@@ -96,6 +96,7 @@ slv_result slv_bake_from_pattern(const slv_env *env, const slv_surface *surface,
     s->base = (slv_bake_source){
         .fns = &fns,
         .nfaces = slv_surface_face_count(surface),
+        .apart = s->pattern.pattern == SLV_PATTERN_FACE_COLOR || s->pattern.face_tint != 0,
         .desc = {SLV_TYPE_U8, alpha ? 4 : 3, alpha ? 3 : SLV_NO_ALPHA, SLV_TEXTURE_SRGB}};
     if (s->pattern.pattern == SLV_PATTERN_POSITION)
         s->base.desc = (slv_bake_source_desc){SLV_TYPE_FLOAT, 3, SLV_NO_ALPHA, SLV_TEXTURE_LINEAR};

@@ -107,6 +107,7 @@ slv_result slv_bake_from_surface(const slv_env *env, const slv_surface *surface,
     s->kind = kind;
     s->base = (slv_bake_source){.fns = &fns,
                                 .nfaces = slv_surface_face_count(surface),
+                                .apart = kind == SLV_BAKE_FACE_ID,
                                 .desc = {kind == SLV_BAKE_NORMAL ? SLV_TYPE_HALF : SLV_TYPE_FLOAT,
                                          three ? 3 : 1, SLV_NO_ALPHA, SLV_TEXTURE_DATA}};
     *out = &s->base;

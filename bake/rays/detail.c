@@ -237,6 +237,7 @@ slv_result slv_bake_from_detail(const slv_env *env, const slv_mesh *mesh,
     d->base = (slv_bake_source){.fns = &fns,
                                 .nfaces = slv_mesh_face_count(mesh),
                                 .cost = 2 * own.samples * own.samples,
+                                .apart = own.kind == SLV_BAKE_FACE_NORMAL,
                                 .desc = {height ? SLV_TYPE_FLOAT : SLV_TYPE_HALF, height ? 1 : 3,
                                          SLV_NO_ALPHA, SLV_TEXTURE_DATA}};
     if ((result = slvi_ray_scene_of_polygons(env, detailed, slv_mesh_get_view(mesh)->origin,

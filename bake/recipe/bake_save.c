@@ -229,12 +229,21 @@ static slv_result note_encoding(slv_ptx_writer *writer, slv_type type,
     return slv_ptx_writer_set_meta(writer, &meta);
 }
 
+static slv_ptx_seams seams_of(const bake *b) {
+    if (b->job->seams_given)
+        return b->job->seams;
+    if (b->source->apart)
+        return SLV_PTX_SEAMS_PLAIN;
+    return b->job->max_error > 0 ? SLV_PTX_SEAMS_REDUCTIONS : SLV_PTX_SEAMS_ALL;
+}
+
 static slv_result begin_file(bake *b, const char *path, slv_ptx_writer_params params,
                              slv_texture_encoding encoding, slv_ptx_writer **out) {
     params.mesh_type = SLV_PTX_QUAD;
     params.nfaces = b->source->nfaces;
     params.no_reductions = b->job->no_reductions;
     params.compression = b->job->compression;
+    params.seams = out == &b->writer ? seams_of(b) : SLV_PTX_SEAMS_PLAIN;
     params.memory = b->job->memory ? b->job->memory : DEFAULT_MEMORY;
     slv_result result = slv_ptx_writer_create(&b->env, path, &params, out);
     if (!result && !(result = slv_ptx_writer_set_mesh(*out, b->mesh)))

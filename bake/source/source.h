@@ -21,6 +21,7 @@ struct slv_bake_source {
     const slvi_bake_fns *fns;
     uint32_t nfaces;
     slv_bake_source_desc desc;
+    bool apart;    /* values are a face's own: those of two faces have no mean */
     uint32_t cost; /* rays a texel, or what takes as long; 0: few */
 };
 

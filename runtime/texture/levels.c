@@ -245,6 +245,9 @@ static slv_result resize(slv_levels *levels, uint32_t face, slv_res res) {
 slv_result slv_levels_update(slv_levels *levels, const slv_texture *texture, uint32_t face,
                              slv_rect rect) {
     const slv_texture_desc *desc = slv_texture_get_desc(texture);
+    if (levels->fixed)
+        return slvi_fail(&levels->env, SLV_ERROR_UNSUPPORTED,
+                         "levels: those that agree where faces meet are made anew, not updated");
     if (desc->nfaces != levels->desc.nfaces || desc->type != levels->desc.type ||
         desc->nchannels != levels->desc.nchannels)
         return slvi_fail(&levels->env, SLV_ERROR_MISMATCH, "levels: not made from this texture");
@@ -296,10 +299,11 @@ slv_result slv_levels_create_over(const slv_env *env, const slv_texture *texture
 void slv_levels_destroy(slv_levels *levels) {
     if (!levels)
         return;
-    for (uint32_t face = 0; levels->texels && face < levels->desc.nfaces; face++)
+    for (uint32_t face = 0; levels->own && levels->texels && face < levels->desc.nfaces; face++)
         if (!is_first_room(levels, face))
             slvi_free(levels->own[face]);
     slvi_free(levels->texels);
+    slvi_free(levels->kind);
     slvi_free(levels->own);
     slvi_free(levels->room);
     slvi_free(levels->most);

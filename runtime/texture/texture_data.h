@@ -18,6 +18,10 @@ typedef enum slvi_level_room {
     SLVI_ROOM_ALL
 } slvi_level_room;
 
+/* Of a face: all its levels are the one texel at the place of each; its texels stay as they are
+ * where others are made to agree with their neighbours. */
+enum { SLVI_LEVELS_SINGLE = 1, SLVI_LEVELS_STAYS = 2 };
+
 /* Face f has its levels from first[f] on; at[] says where each is, in `texels` or, of level
  * 0, in the texture. */
 struct slv_levels {
@@ -32,6 +36,8 @@ struct slv_levels {
     unsigned char *texels;
     uint64_t nbytes; /* of `texels` */
     bool borrowed;   /* level 0 of faces that are not constant is the texture's */
+    bool fixed;      /* filled from outside (levels.h): without `own`, never updated */
+    uint8_t *kind;   /* of each face: SLVI_LEVELS_...; NULL: nothing special */
     uint8_t *room;   /* of each face: slvi_level_room */
     uint8_t *most;   /* levels that at[] has places for */
     /* where that is: in `texels`, or of its own since an update */

@@ -20,6 +20,7 @@
 #include <selvage/ptx_resize.h>
 #include <selvage/ptx_writer.h>
 #include <selvage/reference.h>
+#include <selvage/seamless.h>
 #include <selvage/threads.h>
 #include <selvage/transfer.h>
 #include <selvage/wrap.h>
@@ -147,6 +148,19 @@ static slv_result call_htex(const slv_env *env) {
         result = slv_htex_measure(env, htex, calls.levels, calls.adjacency, &error);
     slv_htex_destroy(htex);
     return result;
+}
+
+static slv_result call_seamless(const slv_env *env) {
+    const slv_ptx_write_params params = {.seams = SLV_PTX_SEAMS_ALL};
+    slv_levels *levels = NULL;
+    slv_seam_agreement agreement;
+    slv_result result = slv_levels_create_seamless(env, calls.texture, calls.adjacency, 1, &levels);
+    if (!result)
+        slv_levels_agreement(levels, calls.adjacency, 1, &agreement);
+    slv_levels_destroy(levels);
+    return result
+               ? result
+               : slv_ptx_save(env, calls_path("out.ptx"), calls.texture, calls.adjacency, &params);
 }
 
 /* ---- .ptx ---- */
@@ -504,6 +518,7 @@ static const calls_entry calls_all[] = {
     {"texture", call_texture},
     {"edge_aligned", call_edge_aligned},
     {"htex", call_htex},
+    {"seamless", call_seamless},
     {"ptx_read", call_ptx_read},
     {"ptx_load", call_ptx_load},
     {"ptx_save", call_ptx_save},

@@ -18,6 +18,7 @@ typedef enum cli_kind {
     CLI_FLOAT,  /* float, finite; 1/2 is one too */
     CLI_SIZE,   /* uint32_t[2]: WxH or one number */
     CLI_CHOICE, /* int: index into choices, a list "a|b|c" */
+    CLI_MODE,   /* the same, and the first of them if the next argument is none */
     CLI_COLOR   /* float[4]: r,g,b or r,g,b,a, #rrggbb, or a name */
 } cli_kind;
 
@@ -65,6 +66,9 @@ typedef struct cli_option {
     }
 #define CLI_COMPRESSION(value)                                                                     \
     { "--compression", CLI_UINT, value, "1 (fast) to 12 (small)", NULL, 1, 12, NULL }
+
+#define CLI_REDUCTIONS(value, help, given)                                                         \
+    { "--reductions", CLI_MODE, value, help, names_seams(), 0, 0, given }
 
 #define CLI_TYPE(value, help, given)                                                               \
     { "--type|-t", CLI_CHOICE, value, help, names_types(), 0, 0, given }

@@ -32,6 +32,10 @@ static void print_wrapped(const char *text, size_t column, size_t indent) {
     putchar('\n');
 }
 
+static bool is_choice(const cli_option *option) {
+    return option->kind == CLI_CHOICE || option->kind == CLI_MODE;
+}
+
 /* What stands for an option's value. */
 static const char *value_word(const cli_option *option) {
     switch (option->kind) {
@@ -39,6 +43,8 @@ static const char *value_word(const cli_option *option) {
         return "";
     case CLI_CHOICE:
         return "WORD";
+    case CLI_MODE:
+        return "[WORD]";
     case CLI_SIZE:
         return "WxH";
     case CLI_COLOR:
@@ -87,8 +93,8 @@ void cli_print_help(const cli_command *command) {
         else
             printf("%s\n%*s", left, INDENT, "");
         char text[1024];
-        snprintf(text, sizeof text, "%s%s%s", option->help, option->kind == CLI_CHOICE ? ": " : "",
-                 option->kind == CLI_CHOICE ? option->choices : "");
+        snprintf(text, sizeof text, "%s%s%s", option->help, is_choice(option) ? ": " : "",
+                 is_choice(option) ? option->choices : "");
         print_wrapped(text, INDENT, INDENT);
     }
     printf("%-*s%s\n\n", INDENT, "  --help (-h)", "this text");
@@ -132,7 +138,7 @@ void cli_print_table(const cli_command *command) {
         print_cell(value_word(option));
         fputs(" | ", stdout);
         print_cell(option->help);
-        if (option->kind == CLI_CHOICE) {
+        if (is_choice(option)) {
             fputs(": ", stdout);
             print_cell(option->choices);
         }

@@ -55,6 +55,7 @@ static bool parse_value(const cli_option *option, const char *text) {
             good = parse_uint(end + 1, option->min, option->max, &size[1], &end);
         break;
     case CLI_CHOICE:
+    case CLI_MODE:
         choice = words_index(option->choices, text, strlen(text));
         good = choice >= 0;
         *(int *)option->value = choice;
@@ -69,7 +70,7 @@ static bool parse_value(const cli_option *option, const char *text) {
 static int bad_value(const cli_command *command, const cli_option *option, const char *text) {
     int length = (int)strcspn(option->names, "|");
     char hint[WORDS_HINT];
-    if (option->kind == CLI_CHOICE)
+    if (option->kind == CLI_CHOICE || option->kind == CLI_MODE)
         return cli_usage(command, "%.*s: unknown word '%s', expected %s%s", length, option->names,
                          text, option->choices, words_hint(text, option->choices, hint));
     if (option->kind == CLI_COLOR)
@@ -117,6 +118,10 @@ static int parse_option(const cli_command *command, int argc, char **argv, int *
         if (value)
             return cli_usage(command, "%.*s takes no value", (int)length, argument);
         *(bool *)option->value = true;
+    } else if (option->kind == CLI_MODE && !value &&
+               (*at + 1 >= argc ||
+                words_index(option->choices, argv[*at + 1], strlen(argv[*at + 1])) < 0)) {
+        *(int *)option->value = 0;
     } else {
         if (!value && *at + 1 < argc)
             value = argv[++*at];

@@ -157,7 +157,7 @@ int verb_convert(int argc, char **argv) {
          &o.border_v_given},
         {"--edge-filter", CLI_CHOICE, &o.edge_filter, "edge filter mode", names_edge_filters(), 0,
          0, &o.edge_filter_given},
-        {"--reductions", CLI_FLAG, &o.reductions, "store reductions", NULL, 0, 0, NULL},
+        CLI_REDUCTIONS(&o.reductions, "store reductions (plain)", &o.reductions_given),
         {"--no-reductions", CLI_FLAG, &o.no_reductions, "store none", NULL, 0, 0, NULL},
         CLI_COMPRESSION(&o.compression),
         CLI_SALVAGE(&o.salvage),
@@ -197,7 +197,7 @@ int verb_convert(int argc, char **argv) {
         return code;
     if (o.premultiply && o.unmultiply)
         return cli_usage(&command, "--premultiply and --unmultiply contradict each other");
-    if (o.reductions && o.no_reductions)
+    if (o.reductions_given && o.no_reductions)
         return cli_usage(&command, "--reductions and --no-reductions contradict each other");
     if (o.mesh && !ptx_name_is_safe(paths[1]))
         return cli_usage(&command, "--mesh: only a .ptx holds geometry");
@@ -205,6 +205,8 @@ int verb_convert(int argc, char **argv) {
          to_sheet = slv_image_format_of_name(paths[1]) != SLV_IMAGE_NONE;
     if (o.format_given && (to_ptx || to_sheet))
         return cli_usage(&command, "--format: only for a folder of images, not '%s'", paths[1]);
+    if (o.reductions && !to_ptx)
+        return cli_usage(&command, "--reductions: only a .ptx has any, not '%s'", paths[1]);
     if (o.compression && !to_ptx)
         return cli_usage(&command, "--compression: only for a .ptx, not '%s'", paths[1]);
     if (!to_ptx && !to_sheet && !may_be_folder(paths[1]))

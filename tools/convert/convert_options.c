@@ -198,12 +198,13 @@ int convert_request_make(const cli_command *command, const convert_options *o,
                        change(o->border_given || o->border_u_given, SLV_EXCHANGE_BORDER_U) |
                        change(o->border_given || o->border_v_given, SLV_EXCHANGE_BORDER_V) |
                        change(o->edge_filter_given, SLV_EXCHANGE_EDGE_FILTER) |
-                       change(o->reductions || o->no_reductions, SLV_EXCHANGE_REDUCTIONS);
+                       change(o->reductions_given || o->no_reductions, SLV_EXCHANGE_REDUCTIONS);
     params->type = (slv_type)o->type;
     params->border_u = (slv_border_mode)(o->border_u_given ? o->border_u : o->border);
     params->border_v = (slv_border_mode)(o->border_v_given ? o->border_v : o->border);
     params->edge_filter = (slv_edge_filter)o->edge_filter;
     params->no_reductions = o->no_reductions;
+    params->seams = (slv_ptx_seams)o->reductions;
     params->premultiply = o->premultiply;
     params->unmultiply = o->unmultiply;
     params->no_meta = o->no_meta;

@@ -9,11 +9,12 @@
 typedef struct convert_options {
     const char *channels, *scale, *alpha, *res, *mesh, *faces;
     int type, border, border_u, border_v, edge_filter, format;
-    int encoding; /* slv_texture_encoding */
+    int encoding;   /* slv_texture_encoding */
+    int reductions; /* slv_ptx_seams */
     bool type_given, border_given, border_u_given, border_v_given, edge_filter_given, format_given;
     bool max_given, min_given;
     uint32_t max[2], min[2];
-    bool premultiply, unmultiply, reductions, no_reductions, no_meta, json, progress, quiet,
+    bool premultiply, unmultiply, reductions_given, no_reductions, no_meta, json, progress, quiet,
         salvage;
     uint32_t compression, threads;
 } convert_options;

@@ -269,7 +269,12 @@ typedef struct slv_bake_job {
     const char *miss_map; /* NULL, or a .ptx to write: of the same faces and sizes, each texel with
                              the colour of slv_bake_miss_color */
     slv_progress progress; /* rows of texels */
-    uint64_t reserved[8];
+    bool seams_given;
+    /* Whether faces agree where they meet (seamless.h). Default: all of it; with max_error only
+     * reductions, since full resolution is what was measured; and nothing where values are a face's
+     * own: its number or colour, or a vector in its frame. */
+    slv_ptx_seams seams;
+    uint64_t reserved[7];
 } slv_bake_job;
 
 typedef struct slv_bake_report {

@@ -91,7 +91,8 @@ typedef struct slv_exchange_params {
      */
     const uint32_t *faces;
     uint32_t nfaces;
-    uint64_t reserved[6]; /* zero; for what later versions add */
+    slv_ptx_seams seams;  /* of a .ptx of quads that has reductions */
+    uint64_t reserved[5]; /* zero; for what later versions add */
 } slv_exchange_params;
 
 /* What was done. */

@@ -99,6 +99,14 @@ void slvi_border_across(const slv_border_view *view, const slv_border_edge *edge
 bool slvi_border_vertex_value(const slv_border_view *view, uint32_t face, uint32_t level,
                               uint32_t corner, float *out, float *opposite);
 
+/* Whether levels can meet around a vertex: false where oblong resolutions contradict each other, so
+ * that going once around it from level to level ends at another one. */
+bool slvi_border_vertex_fits(const slv_border_view *view, uint32_t face, uint32_t corner);
+
+/* The whole quad, and its edge, in whose middle a corner of two sub-faces lies, if it is one. */
+bool slvi_border_quad_past(const slv_border_view *view, uint32_t face, uint32_t corner,
+                           uint32_t *quad, uint32_t *edge);
+
 /* slv_border_build without the level's own texels. */
 slv_result slvi_border_build_rim(const slv_levels *levels, const slv_adjacency *adjacency,
                                  uint32_t face, uint32_t level, slv_form_extent extent, float *out,

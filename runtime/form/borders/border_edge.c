@@ -23,6 +23,8 @@ void slvi_border_fetch(const slv_border_view *view, uint32_t face, uint32_t leve
     slv_res res = slv_res_level(levels->res[face], level);
     const unsigned char *texels = slv_levels_texels(levels, face, level);
     size_t value = (((size_t)y << res.u) + x) * levels->desc.nchannels + view->first;
+    if (levels->kind && levels->kind[face] & SLVI_LEVELS_SINGLE)
+        value = view->first;
     if (levels->desc.type == SLV_TYPE_U8) {
         for (uint32_t c = 0; c < view->count; c++)
             out[c] = texels[value + c];

@@ -280,6 +280,23 @@ bool slvi_border_vertex_value(const slv_border_view *view, uint32_t face, uint32
     return opposite && find_opposite(view, &levels, level, position, opposite);
 }
 
+bool slvi_border_vertex_fits(const slv_border_view *view, uint32_t face, uint32_t corner) {
+    uint32_t position;
+    return ring_levels_at(view, face, 0, corner, &position).by_edges;
+}
+
+bool slvi_border_quad_past(const slv_border_view *view, uint32_t face, uint32_t corner,
+                           uint32_t *quad, uint32_t *edge) {
+    ring_levels levels = {.quad = SLV_BOUNDARY};
+    if (!slv_adjacency_is_t_corner(view->adjacency, (int32_t)face, corner))
+        return false;
+    levels.ring = slv_adjacency_ring(view->adjacency, (int32_t)face, corner, NULL);
+    find_quad(view, &levels);
+    *quad = (uint32_t)levels.quad;
+    *edge = levels.quad_edge;
+    return levels.quad != SLV_BOUNDARY;
+}
+
 void slv_border_vertex(const slv_levels *levels, const slv_adjacency *adjacency, uint32_t face,
                        uint32_t level, unsigned corner, float *out) {
     assert(face < levels->desc.nfaces && face < slv_adjacency_face_count(adjacency));

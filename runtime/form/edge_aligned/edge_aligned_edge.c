@@ -7,22 +7,8 @@
  * texel along it. Its edge is one straight line, whatever the vertex would like to be. */
 static bool straight_past(const slv_border_view *view, uint32_t face, uint32_t corner,
                           uint32_t *quad, uint32_t *quad_edge) {
-    if (!slv_adjacency_is_t_corner(view->adjacency, (int32_t)face, corner))
-        return false;
-    slv_ring ring = slv_adjacency_ring(view->adjacency, (int32_t)face, corner, NULL);
-    const slv_corner *first = &ring.corners[0], *last = &ring.corners[ring.count - 1];
-    const int32_t faces[2] = {first->face, last->face};
-    const uint32_t edges[2] = {first->corner, slvi_edge_before(last->corner)};
-    for (uint32_t i = 0; i < 2; i++) {
-        slv_neighbour to[2];
-        if (!slv_adjacency_neighbours(view->adjacency, faces[i], edges[i], to) ||
-            slvi_neighbour_halvings(&to[0]) >= 0)
-            continue;
-        *quad = (uint32_t)to[0].face;
-        *quad_edge = to[0].edge;
-        return slvi_res_along(view->levels->res[to[0].face], to[0].edge) == 0;
-    }
-    return false;
+    return slvi_border_quad_past(view, face, corner, quad, quad_edge) &&
+           slvi_res_along(view->levels->res[*quad], *quad_edge) == 0;
 }
 
 /* The raw value of what the type makes of it. */

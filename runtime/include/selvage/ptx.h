@@ -204,6 +204,9 @@ SLV_NODISCARD SLV_API slv_result slv_ptx_load_meta(const slv_ptx *ptx, uint32_t 
 /* Text metadata that says what the colours of a file are, linear, srgb or data, where that is not
  * what its type says; slv_ptx_save writes it. */
 #define SLV_PTX_ENCODING_KEY "TextureEncoding"
+/* "seamless" where reductions agree along edges (slv_ptx_seams). Written by the writer alone: given
+ * to slv_ptx_writer_set_meta it is left out. */
+#define SLV_PTX_REDUCTIONS_KEY "TextureReductions"
 /* What the colours of a file are, never SLV_TEXTURE_AUTO: what this metadata says, or the colour
  * space that other programs note (ColorSpace, oiio:ColorSpace); else data if its edge filter is for
  * vectors; else what its type says. */
@@ -239,6 +242,14 @@ SLV_NODISCARD SLV_API slv_result slv_ptx_match_mesh(const slv_env *env, const sl
                                                     const slv_mesh *mesh);
 
 /* What to write with slv_ptx_save. Zero means default. */
+/* Whether faces agree where they meet (seamless.h), for readers that know nothing of neighbours. */
+typedef enum slv_ptx_seams {
+    SLV_PTX_SEAMS_PLAIN = 0,  /* reductions are the format's own, of each face alone */
+    SLV_PTX_SEAMS_REDUCTIONS, /* reductions agree; full resolution stays as it is */
+    SLV_PTX_SEAMS_ALL         /* full resolution, too */
+} slv_ptx_seams;
+SLV_API const char *slv_ptx_seams_name(slv_ptx_seams seams); /* plain, seamless, all */
+
 typedef struct slv_ptx_write_params {
     slv_border_mode border_u, border_v;
     slv_edge_filter edge_filter;
@@ -249,7 +260,8 @@ typedef struct slv_ptx_write_params {
     const slv_ptx_meta *meta;
     slv_progress progress; /* faces, once when they are packed and once when they are written */
     const slv_stream_out *output; /* NULL: the path is written; else it is a name for messages */
-    uint64_t reserved[4];
+    slv_ptx_seams seams;
+    uint64_t reserved[3];
 } slv_ptx_write_params;
 
 /* Writes a store as a quad file, on env->threads threads: constant faces detected, reductions and

@@ -26,7 +26,10 @@ typedef struct slv_ptx_writer_params {
                               are packed and once when they are written */
     const slv_stream_out *output; /* NULL: the path is written; else it is a name for messages,
                                  and slv_ptx_writer_finish writes there. Copied. Not for edits */
-    uint64_t reserved[4];
+    slv_ptx_seams seams;          /* of new files of quads. Anything but plain is done by
+                                     slv_ptx_writer_finish, which knows all faces: until then their texels
+                                     wait in a nameless file, unpacked, with all their reductions */
+    uint64_t reserved[3];
 } slv_ptx_writer_params;
 
 /* The same kind of file as an open one: all of the above down to no_reductions. Reads

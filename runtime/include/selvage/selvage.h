@@ -28,6 +28,7 @@
 #include <selvage/ptx_resize.h>
 #include <selvage/ptx_writer.h>
 #include <selvage/result.h>
+#include <selvage/seamless.h>
 #include <selvage/source.h>
 #include <selvage/stream.h>
 #include <selvage/subface.h>

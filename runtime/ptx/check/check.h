@@ -24,6 +24,7 @@ typedef struct check_context {
     uint8_t *strips; /* the texels along every face's edges; NULL if seams are not compared */
     uint64_t *strip_starts; /* nfaces, in texels */
     uint8_t *unread;        /* nfaces: the texels could not be read */
+    bool seamless;          /* the outermost texels of reductions are not those of the face alone */
     bool mesh_fits;         /* the one that a repair would take, which is given or else inside */
 } check_context;
 

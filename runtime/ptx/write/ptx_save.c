@@ -76,7 +76,8 @@ slv_result slv_ptx_save(const slv_env *env, const char *path, const slv_texture 
                                  .no_reductions = params->no_reductions,
                                  .compression = params->compression,
                                  .progress = params->progress,
-                                 .output = params->output};
+                                 .output = params->output,
+                                 .seams = params->seams};
     slv_result result = slv_ptx_writer_create(env, path, &own, &save.writer);
     if (result)
         return result;
@@ -112,6 +113,7 @@ slv_result slvi_ptx_copy(const slv_env *env, const slv_ptx *ptx, const slv_mesh 
         own.memory = params->memory;
         own.progress = params->progress;
         own.output = params->output;
+        own.seams = params->seams;
     }
     if ((result = slv_ptx_writer_create(env, path, &own, &writer)))
         return result;

@@ -99,6 +99,13 @@ slv_result slvi_ptx_meta_pack(const slv_env *env, const char *path,
 slv_result slvi_ptx_meta_pack_edit(const slv_env *env, const char *path, const ptx_kept_meta *meta,
                                    uint32_t nmeta, ptx_bytes *out);
 
+/* ptx_seams.c: faces that wait for their neighbours, to agree with them. */
+typedef struct ptx_seams {
+    int descriptor; /* a nameless file of their levels */
+    uint64_t size;
+    uint64_t *positions; /* of a face's levels there; unused of constant faces */
+} ptx_seams;
+
 struct slv_ptx_writer {
     slv_env env; /* its log is serialised */
     slv_parallel_log *log;
@@ -117,6 +124,7 @@ struct slv_ptx_writer {
     uint32_t *headers[PTX_MAX_STORED_LEVELS]; /* by face */
     slvi_steps steps; /* a step is a face packed here, or one put into the finished file */
     ptx_spill spill;
+    ptx_seams seams;
     pthread_mutex_t lock;
     ptx_packer *idle;
     ptx_kept_meta *meta;
@@ -135,13 +143,23 @@ slv_ptx_writer_params slvi_ptx_writer_params_of_header(const slv_ptx *ptx);
 /* For both kinds. `path` is resolved. */
 slv_result slvi_ptx_writer_begin(const slv_env *env, const char *path,
                                  const slv_ptx_writer_params *params, slv_ptx_writer **out);
+/* Scratch memory for packing, and back. */
+slv_result slvi_ptx_writer_take(slv_ptx_writer *writer, const slv_env *env, ptx_packer **out);
+void slvi_ptx_writer_give(slv_ptx_writer *writer, ptx_packer *packer);
+/* ptx_seams.c. A face's texels are kept with their reductions, and nothing packed. */
+slv_result slvi_ptx_seams_begin(slv_ptx_writer *writer);
+slv_result slvi_ptx_seams_keep(slv_ptx_writer *writer, ptx_packer *packer, uint32_t face,
+                               slv_res res, const void *texels);
+slv_result slvi_ptx_seams_pack(slv_ptx_writer *writer);
+void slvi_ptx_seams_end(slv_ptx_writer *writer);
 /* slv_ptx_writer_write_face with an environment of the caller's. */
 slv_result slvi_ptx_writer_put(slv_ptx_writer *writer, const slv_env *env, uint32_t face,
                                const slv_ptx_face *info, const void *texels);
 /* ptx_save.c: slv_ptx_rewrite, with a mesh (which may be NULL) in place of the file's own. */
 slv_result slvi_ptx_copy(const slv_env *env, const slv_ptx *ptx, const slv_mesh *mesh,
                          const char *path, const slv_ptx_writer_params *params);
-/* ptx_writer_mesh.c: the mesh as metadata. */
+/* ptx_writer_mesh.c: metadata of any key; the mesh as metadata. */
+slv_result slvi_ptx_writer_keep_meta(slv_ptx_writer *writer, const slv_ptx_meta *meta);
 slv_result slvi_ptx_writer_set_geometry(slv_ptx_writer *writer, const slv_mesh *mesh);
 
 #endif

@@ -64,6 +64,12 @@ static slv_result check_params(const slv_env *env, const char *path,
     if (p->nfaces > INT32_MAX)
         return slvi_fail(env, SLV_ERROR_ARGUMENT, "%s: %u faces, the format has room for %d", path,
                          p->nfaces, INT32_MAX);
+    if ((unsigned)p->seams > SLV_PTX_SEAMS_ALL)
+        return slvi_fail(env, SLV_ERROR_ARGUMENT, "%s: unknown kind of reductions", path);
+    if (p->seams && p->mesh_type == SLV_PTX_TRIANGLE)
+        return slvi_fail(env, SLV_ERROR_UNSUPPORTED,
+                         "%s: reductions of triangles cannot be made to agree where faces meet",
+                         path);
     if (p->compression < 0 || p->compression > 12)
         return slvi_fail(env, SLV_ERROR_ARGUMENT, "%s: compression is 1 to 12, not %d", path,
                          p->compression);
@@ -99,7 +105,7 @@ static slv_result begin(const slv_env *env, const char *path, const slv_ptx_writ
     slv_result result = check_params(env, path, params);
     if (result || (result = slvi_alloc(env, path, 1, sizeof *writer, &writer)))
         return result;
-    writer->edited = -1;
+    writer->edited = writer->seams.descriptor = -1;
     writer->params = *params;
     writer->params.output = NULL;
     if (params->output)
@@ -124,6 +130,8 @@ static slv_result begin(const slv_env *env, const char *path, const slv_ptx_writ
     for (uint32_t level = 0; level < PTX_MAX_STORED_LEVELS; level++)
         if ((result = slvi_alloc(env, path, nfaces, sizeof(uint32_t), &writer->headers[level])))
             goto done;
+    if (params->seams && (result = slvi_ptx_seams_begin(writer)))
+        goto done;
     slv_ptx_face none = {
         .flags = SLV_FACE_CONSTANT,
         .adjacency.face = {SLV_BOUNDARY, SLV_BOUNDARY, SLV_BOUNDARY, SLV_BOUNDARY}};
@@ -169,6 +177,7 @@ void slv_ptx_writer_destroy(slv_ptx_writer *writer) {
         slvi_ptx_packer_free(packer);
     }
     slvi_ptx_spill_end(&writer->spill);
+    slvi_ptx_seams_end(writer);
     for (uint32_t level = 0; level < PTX_MAX_STORED_LEVELS; level++)
         slvi_free(writer->headers[level]);
     for (uint32_t i = 0; i < writer->nmeta; i++)
@@ -189,7 +198,7 @@ void slv_ptx_writer_destroy(slv_ptx_writer *writer) {
     slvi_free(writer);
 }
 
-static slv_result take_packer(slv_ptx_writer *writer, const slv_env *env, ptx_packer **out) {
+slv_result slvi_ptx_writer_take(slv_ptx_writer *writer, const slv_env *env, ptx_packer **out) {
     pthread_mutex_lock(&writer->lock);
     ptx_packer *packer = writer->idle;
     if (packer)
@@ -221,7 +230,7 @@ static slv_result take_packer(slv_ptx_writer *writer, const slv_env *env, ptx_pa
     return SLV_OK;
 }
 
-static void give_packer(slv_ptx_writer *writer, ptx_packer *packer) {
+void slvi_ptx_writer_give(slv_ptx_writer *writer, ptx_packer *packer) {
     if (!packer)
         return;
     pthread_mutex_lock(&writer->lock);
@@ -315,9 +324,10 @@ slv_result slvi_ptx_writer_put(slv_ptx_writer *writer, const slv_env *env, uint3
         writer->headers[level][face] = 0;
     if (own.flags & SLV_FACE_CONSTANT)
         memcpy(writer->constants + face * writer->pixel_size, texels, writer->pixel_size);
-    else if (!(result = take_packer(writer, env, &packer)))
-        result = pack_face(writer, packer, face, own.res, texels);
-    give_packer(writer, packer);
+    else if (!(result = slvi_ptx_writer_take(writer, env, &packer)))
+        result = writer->params.seams ? slvi_ptx_seams_keep(writer, packer, face, own.res, texels)
+                                      : pack_face(writer, packer, face, own.res, texels);
+    slvi_ptx_writer_give(writer, packer);
     if (result) {
         atomic_store(&writer->failed, true);
         return result;
@@ -339,5 +349,8 @@ slv_result slv_ptx_writer_finish(slv_ptx_writer *writer) {
     if (atomic_load(&writer->failed))
         return slvi_fail(&writer->env, SLV_ERROR_ARGUMENT,
                          "%s: is not written, since one of its faces could not be", writer->path);
+    slv_result result = writer->params.seams ? slvi_ptx_seams_pack(writer) : SLV_OK;
+    if (result)
+        return result;
     return writer->edited < 0 ? slvi_ptx_writer_assemble(writer) : slvi_ptx_writer_append(writer);
 }

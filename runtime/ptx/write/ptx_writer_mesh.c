@@ -18,11 +18,18 @@ static slv_result check_open(const slv_ptx_writer *writer, const char *what) {
 }
 
 slv_result slv_ptx_writer_set_meta(slv_ptx_writer *writer, const slv_ptx_meta *meta) {
+    if (meta->key && strcmp(meta->key, SLV_PTX_REDUCTIONS_KEY) == 0 && writer->edited < 0)
+        return SLV_OK; /* of the file that it comes from */
+    slv_result result = check_open(writer, "metadata");
+    return result ? result : slvi_ptx_writer_keep_meta(writer, meta);
+}
+
+slv_result slvi_ptx_writer_keep_meta(slv_ptx_writer *writer, const slv_ptx_meta *meta) {
     const slv_env *env = &writer->env;
     uint32_t at = 0;
     uint8_t *memory = NULL;
-    slv_result result = check_open(writer, "metadata");
-    if (result || (result = slvi_ptx_meta_check(env, writer->path, meta)))
+    slv_result result = slvi_ptx_meta_check(env, writer->path, meta);
+    if (result)
         return result;
     while (at < writer->nmeta && strcmp(writer->meta[at].entry.key, meta->key) != 0)
         at++;
