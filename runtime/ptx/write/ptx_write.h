@@ -143,7 +143,7 @@ slv_ptx_writer_params slvi_ptx_writer_params_of_header(const slv_ptx *ptx);
 /* For both kinds. `path` is resolved. */
 slv_result slvi_ptx_writer_begin(const slv_env *env, const char *path,
                                  const slv_ptx_writer_params *params, slv_ptx_writer **out);
-/* Scratch memory for packing, and back. */
+/* ptx_packers.c: scratch memory for packing, and back. */
 slv_result slvi_ptx_writer_take(slv_ptx_writer *writer, const slv_env *env, ptx_packer **out);
 void slvi_ptx_writer_give(slv_ptx_writer *writer, ptx_packer *packer);
 /* ptx_seams.c. A face's texels are kept with their reductions, and nothing packed. */
