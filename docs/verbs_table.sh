@@ -22,6 +22,20 @@ awk -v table="$made.table" '
         inside = 1
         while ((getline line < table) > 0) print line
     }' "$page" >"$made"
+# one letter, one option (-o is the output, however else a verb calls it; --strategies are several of --strategy)
+letters=$(awk -F'[`]' '/^\| `--/ {
+    name = $2 == "--strategies" ? "--strategy" : $2
+    for (i = 4; i < NF; i += 2)
+        if ($i ~ /^-[a-np-z]$/) {
+            if ($i in means && means[$i] != name) print $i ": " means[$i] " and " name
+            means[$i] = name
+        }
+}' "$made.table" | sort -u)
+if [ "$letters" ]; then
+    echo "$letters" >&2
+    echo "a letter means one option in all verbs" >&2
+    exit 1
+fi
 if ! $check; then
     cat "$made" >"$page"
 elif ! cmp -s "$made" "$page"; then

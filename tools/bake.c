@@ -280,7 +280,7 @@ int verb_bake(int argc, char **argv) {
         {"--error", CLI_FLOAT, &o.error,
          "the least resolution of each face within so much of the source: 2/255", "X", 0, 0,
          &o.error_given},
-        {"--size|-s", CLI_SIZE, o.size, "every face as large, powers of two; sub-faces half of it",
+        {"--size", CLI_SIZE, o.size, "every face as large, powers of two; sub-faces half of it",
          "64x64", 1, 65536, &o.size_given},
         {"--density|-d", CLI_FLOAT, &o.density, "texels per unit of length on the surface", "X", 0,
          0, &o.density_given},

@@ -152,7 +152,7 @@ int verb_new(int argc, char **argv) {
     uint32_t narguments = 0;
     const cli_option options[] = {
         CLI_OUT(&o.paths[1], "the file to write", "OUT.ptx"),
-        {"--size|-s", CLI_SIZE, o.size, "every face as large, powers of two; sub-faces half of it",
+        {"--size", CLI_SIZE, o.size, "every face as large, powers of two; sub-faces half of it",
          "64x64", 1, 65536, &o.size_given},
         {"--density|-d", CLI_FLOAT, &o.density, "texels per unit of length on the surface", "X", 0,
          0, &o.density_given},
@@ -168,7 +168,7 @@ int verb_new(int argc, char **argv) {
         {"--channels|-c", CLI_UINT, &o.channels, "how many (3)", NULL, 1, MOST_CHANNELS, NULL},
         {"--alpha", CLI_UINT, &o.alpha, "which channel is alpha, from 0 (none)", NULL, 0,
          MOST_CHANNELS - 1, &o.alpha_given},
-        {"--fill|-f", CLI_TEXT, &o.fill,
+        {"--fill", CLI_TEXT, &o.fill,
          "a colour: r,g,b in light, #rrggbb, a name; or a value for each channel (" DEFAULT_FILL
          "; less than three channels: 0)",
          "COLOR", 0, 0, NULL},

@@ -84,7 +84,7 @@ int verb_unbake(int argc, char **argv) {
                 "OUT.png|OUT.exr"),
         {"--mesh|-m", CLI_TEXT, &o.mesh, "the mesh, with the texture coordinates", "FILE.obj", 0, 0,
          NULL},
-        {"--size|-s", CLI_SIZE, o.size,
+        {"--size", CLI_SIZE, o.size,
          "pixels of each image (a power of two, about as dense as the texture)", "1024x1024", 1,
          32768, NULL},
         {"--bits", CLI_UINT, &o.bits, "PNG 8 or 16, EXR 16 or 32 (what the texture's type needs)",

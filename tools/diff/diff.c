@@ -175,11 +175,11 @@ int verb_diff(int argc, char **argv) {
     struct diff d = {.show = 20};
     uint32_t narguments = 0;
     const cli_option options[] = {
-        {"--tolerance|-t", CLI_FLOAT, &d.tolerance,
+        {"--tolerance", CLI_FLOAT, &d.tolerance,
          "how far two values may differ, integers as 0..1 (0)", "X", 0, 0, NULL},
         {"--texels", CLI_FLAG, &d.texels,
          "texels only: types, sizes, neighbours and metadata may differ", NULL, 0, 0, NULL},
-        {"--images|-i|--out|-o|--output", CLI_TEXT, &d.images,
+        {"--images|--out|-o|--output", CLI_TEXT, &d.images,
          "a folder for a picture of every face that differs", "FOLDER", 0, 0, NULL},
         {"--format", CLI_CHOICE, &d.format,
          "png (16 bit, the largest difference white) or exr (the differences themselves) (png)",

@@ -52,7 +52,7 @@ int verb_info(int argc, char **argv) {
         {"--faces|-f", CLI_FLAG, &o.faces, "also list every face: size, flags, neighbours", NULL, 0,
          0, NULL},
         {"--meta", CLI_FLAG, &o.meta, "also show the metadata's values (.ptx)", NULL, 0, 0, NULL},
-        {"--sheet|-s|--out|-o|--output", CLI_TEXT, &o.sheet,
+        {"--sheet|--out|-o|--output", CLI_TEXT, &o.sheet,
          "also write a picture of all faces, each in a cell", "OUT.png|.exr", 0, 0, NULL},
         {"--sheet-faces", CLI_TEXT, &o.sheet_faces, "draw these only: 0-99,250", "LIST", 0, 0,
          NULL},
