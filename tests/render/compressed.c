@@ -64,6 +64,8 @@ static void paint(kit *k, uint32_t nchannels, uint64_t *random) {
 
 static void check_equal(kit *k, const char *name, bool regular, uint64_t *random) {
     for (uint32_t nchannels = 1; nchannels <= 4; nchannels++) {
+        if (test_skip(nchannels - regular, 2))
+            continue;
         paint(k, nchannels, random);
         slv_gl_texture *plain = upload(k, SLV_GL_COMPRESSION_NONE);
         slv_gl_texture *texture = upload(k, SLV_GL_COMPRESSION_BLOCKS);

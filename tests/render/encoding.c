@@ -120,7 +120,9 @@ static void check_bytes(uint64_t *random) {
     kit_grid(&k, 16, 16, false, 0, random, NULL);
     kit_equal(&k, 1);
     for (uint32_t nchannels = 1; nchannels <= 4; nchannels++)
-        for (int blocks = 0; blocks < 2; blocks++) {
+        for (uint32_t blocks = 0; blocks < 2; blocks++) {
+            if (test_skip(nchannels + blocks, 2))
+                continue;
             slv_gl_texture_params params = {.compression = blocks ? SLV_GL_COMPRESSION_BLOCKS
                                                                   : SLV_GL_COMPRESSION_NONE,
                                             .encoding = SLV_TEXTURE_SRGB};
@@ -146,7 +148,7 @@ static void check_bytes(uint64_t *random) {
             CHECK_MSG(most < (!blocks         ? 0.45f
                               : nchannels < 3 ? 7
                                               : 4.5f),
-                      "%u channels, blocks %d: off by %g", nchannels, blocks, (double)most);
+                      "%u channels, blocks %u: off by %g", nchannels, blocks, (double)most);
         }
     kit_free(&k);
 }
@@ -159,7 +161,7 @@ int main(void) {
     kit_grid(&k, 5, 4, false, 20, &random, NULL);
     kit_mixed(&k, 4, &random);
     for (int type = SLV_TYPE_U8; type <= SLV_TYPE_FLOAT; type++)
-        for (uint32_t nchannels = type ? 4 : 1; nchannels <= 4; nchannels++)
+        for (uint32_t nchannels = type ? 4 : test_brief() ? 3 : 1; nchannels <= 4; nchannels++)
             check_type(&k, (slv_type)type, nchannels, &random);
     kit_free(&k);
     check_bytes(&random);

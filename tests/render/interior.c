@@ -105,7 +105,9 @@ static void check_scene(const char *obj, const char *texels, const char *name) {
         slv_gl_texture_params params = {.anisotropy = anisotropy};
         slv_gl_texture *uploaded = NULL;
         REQUIRE(slv_gl_texture_create(gl, &env, texture, adjacency, &params, &uploaded) == SLV_OK);
-        for (size_t v = 0; v < sizeof views / sizeof *views; v++) {
+        for (uint32_t v = 0; v < sizeof views / sizeof *views; v++) {
+            if (test_skip(v + (anisotropy > 1), 2))
+                continue;
             const slv_mesh_view *view = slv_mesh_get_view(mesh);
             const float *middle = view->positions + 3 * (view->nverts / 7 * (2 * v + 1));
             float low[3], high[3];
@@ -128,7 +130,7 @@ static void check_scene(const char *obj, const char *texels, const char *name) {
         slv_gl_texture_destroy(uploaded);
     }
     fprintf(stderr, "%s: %u pixels inside their faces\n", name, count);
-    CHECK(count > 5000);
+    CHECK(count > (test_brief() ? 2500 : 5000));
     slv_gl_renderer_destroy(renderer);
     slv_reference_destroy(reference);
     slv_texture_destroy(texture);

@@ -106,10 +106,12 @@ static void check_extremes(void) {
     static const slv_res extremes[] = {{0, 0}, {8, 8}, {12, 0}, {0, 12}, {1, 9}, {7, 2}};
     uint64_t random = 5;
     slv_env env = test_env();
-    for (size_t a = 0; a < sizeof extremes / sizeof *extremes; a++)
-        check_constant(extremes[a], extremes[(a + 1) % (sizeof extremes / sizeof *extremes)], false,
-                       &random);
-    check_constant((slv_res){12, 12}, (slv_res){0, 0}, true, &random);
+    for (uint32_t a = 0; a < sizeof extremes / sizeof *extremes; a++)
+        if (!test_skip(a, 2))
+            check_constant(extremes[a], extremes[(a + 1) % (sizeof extremes / sizeof *extremes)],
+                           false, &random);
+    if (!test_brief())
+        check_constant((slv_res){12, 12}, (slv_res){0, 0}, true, &random);
     kit k;
     kit_grid(&k, 1, 1, false, 0, NULL, NULL);
     k.res[0] = (slv_res){15, 0};
@@ -125,7 +127,7 @@ static void check_extremes(void) {
  * two sub-faces beside it: what comes out is a boundary there, and never another face's texels.
  * Every face has its own value, so strangers would show. */
 static void check_missing_neighbours(uint64_t *random) {
-    for (int round = 0; round < 8; round++) {
+    for (int round = 0; round < 8; round += test_brief() ? 5 : 1) {
         kit k;
         kit_pentagons(&k, random);
         if (round >= 4) {

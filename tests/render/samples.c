@@ -127,6 +127,11 @@ typedef struct sample {
     uint32_t most_alpha;
 } sample;
 
+/* A short run has the advised strategies, and one that is another kind. */
+static bool left_out(uint32_t strategy) {
+    return test_brief() && strategy > 2 && strategy + 1 < slv_strategy_count();
+}
+
 static void check_picture(const sample *s, const char *drawn, double least,
                           const slv_image *reference, slv_image image) {
     score right = compare(reference, &image);
@@ -155,6 +160,8 @@ static void check_sample(const char *samples, const sample *s) {
     REQUIRE(slv_image_load(&env, path[0], &reference) == SLV_OK);
     for (uint32_t k = 0; k < slv_strategy_count(); k++) {
         const char *strategy = slv_strategy_at(k)->name;
+        if (left_out(k))
+            continue;
         double least = s->least;
         for (size_t i = 0; i < sizeof s->others / sizeof *s->others; i++)
             if (s->others[i].strategy && strcmp(s->others[i].strategy, strategy) == 0)
@@ -235,6 +242,8 @@ static void check_cube(void) {
     make_cube(obj, ptx, view);
     for (uint32_t s = 0; s < slv_strategy_count(); s++) {
         const char *strategy = slv_strategy_at(s)->name;
+        if (left_out(s))
+            continue;
         slv_image image = render(ptx, obj, view, strategy, "bilinear"), expected;
         float largest = 0;
         double sum = 0;

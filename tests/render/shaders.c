@@ -101,6 +101,8 @@ static void check_text(const char *lookups, const char *name, bool reference) {
     nseen++;
     for (int stage = 0; stage < STAGES; stage++) {
         char file[128];
+        if (test_skip((uint32_t)(nseen + stage), 2))
+            continue;
         snprintf(file, sizeof file, "%s_%s.frag", stage_names[stage], name);
         if (reference)
             write_shader(file, lookups, fragment[stage]);
@@ -119,17 +121,20 @@ static char *flipped(const char *lookups, const char *define) {
     return other;
 }
 
-/* What the library decides by the driver is checked both ways on every driver. */
+/* What the library decides by the driver is checked both ways on every driver; in a short run both
+ * things at a time. */
 static void check_all_ways(const char *lookups, const char *name, bool reference) {
     char other_name[96];
     char *vectors = flipped(lookups, "#define SLV_VECTORS ");
-    check_text(lookups, name, reference);
-    snprintf(other_name, sizeof other_name, "%s_othervectors", name);
-    check_text(vectors, other_name, reference);
     char *taps = flipped(lookups, "#define SLV_TAPS ");
     char *both = flipped(vectors, "#define SLV_TAPS ");
-    snprintf(other_name, sizeof other_name, "%s_othertaps", name);
-    check_text(taps, other_name, reference);
+    check_text(lookups, name, reference);
+    if (!test_brief()) {
+        snprintf(other_name, sizeof other_name, "%s_othervectors", name);
+        check_text(vectors, other_name, reference);
+        snprintf(other_name, sizeof other_name, "%s_othertaps", name);
+        check_text(taps, other_name, reference);
+    }
     snprintf(other_name, sizeof other_name, "%s_otherboth", name);
     check_text(both, other_name, reference);
     free(taps);
@@ -287,7 +292,7 @@ int main(void) {
     int nways = 0;
     for (uint32_t s = 0; s < slv_strategy_count(); s++)
         nways += slv_strategy_at(s)->coverage ? 2 : 1;
-    CHECK_MSG(nseen == nways * 2 * 2 * 2 * SLV_GL_MAX_VARIANTS, "%d texts", nseen);
+    CHECK_MSG(nseen == nways * 2 * (test_brief() ? 2 : 4) * SLV_GL_MAX_VARIANTS, "%d texts", nseen);
     CHECK(kit_count_files(scratch.folder) == nfiles);
 
     for (int stage = 0; stage < STAGES; stage++) {
