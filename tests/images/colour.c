@@ -86,7 +86,9 @@ static void check_grey(void) {
     RUNS(0, "convert u8.ptx grey.ptx --channels 0,=1 --alpha 1");
     RUNS(0, "convert grey.ptx rgba.ptx --channels 0,0,0,1 --alpha 3");
     static const char *const strategies[] = {"clamp", "borders", "traverse", "discard", "htex"};
-    for (size_t i = 0; i < sizeof strategies / sizeof *strategies; i++) {
+    for (uint32_t i = 0; i < sizeof strategies / sizeof *strategies; i++) {
+        if (test_skip(i, 2))
+            continue;
         slv_env env = test_env();
         slv_image images[2];
         static const char *const names[] = {"grey", "rgba"};
@@ -147,11 +149,13 @@ int main(void) {
     RUNS(0, "convert u8.ptx half.ptx --type half --texture-encoding linear");
     RUNS(0, "convert u8.ptx float.ptx --type float --texture-encoding linear");
     check_default("u8.ptx", BYTE(128));
-    check_default("u16.ptx", BYTE(128));
     check_default("half.ptx", BYTE(188));
-    check_default("float.ptx", BYTE(188));
     check_encodings("u8.ptx");
-    check_encodings("half.ptx");
+    if (!test_brief()) {
+        check_default("u16.ptx", BYTE(128));
+        check_default("float.ptx", BYTE(188));
+        check_encodings("half.ptx");
+    }
     check_raw();
     check_grey();
     check_sample();

@@ -89,9 +89,12 @@ static void check_type(slv_type type) {
                          needed % 2 ? SLV_NO_ALPHA : (int32_t)needed - 1, 4);
         RUNS(0, "convert original.ptx faces");
         for (uint32_t have = 1; have <= 4; have++)
-            for (uint32_t bits = exr ? 16 : 8; bits <= (exr ? 32u : 16u); bits *= 2)
+            for (uint32_t bits = exr ? 16 : 8; bits <= (exr ? 32u : 16u); bits *= 2) {
+                if (test_skip(needed + have + bits / (exr ? 32 : 16), 2))
+                    continue;
                 check_pair(type, needed, have,
                            exr ? "faces/face_000003.exr" : "faces/face_000003.png", bits);
+            }
     }
 }
 

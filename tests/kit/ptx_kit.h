@@ -56,10 +56,10 @@ static inline bool same_bytes(const char *a, const char *b) {
 }
 
 /* Calls `visit` with every .ptx file of the test data and of the folder that SELVAGE_CONFORMANCE
- * names, with those that are in both once. */
+ * names, with those that are in both once; in a short run every third of the second. */
 static inline int each_sample(void (*visit)(const char *path)) {
     const char *folders[2] = {data_folder(), getenv("SELVAGE_CONFORMANCE")};
-    int count = 0;
+    int count = 0, turn = 0;
     for (int i = 0; i < 2; i++) {
         DIR *folder = folders[i] ? opendir(folders[i]) : NULL;
         struct dirent *entry;
@@ -70,7 +70,7 @@ static inline int each_sample(void (*visit)(const char *path)) {
                 continue;
             snprintf(path, sizeof path, "%s/%s", folders[i], entry->d_name);
             snprintf(twin, sizeof twin, "%s/%s", folders[0] ? folders[0] : "", entry->d_name);
-            if (i == 1 && same_bytes(path, twin))
+            if (i == 1 && (same_bytes(path, twin) || test_skip((uint32_t)turn++, 3)))
                 continue;
             visit(path);
             count++;

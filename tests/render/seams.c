@@ -76,12 +76,16 @@ static void check_equal(const kit *k, const char *name, uint32_t anisotropy) {
 }
 
 static void check_all_types(kit *k, const char *name, uint64_t *random) {
+    static uint32_t turn;
     for (int type = 0; type < 4; type++) {
+        if (test_skip(turn++, 3))
+            continue;
         kit_noise(k, (slv_type)type, 1 + test_random(random) % 4, random);
         check_equal(k, name, 1);
     }
     kit_noise(k, SLV_TYPE_U8, 3, random);
-    check_equal(k, name, 1);
+    if (!test_brief())
+        check_equal(k, name, 1);
     check_equal(k, name, 16);
 }
 
@@ -215,7 +219,7 @@ static void check_samples(uint64_t *random) {
 }
 
 /* Beside a seam, while the view goes from magnified to minified: what hybrid shows goes over from
- * traverse's value to discard's without a jump. */
+ * traverse's value to discard's without a jump, in half a level, which is 64 steps here. */
 static void check_transition(uint64_t *random) {
     enum { STEPS = 257, PLACES = 16 };
     static int32_t faces[STEPS];
@@ -245,7 +249,7 @@ static void check_transition(uint64_t *random) {
             REQUIRE(slv_gl_texture_lookup(texture, &env, strategies[s], STEPS, faces, uv, dx, dy,
                                           values[s]) == SLV_OK);
         for (int i = 0; i < STEPS; i++) {
-            float level = -1 + 2 * (float)i / (STEPS - 1), step = 0;
+            float level = -1 + 2 * (float)i / (STEPS - 1);
             for (int c = 0; c < 3; c++) {
                 float traverse = values[0][4 * i + c], discard = values[1][4 * i + c];
                 float hybrid = values[2][4 * i + c];
@@ -258,11 +262,15 @@ static void check_transition(uint64_t *random) {
                 if (level > 0.51f)
                     CHECK_MSG(fabsf(hybrid - discard) < 1e-6f, "level %g: %g, discard has %g",
                               (double)level, (double)hybrid, (double)discard);
-                if (i)
-                    step = fmaxf(step, fabsf(hybrid - values[2][4 * i - 4 + c]));
+                float allowed = 0.03f * fabsf(traverse - discard) + 1e-4f, step = 0;
+                for (int s = 0; i && s < 3; s++) {
+                    step = fabsf(values[s][4 * i + c] - values[s][4 * i - 4 + c]);
+                    allowed += s < 2 ? step : 0;
+                }
+                CHECK_MSG(step <= allowed, "level %g: a step of %g, allowed %g", (double)level,
+                          (double)step, (double)allowed);
                 blended += fabsf(hybrid - traverse) > 1e-4f && fabsf(hybrid - discard) > 1e-4f;
             }
-            CHECK_MSG(step < 4.0f / 255, "level %g: a step of %g", (double)level, (double)step);
         }
     }
     CHECK(blended > 0);

@@ -114,13 +114,13 @@ static void check_lists(void) {
 
 /* More than one chunk of lines, each line many times, comments and Windows' line ends between. */
 static void check_long_list(void) {
-    enum { TIMES = TEST_SANITIZED ? 30 : 120 };
+    const int times = TEST_SANITIZED || test_brief() ? 30 : 120;
     char list[2048];
     snprintf(list, sizeof list, "%s/cube_u16_rgba.filter.txt", data_folder());
     char *expected = read_text(list);
     FILE *queries = fopen(tool_path("long.txt"), "w"), *whole = fopen(tool_path("whole.txt"), "w");
     REQUIRE(queries && whole);
-    for (int i = 0; i < TIMES; i++) {
+    for (int i = 0; i < times; i++) {
         fprintf(queries, "# %d\n\n", i);
         for (const char *line = expected; *line; line = strchr(line, '\n') + 1) {
             int length = (int)(strstr(line, " ->") - line);
@@ -142,7 +142,7 @@ static void check_long_list(void) {
     char *last = strstr(found, "  \t" CUBE_QUERY " -> ");
     REQUIRE(last);
     *last = 0;
-    CHECK(compare_text("long.txt", text, found) == TIMES * 600);
+    CHECK(compare_text("long.txt", text, found) == times * 600);
     free(found);
     free(text);
 }
@@ -316,7 +316,7 @@ static void check_parameters(void) {
 static void check_bench(void) {
     static const char *const names[2][3] = {{"One by one", "Batched", "Sorted"},
                                             {"\"one_by_one\":", "\"batched\":", "\"sorted\":"}};
-    for (int json = 0; json < 2; json++) {
+    for (int json = test_brief(); json < 2; json++) { /* each takes seconds */
         RUNS(0, "sample '%s/cube_u16_rgba.ptx' -i '%s/cube_u16_rgba.filter.txt' --bench %s",
              data_folder(), data_folder(), json ? "--json --threads 1" : "--threads 3");
         for (int i = 0; i < 3; i++) {
