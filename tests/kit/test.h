@@ -19,9 +19,9 @@
 #define TEST_SANITIZED 0
 #endif
 
-/* `make test` is short: of random cases and of products of many cases it takes a part, by which each
- * kind of case is met. SELVAGE_TEST_EFFORT=1 takes all, as continuous integration does, and 10 ten
- * times as many random ones, for a night. */
+/* `make test` is short: of random cases and of products of many cases it takes a part, by which
+ * each kind of case is met. SELVAGE_TEST_EFFORT=1 takes all, as continuous integration does, and 10
+ * ten times as many random ones, for a night. */
 static inline bool test_brief(void) {
     return !getenv("SELVAGE_TEST_EFFORT");
 }

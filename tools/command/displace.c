@@ -8,8 +8,8 @@
 
 void displace_options_rows(displace_options *o, cli_option *out) {
     const cli_option rows[DISPLACE_OPTION_ROWS] = {
-        {"--displacement", CLI_TEXT, &o->texture, "what moves the surface (the view's)",
-         "FILE.ptx", 0, 0, NULL},
+        {"--displacement", CLI_TEXT, &o->texture, "what moves the surface (the view's)", "FILE.ptx",
+         0, 0, NULL},
         {"--displacement-channel", CLI_TEXT, &o->channel,
          "by name or number, the first of three of a vector (0); without a file, of the texture "
          "itself",
