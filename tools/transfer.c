@@ -4,6 +4,7 @@
 #include "command/ptx_name.h"
 #include "command/salvage.h"
 #include "command/scene.h"
+#include "command/triangles.h"
 #include "verbs.h"
 
 #include <selvage/cache.h>
@@ -18,7 +19,8 @@
 struct transfer {
     const char *paths[2], *from, *to, *scale_from;
     float distance, scale;
-    bool force, distance_given, blank, no_copies, faces, json, progress, quiet, salvage;
+    bool force, distance_given, blank, no_copies, faces, json, progress, quiet, salvage,
+        scheme_given;
     int scheme;
     uint32_t compression, threads;
     slv_transfer_face *list;
@@ -106,6 +108,7 @@ static slv_result begin(void *user, const slv_texture_desc *desc) {
     struct result *r = user;
     slv_ptx_writer_params params = slv_ptx_writer_params_like(r->ptx);
     params.nfaces = desc->nfaces;
+    params.mesh_type = SLV_PTX_QUAD;
     params.compression = (int)r->t->compression;
     r->res = desc->res;
     slv_result result = slv_ptx_writer_create(r->env, r->t->paths[1], &params, &r->writer);
@@ -125,16 +128,45 @@ static slv_result put(void *user, const slv_env *env, uint32_t face, bool consta
     return slv_ptx_writer_write_face(r->writer, face, &info, texels);
 }
 
+/* What texels are read from. */
+struct texels {
+    slv_cache *cache;
+    slv_adjacency *adjacency; /* of triangles, with the texture of their sub-faces */
+    slv_texture *texture;
+    slv_source source;
+};
+
+static void close_texels(struct texels *from) {
+    slv_source_close(&from->source);
+    slv_cache_destroy(from->cache);
+    slv_texture_destroy(from->texture);
+    slv_adjacency_destroy(from->adjacency);
+}
+
+/* Triangles are carried over as the sub-faces that surfaces have of them. */
+static slv_result open_triangles(const slv_env *env, const slv_ptx *ptx, const slv_mesh *mesh,
+                                 struct texels *from) {
+    const slv_texture_source_params params = {.name = slv_ptx_name(ptx)};
+    slv_texture_encoding encoding;
+    slv_result result = slv_ptx_get_encoding(ptx, &encoding);
+    if (!result && !(result = slv_mesh_adjacency(env, mesh, &from->adjacency)) &&
+        !(result = triangles_load(env, ptx, mesh, from->adjacency, encoding, &from->texture)))
+        result = slv_texture_as_source(env, from->texture, from->adjacency, &params, &from->source);
+    return result;
+}
+
 /* The file behind a cache: of its texels no more than that is in memory. */
-static slv_result open_texels(const slv_env *env, const slv_ptx *ptx, slv_cache **cache,
-                              slv_source *out) {
+static slv_result open_texels(const slv_env *env, const slv_ptx *ptx, const slv_mesh *mesh,
+                              struct texels *from) {
     const slv_cache_params params = {.max_bytes = CACHE_BYTES};
     slv_source texels;
     slv_file_id file;
-    slv_result result = slv_cache_create(env, &params, cache);
+    if (slv_ptx_get_info(ptx)->mesh_type == SLV_PTX_TRIANGLE)
+        return open_triangles(env, ptx, mesh, from);
+    slv_result result = slv_cache_create(env, &params, &from->cache);
     if (!result && !(result = slv_ptx_as_source(env, ptx, &texels)) &&
-        !(result = slv_cache_open_source(*cache, &texels, NULL, &file)))
-        result = slv_cache_as_source(*cache, file, out);
+        !(result = slv_cache_open_source(from->cache, &texels, NULL, &file)))
+        result = slv_cache_as_source(from->cache, file, &from->source);
     return result;
 }
 
@@ -172,12 +204,11 @@ static int carry_over(const slv_env *env, struct transfer *t, const slv_ptx *ptx
                                         .progress = {cli_progress_report, &progress}};
     struct result r = {.t = t, .env = env, .ptx = ptx, .mesh = target};
     const slv_transfer_sink sink = {begin, put, &r};
-    slv_cache *cache = NULL;
-    slv_source texels = {0};
-    slv_result result = open_texels(env, ptx, &cache, &texels);
+    struct texels from = {0};
+    slv_result result = open_texels(env, ptx, source, &from);
     if (!result)
-        result =
-            slv_transfer_from(env, source, &texels, target, &params, &sink, t->list, &t->covered);
+        result = slv_transfer_from(env, source, &from.source, target, &params, &sink, t->list,
+                                   &t->covered);
     cli_progress_end(&progress);
     if (!result && !(t->covered > 0) && !t->force)
         result = output_fail(env, SLV_ERROR_MISMATCH,
@@ -187,8 +218,7 @@ static int carry_over(const slv_env *env, struct transfer *t, const slv_ptx *ptx
     if (!result)
         result = slv_ptx_writer_finish(r.writer);
     slv_ptx_writer_destroy(r.writer);
-    slv_source_close(&texels);
-    slv_cache_destroy(cache);
+    close_texels(&from);
     return result ? EXIT_FAILED : EXIT_OK;
 }
 
@@ -203,16 +233,13 @@ static int run_transfer(struct transfer *t) {
     if (slv_mesh_load(&env, cli_input(t->to), &target) ||
         salvage_open(&env, t->paths[0], t->salvage, &ptx))
         goto done;
-    if (slv_ptx_get_info(ptx)->mesh_type != SLV_PTX_QUAD) {
-        cli_error(
-            "%s: is of triangles: the surfaces that texels are carried over are made of quads",
-            t->paths[0]);
-        goto done;
-    }
     if (t->from ? slv_mesh_load(&env, cli_input(t->from), &source) ||
                       slv_ptx_match_mesh(&env, ptx, source)
                 : scene_load_geometry(&env, ptx, "--from OLD.obj", &source))
         goto done;
+    if (slv_ptx_get_info(ptx)->mesh_type == SLV_PTX_TRIANGLE && !t->scheme_given &&
+        scene_is_of_triangles(target))
+        t->scheme = SLV_SCHEME_LOOP;
     choose_scale(t, source, target);
     t->nfaces = slv_mesh_face_count(target);
     t->list = calloc((size_t)t->nfaces + 1, sizeof *t->list);
@@ -263,8 +290,9 @@ int verb_transfer(int argc, char **argv) {
          "leave texels further away at zero instead of the nearest value", NULL, 0, 0, NULL},
         {"--no-copies", CLI_FLAG, &t.no_copies, "resample faces that match as well", NULL, 0, 0,
          NULL},
-        {"--scheme", CLI_CHOICE, &t.scheme, "subdivision scheme (catmark)", names_schemes(), 0, 0,
-         NULL},
+        {"--scheme", CLI_CHOICE, &t.scheme,
+         "subdivision scheme (catmark; between meshes of triangles, of a texture of such, loop)",
+         names_schemes(), 0, 0, &t.scheme_given},
         {"--faces|-f", CLI_FLAG, &t.faces, "say of every face what was done", NULL, 0, 0, NULL},
         CLI_COMPRESSION(&t.compression),
         CLI_SALVAGE(&t.salvage),
@@ -277,7 +305,7 @@ int verb_transfer(int argc, char **argv) {
         .name = "transfer",
         .summary = "carry texels over to a changed model",
         .arguments = "IN.ptx OUT.ptx|-o OUT.ptx --to NEW.obj",
-        .reads = "a texture of quads and the changed model; the old one if it is named",
+        .reads = "a texture and the changed model; the old one if it is named",
         .writes = "a texture with the geometry of the changed model inside",
         .examples = "  selvage transfer cow.ptx cow2.ptx --to cow2.obj\n"
                     "  selvage transfer cow.ptx cow2.ptx --from cow.obj --to cow2.obj --faces\n"

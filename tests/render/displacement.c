@@ -161,6 +161,25 @@ static void check_rays(const char *ptx) {
     slv_image_free(&flat);
 }
 
+/* Two triangles, moved by their own texture, as OpenGL and rays have them. */
+static void check_triangles(void) {
+    static const char obj[] = "v 0 0 0\nv 1 0 0\nv 1 1 0.3\nv 0 1 0\nf 1 2 3\nf 1 3 4\n";
+    char mesh[KIT_PATH], ptx[KIT_PATH];
+    kit_write(kit_join(mesh, scratch.root, "two.obj"), obj, sizeof obj - 1);
+    kit_join(ptx, kit_variable("SELVAGE_TESTS"), "conformance/data/tri_tiled_u8_1.ptx");
+#define TRIANGLES "-m", mesh, "--size", "64", "--shading", "headlight-cos2", "--channels", "r"
+    slv_image gl = draw(ARGUMENTS("render", ptx, TRIANGLES, DISPLACED, "-o", "gl.exr"), "gl.exr");
+    slv_image rays =
+        draw(ARGUMENTS("reference", ptx, TRIANGLES, DISPLACED, "-q", "-o", "r.exr"), "r.exr");
+    slv_image flat = draw(ARGUMENTS("reference", ptx, TRIANGLES, "-q", "-o", "f.exr"), "f.exr");
+    CHECK_MSG(psnr(&gl, &rays) > 30, "triangles: rays see something else: %.1f dB",
+              psnr(&gl, &rays));
+    CHECK_MSG(psnr(&flat, &rays) < 20, "no triangle is displaced: %.1f dB", psnr(&flat, &rays));
+    slv_image_free(&gl);
+    slv_image_free(&rays);
+    slv_image_free(&flat);
+}
+
 #define SMALL "render", ptx, "--size", "32", "--msaa", "1", "--tess", "4"
 
 static bool same(const slv_image *a, const slv_image *b) {
@@ -226,7 +245,7 @@ static void check_bad(const char *ptx) {
                             "--displacement-channel", "1", "x.png"),
                   2, "first of 3");
     kit_join(path, kit_variable("SELVAGE_TESTS"), "conformance/data/tri_tiled_u8_1.ptx");
-    check_refused(ARGUMENTS(SMALL, "-d", path, "x.png"), 1, "tri_tiled_u8_1.ptx: is of triangles");
+    check_refused(ARGUMENTS(SMALL, "-d", path, "x.png"), 1, "triangle-mesh texture");
 }
 
 int main(void) {
@@ -239,6 +258,7 @@ int main(void) {
     kit_scratch_make(&scratch);
     cube_write(kit_join(ptx, scratch.root, "cube.ptx"));
     check_rays(ptx);
+    check_triangles();
     check_views(ptx);
     check_bad(ptx);
     test_remove(scratch.root);

@@ -360,6 +360,23 @@ static void check_units(void) {
     CHECK(finest_side("fewer.ptx") == 7);
 }
 
+/* Triangles are carried over as their sub-faces, with Loop's surface where both are of them. */
+static void check_triangles(void) {
+    static const char two[] = "v 0 0 0\nv 1 0 0\nv 1 1 0.3\nv 0 1 0\nf 1 2 3\nf 1 3 4\n";
+    static const char quad[] = "v 0 0 0\nv 1 0 0\nv 1 1 0.3\nv 0 1 0\nf 1 2 3 4\n";
+    const char *data = data_folder();
+    tool_write_file("two.obj", two, sizeof two - 1);
+    tool_write_file("quad.obj", quad, sizeof quad - 1);
+    RUNS(0, "transfer '%s/tri_tiled_u8_1.ptx' three.ptx --from two.obj --to two.obj", data);
+    HAS("6 faces: 6 copied");
+    RUNS(0, "info three.ptx");
+    HAS("quad faces");
+    HAS("6, of them 0 constant, 6 sub-faces");
+    RUNS(0, "transfer '%s/tri_tiled_u8_1.ptx' one.ptx --from two.obj --to quad.obj --distance 1",
+         data);
+    HAS("1 faces: 0 copied, 1 resampled");
+}
+
 static void check_usage(void) {
     const char *data = data_folder();
     RUNS(2, "transfer grid.ptx x.ptx");
@@ -372,8 +389,8 @@ static void check_usage(void) {
     RUNS(0, "transfer grid.ptx y.PTX --to same.obj --quiet");
     RUNS(1, "transfer grid.ptx x.ptx --to missing.obj");
     RUNS(1, "transfer grid.ptx x.ptx --to same.obj --from wider.obj");
-    RUNS(1, "transfer '%s/tri_tiled_u8_1.ptx' x.ptx --to same.obj", data);
-    HAS("is of triangles");
+    RUNS(1, "transfer '%s/tri_tiled_u8_1.ptx' x.ptx --to same.obj --from same.obj", data);
+    HAS("triangle-mesh texture");
     RUNS(1, "transfer '%s/cube_u16_rgba.ptx' x.ptx --to same.obj", data);
     RUNS(0, "transfer --help");
     HAS("Examples:");
@@ -383,6 +400,7 @@ static void check_usage(void) {
 int main(void) {
     tool_begin();
     check_copies();
+    check_triangles();
     check_resampling();
     check_filtering();
     check_units();

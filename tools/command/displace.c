@@ -3,6 +3,7 @@
 
 #include "command/lists.h"
 #include "command/output.h"
+#include "command/triangles.h"
 
 #include <string.h>
 
@@ -51,16 +52,34 @@ static displace_settings merge(const displace_options *o, const displace_setting
     return d;
 }
 
+/* Triangles as sub-faces, whose values are numbers. */
+static slv_result open_triangles(const slv_env *env, const char *path, const slv_mesh *mesh,
+                                 displace_open *out, slv_file_id *file) {
+    const slv_texture_source_params params = {.name = path};
+    slv_source source = {0};
+    slv_ptx *ptx = NULL;
+    slv_result result = slv_ptx_open(env, path, &ptx);
+    if (!result && !(result = slv_mesh_adjacency(env, mesh, &out->adjacency)) &&
+        !(result =
+              triangles_load(env, ptx, mesh, out->adjacency, SLV_TEXTURE_DATA, &out->texture)) &&
+        !(result = slv_texture_as_source(env, out->texture, out->adjacency, &params, &source)))
+        result = slv_cache_open_source(out->cache, &source, NULL, file);
+    slv_ptx_close(ptx);
+    return result;
+}
+
 static int open_file(const cli_command *command, const slv_env *env, const displace_settings *d,
-                     uint32_t nfaces, displace_open *out) {
+                     const slv_mesh *mesh, displace_open *out) {
+    uint32_t nfaces = slv_mesh_face_count(mesh);
     slv_file_id file;
     slv_ptx_info info;
     if (slv_cache_create(env, NULL, &out->cache) || slv_cache_open(out->cache, d->texture, &file) ||
         slv_cache_get_info(out->cache, file, &info))
         return EXIT_FAILED;
-    if (info.mesh_type == SLV_PTX_TRIANGLE)
-        return cli_error("%s: is of triangles: a texture of quads displaces", d->texture);
-    if (info.nfaces != nfaces)
+    if (info.mesh_type == SLV_PTX_TRIANGLE) {
+        if (open_triangles(env, d->texture, mesh, out, &file))
+            return EXIT_FAILED;
+    } else if (info.nfaces != nfaces)
         return cli_error("%s: displaces %u faces, and the mesh has %u", d->texture, info.nfaces,
                          nfaces);
     const value_channels channels = {info.nchannels, info.alpha_channel};
@@ -81,7 +100,7 @@ static int open_file(const cli_command *command, const slv_env *env, const displ
 }
 
 int displace_begin(const cli_command *command, const slv_env *env, const displace_options *options,
-                   const displace_settings *settings, const char *ptx, uint32_t nfaces,
+                   const displace_settings *settings, const char *ptx, const slv_mesh *mesh,
                    displace_open *out) {
     const char *texture = options->texture;
     int code = texture ? cli_settle_input(&texture) : EXIT_OK;
@@ -98,11 +117,13 @@ int displace_begin(const cli_command *command, const slv_env *env, const displac
         strlen(options->channel ? options->channel : "") >= DISPLACE_CHANNEL)
         return cli_usage(command, "--displacement: the name is too long");
     out->moves = d.given && d.scale != 0;
-    return out->moves ? open_file(command, env, &d, nfaces, out) : EXIT_OK;
+    return out->moves ? open_file(command, env, &d, mesh, out) : EXIT_OK;
 }
 
 void displace_close(displace_open *displace) {
     slv_displacement_close(&displace->displacement);
     slv_cache_destroy(displace->cache);
+    slv_texture_destroy(displace->texture);
+    slv_adjacency_destroy(displace->adjacency);
     memset(displace, 0, sizeof *displace);
 }

@@ -70,7 +70,7 @@ static const char *hint_group(const slv_mesh_view *mesh, const char *typed, char
     return text;
 }
 
-static bool is_of_triangles(const slv_mesh *mesh) {
+bool scene_is_of_triangles(const slv_mesh *mesh) {
     const slv_mesh_view *view = slv_mesh_get_view(mesh);
     for (uint32_t poly = 0; poly < view->npolys; poly++)
         if (view->poly_sizes[poly] != 3)
@@ -134,7 +134,8 @@ slv_result scene_load_model(const slv_env *env, const scene_params *params, slv_
     if (result)
         goto done;
     if (slv_adjacency_face_count(out->adjacency) != nfaces ||
-        slv_mesh_face_count(out->mesh) != nfaces || (triangles && !is_of_triangles(out->mesh))) {
+        slv_mesh_face_count(out->mesh) != nfaces ||
+        (triangles && !scene_is_of_triangles(out->mesh))) {
         result = slv_ptx_match_mesh(env, *ptx, out->mesh); /* for its message */
         goto done;
     }

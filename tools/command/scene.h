@@ -77,6 +77,8 @@ slv_result scene_load_images(const slv_env *env, const scene_params *params, con
 /* The geometry inside a .ptx; if there is none, says that `option`, "--mesh FILE.obj", gives it. */
 slv_result scene_load_geometry(const slv_env *env, const slv_ptx *ptx, const char *option,
                                slv_mesh **out);
+/* Whether all polygons have three vertices. */
+bool scene_is_of_triangles(const slv_mesh *mesh);
 void scene_free(scene_data *scene);
 /* Which face of the file a face of the scene is part of, or -1 if it is none. */
 int32_t scene_file_face(const scene_data *scene, int32_t face);

@@ -209,8 +209,8 @@ int scene_load_shot(const cli_command *command, const slv_env *env, const char *
     out->camera = camera_of(o, &view, &out->scene, (float)size[0] / (float)size[1]);
     out->tessellation = (slv_tessellation_params){
         .segments = o->tess, .camera = &out->camera, .width = size[0], .height = size[1]};
-    int code = displace_begin(command, env, &o->displace, &view.displacement, ptx,
-                              slv_mesh_face_count(out->scene.mesh), &out->scene.displace);
+    int code = displace_begin(command, env, &o->displace, &view.displacement, ptx, out->scene.mesh,
+                              &out->scene.displace);
     if (out->scene.displace.moves)
         out->tessellation.displacement = &out->scene.displace.displacement;
     if (!code && !o->uv)
