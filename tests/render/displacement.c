@@ -140,7 +140,7 @@ static slv_image draw(const char *const *arguments, const char *name) {
     return load(name);
 }
 
-#define DISPLACED "--tess", "16", "-d", ptx, "--displacement-scale", "0.5"
+#define DISPLACED "--tess", "16", "--displacement", ptx, "--displacement-scale", "0.5"
 
 /* A picture by OpenGL, one by rays, and one of what was not displaced; in grey, which is the same
  * light everywhere. */
@@ -193,7 +193,7 @@ static void check_views(const char *ptx) {
                                "\"lerp\": true}}";
     char view[KIT_PATH];
     kit_write(kit_join(view, scratch.root, "displaced.json"), text, sizeof text - 1);
-    slv_image options = draw(ARGUMENTS(SMALL, "-d", ptx, "--displacement-channel", "g",
+    slv_image options = draw(ARGUMENTS(SMALL, "--displacement", ptx, "--displacement-channel", "g",
                                        "--displacement-scale", "0.3", "--displacement-bias", "-0.5",
                                        "--displacement-filter", "bilinear", "a.exr"),
                              "a.exr");
@@ -239,13 +239,13 @@ static void check_bad(const char *ptx) {
         check_refused(ARGUMENTS(SMALL, "--view", path, "x.png"), 1, views[i].text);
     }
     check_refused(ARGUMENTS(SMALL, "--displacement-scale", "2", "x.png"), 2, "--displacement FILE");
-    check_refused(ARGUMENTS(SMALL, "-d", ptx, "--displacement-channel", "3", "x.png"), 2,
-                  "--displacement-channel: '3'");
-    check_refused(ARGUMENTS(SMALL, "-d", ptx, "--displacement-space", "object",
+    check_refused(ARGUMENTS(SMALL, "--displacement", ptx, "--displacement-channel", "3", "x.png"),
+                  2, "--displacement-channel: '3'");
+    check_refused(ARGUMENTS(SMALL, "--displacement", ptx, "--displacement-space", "object",
                             "--displacement-channel", "1", "x.png"),
                   2, "first of 3");
     kit_join(path, kit_variable("SELVAGE_TESTS"), "conformance/data/tri_tiled_u8_1.ptx");
-    check_refused(ARGUMENTS(SMALL, "-d", path, "x.png"), 1, "triangle-mesh texture");
+    check_refused(ARGUMENTS(SMALL, "--displacement", path, "x.png"), 1, "triangle-mesh texture");
 }
 
 int main(void) {
