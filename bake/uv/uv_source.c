@@ -21,6 +21,8 @@ typedef struct uv_source {
     slv_bake_source base;
     uv_set set;
     float *corners; /* 8 a face */
+    float *once;    /* those of a mesh with one value a vertex, if a coordinate goes round */
+    bool round[2];
     int32_t *cells; /* 4 a face: u0, v0, u1, v1 of the cells that filters reach, both included */
     slv_uv_tile *squares; /* of the tiles */
 } uv_source;
@@ -495,7 +497,9 @@ static void color_at(const void *user, uint32_t face, float u, float v, float rg
 static void images(const slv_bake_source *source, slv_uv_images *out) {
     const uv_source *s = (const uv_source *)source;
     *out = (slv_uv_images){.nfaces = s->base.nfaces,
-                           .texcoords = s->corners,
+                           .texcoords = s->once ? s->once : s->corners,
+                           .round_u = s->round[0],
+                           .round_v = s->round[1],
                            .tiled = s->set.udim || s->set.wrap == SLV_BAKE_WRAP_NONE,
                            .repeat = s->set.wrap == SLV_BAKE_WRAP_REPEAT,
                            .wide = s->set.type == SLV_TYPE_FLOAT || s->set.type == SLV_TYPE_U16,
@@ -524,17 +528,26 @@ static void destroy(slv_bake_source *source) {
     slvi_free(s->squares);
     slvi_uv_set_free(&s->set);
     slvi_free(s->corners);
+    slvi_free(s->once);
     slvi_free(s->cells);
     slvi_free(s);
 }
 
-/* Whole numbers are added, so that all of a face is within half of the map's length of its first
- * corner. */
-static void go_round(float *corners, uint32_t nfaces, int axis) {
-    for (uint32_t face = 0; face < nfaces; face++, corners += 8)
-        for (int c = 1; c < 4 && !isnan(corners[0]); c++)
-            corners[2 * c + axis] =
-                corners[axis] + slv_wrap_step(corners[axis], corners[2 * c + axis]);
+/* Keeps the coordinates as they are, and adds whole numbers to those that are looked up, so that
+ * all of a face is within half of the map's length of its first corner. */
+static slv_result go_round(const slv_env *env, uv_source *s) {
+    slv_result result = slvi_alloc_plain(env, "bake: texture coordinates", s->base.nfaces,
+                                         8 * sizeof *s->once, &s->once);
+    if (result)
+        return result;
+    memcpy(s->once, s->corners, (size_t)s->base.nfaces * 8 * sizeof *s->once);
+    for (uint32_t face = 0; face < s->base.nfaces; face++) {
+        float *corners = s->corners + 8 * (size_t)face;
+        for (int i = 2; i < 8 && !isnan(corners[0]); i++)
+            if (s->round[i & 1])
+                corners[i] = corners[i & 1] + slv_wrap_step(corners[i & 1], corners[i]);
+    }
+    return SLV_OK;
 }
 
 slv_result slv_bake_from_uv(const slv_env *env, const slv_mesh *mesh, const char *path,
@@ -557,11 +570,11 @@ slv_result slv_bake_from_uv(const slv_env *env, const slv_mesh *mesh, const char
         goto done;
     }
     slv_bake_uv chosen = params ? *params : none;
-    if (chosen.round_u)
-        go_round(s->corners, s->base.nfaces, 0);
-    if (chosen.round_v)
-        go_round(s->corners, s->base.nfaces, 1);
-    if ((chosen.round_u || chosen.round_v) && !chosen.wrap)
+    s->round[0] = chosen.round_u;
+    s->round[1] = chosen.round_v;
+    if ((s->round[0] || s->round[1]) && (result = go_round(env, s)))
+        goto done;
+    if ((s->round[0] || s->round[1]) && !chosen.wrap)
         chosen.wrap = SLV_BAKE_WRAP_REPEAT;
     if ((result = slvi_uv_set_load(env, path, &chosen, s->corners, s->base.nfaces, &s->set)) ||
         (result = find_cells(env, mesh, s)) || (result = list_squares(env, s)))

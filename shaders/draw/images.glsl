@@ -1,46 +1,71 @@
 // Lookups by texture coordinates: what stands in the place of a strategy where images are drawn.
+#define SLV_WRAP_FRAGMENT
+#include "wrap/selvage_wrap.glsl"
+
 layout(binding = 0) uniform sampler2DArray slv_image;
-layout(location = 30) uniform vec2 slv_square;   // the lower left corner of the square that is drawn
+// How many places of a long footprint are looked up here, which is so on software drivers: at the silhouettes of triangles that are
+// seen edge-on a footprint may have no end, and theirs visit all of it. 1: the sampler does.
+layout(location = 28) uniform int slv_image_taps;
+layout(location = 29) uniform ivec2 slv_round;    // which coordinates go round
+layout(location = 30) uniform vec2 slv_square;    // the lower left corner of the square that is drawn
 layout(location = 31) uniform int slv_image_mode; // 0 one image for all; 1 the square's; 2 faces without any
 
+layout(location = 4) in vec4 slv_pairs;       // of those that go round
+layout(location = 5) flat in vec4 slv_below;  // the coordinates of the face's corners
+layout(location = 6) flat in vec4 slv_above;
 
-// Per face the texture coordinates of its corners.
-layout(std430, binding = 4) readonly buffer slv_corner_block {
-    vec4 slv_corners[];
-};
+vec2 slv_texcoord(vec2 uv) {
+    vec2 at = mix(mix(slv_below.xy, slv_below.zw, uv.x), mix(slv_above.zw, slv_above.xy, uv.x), uv.y);
+    if (slv_round.x != 0)
+        at.x = slv_wrap(slv_pairs.xy);
+    if (slv_round.y != 0)
+        at.y = slv_wrap(slv_pairs.zw);
+    return at;
+}
 
-vec2 slv_texcoord(int face, vec2 uv) {
-    vec4 below = slv_corners[2 * face], above = slv_corners[2 * face + 1];
-    return mix(mix(below.xy, below.zw, uv.x), mix(above.zw, above.xy, uv.x), uv.y);
+vec4 slv_along_footprint(vec2 place) {
+    const float huge = 1e9;
+    vec2 size = vec2(textureSize(slv_image, 0).xy), dx = dFdx(place), dy = dFdy(place);
+    dx = mix(vec2(huge), dx, lessThanEqual(abs(dx), vec2(huge)));
+    dy = mix(vec2(huge), dy, lessThanEqual(abs(dy), vec2(huge)));
+    float px = length(dx * size), py = length(dy * size), longest = max(px, py);
+    float taps = clamp(ceil(longest / max(min(px, py), 1e-12)), 1.0, float(slv_image_taps));
+    float level = log2(max(longest / taps, 1e-12));
+    vec2 axis = px > py ? dx : dy;
+    vec4 sum = vec4(0.0);
+    for (float k = 1.0; k <= taps; k++)
+        sum += textureLod(slv_image, vec3(place + axis * (k / (taps + 1.0) - 0.5), 0.0), level);
+    return sum / taps;
 }
 
 vec4 slv_sample(int face, vec2 uv) {
-    vec2 at = slv_texcoord(face, uv);
-    if (slv_image_mode == 2)
-        at = vec2(0.5);
+    vec2 at = slv_texcoord(uv), place = slv_image_mode == 2 ? vec2(0.5) : at - slv_square;
     // t runs downwards in images
-    vec2 place = at - slv_square;
-    // storage buffers read as zero in helper pixels here and there, so that only what is interpolated can be differentiated
-    vec4 low_side = slv_corners[2 * face], high_side = slv_corners[2 * face + 1];
-    vec2 du = mix(low_side.zw - low_side.xy, high_side.xy - high_side.zw, uv.y), dv = mix(high_side.zw - low_side.xy, high_side.xy - low_side.zw, uv.x);
-    vec2 dx = dFdx(uv), dy = dFdy(uv);
-    vec2 px = du * dx.x + dv * dx.y, py = du * dy.x + dv * dy.y;
-    vec4 value = textureGrad(slv_image, vec3(place.x, 1.0 - place.y, 0.0), px * vec2(1, -1), py * vec2(1, -1));
+    place.y = 1.0 - place.y;
+    vec4 value = slv_image_taps > 1 ? slv_along_footprint(place) : texture(slv_image, vec3(place, 0.0));
     if (slv_image_mode == 1) {
         // a face on more squares than one is drawn once for each
-        vec4 below = slv_corners[2 * face], above = slv_corners[2 * face + 1];
-        vec2 low = floor(min(min(below.xy, below.zw), min(above.xy, above.zw)));
-        vec2 high = ceil(max(max(below.xy, below.zw), max(above.xy, above.zw))) - 1.0;
+        vec2 low = floor(min(min(slv_below.xy, slv_below.zw), min(slv_above.xy, slv_above.zw)));
+        vec2 high = ceil(max(max(slv_below.xy, slv_below.zw), max(slv_above.xy, slv_above.zw))) - 1.0;
         if (clamp(floor(at), low, max(low, high)) != slv_square)
             discard;
     }
     return value;
 }
 
+// By the change in the middle of the face.
 float slv_level(int face, vec2 dx, vec2 dy) {
     vec2 size = vec2(textureSize(slv_image, 0).xy);
-    vec2 middle = slv_texcoord(face, vec2(0.5));
-    vec2 along_u = slv_texcoord(face, vec2(1.5, 0.5)) - middle, along_v = slv_texcoord(face, vec2(0.5, 1.5)) - middle;
-    vec2 px = (along_u * dx.x + along_v * dx.y) * size, py = (along_u * dy.x + along_v * dy.y) * size;
-    return clamp(log2(max(max(length(px), length(py)), 1e-12)), 0.0, log2(max(size.x, size.y)));
+    vec2 along_u = 0.5 * (slv_below.zw - slv_below.xy + slv_above.xy - slv_above.zw);
+    vec2 along_v = 0.5 * (slv_above.zw - slv_below.xy + slv_above.xy - slv_below.zw);
+    vec2 px = along_u * dx.x + along_v * dx.y, py = along_u * dy.x + along_v * dy.y;
+    if (slv_round.x != 0) {
+        vec3 u = slv_wrap_grad(slv_pairs.xy);
+        px.x = u.y, py.x = u.z;
+    }
+    if (slv_round.y != 0) {
+        vec3 v = slv_wrap_grad(slv_pairs.zw);
+        px.y = v.y, py.y = v.z;
+    }
+    return clamp(log2(max(max(length(px * size), length(py * size)), 1e-12)), 0.0, log2(max(size.x, size.y)));
 }

@@ -1,4 +1,4 @@
-// A tessellated limit surface.
+// A tessellated limit surface. Lookups that fragments cannot make by themselves define SLV_HANDS_ON.
 layout(location = 0) in vec3 position;
 layout(location = 1) in vec3 normal;
 layout(location = 2) in vec2 uv;
@@ -19,5 +19,8 @@ void main() {
     eye_position = eye.xyz;
     eye_normal = normal_to_eye * normal;
     surface_face = face;
+#ifdef SLV_HANDS_ON
+    slv_hand_on(face, uv);
+#endif
     gl_Position = eye_to_clip * eye;
 }

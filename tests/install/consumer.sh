@@ -26,6 +26,17 @@ glslangValidator "$scratch"/SLV_STRATEGY_*.frag >"$scratch/shaders.log" || {
     exit 1
 }
 
+# So does the one for coordinates that go round, in both stages.
+for stage in vert frag; do
+    define=$(test "$stage" = vert || echo '#define SLV_WRAP_FRAGMENT')
+    printf '#version 450 core\n%s\n' "$define" | cat - "$prefix/share/selvage/selvage_wrap.glsl" "$here/consumer/wrap.$stage" \
+        >"$scratch/wrap.$stage"
+done
+glslangValidator -l "$scratch"/wrap.vert "$scratch"/wrap.frag >"$scratch/shaders.log" || {
+    cat "$scratch/shaders.log"
+    exit 1
+}
+
 export PKG_CONFIG_PATH="$libraries/pkgconfig"
 for package in selvage selvage-gl selvage-bake selvage-paint; do
     pkg-config --exact-version "$version" "$package"

@@ -45,7 +45,8 @@ selvage_install(selvage selvage "Per-face textures: meshes, .ptx files, borders,
                 PACKAGES OpenEXR libpng libdeflate LIBS -losdCPU ${CMAKE_THREAD_LIBS_INIT})
 if(SELVAGE_GL)
     selvage_install(selvage-gl gl "Per-face textures in OpenGL shaders" runtime/include/selvage LIBS -lsquish -ldl)
-    install(FILES ${SELVAGE_SAMPLE_GLSL} DESTINATION ${CMAKE_INSTALL_DATADIR}/selvage)
+    install(FILES ${SELVAGE_SAMPLE_GLSL} ${CMAKE_CURRENT_SOURCE_DIR}/shaders/wrap/selvage_wrap.glsl
+            DESTINATION ${CMAKE_INSTALL_DATADIR}/selvage)
     set_target_properties(selvage-gl PROPERTIES INSTALL_RPATH "$ORIGIN")
 endif()
 if(SELVAGE_BAKE)

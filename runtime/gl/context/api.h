@@ -101,6 +101,7 @@
     X(PFNGLGETPROGRAMINFOLOGPROC, GetProgramInfoLog)                                               \
     X(PFNGLUSEPROGRAMPROC, UseProgram)                                                             \
     X(PFNGLPROGRAMUNIFORM1IPROC, ProgramUniform1i)                                                 \
+    X(PFNGLPROGRAMUNIFORM2IPROC, ProgramUniform2i)                                                 \
     X(PFNGLPROGRAMUNIFORM2FPROC, ProgramUniform2f)                                                 \
     X(PFNGLPROGRAMUNIFORMMATRIX4FVPROC, ProgramUniformMatrix4fv)                                   \
     X(PFNGLPROGRAMUNIFORMMATRIX3FVPROC, ProgramUniformMatrix3fv)                                   \
@@ -164,9 +165,10 @@ void slvi_gl_set_state(const slv_gl *gl);
 slv_result slvi_gl_check(const slv_gl *gl, const slv_env *env, const char *what);
 
 /* Compiles and links shaders/draw/NAME.vert with shaders/draw/NAME.frag, `lookups`
- * (slv_gl_texture_glsl) in front of the latter. The compiler's first words go to the log. */
+ * (slv_gl_texture_glsl) in front of the latter and `hand_on`, unless it is NULL, in front of the
+ * former. The compiler's first words go to the log. */
 slv_result slvi_gl_program(const slv_gl *gl, const slv_env *env, const char *name,
-                           const char *lookups, GLuint *out);
+                           const char *hand_on, const char *lookups, GLuint *out);
 
 /* The text of a file in shaders/; from SELVAGE_SHADER_DIR if that is set, else as embedded at
  * build. `*owned` is to be freed by the caller (NULL when embedded). */

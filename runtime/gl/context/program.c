@@ -137,14 +137,14 @@ static slv_result link_shaders(const slv_gl *gl, const slv_env *env, const char 
 }
 
 slv_result slvi_gl_program(const slv_gl *gl, const slv_env *env, const char *name,
-                           const char *lookups, GLuint *out) {
+                           const char *hand_on, const char *lookups, GLuint *out) {
     static const char version[] = "#version 450 core\n";
     static const GLenum stages[2] = {GL_VERTEX_SHADER, GL_FRAGMENT_SHADER};
     GLuint shaders[2] = {0, 0};
     slv_result result = SLV_OK;
     *out = 0;
     for (int stage = 0; !result && stage < 2; stage++) {
-        const char *texts[3] = {version, stage ? lookups : "", NULL};
+        const char *texts[3] = {version, stage ? lookups : hand_on ? hand_on : "", NULL};
         char file[64], *owned = NULL;
         snprintf(file, sizeof file, "draw/%s.%s", name, stage ? "frag" : "vert");
         if (!(result = slvi_gl_shader_text(env, file, &texts[2], &owned)))

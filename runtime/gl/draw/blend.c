@@ -32,7 +32,7 @@ static slv_result need_program(const slv_gl *gl, const slv_env *env, slv_gl_blen
              blend->storage, blend->msaa);
     blender->storage = blend->storage;
     blender->msaa = blend->msaa;
-    return slvi_gl_program(gl, env, "blend", head, &blender->program);
+    return slvi_gl_program(gl, env, "blend", NULL, head, &blender->program);
 }
 
 static slv_result need_buffer(const slv_gl *gl, const slv_env *env, uint64_t bytes,

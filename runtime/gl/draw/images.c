@@ -133,9 +133,8 @@ static void make_sampler(slv_gl_images *made, bool repeat, uint32_t anisotropy) 
     api->SamplerParameteri(made->sampler, GL_TEXTURE_WRAP_T, wrap);
     api->SamplerParameteri(made->sampler, GL_TEXTURE_MIN_FILTER, GL_LINEAR_MIPMAP_LINEAR);
     api->SamplerParameteri(made->sampler, GL_TEXTURE_MAG_FILTER, GL_LINEAR);
-    /* a software driver takes the long axis of a footprint from neighbouring fragments, and those
-     * that are not drawn read no coordinates */
-    if (anisotropy > 1 && most > 1 && !made->gl->info.software)
+    made->taps = made->gl->info.software ? (GLint)anisotropy : 1;
+    if (anisotropy > 1 && most > 1 && made->taps == 1)
         api->SamplerParameterf(made->sampler, GL_TEXTURE_MAX_ANISOTROPY,
                                (GLfloat)(anisotropy < most ? anisotropy : most));
 }
@@ -262,13 +261,16 @@ slv_result slv_gl_images_create(slv_gl *gl, const slv_env *env, const slv_uv_ima
     made->gl = gl;
     made->serial = ++gl->serial;
     made->nfaces = images->nfaces;
+    made->round[0] = images->round_u;
+    made->round[1] = images->round_v;
     made->bytes = (uint64_t)images->nfaces * 8 * sizeof(float);
     slvi_gl_set_state(gl);
     make_sampler(made, !images->tiled && images->repeat, anisotropy);
     if ((result = make_textures(made, env, images)) || (result = make_batches(made, env, images)) ||
         (result = slvi_gl_buffer(gl, env, "texture coordinates", images->texcoords,
                                  (uint64_t)images->nfaces * 8 * sizeof(float), &made->corners)) ||
-        (result = slvi_gl_shader_with_parts(env, "draw/images.glsl", NULL, &made->lookups)))
+        (result = slvi_gl_shader_with_parts(env, "draw/images.glsl", NULL, &made->lookups)) ||
+        (result = slvi_gl_shader_with_parts(env, "draw/images_vertex.glsl", NULL, &made->hand_on)))
         goto done;
     *out = made;
     made = NULL;
@@ -288,6 +290,7 @@ void slv_gl_images_destroy(slv_gl_images *images) {
     slvi_free(images->squares);
     slvi_free(images->textures);
     slvi_free(images->lookups);
+    slvi_free(images->hand_on);
     slvi_free(images);
 }
 
@@ -309,6 +312,8 @@ void slvi_gl_images_bind_batch(const slv_gl_images *images, uint32_t batch, GLui
     const slv_gl_api *api = &images->gl->api;
     const slv_gl_image_batch *b = &images->squares[batch];
     api->BindTextures(SLV_GL_FIRST_UNIT, 1, &b->texture);
+    api->ProgramUniform1i(program, 28, images->taps);
+    api->ProgramUniform2i(program, 29, images->round[0], images->round[1]);
     api->ProgramUniform2f(program, 30, (GLfloat)b->u, (GLfloat)b->v);
     api->ProgramUniform1i(program, 31, b->mode);
 }

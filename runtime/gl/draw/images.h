@@ -21,7 +21,9 @@ struct slv_gl_images {
     GLuint sampler, corners;
     slv_gl_batches batches;
     slv_gl_image_batch *squares; /* of each batch */
-    char *lookups;               /* GLSL */
+    GLint taps;    /* places of a footprint that the shader looks up, where the sampler does not */
+    bool round[2]; /* u, v */
+    char *lookups, *hand_on; /* GLSL, of fragments and of vertices */
 };
 
 /* What all batches share, and one of them for a program with the images' lookups. */

@@ -224,7 +224,8 @@ static slv_result surface_program(slv_gl_renderer *renderer, const slv_env *env,
         return result;
     memcpy(text, head, (size_t)length);
     memcpy(text + length, lookups, size);
-    if ((result = slvi_gl_program(renderer->gl, env, "surface", text, out)))
+    if ((result = slvi_gl_program(renderer->gl, env, "surface",
+                                  subject->images ? subject->images->hand_on : NULL, text, out)))
         slvi_free(text);
     else
         renderer->programs[renderer->nprograms++] = (struct program){text, *out};

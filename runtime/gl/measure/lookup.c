@@ -25,7 +25,7 @@ static slv_result lookup_program(slv_gl_texture *texture, const slv_env *env, sl
     const char *lookups = NULL;
     slv_result result = SLV_OK;
     if (!*program && !(result = slvi_gl_texture_text(texture, slot->strategy, variant, &lookups)))
-        result = slvi_gl_program(texture->gl, env, "lookup", lookups, program);
+        result = slvi_gl_program(texture->gl, env, "lookup", NULL, lookups, program);
     *out = *program;
     return result;
 }

@@ -19,6 +19,41 @@ static inline float slv_wrap_step(float from, float to) {
     return d - rintf(d);
 }
 
+/* A coordinate in 0..1 and in -1/2..1/2: of every triangle that spans less than half of the map at
+ * least one is what was meant. What follows is for those who interpolate by themselves; programs in
+ * GLSL have the same in selvage_wrap.glsl, which is installed in share/selvage. */
+static inline void slv_wrap_pair(float u, float pair[2]) {
+    float turned = u + 0.5f;
+    pair[0] = u - floorf(u);
+    pair[1] = turned - floorf(turned) - 0.5f;
+}
+
+/* Of an interpolated pair the one whose |d/dx| + |d/dy|, `change`, is the smaller; the factor keeps
+ * rounding from choosing where both are the same. */
+static inline float slv_wrap_choose(const float pair[2], const float change[2]) {
+    return change[0] <= change[1] * 1.01f ? pair[0] : pair[1];
+}
+
+/* The direction in a triangle (three corners of three numbers) in which u grows and v does not, of
+ * length 1, zero where there is none; coordinates that go round take the short way from the first
+ * corner on. The other tangent has u and v exchanged. */
+static inline void slv_wrap_tangent(const float positions[9], const float u[3], const float v[3],
+                                    bool round_u, bool round_v, float tangent[3]) {
+    float du[2], dv[2], size = 0;
+    for (int k = 0; k < 2; k++) {
+        du[k] = round_u ? slv_wrap_step(u[0], u[k + 1]) : u[k + 1] - u[0];
+        dv[k] = round_v ? slv_wrap_step(v[0], v[k + 1]) : v[k + 1] - v[0];
+    }
+    float sign = du[0] * dv[1] - du[1] * dv[0] < 0 ? -1.0f : 1.0f;
+    for (int c = 0; c < 3; c++) {
+        float along = positions[3 + c] - positions[c], other = positions[6 + c] - positions[c];
+        tangent[c] = sign * (along * dv[1] - other * dv[0]);
+        size += tangent[c] * tangent[c];
+    }
+    for (int c = 0; c < 3; c++)
+        tangent[c] = size > 0 ? tangent[c] / sqrtf(size) : 0;
+}
+
 typedef enum slv_wrap_map {
     SLV_WRAP_KEEP = 0, /* those that the mesh has */
     SLV_WRAP_CYLINDER, /* u around the axis, v along it, 0 to 1 from end to end */
