@@ -4,7 +4,7 @@
 
 #include "kit/calls_data.h"
 
-#include <selvage/bake.h>
+#include <selvage/bake_recipe.h>
 
 static slv_result call_bake(const slv_env *env) {
     return slv_bake_procedural(env, calls.surface, &calls_noise, NULL, calls.texture);
@@ -32,6 +32,26 @@ static slv_result call_bake_save(const slv_env *env) {
     slv_bake_source_destroy(uv);
     slv_bake_source_destroy(pattern);
     slv_mesh_destroy(mesh);
+    return result;
+}
+
+static slv_result call_bake_recipe(const slv_env *env) {
+    static const char changes[] =
+        "{\"source\": {\"blend\": \"multiply\", \"bottom\": {\"pattern\": \"noise\"}, \"top\": "
+        "{\"levels\": {\"channels\": [1], \"of\": {\"constant\": [1, 0.5]}}}}, \"size\": 4}";
+    slv_bake_recipe *recipe = NULL;
+    slv_bake_source *source = NULL;
+    char part[256];
+    slv_result result = slv_bake_recipe_load(env, NULL, changes, &recipe);
+    if (!result && !(result = slv_bake_recipe_source(env, recipe, calls.mesh, &source))) {
+        slv_bake_job job = *slv_bake_recipe_job(recipe);
+        snprintf(part, sizeof part, "%s/baked.part", calls.folder);
+        unlink(part); /* of a call that failed */
+        job.resume = part;
+        result = slv_bake_save(env, calls.mesh, source, &job, calls_path("mixed.ptx"), NULL);
+    }
+    slv_bake_source_destroy(source);
+    slv_bake_recipe_destroy(recipe);
     return result;
 }
 

@@ -538,6 +538,7 @@ static const calls_entry calls_all[] = {
     {"text", call_text},
     {"bake", call_bake},
     {"bake_save", call_bake_save},
+    {"bake_recipe", call_bake_recipe},
     {"bake_rays", call_bake_rays},
     {"unbake", call_unbake},
     {"transfer", call_transfer},

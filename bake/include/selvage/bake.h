@@ -240,6 +240,19 @@ SLV_API const slv_bake_tile *slv_bake_source_tiles(const slv_bake_source *source
  * Filtering goes from tile to tile as it does in a bake. False of other sources. */
 SLV_API bool slv_bake_source_images(const slv_bake_source *source, slv_uv_images *out);
 
+#define SLV_BAKE_ANY_RANK UINT32_MAX
+
+/* Processes that bake one texture together, each with the same mesh, source and job; rank 0 writes
+ * it. `send` and `receive` are between rank 0 and another one: in order, waiting, 0 if all went
+ * well. `receive` takes what *from sent, or whoever it is, whom *from then names. One thread calls
+ * them. */
+typedef struct slv_bake_team {
+    uint32_t rank, count;
+    int (*send)(void *user, uint32_t to, const void *bytes, uint64_t size);
+    int (*receive)(void *user, uint32_t *from, void *bytes, uint64_t size);
+    void *user;
+} slv_bake_team;
+
 /* Zero means default. How large faces are is said by one of the first six; by none of them by the
  * source, each face along each axis with the power of two nearest to what the source has there, or
  * max_texels = 4 Mi if the source has no resolution. */
@@ -274,7 +287,15 @@ typedef struct slv_bake_job {
      * reductions, since full resolution is what was measured; and nothing where values are a face's
      * own: its number or colour, or a vector in its frame. */
     slv_ptx_seams seams;
-    uint64_t reserved[7];
+    /* A file in which blocks of faces are kept as they are baked, so that a bake that was cancelled
+     * or killed goes on where it was: it loses a block at most, of 2^22 rays or 64 MiB. Removed
+     * when the bake is complete. One of a bake with another `resume_key`, which is to say
+     * all that decides its values, or other sizes or types, is begun anew, with a warning; a file
+     * that is none is SLV_ERROR_FORMAT. */
+    const char *resume, *resume_key;
+    const slv_bake_team
+        *team; /* of several ranks: those above 0 write nothing, and report nothing */
+    uint64_t reserved[4];
 } slv_bake_job;
 
 typedef struct slv_bake_report {

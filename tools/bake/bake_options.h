@@ -1,0 +1,34 @@
+/* What the options of bake say, as a recipe, and what is told of a bake. */
+#ifndef SELVAGE_TOOLS_BAKE_OPTIONS_H
+#define SELVAGE_TOOLS_BAKE_OPTIONS_H
+
+#include "command/cli.h"
+
+#include <selvage/bake_recipe.h>
+
+typedef struct bake_options {
+    const char *paths[2], *uv, *detail, *bytes, *texels, *miss_map, *recipe;
+    uint32_t size[2], min[2], max[2], compression, threads;
+    float density, match, max_miss, error, frequency, distance, front, back;
+    uint32_t seed, samples;
+    bool size_given, max_given, density_given, match_given, error_given, type_given, pattern_given;
+    bool min_given, surface_given, rays_given, encoding_given, wrap_given, detail_kind_given,
+        front_given, back_given;
+    bool no_reductions, reductions_given, scheme_given, max_miss_given, print_recipe, resume, json,
+        progress, quiet;
+    int type, scheme, encoding, wrap, pattern, surface, rays, detail_kind, reductions;
+} bake_options;
+
+/* bake_recipe.c: checks the options, and puts what they say into the recipe that is named, or a new
+ * one. Returns -1 to go on, or an exit code. */
+int bake_recipe_make(const cli_command *command, const slv_env *env, const bake_options *options,
+                     slv_bake_recipe **out);
+/* All that decides what is baked: the recipe, and of each file it reads and the mesh when it was
+ * changed. For free(); NULL if there is no memory. */
+char *bake_recipe_key(const slv_bake_recipe *recipe, const char *mesh);
+
+/* bake_report.c. Returns an exit code. */
+int bake_report_tell(const bake_options *options, const slv_bake_job *job, float max_miss,
+                     const slv_bake_report *report, const slv_bake_source *source);
+
+#endif

@@ -1,0 +1,106 @@
+/* What is told of a bake: its sizes, what has no value, and the exit code. */
+#include "bake/bake_options.h"
+#include "command/output.h"
+
+#include <string.h>
+
+static void print_misses(FILE *stream, const slv_bake_report *report) {
+    const char *between = "";
+    for (int i = 1; i < SLV_BAKE_MISSES; i++)
+        if (report->misses[i]) {
+            fprintf(stream, "%s%s %llu", between, slv_bake_miss_name((slv_bake_miss)i),
+                    (unsigned long long)report->misses[i]);
+            between = ", ";
+        }
+}
+
+static uint64_t missing(const slv_bake_report *report) {
+    return report->texels - report->misses[SLV_BAKE_HIT];
+}
+
+static void print_result(const bake_options *o, const slv_bake_job *job,
+                         const slv_bake_report *report, const slv_bake_source *source) {
+    uint32_t ntiles = 0;
+    const slv_bake_tile *tiles = slv_bake_source_tiles(source, &ntiles);
+    output_terminal(stdout, o->paths[1], strlen(o->paths[1]), SIZE_MAX);
+    printf(": %llu faces (%llu constant), %u channels of %s, %llu texels, %.4g MiB unpacked\n"
+           "  faces of %ux%u to %ux%u texels\n",
+           (unsigned long long)report->faces, (unsigned long long)report->constant_faces,
+           slv_bake_source_get_desc(source)->nchannels, slv_type_name(report->type),
+           (unsigned long long)report->texels, (double)report->bytes / 1048576,
+           1u << report->smallest.u, 1u << report->smallest.v, 1u << report->largest.u,
+           1u << report->largest.v);
+    if (job->max_error > 0)
+        printf("  within %.4g of the source at samples, %.4g between them\n", (double)report->error,
+               (double)report->error_bound);
+    if (report->faces_over)
+        printf("  %llu faces are not within %g even with a texel for each pixel\n",
+               (unsigned long long)report->faces_over, (double)job->max_error);
+    for (uint32_t i = 0; i < ntiles; i++)
+        if (tiles[i].number && tiles[i].width)
+            printf("  tile %u: %ux%u, %u faces\n", tiles[i].number, tiles[i].width, tiles[i].height,
+                   tiles[i].faces);
+    if (missing(report)) {
+        printf("  without a value: ");
+        print_misses(stdout, report);
+        putchar('\n');
+    }
+}
+
+static json_t *bake_json(const bake_options *o, const slv_bake_job *job,
+                         const slv_bake_report *report, const slv_bake_source *source) {
+    json_t *misses = json_object(), *list = json_array();
+    uint32_t ntiles = 0;
+    const slv_bake_tile *tiles = slv_bake_source_tiles(source, &ntiles);
+    for (int i = 1; i < SLV_BAKE_MISSES; i++)
+        json_object_set_new(misses, slv_bake_miss_name((slv_bake_miss)i),
+                            json_integer((json_int_t)report->misses[i]));
+    for (uint32_t i = 0; i < ntiles; i++)
+        json_array_append_new(
+            list, json_pack("{s:o, s:I, s:I, s:I}", "tile",
+                            tiles[i].number ? json_integer(tiles[i].number) : json_null(), "width",
+                            (json_int_t)tiles[i].width, "height", (json_int_t)tiles[i].height,
+                            "faces", (json_int_t)tiles[i].faces));
+    return json_pack(
+        "{s:i, s:o, s:I, s:I, s:I, s:s, s:s, s:I, s:I, s:[i,i], s:[i,i], s:I, s:o, "
+        "s:o, s:o, s:o, s:o}",
+        "schema", 1, "path", output_json_text(o->paths[1], strlen(o->paths[1])), "faces",
+        (json_int_t)report->faces, "constant_faces", (json_int_t)report->constant_faces, "channels",
+        (json_int_t)slv_bake_source_get_desc(source)->nchannels, "type",
+        slv_type_name(report->type), "encoding", slv_texture_encoding_name(report->encoding),
+        "texels", (json_int_t)report->texels, "bytes", (json_int_t)report->bytes, "smallest",
+        1 << report->smallest.u, 1 << report->smallest.v, "largest", 1 << report->largest.u,
+        1 << report->largest.v, "missing", (json_int_t)missing(report), "misses", misses, "tiles",
+        list, "error", job->max_error > 0 ? output_json_number((double)report->error) : json_null(),
+        "error_bound",
+        job->max_error > 0 ? output_json_number((double)report->error_bound) : json_null(),
+        "faces_over",
+        job->max_error > 0 ? json_integer((json_int_t)report->faces_over) : json_null());
+}
+
+/* Says that more texels than may have no value. */
+static int judge(const bake_options *o, float max_miss, const slv_bake_report *report) {
+    if (!((double)missing(report) > (double)max_miss * (double)report->texels))
+        return EXIT_OK;
+    char text[256] = "";
+    size_t used = 0;
+    for (int i = 1; i < SLV_BAKE_MISSES; i++)
+        if (report->misses[i])
+            used += (size_t)snprintf(text + used, sizeof text - used, "%s%s %llu", used ? ", " : "",
+                                     slv_bake_miss_name((slv_bake_miss)i),
+                                     (unsigned long long)report->misses[i]);
+    return cli_error("%s: is written, but %llu of %llu texels have no value (%s), more than "
+                     "--max-miss %g; --miss-map shows where",
+                     o->paths[1], (unsigned long long)missing(report),
+                     (unsigned long long)report->texels, text, (double)max_miss);
+}
+
+int bake_report_tell(const bake_options *o, const slv_bake_job *job, float max_miss,
+                     const slv_bake_report *report, const slv_bake_source *source) {
+    int code = judge(o, max_miss, report);
+    if (o->json && output_print_json(o->paths[1], bake_json(o, job, report, source)))
+        return EXIT_FAILED;
+    if (!o->json && !o->quiet)
+        print_result(o, job, report, source);
+    return code;
+}
