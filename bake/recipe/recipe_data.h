@@ -23,7 +23,7 @@ typedef struct recipe_reader {
     const char *name;
 } recipe_reader;
 
-/* One line: the file, where in it, what is wrong. */
+/* recipe_fields.c. One line: the file, where in it, what is wrong. */
 slv_result slvi_recipe_fail(const recipe_reader *r, const char *where, const char *format, ...)
     SLV_PRINTF(3, 4);
 /* The fields of an object; what is not there stays as it was. */

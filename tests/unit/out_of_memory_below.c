@@ -96,7 +96,7 @@ static bool loses(const calls_entry *entry) {
     return entry->call == call_catmark || entry->call == call_bilinear ||
            entry->call == call_triangles || entry->call == call_exr ||
            entry->call == call_transfer_from || entry->call == call_streams ||
-           entry->call == call_blank;
+           entry->call == call_blank || entry->call == call_bake_recipe;
 }
 
 /* OpenEXRCore tells want of memory as damage where it packs, libpng as a failure of any kind,
@@ -104,7 +104,7 @@ static bool loses(const calls_entry *entry) {
 static bool hides_why(const calls_entry *entry) {
     return entry->call == call_exr || entry->call == call_png || entry->call == call_folder ||
            entry->call == call_sheet || entry->call == call_split || entry->call == call_brush ||
-           entry->call == call_streams;
+           entry->call == call_streams || entry->call == call_bake_recipe;
 }
 
 int main(void) {
