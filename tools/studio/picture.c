@@ -26,7 +26,10 @@ struct studio_picture {
     slv_gl *gl;
     slv_gl_renderer *renderer;
     studio_overlay_pass *overlay;
-    uint32_t segments;
+    uint32_t segments; /* along an edge of each face, as the overlay has them */
+    bool even;         /* the renderer, too; else each face has what it needs for */
+    slv_camera camera; /* this, in a picture so large */
+    uint32_t seen[2];
     shown shown[STRATEGIES];
     const slv_mesh *mesh; /* for which all of it was made */
     uint64_t serial;
@@ -192,6 +195,7 @@ void studio_picture_forget(studio_picture *p) {
     memset(p->shown, 0, sizeof p->shown);
     slv_gl_renderer_destroy(p->renderer);
     p->renderer = NULL;
+    p->segments = 0;
     studio_overlay_destroy(p->overlay);
     p->overlay = NULL;
     p->mesh = NULL;
@@ -241,25 +245,51 @@ static slv_result need_texture(studio_picture *p, const studio_document *d, cons
     return result;
 }
 
-/* The mesh, finer the nearer it was when it was framed; changing it while it moves would stutter.
- */
+/* Whether the surface is divided as this picture wants it. One that moves takes what there is, for
+ * dividing it would stutter. */
+static bool is_divided(const studio_picture *p, const studio_shot *shot, bool even,
+                       uint32_t segments) {
+    if (!p->renderer || p->even != even)
+        return false;
+    if (even)
+        return p->segments == segments;
+    return shot->coarse || (memcmp(&p->camera, &shot->camera, sizeof p->camera) == 0 &&
+                            p->seen[0] == shot->width && p->seen[1] == shot->height);
+}
+
+/* All faces alike where that was asked for or where it is shown; else each as the picture needs. */
 static slv_result need_renderer(studio_picture *p, const studio_document *d,
                                 const studio_shot *shot) {
-    uint32_t segments = shot->look.segments;
-    if (!segments && p->renderer)
-        return SLV_OK;
-    if (!segments)
-        segments =
-            slv_tessellation_for(studio_document_mesh(d), &shot->camera, shot->width, shot->height);
-    if (p->renderer && segments == p->segments)
-        return SLV_OK;
-    slv_gl_renderer_destroy(p->renderer);
-    studio_overlay_destroy(p->overlay);
-    p->overlay = NULL;
-    p->renderer = NULL;
+    const slv_mesh *mesh = studio_document_mesh(d);
+    bool even = shot->look.segments || shot->look.wires;
+    uint32_t segments = shot->look.segments ? shot->look.segments
+                        : p->segments
+                            ? p->segments
+                            : slv_tessellation_for(mesh, &shot->camera, shot->width, shot->height);
+    if (segments != p->segments) {
+        studio_overlay_destroy(p->overlay);
+        p->overlay = NULL;
+    }
+    bool divided = is_divided(p, shot, even, segments);
     p->segments = segments;
-    return slv_gl_renderer_create(p->gl, &p->env, studio_document_mesh(d), d->scene.surface,
-                                  segments, &p->renderer);
+    if (divided)
+        return SLV_OK;
+    const slv_tessellation_params params = {.segments = even ? segments : 0,
+                                            .camera = &shot->camera,
+                                            .width = shot->width,
+                                            .height = shot->height};
+    slv_result result =
+        p->renderer
+            ? slv_gl_renderer_tessellate(p->renderer, &p->env, mesh, d->scene.surface, &params)
+            : slv_gl_renderer_create_with(p->gl, &p->env, mesh, d->scene.surface, &params,
+                                          &p->renderer);
+    if (result)
+        return result;
+    p->even = even;
+    p->camera = shot->camera;
+    p->seen[0] = shot->width;
+    p->seen[1] = shot->height;
+    return SLV_OK;
 }
 
 /* ---- drawing ---- */
@@ -359,6 +389,7 @@ slv_result studio_picture_draw(studio_picture *p, studio_document *d, const stud
     if (look->seams || look->wires || look->overlay == STUDIO_OVERLAY_RESOLUTION)
         result = studio_overlay_draw(&p->overlay, d, shot, p->segments, p->framebuffers, two);
     stats->segments = p->segments;
+    stats->triangles = slv_gl_renderer_triangles(p->renderer);
 done:
     glBindFramebuffer(GL_FRAMEBUFFER, (GLuint)framebuffer);
     if (result) {

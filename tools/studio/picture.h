@@ -32,7 +32,8 @@ typedef struct studio_picture_stats {
     double update;      /* of bringing the texels up to date */
     uint64_t gpu_bytes; /* of the textures that were made */
     uint32_t draws;
-    uint32_t segments;
+    uint32_t segments;  /* of the overlay's mesh */
+    uint64_t triangles; /* of the surface */
 } studio_picture_stats;
 
 /* Draws into the framebuffer that is bound, whatever its number. The document's texels are
