@@ -182,7 +182,7 @@ done:
 }
 
 int verb_render(int argc, char **argv) {
-    enum { OWN = 15 };
+    enum { OWN = 16 };
     struct render r = {.scene = scene_options_default(), .msaa = 4, .aniso = 1};
     char strategies[SCENE_STRATEGIES_SIZE], how[80];
     uint32_t narguments = 0;
@@ -207,6 +207,7 @@ int verb_render(int argc, char **argv) {
          32, NULL},
         SCENE_CONTEXT(&r.context),
         SCENE_ALPHA(&r.scene.alpha, &r.scene.premultiplied, "blend"),
+        SCENE_ENVIRONMENT(&r.scene.environment),
         SCENE_UV(&r.scene.uv),
         SCENE_ROUND(&r.scene.round),
         CLI_SALVAGE(&r.scene.salvage),

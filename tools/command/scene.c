@@ -116,6 +116,39 @@ slv_result scene_load_images(const slv_env *env, const scene_params *params, con
     return result;
 }
 
+/* Six faces that close a cube. */
+static slv_result load_environment(const slv_env *env, const slv_ptx *ptx, scene_data *out) {
+    slv_adjacency *adjacency = NULL;
+    slv_result result = slv_ptx_load_adjacency(env, ptx, &adjacency);
+    if (!result)
+        result = slv_mesh_create_cube(env, adjacency, &out->mesh);
+    slv_adjacency_destroy(adjacency);
+    if (!result) {
+        out->environment = true;
+        out->sphere = slv_sphere_displacement(out->mesh);
+    }
+    return result;
+}
+
+/* The mesh: named, in the file, or that of an environment. */
+static slv_result load_mesh(const slv_env *env, const scene_params *params, const slv_ptx *ptx,
+                            scene_data *out) {
+    slv_env silent = *env;
+    silent.log = NULL;
+    if (params->environment && load_environment(&silent, ptx, out))
+        return output_fail(env, SLV_ERROR_MISMATCH,
+                           "%s: is no environment: that has six faces which close a cube",
+                           slv_ptx_name(ptx));
+    if (params->environment)
+        return SLV_OK;
+    if (params->mesh)
+        return slv_mesh_load(env, cli_input(params->mesh), &out->mesh);
+    if (slv_ptx_load_mesh(&silent, ptx, &out->mesh) == SLV_ERROR_UNSUPPORTED &&
+        !load_environment(&silent, ptx, out))
+        return SLV_OK;
+    return out->mesh ? SLV_OK : scene_load_geometry(env, ptx, "--mesh FILE.obj", &out->mesh);
+}
+
 slv_result scene_load_model(const slv_env *env, const scene_params *params, slv_ptx **ptx,
                             scene_data *out) {
     slv_result result;
@@ -125,8 +158,7 @@ slv_result scene_load_model(const slv_env *env, const scene_params *params, slv_
     const slv_ptx_info *info = slv_ptx_get_info(*ptx);
     const bool triangles = info->mesh_type == SLV_PTX_TRIANGLE;
     const uint64_t nfaces = (triangles ? 3 : 1) * (uint64_t)info->nfaces;
-    result = params->mesh ? slv_mesh_load(env, cli_input(params->mesh), &out->mesh)
-                          : scene_load_geometry(env, *ptx, "--mesh FILE.obj", &out->mesh);
+    result = load_mesh(env, params, *ptx, out);
     if (result || (params->adjacency == 0 && (result = slv_ptx_match_mesh(env, *ptx, out->mesh))))
         goto done;
     result = params->adjacency == 1 ? slv_ptx_load_adjacency(env, *ptx, &out->adjacency)
@@ -142,9 +174,16 @@ slv_result scene_load_model(const slv_env *env, const scene_params *params, slv_
     slv_surface_params surface = {.scheme = params->scheme, .boundary = params->boundary};
     if (triangles && !params->scheme_given)
         surface.scheme = SLV_SCHEME_LOOP;
+    if (out->environment)
+        surface.scheme = SLV_SCHEME_BILINEAR;
     if ((result = slv_surface_create(env, out->mesh, &surface, &out->surface)))
         goto done;
     result = find_focus(env, params, out);
+    for (int c = 0; c < 3 && out->environment;
+         c++) { /* about the box that a camera frames as a sphere */
+        out->bounds_min[c] = -0.65f;
+        out->bounds_max[c] = 0.65f;
+    }
 done:
     if (result) {
         scene_free(out);

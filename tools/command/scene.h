@@ -43,6 +43,7 @@ typedef struct scene_params {
     bool salvage;      /* faces that cannot be read are filled */
     slv_alpha_mode alpha;
     bool premultiplied; /* colours are stored multiplied by alpha */
+    bool environment;   /* six faces are a sphere, whatever geometry there is */
 } scene_params;
 
 typedef struct scene {
@@ -58,6 +59,8 @@ typedef struct scene {
     bool raw;                           /* numbers are not light */
     bool salvaged;                      /* faces were filled, which has been told */
     displace_open displace;
+    bool environment; /* the mesh is a cube, to be moved onto a sphere */
+    slv_displacement sphere;
     slv_bake_source *uv; /* NULL, or what is shown in place of a texture: */
     slv_uv_images images;
 } scene_data;
@@ -89,8 +92,9 @@ typedef struct scene_options {
     int alpha;          /* slv_alpha_mode */
     bool premultiplied; /* colours are stored multiplied by alpha */
     bool raw;           /* numbers are not light */
-    int round;          /* 1 u goes round, 2 v, 3 both */
-    const char *uv;     /* an image for the mesh that the verb's argument is then */
+    bool environment;
+    int round;      /* 1 u goes round, 2 v, 3 both */
+    const char *uv; /* an image for the mesh that the verb's argument is then */
     int scheme, boundary, shading, adjacency, encoding; /* encoding: slv_texture_encoding */
     bool scheme_given, boundary_given, shading_given, size_given, orbit_given, fov_given, progress,
         salvage;
@@ -126,6 +130,14 @@ typedef struct scene_options {
         "--round", CLI_CHOICE, value,                                                              \
             "with --uv: coordinates that go round, one value a vertex (selvage wrap)",             \
             "no|u|v|both", 0, 0, NULL                                                              \
+    }
+#define SCENE_ENVIRONMENT(value)                                                                   \
+    {                                                                                              \
+        "--environment", CLI_FLAG, value,                                                          \
+            "six faces are what is seen in all directions, and are drawn on a sphere (where "      \
+            "there "                                                                               \
+            "is no geometry)",                                                                     \
+            NULL, 0, 0, NULL                                                                       \
     }
 /* Rows that compare has too. */
 #define SCENE_VIEW(kind, value, help)                                                              \

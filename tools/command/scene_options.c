@@ -56,6 +56,8 @@ const char *scene_options_problem(const scene_options *o) {
         return "--displacement and another: both are the standard input, which is one";
     if (o->round && !o->uv)
         return "--round is of texture coordinates: it takes --uv";
+    if (o->environment && (o->mesh || o->uv))
+        return "--environment: six faces need no --mesh and no --uv";
     if (o->uv && (o->mesh || o->channels || o->adjacency || o->salvage))
         return "--uv: the argument is the mesh, and an image has no --mesh, --channels, "
                "--adjacency or --salvage";
@@ -182,6 +184,7 @@ int scene_load_shot(const cli_command *command, const slv_env *env, const char *
                            .adjacency = o->adjacency,
                            .focus = o->focus,
                            .salvage = o->salvage,
+                           .environment = o->environment,
                            .scheme_given = o->scheme_given || view.has_scheme,
                            .encoding = (slv_texture_encoding)o->encoding,
                            .scheme = o->scheme_given ? (slv_scheme)o->scheme : view.scheme,
@@ -211,7 +214,12 @@ int scene_load_shot(const cli_command *command, const slv_env *env, const char *
         .segments = o->tess, .camera = &out->camera, .width = size[0], .height = size[1]};
     int code = displace_begin(command, env, &o->displace, &view.displacement, ptx, out->scene.mesh,
                               &out->scene.displace);
-    if (out->scene.displace.moves)
+    if (!code && out->scene.displace.moves && out->scene.environment)
+        code = cli_error("%s: an environment is a sphere, and nothing displaces that", ptx);
+    if (out->scene.environment) {
+        out->tessellation.displacement = &out->scene.sphere;
+        out->shading = o->shading_given || view.has_shading ? out->shading : SLV_SHADE_UNLIT;
+    } else if (out->scene.displace.moves)
         out->tessellation.displacement = &out->scene.displace.displacement;
     if (!code && !o->uv)
         code =

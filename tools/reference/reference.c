@@ -221,7 +221,7 @@ static int run(const cli_command *command, const struct reference *r, const char
 }
 
 int verb_reference(int argc, char **argv) {
-    enum { OWN = 13 };
+    enum { OWN = 14 };
     uint32_t narguments = 0;
     struct reference r = {.scene = scene_options_default(), .samples = 256};
     cli_option options[OWN + SCENE_OPTION_ROWS] = {
@@ -238,6 +238,7 @@ int verb_reference(int argc, char **argv) {
         {"--seed", CLI_UINT, &r.seed, "other samples (0)", NULL, 0, UINT32_MAX, NULL},
         {"--bits", CLI_UINT, &r.bits, "16 half or 32 float (32)", NULL, 16, 32, NULL},
         SCENE_ALPHA(&r.scene.alpha, &r.scene.premultiplied, "blend"),
+        SCENE_ENVIRONMENT(&r.scene.environment),
         SCENE_UV(&r.scene.uv),
         SCENE_ROUND(&r.scene.round),
         CLI_JSON(&r.json),

@@ -89,6 +89,13 @@ typedef struct slv_mesh_stats {
  * position that is not finite is SLV_ERROR_FORMAT, naming the polygon. */
 SLV_NODISCARD SLV_API slv_result slv_mesh_create(const slv_env *env, const slv_mesh_view *view,
                                                  slv_mesh **out);
+/* The cube that six quads close, with corners at -1 and 1: for textures of environments, which have
+ * no geometry. Each pair of opposite faces has an axis, x, y and z in the order in which they come;
+ * the first of a pair lies at 1: faces +x -x +y -y +z -z come back as what they are. An adjacency
+ * of anything else is SLV_ERROR_MISMATCH. */
+SLV_NODISCARD SLV_API slv_result slv_mesh_create_cube(const slv_env *env,
+                                                      const slv_adjacency *adjacency,
+                                                      slv_mesh **out);
 
 /* Reads a file that slv_mesh_parse_obj or slv_mesh_parse_ply understands, told apart by its first
  * bytes, as it is or packed by gzip. */

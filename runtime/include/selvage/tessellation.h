@@ -55,6 +55,11 @@ typedef struct slv_displacement {
     void *user;
 } slv_displacement;
 
+/* Moves the flat faces of a cube (slv_mesh_create_cube, SLV_SCHEME_BILINEAR) onto the unit sphere
+ * around its middle: (u,v) of a face is then what lookups in cube maps have. The mesh must outlive
+ * it. */
+SLV_API slv_displacement slv_sphere_displacement(const slv_mesh *cube);
+
 /* How far points may be from where they belong in a picture, in pixels, and unit normals from
  * what they are. */
 #define SLV_TESSELLATION_PIXELS 0.125f
