@@ -49,4 +49,19 @@ static slv_result call_triangles(const slv_env *env) {
     return result;
 }
 
+static slv_result call_mesh_cube(const slv_env *env) {
+    static const char obj[] =
+        "v -1 -1 -1\nv 1 -1 -1\nv -1 1 -1\nv 1 1 -1\nv -1 -1 1\nv 1 -1 1\nv -1 1 1\nv 1 1 1\n"
+        "f 1 3 4 2\nf 5 6 8 7\nf 1 2 6 5\nf 3 7 8 4\nf 1 5 7 3\nf 2 4 8 6\n";
+    slv_mesh *mesh = NULL, *cube = NULL;
+    slv_adjacency *adjacency = NULL;
+    slv_result result = slv_mesh_parse_obj(env, "cube", obj, sizeof obj - 1, &mesh);
+    if (!result && !(result = slv_mesh_adjacency(env, mesh, &adjacency)))
+        result = slv_mesh_create_cube(env, adjacency, &cube);
+    slv_mesh_destroy(mesh);
+    slv_mesh_destroy(cube);
+    slv_adjacency_destroy(adjacency);
+    return result;
+}
+
 #endif

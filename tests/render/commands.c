@@ -169,9 +169,8 @@ static void check_inputs_refused(void) {
     check_refused(1, "tri_tiled_u8_1.ptx|no geometry|--mesh FILE.obj", NULL,
                   ARGUMENTS("render", triangles));
     check_refused(1, "tri_tiled_u8_1.ptx|no geometry", NULL, ARGUMENTS("compare", triangles));
-    kit_join(path, data, "cube_u16_rgba.ptx");
-    check_refused(1, "cube_u16_rgba.ptx|no geometry|--mesh FILE.obj", NULL,
-                  ARGUMENTS("render", path));
+    kit_join(path, data, "const_u8_3.ptx");
+    check_refused(1, "const_u8_3.ptx|no geometry|--mesh FILE.obj", NULL, ARGUMENTS("render", path));
 
     check_view("{", "bad_view.json");
     check_view("[]", "bad_view.json|object");
