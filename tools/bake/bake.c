@@ -2,6 +2,7 @@
 #include "bake/bake_options.h"
 #include "command/output.h"
 #include "command/ptx_name.h"
+#include "command/team.h"
 #include "verbs.h"
 
 #include <stdio.h>
@@ -26,14 +27,18 @@ static int check_outputs(const slv_env *env, const bake_options *o, const slv_ba
     return EXIT_OK;
 }
 
-static int bake_it(const bake_options *o, const slv_env *env, slv_bake_recipe *recipe) {
+static int bake_it(const bake_options *o, const slv_env *env, slv_bake_recipe *recipe,
+                   cli_team *team) {
     slv_bake_job job = *slv_bake_recipe_job(recipe);
     slv_mesh *mesh = NULL;
     slv_bake_source *source = NULL;
     slv_bake_report report;
     char part[4096], *key = bake_recipe_key(recipe, o->paths[0]);
     int code = EXIT_FAILED;
-    cli_progress progress = cli_progress_fleeting("bake", o->progress, o->quiet || o->json);
+    bool writes = !team->module || !team->team.rank;
+    cli_progress progress =
+        cli_progress_fleeting("bake", o->progress && writes, o->quiet || o->json || !writes);
+    job.team = team->module ? &team->team : NULL;
     job.miss_map = o->miss_map;
     job.progress = (slv_progress){cli_progress_report, &progress};
     job.resume = o->resume ? part : NULL;
@@ -42,13 +47,16 @@ static int bake_it(const bake_options *o, const slv_env *env, slv_bake_recipe *r
         code = cli_error("%s: the name is too long", o->paths[1]);
     else if (!key)
         code = cli_error("no memory for the recipe");
-    else if (!check_outputs(env, o, recipe, part)) {
+    else if (!writes || !check_outputs(env, o, recipe, part)) {
         cli_catch_interrupts();
         if (!slv_mesh_load(env, cli_input(o->paths[0]), &mesh) &&
             !slv_bake_recipe_source(env, recipe, mesh, &source)) {
             slv_result result = slv_bake_save(env, mesh, source, &job, o->paths[1], &report);
             cli_progress_end(&progress);
-            if (!result)
+            team->complete = !result;
+            if (!result && !writes)
+                code = EXIT_OK;
+            else if (!result)
                 code = bake_report_tell(o, &job, slv_bake_recipe_max_miss(recipe), &report, source);
         }
     }
@@ -59,15 +67,19 @@ static int bake_it(const bake_options *o, const slv_env *env, slv_bake_recipe *r
 }
 
 static int run_bake(const cli_command *command, const bake_options *o) {
-    slv_env env = cli_env(o->threads);
+    cli_team team;
+    int started = cli_team_begin(&team);
+    if (started >= 0)
+        return started;
+    slv_env env = cli_team_env(&team, o->threads);
     slv_bake_recipe *recipe = NULL;
     int code = bake_recipe_make(command, &env, o, &recipe);
     if (code < 0 && o->print_recipe)
         code = puts(slv_bake_recipe_text(recipe)) < 0 ? EXIT_FAILED : EXIT_OK;
     if (code < 0)
-        code = bake_it(o, &env, recipe);
+        code = bake_it(o, &env, recipe, &team);
     slv_bake_recipe_destroy(recipe);
-    return code;
+    return cli_team_end(&team, code);
 }
 
 /* More than 80 lines, because the table of its options is one piece. */

@@ -74,3 +74,6 @@ configure_package_config_file(tools/install/SelvageConfig.cmake.in ${CMAKE_BINAR
                               INSTALL_DESTINATION ${package})
 write_basic_package_version_file(${CMAKE_BINARY_DIR}/SelvageConfigVersion.cmake COMPATIBILITY SameMinorVersion)
 install(FILES ${CMAKE_BINARY_DIR}/SelvageConfig.cmake ${CMAKE_BINARY_DIR}/SelvageConfigVersion.cmake DESTINATION ${package})
+if(TARGET selvage-mpi)
+    install(TARGETS selvage-mpi LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR})
+endif()
