@@ -39,7 +39,8 @@ static slv_ptx_seams seams_of(const bake *b) {
         return b->job->seams;
     if (b->source->apart)
         return SLV_PTX_SEAMS_PLAIN;
-    return b->job->max_error > 0 ? SLV_PTX_SEAMS_REDUCTIONS : SLV_PTX_SEAMS_ALL;
+    return b->job->max_error > 0 || b->job->least_error ? SLV_PTX_SEAMS_REDUCTIONS
+                                                        : SLV_PTX_SEAMS_ALL;
 }
 
 static slv_result begin_file(bake *b, const char *path, slv_ptx_writer_params params,

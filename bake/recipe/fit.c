@@ -298,3 +298,44 @@ slv_result slvi_bake_fit(const slv_env *env, const slv_bake_source *source, cons
     slvi_parallel_env_end(log);
     return result;
 }
+
+/* Errors are tried by halves of the logarithm, from 2^-16 to 2^16. */
+slv_result slvi_bake_fit_within(const slv_env *env, const slv_bake_source *source,
+                                const slv_bake_job *job, const encoder *e, uint64_t most,
+                                slv_res *res, slv_bake_report *report) {
+    enum { LOW = -16, HIGH = 16, TRIES = 8 };
+    float low = LOW, high = HIGH;
+    const slv_bake_report before = *report;
+    uint64_t least = 0;
+    slv_res *tried = NULL;
+    bool found = false;
+    slv_result result = slvi_alloc(env, "resolutions", source->nfaces, sizeof *tried, &tried);
+    for (int i = 0; i <= TRIES && !result; i++) {
+        float now = i ? 0.5f * (low + high) : high;
+        slv_bake_job own = *job;
+        slv_bake_report told = before;
+        uint64_t texels = 0;
+        own.max_error = exp2f(now);
+        if ((result = slvi_bake_fit(env, source, &own, e, tried, &told)))
+            break;
+        for (uint32_t face = 0; face < source->nfaces; face++)
+            texels += UINT64_C(1) << (tried[face].u + tried[face].v);
+        least = i ? least : texels;
+        if (texels <= most) {
+            memcpy(res, tried, source->nfaces * sizeof *res);
+            *report = told;
+            high = now;
+            found = true;
+        } else if (i) {
+            low = now;
+        } else {
+            break;
+        }
+    }
+    slvi_free(tried);
+    if (!result && !found)
+        result = slvi_fail(env, SLV_ERROR_LIMIT,
+                           "bake: %llu texels are too few: the faces take %llu at least",
+                           (unsigned long long)most, (unsigned long long)least);
+    return result;
+}

@@ -12,4 +12,10 @@
 slv_result slvi_bake_fit(const slv_env *env, const slv_bake_source *source, const slv_bake_job *job,
                          const encoder *e, slv_res *res, slv_bake_report *report);
 
+/* The same with the least error of which all faces together have at most `most` texels;
+ * SLV_ERROR_LIMIT if there is none. */
+slv_result slvi_bake_fit_within(const slv_env *env, const slv_bake_source *source,
+                                const slv_bake_job *job, const encoder *e, uint64_t most,
+                                slv_res *res, slv_bake_report *report);
+
 #endif

@@ -76,7 +76,13 @@ slv_result slvi_bake_plan(const slv_env *env, const slv_mesh *mesh, const slv_ba
     if (job->match != 0 && !own)
         return slvi_fail(env, SLV_ERROR_ARGUMENT, "bake: the source has no resolution to match");
     slv_result result = SLV_OK;
-    if (job->max_error > 0) {
+    if (job->least_error && !most)
+        return slvi_fail(env, SLV_ERROR_ARGUMENT,
+                         "bake: the least error of how many texels or bytes?");
+    if (job->least_error) {
+        result = slvi_alloc(env, "resolutions", source->nfaces, sizeof **out, out);
+        result = result ? result : slvi_bake_fit_within(env, source, job, e, most, *out, report);
+    } else if (job->max_error > 0) {
         result = slvi_alloc(env, "resolutions", source->nfaces, sizeof **out, out);
         result = result ? result : slvi_bake_fit(env, source, job, e, *out, report);
     } else if (own) {
@@ -84,9 +90,11 @@ slv_result slvi_bake_plan(const slv_env *env, const slv_mesh *mesh, const slv_ba
     } else {
         result = slv_blank_plan(env, mesh, &blank, out, NULL);
     }
-    if (!result)
+    if (!result) {
         tell(*out, source->nfaces, report);
-    else
-        slvi_free(*out);
+        return SLV_OK;
+    }
+    slvi_free(*out);
+    *out = NULL;
     return result;
 }

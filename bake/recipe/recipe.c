@@ -89,9 +89,10 @@ static slv_result read_numbers(const recipe_reader *r, slv_bake_recipe *recipe) 
 }
 
 static slv_result read_job(const recipe_reader *r, slv_bake_recipe *recipe) {
-    static const char *const keys[] = {
-        "$schema",  "source",   "size", "density", "match",    "texels",     "bytes",      "error",
-        "min-size", "max-size", "type", "scheme",  "max-miss", "reductions", "compression"};
+    static const char *const keys[] = {"$schema",  "source",     "size",        "density",
+                                       "match",    "texels",     "bytes",       "error",
+                                       "min-size", "max-size",   "type",        "scheme",
+                                       "max-miss", "reductions", "compression", "least-error"};
     int type = 0, scheme = 0;
     json_t *root = recipe->root;
     recipe->job.min_res = (slv_res){0, 0};
@@ -108,6 +109,10 @@ static slv_result read_job(const recipe_reader *r, slv_bake_recipe *recipe) {
     recipe->job.type = (slv_type)type;
     recipe->job.type_given = json_object_get(root, "type") != NULL;
     recipe->job.scheme = (slv_scheme)scheme;
+    const json_t *least = json_object_get(root, "least-error");
+    if (least && !json_is_boolean(least))
+        return slvi_recipe_fail(r, "recipe", "least-error: expected true or false");
+    recipe->job.least_error = json_is_true(least);
     uint32_t given = 0;
     for (size_t i = 0; i < sizeof sizing / sizeof *sizing; i++)
         given += json_object_get(root, sizing[i]) != NULL;

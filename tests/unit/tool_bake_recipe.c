@@ -135,6 +135,32 @@ static void options(void) {
     CHECK(access(tool_path("none.ptx"), F_OK) != 0);
 }
 
+static float spots(uint32_t channel, float u, float v) {
+    (void)channel;
+    return u < 0.5f && v < 0.5f ? 0.5f + 0.5f * sinf(60 * u) * sinf(50 * v * v) : 0.5f;
+}
+
+static double json_of(const char *field) {
+    json_error_t error;
+    json_t *root = json_loads(tool_out, 0, &error);
+    double value = json_number_value(json_object_get(root, field));
+    json_decref(root);
+    return value;
+}
+
+/* Within the budget, and no error that is a quarter smaller would be. */
+static void least_error(void) {
+    uv_write_image("spots.exr", 128, 128, 1, spots, &uv_floats);
+    RUNS(0, "bake m.obj --uv spots.exr --texels 3000 --least-error --json --quiet -o l.ptx");
+    double texels = json_of("texels"), error = json_of("error");
+    CHECK_MSG(texels <= 3000 && texels > 300 && error > 0, "%g texels, %g", texels, error);
+    RUNS(0, "bake m.obj --uv spots.exr --error %g --json --quiet -o l.ptx", 0.75 * error);
+    CHECK_MSG(json_of("texels") > 3000, "%g texels do", json_of("texels"));
+    RUNS(2, "bake m.obj --uv spots.exr --least-error -o none.ptx");
+    RUNS(1, "bake m.obj --uv spots.exr --texels 1 --least-error -o none.ptx");
+    HAS("too few");
+}
+
 /* Every field of the schema is known to the reader, and what the schema leaves out is not. */
 static void schema(void) {
     json_error_t error;
@@ -236,6 +262,7 @@ int main(void) {
     refusals();
     options();
     schema();
+    least_error();
     resume();
     tool_end();
     return test_end();

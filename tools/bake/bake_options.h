@@ -14,8 +14,8 @@ typedef struct bake_options {
     bool size_given, max_given, density_given, match_given, error_given, type_given, pattern_given;
     bool min_given, surface_given, rays_given, encoding_given, wrap_given, detail_kind_given,
         front_given, back_given;
-    bool no_reductions, reductions_given, scheme_given, max_miss_given, print_recipe, resume, json,
-        progress, quiet;
+    bool least_error, no_reductions, reductions_given, scheme_given, max_miss_given, print_recipe,
+        resume, json, progress, quiet;
     int type, scheme, encoding, wrap, pattern, surface, rays, detail_kind, reductions;
 } bake_options;
 

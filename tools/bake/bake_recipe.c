@@ -38,6 +38,8 @@ static int check(const cli_command *command, const bake_options *o) {
     if ((o->density_given && !(o->density > 0)) || (o->match_given && !(o->match > 0)) ||
         (o->error_given && !(o->error > 0)))
         return cli_usage(command, "--density, --match and --error: expected more than 0");
+    if (o->least_error && !o->texels && !o->bytes && !o->recipe)
+        return cli_usage(command, "--least-error: --texels or --bytes is missing");
     if (!(o->max_miss >= 0 && o->max_miss <= 1))
         return cli_usage(command, "--max-miss: expected a share, 0 to 1");
     if (o->miss_map && !ptx_name_is_safe(o->miss_map))
@@ -122,6 +124,8 @@ static int changes_of(const cli_command *command, const bake_options *o, json_t 
     word(changes, o->scheme_given, "scheme", slv_scheme_name((slv_scheme)o->scheme));
     word(changes, o->reductions_given, "reductions",
          slv_ptx_seams_name((slv_ptx_seams)o->reductions));
+    if (o->least_error)
+        json_object_set_new(changes, "least-error", json_true());
     if (o->no_reductions)
         json_object_set_new(changes, "reductions", json_false());
     return -1;

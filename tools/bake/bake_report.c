@@ -4,6 +4,10 @@
 
 #include <string.h>
 
+static bool measures(const slv_bake_job *job) {
+    return job->max_error > 0 || job->least_error;
+}
+
 static void print_misses(FILE *stream, const slv_bake_report *report) {
     const char *between = "";
     for (int i = 1; i < SLV_BAKE_MISSES; i++)
@@ -30,7 +34,7 @@ static void print_result(const bake_options *o, const slv_bake_job *job,
            (unsigned long long)report->texels, (double)report->bytes / 1048576,
            1u << report->smallest.u, 1u << report->smallest.v, 1u << report->largest.u,
            1u << report->largest.v);
-    if (job->max_error > 0)
+    if (measures(job))
         printf("  within %.4g of the source at samples, %.4g between them\n", (double)report->error,
                (double)report->error_bound);
     if (report->faces_over)
@@ -71,11 +75,10 @@ static json_t *bake_json(const bake_options *o, const slv_bake_job *job,
         "texels", (json_int_t)report->texels, "bytes", (json_int_t)report->bytes, "smallest",
         1 << report->smallest.u, 1 << report->smallest.v, "largest", 1 << report->largest.u,
         1 << report->largest.v, "missing", (json_int_t)missing(report), "misses", misses, "tiles",
-        list, "error", job->max_error > 0 ? output_json_number((double)report->error) : json_null(),
+        list, "error", measures(job) ? output_json_number((double)report->error) : json_null(),
         "error_bound",
-        job->max_error > 0 ? output_json_number((double)report->error_bound) : json_null(),
-        "faces_over",
-        job->max_error > 0 ? json_integer((json_int_t)report->faces_over) : json_null());
+        measures(job) ? output_json_number((double)report->error_bound) : json_null(), "faces_over",
+        measures(job) ? json_integer((json_int_t)report->faces_over) : json_null());
 }
 
 /* Says that more texels than may have no value. */

@@ -268,6 +268,8 @@ typedef struct slv_bake_job {
      * axis if it has none. Where nothing within max_res will do, the face is as large as its source
      * has pixels, and counts in faces_over. */
     float max_error;
+    bool least_error;         /* with max_texels or max_bytes: not evenly dense, but with the least
+                                 max_error         that keeps within, to an eighth of a power of two */
     float match;              /* so many texels for one of the source; 1 is the default */
     slv_res min_res, max_res; /* what faces are kept within; default 1x1 and 4096x4096, or 65536 of
                                  `uniform` */
