@@ -80,6 +80,26 @@ static slv_result make_scene(slv_reference *r) {
     return embree_result(&r->env, r->device);
 }
 
+/* The surface as it is divided, and the tree of its quads. */
+static slv_result make_geometry(slv_reference *r, const slv_env *env, const slv_mesh *mesh,
+                                const slv_surface *surface, const slv_tessellation_params *params) {
+    slv_adjacency *adjacency = NULL;
+    slv_result result = slv_mesh_adjacency(env, mesh, &adjacency);
+    if (!result)
+        result = slv_tessellate_with(env, mesh, surface, adjacency, params, &r->mesh);
+    slv_adjacency_destroy(adjacency);
+    return result ? result : make_scene(r);
+}
+
+static void free_geometry(slv_reference *r) {
+    if (r->scene)
+        rtcReleaseScene(r->scene);
+    if (r->device)
+        rtcReleaseDevice(r->device);
+    slv_tessellation_free(&r->mesh);
+    slvi_free(r->quads);
+}
+
 static slv_result check(const slv_env *env, const slv_mesh *mesh, const slv_surface *surface,
                         const slv_texture *texture, const slv_adjacency *adjacency,
                         slv_reference_params *params) {
@@ -124,7 +144,6 @@ static slv_result create(const slv_env *env, const slv_mesh *mesh, const slv_sur
                          const slv_texture *texture, const slv_adjacency *adjacency,
                          const slv_reference_params *given, slv_reference **out) {
     slv_reference_params params = given ? *given : (slv_reference_params){0};
-    slv_adjacency *own = NULL;
     slv_texture *decoded = NULL;
     slv_reference *made = NULL;
     slv_result result;
@@ -150,16 +169,12 @@ static slv_result create(const slv_env *env, const slv_mesh *mesh, const slv_sur
                                                     params.border_v, &made->texels)))
         goto done;
     made->texels.alpha = grey_alpha;
-    if ((result = slv_mesh_adjacency(env, mesh, &own)) ||
-        (result =
-             slv_tessellate_with(env, mesh, surface, own,
-                                 params.tessellation ? params.tessellation : &even, &made->mesh)) ||
-        (result = make_scene(made)))
+    if ((result = make_geometry(made, env, mesh, surface,
+                                params.tessellation ? params.tessellation : &even)))
         goto done;
     *out = made;
     made = NULL;
 done:
-    slv_adjacency_destroy(own);
     slv_texture_destroy(decoded);
     slv_reference_destroy(made);
     return result;
@@ -176,14 +191,33 @@ slv_result slv_reference_create(const slv_env *env, const slv_mesh *mesh,
 void slv_reference_destroy(slv_reference *reference) {
     if (!reference)
         return;
-    if (reference->scene)
-        rtcReleaseScene(reference->scene);
-    if (reference->device)
-        rtcReleaseDevice(reference->device);
-    slv_tessellation_free(&reference->mesh);
+    free_geometry(reference);
     slvi_reference_texels_free(&reference->texels);
-    slvi_free(reference->quads);
     slvi_free(reference);
+}
+
+slv_result slv_reference_tessellate(slv_reference *reference, const slv_env *env,
+                                    const slv_mesh *mesh, const slv_surface *surface,
+                                    const slv_tessellation_params *params) {
+    slv_reference fresh = {.env = reference->env};
+    uint32_t nfaces = reference->mesh.nfaces;
+    if (slv_mesh_face_count(mesh) != nfaces || slv_surface_face_count(surface) != nfaces)
+        return slvi_fail(env, SLV_ERROR_MISMATCH,
+                         "reference: the mesh has %u faces, the surface %u, and what is shown %u",
+                         slv_mesh_face_count(mesh), slv_surface_face_count(surface), nfaces);
+    slv_env own = slvi_budget_begin(env);
+    slv_result result = slvi_budget_end(&own, make_geometry(&fresh, &own, mesh, surface, params));
+    if (result) {
+        free_geometry(&fresh);
+        return result;
+    }
+    free_geometry(reference);
+    reference->mesh = fresh.mesh;
+    reference->quads = fresh.quads;
+    reference->device = fresh.device;
+    reference->scene = fresh.scene;
+    reference->step = fresh.step;
+    return SLV_OK;
 }
 
 slv_result slv_reference_lookup(const slv_reference *reference, size_t count,

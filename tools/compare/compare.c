@@ -238,14 +238,13 @@ static slv_result prepare(struct session *s) {
     memcpy(path->bounds_min, s->scene.bounds_min, sizeof path->bounds_min);
     memcpy(path->bounds_max, s->scene.bounds_max, sizeof path->bounds_max);
     slv_camera first = orbit_camera(path, 0);
-    report->segments =
-        o->tess ? o->tess
-                : slv_tessellation_for(s->scene.mesh, &first, report->width, report->height);
+    report->segments = o->tess;
+    const slv_tessellation_params surface = experiment_tessellation(report, &s->scene, &first);
     if ((result = slv_gl_texture_create(s->gl, &s->env, s->scene.texture, s->scene.adjacency,
                                         &upload, &s->texture)) ||
         (result = upload_blocks(s, upload)) ||
-        (result = slv_gl_renderer_create(s->gl, &s->env, s->scene.mesh, s->scene.surface,
-                                         report->segments, &s->renderer)))
+        (result = slv_gl_renderer_create_with(s->gl, &s->env, s->scene.mesh, s->scene.surface,
+                                              &surface, &s->renderer)))
         return result;
     s->experiment = (experiment){.env = &s->env,
                                  .scene = &s->scene,
@@ -480,7 +479,7 @@ int verb_compare(int argc, char **argv) {
         SCENE_SHADING(&o.shading, "shading (headlight)", NULL),
         SCENE_SCHEME(&o.scheme, &o.scheme_given),
         SCENE_BOUNDARY(&o.boundary, "boundary rule (the mesh's, or edge-and-corner)", NULL),
-        SCENE_TESS(&o.tess, "by the size on screen"),
+        SCENE_TESS(&o.tess, "each face as many as the picture needs"),
         SCENE_ALPHA(&o.alpha, &o.premultiplied, "ignore"),
         SCENE_ADJACENCY(&o.adjacency),
         CLI_TEXTURE_ENCODING(&o.encoding),

@@ -45,6 +45,12 @@ SLV_NODISCARD SLV_API slv_result slv_reference_create(const slv_env *env, const 
                                                       const slv_adjacency *adjacency,
                                                       const slv_reference_params *params,
                                                       slv_reference **out);
+/* Divides the surface anew, for another camera say, and keeps the texture; after a failure the
+ * reference is as it was. Nobody else may use it meanwhile. */
+SLV_NODISCARD SLV_API slv_result slv_reference_tessellate(slv_reference *reference,
+                                                          const slv_env *env, const slv_mesh *mesh,
+                                                          const slv_surface *surface,
+                                                          const slv_tessellation_params *params);
 SLV_API void slv_reference_destroy(slv_reference *reference);
 
 /* The texture as a function: texels of level 0, bilinear between their centres, with the borders of

@@ -143,8 +143,7 @@ static void free_moment(moment *m) {
 
 /* The strategy that begins changes from frame to frame, so that whatever else the machine does
  * falls on all alike. */
-static slv_result draw_all(const experiment *e, moment *m, uint32_t rate, uint32_t turn,
-                           double *ms) {
+static slv_result draw_all(experiment *e, moment *m, uint32_t rate, uint32_t turn, double *ms) {
     const report_data *report = e->report;
     slv_result result = SLV_OK;
     free_images(m);
@@ -223,7 +222,7 @@ static slv_result find_next(experiment *e, double t, report_source source, momen
 }
 
 /* Draws with every strategy at a rate, and notes what other programs did meanwhile. */
-static slv_result time_all(const experiment *e, moment *m, uint32_t rate, experiment_frame *out) {
+static slv_result time_all(experiment *e, moment *m, uint32_t rate, experiment_frame *out) {
     busy_sample before = busy_now();
     slv_result result = draw_all(e, m, rate, out->index, out->ms[rate]);
     busy_sample after = busy_now();
@@ -269,7 +268,7 @@ done:
 }
 
 /* The first picture of each kind compiles shaders and lays out triangles. */
-static slv_result warm_up(const experiment *e) {
+static slv_result warm_up(experiment *e) {
     slv_result result = SLV_OK;
     for (uint32_t r = 0; r < e->report->nrates && !result; r++) {
         for (uint32_t k = 0; k < e->report->nstrategies && !result; k++) {

@@ -17,7 +17,9 @@ typedef struct experiment {
     slv_gl *gl;
     slv_gl_texture *texture;
     slv_gl_renderer *renderer;
-    slv_reference *reference; /* made when first needed */
+    slv_reference *reference;   /* made when first needed */
+    slv_camera aimed;           /* whom the renderer's surface is divided for, face by face */
+    bool aims, reference_aimed; /* it has been for one; and the reference's is the same */
     slv_shading shading;
     slv_texture_encoding encoding;
     report_data *report;
@@ -52,9 +54,14 @@ bool experiment_parse_rates(const char *list, report_data *report);
 slv_result experiment_find_rates(const slv_env *env, const slv_gl *gl, uint32_t accumulate,
                                  report_data *report);
 
+/* How the surface is divided: all faces alike, or for a camera. */
+slv_tessellation_params experiment_tessellation(const report_data *report, const scene_data *scene,
+                                                const slv_camera *camera);
+/* Divides it so for the eye of pictures to come. */
+slv_result experiment_aim(experiment *e, const slv_camera *camera);
 /* Draws with a strategy at a rate: report_rate.frames pictures, averaged in linear light. `ms` (may
  * be NULL) is their time together. The size, shading and camera are those of `frame`. */
-slv_result experiment_draw(const experiment *e, const slv_frame *frame, const report_rate *rate,
+slv_result experiment_draw(experiment *e, const slv_frame *frame, const report_rate *rate,
                            slv_image *image, double *ms);
 slv_frame experiment_frame_at(const experiment *e, double t, const slv_strategy *strategy);
 

@@ -28,7 +28,7 @@ static double psnr(const sum *s) {
     return s->squares > 0 ? -10 * log10(s->squares / (3 * (double)s->npixels)) : INFINITY;
 }
 
-static slv_result draw_strategy(const experiment *e, report_strategy *row) {
+static slv_result draw_strategy(experiment *e, report_strategy *row) {
     const report_data *report = e->report;
     report_blocks *blocks = &row->blocks;
     sum from_plain = {0}, plain_error = {0}, error = {0};

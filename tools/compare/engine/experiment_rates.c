@@ -77,11 +77,38 @@ static void offset(uint32_t i, uint32_t n, float out[2]) {
     out[1] = ((float)reversed + 0.5f) / (float)n - 0.5f;
 }
 
-slv_result experiment_draw(const experiment *e, const slv_frame *given, const report_rate *rate,
+slv_tessellation_params experiment_tessellation(const report_data *report, const scene_data *scene,
+                                                const slv_camera *camera) {
+    return (slv_tessellation_params){.segments = report->segments,
+                                     .displacement = scene->environment ? &scene->sphere : NULL,
+                                     .camera = camera,
+                                     .width = report->width,
+                                     .height = report->height};
+}
+
+static bool same_camera(const slv_camera *a, const slv_camera *b) {
+    return a->perspective == b->perspective &&
+           memcmp(a->world_to_camera, b->world_to_camera, sizeof a->world_to_camera) == 0 &&
+           memcmp(a->window, b->window, sizeof a->window) == 0;
+}
+
+slv_result experiment_aim(experiment *e, const slv_camera *camera) {
+    const slv_tessellation_params params = experiment_tessellation(e->report, e->scene, camera);
+    if (params.segments || (e->aims && same_camera(&e->aimed, camera)))
+        return SLV_OK;
+    slv_result result =
+        slv_gl_renderer_tessellate(e->renderer, e->env, e->scene->mesh, e->scene->surface, &params);
+    e->aims = !result;
+    e->aimed = *camera;
+    e->reference_aimed = false;
+    return result;
+}
+
+slv_result experiment_draw(experiment *e, const slv_frame *given, const report_rate *rate,
                            slv_image *image, double *ms) {
     slv_frame frame = *given;
     slv_image one = {0};
-    slv_result result = SLV_OK;
+    slv_result result = experiment_aim(e, &given->camera);
     double total = 0, seconds = 0;
     size_t count = (size_t)frame.width * frame.height * 4;
     frame.msaa = rate->msaa;

@@ -60,7 +60,9 @@ static slv_result filter_down(const slv_env *env, const slv_image *large, const 
 /* Tile by tile, since the whole would be 64 times the size. */
 static slv_result supersample(experiment *e, const slv_frame *frame, slv_image *image) {
     float weights[TAPS];
-    slv_result result = slv_image_create(e->env, frame->width, frame->height, 4, image);
+    slv_result result = experiment_aim(e, &frame->camera);
+    if (result || (result = slv_image_create(e->env, frame->width, frame->height, 4, image)))
+        return result;
     make_weights(weights);
     for (uint32_t top = 0; top < frame->height && !result; top += TILE) {
         for (uint32_t left = 0; left < frame->width && !result; left += TILE) {
@@ -109,16 +111,23 @@ static bool go_on(void *user, uint64_t done, uint64_t total) {
     return !c->cancelled;
 }
 
-static slv_result need_reference(experiment *e) {
-    const slv_reference_params params = {.segments = e->report->segments,
+static slv_result need_reference(experiment *e, const slv_camera *camera) {
+    const slv_tessellation_params surface = experiment_tessellation(e->report, e->scene, camera);
+    const slv_reference_params params = {.tessellation = &surface,
                                          .encoding = e->encoding,
                                          .alpha = e->scene->alpha,
                                          .border_u = e->scene->border_u,
                                          .border_v = e->scene->border_v};
-    return e->reference
-               ? SLV_OK
-               : slv_reference_create(e->env, e->scene->mesh, e->scene->surface, e->scene->texture,
-                                      e->scene->adjacency, &params, &e->reference);
+    slv_result result = experiment_aim(e, camera);
+    if (result || (e->reference && (surface.segments || e->reference_aimed)))
+        return result;
+    result = e->reference ? slv_reference_tessellate(e->reference, e->env, e->scene->mesh,
+                                                     e->scene->surface, &surface)
+                          : slv_reference_create(e->env, e->scene->mesh, e->scene->surface,
+                                                 e->scene->texture, e->scene->adjacency, &params,
+                                                 &e->reference);
+    e->reference_aimed = !result;
+    return result;
 }
 
 slv_result experiment_reference(experiment *e, report_source source, const slv_frame *frame,
@@ -128,7 +137,7 @@ slv_result experiment_reference(experiment *e, report_source source, const slv_f
     *estimate = NAN;
     if (source == REPORT_SUPERSAMPLED)
         return supersample(e, frame, image);
-    if ((result = need_reference(e)))
+    if ((result = need_reference(e, &frame->camera)))
         return result;
     cast watched = {.e = e};
     const slv_reference_frame picture = {.camera = frame->camera,
@@ -220,7 +229,7 @@ slv_result experiment_classify(experiment *e, const slv_frame *frame, uint8_t **
                              width, height);
         goto done;
     }
-    if ((result = need_reference(e)) ||
+    if ((result = need_reference(e, &frame->camera)) ||
         (result = slv_reference_trace(e->reference, e->env, &frame->camera, width, height, hits)) ||
         (result =
              slv_reference_trace(e->reference, e->env, &between, width + 1, height + 1, corners)))

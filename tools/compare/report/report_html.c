@@ -187,7 +187,10 @@ static slv_result facts(const page *p) {
     write_fact(p, "Frames timed", text);
     snprintf(text, sizeof text, "%u, at %u different resolutions", r->nfaces, r->nresolutions);
     write_fact(p, "Faces", text);
-    snprintf(text, sizeof text, "%u segments along each face's edge", r->segments);
+    if (r->segments)
+        snprintf(text, sizeof text, "%u segments along each face's edge", r->segments);
+    else
+        snprintf(text, sizeof text, "each face as far as the picture needs");
     write_fact(p, "Tessellation", text);
     for (int k = 0; k < REPORT_SOURCES; k++) {
         if (!r->reference.used[k])
