@@ -487,6 +487,9 @@ static slv_result call_reference(const slv_env *env) {
     if (!result && !(result = slv_reference_lookup(reference, 1, &point, rgb)) &&
         !(result = slv_reference_render(reference, env, &frame, &image, &error, NULL)))
         result = slv_reference_trace(reference, env, &frame.camera, 16, 16, hits);
+    if (!result)
+        result = slv_reference_tessellate(reference, env, calls.mesh, calls.surface,
+                                          &(slv_tessellation_params){.segments = 4});
     slv_image_free(&image);
     slv_image_free(&error);
     slv_reference_destroy(reference);

@@ -149,7 +149,41 @@ static void check_renderer(void) {
     free_model(&m);
 }
 
+/* A surface that is divided anew is as one that was never divided otherwise; a mesh that is another
+ * is refused, and nothing is lost. */
+static void check_divided_anew(void) {
+    const slv_procedural noise = {.pattern = SLV_PATTERN_NOISE, .frequency = 2, .octaves = 2};
+    slv_env env = test_env();
+    model m = make_model(box_obj, SLV_SCHEME_CATMARK, &noise, 3, 0), other = {0};
+    slv_reference *fresh = NULL;
+    const slv_reference_frame frame = small_frame(SLV_PIXEL_BOX, 4);
+    const slv_tessellation_params params = {
+        .camera = &frame.camera, .width = frame.width, .height = frame.height};
+    REQUIRE(slv_reference_create(&env, m.mesh, m.surface, m.texture, m.adjacency,
+                                 &(slv_reference_params){.tessellation = &params},
+                                 &fresh) == SLV_OK);
+    slv_image even = render(&m, &frame, 1);
+    REQUIRE(slv_reference_tessellate(m.reference, &env, m.mesh, m.surface, &params) == SLV_OK);
+    slv_image anew = render(&m, &frame, 2);
+    REQUIRE(slv_mesh_parse_obj(&env, "one", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n", 32,
+                               &other.mesh) == SLV_OK);
+    CHECK(slv_reference_tessellate(m.reference, &env, other.mesh, m.surface, &params) ==
+          SLV_ERROR_MISMATCH);
+    slv_reference_destroy(m.reference);
+    m.reference = fresh;
+    slv_image expected = render(&m, &frame, 1);
+    size_t size = sizeof(float) * 4 * frame.width * frame.height;
+    CHECK(memcmp(anew.pixels, expected.pixels, size) == 0);
+    CHECK(memcmp(anew.pixels, even.pixels, size) != 0);
+    slv_image_free(&even);
+    slv_image_free(&anew);
+    slv_image_free(&expected);
+    slv_mesh_destroy(other.mesh);
+    free_model(&m);
+}
+
 int main(void) {
     check_renderer();
+    check_divided_anew();
     return test_end();
 }
