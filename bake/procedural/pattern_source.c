@@ -20,6 +20,7 @@ typedef struct pattern_source {
 typedef struct corners {
     slv_surface_point points[AT_ONCE + 1];
     float positions[2][AT_ONCE + 1][3];
+    float at[3][AT_ONCE], values[AT_ONCE], sums[AT_ONCE]; /* of samples at one place of a texel */
 } corners;
 
 static slv_result find_row(const pattern_source *s, uint32_t face, slv_res res, uint32_t x,
@@ -53,6 +54,40 @@ static void texel_mean(const pattern_source *s, uint32_t face, const corners *c,
         out[channel] = sum[channel] / sum[3];
 }
 
+/* Whether colours are linear in one value, so that the mean of these is enough. */
+static bool is_linear(const pattern_source *s) {
+    slv_pattern pattern = s->pattern.pattern;
+    return s->base.desc.nchannels < 4 && pattern != SLV_PATTERN_FACE_COLOR &&
+           pattern != SLV_PATTERN_POSITION;
+}
+
+/* A row of texels of such a pattern: all samples of one of the SIDE x SIDE places at a time. */
+static void linear_row(const pattern_source *s, uint32_t face, corners *c, uint32_t width,
+                       uint32_t lower, float *out) {
+    static const float unused[3];
+    uint32_t n = s->base.desc.nchannels;
+    float *const at[3] = {c->at[0], c->at[1], c->at[2]}, rgba[4];
+    memset(c->sums, 0, width * sizeof *c->sums);
+    for (uint32_t k = 0; k < EACH; k++) {
+        float u = ((float)(k % SIDE) + 0.5f) / SIDE, v = ((float)(k / SIDE) + 0.5f) / SIDE;
+        for (uint32_t i = 0; i < width; i++) {
+            float(*low)[3] = c->positions[lower] + i, (*high)[3] = c->positions[!lower] + i;
+            for (int axis = 0; axis < 3; axis++) {
+                float below = low[0][axis] + (low[1][axis] - low[0][axis]) * u;
+                float above = high[0][axis] + (high[1][axis] - high[0][axis]) * u;
+                c->at[axis][i] = below + (above - below) * v;
+            }
+        }
+        slvi_pattern_values(&s->pattern, width, at, c->values);
+        for (uint32_t i = 0; i < width; i++)
+            c->sums[i] += c->values[i];
+    }
+    for (uint32_t i = 0; i < width; i++, out += n) {
+        slvi_pattern_color(&s->pattern, (int32_t)face, unused, c->sums[i] / EACH, rgba);
+        memcpy(out, rgba, n * sizeof *out);
+    }
+}
+
 static slv_result evaluate(const slv_bake_source *source, const slv_env *env, uint32_t face,
                            slv_res res, slv_rect rect, float *values, uint8_t *misses) {
     const pattern_source *s = (const pattern_source *)source;
@@ -64,8 +99,11 @@ static slv_result evaluate(const slv_bake_source *source, const slv_env *env, ui
         result = find_row(s, face, res, rect.x + x, rect.y, width, c, lower);
         for (uint32_t y = 0; y < rect.height && !result; y++, lower = !lower) {
             result = find_row(s, face, res, rect.x + x, rect.y + y + 1, width, c, !lower);
-            for (uint32_t i = 0; i < width && !result; i++)
-                texel_mean(s, face, c, i, lower, values + ((size_t)y * rect.width + x + i) * n);
+            float *row = values + ((size_t)y * rect.width + x) * n;
+            if (!result && is_linear(s))
+                linear_row(s, face, c, width, lower, row);
+            for (uint32_t i = 0; i < width && !result && !is_linear(s); i++)
+                texel_mean(s, face, c, i, lower, row + (size_t)i * n);
         }
     }
     slvi_free(c);

@@ -29,6 +29,27 @@ static float length_of_cross(const float a[3], const float b[3]) {
     return sqrtf(sum);
 }
 
+static float dot(const float a[3], const float b[3]) {
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+}
+
+/* Half the trace of the shape operator, from how normals differ between the samples of a texel. */
+static float curvature_of(const points *work, uint32_t first, slv_res res) {
+    float du[3] = {0}, dv[3] = {0}, nu[3], nv[3];
+    const float(*n)[3] = (const float(*)[3])work->normals + first;
+    for (int c = 0; c < 3; c++) {
+        for (uint32_t k = 0; k < EACH; k++) {
+            du[c] += work->du[first + k][c] / EACH;
+            dv[c] += work->dv[first + k][c] / EACH;
+        }
+        nu[c] = (n[1][c] - n[0][c] + n[3][c] - n[2][c]) * (float)(1u << res.u);
+        nv[c] = (n[2][c] - n[0][c] + n[3][c] - n[1][c]) * (float)(1u << res.v);
+    }
+    float e = dot(du, du), f = dot(du, dv), g = dot(dv, dv), area = e * g - f * f;
+    float l = dot(nu, du), m = 0.5f * (dot(nu, dv) + dot(nv, du)), k = dot(nv, dv);
+    return area > 0 ? (e * k - 2 * f * m + g * l) / (2 * area) : 0;
+}
+
 static void mean_of(const surface_source *s, const points *work, uint32_t texel, uint32_t face,
                     slv_res res, float *out) {
     float sum[3] = {0};
@@ -48,6 +69,9 @@ static void mean_of(const surface_source *s, const points *work, uint32_t texel,
     }
     case SLV_BAKE_FACE_ID:
         out[0] = (float)face;
+        break;
+    case SLV_BAKE_CURVATURE:
+        out[0] = curvature_of(work, texel * EACH, res);
         break;
     case SLV_BAKE_DENSITY: {
         float area = 0;
@@ -96,7 +120,7 @@ slv_result slv_bake_from_surface(const slv_env *env, const slv_surface *surface,
     static const slvi_bake_fns fns = {evaluate, NULL, NULL, destroy, NULL};
     surface_source *s = NULL;
     *out = NULL;
-    if ((unsigned)kind > SLV_BAKE_DENSITY)
+    if ((unsigned)kind > SLV_BAKE_CURVATURE)
         return slvi_fail(env, SLV_ERROR_ARGUMENT, "bake: unknown kind of surface values %d",
                          (int)kind);
     slv_result result = slvi_alloc(env, "bake: surface", 1, sizeof *s, &s);

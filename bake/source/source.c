@@ -8,7 +8,7 @@
 
 static const char *const misses[] = {"hit",     "no-uv",       "no-tile", "no-hit",
                                      "too-far", "back-facing", "nan"};
-static const char *const surfaces[] = {"position", "normal", "face-id", "density"};
+static const char *const surfaces[] = {"position", "normal", "face-id", "density", "curvature"};
 static const char *const rays[] = {"ao", "bent-normal", "thickness"};
 static const char *const details[] = {"displacement", "object-normal", "face-normal"};
 static const char *const wraps[] = {"auto", "repeat", "clamp", "none"};

@@ -152,6 +152,129 @@ static void test_senseless(void) {
         }
 }
 
+enum { CUBE = 20 };
+
+/* A cube's sides in CUBE x CUBE quads, blown up to a ball; `inside` turns them round. */
+static slv_mesh *ball_mesh(float radius, bool inside) {
+    enum { VERTS = 6 * (CUBE + 1) * (CUBE + 1) };
+    static float positions[3 * VERTS];
+    static int32_t verts[4 * 6 * CUBE * CUBE], sizes[6 * CUBE * CUBE];
+    slv_env env = test_env();
+    slv_mesh *mesh = NULL;
+    uint32_t nverts = 0, npolys = 0;
+    for (int side = 0; side < 6; side++) {
+        int32_t ids[CUBE + 1][CUBE + 1];
+        for (int j = 0; j <= CUBE; j++)
+            for (int i = 0; i <= CUBE; i++) {
+                float p[3], a = (float)(2 * i) / CUBE - 1, b = (float)(2 * j) / CUBE - 1;
+                int axis = side % 3, sign = side < 3 ? 1 : -1;
+                p[axis] = (float)sign;
+                p[(axis + 1) % 3] = a * (float)sign;
+                p[(axis + 2) % 3] = b;
+                float length = sqrtf(p[0] * p[0] + p[1] * p[1] + p[2] * p[2]);
+                uint32_t at = 0;
+                for (int c = 0; c < 3; c++)
+                    p[c] *= radius / length;
+                while (at < nverts && !(fabsf(positions[3 * at] - p[0]) < 1e-4f &&
+                                        fabsf(positions[3 * at + 1] - p[1]) < 1e-4f &&
+                                        fabsf(positions[3 * at + 2] - p[2]) < 1e-4f))
+                    at++;
+                if (at == nverts)
+                    memcpy(positions + (size_t)3 * nverts++, p, sizeof p);
+                ids[j][i] = (int32_t)at;
+            }
+        for (int j = 0; j < CUBE; j++)
+            for (int i = 0; i < CUBE; i++) {
+                int32_t quad[4] = {ids[j][i], ids[j][i + 1], ids[j + 1][i + 1], ids[j + 1][i]};
+                for (int k = 0; k < 4; k++)
+                    verts[4 * npolys + (uint32_t)k] = quad[inside ? 3 - k : k];
+                sizes[npolys++] = 4;
+            }
+    }
+    const slv_mesh_view view = {.nverts = nverts,
+                                .positions = positions,
+                                .npolys = npolys,
+                                .poly_sizes = sizes,
+                                .poly_verts = verts};
+    REQUIRE(!slv_mesh_create(&env, &view, &mesh));
+    return mesh;
+}
+
+/* 1 / r on a ball, seen from outside, and less than nothing from inside. */
+static void test_curvature(void) {
+    slv_env env = test_env();
+    for (int inside = 0; inside < 2; inside++) {
+        slv_mesh *mesh = ball_mesh(4, inside);
+        slv_surface *surface = NULL;
+        slv_bake_source *source = NULL;
+        float values[16];
+        uint8_t misses[16];
+        double sum = 0, want = inside ? -0.25 : 0.25;
+        uint32_t off = 0, count = 0;
+        REQUIRE(!slv_surface_create(&env, mesh, NULL, &surface));
+        REQUIRE(!slv_bake_from_surface(&env, surface, SLV_BAKE_CURVATURE, &source));
+        for (uint32_t face = 0; face < slv_mesh_face_count(mesh); face++) {
+            REQUIRE(!slv_bake_evaluate(source, &env, face, (slv_res){2, 1}, (slv_rect){0, 0, 4, 2},
+                                       values, misses));
+            for (int i = 0; i < 8; i++, count++) {
+                sum += (double)values[i] / want;
+                off += fabs((double)values[i] / want - 1) > 0.02;
+            }
+        }
+        /* at the eight vertices of three faces the limit surface is no ball */
+        CHECK_MSG(fabs(sum / count - 1) < 0.01 && off * 5 < count,
+                  "inside %d: %g of 1/r, %u of %u off", inside, sum / count, off, count);
+        slv_bake_source_destroy(source);
+        slv_surface_destroy(surface);
+        slv_mesh_destroy(mesh);
+    }
+}
+
+/* A texel is the mean of the pattern at four places, whichever way it is found. */
+static void test_means(void) {
+    static const slv_procedural patterns[] = {
+        {.frequency = 3},
+        {.frequency = 3, .warp = 0.4f, .color0 = {1, 0.5f, 0, 1}, .face_tint = 0.3f},
+        {.pattern = SLV_PATTERN_NOISE, .frequency = 5},
+        {.pattern = SLV_PATTERN_CHECKER, .frequency = 7, .offset = {0.1f, 0.2f, 0.3f}},
+        {.frequency = 2, .color0 = {1, 0, 0, 0.25f}}};
+    static const char obj[] = "v -1 0 0\nv 2 0 0\nv 2 3 0\nv -1 3 0\nf 1 2 3 4\n";
+    const slv_surface_params flat = {.scheme = SLV_SCHEME_BILINEAR};
+    slv_env env = test_env();
+    slv_mesh *mesh = NULL;
+    slv_surface *surface = NULL;
+    REQUIRE(!slv_mesh_parse_obj(&env, "quad", obj, sizeof obj - 1, &mesh));
+    REQUIRE(!slv_surface_create(&env, mesh, &flat, &surface));
+    for (size_t k = 0; k < sizeof patterns / sizeof *patterns; k++) {
+        slv_bake_source *source = NULL;
+        float values[16 * 8 * 4];
+        uint8_t misses[16 * 8];
+        REQUIRE(!slv_bake_from_pattern(&env, surface, &patterns[k], &source));
+        uint32_t n = slv_bake_source_get_desc(source)->nchannels;
+        REQUIRE(!slv_bake_evaluate(source, &env, 0, (slv_res){4, 3}, (slv_rect){0, 0, 16, 8},
+                                   values, misses));
+        for (uint32_t i = 0; i < 16 * 8; i++) {
+            double sum[4] = {0};
+            for (int s = 0; s < 4; s++) {
+                float rgba[4], u = ((float)(i % 16) + 0.25f + 0.5f * (float)(s & 1)) / 16,
+                               v = ((float)(i / 16) + 0.25f + 0.5f * (float)(s >> 1)) / 8;
+                slv_procedural_evaluate(&patterns[k], 0, (const float[3]){-1 + 3 * u, 3 * v, 0},
+                                        rgba);
+                for (uint32_t c = 0; c < 4; c++)
+                    sum[c] += (double)(rgba[c] * (c < 3 && n == 4 ? rgba[3] : 1)) / 4;
+            }
+            for (uint32_t c = 0; c < n; c++) {
+                double want = c < 3 && n == 4 ? sum[c] / sum[3] : sum[c];
+                CHECK_MSG(fabs((double)values[i * n + c] - want) < 1e-4, "pattern %zu: %g, not %g",
+                          k, (double)values[i * n + c], want);
+            }
+        }
+        slv_bake_source_destroy(source);
+    }
+    slv_surface_destroy(surface);
+    slv_mesh_destroy(mesh);
+}
+
 int main(void) {
     test_stripes();
     test_checker_and_position();
@@ -159,5 +282,7 @@ int main(void) {
     test_noise();
     test_golden();
     test_senseless();
+    test_curvature();
+    test_means();
     return test_end();
 }

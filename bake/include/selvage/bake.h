@@ -151,10 +151,12 @@ typedef enum slv_bake_surface_kind {
     SLV_BAKE_POSITION = 0, /* x, y, z in mesh units, relative to the mesh's origin */
     SLV_BAKE_NORMAL,       /* the unit normal, -1 to 1, along the axes of the mesh */
     SLV_BAKE_FACE_ID,      /* the number of the face: exact up to 2^24 */
-    SLV_BAKE_DENSITY       /* texels per unit of length: the root of those per unit of area */
+    SLV_BAKE_DENSITY,      /* texels per unit of length: the root of those per unit of area */
+    SLV_BAKE_CURVATURE /* the mean curvature, 1 / mesh unit: 1 / r of a ball, negative in hollows */
 } slv_bake_surface_kind;
 SLV_API const char *slv_bake_surface_kind_name(slv_bake_surface_kind kind); /* position, normal,
-                                                                               face-id, density */
+                                                                               face-id, density,
+                                                                               curvature */
 
 /* Float, normals half; data. Keeps `surface`, which must outlive the source. */
 SLV_NODISCARD SLV_API slv_result slv_bake_from_surface(const slv_env *env,
