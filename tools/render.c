@@ -1,4 +1,4 @@
-/* The verb render: one picture. */
+/* The verb render: pictures. */
 #include "command/ids.h"
 #include "command/output.h"
 #include "command/salvage.h"
@@ -80,110 +80,130 @@ static slv_frame frame_of(const struct render *r, const scene_shot *shot) {
     return frame;
 }
 
-/* The image, or images, of a mesh with texture coordinates. */
-static int draw_images(const slv_env *env, const struct render *r, const scene_shot *shot,
-                       const char *path) {
-    const slv_frame frame = frame_of(r, shot);
-    const bool data = slv_bake_source_get_desc(shot->scene.uv)->encoding == SLV_TEXTURE_DATA;
-    const slv_image_params file = {.bits = r->bits,
-                                   .encoding = r->raw || data ? SLV_ENCODE_RAW : SLV_ENCODE_SRGB};
-    slv_gl *gl = NULL;
-    slv_gl_images *images = NULL;
-    slv_gl_renderer *renderer = NULL;
-    slv_image image = {0};
-    int code = EXIT_FAILED;
-    if (slv_gl_create(env, (slv_gl_backend)r->context, &gl) ||
-        slv_gl_images_create(gl, env, &shot->scene.images, r->aniso, &images) ||
-        slv_gl_renderer_create_with(gl, env, shot->scene.mesh, shot->scene.surface,
-                                    &shot->tessellation, &renderer) ||
-        slv_gl_renderer_draw_images(renderer, env, images, &frame, &image, NULL) ||
-        output_image(env, path, &image, file, r->scene.progress, r->quiet))
-        goto done;
-    if (is_empty(&image, frame.background))
-        scene_warn_of_nothing(path);
-    if (!r->quiet)
-        printf("%s: %u x %u, %u image(s) by texture coordinates, %ux MSAA, %ux anisotropy, %.1f MB "
-               "on the GPU, %s\n",
-               path, frame.width, frame.height, shot->scene.images.ntiles,
-               frame.msaa ? frame.msaa : 1, r->aniso, (double)slv_gl_images_bytes(images) / 1e6,
-               slv_gl_get_info(gl)->renderer);
-    code = EXIT_OK;
-done:
-    slv_image_free(&image);
-    slv_gl_renderer_destroy(renderer);
-    slv_gl_images_destroy(images);
-    slv_gl_destroy(gl);
-    return code;
-}
-
-static int draw(const cli_command *command, const struct render *r, const char *path) {
-    slv_env env = cli_env(r->scene.threads);
-    const slv_strategy *strategy = slv_strategy_at((uint32_t)r->strategy);
+/* What draws pictures, one after the other. */
+struct drawing {
+    const struct render *render;
     scene_shot shot;
-    slv_gl *gl = NULL;
-    slv_gl_texture *texture = NULL;
-    slv_gl_renderer *renderer = NULL;
-    slv_image image = {0};
+    slv_gl *gl;
+    slv_gl_texture *texture; /* or */
+    slv_gl_images *images;
+    slv_gl_renderer *renderer;
+    slv_image_params file;
+};
+
+static slv_result begin(const slv_env *env, struct drawing *d) {
+    const struct render *r = d->render;
+    const slv_strategy *strategy = slv_strategy_at((uint32_t)r->strategy);
+    const scene_data *scene = &d->shot.scene;
     slv_gl_texture_params upload = {.strategies = &strategy,
                                     .nstrategies = 1,
                                     .anisotropy = r->aniso,
                                     .compression = r->compress ? SLV_GL_COMPRESSION_BLOCKS
                                                                : SLV_GL_COMPRESSION_NONE,
-                                    .encoding = (slv_texture_encoding)r->scene.encoding};
-    slv_image_params file = {.bits = r->bits};
-    const char *const inputs[] = {r->ptx, r->scene.mesh, r->scene.view, r->scene.displace.texture,
-                                  r->scene.uv};
-    if (output_check(&env, path, inputs, 5))
-        return EXIT_FAILED;
-    int code = scene_load_shot(command, &env, r->ptx, &r->scene, &shot);
-    if (code)
-        goto done;
-    if (r->pass || shot.scene.uv) {
-        code = r->pass ? draw_ids(&env, r, &shot, path) : draw_images(&env, r, &shot, path);
-        goto done;
-    }
-    code = EXIT_FAILED;
-    upload.border_u = shot.scene.border_u;
-    upload.border_v = shot.scene.border_v;
+                                    .encoding = (slv_texture_encoding)r->scene.encoding,
+                                    .border_u = scene->border_u,
+                                    .border_v = scene->border_v};
     if (r->raw && !upload.encoding)
         upload.encoding = SLV_TEXTURE_DATA;
-    if (r->raw || slv_texture_get_encoding(shot.scene.texture, upload.encoding) == SLV_TEXTURE_DATA)
-        file.encoding = SLV_ENCODE_RAW;
-    const slv_frame frame = frame_of(r, &shot);
-    if (slv_gl_create(&env, (slv_gl_backend)r->context, &gl) ||
-        slv_gl_texture_create(gl, &env, shot.scene.texture, shot.scene.adjacency, &upload,
-                              &texture) ||
-        slv_gl_renderer_create_with(gl, &env, shot.scene.mesh, shot.scene.surface,
-                                    &shot.tessellation, &renderer) ||
-        slv_gl_renderer_draw(renderer, &env, texture, &frame, &image, NULL) ||
-        output_image(&env, path, &image, file, r->scene.progress, r->quiet))
-        goto done;
-    if (is_empty(&image, frame.background))
-        scene_warn_of_nothing(path);
-    if (!r->quiet) {
-        slv_gl_texture_stats stats = slv_gl_texture_get_stats(texture, frame.strategy);
-        printf("%s: %u x %u, %s, %ux MSAA, %ux anisotropy, %" PRIu64
-               " triangles, %.1f MB on the GPU, %s\n",
-               path, frame.width, frame.height, frame.strategy->name, frame.msaa ? frame.msaa : 1,
-               r->aniso, slv_gl_renderer_triangles(renderer), (double)stats.gpu_bytes / 1e6,
-               slv_gl_get_info(gl)->renderer);
-        if (r->compress)
-            printf("compressed: texels are off by %.4f RMS, %.3f at most\n", stats.block_rms,
-                   stats.block_max);
+    const slv_texture_encoding encoding =
+        scene->uv ? slv_bake_source_get_desc(scene->uv)->encoding
+                  : slv_texture_get_encoding(scene->texture, upload.encoding);
+    d->file.encoding = r->raw || encoding == SLV_TEXTURE_DATA ? SLV_ENCODE_RAW : SLV_ENCODE_SRGB;
+    slv_result result = slv_gl_create(env, (slv_gl_backend)r->context, &d->gl);
+    if (result)
+        return result;
+    return scene->uv ? slv_gl_images_create(d->gl, env, &scene->images, r->aniso, &d->images)
+                     : slv_gl_texture_create(d->gl, env, scene->texture, scene->adjacency, &upload,
+                                             &d->texture);
+}
+
+static void tell(const struct drawing *d, const slv_frame *frame, const char *path) {
+    const char *renderer = slv_gl_get_info(d->gl)->renderer;
+    const uint32_t msaa = frame->msaa ? frame->msaa : 1, aniso = d->render->aniso;
+    if (d->images) {
+        printf("%s: %u x %u, %u image(s) by texture coordinates, %ux MSAA, %ux anisotropy, %.1f MB "
+               "on the GPU, %s\n",
+               path, frame->width, frame->height, d->shot.scene.images.ntiles, msaa, aniso,
+               (double)slv_gl_images_bytes(d->images) / 1e6, renderer);
+        return;
     }
-    code = shot.scene.salvaged ? EXIT_FAILED : EXIT_OK;
-done:
+    slv_gl_texture_stats stats = slv_gl_texture_get_stats(d->texture, frame->strategy);
+    printf("%s: %u x %u, %s, %ux MSAA, %ux anisotropy, %" PRIu64
+           " triangles, %.1f MB on the GPU, %s\n",
+           path, frame->width, frame->height, frame->strategy->name, msaa, aniso,
+           slv_gl_renderer_triangles(d->renderer), (double)stats.gpu_bytes / 1e6, renderer);
+    if (d->render->compress)
+        printf("compressed: texels are off by %.4f RMS, %.3f at most\n", stats.block_rms,
+               stats.block_max);
+}
+
+/* One picture of the surface and the camera as they are now. */
+static slv_result draw_picture(const slv_env *env, struct drawing *d, const char *path) {
+    const struct render *r = d->render;
+    const scene_shot *shot = &d->shot;
+    const slv_frame frame = frame_of(r, shot);
+    slv_image image = {0};
+    slv_result result =
+        d->renderer ? slv_gl_renderer_tessellate(d->renderer, env, shot->scene.mesh,
+                                                 shot->scene.surface, &shot->tessellation)
+                    : slv_gl_renderer_create_with(d->gl, env, shot->scene.mesh, shot->scene.surface,
+                                                  &shot->tessellation, &d->renderer);
+    if (result)
+        return result;
+    result = d->images
+                 ? slv_gl_renderer_draw_images(d->renderer, env, d->images, &frame, &image, NULL)
+                 : slv_gl_renderer_draw(d->renderer, env, d->texture, &frame, &image, NULL);
+    if (!result &&
+        !(result = output_image(env, path, &image, d->file, r->scene.progress, r->quiet))) {
+        if (is_empty(&image, frame.background))
+            scene_warn_of_nothing(path);
+        if (!r->quiet)
+            tell(d, &frame, path);
+    }
     slv_image_free(&image);
-    slv_gl_renderer_destroy(renderer);
-    slv_gl_texture_destroy(texture);
-    slv_gl_destroy(gl);
-    scene_free(&shot.scene);
+    return result;
+}
+
+static int draw(const cli_command *command, const struct render *r, const char *path) {
+    slv_env env = cli_env(r->scene.threads);
+    struct drawing d = {.render = r, .file = {.bits = r->bits}};
+    const char *const inputs[] = {r->ptx, r->scene.mesh, r->scene.view, r->scene.displace.texture,
+                                  r->scene.uv};
+    const frames_list *frames = &d.shot.scene.frames;
+    const bool known = !r->scene.frames && !r->scene.turntable;
+    char name[FRAMES_PATH];
+    if (known && output_check(&env, path, inputs, 5))
+        return EXIT_FAILED;
+    int code = scene_load_shot(command, &env, r->ptx, &r->scene, &d.shot);
+    for (uint32_t i = 0; i < frames->count && !code; i++)
+        code = scene_frame_name(&env, frames, i, path, name) || output_check(&env, name, inputs, 5)
+                   ? EXIT_FAILED
+                   : EXIT_OK;
+    if (code)
+        goto done;
+    code = EXIT_FAILED;
+    if (!r->pass && begin(&env, &d))
+        goto done;
+    for (uint32_t i = 0; i < frames->count || (i == 0 && !frames->count); i++) {
+        if (scene_frame_name(&env, frames, i, path, name) || scene_frame_set(&env, i, &d.shot) ||
+            (r->pass ? draw_ids(&env, r, &d.shot, name) != EXIT_OK
+                     : draw_picture(&env, &d, name) != SLV_OK))
+            goto done;
+    }
+    code = d.shot.scene.salvaged && !r->pass ? EXIT_FAILED : EXIT_OK;
+done:
+    slv_gl_renderer_destroy(d.renderer);
+    slv_gl_texture_destroy(d.texture);
+    slv_gl_images_destroy(d.images);
+    slv_gl_destroy(d.gl);
+    scene_free(&d.shot.scene);
     return code;
 }
 
 int verb_render(int argc, char **argv) {
-    enum { OWN = 16 };
+    enum { OWN = 18 };
     struct render r = {.scene = scene_options_default(), .msaa = 4, .aniso = 1};
+    r.scene.numbered = true;
     char strategies[SCENE_STRATEGIES_SIZE], how[80];
     uint32_t narguments = 0;
     snprintf(how, sizeof how, "how a lookup crosses a seam (%s)", slv_strategy_default()->name);
@@ -210,6 +230,8 @@ int verb_render(int argc, char **argv) {
         SCENE_ENVIRONMENT(&r.scene.environment),
         SCENE_UV(&r.scene.uv),
         SCENE_ROUND(&r.scene.round),
+        SCENE_FRAMES(&r.scene.frames),
+        SCENE_TURNTABLE(&r.scene.turntable),
         CLI_SALVAGE(&r.scene.salvage),
         CLI_QUIET(&r.quiet, "print nothing on success"),
     };

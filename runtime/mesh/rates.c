@@ -1,6 +1,7 @@
 /* Segments by what is seen of each face: its points are tried against the straight pieces between
  * fewer of them, in pixels of the picture. */
 #include "mesh/rates.h"
+#include "mesh/surface/surface_positions.h"
 
 #include "base/memory.h"
 #include "base/parallel.h"
@@ -17,8 +18,7 @@ enum {
 
 typedef struct rates {
     const slvi_grid_job *job;
-    const float *corners; /* 12 a face */
-    const float *m;       /* world to camera */
+    const float *m; /* world to camera */
     bool perspective;
     float window[4], per_unit[2]; /* pixels of a length 1 at distance 1, or anywhere */
     float nearest;
@@ -212,9 +212,11 @@ static uint32_t least(uint32_t a, uint32_t b) {
 static slv_result choose(const rates *r, uint32_t face, trial_room *room, uint16_t *out) {
     const slvi_grid_job *job = r->job;
     const slv_displacement *d = job->displacement;
-    float length = length_in_pixels(r, r->corners + 12 * (size_t)face);
+    float corners[12], length;
     trial t;
     slv_result result = SLV_OK;
+    slvi_surface_corners(job->surface, (int32_t)face, corners);
+    length = length_in_pixels(r, corners);
     job->spacing[face] = 1 / length;
     *out = 1;
     if (d) {
@@ -271,34 +273,21 @@ static void fit(const slvi_grid_job *job) {
         }
 }
 
-slv_result slvi_choose_rates(const slv_env *env, const slv_mesh *mesh, slvi_grid_job *job,
+slv_result slvi_choose_rates(const slv_env *env, slvi_grid_job *job,
                              const slv_tessellation_params *params) {
     const slv_camera *camera = params->camera;
-    const slv_mesh_view *view = slv_mesh_get_view(mesh);
-    float *corners = NULL, low[3], high[3], farthest;
+    float low[3], high[3], farthest;
     rates r = {.job = job,
                .m = camera->world_to_camera,
                .perspective = camera->perspective,
                .pixels = params->pixels > 0 ? params->pixels : SLV_TESSELLATION_PIXELS,
                .turn = SLV_TESSELLATION_TURN};
-    slv_result result = slv_mesh_corners(env, mesh, NULL, &corners);
-    if (result)
-        return result;
-    for (size_t k = 0; k < 3; k++) {
-        low[k] = INFINITY;
-        high[k] = -INFINITY;
-        for (size_t v = 0; v < view->nverts; v++) {
-            low[k] = fminf(low[k], view->positions[3 * v + k]);
-            high[k] = fmaxf(high[k], view->positions[3 * v + k]);
-        }
-    }
-    r.corners = corners;
+    slvi_surface_bounds(job->surface, low, high);
     memcpy(r.window, camera->window, sizeof r.window);
     r.per_unit[0] = (float)params->width / (r.window[1] - r.window[0]);
     r.per_unit[1] = (float)params->height / (r.window[3] - r.window[2]);
     slv_camera_depths(camera, low, high, &r.nearest, &farthest);
-    result = slvi_parallel_for(env, job->out->nfaces, GRAIN, choose_faces, &r);
-    slv_free(corners);
+    slv_result result = slvi_parallel_for(env, job->out->nfaces, GRAIN, choose_faces, &r);
     if (!result)
         fit(job);
     return result;

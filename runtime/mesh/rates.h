@@ -6,7 +6,7 @@
 
 /* Writes the segments of every face that has any, and into job->spacing (which has room) how fine
  * its displacement is looked up: a pixel. `params` has been checked. */
-slv_result slvi_choose_rates(const slv_env *env, const slv_mesh *mesh, slvi_grid_job *job,
+slv_result slvi_choose_rates(const slv_env *env, slvi_grid_job *job,
                              const slv_tessellation_params *params);
 
 #endif

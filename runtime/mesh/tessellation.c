@@ -221,7 +221,7 @@ static slv_result divide(const slv_env *env, const slv_mesh *mesh, slvi_grid_job
     if ((result =
              slvi_alloc(env, "tessellation", made->nfaces, sizeof *job->spacing, &job->spacing)))
         return result;
-    return slvi_choose_rates(env, mesh, job, params);
+    return slvi_choose_rates(env, job, params);
 }
 
 /* Gives each face its place among the vertices. */

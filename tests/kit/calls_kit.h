@@ -80,7 +80,7 @@ static slv_result call_adjacency(const slv_env *env) {
 }
 
 static slv_result surface_of(const slv_env *env, slv_scheme scheme) {
-    const slv_surface_params params = {.scheme = scheme};
+    const slv_surface_params params = {.scheme = scheme, .moves = true};
     const slv_surface_point points[2] = {{0, 0.3f, 0.2f}, {4, 0.5f, 0.5f}};
     float positions[3 * 9], normals[3 * 9];
     slv_surface_arrays arrays = {.positions = positions, .normals = normals};
@@ -90,7 +90,9 @@ static slv_result surface_of(const slv_env *env, slv_scheme scheme) {
     slv_result result = slv_surface_create(env, calls.mesh, &params, &surface);
     if (!result && !(result = slv_surface_evaluate(surface, 2, points, &arrays)) &&
         !(result = slv_surface_evaluate_grid(surface, 1, 2, 2, &arrays)) &&
-        !(result = slv_surface_osd_adjacency(surface, faces)))
+        !(result = slv_surface_osd_adjacency(surface, faces)) &&
+        !(result = slv_surface_move(surface, slv_mesh_get_view(calls.mesh)->nverts,
+                                    slv_mesh_get_view(calls.mesh)->positions)))
         result = slv_tessellate(env, calls.mesh, surface, calls.adjacency, 4, &tessellation);
     slv_tessellation_free(&tessellation);
     slv_surface_destroy(surface);

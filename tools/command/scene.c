@@ -102,7 +102,8 @@ static slv_result find_focus(const slv_env *env, const scene_params *params, sce
 
 slv_result scene_load_images(const slv_env *env, const scene_params *params, const slv_bake_uv *uv,
                              const char *image, scene_data *out) {
-    const slv_surface_params surface = {.scheme = params->scheme, .boundary = params->boundary};
+    const slv_surface_params surface = {
+        .scheme = params->scheme, .boundary = params->boundary, .moves = params->moves};
     slv_result result;
     memset(out, 0, sizeof *out);
     if (!(result = slv_mesh_load(env, cli_input(params->mesh), &out->mesh)) &&
@@ -171,7 +172,8 @@ slv_result scene_load_model(const slv_env *env, const scene_params *params, slv_
         result = slv_ptx_match_mesh(env, *ptx, out->mesh); /* for its message */
         goto done;
     }
-    slv_surface_params surface = {.scheme = params->scheme, .boundary = params->boundary};
+    slv_surface_params surface = {
+        .scheme = params->scheme, .boundary = params->boundary, .moves = params->moves};
     if (triangles && !params->scheme_given)
         surface.scheme = SLV_SCHEME_LOOP;
     if (out->environment)
@@ -261,6 +263,7 @@ void scene_free(scene_data *scene) {
     slv_texture_destroy(scene->texture);
     slv_bake_source_destroy(scene->uv);
     displace_close(&scene->displace);
+    frames_free(&scene->frames);
     slv_texture_destroy(scene->triangles);
     memset(scene, 0, sizeof *scene);
 }

@@ -4,6 +4,7 @@
 #define SELVAGE_TOOLS_SCENE_H
 
 #include "command/displace.h"
+#include "command/frames.h"
 
 #include <selvage/bake.h>
 
@@ -12,6 +13,8 @@ typedef struct scene_view {
     slv_camera camera;
     double world_to_camera[16]; /* the same before it is rounded to floats */
     bool has_camera, has_size, has_shading;
+    uint32_t ncameras; /* of a list, the first of which is `camera`; scene_view_free releases it */
+    struct scene_view *cameras;
     bool whole_window; /* of which the file says nothing: as much as the picture's proportions take
                           around -1 to 1 */
     bool has_fov;      /* for an orbit: how it is projected */
@@ -27,6 +30,7 @@ typedef struct scene_view {
 
 /* Reads a view file (JSON), see docs/view-files.md. */
 slv_result scene_load_view(const slv_env *env, const char *path, scene_view *out);
+void scene_view_free(scene_view *view);
 /* The view's camera for a mesh, whose positions are relative to its origin. */
 slv_camera scene_view_camera(const scene_view *view, const slv_mesh *mesh);
 /* Makes a window wider or higher to have the proportions width / height = aspect. */
@@ -41,6 +45,7 @@ typedef struct scene_params {
     int adjacency;     /* 0 they must agree, 1 the file's, 2 the mesh's */
     const char *focus; /* NULL, or the group of the mesh that the camera frames */
     bool salvage;      /* faces that cannot be read are filled */
+    bool moves;        /* the surface will be moved */
     slv_alpha_mode alpha;
     bool premultiplied; /* colours are stored multiplied by alpha */
     bool environment;   /* six faces are a sphere, whatever geometry there is */
@@ -61,6 +66,7 @@ typedef struct scene {
     displace_open displace;
     bool environment; /* the mesh is a cube, to be moved onto a sphere */
     slv_displacement sphere;
+    frames_list frames;  /* of verbs that write several pictures */
     slv_bake_source *uv; /* NULL, or what is shown in place of a texture: */
     slv_uv_images images;
 } scene_data;
@@ -93,8 +99,11 @@ typedef struct scene_options {
     bool premultiplied; /* colours are stored multiplied by alpha */
     bool raw;           /* numbers are not light */
     bool environment;
-    int round;      /* 1 u goes round, 2 v, 3 both */
-    const char *uv; /* an image for the mesh that the verb's argument is then */
+    int round;          /* 1 u goes round, 2 v, 3 both */
+    const char *frames; /* meshes that move, for verbs that write several pictures */
+    uint32_t turntable; /* how many pictures around, or 0 */
+    bool numbered;      /* the verb writes as many as a view file has cameras */
+    const char *uv;     /* an image for the mesh that the verb's argument is then */
     int scheme, boundary, shading, adjacency, encoding; /* encoding: slv_texture_encoding */
     bool scheme_given, boundary_given, shading_given, size_given, orbit_given, fov_given, progress,
         salvage;
@@ -138,6 +147,19 @@ typedef struct scene_options {
             "there "                                                                               \
             "is no geometry)",                                                                     \
             NULL, 0, 0, NULL                                                                       \
+    }
+#define SCENE_FRAMES(value)                                                                        \
+    {                                                                                              \
+        "--frames", CLI_TEXT, value,                                                               \
+            "a picture of each of these, with the vertices of the mesh elsewhere; #### stands "    \
+            "for "                                                                                 \
+            "the number, in the picture's name too",                                               \
+            "MESH.####.obj", 0, 0, NULL                                                            \
+    }
+#define SCENE_TURNTABLE(value)                                                                     \
+    {                                                                                              \
+        "--turntable", CLI_UINT, value, "so many numbered pictures from all around", NULL, 1,      \
+            FRAMES_MOST, NULL                                                                      \
     }
 /* Rows that compare has too. */
 #define SCENE_VIEW(kind, value, help)                                                              \
@@ -208,6 +230,11 @@ typedef struct scene_shot {
  * too. */
 int scene_load_shot(const cli_command *command, const slv_env *env, const char *ptx,
                     const scene_options *options, scene_shot *out);
+/* The name of picture `index` of a list, or of the only one, which has `out` itself. */
+slv_result scene_frame_name(const slv_env *env, const frames_list *frames, uint32_t index,
+                            const char *out, char path[FRAMES_PATH]);
+/* Camera and surface of that picture. */
+slv_result scene_frame_set(const slv_env *env, uint32_t index, scene_shot *shot);
 /* One warning that a picture shows nothing but background. */
 void scene_warn_of_nothing(const char *path);
 

@@ -54,6 +54,8 @@ const char *scene_options_problem(const scene_options *o) {
     if (cli_both_standard(o->mesh, o->displace.texture) ||
         cli_both_standard(o->view, o->displace.texture))
         return "--displacement and another: both are the standard input, which is one";
+    if (o->frames && o->turntable)
+        return "--frames and --turntable: each says which pictures there are";
     if (o->round && !o->uv)
         return "--round is of texture coordinates: it takes --uv";
     if (o->environment && (o->mesh || o->uv))
@@ -159,6 +161,13 @@ static slv_result pick_all(const slv_env *env, const value_channel *list, uint32
     return result;
 }
 
+static slv_camera view_camera(const scene_view *view, const slv_mesh *mesh, float aspect) {
+    slv_camera camera = scene_view_camera(view, mesh);
+    if (view->whole_window)
+        scene_fit_window(camera.window, aspect);
+    return camera;
+}
+
 /* Options come first: of a file's camera nothing is left by an orbit. */
 static slv_camera camera_of(const scene_options *o, const scene_view *view, const scene_data *scene,
                             float aspect) {
@@ -167,10 +176,38 @@ static slv_camera camera_of(const scene_options *o, const scene_view *view, cons
         return slv_camera_orbit(scene->bounds_min, scene->bounds_max, o->azimuth, o->elevation,
                                 told ? view->fov : o->fov, aspect);
     }
-    slv_camera camera = scene_view_camera(view, scene->mesh);
-    if (view->whole_window)
-        scene_fit_window(camera.window, aspect);
-    return camera;
+    return view_camera(view, scene->mesh, aspect);
+}
+
+/* Which pictures there are to be. */
+static slv_result list_frames(const slv_env *env, const scene_options *o, const scene_view *view,
+                              const slv_camera *camera, float aspect, scene_data *scene) {
+    frames_list *frames = &scene->frames;
+    const float *low = scene->bounds_min, *high = scene->bounds_max;
+    if (o->turntable)
+        return frames_turntable(env, camera, low, high, o->turntable, frames);
+    if (o->frames)
+        return frames_find(env, o->frames, frames);
+    if (view->ncameras && !o->numbered)
+        cli_warning("%s: of its %u cameras the first is used", o->view, view->ncameras);
+    if (!view->ncameras || !o->numbered || o->orbit_given || o->fov_given)
+        return SLV_OK;
+    slv_result result = frames_turntable(env, camera, low, high, view->ncameras, frames);
+    for (uint32_t i = 0; i < view->ncameras && !result; i++)
+        frames->cameras[i] = view_camera(&view->cameras[i], scene->mesh, aspect);
+    return result;
+}
+
+/* How the picture looks, but for its camera. */
+static void set_look(const scene_options *o, const scene_view *view, const uint32_t size[2],
+                     scene_shot *out) {
+    out->width = size[0];
+    out->height = size[1];
+    out->shading = o->shading_given ? (slv_shading)o->shading : view->shading;
+    out->ka = view->ka;
+    out->kd = view->kd;
+    for (int c = 0; c < 4; c++)
+        out->background[c] = c < 3 ? o->background[c] * o->background[3] : o->background[3];
 }
 
 int scene_load_shot(const cli_command *command, const slv_env *env, const char *ptx,
@@ -185,19 +222,14 @@ int scene_load_shot(const cli_command *command, const slv_env *env, const char *
                            .focus = o->focus,
                            .salvage = o->salvage,
                            .environment = o->environment,
+                           .moves = o->frames != NULL,
                            .scheme_given = o->scheme_given || view.has_scheme,
                            .encoding = (slv_texture_encoding)o->encoding,
                            .scheme = o->scheme_given ? (slv_scheme)o->scheme : view.scheme,
                            .boundary =
                                o->boundary_given ? (slv_boundary)o->boundary : view.boundary};
     const uint32_t *size = o->size_given || !view.has_size ? o->size : view.size;
-    out->width = size[0];
-    out->height = size[1];
-    out->shading = o->shading_given ? (slv_shading)o->shading : view.shading;
-    out->ka = view.ka;
-    out->kd = view.kd;
-    for (int c = 0; c < 4; c++)
-        out->background[c] = c < 3 ? o->background[c] * o->background[3] : o->background[3];
+    set_look(o, &view, size, out);
     slv_ptx *file = NULL;
     slv_res *res = NULL;
     value_channel *channels = NULL;
@@ -207,12 +239,18 @@ int scene_load_shot(const cli_command *command, const slv_env *env, const char *
                             .round_v = o->round >> 1};
     params.mesh = o->uv ? ptx : o->mesh;
     if (o->uv ? scene_load_images(env, &params, &uv, o->uv, &out->scene)
-              : scene_load_model(env, &params, &file, &out->scene))
+              : scene_load_model(env, &params, &file, &out->scene)) {
+        scene_view_free(&view);
         return EXIT_FAILED;
-    out->camera = camera_of(o, &view, &out->scene, (float)size[0] / (float)size[1]);
+    }
+    const float aspect = (float)size[0] / (float)size[1];
+    out->camera = camera_of(o, &view, &out->scene, aspect);
     out->tessellation = (slv_tessellation_params){
         .segments = o->tess, .camera = &out->camera, .width = size[0], .height = size[1]};
-    int code = displace_begin(command, env, &o->displace, &view.displacement, ptx, out->scene.mesh,
+    int code =
+        list_frames(env, o, &view, &out->camera, aspect, &out->scene) ? EXIT_FAILED : EXIT_OK;
+    if (!code)
+        code = displace_begin(command, env, &o->displace, &view.displacement, ptx, out->scene.mesh,
                               &out->scene.displace);
     if (!code && out->scene.displace.moves && out->scene.environment)
         code = cli_error("%s: an environment is a sphere, and nothing displaces that", ptx);
@@ -225,16 +263,35 @@ int scene_load_shot(const cli_command *command, const slv_env *env, const char *
         code =
             choose_channels(command, o, slv_ptx_get_info(file), &channels, &nchannels, &out->scene);
     if (!code && !o->uv &&
-        (scene_choose_detail(env, file, out, &res) ||
+        /* from elsewhere other faces are near */
+        ((!out->scene.frames.cameras && scene_choose_detail(env, file, out, &res)) ||
          scene_load_texels(env, file, res, params.encoding, &out->scene) ||
          (channels && pick_all(env, channels, nchannels, &out->scene))))
         code = EXIT_FAILED;
     if (o->uv)
         out->scene.alpha = (slv_alpha_mode)o->alpha;
+    scene_view_free(&view);
     free(channels);
     free(res);
     slv_ptx_close(file);
     return code;
+}
+
+slv_result scene_frame_name(const slv_env *env, const frames_list *frames, uint32_t index,
+                            const char *out, char path[FRAMES_PATH]) {
+    bool fits = frames->count ? frames_name(out, frames->numbers[index], path)
+                              : snprintf(path, FRAMES_PATH, "%s", out) < FRAMES_PATH;
+    return fits ? SLV_OK
+                : output_fail(env, SLV_ERROR_ARGUMENT, "the name of the pictures is too long");
+}
+
+slv_result scene_frame_set(const slv_env *env, uint32_t index, scene_shot *shot) {
+    const frames_list *frames = &shot->scene.frames;
+    if (frames->cameras)
+        shot->camera = frames->cameras[index];
+    return frames->meshes
+               ? frames_move(env, frames->meshes[index], shot->scene.mesh, shot->scene.surface)
+               : SLV_OK;
 }
 
 void scene_warn_of_nothing(const char *path) {

@@ -7,7 +7,9 @@
 #include <float.h>
 #include <math.h>
 #include <stdarg.h>
+#include <stdint.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
 enum { MAX_BYTES = 64 << 20 };
@@ -118,6 +120,52 @@ static slv_result read_camera(const slv_env *env, const char *path, const json_t
                         "world_to_camera cannot be inverted, or its last row is not 0 0 0 1");
     out->has_camera = true;
     return SLV_OK;
+}
+
+/* Each camera has its own fields, and the file's for those that it leaves out. */
+static slv_result read_cameras(const slv_env *env, const char *path, const json_t *root,
+                               scene_view *out) {
+    const json_t *list = json_object_get(root, "cameras");
+    size_t count = json_array_size(list);
+    slv_result result = SLV_OK;
+    if (!list)
+        return read_camera(env, path, root, out);
+    if (!count || count > FRAMES_MOST)
+        return bad_view(env, path, "cameras is not a list of 1 to %d", FRAMES_MOST);
+    if (!(out->cameras = calloc(count, sizeof *out->cameras)))
+        return output_fail(env, SLV_ERROR_MEMORY, "%s: no memory for its cameras", path);
+    out->ncameras = (uint32_t)count;
+    for (size_t i = 0; i < count && !result; i++) {
+        json_t *camera = json_array_get(list, i), *merged = json_object();
+        if (!json_is_object(camera))
+            result = bad_view(env, path, "camera %zu is not an object", i + 1);
+        else if (!merged || json_object_update(merged, (json_t *)(uintptr_t)root) ||
+                 json_object_update(merged, camera))
+            result = output_fail(env, SLV_ERROR_MEMORY, "%s: no memory for its cameras", path);
+        else if (!json_object_get(merged, "world_to_camera"))
+            result = bad_view(env, path, "camera %zu has no world_to_camera", i + 1);
+        if (!result)
+            fields_warn(env, path, camera, "world_to_camera|projection|screen_window|fov");
+        if (!result)
+            result = read_camera(env, path, merged, &out->cameras[i]);
+        json_decref(merged);
+    }
+    if (result)
+        return result;
+    const scene_view *first = &out->cameras[0];
+    out->camera = first->camera;
+    memcpy(out->world_to_camera, first->world_to_camera, sizeof out->world_to_camera);
+    out->has_camera = true;
+    out->whole_window = first->whole_window;
+    out->has_fov = first->has_fov;
+    out->fov = first->fov;
+    return SLV_OK;
+}
+
+void scene_view_free(scene_view *view) {
+    free(view->cameras);
+    view->cameras = NULL;
+    view->ncameras = 0;
 }
 
 slv_camera scene_view_camera(const scene_view *view, const slv_mesh *mesh) {
@@ -282,16 +330,18 @@ slv_result scene_load_view(const slv_env *env, const char *path, scene_view *out
     if (json_is_object(root)) {
         fields_warn(env, path, root,
                     "size|world_to_camera|projection|screen_window|fov|shading|scheme|boundary|"
-                    "displacement");
+                    "displacement|cameras");
         fields_warn(env, path, json_object_get(root, "shading"), "model|ka|kd");
     }
     if (!json_is_object(root))
         result = bad_view(env, path, "not a JSON object");
     else if (!(result = read_size(env, path, root, out)) &&
-             !(result = read_camera(env, path, root, out)) &&
+             !(result = read_cameras(env, path, root, out)) &&
              !(result = read_shading(env, path, root, out)) &&
              !(result = read_displacement(env, path, root, &out->displacement)))
         result = read_surface(env, path, root, out);
     json_decref(root);
+    if (result)
+        scene_view_free(out);
     return result;
 }

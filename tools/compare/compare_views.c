@@ -7,6 +7,9 @@ slv_result compare_read_views(const slv_env *env, const cli_list *views, report_
     for (uint32_t i = 0; i < views->count; i++) {
         scene_view view;
         slv_result result = scene_load_view(env, cli_input(views->items[i]), &view);
+        if (!result && view.ncameras)
+            cli_warning("%s: of its %u cameras the first is used", views->items[i], view.ncameras);
+        scene_view_free(&view);
         if (result)
             return result;
         if (!view.has_camera)

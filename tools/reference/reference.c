@@ -93,59 +93,99 @@ static slv_result study(const struct reference *r, const slv_env *env,
                           convergence_write(env, slv_folder_path(folder), &o->convergence));
 }
 
-/* Returns an exit code. */
-static int make(const cli_command *command, const struct reference *r, const slv_env *env,
-                const char *path, struct outcome *o) {
+/* The surface and the camera as they are now, and what is asked of them. */
+static slv_result make_picture(const struct reference *r, const slv_env *env,
+                               const scene_shot *shot, const char *path, struct outcome *o) {
     const slv_image_params file = {.bits = r->bits ? r->bits : 32}, wide = {.bits = 32};
-    scene_shot shot;
     slv_reference *reference = NULL;
     slv_image image = {0}, error = {0};
-    int code = scene_load_shot(command, env, r->ptx, &r->scene, &shot);
-    if (code)
-        goto done;
-    code = EXIT_FAILED;
-    shot.tessellation.pixels = SLV_TESSELLATION_PIXELS / 4; /* what others are measured against */
-    const slv_reference_params params = {.tessellation = &shot.tessellation,
+    slv_result result;
+    const slv_reference_params params = {.tessellation = &shot->tessellation,
                                          .encoding = (slv_texture_encoding)r->scene.encoding,
-                                         .alpha = shot.scene.alpha,
-                                         .border_u = shot.scene.border_u,
-                                         .border_v = shot.scene.border_v,
-                                         .images = shot.scene.uv ? &shot.scene.images : NULL};
-    slv_reference_frame frame = {.camera = shot.camera,
-                                 .width = shot.width,
-                                 .height = shot.height,
-                                 .shading = shot.shading,
-                                 .ka = shot.ka,
-                                 .kd = shot.kd,
+                                         .alpha = shot->scene.alpha,
+                                         .border_u = shot->scene.border_u,
+                                         .border_v = shot->scene.border_v,
+                                         .images = shot->scene.uv ? &shot->scene.images : NULL};
+    slv_reference_frame frame = {.camera = shot->camera,
+                                 .width = shot->width,
+                                 .height = shot->height,
+                                 .shading = shot->shading,
+                                 .ka = shot->ka,
+                                 .kd = shot->kd,
                                  .filter = (slv_pixel_filter)r->filter,
                                  .samples = r->samples,
                                  .seed = r->seed};
-    memcpy(frame.background, shot.background, sizeof frame.background);
-    cli_catch_interrupts();
-    o->width = shot.width;
-    o->height = shot.height;
-    o->segments = shot.tessellation.segments;
+    memcpy(frame.background, shot->background, sizeof frame.background);
+    o->width = shot->width;
+    o->height = shot->height;
+    o->segments = shot->tessellation.segments;
     const bool forced = r->scene.progress, quiet = r->quiet || r->json;
-    if (slv_reference_create(env, shot.scene.mesh, shot.scene.surface, shot.scene.texture,
-                             shot.scene.adjacency, &params, &reference) ||
-        render(r, env, reference, &frame, &image, &error, &o->stats, &o->seconds) ||
-        output_image(env, path, &image, file, forced, quiet) ||
-        (r->error && output_image(env, r->error, &error, wide, forced, quiet)) ||
-        (r->convergence && study(r, env, reference, &frame, &image, o)))
+    if ((result =
+             slv_reference_create(env, shot->scene.mesh, shot->scene.surface, shot->scene.texture,
+                                  shot->scene.adjacency, &params, &reference)) ||
+        (result = render(r, env, reference, &frame, &image, &error, &o->stats, &o->seconds)) ||
+        (result = output_image(env, path, &image, file, forced, quiet)) ||
+        (r->error && (result = output_image(env, r->error, &error, wide, forced, quiet))) ||
+        (r->convergence && (result = study(r, env, reference, &frame, &image, o))))
         goto done;
     if (!o->stats.ncovered)
         scene_warn_of_nothing(path);
-    code = EXIT_OK;
 done:
     slv_image_free(&image);
     slv_image_free(&error);
     slv_reference_destroy(reference);
-    scene_free(&shot.scene);
-    return code;
+    return result;
 }
 
 static double speed(const struct outcome *o) {
     return o->seconds > 0 ? (double)o->stats.samples / 1e6 / o->seconds : NAN;
+}
+
+static void print_outcome(const struct reference *r, const char *path, const struct outcome *o) {
+    const convergence *c = &o->convergence;
+    char segments[32] = "";
+    if (o->segments)
+        snprintf(segments, sizeof segments, " %u segments,", o->segments);
+    printf("%s: %u x %u, %u samples per pixel, %s filter,%s %.1f s, %.1f million "
+           "samples a second\n",
+           path, o->width, o->height, r->samples, r->filter == SLV_PIXEL_BOX ? "box" : "mitchell",
+           segments, o->seconds, speed(o));
+    if (!isnan(o->stats.error))
+        printf("its own error, estimated: %.2e RMS, %.2e in the worst pixel\n", o->stats.error,
+               o->stats.worst);
+    if (!c->count)
+        return;
+    printf("%10s %10s %14s %14s\n", "samples", "seconds", "estimated RMS", "measured RMS");
+    for (uint32_t i = 0; i < c->count; i++)
+        printf("%10u %10.2f %14.3e %14.3e\n", c->rows[i].samples, c->rows[i].seconds,
+               c->rows[i].estimate, c->rows[i].measured);
+    printf("the estimated error falls as 1/N^%.2f\n", convergence_order(c));
+}
+
+/* Returns an exit code. */
+static int make(const cli_command *command, const struct reference *r, const slv_env *env,
+                const char *const inputs[5], const char *path, struct outcome *o) {
+    scene_shot shot;
+    char name[FRAMES_PATH];
+    const frames_list *frames = &shot.scene.frames;
+    int code = scene_load_shot(command, env, r->ptx, &r->scene, &shot);
+    if (!code && frames->count && (r->error || r->convergence || r->json))
+        code = cli_usage(command, "--error, --convergence and --json are of one picture");
+    for (uint32_t i = 0; i < frames->count && !code; i++)
+        code = scene_frame_name(env, frames, i, path, name) || output_check(env, name, inputs, 5)
+                   ? EXIT_FAILED
+                   : EXIT_OK;
+    shot.tessellation.pixels = SLV_TESSELLATION_PIXELS / 4; /* what others are measured against */
+    cli_catch_interrupts();
+    for (uint32_t i = 0; !code && (i < frames->count || (i == 0 && !frames->count)); i++) {
+        if (scene_frame_name(env, frames, i, path, name) || scene_frame_set(env, i, &shot) ||
+            make_picture(r, env, &shot, name, o))
+            code = EXIT_FAILED;
+        else if (!r->json && !r->quiet)
+            print_outcome(r, name, o);
+    }
+    scene_free(&shot.scene);
+    return code;
 }
 
 static json_t *convergence_json(const convergence *c) {
@@ -179,51 +219,28 @@ static json_t *outcome_json(const struct reference *r, const char *path, const s
                                           : json_null());
 }
 
-static void print_outcome(const struct reference *r, const char *path, const struct outcome *o) {
-    const convergence *c = &o->convergence;
-    char segments[32] = "";
-    if (o->segments)
-        snprintf(segments, sizeof segments, " %u segments,", o->segments);
-    printf("%s: %u x %u, %u samples per pixel, %s filter,%s %.1f s, %.1f million "
-           "samples a second\n",
-           path, o->width, o->height, r->samples, r->filter == SLV_PIXEL_BOX ? "box" : "mitchell",
-           segments, o->seconds, speed(o));
-    if (!isnan(o->stats.error))
-        printf("its own error, estimated: %.2e RMS, %.2e in the worst pixel\n", o->stats.error,
-               o->stats.worst);
-    if (!c->count)
-        return;
-    printf("%10s %10s %14s %14s\n", "samples", "seconds", "estimated RMS", "measured RMS");
-    for (uint32_t i = 0; i < c->count; i++)
-        printf("%10u %10.2f %14.3e %14.3e\n", c->rows[i].samples, c->rows[i].seconds,
-               c->rows[i].estimate, c->rows[i].measured);
-    printf("the estimated error falls as 1/N^%.2f\n", convergence_order(c));
-}
-
 static int run(const cli_command *command, const struct reference *r, const char *path) {
     struct outcome outcome = {.seconds = 0};
     slv_env env = cli_env(r->scene.threads);
     const char *const inputs[] = {r->ptx, r->scene.mesh, r->scene.view, r->scene.displace.texture,
                                   r->scene.uv};
+    const bool known = !r->scene.frames && !r->scene.turntable;
     /* whether all can be written is known before hours are spent */
-    if (output_check(&env, path, inputs, 5) ||
+    if ((known && output_check(&env, path, inputs, 5)) ||
         (r->error && output_check(&env, r->error, inputs, 5)) ||
         (r->convergence && output_try_folder(&env, r->convergence)))
         return EXIT_FAILED;
-    int code = make(command, r, &env, path, &outcome);
+    int code = make(command, r, &env, inputs, path, &outcome);
     if (code)
         return code;
-    if (r->json)
-        return output_print_json(path, outcome_json(r, path, &outcome));
-    if (!r->quiet)
-        print_outcome(r, path, &outcome);
-    return EXIT_OK;
+    return r->json ? output_print_json(path, outcome_json(r, path, &outcome)) : EXIT_OK;
 }
 
 int verb_reference(int argc, char **argv) {
-    enum { OWN = 14 };
+    enum { OWN = 16 };
     uint32_t narguments = 0;
     struct reference r = {.scene = scene_options_default(), .samples = 256};
+    r.scene.numbered = true;
     cli_option options[OWN + SCENE_OPTION_ROWS] = {
         CLI_OUT(&r.out, "picture (the texture's name with .exr)", "FILE.exr"),
         {"--samples|-n", CLI_UINT, &r.samples, "rays per pixel, best a power of two (256)", NULL, 1,
@@ -241,6 +258,8 @@ int verb_reference(int argc, char **argv) {
         SCENE_ENVIRONMENT(&r.scene.environment),
         SCENE_UV(&r.scene.uv),
         SCENE_ROUND(&r.scene.round),
+        SCENE_FRAMES(&r.scene.frames),
+        SCENE_TURNTABLE(&r.scene.turntable),
         CLI_JSON(&r.json),
         CLI_QUIET(&r.quiet, "print nothing on success"),
     };

@@ -46,6 +46,7 @@ slv_result studio_view_load(studio_app *app, const char *path) {
     slv_result result = scene_load_view(&app->document.env, path, &view);
     if (result)
         return result;
+    scene_view_free(&view);
     if (!view.has_camera)
         return output_fail(&app->document.env, SLV_ERROR_FORMAT, "%s: has no camera", path);
     const slv_camera camera = scene_view_camera(&view, studio_document_mesh(&app->document));

@@ -24,11 +24,13 @@ SLV_API bool slv_scheme_from_name(const char *name, slv_scheme *out);
 typedef struct slv_surface_params {
     slv_scheme scheme;
     slv_boundary boundary;
+    bool moves; /* slv_surface_move will be called: keeps 64 bytes more for each quad, and 12 for
+                   each vertex */
     uint64_t reserved[4];
 } slv_surface_params;
 
-/* An evaluator. Immutable; any number of threads may evaluate at once. Keeps what it needs of the
- * mesh.
+/* An evaluator. Immutable but for slv_surface_move; any number of threads may evaluate at once.
+ * Keeps what it needs of the mesh.
  *
  * Edges of more than two polygons, or of two that run the same way, are infinitely sharp, and so
  * are vertices where several fans of polygons meet. A polygon that has no limit (it names a vertex
@@ -42,6 +44,15 @@ typedef struct slv_surface_point {
     int32_t face;
     float u, v;
 } slv_surface_point;
+
+/* Gives the vertices of the mesh other positions, `nverts` times three floats, as an animated cage
+ * has them: what follows from topology is kept, and only the limit's own points are weighed anew,
+ * on env->threads threads of the surface's env. All results are then those of a surface of the
+ * moved mesh, to the bit. No other thread may use the surface meanwhile. A surface made without
+ * `moves`, another number of vertices, or a position that is no number is SLV_ERROR_ARGUMENT, and
+ * then nothing has moved. `positions` is not kept. */
+SLV_NODISCARD SLV_API slv_result slv_surface_move(slv_surface *surface, uint32_t nverts,
+                                                  const float *positions);
 
 /* Where results go; any pointer may be NULL. Positions and derivatives are in mesh units,
  * derivatives per unit of the face's own (u,v) (for sub-faces too), normals have unit length and

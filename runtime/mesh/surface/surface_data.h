@@ -35,13 +35,15 @@ enum class Kind : uint8_t { bilinear, regular, irregular, triangle };
 
 struct Patch {
     Kind kind = Kind::bilinear;
-    uint32_t surface = 0; /* irregular, triangle: which of the chunk's */
+    uint8_t open = 0;     /* regular: a bit for each side whose points lie beyond a boundary */
+    uint32_t surface = 0; /* which of the chunk's; regular: of its controls */
     size_t points = 0;    /* where in the chunk's points */
 };
 
 struct Chunk {
     std::vector<float> points;
     std::vector<BfrSurface> surfaces;
+    std::vector<int> controls; /* of a surface that moves: 16 vertices a regular polygon */
 };
 
 /* A polygon's centre, and how far it reaches along any axis. */
@@ -59,6 +61,7 @@ struct Topology {
     std::vector<int> crease_verts, corner_verts;
     std::vector<float> crease_sharpness, corner_sharpness;
     std::vector<float> positions;
+    std::vector<uint32_t> origin; /* per position the mesh's vertex */
     std::unique_ptr<Far::TopologyRefiner> refiner;
 };
 
@@ -92,6 +95,9 @@ struct slv_surface {
     std::vector<slvi_surface::Middle> middles; /* of the polygons */
     std::vector<slvi_surface::Patch> patches;  /* per polygon; none for the bilinear scheme */
     std::vector<slvi_surface::Chunk> chunks;
+    bool moves;
+    std::vector<uint32_t> origin; /* if it moves: of OpenSubdiv's vertices the mesh's, */
+    std::vector<float> placed;    /* and where they are */
 };
 
 #endif

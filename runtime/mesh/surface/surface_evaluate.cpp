@@ -1,6 +1,7 @@
 /* Points of the limit, with derivatives and normals: regular patches row by row, others through
  * Bfr, and flat polygons by their corners. */
 #include "mesh/surface/surface_data.h"
+#include "mesh/surface/surface_positions.h"
 
 #include <algorithm>
 #include <cmath>
@@ -231,6 +232,23 @@ bool face_exists(const slv_surface *s, int32_t face) {
 } // namespace slvi_surface
 
 using namespace slvi_surface;
+
+void slvi_surface_bounds(const slv_surface *surface, float low[3], float high[3]) {
+    for (size_t k = 0; k < 3; k++) {
+        low[k] = INFINITY;
+        high[k] = -INFINITY;
+    }
+    for (size_t i = 0; i < surface->positions.size(); i++) {
+        low[i % 3] = std::fmin(low[i % 3], surface->positions[i]);
+        high[i % 3] = std::fmax(high[i % 3], surface->positions[i]);
+    }
+}
+
+void slvi_surface_corners(const slv_surface *surface, int32_t face, float out[12]) {
+    Prepared prepared;
+    prepare_corners(*surface, surface->faces[size_t(face)], prepared);
+    std::copy(&prepared.corners[0][0], &prepared.corners[0][0] + 12, out);
+}
 
 slv_result slv_surface_evaluate(const slv_surface *surface, size_t count,
                                 const slv_surface_point *points, const slv_surface_arrays *out) {

@@ -21,34 +21,43 @@ using Cache =
                                      std::unique_lock<std::shared_mutex>>;
 using Factory = Bfr::RefinerSurfaceFactory<Cache>;
 
-/* OpenSubdiv leaves the points beyond a boundary out of a regular patch; as linear extrapolations
- * they turn it into an ordinary one. Which rows are left out shows in the weights of the patch's
- * middle. */
-void store_regular(const BfrSurface &surface, const std::vector<float> &positions, Chunk &chunk) {
+enum Side : uint8_t { kBottom = 1, kTop = 2, kLeft = 4, kRight = 8 };
+
+/* OpenSubdiv leaves the points beyond a boundary out of a regular patch. Which rows are left out
+ * shows in the weights of the patch's middle. */
+uint8_t open_sides(const BfrSurface &surface) {
     static const float middle[2] = {0.5f, 0.5f};
-    float weights[16], p[4][4][3];
+    float weights[16];
     surface.EvaluateStencil(middle, weights);
-    surface.GatherControlPoints(positions.data(), 3, &p[0][0][0], 3);
     auto missing = [&](int at, int step) {
         return weights[at] == 0 && weights[at + step] == 0 && weights[at + 2 * step] == 0 &&
                weights[at + 3 * step] == 0;
     };
-    bool bottom = missing(0, 1), top = missing(12, 1), left = missing(0, 4), right = missing(3, 4);
+    return uint8_t((missing(0, 1) ? kBottom : 0) | (missing(12, 1) ? kTop : 0) |
+                   (missing(0, 4) ? kLeft : 0) | (missing(3, 4) ? kRight : 0));
+}
+
+/* As linear extrapolations points beyond a boundary make an ordinary patch. */
+void place_regular(const int controls[16], uint8_t open, const float *positions, float *out) {
+    float p[4][4][3];
+    for (int i = 0; i < 16; i++)
+        std::copy(positions + 3 * size_t(controls[i]), positions + 3 * size_t(controls[i]) + 3,
+                  p[i / 4][i % 4]);
     for (int i = 0; i < 4; i++)
         for (int c = 0; c < 3; c++) {
-            if (bottom)
+            if (open & kBottom)
                 p[0][i][c] = 2 * p[1][i][c] - p[2][i][c];
-            if (top)
+            if (open & kTop)
                 p[3][i][c] = 2 * p[2][i][c] - p[1][i][c];
         }
     for (int i = 0; i < 4; i++)
         for (int c = 0; c < 3; c++) {
-            if (left)
+            if (open & kLeft)
                 p[i][0][c] = 2 * p[i][1][c] - p[i][2][c];
-            if (right)
+            if (open & kRight)
                 p[i][3][c] = 2 * p[i][2][c] - p[i][1][c];
         }
-    chunk.points.insert(chunk.points.end(), &p[0][0][0], &p[0][0][0] + 48);
+    std::copy(&p[0][0][0], &p[0][0][0] + 48, out);
 }
 
 struct Build {
@@ -71,8 +80,17 @@ void prepare_polygon(Build &build, uint32_t poly, Chunk &chunk) {
     patch.points = chunk.points.size();
     if (build.surface->scheme == SLV_SCHEME_CATMARK && surface.IsRegular() &&
         surface.GetNumControlPoints() == 16) {
+        int controls[16];
         patch.kind = Kind::regular;
-        store_regular(surface, build.topology->positions, chunk);
+        patch.open = open_sides(surface);
+        surface.GetControlPointIndices(controls);
+        chunk.points.resize(patch.points + 48);
+        place_regular(controls, patch.open, build.topology->positions.data(),
+                      &chunk.points[patch.points]);
+        if (build.surface->moves) {
+            patch.surface = uint32_t(chunk.controls.size() / 16);
+            chunk.controls.insert(chunk.controls.end(), controls, controls + 16);
+        }
         return;
     }
     patch.kind = build.surface->scheme == SLV_SCHEME_LOOP ? Kind::triangle : Kind::irregular;
@@ -90,8 +108,9 @@ slv_result prepare_range(void *user, uint64_t first, uint64_t end) {
             prepare_polygon(build, uint32_t(p), chunk);
         chunk.points.shrink_to_fit();
         chunk.surfaces.shrink_to_fit();
-        uint64_t size =
-            chunk.points.size() * sizeof(float) + chunk.surfaces.size() * sizeof(BfrSurface);
+        chunk.controls.shrink_to_fit();
+        uint64_t size = chunk.points.size() * sizeof(float) + chunk.controls.size() * sizeof(int) +
+                        chunk.surfaces.size() * sizeof(BfrSurface);
         return (build.bytes += size) > build.max_bytes ? SLV_ERROR_LIMIT : SLV_OK;
     } catch (const std::bad_alloc &) {
         return SLV_ERROR_MEMORY;
@@ -123,6 +142,10 @@ slv_result build_patches(const slv_env *env, const slv_mesh *mesh, slv_surface *
     } else {
         build.refused = uint32_t(npolys);
     }
+    if (s->moves) {
+        s->origin.swap(topology.origin);
+        s->placed.swap(topology.positions);
+    }
     if (build.refused)
         slvi_logf(env, SLV_LOG_WARNING,
                   "surface: OpenSubdiv has no limit for %u polygon(s), they stay flat",
@@ -132,7 +155,7 @@ slv_result build_patches(const slv_env *env, const slv_mesh *mesh, slv_surface *
 
 /* Once for each polygon, and not for each of its sub-faces: polygons may have many sides. */
 void find_middles(slv_surface *s) {
-    s->middles.resize(s->sizes.size());
+    s->middles.assign(s->sizes.size(), Middle());
     for (size_t p = 0; p < s->sizes.size(); p++) {
         const int32_t *verts = &s->verts[s->first[p]];
         double centre[3] = {0, 0, 0};
@@ -158,6 +181,23 @@ void copy_mesh(const slv_mesh *mesh, slv_surface *s) {
     s->poly_face.assign(mesh->poly_face, mesh->poly_face + view->npolys);
     s->positions.assign(view->positions, view->positions + 3 * size_t(view->nverts));
     find_middles(s);
+}
+
+slv_result move_range(void *user, uint64_t first, uint64_t end) {
+    slv_surface &s = *static_cast<slv_surface *>(user);
+    Chunk &chunk = s.chunks[first / kChunk];
+    for (uint64_t p = first; p < end; p++) {
+        const Patch &patch = s.patches[p];
+        if (patch.kind == Kind::bilinear)
+            continue;
+        float *points = &chunk.points[patch.points];
+        if (patch.kind == Kind::regular)
+            place_regular(&chunk.controls[16 * size_t(patch.surface)], patch.open, s.placed.data(),
+                          points);
+        else
+            chunk.surfaces[patch.surface].PreparePatchPoints(s.placed.data(), 3, points, 3);
+    }
+    return SLV_OK;
 }
 
 } // namespace
@@ -195,6 +235,7 @@ slv_result slv_surface_create(const slv_env *env, const slv_mesh *mesh,
         s->env = slvi_env_or_default(env);
         s->scheme = chosen.scheme;
         s->boundary = chosen.boundary;
+        s->moves = chosen.moves;
         copy_mesh(mesh, s.get());
         for (size_t p = 0; chosen.scheme == SLV_SCHEME_LOOP && p < s->sizes.size(); p++)
             if (s->sizes[p] != 3)
@@ -210,6 +251,23 @@ slv_result slv_surface_create(const slv_env *env, const slv_mesh *mesh,
         *out = s.release();
         return SLV_OK;
     });
+}
+
+slv_result slv_surface_move(slv_surface *surface, uint32_t nverts, const float *positions) {
+    slv_surface &s = *surface;
+    if (!s.moves || nverts != s.positions.size() / 3)
+        return slvi_fail(&s.env, SLV_ERROR_ARGUMENT,
+                         "surface: %u positions for a surface of %zu vertices%s", nverts,
+                         s.positions.size() / 3, s.moves ? "" : ", which was not made to be moved");
+    for (size_t i = 0; i < 3 * size_t(nverts); i++)
+        if (!std::isfinite(positions[i]))
+            return slvi_fail(&s.env, SLV_ERROR_ARGUMENT, "surface: vertex %zu is nowhere", i / 3);
+    std::copy(positions, positions + 3 * size_t(nverts), s.positions.begin());
+    find_middles(&s);
+    for (size_t v = 0; v < s.origin.size(); v++)
+        std::copy(positions + 3 * size_t(s.origin[v]), positions + 3 * size_t(s.origin[v]) + 3,
+                  &s.placed[3 * v]);
+    return slvi_parallel_for(&s.env, s.patches.size(), kChunk, move_range, &s);
 }
 
 void slv_surface_destroy(slv_surface *surface) {

@@ -222,6 +222,7 @@ slv_result make_manifold(const slv_env *env, const slv_mesh *mesh, const slv_sur
     for (uint32_t v = 0; v < fans.nverts; v++) {
         const float *from = &s.positions[3 * size_t(fans.origin[v])];
         out.positions.insert(out.positions.end(), from, from + 3);
+        out.origin.push_back(uint32_t(fans.origin[v]));
     }
     make_refiner(s, s.scheme == SLV_SCHEME_LOOP ? Sdc::SCHEME_LOOP : Sdc::SCHEME_CATMARK,
                  fans.side_vert, fans.nverts, out);
