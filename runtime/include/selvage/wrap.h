@@ -90,7 +90,8 @@ typedef struct slv_wrap_report {
     uint64_t reserved[4];
 } slv_wrap_report;
 
-/* Joins vertices at one place to the bit, makes coordinates with one value a vertex, and drops
+/* Joins vertices at one place (to within 5e-7 of the longest side of the mesh's box, since other
+ * programs compute the ends of a turn apart), makes coordinates with one value a vertex, and drops
  * normals, which belong to vertices that are gone. Positions are the input's own; groups, creases,
  * corners and holes stay. A pole, which has no angle, has the values of the polygons around it, as
  * a vertex that keeps several has. KEEP of a mesh without texture coordinates only joins. */

@@ -4,39 +4,93 @@
 
 #include "base/memory.h"
 
-#include <stdlib.h>
+#include <math.h>
 #include <string.h>
 
-typedef struct place {
-    uint32_t bits[3];
-    int32_t vertex;
-} place;
+/* Of the longest side of the box: more than what sines and cosines of a whole turn are off by in
+ * single precision. */
+#define NEAR 4.8e-7
 
-static int by_place(const void *a, const void *b) {
-    const place *p = a, *q = b;
-    int order = memcmp(p->bits, q->bits, sizeof p->bits);
-    return order ? order : (p->vertex > q->vertex) - (p->vertex < q->vertex);
+/* The first vertices of places, in cells of a grid that is coarser than what is near, by a hash. */
+typedef struct places {
+    const float *positions;
+    double low[3], near, cell;
+    uint64_t mask;
+    int32_t *table; /* -1: empty */
+} places;
+
+static uint64_t slot_of(const places *p, const double cell[3]) {
+    uint64_t hash = 0;
+    for (int c = 0; c < 3; c++)
+        hash = (hash ^ (uint64_t)(int64_t)cell[c]) * UINT64_C(0x9E3779B97F4A7C15) + 1;
+    return (hash ^ hash >> 29) & p->mask;
+}
+
+/* The first of the vertices near a point that hash to a cell, or -1. */
+static int32_t find_in(const places *p, const float *at, const double cell[3]) {
+    int32_t first = -1;
+    for (uint64_t s = slot_of(p, cell); p->table[s] >= 0; s = (s + 1) & p->mask) {
+        const float *other = p->positions + 3 * (size_t)p->table[s];
+        bool same = true;
+        for (int c = 0; c < 3; c++)
+            same &= fabs((double)at[c] - (double)other[c]) <= p->near;
+        if (same && (first < 0 || p->table[s] < first))
+            first = p->table[s];
+    }
+    return first;
+}
+
+/* The first vertex at a place; `vertex` itself, which is then remembered, if it is. */
+static int32_t find_root(places *p, int32_t vertex) {
+    const float *at = p->positions + 3 * (size_t)vertex;
+    double low[3], high[3], cell[3];
+    int32_t first = -1;
+    for (int c = 0; c < 3; c++) {
+        low[c] = floor(((double)at[c] - p->low[c] - p->near) / p->cell);
+        high[c] = floor(((double)at[c] - p->low[c] + p->near) / p->cell);
+    }
+    for (cell[2] = low[2]; cell[2] <= high[2]; cell[2]++)
+        for (cell[1] = low[1]; cell[1] <= high[1]; cell[1]++)
+            for (cell[0] = low[0]; cell[0] <= high[0]; cell[0]++) {
+                int32_t found = find_in(p, at, cell);
+                first = found >= 0 && (first < 0 || found < first) ? found : first;
+            }
+    if (first >= 0)
+        return first;
+    for (int c = 0; c < 3; c++)
+        cell[c] = floor(((double)at[c] - p->low[c]) / p->cell);
+    uint64_t s = slot_of(p, cell);
+    while (p->table[s] >= 0)
+        s = (s + 1) & p->mask;
+    return p->table[s] = vertex;
 }
 
 /* Per vertex the first one at its place. */
 static slv_result find_roots(const slv_env *env, const slv_mesh_view *view, int32_t *root) {
-    place *list = NULL;
-    slv_result result = slvi_alloc_plain(env, "vertices", view->nverts, sizeof *list, &list);
-    for (uint32_t v = 0; v < view->nverts && !result; v++) {
-        for (int c = 0; c < 3; c++) {
-            float x = view->positions[3 * (size_t)v + (size_t)c] + 0.0f; /* -0 is 0 */
-            memcpy(&list[v].bits[c], &x, sizeof x);
+    places p = {.positions = view->positions, .mask = 1};
+    double extent = 0;
+    for (int c = 0; c < 3; c++) {
+        double low = INFINITY, high = -INFINITY;
+        for (uint32_t v = 0; v < view->nverts; v++) {
+            double x = (double)view->positions[3 * (size_t)v + (size_t)c];
+            low = fmin(low, x);
+            high = fmax(high, x);
         }
-        list[v].vertex = (int32_t)v;
+        p.low[c] = low;
+        extent = view->nverts ? fmax(extent, high - low) : 0;
     }
-    if (!result && view->nverts)
-        qsort(list, view->nverts, sizeof *list, by_place);
-    for (uint32_t i = 0; i < view->nverts && !result; i++) {
-        bool again = i && memcmp(list[i].bits, list[i - 1].bits, sizeof list->bits) == 0;
-        root[list[i].vertex] = again ? root[list[i - 1].vertex] : list[i].vertex;
-    }
-    slvi_free(list);
-    return result;
+    p.near = extent * NEAR;
+    p.cell = p.near > 0 ? 8 * p.near : 1;
+    while (p.mask < 2 * (uint64_t)view->nverts)
+        p.mask = 2 * p.mask + 1;
+    slv_result result = slvi_alloc_plain(env, "vertices", p.mask + 1, sizeof *p.table, &p.table);
+    if (result)
+        return result;
+    memset(p.table, 0xff, (size_t)(p.mask + 1) * sizeof *p.table);
+    for (uint32_t v = 0; v < view->nverts; v++)
+        root[v] = find_root(&p, (int32_t)v);
+    slvi_free(p.table);
+    return SLV_OK;
 }
 
 /* The polygons with `root` in place of vertices, of vertices that follow each other only one. */

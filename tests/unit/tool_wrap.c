@@ -1,0 +1,175 @@
+/* Spheres, cylinders and tori as other programs export them: with columns of vertices at the ends
+ * of a turn twice, poles and rims of caps in many copies, computed from 0 and from a whole turn, so
+ * that they are not equal to the bit. Welding takes exactly the copies, and moves nothing. */
+#include "kit/mesh_shapes.h"
+#include "kit/tool_kit.h"
+
+#include <selvage/mesh.h>
+
+#define TURN 6.283185307179586
+
+/* How numbers are written and computed. */
+typedef struct style {
+    const char *name, *number;
+    bool shared;   /* vertices once, and texture coordinates with indices of their own */
+    bool single;   /* angles in single precision */
+    double offset; /* of the mesh */
+    double scale;
+} style;
+
+static const style styles[] = {
+    {"web engine", "%.17g", false, false, 0, 1}, {"game engine", "%.9g", false, true, 0, 1},
+    {"six digits", "%.6f", false, false, 0, 2},  {"far away", "%.9g", false, false, 1000, 3},
+    {"tiny", "%.9g", false, false, 0, 1e-6},     {"huge", "%.9g", false, false, 0, 1e6},
+    {"modeller", "%.6f", true, false, 0, 2},
+};
+
+typedef struct output {
+    FILE *file;
+    const style *how;
+    int count;
+} output;
+
+static double cosine(const output *o, double turn) {
+    return o->how->single ? (double)cosf((float)TURN * (float)turn) : cos(TURN * turn);
+}
+
+static double sine(const output *o, double turn) {
+    return o->how->single ? (double)sinf((float)TURN * (float)turn) : sin(TURN * turn);
+}
+
+static void vertex(output *o, double x, double y, double z, double u, double v) {
+    const double at[3] = {x, y, z};
+    char text[3][40];
+    for (int c = 0; c < 3; c++)
+        snprintf(text[c], sizeof text[c], o->how->number, at[c] * o->how->scale + o->how->offset);
+    fprintf(o->file, "v %s %s %s\nvt %g %g\n", text[0], text[1], text[2], u, v);
+    o->count++;
+}
+
+static void quads(output *o, int first, int around, int high) {
+    for (int y = 0; y < high; y++)
+        for (int x = 0; x < around; x++) {
+            int a = first + y * (around + 1) + x, b = a + 1, c = a + around + 2, d = c - 1;
+            fprintf(o->file, "f %d/%d %d/%d %d/%d %d/%d\n", a, a, b, b, c, c, d, d);
+        }
+}
+
+/* Each returns how many places there are. */
+static int sphere(output *o, int around, int high) {
+    for (int y = 0; y <= high; y++)
+        for (int x = 0; x <= around; x++) {
+            double u = (double)x / around, v = (double)y / high;
+            vertex(o, sine(o, v / 2) * sine(o, u), cosine(o, v / 2), sine(o, v / 2) * cosine(o, u),
+                   u, 1 - v);
+        }
+    quads(o, 1, around, high);
+    return around * (high - 1) + 2;
+}
+
+static int torus(output *o, int around, int across) {
+    for (int y = 0; y <= across; y++)
+        for (int x = 0; x <= around; x++) {
+            double u = (double)x / around, v = (double)y / across, r = 1 + 0.4 * cosine(o, v);
+            vertex(o, r * sine(o, u), 0.4 * sine(o, v), r * cosine(o, u), u, v);
+        }
+    quads(o, 1, around, across);
+    return around * across;
+}
+
+/* With caps, whose middles are there once for each triangle. */
+static int cylinder(output *o, int around, int high) {
+    for (int y = 0; y <= high; y++)
+        for (int x = 0; x <= around; x++)
+            vertex(o, sine(o, (double)x / around), (double)y / high, cosine(o, (double)x / around),
+                   (double)x / around, (double)y / high);
+    quads(o, 1, around, high);
+    for (int end = 0; end < 2; end++) {
+        int middles = o->count + 1, rim = middles + around;
+        for (int x = 0; x < around; x++)
+            vertex(o, 0, end, 0, 0.5, 0.5);
+        for (int x = 0; x <= around; x++) {
+            double s = sine(o, (double)x / around), c = cosine(o, (double)x / around);
+            vertex(o, s, end, c, 0.5 + 0.5 * s, 0.5 + 0.5 * c);
+        }
+        for (int x = 0; x < around; x++) {
+            int a = rim + x, b = rim + x + 1, m = middles + x;
+            fprintf(o->file, "f %d/%d %d/%d %d/%d\n", m, m, end ? a : b, end ? a : b, end ? b : a,
+                    end ? b : a);
+        }
+    }
+    return around * (high + 1) + 2;
+}
+
+/* A tube whose vertices are there once, and its texture coordinates twice. */
+static int shared_tube(output *o, int around, int high) {
+    for (int y = 0; y <= high; y++)
+        for (int x = 0; x < around; x++)
+            vertex(o, sine(o, (double)x / around), (double)y / high, cosine(o, (double)x / around),
+                   (double)x / around, (double)y / high);
+    for (int y = 0; y <= high; y++)
+        fprintf(o->file, "vt 1 %g\n", (double)y / high);
+    for (int y = 0; y < high; y++)
+        for (int x = 0; x < around; x++) {
+            int a = 1 + y * around + x, b = 1 + y * around + (x + 1) % around;
+            bool last = x + 1 == around;
+            int ub = last ? around * (high + 1) + 1 + y : b, uc = last ? ub + 1 : b + around;
+            fprintf(o->file, "f %d/%d %d/%d %d/%d %d/%d\n", a, a, b, ub, b + around, uc, a + around,
+                    a + around);
+        }
+    return around * (high + 1);
+}
+
+/* Each vertex that is left is one of the input's, in the order of the input's. */
+static void check_places(const char *what) {
+    slv_env env = test_env();
+    slv_mesh *before, *after;
+    MUST(slv_mesh_load(&env, tool_path("in.obj"), &before));
+    MUST(slv_mesh_load(&env, tool_path("out.obj"), &after));
+    const slv_mesh_view *a = slv_mesh_get_view(before), *b = slv_mesh_get_view(after);
+    uint32_t at = 0;
+    CHECK_MSG(memcmp(a->origin, b->origin, sizeof a->origin) == 0 && a->npolys >= b->npolys, "%s",
+              what);
+    for (uint32_t v = 0; v < b->nverts; v++, at++) {
+        while (at < a->nverts && memcmp(a->positions + 3 * (size_t)at, b->positions + 3 * (size_t)v,
+                                        3 * sizeof(float)) != 0)
+            at++;
+        CHECK_MSG(at < a->nverts, "%s: vertex %u has moved", what, v);
+        if (at >= a->nverts)
+            break;
+    }
+    slv_mesh_destroy(before);
+    slv_mesh_destroy(after);
+}
+
+static void try_shape(const char *name, const style *how, int (*make)(output *, int, int)) {
+    for (uint32_t size = 3; size < 3 + test_effort(3); size++) {
+        output o = {.file = fopen(tool_path("in.obj"), "w"), .how = how};
+        char want[100], what[100];
+        REQUIRE(o.file);
+        int places = make(&o, 4 + 3 * (int)size, (int)size);
+        REQUIRE(fclose(o.file) == 0);
+        snprintf(what, sizeof what, "%s of a %s, %u", name, how->name, size);
+        snprintf(want, sizeof want, "out.obj: %d vertices of %d, %d duplicates welded", places,
+                 o.count, o.count - places);
+        CHECK_MSG(tool("wrap in.obj out.obj") == 0 && strstr(tool_out, want) &&
+                      !strstr(tool_out, "stay beside"),
+                  "%s: not '%s': %s", what, want, tool_out);
+        check_places(what);
+    }
+}
+
+int main(void) {
+    tool_begin();
+    for (size_t i = 0; i < sizeof styles / sizeof *styles; i++) {
+        if (styles[i].shared) {
+            try_shape("tube", &styles[i], shared_tube);
+            continue;
+        }
+        try_shape("sphere", &styles[i], sphere);
+        try_shape("torus", &styles[i], torus);
+        try_shape("cylinder", &styles[i], cylinder);
+    }
+    tool_end();
+    return test_end();
+}
