@@ -204,7 +204,7 @@ int verb_render(int argc, char **argv) {
     enum { OWN = 18 };
     struct render r = {.scene = scene_options_default(), .msaa = 4, .aniso = 1};
     r.scene.numbered = true;
-    char strategies[SCENE_STRATEGIES_SIZE], how[80];
+    char strategies[SCENE_STRATEGIES_SIZE], how[80], buffer[512];
     uint32_t narguments = 0;
     snprintf(how, sizeof how, "how a lookup crosses a seam (%s)", slv_strategy_default()->name);
     cli_option options[OWN + SCENE_OPTION_ROWS] = {
@@ -255,7 +255,6 @@ int verb_render(int argc, char **argv) {
         .positional = &r.ptx,
         .npositional = &narguments,
         .output = &r.out};
-    char buffer[512];
     while (slv_strategy_at((uint32_t)r.strategy) != slv_strategy_default())
         r.strategy++;
     r.scene.alpha = SLV_ALPHA_BLEND;
