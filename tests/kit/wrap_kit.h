@@ -228,9 +228,10 @@ static const char wrap_fragment[] =
     "    vec2 size = vec2(textureSize(map, 0));\n"
     "    float px = length(dx * size), py = length(dy * size), longest = max(px, py);\n"
     "    float n = clamp(longest / max(min(px, py), 1e-12), 1.0, taps);\n"
+    "    vec2 axis = (px > py ? dx : dy) * (1.0 - 1.0 / n);\n" /* at a tie either is as good */
     "    vec4 sum = vec4(0.0);\n"
     "    for (float k = 1.0; k <= taps; k++)\n"
-    "        sum += textureLod(map, at + (px > py ? dx : dy) * (k / (taps + 1.0) - 0.5),\n"
+    "        sum += textureLod(map, at + axis * (k / (taps + 1.0) - 0.5),\n"
     "                          log2(longest / n));\n"
     "    return sum / taps;\n"
     "}\n"
