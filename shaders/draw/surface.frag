@@ -1,7 +1,7 @@
 // Shades with a light at the eye. The numbers are linear.
 layout(location = 0) in vec2 surface_uv;
 layout(location = 1) in vec3 eye_position;
-layout(location = 2) in vec3 eye_normal;
+layout(location = 2) centroid in vec3 eye_normal; // of what is covered: beyond a triangle smaller than a pixel it could be any
 layout(location = 3) flat in int surface_face;
 
 layout(location = 3) uniform int shading; // slv_shading

@@ -10,7 +10,7 @@ layout(location = 2) uniform mat3 normal_to_eye;
 
 layout(location = 0) out vec2 surface_uv;
 layout(location = 1) out vec3 eye_position;
-layout(location = 2) out vec3 eye_normal;
+layout(location = 2) centroid out vec3 eye_normal;
 layout(location = 3) flat out int surface_face;
 
 void main() {

@@ -161,6 +161,45 @@ static void check_rays(const char *ptx) {
     slv_image_free(&flat);
 }
 
+/* Of pixels that the surface covers, with all those around them. */
+static double psnr_inside(const slv_image *a, const slv_image *b) {
+    double squares = 0, count = 0;
+    for (uint32_t y = 2; y + 2 < a->height; y++)
+        for (uint32_t x = 2; x + 2 < a->width; x++) {
+            const size_t at = (size_t)y * a->width + x, row = a->width;
+            const size_t around[] = {at, at - 2, at + 2, at - 2 * row, at + 2 * row};
+            bool inside = true;
+            for (int i = 0; i < 5; i++)
+                inside &= b->pixels[4 * around[i] + 3] > 0.999f;
+            for (size_t c = 0; c < 3 && inside; c++, count++)
+                squares += (double)(a->pixels[4 * at + c] - b->pixels[4 * at + c]) *
+                           (double)(a->pixels[4 * at + c] - b->pixels[4 * at + c]);
+        }
+    return -10 * log10(squares / count);
+}
+
+/* Triangles smaller than a pixel, of a bumpy surface: each sample that one covers sees its light
+ * and not what lies beyond it. */
+static void check_small(void) {
+    static const char obj[] =
+        "v -1 -1 -1\nv 1 -1 -1\nv -1 1 -1\nv 1 1 -1\nv -1 -1 1\nv 1 -1 1\nv -1 1 1\nv 1 1 1\n"
+        "f 1 3 4 2\nf 5 6 8 7\nf 1 2 6 5\nf 3 7 8 4\nf 1 5 7 3\nf 2 4 8 6\n";
+    const slv_res res[6] = {{5, 5}, {5, 5}, {5, 5}, {5, 5}, {5, 5}, {5, 5}};
+    const slv_procedural noise = {.pattern = SLV_PATTERN_NOISE, .frequency = 3, .octaves = 3};
+    char ptx[KIT_PATH];
+    bake_write(kit_join(ptx, scratch.root, "bumps.ptx"), obj, SLV_SCHEME_CATMARK, 6, res, &noise);
+#define BUMPY                                                                                      \
+    "--size", "64", "--shading", "headlight-cos2", "--displacement", ptx, "--displacement-scale",  \
+        "0.5"
+    slv_image gl = draw(
+        ARGUMENTS("render", ptx, BUMPY, "--msaa", "4", "--bits", "32", "-o", "gl.exr"), "gl.exr");
+    slv_image rays =
+        draw(ARGUMENTS("reference", ptx, BUMPY, "--samples", "64", "-q", "-o", "r.exr"), "r.exr");
+    CHECK_MSG(psnr_inside(&gl, &rays) > 40.5, "small triangles: %.2f dB", psnr_inside(&gl, &rays));
+    slv_image_free(&gl);
+    slv_image_free(&rays);
+}
+
 /* Two triangles, moved by their own texture, as OpenGL and rays have them. */
 static void check_triangles(void) {
     static const char obj[] = "v 0 0 0\nv 1 0 0\nv 1 1 0.3\nv 0 1 0\nf 1 2 3\nf 1 3 4\n";
@@ -258,6 +297,7 @@ int main(void) {
     kit_scratch_make(&scratch);
     cube_write(kit_join(ptx, scratch.root, "cube.ptx"));
     check_rays(ptx);
+    check_small();
     check_triangles();
     check_views(ptx);
     check_bad(ptx);
