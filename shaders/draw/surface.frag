@@ -1,8 +1,9 @@
 // Shades with a light at the eye. The numbers are linear.
 layout(location = 0) in vec2 surface_uv;
 layout(location = 1) in vec3 eye_position;
-layout(location = 2) centroid in vec3 eye_normal; // of what is covered: beyond a triangle smaller than a pixel it could be any
+layout(location = 2) in vec3 eye_normal;
 layout(location = 3) flat in int surface_face;
+layout(location = 4) centroid in vec3 covered_normal; // where the triangle is: beyond one that is smaller than a pixel it could be any
 
 layout(location = 3) uniform int shading; // slv_shading
 layout(location = 4) uniform int perspective;
@@ -57,7 +58,9 @@ float alpha_step(float a) {
 #endif
 
 void main() {
-    vec3 n = eye_normal / max(length(eye_normal), 1e-20);
+    vec3 n = eye_normal / max(length(eye_normal), 1e-20), covered = covered_normal / max(length(covered_normal), 1e-20);
+    n = mix(n, covered, clamp(length(n - covered) * 20.0 - 1.0, 0.0, 1.0));
+    n /= max(length(n), 1e-20);
     vec3 i = perspective != 0 ? normalize(eye_position) : vec3(0.0, 0.0, -1.0);
     float ka = ambient_diffuse.x, kd = ambient_diffuse.y;
     float facing = -dot(n, i);
