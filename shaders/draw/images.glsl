@@ -10,7 +10,7 @@ layout(location = 29) uniform ivec2 slv_round;    // which coordinates go round
 layout(location = 30) uniform vec2 slv_square;    // the lower left corner of the square that is drawn
 layout(location = 31) uniform int slv_image_mode; // 0 one image for all; 1 the square's; 2 faces without any
 
-layout(location = 4) in vec4 slv_pairs;       // of those that go round
+layout(location = 7) in vec4 slv_pairs;       // of those that go round
 layout(location = 5) flat in vec4 slv_below;  // the coordinates of the face's corners
 layout(location = 6) flat in vec4 slv_above;
 

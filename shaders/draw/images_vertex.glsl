@@ -11,7 +11,7 @@ layout(std430, binding = 4) readonly buffer slv_corner_block {
     vec4 slv_corners[];
 };
 
-layout(location = 4) out vec4 slv_pairs;
+layout(location = 7) out vec4 slv_pairs;
 layout(location = 5) flat out vec4 slv_below;
 layout(location = 6) flat out vec4 slv_above;
 
