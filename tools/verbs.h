@@ -6,7 +6,7 @@
     VERB(new, "make a blank texture for a mesh")                                                   \
     VERB(bake, "make a texture of images, rays, a detailed mesh")                                  \
     VERB(unbake, "draw a .ptx into UV images, or the tiles of a set")                              \
-    VERB(wrap, "texture coordinates that go round, and no duplicated vertices for them")           \
+    VERB(wrap, "make texture coordinates that go round, and weld duplicated vertices")             \
     VERB(paint, "apply a script of strokes to a texture")                                          \
     VERB(session, "paint in layers that nothing can lose")                                         \
     VERB(studio, "see, compare and paint a .ptx in a window")                                      \

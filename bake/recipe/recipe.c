@@ -1,9 +1,10 @@
 /* Recipes as JSON: reading them, and what they say of a job. */
 #include "recipe/recipe_data.h"
 
-#include "base/file.h"
 #include "base/log.h"
 #include "base/memory.h"
+
+#include <selvage/file.h>
 
 #include <math.h>
 #include <stdio.h>
@@ -186,10 +187,10 @@ static slv_result read_file(const recipe_reader *r, const char *path, json_t **o
     size_t size = 0;
     const char *slash = strrchr(path, '/');
     snprintf(folder, sizeof folder, "%.*s", slash ? (int)(slash + 1 - path) : 0, path);
-    slv_result result = slvi_file_read(r->env, path, &text, &size);
+    slv_result result = slv_text_load(r->env, path, &text, &size);
     if (!result && !(result = parse(r, text, size, out)))
         result = place_files(r, *out, folder, 0);
-    slvi_free(text);
+    slv_free(text);
     return result;
 }
 

@@ -521,6 +521,9 @@ static void check_help(void) {
     CHECK(run.code == 0 && !run.err[0]);
     const char *found = strstr(run.out, title);
     REQUIRE(found);
+    for (const char *line = run.out; *line; line += strcspn(line, "\n") + 1)
+        CHECK_MSG(strcspn(line, "\n") <= 80, "selvage --help: %.*s", (int)strcspn(line, "\n"),
+                  line);
     char *list = strdup(found + sizeof title - 1);
     REQUIRE(list);
     for (const char *line = list; strncmp(line, "  ", 2) == 0; count++) {

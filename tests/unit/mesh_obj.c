@@ -362,6 +362,11 @@ static void test_tolerated(void) {
     check_read(QUADS "f 1/0 2/0 3/0 4/0\n", 1, "t.obj:7: 4 indices of texture");
     check_read(QUADS "f 1 2\nf 1 2 3 4\nf 3\nf\n", 1, "t.obj:7: 3 faces of fewer");
     check_read(QUADS "hair 1\nf 1 2 3 4\nfur 2\n", 1, "t.obj:7: 2 statements not known");
+    check_read("call other.obj\n" QUADS "f 1 2 3 4\n", 1, "t.obj:1: 1 statements not known");
+    check_read(QUADS "f 1 2 3 4\ncstype bezier\ndeg 3\ncurv 0 1 1 2\nend\n", 1,
+               "t.obj:8: 4 statements not known");
+    check_read(QUADS "vn nan -NaN nan(ind)\nvn 0 -inf 1.#QNAN\nf 1//1 2//2 3//1 4//1\n", 1,
+               "t.obj:7: 5 values of normals are no numbers");
     check_read(QUADS "# C:\\rocks\\\nf 1 2 3 4\nf 2 5 6 3\n", 2,
                "t.obj:7: 1 lines end in a backslash");
     check_read(QUADS "mtllib C:\\rocks\\\nf 1 2 3 4\nf 2 5 6 3\n", 2, "t.obj:7: 1 lines end in");

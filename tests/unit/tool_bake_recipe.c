@@ -252,6 +252,21 @@ static void resume(void) {
     CHECK(uv_same_files("r.ptx", "whole.ptx"));
 }
 
+/* A recipe is read as every text is. */
+static void texts(void) {
+    static const char text[] = "\xef\xbb\xbf{\"source\": {\"constant\": [0.5]}, \"size\": 2}\r\n";
+    tool_write_file("marked.json", text, sizeof text - 1);
+    RUNS(0, "bake m.obj --recipe marked.json -o marked.ptx");
+    char line[300];
+    snprintf(line, sizeof line, "gzip -nk '%s'", tool_path("marked.json"));
+    CHECK(system(line) == 0);
+    RUNS(0, "bake m.obj --recipe marked.json.gz -o packed.ptx");
+    RUNS(0, "diff marked.ptx packed.ptx");
+    tool_write_file("wide.json", "\xff\xfe{\0}\0", 6);
+    RUNS(1, "bake m.obj --recipe wide.json -o none.ptx");
+    HAS("UTF-16");
+}
+
 int main(void) {
     static const char obj[] = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 2 0 .5\nv 2 1 .5\n"
                               "vt 0 0\nvt 1 0\nvt 1 1\nvt 0 1\nf 1/1 2/2 3/3 4/4\n"
@@ -260,6 +275,7 @@ int main(void) {
     tool_write_file("m.obj", obj, sizeof obj - 1);
     mixes();
     refusals();
+    texts();
     options();
     schema();
     least_error();

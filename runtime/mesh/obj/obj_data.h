@@ -53,7 +53,7 @@ typedef struct obj {
     obj_list groups, letters;         /* obj_group, char */
     slv_boundary boundary;
     obj_tally dangling[OBJ_KINDS], not_polygons, other_tags, other_statements, backslashes,
-        extra_words;
+        extra_words, no_numbers;
     bool at_statement; /* the scan is where the next one begins, not at the end of this one */
 } obj;
 

@@ -102,6 +102,7 @@ static void tell_all(const obj *o) {
          "indices of texture coordinates that the file does not hold are left out");
     tell(o, &o->dangling[OBJ_NORMAL],
          "indices of normals that the file does not hold are left out");
+    tell(o, &o->no_numbers, "values of normals are no numbers, and taken for 0");
     tell(o, &o->not_polygons, "faces of fewer than three vertices are left out");
     tell(o, &o->backslashes, "lines end in a backslash, which is not taken to join the next line");
     tell(o, &o->extra_words, "words that follow the numbers of v, vt, vn or t are not read");

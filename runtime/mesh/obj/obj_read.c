@@ -6,6 +6,7 @@
 #include <selvage/file.h>
 
 #include <string.h>
+#include <strings.h>
 
 static const char *const kind_names[OBJ_KINDS] = {"vertex", "texture", "normal"};
 
@@ -17,6 +18,22 @@ static slv_result end_values(obj *o, int kind) {
     return slvi_obj_end(o, keywords[kind], most[kind]);
 }
 
+/* What printf makes of numbers that are none. */
+static bool take_no_number(obj *o) {
+    static const char *const forms[] = {"nan", "inf", "1.#"};
+    slv_scan scan = o->scan;
+    const char *word;
+    if (!slvi_scan_more(&scan))
+        return false;
+    size_t length = slvi_scan_word(&scan, &word), sign = *word == '-' || *word == '+';
+    for (size_t i = 0; i < sizeof forms / sizeof *forms; i++)
+        if (length >= sign + 3 && strncasecmp(word + sign, forms[i], 3) == 0) {
+            o->scan = scan;
+            return true;
+        }
+    return false;
+}
+
 static slv_result read_value(obj *o, int kind) {
     float values[3] = {0, 0, 0}, rests[3];
     slv_result result = SLV_OK;
@@ -24,6 +41,11 @@ static slv_result read_value(obj *o, int kind) {
         if (kind == OBJ_TEXCOORD && i == 1 && !slvi_obj_more(o))
             break; /* a one-dimensional texture coordinate */
         double value = 0;
+        /* faces without an area have such normals, and no face needs one */
+        if (kind == OBJ_NORMAL && take_no_number(o)) {
+            slvi_obj_tally(&o->no_numbers, o->line, NULL, 0);
+            continue;
+        }
         if ((result = slvi_obj_read_double(o, keywords[kind], &value)))
             return result;
         values[i] = (float)value;
@@ -147,14 +169,13 @@ static slv_result read_object(obj *o) {
     return length ? begin_group(o, true, text, length) : SLV_OK;
 }
 
-/* Statements of the format that a control mesh has no use for. */
+/* Statements of the format that a control mesh has no use for: neither curves nor surfaces that are
+ * no polygons are among them, nor other files, for what is in those is lost. */
 static bool is_ignored(const char *word, size_t length) {
-    static const char *const known[] = {
-        "s",      "p",      "l",        "vp",       "mtllib", "usemtl",     "usemap",
-        "maplib", "bevel",  "c_interp", "d_interp", "lod",    "shadow_obj", "trace_obj",
-        "mg",     "cstype", "deg",      "bmat",     "step",   "curv",       "curv2",
-        "surf",   "parm",   "trim",     "hole",     "scrv",   "sp",         "end",
-        "con",    "ctech",  "stech",    "call",     "csh"};
+    static const char *const known[] = {"s",        "p",      "l",          "vp",        "mtllib",
+                                        "usemtl",   "usemap", "maplib",     "bevel",     "c_interp",
+                                        "d_interp", "lod",    "shadow_obj", "trace_obj", "mg",
+                                        "ctech",    "stech"};
     for (size_t i = 0; i < sizeof known / sizeof *known; i++)
         if (slvi_obj_word_is(word, length, known[i]))
             return true;
