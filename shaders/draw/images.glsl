@@ -10,9 +10,10 @@ layout(location = 29) uniform ivec2 slv_round;    // which coordinates go round
 layout(location = 30) uniform vec2 slv_square;    // the lower left corner of the square that is drawn
 layout(location = 31) uniform int slv_image_mode; // 0 one image for all; 1 the square's; 2 faces without any
 
-layout(location = 7) in vec4 slv_pairs;       // of those that go round
+// 0 to 4 are surface.vert's
 layout(location = 5) flat in vec4 slv_below;  // the coordinates of the face's corners
 layout(location = 6) flat in vec4 slv_above;
+layout(location = 7) in vec4 slv_pairs;       // of those that go round
 
 vec2 slv_texcoord(vec2 uv) {
     vec2 at = mix(mix(slv_below.xy, slv_below.zw, uv.x), mix(slv_above.zw, slv_above.xy, uv.x), uv.y);

@@ -11,9 +11,9 @@ layout(std430, binding = 4) readonly buffer slv_corner_block {
     vec4 slv_corners[];
 };
 
-layout(location = 7) out vec4 slv_pairs;
 layout(location = 5) flat out vec4 slv_below;
 layout(location = 6) flat out vec4 slv_above;
+layout(location = 7) out vec4 slv_pairs;
 
 void slv_hand_on(int face, vec2 uv) {
     slv_below = slv_corners[2 * face];

@@ -97,9 +97,7 @@ void slvi_rim_between(const slv_border_view *view, const slv_border_edge *edge,
                       const slv_border_link *link, uint32_t k, float *out) {
     slv_border_edge coarse = slvi_border_edge_at(view, (uint32_t)link->to.face, 0, link->to.edge);
     float last = (float)((1u << coarse.exponent) - 1);
-    float at =
-        (link->slope * slvi_border_centre(edge->exponent, k) + link->offset) * (last + 1.0f) - 0.5f;
-    at = at < 0.0f ? 0.0f : at > last ? last : at;
+    float at = slvi_rim_place(edge, link, k, last);
     uint32_t low = (uint32_t)at;
     float weight = at - (float)low, next[SLV_BORDER_CHANNELS];
     slvi_rim_value(view, &coarse, low, out);

@@ -22,6 +22,13 @@ void slvi_rim_value(const slv_border_view *view, const slv_border_edge *edge, ui
 /* The line through the agreed texels of the coarser face across, where texel k has its middle. */
 void slvi_rim_between(const slv_border_view *view, const slv_border_edge *edge,
                       const slv_border_link *link, uint32_t k, float *out);
+/* Where that is in the coarser face's row of `last` + 1 texels. */
+static inline float slvi_rim_place(const slv_border_edge *edge, const slv_border_link *link,
+                                   uint32_t k, float last) {
+    float along = link->slope * slvi_border_centre(edge->exponent, k) + link->offset;
+    float at = along * (last + 1.0f) - 0.5f;
+    return at < 0.0f ? 0.0f : at > last ? last : at;
+}
 /* Puts agreed values into `texels`, which hold a level of a face as `levels` has it. Reads plain
  * levels only, so that faces can be done in any order. */
 void slvi_rims_agree(const slv_levels *levels, const slv_adjacency *adjacency, uint32_t face,

@@ -78,9 +78,7 @@ static float apart(const slv_border_view *view, const float *a, const float *b) 
 static void line(const slv_border_view *view, const slv_border_edge *edge,
                  const slv_border_link *link, uint32_t k, float *out) {
     float last = (float)((1u << slvi_res_along(link->res, link->to.edge)) - 1);
-    float at =
-        (link->slope * slvi_border_centre(edge->exponent, k) + link->offset) * (last + 1.0f) - 0.5f;
-    at = at < 0.0f ? 0.0f : at > last ? last : at;
+    float at = slvi_rim_place(edge, link, k, last);
     uint32_t low = (uint32_t)at, high = (float)low < last ? low + 1 : low;
     float weight = at - (float)low, next[SLV_BORDER_CHANNELS];
     slvi_border_fetch_row(view, (uint32_t)link->to.face, link->level, link->res, link->to.edge, low,

@@ -241,7 +241,6 @@ SLV_NODISCARD SLV_API slv_result slv_ptx_find_mesh(const slv_env *env, const slv
 SLV_NODISCARD SLV_API slv_result slv_ptx_match_mesh(const slv_env *env, const slv_ptx *ptx,
                                                     const slv_mesh *mesh);
 
-/* What to write with slv_ptx_save. Zero means default. */
 /* Whether faces agree where they meet (seamless.h), for readers that know nothing of neighbours. */
 typedef enum slv_ptx_seams {
     SLV_PTX_SEAMS_PLAIN = 0,  /* reductions are the format's own, of each face alone */
@@ -250,6 +249,7 @@ typedef enum slv_ptx_seams {
 } slv_ptx_seams;
 SLV_API const char *slv_ptx_seams_name(slv_ptx_seams seams); /* plain, seamless, all */
 
+/* What to write with slv_ptx_save. Zero means default. */
 typedef struct slv_ptx_write_params {
     slv_border_mode border_u, border_v;
     slv_edge_filter edge_filter;
