@@ -82,6 +82,22 @@ static slv_result open_uv(opening *o, const json_t *node, const char *where, int
     return slv_bake_from_uv(o->r.env, o->mesh, path, &params, out);
 }
 
+static slv_result open_vertex(opening *o, const json_t *node, const char *where, int depth,
+                              slv_bake_source **out) {
+    int encoding = 0;
+    slv_result result;
+    (void)depth;
+    if ((result = ONLY("vertex-color", "texture-encoding")) ||
+        (result =
+             slvi_recipe_word(&o->r, where, node, "texture-encoding", encoding_name, &encoding)))
+        return result;
+    if (!json_is_true(json_object_get(node, "vertex-color")))
+        return slvi_recipe_fail(&o->r, where, "vertex-color: expected true");
+    if (!o->mesh)
+        return SLV_OK;
+    return slv_bake_from_vertex_colors(o->r.env, o->mesh, (slv_texture_encoding)encoding, out);
+}
+
 static slv_result open_rays(opening *o, const json_t *node, const char *where, int depth,
                             slv_bake_source **out) {
     slv_bake_rays rays = {0};
@@ -260,9 +276,16 @@ static slv_result open_node(opening *o, const json_t *node, const char *where, i
     static const struct {
         const char *key;
         slv_result (*open)(opening *, const json_t *, const char *, int, slv_bake_source **);
-    } kinds[] = {{"uv", open_uv},           {"rays", open_rays},       {"detail", open_detail},
-                 {"surface", open_surface}, {"pattern", open_pattern}, {"constant", open_constant},
-                 {"blend", open_blend},     {"levels", open_levels},   {"channels", open_channels}};
+    } kinds[] = {{"uv", open_uv},
+                 {"vertex-color", open_vertex},
+                 {"rays", open_rays},
+                 {"detail", open_detail},
+                 {"surface", open_surface},
+                 {"pattern", open_pattern},
+                 {"constant", open_constant},
+                 {"blend", open_blend},
+                 {"levels", open_levels},
+                 {"channels", open_channels}};
     *out = NULL;
     if (!json_is_object(node))
         return slvi_recipe_fail(&o->r, where, "expected an object");
@@ -270,8 +293,8 @@ static slv_result open_node(opening *o, const json_t *node, const char *where, i
         if (json_object_get(node, kinds[i].key))
             return kinds[i].open(o, node, where, depth, out);
     return slvi_recipe_fail(&o->r, where,
-                            "has none of uv, rays, detail, surface, pattern, constant, blend, "
-                            "levels and channels, one of which says what it is");
+                            "has none of uv, vertex-color, rays, detail, surface, pattern, "
+                            "constant, blend, levels and channels, one of which says what it is");
 }
 
 slv_result slvi_recipe_check_sources(const recipe_reader *r, slv_bake_recipe *recipe) {

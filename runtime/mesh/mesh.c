@@ -180,6 +180,7 @@ static slv_result copy_view(const slv_env *env, slv_mesh *mesh, const slv_mesh_v
     slv_result result = SLV_OK;
     *to = *from;
     if ((result = copy_array(env, mesh, from->positions, from->nverts, 12, &to->positions)) ||
+        (result = copy_array(env, mesh, from->colors, from->nverts, 16, &to->colors)) ||
         (result = copy_array(env, mesh, from->poly_sizes, from->npolys, 4, &to->poly_sizes)) ||
         (result = copy_array(env, mesh, from->poly_verts, nsides, 4, &to->poly_verts)) ||
         (result = copy_array(env, mesh, from->texcoords, from->ntexcoords, 8, &to->texcoords)) ||

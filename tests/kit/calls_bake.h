@@ -55,6 +55,18 @@ static slv_result call_bake_recipe(const slv_env *env) {
     return result;
 }
 
+static slv_result call_bake_colors(const slv_env *env) {
+    static const char obj[] = "v 0 0 0 1 0 0\nv 1 0 0 0 1 0\nv 1 1 0 0 0 1\nf 1 2 3\n";
+    slv_mesh *mesh = NULL;
+    slv_bake_source *source = NULL;
+    slv_result result = slv_mesh_parse_obj(env, "mesh", obj, sizeof obj - 1, &mesh);
+    if (!result)
+        result = slv_bake_from_vertex_colors(env, mesh, SLV_TEXTURE_AUTO, &source);
+    slv_bake_source_destroy(source);
+    slv_mesh_destroy(mesh);
+    return result;
+}
+
 static slv_result call_bake_rays(const slv_env *env) {
     const slv_bake_rays rays = {.samples = 2, .segments = 2};
     slv_bake_source *source = NULL;

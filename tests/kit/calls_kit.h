@@ -545,6 +545,7 @@ static const calls_entry calls_all[] = {
     {"bake", call_bake},
     {"bake_save", call_bake_save},
     {"bake_recipe", call_bake_recipe},
+    {"bake_colors", call_bake_colors},
     {"bake_rays", call_bake_rays},
     {"unbake", call_unbake},
     {"transfer", call_transfer},

@@ -92,6 +92,8 @@ int verb_bake(int argc, char **argv) {
          "an image, PNG or EXR, through the mesh's texture coordinates; <UDIM> in its name stands "
          "for the number of a tile",
          "IMAGE", 0, 0, NULL},
+        {"--vertex-color", CLI_FLAG, &o.vertex_color, "the colours of the mesh's own vertices",
+         NULL, 0, 0, NULL},
         {"--rays", CLI_CHOICE, &o.rays, "what rays find: open sky, where it is, how thick it is",
          names_bake_rays(), 0, 0, &o.rays_given},
         {"--distance", CLI_FLOAT, &o.distance, "what is further away does not count (it all does)",

@@ -15,7 +15,7 @@ typedef struct bake_options {
     bool min_given, surface_given, rays_given, encoding_given, wrap_given, detail_kind_given,
         front_given, back_given;
     bool least_error, no_reductions, reductions_given, scheme_given, max_miss_given, print_recipe,
-        resume, json, progress, quiet;
+        resume, vertex_color, json, progress, quiet;
     int type, scheme, encoding, wrap, pattern, surface, rays, detail_kind, reductions;
 } bake_options;
 

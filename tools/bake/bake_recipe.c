@@ -11,14 +11,14 @@
 
 static int check(const cli_command *command, const bake_options *o) {
     slv_res res;
-    int sources =
-        (o->uv != NULL) + o->pattern_given + o->rays_given + o->surface_given + (o->detail != NULL);
+    int sources = (o->uv != NULL) + o->vertex_color + o->pattern_given + o->rays_given +
+                  o->surface_given + (o->detail != NULL);
     if (o->recipe && sources)
-        return cli_usage(command, "--recipe says what is baked: --uv, --rays, --detail, --surface "
-                                  "and --pattern go without it");
+        return cli_usage(command, "--recipe says what is baked: --uv, --vertex-color, --rays, "
+                                  "--detail, --surface and --pattern go without it");
     if (!o->recipe && sources != 1)
-        return cli_usage(command, "--uv IMAGE, --rays, --detail MESH, --surface, --pattern or "
-                                  "--recipe: one of them says what is baked");
+        return cli_usage(command, "--uv IMAGE, --vertex-color, --rays, --detail MESH, --surface, "
+                                  "--pattern or --recipe: one of them says what is baked");
     if (o->detail_kind_given && !o->detail)
         return cli_usage(command, "--detail-kind: --detail MESH is missing");
     if ((o->front_given && !(o->front > 0)) || (o->back_given && !(o->back > 0)) ||
@@ -78,6 +78,10 @@ static json_t *source_of(const bake_options *o) {
         word(source, o->encoding_given, "texture-encoding",
              slv_texture_encoding_name((slv_texture_encoding)o->encoding));
         word(source, o->wrap_given, "wrap", slv_bake_wrap_name((slv_bake_wrap)o->wrap));
+    } else if (o->vertex_color) {
+        json_object_set_new(source, "vertex-color", json_true());
+        word(source, o->encoding_given, "texture-encoding",
+             slv_texture_encoding_name((slv_texture_encoding)o->encoding));
     } else if (o->detail) {
         word(source, true, "detail", cli_input(o->detail));
         word(source, o->detail_kind_given, "kind",

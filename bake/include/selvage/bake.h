@@ -139,6 +139,16 @@ SLV_NODISCARD SLV_API slv_result slv_bake_from_uv(const slv_env *env, const slv_
                                                   const char *path, const slv_bake_uv *params,
                                                   slv_bake_source **out);
 
+/* The colours of the mesh's vertices (slv_mesh_view), linear over a face's (u,v) as texture
+ * coordinates are: light between vertices, multiplied by alpha. `encoding` says what they are;
+ * AUTO: what the mesh says. uint8 and sRGB, or float where the file's are light. A texel whose
+ * polygon has a vertex without a colour is SLV_BAKE_NAN; a mesh without any is SLV_ERROR_MISMATCH.
+ * `mesh` is not kept. */
+SLV_NODISCARD SLV_API slv_result slv_bake_from_vertex_colors(const slv_env *env,
+                                                             const slv_mesh *mesh,
+                                                             slv_texture_encoding encoding,
+                                                             slv_bake_source **out);
+
 /* A pattern in space, on the limit surface: RGBA, of which the alpha channel is kept where one of
  * its colours is not opaque. Keeps `surface`, which must outlive the source. */
 SLV_NODISCARD SLV_API slv_result slv_bake_from_pattern(const slv_env *env,

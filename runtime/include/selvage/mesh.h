@@ -60,6 +60,11 @@ typedef struct slv_mesh_view {
      * little: there it is the middle. Surfaces, tessellations, cameras and pictures of a mesh are
      * all in the frame that has its zero here. */
     double origin[3];
+    /* Colours of vertices, RGBA from 0 to 1 as the file has them, not multiplied by alpha: 4 *
+     * nverts, or NULL. NaN where a vertex has none. */
+    const float *colors;
+    bool colors_linear; /* they are light, as floats of PLY files; else sRGB */
+    bool colors_alpha;  /* the fourth says something; else it is 1 */
     uint64_t reserved[1];
 } slv_mesh_view;
 
@@ -102,22 +107,24 @@ SLV_NODISCARD SLV_API slv_result slv_mesh_create_cube(const slv_env *env,
 SLV_NODISCARD SLV_API slv_result slv_mesh_load(const slv_env *env, const char *path,
                                                slv_mesh **out);
 /* Reads `size` bytes of a Wavefront OBJ file; `name` stands in messages for the file. v, vt, vn, f
- * (any of the four index forms, negative indices, n-gons), g (a run for each name of the line) and
- * o, and OpenSubdiv's tag lines (t crease, corner, interpolateboundary, hole). Errors name the file
+ * (any of the four index forms, negative indices, n-gons), colours behind the numbers of v (of
+ * three or four, 0 to 1, or whole numbers to 255), g (a run for each name of the line) and o,
+ * and OpenSubdiv's tag lines (t crease, corner, interpolateboundary, hole). Errors name the file
  * and the line. What is left out is told in one warning for each kind: indices of texture
  * coordinates and normals that are not there, faces of fewer than three vertices, unknown
  * statements and tags, and backslashes at the end of comments and names, which join no lines. */
 SLV_NODISCARD SLV_API slv_result slv_mesh_parse_obj(const slv_env *env, const char *name,
                                                     const char *text, size_t size, slv_mesh **out);
 /* The same from a PLY file (Turk 1994), text or binary of either byte order: the element vertex
- * with x, y, z and texture coordinates (s t, u v, texture_u texture_v), and face with
- * vertex_indices or vertex_index. Faces of fewer than three vertices are left out and told in one
- * warning; other elements and properties are passed over; triangle strips are
+ * with x, y, z, texture coordinates (s t, u v, texture_u texture_v) and colours (red green blue
+ * alpha or r g b a, also behind diffuse_; integers are parts of their largest, floats light), and
+ * face with vertex_indices or vertex_index. Faces of fewer than three vertices are left out and
+ * told in one warning; other elements and properties are passed over; triangle strips are
  * SLV_ERROR_UNSUPPORTED. */
 SLV_NODISCARD SLV_API slv_result slv_mesh_parse_ply(const slv_env *env, const char *name,
                                                     const char *bytes, size_t size, slv_mesh **out);
-/* Writes positions, texture coordinates, polygons, groups, creases, corners, holes and boundary
- * rule. Atomic: beside, then rename. */
+/* Writes positions, colours of vertices as sRGB, texture coordinates, polygons, groups, creases,
+ * corners, holes and boundary rule. Atomic: beside, then rename. */
 SLV_NODISCARD SLV_API slv_result slv_mesh_save_obj(const slv_env *env, const slv_mesh *mesh,
                                                    const char *path);
 SLV_API void slv_mesh_destroy(slv_mesh *mesh);

@@ -46,7 +46,10 @@ typedef struct obj {
     uint32_t line; /* where the statement began */
 
     obj_list values[OBJ_KINDS]; /* float, slvi_obj_kind_floats per item */
-    obj_list rests; /* float, 3 per vertex: what its floats lack of the numbers in the file */
+    obj_list rests;  /* float, 3 per vertex: what its floats lack of the numbers in the file */
+    obj_list colors; /* float, 4 per vertex once one has a colour, NaN where there is none */
+    float largest;   /* of all colours */
+    bool alpha, fractions;       /* a colour has four; some are no whole numbers */
     obj_list indices[OBJ_KINDS]; /* int32_t, one per side of a polygon, -1 where there is none */
     obj_list sizes, poly_lines;  /* int32_t and uint32_t per polygon */
     obj_list creases, corners, holes; /* obj_tag */
@@ -80,6 +83,8 @@ bool slvi_obj_begins_statement(slv_scan scan);
 bool slvi_obj_more(obj *o);
 slv_result slvi_obj_fail_joined(const obj *o, const char *what, size_t length, const char *word,
                                 size_t size);
+/* Up to `most` numbers that follow in this statement, until something else does. */
+uint64_t slvi_obj_read_numbers(obj *o, uint64_t most, double *out);
 /* The end of a statement, after up to `most` numbers that have no use here: other words are told
  * of, and those that begin a statement refused. */
 slv_result slvi_obj_end(obj *o, const char *what, uint64_t most);

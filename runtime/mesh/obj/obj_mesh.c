@@ -139,6 +139,15 @@ static slv_result split_groups(const obj *o, const char ***names, int32_t **firs
     return SLV_OK;
 }
 
+/* Some write bytes as they are. */
+static void scale_colors(obj *o) {
+    float *colors = o->colors.items;
+    bool bytes = o->largest > 1 && o->largest <= 255 && !o->fractions;
+    for (uint64_t i = 0; bytes && i < o->colors.count; i++)
+        if (i % 4 < 3 || o->alpha)
+            colors[i] /= 255;
+}
+
 slv_result slvi_obj_make_mesh(obj *o, slv_mesh **out) {
     slv_result result = SLV_OK;
     int32_t *crease_verts = NULL, *corner_verts = NULL, *hole_polys = NULL;
@@ -160,6 +169,7 @@ slv_result slvi_obj_make_mesh(obj *o, slv_mesh **out) {
         (result = split_groups(o, &names, &group_first, &group_count)))
         goto done;
     tell_all(o);
+    scale_colors(o);
     double origin[3];
     if (slvi_mesh_find_origin(o->values[OBJ_VERTEX].items, o->indices[OBJ_VERTEX].items,
                               o->indices[OBJ_VERTEX].count, origin))
@@ -190,6 +200,8 @@ slv_result slvi_obj_make_mesh(obj *o, slv_mesh **out) {
         .group_first = group_first,
         .group_count = group_count,
         .origin = {origin[0], origin[1], origin[2]},
+        .colors = o->colors.count ? o->colors.items : NULL,
+        .colors_alpha = o->alpha,
     };
     result = slv_mesh_create(o->env, &view, out);
 done:

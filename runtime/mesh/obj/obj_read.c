@@ -5,6 +5,7 @@
 
 #include <selvage/file.h>
 
+#include <math.h>
 #include <string.h>
 #include <strings.h>
 
@@ -12,10 +13,33 @@ static const char *const kind_names[OBJ_KINDS] = {"vertex", "texture", "normal"}
 
 static const char *const keywords[OBJ_KINDS] = {"v", "vt", "vn"};
 
+/* The colour of the vertex that is being read, `count` numbers of it; the first vertex that has one
+ * also says that those before it have none. */
+static slv_result add_color(obj *o, const double *numbers, uint64_t count) {
+    uint64_t vertex = slvi_obj_count(o, OBJ_VERTEX);
+    float color[4] = {NAN, NAN, NAN, NAN};
+    slv_result result = SLV_OK;
+    while (!result && o->colors.count / 4 < vertex)
+        result = slvi_obj_append(o, &o->colors, color, 4, sizeof *color);
+    for (uint64_t c = 0; count && c < 4; c++)
+        color[c] = c < count ? (float)numbers[c] : 1;
+    for (uint64_t c = 0; c < count; c++) {
+        o->largest = fmaxf(o->largest, color[c]);
+        o->fractions |= color[c] != floorf(color[c]);
+    }
+    o->alpha |= count == 4;
+    return result ? result : slvi_obj_append(o, &o->colors, color, 4, sizeof *color);
+}
+
 /* A vertex may have a weight, a colour of three or four, or both; texture coordinates a depth. */
-static slv_result end_values(obj *o, int kind) {
+static slv_result read_rest(obj *o, int kind) {
     static const uint64_t most[OBJ_KINDS] = {5, 1, 0};
-    return slvi_obj_end(o, keywords[kind], most[kind]);
+    double numbers[5];
+    uint64_t count = slvi_obj_read_numbers(o, most[kind], numbers), weight = count == 5;
+    slv_result result = SLV_OK;
+    if (kind == OBJ_VERTEX && (count >= 3 || o->colors.count))
+        result = add_color(o, numbers + weight, count >= 3 ? count - weight : 0);
+    return result ? result : slvi_obj_end(o, keywords[kind], 0);
 }
 
 /* What printf makes of numbers that are none. */
@@ -51,7 +75,7 @@ static slv_result read_value(obj *o, int kind) {
         values[i] = (float)value;
         rests[i] = (float)(value - (double)values[i]);
     }
-    if ((result = end_values(o, kind)) ||
+    if ((result = read_rest(o, kind)) ||
         (kind == OBJ_VERTEX && (result = slvi_obj_append(o, &o->rests, rests, 3, sizeof *rests))))
         return result;
     return slvi_obj_append(o, &o->values[kind], values, slvi_obj_kind_floats[kind], sizeof *values);
@@ -290,8 +314,8 @@ static slv_result parse(const slv_env *env, const char *name, const char *text, 
     }
     if (!result)
         result = slvi_obj_make_mesh(&o, out);
-    obj_list *lists[] = {&o.rests,   &o.sizes, &o.poly_lines, &o.creases,
-                         &o.corners, &o.holes, &o.groups,     &o.letters};
+    obj_list *lists[] = {&o.rests,   &o.colors, &o.sizes,  &o.poly_lines, &o.creases,
+                         &o.corners, &o.holes,  &o.groups, &o.letters};
     for (size_t i = 0; i < sizeof lists / sizeof *lists; i++)
         slvi_free(lists[i]->items);
     for (int kind = 0; kind < OBJ_KINDS; kind++) {

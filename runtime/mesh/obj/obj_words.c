@@ -125,6 +125,18 @@ slv_result slvi_obj_fail_joined(const obj *o, const char *what, size_t length, c
                          (int)length, what, (int)size, word);
 }
 
+uint64_t slvi_obj_read_numbers(obj *o, uint64_t most, double *out) {
+    uint64_t count = 0;
+    while (count < most && slvi_obj_more(o)) {
+        slv_scan scan = o->scan;
+        if (!slvi_scan_double(&scan, &out[count]) || !slvi_scan_at_break(&scan))
+            break;
+        o->scan = scan;
+        count++;
+    }
+    return count;
+}
+
 slv_result slvi_obj_end(obj *o, const char *what, uint64_t most) {
     while (slvi_obj_more(o)) {
         slv_scan word = o->scan;

@@ -7,6 +7,7 @@
 
 #include <inttypes.h>
 #include <locale.h>
+#include <math.h>
 #include <stdio.h>
 #include <string.h>
 
@@ -51,6 +52,18 @@ static void write_groups(FILE *stream, const slv_mesh_view *view, uint32_t poly,
     fputc('\n', stream);
 }
 
+/* Behind a position, where programs look for it. */
+static void write_color(FILE *stream, const slv_mesh_view *view, uint32_t vertex) {
+    const float *color = view->colors ? view->colors + 4 * (size_t)vertex : NULL;
+    for (int c = 0; color && !isnan(color[0]) && c < (view->colors_alpha ? 4 : 3); c++) {
+        bool curved = view->colors_linear && c < 3;
+        double x = (double)color[c];
+        if (curved)
+            x = x <= 0.0031308 ? 12.92 * x : 1.055 * pow(x, 1 / 2.4) - 0.055;
+        fprintf(stream, " %.9g", x);
+    }
+}
+
 /* The decimal point is the locale's otherwise; nine digits give back the same float. */
 static void write_mesh(FILE *stream, const slv_mesh *mesh, uint32_t *open) {
     const slv_mesh_view *view = &mesh->view;
@@ -61,7 +74,9 @@ static void write_mesh(FILE *stream, const slv_mesh *mesh, uint32_t *open) {
         const float *p = view->positions + 3 * (size_t)v;
         double x = (double)p[0] + view->origin[0], y = (double)p[1] + view->origin[1],
                z = (double)p[2] + view->origin[2];
-        fprintf(stream, "v %.*g %.*g %.*g\n", digits, x, digits, y, digits, z);
+        fprintf(stream, "v %.*g %.*g %.*g", digits, x, digits, y, digits, z);
+        write_color(stream, view, v);
+        fputc('\n', stream);
     }
     for (uint32_t i = 0; i < view->ntexcoords; i++)
         fprintf(stream, "vt %.9g %.9g\n", (double)view->texcoords[2 * (size_t)i],

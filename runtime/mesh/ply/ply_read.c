@@ -1,4 +1,5 @@
-/* The elements of a PLY file: vertices with their positions and texture coordinates, and faces. All
+/* The elements of a PLY file: vertices with their positions, texture coordinates and
+ * colours, and faces. All
  * others are passed over. */
 #include "mesh/ply/ply_header.h"
 
@@ -13,7 +14,7 @@
 #include <string.h>
 
 /* What a vertex has; positions are required. */
-enum { PLY_X, PLY_Y, PLY_Z, PLY_U, PLY_V, PLY_VALUES };
+enum { PLY_X, PLY_Y, PLY_Z, PLY_U, PLY_V, PLY_RED, PLY_GREEN, PLY_BLUE, PLY_ALPHA, PLY_VALUES };
 
 typedef struct ply {
     const slv_env *env;
@@ -21,8 +22,9 @@ typedef struct ply {
     ply_header header;
     slv_scan scan;
     float *positions, *rests, *texcoords; /* rests: what positions lack of the file's numbers */
+    float *colors;
     uint32_t nverts;
-    bool has_texcoords;
+    bool has_texcoords, has_colors, has_alpha, light;
     int32_t *sizes, *verts;
     uint64_t npolys, nsides, polys_room, sides_room;
     uint64_t skipped, first_skipped; /* faces of fewer than three vertices */
@@ -115,8 +117,15 @@ static bool skip_property(ply *p, const ply_property *property) {
 }
 
 static int value_of(const char *name) {
-    static const char *const names[PLY_VALUES][4] = {
-        {"x"}, {"y"}, {"z"}, {"s", "u", "texture_u", "tx"}, {"t", "v", "texture_v", "ty"}};
+    static const char *const names[PLY_VALUES][4] = {{"x"},
+                                                     {"y"},
+                                                     {"z"},
+                                                     {"s", "u", "texture_u", "tx"},
+                                                     {"t", "v", "texture_v", "ty"},
+                                                     {"red", "r", "diffuse_red"},
+                                                     {"green", "g", "diffuse_green"},
+                                                     {"blue", "b", "diffuse_blue"},
+                                                     {"alpha", "a", "diffuse_alpha"}};
     for (int value = 0; value < PLY_VALUES; value++)
         for (int i = 0; i < 4 && names[value][i]; i++)
             if (strcmp(name, names[value][i]) == 0)
@@ -124,7 +133,21 @@ static int value_of(const char *name) {
     return -1;
 }
 
-static slv_result read_vertices(ply *p, const ply_element *element) {
+/* Integers are parts of their largest. */
+static double scale_of(ply_type type) {
+    static const double largest[] = {127, 255, 32767, 65535, 2147483647, 4294967295, 1, 1};
+    return 1 / largest[type];
+}
+
+/* What is wanted of what a vertex has, as an entry of PLY_VALUES; -1: nothing. */
+static int wanted(const ply *p, const ply_property *property) {
+    int value = property->is_list ? -1 : value_of(property->name);
+    if (value >= PLY_RED)
+        return p->has_colors && (value < PLY_ALPHA || p->has_alpha) ? value : -1;
+    return value <= PLY_Z || p->has_texcoords ? value : -1;
+}
+
+static slv_result begin_vertices(ply *p, const ply_element *element) {
     const ply_property *properties = p->header.properties + element->first;
     bool has[PLY_VALUES] = {false};
     slv_result result;
@@ -132,6 +155,7 @@ static slv_result read_vertices(ply *p, const ply_element *element) {
         int value = properties[i].is_list ? -1 : value_of(properties[i].name);
         if (value >= 0)
             has[value] = true;
+        p->light |= value == PLY_RED && properties[i].type >= PLY_FLOAT;
     }
     if (!has[PLY_X] || !has[PLY_Y] || !has[PLY_Z])
         return slvi_fail(p->env, SLV_ERROR_FORMAT, "%s: vertices without x, y and z", p->name);
@@ -142,19 +166,30 @@ static slv_result read_vertices(ply *p, const ply_element *element) {
                          p->positions ? " more" : ", for which the file is too short");
     p->nverts = (uint32_t)element->count;
     p->has_texcoords = has[PLY_U] && has[PLY_V];
+    p->has_colors = has[PLY_RED] && has[PLY_GREEN] && has[PLY_BLUE];
+    p->has_alpha = p->has_colors && has[PLY_ALPHA];
     if ((result = slvi_alloc(p->env, p->name, p->nverts, 3 * sizeof(float), &p->positions)) ||
         (result = slvi_alloc(p->env, p->name, p->nverts, 3 * sizeof(float), &p->rests)) ||
-        (result = slvi_alloc(p->env, p->name, p->has_texcoords ? p->nverts : 0, 2 * sizeof(float),
-                             &p->texcoords)))
+        (result = slvi_alloc(p->env, p->name, p->has_colors ? p->nverts : 0, 4 * sizeof(float),
+                             &p->colors)))
         return result;
-    for (uint64_t vertex = 0; vertex < p->nverts; vertex++) {
+    return slvi_alloc(p->env, p->name, p->has_texcoords ? p->nverts : 0, 2 * sizeof(float),
+                      &p->texcoords);
+}
+
+static slv_result read_vertices(ply *p, const ply_element *element) {
+    const ply_property *properties = p->header.properties + element->first;
+    slv_result result = begin_vertices(p, element);
+    for (uint64_t vertex = 0; vertex < p->nverts && !result; vertex++) {
         double values[PLY_VALUES] = {0};
+        values[PLY_ALPHA] = 1;
         for (uint32_t i = 0; i < element->nproperties; i++) {
-            int value = properties[i].is_list ? -1 : value_of(properties[i].name);
-            bool wanted = value >= 0 && (value <= PLY_Z || p->has_texcoords);
-            if (wanted ? !read_number(p, properties[i].type, &values[value])
-                       : !skip_property(p, &properties[i]))
+            int value = wanted(p, &properties[i]);
+            if (value >= 0 ? !read_number(p, properties[i].type, &values[value])
+                           : !skip_property(p, &properties[i]))
                 return cut_short(p, element, vertex);
+            if (value >= PLY_RED)
+                values[value] *= scale_of(properties[i].type);
         }
         for (int c = 0; c < 3; c++) {
             float position = (float)values[c];
@@ -169,8 +204,10 @@ static slv_result read_vertices(ply *p, const ply_element *element) {
             /* nothing here needs them, so that they are no reason to refuse the mesh */
             p->texcoords[2 * vertex + (uint64_t)c] = isfinite(coordinate) ? coordinate : 0;
         }
+        for (int c = 0; p->has_colors && c < 4; c++)
+            p->colors[4 * vertex + (uint64_t)c] = (float)values[PLY_RED + c];
     }
-    return SLV_OK;
+    return result;
 }
 
 static bool is_indices(const ply_property *property) {
@@ -295,7 +332,10 @@ static slv_result make_mesh(const ply *p, slv_mesh **out) {
                           .poly_verts = p->verts,
                           .ntexcoords = p->has_texcoords ? p->nverts : 0,
                           .texcoords = p->texcoords,
-                          .poly_texcoords = p->has_texcoords ? p->verts : NULL};
+                          .poly_texcoords = p->has_texcoords ? p->verts : NULL,
+                          .colors = p->has_colors ? p->colors : NULL,
+                          .colors_linear = p->light,
+                          .colors_alpha = p->has_alpha};
     return slv_mesh_create(p->env, &view, out);
 }
 
@@ -312,6 +352,7 @@ static slv_result parse(const slv_env *env, const char *name, const char *bytes,
     slvi_free(p.positions);
     slvi_free(p.rests);
     slvi_free(p.texcoords);
+    slvi_free(p.colors);
     slvi_free(p.sizes);
     slvi_free(p.verts);
     return result;

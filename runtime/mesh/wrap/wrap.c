@@ -203,12 +203,13 @@ static void judge(const slvi_weld *w, const int32_t *poly_from, const int32_t *h
 
 /* Arrays of the result that are neither the input's nor the weld's. */
 typedef struct rest {
-    float *positions, *sharpness;
+    float *positions, *colors, *sharpness;
     int32_t *creases, *corners, *holes, *first, *count, *poly_from;
 } rest;
 
 static void rest_free(rest *r) {
     slvi_free(r->positions);
+    slvi_free(r->colors);
     slvi_free(r->sharpness);
     slvi_free(r->creases);
     slvi_free(r->corners);
@@ -222,6 +223,8 @@ static slv_result rest_make(const slv_env *env, const slv_mesh_view *from, const
                             slv_mesh_view *view, rest *r) {
     slv_result result;
     if ((result = slvi_alloc(env, "vertices", w->nverts, 3 * sizeof(float), &r->positions)) ||
+        (result = slvi_alloc(env, "vertices", from->colors ? w->nverts : 0, 4 * sizeof(float),
+                             &r->colors)) ||
         (result = slvi_alloc(env, "creases", from->ncreases, 2 * sizeof(int32_t), &r->creases)) ||
         (result = slvi_alloc(env, "creases", from->ncreases, sizeof(float), &r->sharpness)) ||
         (result = slvi_alloc(env, "corners", from->ncorners, sizeof(int32_t), &r->corners)) ||
@@ -233,6 +236,8 @@ static slv_result rest_make(const slv_env *env, const slv_mesh_view *from, const
     for (uint32_t v = 0; v < w->nverts; v++)
         memcpy(r->positions + 3 * (size_t)v, from->positions + 3 * (size_t)w->from[v],
                3 * sizeof(float));
+    for (uint32_t v = 0; from->colors && v < w->nverts; v++)
+        memcpy(r->colors + 4 * (size_t)v, from->colors + 4 * (size_t)w->from[v], 4 * sizeof(float));
     view->ncreases = view->nholes = 0;
     for (uint32_t i = 0; i < from->ncreases; i++) {
         int32_t a = w->to[from->crease_verts[2 * i]], b = w->to[from->crease_verts[2 * i + 1]];
@@ -266,6 +271,7 @@ static slv_result rest_make(const slv_env *env, const slv_mesh_view *from, const
         r->count[g] = (end < from->npolys ? w->poly[end] : (int32_t)w->npolys) - r->first[g];
     }
     view->positions = r->positions;
+    view->colors = from->colors ? r->colors : NULL;
     view->crease_verts = r->creases;
     view->crease_sharpness = r->sharpness;
     view->corner_verts = r->corners;
