@@ -98,9 +98,24 @@ static void mix(const mixing *m, const float *texel, float *out) {
             out[c - m->first] = mixed[n++];
 }
 
+/* Normal blending, as nearly all paint is: what put() comes to. */
+static void put_normal(const mixing *m, float amount, float *texel) {
+    float below = m->alpha >= 0 ? texel[m->alpha] : 1;
+    float result = m->paint->lock_alpha ? below : amount + below * (1 - amount);
+    float share = m->paint->lock_alpha || below == 1 ? amount : result > 0 ? amount / result : 0;
+    for (uint32_t c = m->first; c < m->end; c++)
+        texel[c] += share * (m->paint->color[c - m->first] - texel[c]);
+    if (m->alpha >= 0)
+        texel[m->alpha] = result;
+}
+
 static void put(const mixing *m, float amount, float *texel) {
     const slv_paint *paint = m->paint;
     float mixed[SLV_PAINT_CHANNELS], below = m->alpha >= 0 ? texel[m->alpha] : 1, above = amount;
+    if (paint->blend == SLV_BLEND_NORMAL) {
+        put_normal(m, amount, texel);
+        return;
+    }
     if (paint->blend == SLV_BLEND_REPLACE) {
         for (uint32_t c = m->first; c < m->end; c++)
             if (!paint->lock_alpha || (int32_t)c != m->alpha)

@@ -33,9 +33,9 @@ static double bend(const slv_paint_surface *s, uint32_t face, unsigned edge, uin
         int32_t x, y;
         slvi_edge_texel((int32_t)n, (int32_t)n, edge, (int32_t)j, 0, &x, &y);
         uint32_t cell = s->first[face] + (uint32_t)y * n + (uint32_t)x,
-                 beyond = s->across[4 * (size_t)cell + edge];
+                 beyond = s->cells[cell].across[edge];
         double a[3], b[3];
-        if (beyond == SLVI_NONE || s->cell_face[beyond >> 2] != to)
+        if (beyond == SLVI_NONE || s->cells[beyond >> 2].face != to)
             continue;
         slvi_tri_normal(s, 2 * cell + (edge > 1), a);
         slvi_tri_normal(s, 2 * (beyond >> 2) + ((beyond & 3) > 1), b);

@@ -102,7 +102,7 @@ static bool find_tri_texels(const slv_painter *p, const void *user, uint32_t tri
                             slvi_cell_texels *out) {
     const slv_paint_surface *s = p->surface;
     const brush_shape *b = user;
-    uint32_t face = s->cell_face[tri / 2], n = s->segments[face], local = tri / 2 - s->first[face];
+    uint32_t face = s->cells[tri / 2].face, n = s->segments[face], local = tri / 2 - s->first[face];
     double extent[4];
     *out = slvi_find_cell_texels(n, local, b->res[face]);
     uint64_t count = (uint64_t)(out->x1 - out->x0) * (out->y1 - out->y0);

@@ -34,7 +34,7 @@ static slv_result make(const slv_paint_surface *s, struct slvi_rays *rays) {
         return result;
     /* Embree splits a quad between its second and fourth vertex. */
     for (size_t i = 0; i < 4 * (size_t)s->ncells; i++)
-        rays->quads[i] = s->corners[(i & ~(size_t)3) + ((i + 1) & 3)];
+        rays->quads[i] = s->cells[i / 4].corners[(i + 1) & 3];
     if (!(rays->device = rtcNewDevice("threads=1")))
         return embree_result(&s->env, NULL);
     rays->scene = rtcNewScene(rays->device);

@@ -4,13 +4,13 @@
 #include "base/log.h"
 #include "base/memory.h"
 
+#include <string.h>
+
 /* From how many texels on work is shared out. */
 #define SHARED_TEXELS 32768
 
-slv_result slvi_painter_room(slv_painter *p, uint64_t count, uint64_t size, void *memory,
+slv_result slvi_painter_grow(slv_painter *p, uint64_t count, uint64_t size, void *memory,
                              uint64_t *room) {
-    if (count <= *room)
-        return SLV_OK;
     uint64_t wanted = count + count / 2 + 64;
     slv_result result = slvi_grow(&p->env, "painter", wanted, size, memory);
     if (!result)
@@ -46,8 +46,9 @@ void slv_painter_destroy(slv_painter *painter) {
         painter->end_blur(painter->blur);
     slvi_free(painter->vertices);
     slvi_free(painter->tri_round);
-    slvi_free(painter->heap);
+    slvi_free(painter->queue.list);
     slvi_free(painter->touched);
+    slvi_free(painter->sorted);
     slvi_free(painter->patches);
     slvi_free(painter->parts);
     slvi_free(painter->coverage);
@@ -107,17 +108,32 @@ slvi_profile slvi_profile_make(double radius, double hardness, double edge, doub
     return f;
 }
 
-/* Shell's sort with Ciura's gaps: lists are short, or nearly in order. */
-static void sort_numbers(uint32_t *list, uint32_t count) {
-    static const uint32_t gaps[] = {463792, 206130, 91613, 40717, 18096, 8043, 3575, 1589,
-                                    701,    301,    132,   57,    23,    10,   4,    1};
-    for (size_t g = 0; g < sizeof gaps / sizeof *gaps; g++)
-        for (uint32_t i = gaps[g]; i < count; i++) {
-            uint32_t one = list[i], j = i;
-            for (; j >= gaps[g] && list[j - gaps[g]] > one; j -= gaps[g])
-                list[j] = list[j - gaps[g]];
-            list[j] = one;
+/* Sorts the touched triangles by as many of their digits of 11 bits as there are. */
+static slv_result sort_touched(slv_painter *p) {
+    enum { BITS = 11, DIGITS = 1 << BITS };
+    uint32_t counts[DIGITS], all = 0, n = p->ntouched;
+    slv_result result = slvi_painter_room(p, n, sizeof *p->sorted, &p->sorted, &p->sorted_room);
+    for (uint32_t i = 0; i < n; i++)
+        all |= p->touched[i];
+    for (int shift = 0; !result && shift < 32 && all >> shift; shift += BITS) {
+        memset(counts, 0, sizeof counts);
+        for (uint32_t i = 0; i < n; i++)
+            counts[p->touched[i] >> shift & (DIGITS - 1)]++;
+        for (uint32_t k = 0, sum = 0; k < DIGITS; k++) {
+            uint32_t count = counts[k];
+            counts[k] = sum;
+            sum += count;
         }
+        for (uint32_t i = 0; i < n; i++)
+            p->sorted[counts[p->touched[i] >> shift & (DIGITS - 1)]++] = p->touched[i];
+        uint32_t *list = p->touched;
+        uint64_t room = p->touched_room;
+        p->touched = p->sorted;
+        p->touched_room = p->sorted_room;
+        p->sorted = list;
+        p->sorted_room = room;
+    }
+    return result;
 }
 
 /* Of the touched triangles, which are sorted, those of one face make a patch, unless none of their
@@ -125,7 +141,7 @@ static void sort_numbers(uint32_t *list, uint32_t count) {
 static slv_result add_patch(slv_painter *p, const slv_res *res, slvi_texels_fn fn, const void *user,
                             slvi_part part, slv_patches *out) {
     const slv_paint_surface *s = p->surface;
-    uint32_t face = s->cell_face[p->touched[part.first] / 2];
+    uint32_t face = s->cells[p->touched[part.first] / 2].face;
     slvi_cell_texels all = {UINT32_MAX, 0, UINT32_MAX, 0};
     for (uint32_t i = part.first; i < part.first + part.count; i++) {
         slvi_cell_texels t;
@@ -157,17 +173,18 @@ static slv_result add_patch(slv_painter *p, const slv_res *res, slvi_texels_fn f
 slv_result slvi_painter_gather(slv_painter *p, const slv_res *res, slvi_texels_fn fn,
                                const void *user, slv_patches *out) {
     const slv_paint_surface *s = p->surface;
-    sort_numbers(p->touched, p->ntouched);
+    slv_result result = sort_touched(p);
+    if (result)
+        return result;
     for (uint32_t first = 0, end; first < p->ntouched; first = end) {
-        uint32_t face = s->cell_face[p->touched[first] / 2];
+        uint32_t face = s->cells[p->touched[first] / 2].face;
         for (end = first; end < p->ntouched && p->touched[end] / 2 < s->first[face + 1];)
             end++;
         const slvi_part part = {.first = first, .count = end - first};
-        slv_result result = add_patch(p, res, fn, user, part, out);
-        if (result)
+        if ((result = add_patch(p, res, fn, user, part, out)))
             return result;
     }
-    slv_result result =
+    result =
         slvi_painter_room(p, out->ntexels, sizeof *p->coverage, &p->coverage, &p->coverage_room);
     for (uint32_t i = 0; i < out->count && !result; i++)
         p->patches[i].coverage = p->coverage + p->parts[i].texel;

@@ -13,11 +13,25 @@ typedef struct slvi_front_vertex {
     uint32_t round;
 } slvi_front_vertex;
 
-/* A crossing that is to be made: over an edge of a triangle, the nearest first. */
+/* A crossing that is to be made: into a triangle over one of its edges. */
 typedef struct slvi_crossing {
-    float key;
-    uint32_t side; /* 4 * the triangle + its edge */
+    uint32_t over; /* 4 * the triangle + its edge */
+    uint32_t next; /* of the same bucket; SLVI_NONE: the last */
 } slvi_crossing;
+
+/* Crossings by their distance in equal parts of the reach, first in, first out: all that are nearly
+ * as near are taken in the order in which they came. What this order changes is mended, since a
+ * vertex that becomes nearer is gone on from anew. */
+enum { SLVI_BUCKETS = 1024 };
+typedef struct slvi_queue {
+    slvi_crossing *list;
+    uint64_t room;
+    uint32_t used, unused; /* so many of the list; the first that is free */
+    uint32_t first[SLVI_BUCKETS], last[SLVI_BUCKETS];
+    uint32_t at;      /* the bucket that is being emptied */
+    uint32_t waiting; /* crossings */
+    float scale;      /* buckets for a unit of length */
+} slvi_queue;
 
 /* A face under a dab, and which of the touched cells lie in it. */
 typedef struct slvi_part {
@@ -35,12 +49,12 @@ struct slv_painter {
     slvi_front_vertex *vertices;
     uint32_t *tri_round; /* per triangle: the round in which it was touched */
     uint32_t round;
-    slvi_crossing *heap;
-    uint32_t nheap;
-    uint64_t heap_room;
+    slvi_queue queue;
     uint32_t *touched; /* triangles */
     uint32_t ntouched;
     uint64_t touched_room;
+    uint32_t *sorted; /* as they are sorted */
+    uint64_t sorted_room;
     slv_patch *patches;
     slvi_part *parts;
     uint64_t patch_room;
@@ -55,8 +69,12 @@ struct slv_painter {
 };
 
 /* Makes room for `count` elements, and for more than that, so that it is seldom asked again. */
-slv_result slvi_painter_room(slv_painter *p, uint64_t count, uint64_t size, void *memory,
+slv_result slvi_painter_grow(slv_painter *p, uint64_t count, uint64_t size, void *memory,
                              uint64_t *room);
+static inline slv_result slvi_painter_room(slv_painter *p, uint64_t count, uint64_t size,
+                                           void *memory, uint64_t *room) {
+    return count <= *room ? SLV_OK : slvi_painter_grow(p, count, size, memory, room);
+}
 
 const slv_env *slvi_painter_env(const slv_painter *p);
 
@@ -74,7 +92,15 @@ slv_result slvi_painter_spread(slv_painter *p, slv_surface_point from, const flo
                                const slvi_reach *reach);
 
 /* A triangle is touched in this round, and listed. */
-slv_result slvi_painter_touch(slv_painter *p, uint32_t tri);
+static inline slv_result slvi_painter_touch(slv_painter *p, uint32_t tri) {
+    slv_result result = slvi_painter_room(p, (uint64_t)p->ntouched + 1, sizeof *p->touched,
+                                          &p->touched, &p->touched_room);
+    if (result)
+        return result;
+    p->tri_round[tri] = p->round;
+    p->touched[p->ntouched++] = tri;
+    return SLV_OK;
+}
 
 /* A new round, in which nothing has been touched. */
 void slvi_painter_begin_round(slv_painter *p);

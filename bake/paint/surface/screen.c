@@ -158,7 +158,7 @@ static float look_at(const slv_painter *p, const view *v, uint32_t tri, double x
 static bool cell_texels(const slv_painter *p, const void *user, uint32_t tri,
                         slvi_cell_texels *out) {
     const slv_res *res = user;
-    uint32_t face = p->surface->cell_face[tri / 2];
+    uint32_t face = p->surface->cells[tri / 2].face;
     *out = slvi_find_cell_texels(p->surface->segments[face], tri / 2 - p->surface->first[face],
                                  res[face]);
     return true;

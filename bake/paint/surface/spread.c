@@ -10,41 +10,60 @@
 
 #include <string.h>
 
-static bool before(const slvi_crossing *a, const slvi_crossing *b) {
-    return a->key != b->key ? a->key < b->key : a->side < b->side;
+/* Where the place that the distances of a and b are from lies, b being at (l, 0) and a at (0, 0):
+ * x along the edge and y behind it. */
+static void find_source(double a, double b, double l, double *x, double *y) {
+    *x = l > 0 ? (a * a - b * b + l * l) / (2 * l) : 0;
+    *y = sqrt(fmax(a * a - *x * *x, 0));
 }
 
-static void sift_up(slvi_crossing *heap, uint32_t i) {
-    slvi_crossing one = heap[i];
-    for (; i && before(&one, &heap[(i - 1) / 2]); i = (i - 1) / 2)
-        heap[i] = heap[(i - 1) / 2];
-    heap[i] = one;
+static void begin_queue(slvi_queue *q, float reach) {
+    memset(q->first, 0xff, sizeof q->first);
+    q->used = q->at = q->waiting = 0;
+    q->unused = SLVI_NONE;
+    q->scale = SLVI_BUCKETS / reach;
 }
 
-static slvi_crossing take_nearest(slv_painter *p) {
-    slvi_crossing *heap = p->heap, top = heap[0], last = heap[--p->nheap];
-    uint32_t i = 0;
-    for (uint32_t child; (child = 2 * i + 1) < p->nheap; i = child) {
-        child += child + 1 < p->nheap && before(&heap[child + 1], &heap[child]);
-        if (!before(&heap[child], &last))
-            break;
-        heap[i] = heap[child];
+static slv_result push(slv_painter *p, float key, uint32_t over) {
+    slvi_queue *q = &p->queue;
+    float place = key * q->scale;
+    uint32_t bucket = place < SLVI_BUCKETS - 1 ? (uint32_t)place : SLVI_BUCKETS - 1, i = q->unused;
+    bucket = bucket > q->at ? bucket : q->at;
+    if (i != SLVI_NONE) {
+        q->unused = q->list[i].next;
+    } else {
+        slv_result result =
+            slvi_painter_room(p, (uint64_t)q->used + 1, sizeof *q->list, &q->list, &q->room);
+        if (result)
+            return result;
+        i = q->used++;
     }
-    heap[i] = last;
-    return top;
+    q->list[i] = (slvi_crossing){over, SLVI_NONE};
+    if (q->first[bucket] == SLVI_NONE)
+        q->first[bucket] = i;
+    else
+        q->list[q->last[bucket]].next = i;
+    q->last[bucket] = i;
+    q->waiting++;
+    return SLV_OK;
+}
+
+/* There is one. */
+static uint32_t take_nearest(slvi_queue *q) {
+    while (q->first[q->at] == SLVI_NONE)
+        q->at++;
+    uint32_t i = q->first[q->at];
+    q->first[q->at] = q->list[i].next;
+    q->list[i].next = q->unused;
+    q->unused = i;
+    q->waiting--;
+    return q->list[i].over;
 }
 
 float slvi_reach_into(const slv_painter *p, const slvi_reach *reach, uint32_t face) {
     if (!reach->res)
         return reach->least;
     return fmaxf(reach->least, 0.75f * slvi_texel_length(p->surface, face, reach->res[face]));
-}
-
-/* Where the place that the distances of a and b are from lies, b being at (l, 0) and a at (0, 0):
- * x along the edge and y behind it. */
-static void find_source(double a, double b, double l, double *x, double *y) {
-    *x = l > 0 ? (a * a - b * b + l * l) / (2 * l) : 0;
-    *y = sqrt(fmax(a * a - *x * *x, 0));
 }
 
 /* The least distance of a point of an edge that is beyond `reach` at both ends. */
@@ -54,53 +73,43 @@ static double edge_distance(double a, double b, double l) {
     return x > 0 && x < l ? y : fmin(a, b);
 }
 
-/* Puts an edge among those that are to be crossed, by its nearer end, unless it is out of reach. */
-static slv_result push_edge(slv_painter *p, uint32_t tri, unsigned edge, const slvi_reach *reach) {
-    const slv_paint_surface *s = p->surface;
-    double a = p->vertices[slvi_tri_vertex(s, tri, edge)].distance,
-           b = p->vertices[slvi_tri_vertex(s, tri, (edge + 1) % 3)].distance, key = fmin(a, b);
-    uint32_t to;
-    unsigned by;
-    if (!slvi_tri_across(s, tri, edge, &to, &by))
-        return SLV_OK;
-    if (!(key <= (double)reach->least)) {
-        key = edge_distance(a, b, slvi_tri_length(s, tri, edge));
-        if (!(key <= (double)slvi_reach_into(p, reach, s->cell_face[to / 2])))
-            return SLV_OK;
-    }
-    slv_result result =
-        slvi_painter_room(p, (uint64_t)p->nheap + 1, sizeof *p->heap, &p->heap, &p->heap_room);
-    if (result)
-        return result;
-    p->heap[p->nheap] = (slvi_crossing){(float)key, 4 * tri + edge};
-    sift_up(p->heap, p->nheap++);
-    return SLV_OK;
-}
-
-/* The vertex opposite of edge `by` of a triangle, unfolded over it. */
-static slvi_front_vertex unfold(const slv_painter *p, uint32_t tri, unsigned by, bool places) {
+/* The distance of the vertex opposite of edge `by` of a triangle, unfolded over it; `at` (may be
+ * NULL) becomes where it lies, as seen from the edge. */
+static double unfold_distance(const slv_painter *p, uint32_t tri, unsigned by, double at[2]) {
     const slv_paint_surface *s = p->surface;
     uint32_t va = slvi_tri_vertex(s, tri, by), vb = slvi_tri_vertex(s, tri, (by + 1) % 3);
-    const slvi_front_vertex *a = &p->vertices[va], *b = &p->vertices[vb];
+    double a = p->vertices[va].distance, b = p->vertices[vb].distance;
     double l = slvi_tri_length(s, tri, by), ac = slvi_tri_length(s, tri, (by + 2) % 3),
            bc = slvi_tri_length(s, tri, (by + 1) % 3);
     double sx, sy, cx, cy;
-    slvi_front_vertex c = {.round = p->round};
-    find_source(a->distance, b->distance, l, &sx, &sy);
+    find_source(a, b, l, &sx, &sy);
     find_source(ac, bc, l, &cx, &cy);
     double dx = cx - sx, dy = cy + sy, leads = sx * dy + dx * sy; /* dy times where it crosses */
-    c.distance = sqrt(dx * dx + dy * dy);
+    if (at) {
+        at[0] = cx;
+        at[1] = cy;
+    }
     if ((leads < 0 && s->bent[va]) || !(l > 0))
-        c.distance = a->distance + ac; /* around the corner */
-    else if (leads > l * dy && s->bent[vb])
-        c.distance = b->distance + bc;
+        return a + ac; /* around the corner */
+    if (leads > l * dy && s->bent[vb])
+        return b + bc;
+    return sqrt(dx * dx + dy * dy);
+}
+
+/* The vertex opposite of edge `by`. */
+static slvi_front_vertex unfold(const slv_painter *p, uint32_t tri, unsigned by, bool places) {
+    const slv_paint_surface *s = p->surface;
+    const slvi_front_vertex *a = &p->vertices[slvi_tri_vertex(s, tri, by)],
+                            *b = &p->vertices[slvi_tri_vertex(s, tri, (by + 1) % 3)];
+    double at[2];
+    slvi_front_vertex c = {.distance = unfold_distance(p, tri, by, at), .round = p->round};
     if (!places)
         return c;
     double ex = (double)b->x - (double)a->x, ey = (double)b->y - (double)a->y,
            e = sqrt(ex * ex + ey * ey), x = (double)a->x, y = (double)a->y;
     if (e > 0) {
-        x += (cx * ex - cy * ey) / e;
-        y += (cx * ey + cy * ex) / e;
+        x += (at[0] * ex - at[1] * ey) / e;
+        y += (at[0] * ey + at[1] * ex) / e;
     }
     double r = sqrt(x * x + y * y), scale = r > 0 ? c.distance / r : 1;
     c.x = (float)(x * scale);
@@ -108,14 +117,47 @@ static slvi_front_vertex unfold(const slv_painter *p, uint32_t tri, unsigned by,
     return c;
 }
 
-slv_result slvi_painter_touch(slv_painter *p, uint32_t tri) {
-    slv_result result = slvi_painter_room(p, (uint64_t)p->ntouched + 1, sizeof *p->touched,
-                                          &p->touched, &p->touched_room);
-    if (result)
-        return result;
-    p->tri_round[tri] = p->round;
-    p->touched[p->ntouched++] = tri;
-    return SLV_OK;
+/* Whether unfolding a triangle over its edge `by` may bring the vertex opposite nearer than it is
+ * known to be: what takes no roots to say. */
+static bool may_be_nearer(const slv_painter *p, uint32_t tri, unsigned by, double known) {
+    const slv_paint_surface *s = p->surface;
+    double a = p->vertices[slvi_tri_vertex(s, tri, by)].distance,
+           b = p->vertices[slvi_tri_vertex(s, tri, (by + 1) % 3)].distance;
+    double l = slvi_tri_length(s, tri, by), ac = slvi_tri_length(s, tri, (by + 2) % 3),
+           bc = slvi_tri_length(s, tri, (by + 1) % 3);
+    if (!(l > 0))
+        return true;
+    double half = 0.5 / l, a2 = a * a, c2 = ac * ac, sx = (a2 - b * b + l * l) * half,
+           cx = (c2 - bc * bc + l * l) * half, sy2 = a2 - sx * sx, cy2 = c2 - cx * cx, dx = cx - sx,
+           least = known * (1 - 1e-5);
+    sy2 = sy2 > 0 ? sy2 : 0;
+    cy2 = cy2 > 0 ? cy2 : 0;
+    double rest = least * least - dx * dx - cy2 - sy2; /* of which is 2 sy cy */
+    return rest > 0 && 4 * sy2 * cy2 < rest * rest;
+}
+
+/* Puts an edge among those that are to be crossed, by its nearer end, unless it is out of reach, or
+ * nothing beyond it would become nearer. */
+static slv_result push_edge(slv_painter *p, uint32_t tri, unsigned edge, const slvi_reach *reach) {
+    const slv_paint_surface *s = p->surface;
+    double a = p->vertices[slvi_tri_vertex(s, tri, edge)].distance,
+           b = p->vertices[slvi_tri_vertex(s, tri, (edge + 1) % 3)].distance, key = a < b ? a : b;
+    uint32_t to;
+    unsigned by;
+    if (!slvi_tri_across(s, tri, edge, &to, &by))
+        return SLV_OK;
+    if (!(key <= (double)reach->least)) {
+        key = edge_distance(a, b, slvi_tri_length(s, tri, edge));
+        if (!(key <= (double)slvi_reach_into(p, reach, s->cells[to / 2].face)))
+            return SLV_OK;
+    }
+    if (p->tri_round[to] == p->round) {
+        const slvi_front_vertex *known = &p->vertices[slvi_tri_vertex(s, to, (by + 2) % 3)];
+        if (!may_be_nearer(p, to, by, known->distance))
+            return SLV_OK;
+    }
+    __builtin_prefetch(&s->cells[to / 2]);
+    return push(p, (float)key, 4 * to + by);
 }
 
 /* A vertex that became nearer: the edges of all touched triangles around it may be crossed anew. */
@@ -139,20 +181,19 @@ static slv_result push_around(slv_painter *p, uint32_t tri, unsigned corner,
     return result;
 }
 
-static slv_result cross(slv_painter *p, slvi_crossing crossing, const slvi_reach *reach) {
-    uint32_t to;
-    unsigned by;
+/* Over edge `by` into a triangle. */
+static slv_result cross(slv_painter *p, uint32_t to, unsigned by, const slvi_reach *reach) {
     slv_result result = SLV_OK;
-    if (!slvi_tri_across(p->surface, crossing.side / 4, crossing.side & 3, &to, &by))
-        return SLV_OK;
-    uint32_t vertex = slvi_tri_vertex(p->surface, to, (by + 2) % 3);
-    slvi_front_vertex c = unfold(p, to, by, reach->places), *known = &p->vertices[vertex];
-    bool is_new = known->round != p->round;
-    /* nearer by less than this is what rounding makes of the same */
-    bool nearer = is_new || c.distance < known->distance * (1 - 1e-5) - 1e-6 * (double)reach->least;
-    if (nearer)
-        *known = c;
-    bool first = p->tri_round[to] != p->round;
+    slvi_front_vertex *known = &p->vertices[slvi_tri_vertex(p->surface, to, (by + 2) % 3)];
+    bool is_new = known->round != p->round, first = p->tri_round[to] != p->round,
+         nearer = is_new || may_be_nearer(p, to, by, known->distance);
+    if (nearer) {
+        slvi_front_vertex c = unfold(p, to, by, reach->places);
+        /* nearer by less than this is what rounding makes of the same */
+        nearer = is_new || c.distance < known->distance * (1 - 1e-5) - 1e-6 * (double)reach->least;
+        if (nearer)
+            *known = c;
+    }
     if (!first && !nearer)
         return SLV_OK;
     if (first && (result = slvi_painter_touch(p, to)))
@@ -170,7 +211,7 @@ void slvi_painter_begin_round(slv_painter *p) {
         memset(p->tri_round, 0, 2 * (size_t)p->surface->ncells * sizeof *p->tri_round);
         p->round = 1;
     }
-    p->nheap = p->ntouched = 0;
+    p->ntouched = 0;
 }
 
 slv_result slvi_painter_spread(slv_painter *p, slv_surface_point from, const float axis[3],
@@ -179,6 +220,7 @@ slv_result slvi_painter_spread(slv_painter *p, slv_surface_point from, const flo
     uint32_t tri;
     double x, y, w[3], right[3], up[3], middle[3];
     slvi_painter_begin_round(p);
+    begin_queue(&p->queue, reach->least);
     if (!slvi_surface_place(s, from, &tri, &x, &y))
         return SLV_OK;
     slvi_tri_weights(tri, x, y, w);
@@ -200,8 +242,10 @@ slv_result slvi_painter_spread(slv_painter *p, slv_surface_point from, const flo
     /* Each crossing makes a vertex nearer by a share of its distance; the bound is for surfaces
      * that have no shape, where that may take for ever. */
     uint64_t most = 64 + 64 * (uint64_t)s->ncells;
-    while (p->nheap && !result && most--)
-        result = cross(p, take_nearest(p), reach);
+    while (p->queue.waiting && !result && most--) {
+        uint32_t over = take_nearest(&p->queue);
+        result = cross(p, over / 4, over & 3, reach);
+    }
     return result;
 }
 

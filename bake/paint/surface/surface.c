@@ -61,7 +61,7 @@ static void sew_edge(sewing *w, uint32_t face, unsigned edge) {
             if (!(t > 0 && t < (float)m))
                 continue;
             uint32_t i = (uint32_t)t;
-            s->across[4 * (size_t)edge_cell(s, face, edge, j) + edge] =
+            s->cells[edge_cell(s, face, edge, j)].across[edge] =
                 4 * edge_cell(s, to, list[k].edge, i) + list[k].edge;
             join(w->root, grid_vertex(w, face, edge, j), grid_vertex(w, to, list[k].edge, i + 1));
             join(w->root, grid_vertex(w, face, edge, j + 1), grid_vertex(w, to, list[k].edge, i));
@@ -80,9 +80,9 @@ static void fill_face(sewing *w, uint32_t face) {
             const uint32_t beyond[4] = {
                 y ? 4 * (cell - n) + 2 : SLVI_NONE, x + 1 < n ? 4 * (cell + 1) + 3 : SLVI_NONE,
                 y + 1 < n ? 4 * (cell + n) : SLVI_NONE, x ? 4 * (cell - 1) + 1 : SLVI_NONE};
-            memcpy(s->corners + 4 * (size_t)cell, at, sizeof at);
-            memcpy(s->across + 4 * (size_t)cell, beyond, sizeof beyond);
-            s->cell_face[cell] = face;
+            memcpy(s->cells[cell].corners, at, sizeof at);
+            memcpy(s->cells[cell].across, beyond, sizeof beyond);
+            s->cells[cell].face = face;
         }
 }
 
@@ -110,8 +110,9 @@ static slv_result number_vertices(sewing *w) {
             w->root[i] = w->root[w->root[i]];
         }
     }
-    for (size_t i = 0; i < 4 * (size_t)s->ncells; i++)
-        s->corners[i] = w->root[s->corners[i]];
+    for (uint32_t cell = 0; cell < s->ncells; cell++)
+        for (unsigned k = 0; k < 4; k++)
+            s->cells[cell].corners[k] = w->root[s->cells[cell].corners[k]];
     return SLV_OK;
 }
 
@@ -149,9 +150,9 @@ static slv_result find_bent(slv_paint_surface *s) {
 }
 
 static void measure_cell(slv_paint_surface *s, uint32_t cell) {
-    const uint32_t *c = s->corners + 4 * (size_t)cell;
+    const uint32_t *c = s->cells[cell].corners;
     for (unsigned k = 0; k < 5; k++)
-        s->lengths[5 * (size_t)cell + k] =
+        s->cells[cell].lengths[k] =
             (float)slvi_distance(s->positions + 3 * (size_t)c[k & 3],
                                  s->positions + 3 * (size_t)c[k < 4 ? (k + 1) & 3 : 2]);
 }
@@ -161,7 +162,7 @@ static void measure(slv_paint_surface *s, uint32_t face) {
     for (uint32_t cell = s->first[face]; cell < s->first[face + 1]; cell++) {
         const float *p[4];
         for (unsigned k = 0; k < 4; k++)
-            p[k] = s->positions + 3 * (size_t)s->corners[4 * (size_t)cell + k];
+            p[k] = s->positions + 3 * (size_t)s->cells[cell].corners[k];
         u += slvi_distance(p[0], p[1]) + slvi_distance(p[3], p[2]);
         v += slvi_distance(p[0], p[3]) + slvi_distance(p[1], p[2]);
         for (unsigned half = 0; half < 2; half++) {
@@ -194,12 +195,9 @@ static slv_result sew(slv_paint_surface *s, const slv_tessellation *grids) {
                          (unsigned long long)cells);
     s->ncells = (uint32_t)cells;
     if ((result = slvi_alloc(&s->env, "paint surface", (uint64_t)s->nfaces + 1, 4, &s->first)) ||
-        (result = slvi_alloc(&s->env, "paint surface", cells, 5 * sizeof(float), &s->lengths)) ||
+        (result = slvi_alloc(&s->env, "paint surface", cells, sizeof *s->cells, &s->cells)) ||
         (result = slvi_alloc(&s->env, "paint surface", s->nfaces, 1, &s->segments)) ||
         (result = slvi_alloc(&s->env, "paint surface", s->nfaces, 3 * sizeof(float), &s->sides)) ||
-        (result = slvi_alloc(&s->env, "paint surface", cells, 4 * 4, &s->corners)) ||
-        (result = slvi_alloc(&s->env, "paint surface", cells, 4 * 4, &s->across)) ||
-        (result = slvi_alloc(&s->env, "paint surface", cells, 4, &s->cell_face)) ||
         (result = slvi_alloc(&s->env, "paint surface", total, 4, &w.root)))
         return result;
     for (uint32_t i = 0; i < total; i++)
@@ -279,9 +277,6 @@ void slv_paint_surface_destroy(slv_paint_surface *s) {
     slvi_free(s->sides);
     slvi_free(s->positions);
     slvi_free(s->bent);
-    slvi_free(s->corners);
-    slvi_free(s->lengths);
-    slvi_free(s->across);
-    slvi_free(s->cell_face);
+    slvi_free(s->cells);
     slvi_free(s);
 }

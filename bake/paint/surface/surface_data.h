@@ -17,6 +17,13 @@ struct slvi_rays; /* hit.c */
 /* A cell is a quadrilateral of a face's grid; its corners and edges are numbered as a face's. Its
  * triangles are 2 c (corners 0 1 2) and 2 c + 1 (corners 0 2 3), on both sides of the diagonal
  * along which the renderer splits it. */
+typedef struct slvi_cell {
+    uint32_t corners[4]; /* vertices */
+    uint32_t across[4];  /* 4 * the cell beyond the edge + its edge, or SLVI_NONE */
+    float lengths[5];    /* of its edges, and of its diagonal */
+    uint32_t face;
+} slvi_cell;
+
 struct slv_paint_surface {
     slv_env env;
     slv_adjacency *adjacency;
@@ -26,10 +33,7 @@ struct slv_paint_surface {
     float *sides;      /* per face: mean length of a unit of u and of v, and the area */
     float *positions;  /* 3 per vertex */
     uint8_t *bent;     /* per vertex: straight lines past it do not meet again behind it */
-    uint32_t *corners; /* 4 per cell: vertices */
-    float *lengths;    /* 5 per cell: of its edges, and of its diagonal */
-    uint32_t *across;  /* 4 per cell: 4 * the cell beyond the edge + its edge, or SLVI_NONE */
-    uint32_t *cell_face;
+    slvi_cell *cells;
     float low[3], high[3];
     struct slvi_rays *rays;
 };
@@ -40,7 +44,7 @@ static inline unsigned slvi_tri_corner(uint32_t tri, unsigned k) {
 }
 
 static inline uint32_t slvi_tri_vertex(const slv_paint_surface *s, uint32_t tri, unsigned k) {
-    return s->corners[4 * (size_t)(tri / 2) + slvi_tri_corner(tri, k)];
+    return s->cells[tri / 2].corners[slvi_tri_corner(tri, k)];
 }
 
 static inline const float *slvi_tri_point(const slv_paint_surface *s, uint32_t tri, unsigned k) {
@@ -51,7 +55,7 @@ static inline const float *slvi_tri_point(const slv_paint_surface *s, uint32_t t
 static inline double slvi_tri_length(const slv_paint_surface *s, uint32_t tri, unsigned k) {
     /* lower: edges 0 and 1 of the cell, then the diagonal; upper: the diagonal, then 2 and 3 */
     unsigned which = tri & 1 ? (k ? k + 1 : 4) : k == 2 ? 4 : k;
-    return (double)s->lengths[5 * (size_t)(tri / 2) + which];
+    return (double)s->cells[tri / 2].lengths[which];
 }
 
 /* The triangle across edge k (from its corner k to k + 1), and which of its edges that is; false at
@@ -64,7 +68,7 @@ static inline bool slvi_tri_across(const slv_paint_surface *s, uint32_t tri, uns
         *edge = tri & 1 ? 2 : 0;
         return true;
     }
-    uint32_t beyond = s->across[4 * (size_t)(tri / 2) + (tri & 1 ? k + 1 : k)];
+    uint32_t beyond = s->cells[tri / 2].across[tri & 1 ? k + 1 : k];
     if (beyond == SLVI_NONE)
         return false;
     unsigned e = beyond & 3;

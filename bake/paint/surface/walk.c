@@ -38,7 +38,7 @@ bool slvi_surface_place(const slv_paint_surface *s, slv_surface_point point, uin
 
 slv_surface_point slvi_surface_point_of(const slv_paint_surface *s, uint32_t tri, double x,
                                         double y) {
-    uint32_t face = s->cell_face[tri / 2], n = s->segments[face], local = tri / 2 - s->first[face];
+    uint32_t face = s->cells[tri / 2].face, n = s->segments[face], local = tri / 2 - s->first[face];
     return (slv_surface_point){(int32_t)face, (float)((local % n + into_unit(x)) / n),
                                (float)((local / n + into_unit(y)) / n)};
 }
@@ -72,7 +72,7 @@ static bool flatten(const double normal[3], double v[3]) {
 void slvi_tri_frame(const slv_paint_surface *s, uint32_t tri, const float axis[3], double x[3],
                     double y[3]) {
     double normal[3];
-    const uint32_t *c = s->corners + 4 * (size_t)(tri / 2);
+    const uint32_t *c = s->cells[tri / 2].corners;
     slvi_tri_normal(s, tri, normal);
     for (int k = 0; k < 3; k++)
         x[k] = axis ? (double)axis[k] : 0;
