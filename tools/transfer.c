@@ -330,7 +330,7 @@ int verb_transfer(int argc, char **argv) {
     if (!scale_is_good(&t))
         return cli_usage(&command, "--scale-from: expected auto or a number more than 0, not '%s'",
                          t.scale_from);
-    if (cli_both_standard(t.to, t.from))
-        return cli_usage(&command, "--to and --from: both are the standard input, which is one");
+    if (CLI_STANDARD_ONCE(&command, t.paths[0], t.to, t.from))
+        return EXIT_USAGE;
     return run_transfer(&t);
 }

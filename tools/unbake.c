@@ -124,7 +124,7 @@ int verb_unbake(int argc, char **argv) {
         return cli_usage(&command, "%s: images are written as .png or .exr", o.paths[1]);
     if (o.bits && o.bits != 8 && o.bits != 16 && o.bits != 32)
         return cli_usage(&command, "--bits: 8, 16 or 32");
-    if (cli_both_standard(o.paths[0], o.mesh))
-        return cli_usage(&command, "both inputs are the standard input, which is one");
+    if (CLI_STANDARD_ONCE(&command, o.paths[0], o.mesh))
+        return EXIT_USAGE;
     return run_unbake(&o);
 }

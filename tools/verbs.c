@@ -28,7 +28,7 @@ static void print_help(FILE *stream) {
 
 /* Calls the verb; if there is none of that name, says which one may have been meant. */
 static int run_verb(int argc, char **argv) {
-    char names[512] = "help|--help|--version", hint[WORDS_HINT];
+    char names[512] = "help|--help|--version", hint[SLV_WORDS_HINT];
     for (size_t i = 0; i < sizeof verbs / sizeof *verbs; i++) {
         if (strcmp(argv[0], verbs[i].name) == 0)
             return verbs[i].run(argc, argv);
@@ -36,7 +36,7 @@ static int run_verb(int argc, char **argv) {
         snprintf(names + used, sizeof names - used, "|%s", verbs[i].name);
     }
     fprintf(stderr, "selvage: unknown verb '%s'%s (see selvage --help)\n", argv[0],
-            words_hint(argv[0], names, hint));
+            slv_words_hint(argv[0], names, hint));
     return EXIT_USAGE;
 }
 

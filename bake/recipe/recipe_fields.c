@@ -1,6 +1,8 @@
 /* The fields of a recipe's objects: what they may be, and what is said of those that are not. */
 #include "recipe/recipe_data.h"
 
+#include <selvage/words.h>
+
 #include <math.h>
 #include <stdarg.h>
 #include <stdio.h>
@@ -23,8 +25,15 @@ slv_result slvi_recipe_only(const recipe_reader *r, const char *where, const jso
         size_t i = 0;
         while (i < nkeys && strcmp(keys[i], key) != 0)
             i++;
-        if (i == nkeys)
-            return slvi_recipe_fail(r, where, "unknown field '%.60s'", key);
+        if (i < nkeys)
+            continue;
+        char known[512] = "", hint[SLV_WORDS_HINT];
+        size_t used = 0;
+        for (i = 0; i < nkeys && used < sizeof known; i++)
+            used +=
+                (size_t)snprintf(known + used, sizeof known - used, "%s%s", i ? "|" : "", keys[i]);
+        return slvi_recipe_fail(r, where, "unknown field '%.60s'%s", key,
+                                slv_words_hint(key, known, hint));
     }
     return SLV_OK;
 }
@@ -55,7 +64,10 @@ slv_result slvi_recipe_word(const recipe_reader *r, const char *where, const jso
         }
         used += (size_t)snprintf(list + used, sizeof list - used, "%s%s", i ? "|" : "", name_of(i));
     }
-    return slvi_recipe_fail(r, where, "%s: expected one of %s", key, list);
+    char hint[SLV_WORDS_HINT];
+    const char *word = json_string_value(value);
+    return slvi_recipe_fail(r, where, "%s: expected one of %s%s", key, list,
+                            slv_words_hint(word ? word : "", list, hint));
 }
 
 slv_result slvi_recipe_floats(const recipe_reader *r, const char *where, const json_t *object,

@@ -35,6 +35,8 @@ static void write_image(const char *name, uint32_t n, float last, uint32_t bits)
 
 static void results(void) {
     RUNS(0, "bake quad.obj --uv rgb.png -o out.ptx");
+    RUNS(0, "bake quad.obj --uv - -o piped.ptx <rgb.png");
+    CHECK(same_bytes(tool_path("piped.ptx"), tool_path("out.ptx")));
     HAS("1 faces (0 constant), 3 channels of uint8, 128 texels");
     HAS("16x8 to 16x8");
     RUNS(0, "check out.ptx");

@@ -89,7 +89,8 @@ static void refusals(void) {
     refused("{}", "source: is missing");
     refused("{\"source\": {}}", "has none of uv");
     refused("{\"source\": {\"pattern\": \"dots\"}}", "expected one of stripes|noise");
-    refused("{\"source\": {\"pattern\": \"noise\", \"seeds\": 3}}", "unknown field 'seeds'");
+    refused("{\"source\": {\"pattern\": \"noise\", \"seeds\": 3}}",
+            "unknown field 'seeds'; did you mean 'seed'?");
     refused("{\"source\": {\"rays\": \"ao\", \"samples\": 0}}", "from 1 to 65536");
     refused("{\"source\": {\"rays\": \"ao\"}, \"size\": 3}", "power of two");
     refused("{\"source\": {\"rays\": \"ao\"}, \"size\": 4, \"density\": 2}", "one of them");

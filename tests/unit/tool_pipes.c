@@ -53,6 +53,13 @@ static void check_others(const char *path) {
     HAS("read only once");
     RUNS(2, "sample '-' </dev/null");
     HAS("name these with --queries");
+    static const char *const twice[] = {
+        "sample - -i -",   "bake - --uv - -o never.ptx", "bake - --recipe - -o never.ptx",
+        "render - --uv -", "render - --view -",          "transfer - --to - -o never.ptx"};
+    for (size_t i = 0; i < sizeof twice / sizeof *twice; i++) {
+        RUNS(2, "%s </dev/null", twice[i]);
+        HAS("read only once");
+    }
     CHECK(access(tool_path("never.ptx"), F_OK) != 0);
 }
 

@@ -24,8 +24,8 @@ static int check(const cli_command *command, const bake_options *o) {
     if ((o->front_given && !(o->front > 0)) || (o->back_given && !(o->back > 0)) ||
         !(o->distance >= 0))
         return cli_usage(command, "--front, --back and --distance: expected more than 0");
-    if (cli_both_standard(o->paths[0], o->detail) || cli_both_standard(o->paths[0], o->recipe))
-        return cli_usage(command, "the mesh and another file are the standard input, which is one");
+    if (CLI_STANDARD_ONCE(command, o->paths[0], o->uv, o->detail, o->recipe))
+        return EXIT_USAGE;
     if (o->size_given + o->density_given + o->match_given + o->error_given + (o->bytes != NULL) +
             (o->texels != NULL) >
         1)
@@ -74,7 +74,7 @@ static void size(json_t *object, bool given, const char *key, const uint32_t val
 static json_t *source_of(const bake_options *o) {
     json_t *source = json_object();
     if (o->uv) {
-        word(source, true, "uv", o->uv);
+        word(source, true, "uv", cli_input(o->uv));
         word(source, o->encoding_given, "texture-encoding",
              slv_texture_encoding_name((slv_texture_encoding)o->encoding));
         word(source, o->wrap_given, "wrap", slv_bake_wrap_name((slv_bake_wrap)o->wrap));

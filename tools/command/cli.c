@@ -50,9 +50,13 @@ int cli_answered(int code) {
     return code ? code : EXIT_FAILED;
 }
 
-bool cli_both_standard(const char *a, const char *b) {
-    const char *standard = cli_input("-");
-    return a && b && strcmp(cli_input(a), standard) == 0 && strcmp(cli_input(b), standard) == 0;
+int cli_standard_once(const cli_command *command, const char *const *paths, size_t count) {
+    uint32_t found = 0;
+    for (size_t i = 0; i < count; i++)
+        found += paths[i] && strcmp(cli_input(paths[i]), cli_input("-")) == 0;
+    return found < 2 ? EXIT_OK
+                     : cli_usage(command,
+                                 "two inputs are the standard input, which can be read only once");
 }
 
 const char *cli_input(const char *path) {

@@ -108,8 +108,12 @@ int cli_error(const char *format, ...) __attribute__((format(printf, 1, 2)));
 void cli_begin(void);
 /* After every verb: returns `code`, unless its answer could not be written, which is said. */
 int cli_answered(int code);
-/* Whether two names are of the standard input, which can be read once. */
-bool cli_both_standard(const char *a, const char *b);
+/* Usage (2) if two of the names, some of which may be NULL, are of the standard input, which can be
+ * read once; else 0. */
+int cli_standard_once(const cli_command *command, const char *const *paths, size_t count);
+#define CLI_STANDARD_ONCE(command, ...)                                                            \
+    cli_standard_once(command, (const char *const[]){__VA_ARGS__},                                 \
+                      sizeof((const char *const[]){__VA_ARGS__}) / sizeof(const char *))
 /* The name under which "-" is read, standard input; another is as it was, NULL too. */
 const char *cli_input(const char *path);
 /* A texture is read here and there, and a pipe only once: if `*path` is "-" or the name of a pipe,

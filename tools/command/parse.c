@@ -69,14 +69,14 @@ static bool parse_value(const cli_option *option, const char *text) {
 
 static int bad_value(const cli_command *command, const cli_option *option, const char *text) {
     int length = (int)strcspn(option->names, "|");
-    char hint[WORDS_HINT];
+    char hint[SLV_WORDS_HINT];
     if (option->kind == CLI_CHOICE || option->kind == CLI_MODE)
         return cli_usage(command, "%.*s: unknown word '%s', expected %s%s", length, option->names,
-                         text, option->choices, words_hint(text, option->choices, hint));
+                         text, option->choices, slv_words_hint(text, option->choices, hint));
     if (option->kind == CLI_COLOR)
         return cli_usage(command, "%.*s: '%s' is no colour: expected r,g,b[,a], #rrggbb or %s%s",
                          length, option->names, text, value_color_names,
-                         words_hint(text, value_color_names, hint));
+                         slv_words_hint(text, value_color_names, hint));
     if (option->kind == CLI_UINT || option->kind == CLI_SIZE)
         return cli_usage(command, "%.*s: '%s' is not a %s from %u to %u", length, option->names,
                          text, option->kind == CLI_UINT ? "number" : "size", option->min,
@@ -85,7 +85,7 @@ static int bad_value(const cli_command *command, const cli_option *option, const
 }
 
 static int unknown_option(const cli_command *command, const char *argument) {
-    char names[4096] = "--help", hint[WORDS_HINT];
+    char names[4096] = "--help", hint[SLV_WORDS_HINT];
     size_t used = strlen(names);
     for (uint32_t k = 0; k < command->noptions; k++) {
         size_t more = strlen(command->options[k].names);
@@ -95,7 +95,8 @@ static int unknown_option(const cli_command *command, const char *argument) {
         memcpy(names + used, command->options[k].names, more + 1);
         used += more;
     }
-    return cli_usage(command, "unknown option '%s'%s", argument, words_hint(argument, names, hint));
+    return cli_usage(command, "unknown option '%s'%s", argument,
+                     slv_words_hint(argument, names, hint));
 }
 
 static const cli_option *find_option(const cli_command *command, const char *name, size_t length) {
@@ -171,12 +172,8 @@ static int take_output(const cli_command *command, const char *extra) {
 
 /* Returns -1, or an exit code. */
 static int settle_inputs(const cli_command *command) {
-    int code = EXIT_OK;
     uint32_t count = *command->npositional;
-    for (uint32_t i = 1; i < count; i++)
-        for (uint32_t k = 0; k < i; k++)
-            if (cli_both_standard(command->positional[i], command->positional[k]))
-                return cli_usage(command, "the standard input can be read only once");
+    int code = cli_standard_once(command, command->positional, count);
     for (uint32_t i = 0; i < count && !code; i++)
         code = cli_settle_input(&command->positional[i]);
     return code ? code : -1;

@@ -56,7 +56,8 @@ static bool find_bounds(const slv_mesh_view *mesh, const char *group, float low[
 }
 
 /* What words_hint says of the groups' names. */
-static const char *hint_group(const slv_mesh_view *mesh, const char *typed, char text[WORDS_HINT]) {
+static const char *hint_group(const slv_mesh_view *mesh, const char *typed,
+                              char text[SLV_WORDS_HINT]) {
     size_t size = 1;
     for (uint32_t g = 0; g < mesh->ngroups; g++)
         size += strlen(mesh->group_names[g]) + 1;
@@ -65,7 +66,7 @@ static const char *hint_group(const slv_mesh_view *mesh, const char *typed, char
     for (uint32_t g = 0; g < mesh->ngroups && names; g++)
         end += sprintf(end, "%s%s", g ? "|" : "", mesh->group_names[g]);
     if (end != names)
-        words_hint(typed, names, text);
+        slv_words_hint(typed, names, text);
     free(names);
     return text;
 }
@@ -91,7 +92,7 @@ slv_result scene_load_geometry(const slv_env *env, const slv_ptx *ptx, const cha
 
 static slv_result find_focus(const slv_env *env, const scene_params *params, scene_data *out) {
     const slv_mesh_view *mesh = slv_mesh_get_view(out->mesh);
-    char hint[WORDS_HINT];
+    char hint[SLV_WORDS_HINT];
     if (find_bounds(mesh, params->focus, out->bounds_min, out->bounds_max))
         return SLV_OK;
     return output_fail(env, SLV_ERROR_ARGUMENT, "%s: there is no group '%s' to focus on%s",

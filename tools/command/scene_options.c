@@ -49,11 +49,6 @@ const char *scene_options_problem(const scene_options *o) {
         return "--fov: expected 0 (orthographic) or 0.01 to 170";
     if (o->tess & (o->tess - 1))
         return "--tess: expected a power of two from 2 to 128";
-    if (cli_both_standard(o->mesh, o->view))
-        return "--mesh and --view: both are the standard input, which is one";
-    if (cli_both_standard(o->mesh, o->displace.texture) ||
-        cli_both_standard(o->view, o->displace.texture))
-        return "--displacement and another: both are the standard input, which is one";
     if (o->frames && o->turntable)
         return "--frames and --turntable: each says which pictures there are";
     if (o->round && !o->uv)
@@ -214,6 +209,8 @@ int scene_load_shot(const cli_command *command, const slv_env *env, const char *
                     const scene_options *o, scene_shot *out) {
     scene_view view = {0};
     memset(out, 0, sizeof *out);
+    if (CLI_STANDARD_ONCE(command, ptx, o->mesh, o->uv, o->view, o->displace.texture))
+        return EXIT_USAGE;
     if (o->view && scene_load_view(env, cli_input(o->view), &view))
         return EXIT_FAILED;
     scene_params params = {.ptx = ptx,
@@ -238,7 +235,7 @@ int scene_load_shot(const cli_command *command, const slv_env *env, const char *
                             .round_u = o->round & 1,
                             .round_v = o->round >> 1};
     params.mesh = o->uv ? ptx : o->mesh;
-    if (o->uv ? scene_load_images(env, &params, &uv, o->uv, &out->scene)
+    if (o->uv ? scene_load_images(env, &params, &uv, cli_input(o->uv), &out->scene)
               : scene_load_model(env, &params, &file, &out->scene)) {
         scene_view_free(&view);
         return EXIT_FAILED;

@@ -202,12 +202,13 @@ static slv_result read_shading(const slv_env *env, const char *path, const json_
                                scene_view *out) {
     const json_t *shading = json_object_get(root, "shading");
     const char *model = json_string_value(json_object_get(shading, "model"));
-    char hint[WORDS_HINT];
+    char hint[SLV_WORDS_HINT];
     if (!shading)
         return SLV_OK;
     if (!model || !slv_shading_from_name(model, &out->shading))
         return bad_view(env, path, "unknown shading model '%s', expected %s%s", model ? model : "",
-                        names_shadings(), words_hint(model ? model : "", names_shadings(), hint));
+                        names_shadings(),
+                        slv_words_hint(model ? model : "", names_shadings(), hint));
     out->ka = 0.2f;
     out->kd = 0.8f;
     if (!read_weight(shading, "ka", &out->ka) || !read_weight(shading, "kd", &out->kd))
@@ -218,7 +219,7 @@ static slv_result read_shading(const slv_env *env, const char *path, const json_
 
 static slv_result read_surface(const slv_env *env, const char *path, const json_t *root,
                                scene_view *out) {
-    char hint[WORDS_HINT];
+    char hint[SLV_WORDS_HINT];
     const json_t *boundary_value = json_object_get(root, "boundary"),
                  *scheme_value = json_object_get(root, "scheme");
     const char *boundary = json_string_value(boundary_value),
@@ -227,11 +228,11 @@ static slv_result read_surface(const slv_env *env, const char *path, const json_
         return bad_view(env, path, "boundary and scheme are words in quotes");
     if (boundary && !slv_boundary_from_name(boundary, &out->boundary))
         return bad_view(env, path, "unknown boundary '%s', expected %s%s", boundary,
-                        names_boundaries(), words_hint(boundary, names_boundaries(), hint));
+                        names_boundaries(), slv_words_hint(boundary, names_boundaries(), hint));
     out->has_scheme = scheme != NULL;
     if (scheme && !slv_scheme_from_name(scheme, &out->scheme))
         return bad_view(env, path, "scheme '%s' is not supported, expected %s%s", scheme,
-                        names_schemes(), words_hint(scheme, names_schemes(), hint));
+                        names_schemes(), slv_words_hint(scheme, names_schemes(), hint));
     return SLV_OK;
 }
 
@@ -277,7 +278,7 @@ static slv_result read_displacement(const slv_env *env, const char *path, const 
                  *space = json_object_get(object, "space");
     const char *texture = json_string_value(json_object_get(object, "texture")),
                *words[] = {json_string_value(filter), json_string_value(space)};
-    char hint[WORDS_HINT];
+    char hint[SLV_WORDS_HINT];
     if (!object)
         return SLV_OK;
     if (!json_is_object(object))
@@ -290,11 +291,11 @@ static slv_result read_displacement(const slv_env *env, const char *path, const 
     if (filter && (!words[0] || !slv_filter_from_name(words[0], &d->filter.filter)))
         return bad_view(env, path, "displacement: unknown filter '%s', expected %s%s",
                         words[0] ? words[0] : "", names_filters(),
-                        words_hint(words[0] ? words[0] : "", names_filters(), hint));
+                        slv_words_hint(words[0] ? words[0] : "", names_filters(), hint));
     if (space && (!words[1] || !slv_displacement_space_from_name(words[1], &d->space)))
         return bad_view(env, path, "displacement: unknown space '%s', expected %s%s",
                         words[1] ? words[1] : "", names_spaces(),
-                        words_hint(words[1] ? words[1] : "", names_spaces(), hint));
+                        slv_words_hint(words[1] ? words[1] : "", names_spaces(), hint));
     return read_displacement_numbers(env, path, object, d);
 }
 

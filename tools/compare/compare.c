@@ -409,10 +409,10 @@ static const char *problem(const struct compare *o, report_data *report) {
 }
 
 static int unknown_strategy(const cli_command *command, const char *word) {
-    char names[SCENE_STRATEGIES_SIZE], hint[WORDS_HINT];
+    char names[SCENE_STRATEGIES_SIZE], hint[SLV_WORDS_HINT];
     scene_strategies(names, sizeof names);
     return cli_usage(command, "--strategies: unknown strategy '%s', expected some of %s%s", word,
-                     names, words_hint(word, names, hint));
+                     names, slv_words_hint(word, names, hint));
 }
 
 /* What is left out if nothing is said. */

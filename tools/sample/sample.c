@@ -130,9 +130,11 @@ int verb_sample(int argc, char **argv) {
         return code;
     if (o.out && cli_ends_with(o.out, ".ptx"))
         return cli_usage(&command, "'%s': answers are text, and no .ptx", o.out);
-    if (cli_both_standard(path, o.queries ? o.queries : "-"))
+    if (!o.queries && strcmp(cli_input(path), cli_input("-")) == 0)
         return cli_usage(&command, "the standard input cannot be both the texture and the lookups: "
                                    "name these with --queries");
+    if (CLI_STANDARD_ONCE(&command, path, o.queries))
+        return EXIT_USAGE;
     if (o.premultiply && o.encoding != SLV_TEXTURE_DATA)
         return cli_usage(&command,
                          "--premultiply multiplies numbers as they stand: it goes with no "

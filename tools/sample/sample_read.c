@@ -294,10 +294,10 @@ bool sample_parse(const sample_texture *texture, sample_query *query, char *prob
         }
         if (i == FILTER) {
             if (!parse_filter(&w, &query->params.filter)) {
-                char hint[WORDS_HINT], words[256];
+                char hint[SLV_WORDS_HINT], words[256];
                 const char *shown = show(&w);
                 snprintf(problem, size, "'%s' is no filter%s", shown,
-                         words_hint(shown, filter_words(words, sizeof words), hint));
+                         slv_words_hint(shown, filter_words(words, sizeof words), hint));
                 return false;
             }
         } else if (i == LERP || i == NO_EDGE_BLEND || (i >= FIRST_CHANNEL && i <= FACE)) {

@@ -38,6 +38,7 @@
 #include <selvage/threads.h>
 #include <selvage/triangle.h>
 #include <selvage/uv_images.h>
+#include <selvage/words.h>
 #include <selvage/wrap.h>
 
 #endif
