@@ -98,6 +98,29 @@ static slv_result open_vertex(opening *o, const json_t *node, const char *where,
     return slv_bake_from_vertex_colors(o->r.env, o->mesh, (slv_texture_encoding)encoding, out);
 }
 
+static slv_result open_points(opening *o, const json_t *node, const char *where, int depth,
+                              slv_bake_source **out) {
+    slv_bake_points params = {0};
+    const char *path;
+    int encoding = 0;
+    slv_mesh *points = NULL;
+    slv_result result;
+    (void)depth;
+    if ((result = ONLY("points", "distance", "count", "texture-encoding")) ||
+        (result = file_name(o, node, where, "points", &path)) ||
+        (result = number(o, node, where, "distance", 1e-30, 1e30, &params.distance)) ||
+        (result = whole(o, node, where, "count", 1, 64, &params.count)) ||
+        (result =
+             slvi_recipe_word(&o->r, where, node, "texture-encoding", encoding_name, &encoding)) ||
+        !o->mesh || (result = need_surface(o)) ||
+        (result = slv_mesh_load_points(o->r.env, path, &points)))
+        return result;
+    params.encoding = (slv_texture_encoding)encoding;
+    result = slv_bake_from_points(o->r.env, o->mesh, o->recipe->surface, points, &params, out);
+    slv_mesh_destroy(points);
+    return result;
+}
+
 static slv_result open_rays(opening *o, const json_t *node, const char *where, int depth,
                             slv_bake_source **out) {
     slv_bake_rays rays = {0};
@@ -276,16 +299,11 @@ static slv_result open_node(opening *o, const json_t *node, const char *where, i
     static const struct {
         const char *key;
         slv_result (*open)(opening *, const json_t *, const char *, int, slv_bake_source **);
-    } kinds[] = {{"uv", open_uv},
-                 {"vertex-color", open_vertex},
-                 {"rays", open_rays},
-                 {"detail", open_detail},
-                 {"surface", open_surface},
-                 {"pattern", open_pattern},
-                 {"constant", open_constant},
-                 {"blend", open_blend},
-                 {"levels", open_levels},
-                 {"channels", open_channels}};
+    } kinds[] = {
+        {"uv", open_uv},           {"vertex-color", open_vertex}, {"points", open_points},
+        {"rays", open_rays},       {"detail", open_detail},       {"surface", open_surface},
+        {"pattern", open_pattern}, {"constant", open_constant},   {"blend", open_blend},
+        {"levels", open_levels},   {"channels", open_channels}};
     *out = NULL;
     if (!json_is_object(node))
         return slvi_recipe_fail(&o->r, where, "expected an object");
@@ -293,8 +311,9 @@ static slv_result open_node(opening *o, const json_t *node, const char *where, i
         if (json_object_get(node, kinds[i].key))
             return kinds[i].open(o, node, where, depth, out);
     return slvi_recipe_fail(&o->r, where,
-                            "has none of uv, vertex-color, rays, detail, surface, pattern, "
-                            "constant, blend, levels and channels, one of which says what it is");
+                            "has none of uv, vertex-color, points, rays, detail, surface, "
+                            "pattern, constant, blend, levels and channels, one of which says what "
+                            "it is");
 }
 
 slv_result slvi_recipe_check_sources(const recipe_reader *r, slv_bake_recipe *recipe) {

@@ -16,8 +16,14 @@ struct slv_mesh {
     uint8_t *flags;
 };
 
+/* The parsers; with `points` a file need not have polygons. */
+slv_result slvi_obj_parse(const slv_env *env, const char *name, const char *text, size_t size,
+                          bool points, slv_mesh **out);
+slv_result slvi_ply_parse(const slv_env *env, const char *name, const char *bytes, size_t size,
+                          bool points, slv_mesh **out);
+
 /* mesh_origin.c: whether the polygons lie so far from zero that their positions are to be relative
- * to `origin`, which is zero else. */
+ * to `origin`, which is zero else. `verts` is NULL for all vertices in turn. */
 bool slvi_mesh_find_origin(const float *positions, const int32_t *verts, uint64_t nsides,
                            double origin[3]);
 /* Makes positions relative; `rests`, which may be NULL, is what their floats lack. */

@@ -16,7 +16,7 @@ bool slvi_mesh_find_origin(const float *positions, const int32_t *verts, uint64_
     /* a vertex that no polygon has may lie anywhere */
     for (uint64_t side = 0; side < nsides; side++)
         for (int c = 0; c < 3; c++) {
-            float x = positions[3 * (size_t)verts[side] + (size_t)c];
+            float x = positions[3 * (verts ? (size_t)verts[side] : (size_t)side) + (size_t)c];
             low[c] = fminf(low[c], x);
             high[c] = fmaxf(high[c], x);
         }

@@ -11,20 +11,21 @@
 
 static int check(const cli_command *command, const bake_options *o) {
     slv_res res;
-    int sources = (o->uv != NULL) + o->vertex_color + o->pattern_given + o->rays_given +
-                  o->surface_given + (o->detail != NULL);
+    int sources = (o->uv != NULL) + o->vertex_color + (o->points != NULL) + o->pattern_given +
+                  o->rays_given + o->surface_given + (o->detail != NULL);
     if (o->recipe && sources)
-        return cli_usage(command, "--recipe says what is baked: --uv, --vertex-color, --rays, "
-                                  "--detail, --surface and --pattern go without it");
+        return cli_usage(command, "--recipe says what is baked: --uv, --vertex-color, --points, "
+                                  "--rays, --detail, --surface and --pattern go without it");
     if (!o->recipe && sources != 1)
-        return cli_usage(command, "--uv IMAGE, --vertex-color, --rays, --detail MESH, --surface, "
-                                  "--pattern or --recipe: one of them says what is baked");
+        return cli_usage(command, "--uv IMAGE, --vertex-color, --points CLOUD, --rays, --detail "
+                                  "MESH, --surface, --pattern or --recipe: one of them says what "
+                                  "is baked");
     if (o->detail_kind_given && !o->detail)
         return cli_usage(command, "--detail-kind: --detail MESH is missing");
     if ((o->front_given && !(o->front > 0)) || (o->back_given && !(o->back > 0)) ||
         !(o->distance >= 0))
         return cli_usage(command, "--front, --back and --distance: expected more than 0");
-    if (CLI_STANDARD_ONCE(command, o->paths[0], o->uv, o->detail, o->recipe))
+    if (CLI_STANDARD_ONCE(command, o->paths[0], o->uv, o->detail, o->points, o->recipe))
         return EXIT_USAGE;
     if (o->size_given + o->density_given + o->match_given + o->error_given + (o->bytes != NULL) +
             (o->texels != NULL) >
@@ -80,6 +81,11 @@ static json_t *source_of(const bake_options *o) {
         word(source, o->wrap_given, "wrap", slv_bake_wrap_name((slv_bake_wrap)o->wrap));
     } else if (o->vertex_color) {
         json_object_set_new(source, "vertex-color", json_true());
+        word(source, o->encoding_given, "texture-encoding",
+             slv_texture_encoding_name((slv_texture_encoding)o->encoding));
+    } else if (o->points) {
+        word(source, true, "points", cli_input(o->points));
+        number(source, o->distance > 0, "distance", (double)o->distance);
         word(source, o->encoding_given, "texture-encoding",
              slv_texture_encoding_name((slv_texture_encoding)o->encoding));
     } else if (o->detail) {

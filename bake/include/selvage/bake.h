@@ -149,6 +149,26 @@ SLV_NODISCARD SLV_API slv_result slv_bake_from_vertex_colors(const slv_env *env,
                                                              slv_texture_encoding encoding,
                                                              slv_bake_source **out);
 
+/* Zero means default. */
+typedef struct slv_bake_points {
+    float distance; /* how near a point must be; default 1/100 of the mesh's diagonal */
+    uint32_t count; /* of nearest points that count; default 8, at most 64 */
+    slv_texture_encoding encoding; /* of their colours; default: what the mesh that has them says */
+    uint64_t reserved[4];
+} slv_bake_points;
+
+/* The colours of the vertices of `points` (slv_mesh_load_points), polygons or not, on the limit
+ * surface: around each of four places in a texel, more in an oblong one, the mean of the points as
+ * far as the nearest `count` reach, or that part of the texel, each times (1 - d^2 / r^2)^2: light,
+ * multiplied by alpha. Points without a colour do not count. Texels that have none within
+ * `distance` are SLV_BAKE_TOO_FAR; points that do not even come near the mesh are
+ * SLV_ERROR_MISMATCH. Keeps `surface`; `points` is not kept. */
+SLV_NODISCARD SLV_API slv_result slv_bake_from_points(const slv_env *env, const slv_mesh *mesh,
+                                                      const slv_surface *surface,
+                                                      const slv_mesh *points,
+                                                      const slv_bake_points *params,
+                                                      slv_bake_source **out);
+
 /* A pattern in space, on the limit surface: RGBA, of which the alpha channel is kept where one of
  * its colours is not opaque. Keeps `surface`, which must outlive the source. */
 SLV_NODISCARD SLV_API slv_result slv_bake_from_pattern(const slv_env *env,

@@ -106,6 +106,9 @@ SLV_NODISCARD SLV_API slv_result slv_mesh_create_cube(const slv_env *env,
  * bytes, as it is or packed by gzip. */
 SLV_NODISCARD SLV_API slv_result slv_mesh_load(const slv_env *env, const char *path,
                                                slv_mesh **out);
+/* The same of a file that need not have polygons: clouds of points, which are vertices alone. */
+SLV_NODISCARD SLV_API slv_result slv_mesh_load_points(const slv_env *env, const char *path,
+                                                      slv_mesh **out);
 /* Reads `size` bytes of a Wavefront OBJ file; `name` stands in messages for the file. v, vt, vn, f
  * (any of the four index forms, negative indices, n-gons), colours behind the numbers of v (of
  * three or four, 0 to 1, or whole numbers to 255), g (a run for each name of the line) and o,

@@ -93,6 +93,6 @@ bool slvi_obj_word_is(const char *word, size_t length, const char *expected);
 /* obj_tags.c: the rest of a line that begins with t. */
 slv_result slvi_obj_read_tag(obj *o);
 /* obj_mesh.c: from all that was read. */
-slv_result slvi_obj_make_mesh(obj *o, slv_mesh **out);
+slv_result slvi_obj_make_mesh(obj *o, bool points, slv_mesh **out);
 
 #endif

@@ -148,14 +148,14 @@ static void scale_colors(obj *o) {
             colors[i] /= 255;
 }
 
-slv_result slvi_obj_make_mesh(obj *o, slv_mesh **out) {
+slv_result slvi_obj_make_mesh(obj *o, bool points, slv_mesh **out) {
     slv_result result = SLV_OK;
     int32_t *crease_verts = NULL, *corner_verts = NULL, *hole_polys = NULL;
     int32_t *group_first = NULL, *group_count = NULL;
     float *crease_sharpness = NULL, *corner_sharpness = NULL;
     const char **names = NULL;
     uint64_t nverts = slvi_obj_count(o, OBJ_VERTEX), npolys = o->sizes.count;
-    if (!npolys)
+    if (!npolys && !(points && nverts))
         return slvi_fail(o->env, SLV_ERROR_FORMAT, "%s: holds no polygons", o->name);
     if ((result = check_counts(o)) || (result = check_indices(o)))
         return result;
@@ -171,8 +171,9 @@ slv_result slvi_obj_make_mesh(obj *o, slv_mesh **out) {
     tell_all(o);
     scale_colors(o);
     double origin[3];
-    if (slvi_mesh_find_origin(o->values[OBJ_VERTEX].items, o->indices[OBJ_VERTEX].items,
-                              o->indices[OBJ_VERTEX].count, origin))
+    if (slvi_mesh_find_origin(o->values[OBJ_VERTEX].items,
+                              npolys ? o->indices[OBJ_VERTEX].items : NULL,
+                              npolys ? o->indices[OBJ_VERTEX].count : nverts, origin))
         slvi_mesh_shift(o->values[OBJ_VERTEX].items, o->rests.items, nverts, origin);
     slv_mesh_view view = {
         .nverts = (uint32_t)nverts,

@@ -2,6 +2,7 @@
 #include "mesh/obj/obj_data.h"
 
 #include "base/memory.h"
+#include "mesh/mesh_data.h"
 
 #include <selvage/file.h>
 
@@ -289,8 +290,8 @@ static slv_result read_statement(obj *o) {
     return read_other(o, word, length);
 }
 
-static slv_result parse(const slv_env *env, const char *name, const char *text, size_t size,
-                        slv_mesh **out) {
+slv_result slvi_obj_parse(const slv_env *env, const char *name, const char *text, size_t size,
+                          bool points, slv_mesh **out) {
     obj o = {.env = env, .name = name ? name : "mesh", .scan = {text, text + size, 1}};
     slv_result result = SLV_OK;
     *out = NULL;
@@ -313,7 +314,7 @@ static slv_result parse(const slv_env *env, const char *name, const char *text, 
         slvi_scan_next_line(&o.scan);
     }
     if (!result)
-        result = slvi_obj_make_mesh(&o, out);
+        result = slvi_obj_make_mesh(&o, points, out);
     obj_list *lists[] = {&o.rests,   &o.colors, &o.sizes,  &o.poly_lines, &o.creases,
                          &o.corners, &o.holes,  &o.groups, &o.letters};
     for (size_t i = 0; i < sizeof lists / sizeof *lists; i++)
@@ -328,5 +329,5 @@ static slv_result parse(const slv_env *env, const char *name, const char *text, 
 slv_result slv_mesh_parse_obj(const slv_env *env, const char *name, const char *text, size_t size,
                               slv_mesh **out) {
     slv_env own = slvi_budget_begin(env);
-    return slvi_budget_end(&own, parse(&own, name, text, size, out));
+    return slvi_budget_end(&own, slvi_obj_parse(&own, name, text, size, false, out));
 }

@@ -305,9 +305,9 @@ static void tell_of_rest(ply *p) {
                   (unsigned long long)bytes);
 }
 
-static slv_result make_mesh(const ply *p, slv_mesh **out) {
+static slv_result make_mesh(const ply *p, bool points, slv_mesh **out) {
     double origin[3];
-    if (!p->npolys)
+    if (!p->npolys && !(points && p->nverts))
         return slvi_fail(p->env, SLV_ERROR_FORMAT, "%s: holds no polygons", p->name);
     if (p->npolys > INT32_MAX)
         return slvi_fail(p->env, SLV_ERROR_LIMIT, "%s: more than %d faces", p->name, INT32_MAX);
@@ -322,7 +322,8 @@ static slv_result make_mesh(const ply *p, slv_mesh **out) {
             p->env, SLV_LOG_WARNING,
             "%s: %llu faces of fewer than three vertices are left out, the first is face %llu",
             p->name, (unsigned long long)p->skipped, (unsigned long long)p->first_skipped);
-    if (slvi_mesh_find_origin(p->positions, p->verts, p->nsides, origin))
+    if (slvi_mesh_find_origin(p->positions, p->npolys ? p->verts : NULL,
+                              p->npolys ? p->nsides : p->nverts, origin))
         slvi_mesh_shift(p->positions, p->rests, p->nverts, origin);
     slv_mesh_view view = {.nverts = p->nverts,
                           .origin = {origin[0], origin[1], origin[2]},
@@ -339,15 +340,15 @@ static slv_result make_mesh(const ply *p, slv_mesh **out) {
     return slv_mesh_create(p->env, &view, out);
 }
 
-static slv_result parse(const slv_env *env, const char *name, const char *bytes, size_t size,
-                        slv_mesh **out) {
+slv_result slvi_ply_parse(const slv_env *env, const char *name, const char *bytes, size_t size,
+                          bool points, slv_mesh **out) {
     ply p = {.env = env, .name = name ? name : "mesh"};
     *out = NULL;
     slv_result result = slvi_ply_read_header(env, p.name, bytes, size, &p.header);
     p.scan = (slv_scan){bytes + p.header.bytes, bytes + size, p.header.lines + 1};
     for (uint32_t i = 0; !result && i < p.header.nelements; i++)
         result = read_element(&p, &p.header.elements[i]);
-    if (!result && !(result = make_mesh(&p, out)))
+    if (!result && !(result = make_mesh(&p, points, out)))
         tell_of_rest(&p);
     slvi_free(p.positions);
     slvi_free(p.rests);
@@ -361,5 +362,5 @@ static slv_result parse(const slv_env *env, const char *name, const char *bytes,
 slv_result slv_mesh_parse_ply(const slv_env *env, const char *name, const char *bytes, size_t size,
                               slv_mesh **out) {
     slv_env own = slvi_budget_begin(env);
-    return slvi_budget_end(&own, parse(&own, name, bytes, size, out));
+    return slvi_budget_end(&own, slvi_ply_parse(&own, name, bytes, size, false, out));
 }
