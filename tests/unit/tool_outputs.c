@@ -35,6 +35,7 @@ static const struct writer {
     {"unbake uv.ptx --mesh uv.obj --size 64 --json -o", ".exr", .prints = true},
     {"bake uv.obj --uv uv.png --size 32 --quiet -o kept.ptx --miss-map", ".ptx", .prints = false},
     {"paint in.ptx s.jsonl --json", ".ptx", .prints = true},
+    {"paint s.selvage s.jsonl --json -o", ".ptx", .prints = true, .again = true},
     {"check in.ptx --repair", ".ptx", .prints = true},
     {"session s.selvage --json --export", ".ptx", .prints = true},
     {"sample in.ptx --queries q.txt --out", ".txt", .streams = true},

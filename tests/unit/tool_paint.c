@@ -69,6 +69,87 @@ static void thin_paint(void) {
     CHECK_MSG(fabs((double)c[0] - 192.0 / 255 * pow(0.999, 100)) < 1.0 / 255, "%g", (double)c[0]);
 }
 
+static bool same_files(const char *a, const char *b) {
+    char path[512];
+    snprintf(path, sizeof path, "%s", tool_path(a));
+    FILE *one = fopen(path, "rb"), *other = fopen(tool_path(b), "rb");
+    int x = 0;
+    bool same = one && other;
+    while (same && x != EOF)
+        same = (x = getc(one)) == getc(other);
+    if (one)
+        fclose(one);
+    if (other)
+        fclose(other);
+    return same;
+}
+
+/* A session is painted on in its place, or as a copy; a .ptx of it leaves it as it was. */
+static void sessions(void) {
+    write_script("{\"op\": \"set\", \"radius\": 0.4, \"color\": [1, 0, 0]}\n"
+                 "{\"brush\": {\"hardness\": 1}, \"samples\": [[1, 0.5, 0.5], [3, 0.5, 0.9]]}\n"
+                 "# nothing\n"
+                 "{\"op\": \"fill\", \"face\": 0, \"color\": [0, 0, 1]}");
+    RUNS(0, "new box.obj blank.ptx --size 64 --quiet");
+    RUNS(0, "paint blank.ptx s.jsonl out.ptx --quiet");
+    RUNS(0, "paint blank.ptx s.jsonl a.selvage --faces");
+    HAS("2 operations");
+    HAS("  face 3\n");
+    RUNS(0, "session a.selvage --export a.ptx");
+    HAS("0 since it was saved");
+    RUNS(1, "diff a.ptx blank.ptx");
+    /* 16 bits and floats are rounded to 8 bits alike, but for a tie */
+    RUNS(0, "diff a.ptx out.ptx --tolerance 0.004");
+    RUNS(1, "paint blank.ptx s.jsonl a.selvage");
+    HAS("is there already");
+    write_script("{\"op\": \"fill\", \"face\": 5, \"color\": [0, 1, 0]}\n");
+    RUNS(0, "paint a.selvage s.jsonl b.ptx --json");
+    HAS("\"operations\": 1");
+    RUNS(0, "session a.selvage --export c.ptx");
+    HAS("0 since it was saved");
+    RUNS(0, "diff a.ptx c.ptx");
+    RUNS(0, "paint a.selvage s.jsonl b.selvage --quiet");
+    RUNS(0, "session a.selvage --export c.ptx");
+    RUNS(0, "diff a.ptx c.ptx");
+    RUNS(0, "session b.selvage --export c.ptx");
+    RUNS(0, "diff b.ptx c.ptx");
+    RUNS(0, "paint a.selvage s.jsonl --layer 1");
+    HAS("1 operations, 0 dabs, 1 of 6 faces touched");
+    RUNS(0, "session a.selvage --export c.ptx");
+    HAS("1 since it was saved; 1 to undo");
+    RUNS(0, "diff b.ptx c.ptx");
+    write_script("{\"op\": \"fill\", \"face\": 5}\n{\"op\": \"dance\"}\n");
+    RUNS(1, "paint a.selvage s.jsonl e.selvage");
+    HAS("s.jsonl: line 2: ");
+    CHECK(access(tool_path("e.selvage"), F_OK) != 0);
+    RUNS(1, "paint a.selvage s.jsonl");
+    HAS("s.jsonl: line 2: ");
+    RUNS(2, "paint blank.ptx s.jsonl");
+    RUNS(2, "paint a.selvage s.jsonl --scheme loop");
+    RUNS(2, "paint blank.ptx s.jsonl out.ptx --layer 1");
+    RUNS(2, "paint blank.ptx s.jsonl out.ptx --azimuth 3");
+    RUNS(2, "paint blank.ptx s.jsonl out.ptx --record stage.txt");
+}
+
+/* A picture before and after each stroke: the last shows what the written file does. Faces that had
+ * one value go elsewhere on the GPU meanwhile. */
+static void pictures(void) {
+    write_script("{\"radius\": 0.3, \"color\": [1, 0, 0], \"samples\": [[1, 0.5, 0.5]]}\n"
+                 "{\"op\": \"set\", \"radius\": 0.2}\n"
+                 "{\"color\": [0, 1, 0], \"samples\": [[3, 0.5, 0.5], [3, 0.8, 0.5]]}\n");
+    RUNS(0, "paint blank.ptx s.jsonl p.selvage --record st.##.png --size 48x32 --certify --json");
+    HAS("\"pictures\": 3");
+    HAS("\"line\": 3");
+    LACKS("\"line\": 2");
+    CHECK(access(tool_path("st.02.png"), F_OK) == 0 && access(tool_path("st.03.png"), F_OK) != 0);
+    RUNS(0, "session p.selvage --export p.ptx");
+    write_script("# nothing\n");
+    RUNS(0, "paint p.selvage s.jsonl --record again.png --size 48x32");
+    CHECK(same_files("again.0000.png", "st.02.png"));
+    CHECK(!same_files("st.01.png", "st.02.png") && !same_files("st.00.png", "st.01.png"));
+    RUNS(1, "paint p.selvage s.jsonl --record missing/x.png");
+}
+
 static void wrong_scripts(void) {
     static const struct {
         const char *text, *says;
@@ -109,6 +190,8 @@ int main(void) {
     RUNS(0, "new box.obj box.ptx --size 64 --quiet");
     paints();
     thin_paint();
+    sessions();
+    pictures();
     wrong_scripts();
     tool_end();
     return test_end();

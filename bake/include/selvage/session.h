@@ -17,6 +17,7 @@
 #define SELVAGE_SESSION_H
 
 #include <selvage/document.h>
+#include <selvage/script.h>
 #include <selvage/stroke.h>
 
 #ifdef __cplusplus
@@ -32,6 +33,9 @@ typedef struct slv_session_params {
     slv_scheme scheme; /* of the surface that is painted on */
     bool relaxed;  /* do not wait for the disk: a power cut may lose what it had not been told */
     bool as_saved; /* open without what came after the last save, and forget that */
+    /* Nothing that is done is kept: the folder is opened to be looked at, and written to by no
+     * call. Saving is SLV_ERROR_ARGUMENT. Not for new sessions. */
+    bool unkept;
     uint64_t reserved[4];
 } slv_session_params;
 
@@ -112,6 +116,10 @@ typedef struct slv_session_info {
     uint64_t reserved[4];
 } slv_session_info;
 SLV_API void slv_session_get_info(const slv_session *session, slv_session_info *out);
+/* What strokes and fills have done since it was opened, undone or not, and whether they painted on
+ * a face. */
+SLV_API void slv_session_get_stats(const slv_session *session, slv_script_stats *out);
+SLV_API bool slv_session_touched(const slv_session *session, uint32_t face);
 
 /* Writes the flattened document as a .ptx, with the mesh inside. */
 SLV_NODISCARD SLV_API slv_result slv_session_export(slv_session *session, const char *path);

@@ -98,6 +98,8 @@ slv_result slv_session_stroke_end(slv_session *session, slv_stroke_stats *stats)
     }
     slv_result result = slv_stroke_end(live->stroke, stats ? stats : &own);
     json_object_set(live->line, "samples", live->samples);
+    if (!result)
+        result = slvi_session_note(session, live->script);
     return end(session, result);
 }
 

@@ -111,9 +111,12 @@ slv_result slv_session_save_as(slv_session *session, const char *path) {
     int descriptor = -1;
     slvi_journal journal = {.file = -1};
     struct stat status;
-    if (session->document->history.open)
+    if (session->document->history.open || session->params.unkept)
         return slvi_fail(env, SLV_ERROR_ARGUMENT,
-                         "%s: cannot be saved within an entry of its history", session->path);
+                         session->params.unkept
+                             ? "%s: was opened to be looked at, and is not saved"
+                             : "%s: cannot be saved within an entry of its history",
+                         session->path);
     if (lstat(path, &status) == 0)
         return slvi_fail(env, SLV_ERROR_IO, "%s: is there already", path);
     slv_result result = slvi_beside_resolve(env, path, &target);

@@ -197,6 +197,8 @@ static slv_result cut(slv_session *session, const slvi_journal_text *text) {
     char *path = NULL;
     slv_result result = SLV_OK;
     session->info.torn_bytes = torn;
+    if (session->params.unkept)
+        return SLV_OK;
     if (torn > 1 && memchr(text->text + text->end, '\n', torn - 1) &&
         !(result = slvi_session_path(&session->env, session->path, "journal-damaged", &path)))
         result = slvi_output_write(&session->env, path, text->text + text->end, torn);
@@ -244,7 +246,7 @@ static slv_result choose(slv_session *session, const slvi_journal_text *text,
         whole = text->count == 0 || last <= line;
         count = 0;
     }
-    if ((result = replay(session, text, live, count, &whole)) || whole)
+    if ((result = replay(session, text, live, count, &whole)) || whole || session->params.unkept)
         return result;
     /* later lines follow on what is there now */
     return slv_session_save(session);
@@ -258,7 +260,7 @@ slv_result slvi_session_recover(slv_session *session) {
         !(result = slvi_alloc(&session->env, "journal", text.count, sizeof *live, &live)) &&
         !(result = cut(session, &text)))
         result = choose(session, &text, states, nstates, live);
-    if (!result)
+    if (!result && !session->params.unkept)
         result = sweep(session);
     session->info.lines = text.count;
     slvi_journal_free(&text);

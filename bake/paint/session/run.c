@@ -5,6 +5,7 @@
 #include "base/file.h"
 #include "base/json.h"
 #include "base/log.h"
+#include "base/memory.h"
 #include "base/output.h"
 #include "history/history.h"
 
@@ -21,6 +22,10 @@
 /* ---- what is done to the document ---- */
 
 static slv_result keep_edit(slv_session *session, json_t *edit) {
+    if (session->params.unkept) {
+        json_decref(edit);
+        return SLV_OK;
+    }
     if (json_array_append_new(session->edits, edit) == 0)
         return SLV_OK;
     return slvi_fail(&session->env, SLV_ERROR_MEMORY, "%s: no memory for a line",
@@ -51,7 +56,7 @@ static slv_result watch_edit(void *user, const slvi_op *op) {
     slv_session *session = user;
     json_t *edit = NULL;
     slv_result result = SLV_OK;
-    if (session->replaying)
+    if (session->replaying || session->params.unkept)
         return SLV_OK;
     result = slvi_edit_to_json(&session->env, op, session->document->flat.nfaces, &edit);
     if (!result && op->texture && (result = keep_texture(session, op->texture, edit)))
@@ -67,7 +72,7 @@ static void watch_cancel(void *user) {
 static slv_result watch_close(void *user, const char *name) {
     slv_session *session = user;
     json_t *line = NULL;
-    if (session->replaying || !json_array_size(session->edits))
+    if (session->replaying || session->params.unkept || !json_array_size(session->edits))
         return SLV_OK;
     if (json_array_size(session->edits) == 1)
         line = json_incref(json_array_get(session->edits, 0));
@@ -81,7 +86,7 @@ static slv_result watch_close(void *user, const char *name) {
 
 static slv_result watch_step(void *user, bool redo) {
     slv_session *session = user;
-    if (session->replaying)
+    if (session->replaying || session->params.unkept)
         return SLV_OK;
     json_t *line = json_pack("{s:s}", "op", redo ? "redo" : "undo");
     slv_result result = slvi_journal_append(&session->journal, line);
@@ -124,6 +129,35 @@ slv_result slvi_session_script(slv_session *session, uint32_t layer, bool mask, 
     return result;
 }
 
+slv_result slvi_session_note(slv_session *session, const slv_script *script) {
+    uint32_t nfaces = session->document->flat.nfaces;
+    slv_script_stats stats, *all = &session->stats;
+    slv_script_get_stats(script, &stats);
+    slv_result result = session->touched || !stats.faces || session->replaying
+                            ? SLV_OK
+                            : slvi_alloc(&session->env, "session", nfaces, 1, &session->touched);
+    if (result || session->replaying)
+        return result;
+    for (uint32_t face = 0; stats.faces && face < nfaces; face++)
+        if (slv_script_touched(script, face) && !session->touched[face]) {
+            session->touched[face] = 1;
+            all->faces++;
+        }
+    all->operations += stats.operations;
+    all->dabs += stats.dabs;
+    all->missed += stats.missed;
+    all->texels += stats.texels;
+    return SLV_OK;
+}
+
+void slv_session_get_stats(const slv_session *session, slv_script_stats *out) {
+    *out = session->stats;
+}
+
+bool slv_session_touched(const slv_session *session, uint32_t face) {
+    return session->touched && face < session->document->flat.nfaces && session->touched[face];
+}
+
 /* What scripts have no keys for. */
 static void make_bare(json_t *line) {
     static const char *const keys[] = {"layer", "mask", "n", "crc"};
@@ -141,15 +175,42 @@ slv_result slvi_session_paint(slv_session *session, uint32_t layer, bool mask, j
                                          "%s: no memory for a line", session->journal.path);
     if (!result)
         result = slv_script_run(script, session->journal.next, text, strlen(text));
+    if (!result)
+        result = slvi_session_note(session, script);
     slv_script_destroy(script);
     free(text);
     json_decref(bare);
     return result;
 }
 
+/* What a brush's file has that is not known is told once, when it is kept. */
+static slv_result tell_unknown(const slv_session *session, const char *path, const char *text,
+                               size_t size) {
+    const char *const *names;
+    slv_brush *brush = NULL;
+    slv_result result = slv_brush_parse(&session->env, path, text, size, &brush);
+    for (uint32_t i = 0; !result && i < slv_brush_unknown(brush, &names); i++)
+        slvi_logf(&session->env, SLV_LOG_WARNING, "%s: %s is not known, and left out", path,
+                  names[i]);
+    slv_brush_destroy(brush);
+    return result;
+}
+
+/* The name by which a session that keeps nothing finds a brush's file from its own folder. */
+static slv_result name_brush(const slv_session *session, const char *path, json_t *line) {
+    char *whole = realpath(path, NULL);
+    slv_result result =
+        whole ? SLV_OK
+              : slvi_fail(&session->env, slvi_io_error(errno), "%s: %s", path, strerror(errno));
+    if (!result && json_object_set_new(line, "brush", json_string(whole)) != 0)
+        result = slvi_fail(&session->env, SLV_ERROR_ARGUMENT, "%s: its name is not UTF-8", path);
+    free(whole);
+    return result;
+}
+
 /* Copies a brush's file into the session, and lets the line name that. */
 static slv_result keep_brush(slv_session *session, const char *folder, json_t *line) {
-    const char *name = json_string_value(json_object_get(line, "brush")), *base;
+    const char *name = json_string_value(json_object_get(line, "brush")), *base, *path;
     char *from = NULL, *to = NULL, *text = NULL, kept[96];
     size_t size = 0;
     slv_result result;
@@ -159,17 +220,20 @@ static slv_result keep_brush(slv_session *session, const char *folder, json_t *l
     if ((result =
              slvi_session_path(&session->env, folder && *name != '/' ? folder : "", name, &from)))
         return result;
-    if (!(result =
-              slvi_file_read(&session->env, folder || *name == '/' ? from : name, &text, &size))) {
+    path = folder || *name == '/' ? from : name;
+    if (session->params.unkept) {
+        result = name_brush(session, path, line);
+    } else if (!(result = slvi_file_read(&session->env, path, &text, &size))) {
         size_t mark =
             (size_t)snprintf(kept, sizeof kept, "brush-%08" PRIx32 "-", slvi_crc(0, text, size));
         bool known = strncmp(base, kept, mark) == 0; /* it comes from a session */
         snprintf(kept + mark, sizeof kept - mark, "%.60s", known ? base + mark : base);
         result = slvi_session_path(&session->env, session->path, kept, &to);
     }
-    if (!result && access(to, F_OK) != 0)
+    if (!result && to && access(to, F_OK) != 0 &&
+        !(result = tell_unknown(session, path, text, size)))
         result = slvi_output_write(&session->env, to, text, size);
-    if (!result && json_object_set_new(line, "brush", json_string(kept)) != 0)
+    if (!result && to && json_object_set_new(line, "brush", json_string(kept)) != 0)
         result = slvi_fail(&session->env, SLV_ERROR_ARGUMENT, "%s: its name is not UTF-8", from);
     slvi_free(from);
     slvi_free(to);

@@ -11,6 +11,9 @@
 
 slv_result slvi_session_save(slv_session *session) {
     char *path = NULL;
+    if (session->params.unkept)
+        return slvi_fail(&session->env, SLV_ERROR_ARGUMENT,
+                         "%s: was opened to be looked at, and is not saved", session->path);
     uint64_t line = session->journal.next - 1;
     slv_result result = slvi_session_state_path(session, session->state + 1, &path);
     if (!result && !(result = slvi_state_write(&session->env, path, session->document, line))) {

@@ -32,6 +32,7 @@ static slv_result open_all(slv_session *session, const slv_session_params *param
     }
     session->params.relaxed = session->journal.relaxed = params->relaxed;
     session->params.as_saved = params->as_saved;
+    session->params.unkept = params->unkept;
     session->params.document.history_bytes = params->document.history_bytes;
     session->params.document.disk_bytes = params->document.disk_bytes;
     session->params.document.scratch = params->document.scratch;
@@ -167,6 +168,7 @@ void slv_session_destroy(slv_session *session) {
     json_decref(session->edits);
     json_decref(session->set);
     slvi_session_free_description(&session->params);
+    slvi_free(session->touched);
     slvi_free(session->path);
     slvi_free(session);
 }

@@ -78,6 +78,8 @@ struct slv_session {
     uint64_t floor; /* and of that which the session was opened with */
     uint64_t saved_line;
     slv_session_info info;
+    slv_script_stats stats; /* and which faces were touched, or NULL for none */
+    uint8_t *touched;
 };
 
 /* A path inside of a folder, for slvi_free. */
@@ -111,6 +113,8 @@ slv_result slvi_session_line(slv_session *session, const char *folder, const cha
                              size_t size, json_t **out);
 /* The line for the journal. */
 slv_result slvi_session_keep(slv_session *session, uint32_t layer, bool mask, json_t *line);
+/* Adds what a script has done to what is known of the session's strokes. */
+slv_result slvi_session_note(slv_session *session, const slv_script *script);
 /* A script that paints on a layer. */
 slv_result slvi_session_script(slv_session *session, uint32_t layer, bool mask, slv_script **out);
 /* Runs a line of a script, which says all, on a layer. */

@@ -151,7 +151,8 @@ static slv_result update_all(struct update *update) {
     for (uint32_t i = 0; !result && i < texture->nreaches; i++) {
         slv_gl_reach_row *row = &texture->reaches[i];
         const slv_gl_store *store = &texture->stores[row->store];
-        if (store->moved) { /* batches are of pools */
+        if (store->moved) { /* batches are of pools, and triangles are sorted by batches */
+            texture->serial = ++texture->gl->serial;
             slvi_gl_reach_free(texture->gl, &row->reach);
             result = slvi_gl_reach_build(&live->source, row->kind, &store->pools, store->made,
                                          &row->reach);
