@@ -102,7 +102,8 @@ static slv_result begin(const slv_env *env, struct drawing *d) {
                                                                : SLV_GL_COMPRESSION_NONE,
                                     .encoding = (slv_texture_encoding)r->scene.encoding,
                                     .border_u = scene->border_u,
-                                    .border_v = scene->border_v};
+                                    .border_v = scene->border_v,
+                                    .edge_filter = scene->edge_filter};
     if (r->raw && !upload.encoding)
         upload.encoding = SLV_TEXTURE_DATA;
     const slv_texture_encoding encoding =

@@ -164,7 +164,7 @@ static slv_result create(const slv_env *env, const slv_mesh *mesh, const slv_sur
         made->images = *params.images;
     else if ((result = slv_texture_decode(env, texture, params.encoding, &decoded)) ||
              (result = slvi_reference_texels_create(env, decoded ? decoded : texture, adjacency,
-                                                    params.first_channel, shown, &made->texels)) ||
+                                                    &params, shown, &made->texels)) ||
              (result = slvi_reference_texels_border(env, adjacency, params.border_u,
                                                     params.border_v, &made->texels)))
         goto done;

@@ -96,8 +96,9 @@ static void corner_value(const reference_texels *t, uint32_t face, unsigned corn
     reference_bilinear(t, face, (float)slvi_corner_u(corner), (float)slvi_corner_v(corner), value);
 }
 
-/* One value for each vertex: borders give it nearly always, but where oblong resolutions contradict
- * each other around a vertex, or at the middle of a whole quad's edge, only almost. */
+/* Not for vectors, which are other numbers in each face. One value for each vertex: borders give it
+ * nearly always, but where oblong resolutions contradict each other around a vertex, or at the
+ * middle of a whole quad's edge, only almost. */
 static void mend_corners(const slv_adjacency *adjacency, uint32_t nfaces, reference_texels *t) {
     for (uint32_t face = 0; face < nfaces; face++) {
         t->mended[face] |= t->first_link[face] != t->first_link[face + 1];
@@ -170,13 +171,15 @@ void slvi_reference_mend(const reference_texels *t, uint32_t face, float u, floa
 }
 
 slv_result slvi_reference_texels_create(const slv_env *env, const slv_texture *texture,
-                                        const slv_adjacency *adjacency, uint32_t first_channel,
-                                        uint32_t nchannels, reference_texels *out) {
+                                        const slv_adjacency *adjacency,
+                                        const slv_reference_params *params, uint32_t nchannels,
+                                        reference_texels *out) {
     const slv_texture_desc *desc = slv_texture_get_desc(texture);
     reference_texels made = {.nchannels = nchannels};
     slv_parallel_log *log = NULL;
     slv_levels *levels = NULL;
     slv_env serial;
+    const bool vectors = params->edge_filter == SLV_EDGE_FILTER_TANVEC && desc->nchannels > 1;
     uint64_t count = 0;
     slv_result result;
     if ((result = slvi_alloc(env, "resolutions", desc->nfaces, sizeof *made.res, &made.res)) ||
@@ -201,8 +204,10 @@ slv_result slvi_reference_texels_create(const slv_env *env, const slv_texture *t
         (result = slvi_parallel_env_begin(env, &log, &serial)) ||
         (result = slv_levels_create_over(&serial, texture, &levels)))
         goto done;
-    struct filling filling = {levels, adjacency, &serial, first_channel, desc->nchannels, &made};
-    if (!(result = slvi_parallel_for(env, desc->nfaces, 16, fill, &filling)))
+    slv_levels_set_edge_filter(levels, params->edge_filter);
+    struct filling filling = {levels,          adjacency, &serial, params->first_channel,
+                              desc->nchannels, &made};
+    if (!(result = slvi_parallel_for(env, desc->nfaces, 16, fill, &filling)) && !vectors)
         mend_corners(adjacency, desc->nfaces, &made);
 done:
     slv_levels_destroy(levels);

@@ -6,6 +6,8 @@
 #include "texture/bilinear.h"
 #include "texture/black.h"
 
+#include <selvage/reference.h>
+
 /* Where a face's edge runs along a neighbour of longer texels, and takes its values from there. */
 typedef struct reference_link {
     uint32_t face; /* the neighbour */
@@ -29,8 +31,9 @@ typedef struct reference_texels {
 } reference_texels;
 
 slv_result slvi_reference_texels_create(const slv_env *env, const slv_texture *texture,
-                                        const slv_adjacency *adjacency, uint32_t first_channel,
-                                        uint32_t nchannels, reference_texels *out);
+                                        const slv_adjacency *adjacency,
+                                        const slv_reference_params *params, uint32_t nchannels,
+                                        reference_texels *out);
 /* Makes them black beyond the boundary where either mode asks for it. */
 slv_result slvi_reference_texels_border(const slv_env *env, const slv_adjacency *adjacency,
                                         slv_border_mode border_u, slv_border_mode border_v,

@@ -153,6 +153,25 @@ static inline unsigned slvi_edge_turns(unsigned edge, unsigned adjacent_edge) {
     return (edge - adjacent_edge + 2) & 3;
 }
 
+/* A vector in a neighbour's axes, which are turned by so many quarters, in the face's own. Exact.
+ */
+static inline void slvi_edge_turn_vector(unsigned turns, float *x, float *y) {
+    float a = *x, b = *y;
+    *x = (turns & 3) == 0 ? a : (turns & 3) == 1 ? -b : (turns & 3) == 2 ? -a : b;
+    *y = (turns & 3) == 0 ? b : (turns & 3) == 1 ? a : (turns & 3) == 2 ? -b : -a;
+}
+
+/* How the axes of member i of a ring are turned as member `own` sees them: across the edge to those
+ * beside it, diagonally across to all others, as lookups on the CPU have it. Around four faces that
+ * is the same from everywhere; around other numbers there is no way for which it is. */
+static inline unsigned slvi_ring_turns(const slv_ring *ring, uint32_t own, uint32_t i) {
+    uint32_t last = ring->count - 1;
+    bool after = i == own + 1 || (ring->closed && own == last && i == 0);
+    bool before = i + 1 == own || (ring->closed && own == 0 && i == last);
+    unsigned turned = (unsigned)ring->corners[own].corner - ring->corners[i].corner;
+    return i == own ? 0 : (turned + (after ? 1u : before ? 3u : 2u)) & 3;
+}
+
 /* The map across an edge that sends t to t_shift - scale t and the depth d to -scale d. With both 1
  * it is one of the 16 orientations. */
 static inline slv_affine slvi_edge_map(unsigned edge, unsigned adjacent_edge, float scale,

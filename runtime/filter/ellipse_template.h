@@ -245,9 +245,9 @@ static void ellipse_add_turned_run(ellipse_job *j, const cell *c, cache_face *f,
     float *sum = state->sum, before[2] = {sum[0], sum[1]};
     sum[0] = sum[1] = 0;
     ellipse_add_run(j, c, f, res_u, res_v, x, y, n, weights);
-    float a = sum[0], b = sum[1];
-    sum[0] = before[0] + (c->turn == 1 ? -b : c->turn == 2 ? -a : b);
-    sum[1] = before[1] + (c->turn == 1 ? a : c->turn == 2 ? -b : -a);
+    slvi_edge_turn_vector((unsigned)c->turn, &sum[0], &sum[1]);
+    sum[0] += before[0];
+    sum[1] += before[1];
 }
 
 /* A place in a cell's own frame. */

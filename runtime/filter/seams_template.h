@@ -18,8 +18,9 @@ static void seam_across(lookup_state *state, uint32_t face, kernel *k);
 /* Adds a piece whose first two channels are a vector in the face's own frame. */
 static void seam_add_turned(lookup_state *state, int turns, const float *piece) {
     float x = piece[0], y = piece[1];
-    state->sum[0] += turns == 1 ? -y : turns == 2 ? -x : y;
-    state->sum[1] += turns == 1 ? x : turns == 2 ? -y : -x;
+    slvi_edge_turn_vector((unsigned)turns, &x, &y);
+    state->sum[0] += x;
+    state->sum[1] += y;
     for (uint32_t c = 2; c < state->count; c++)
         state->sum[c] += piece[c];
 }

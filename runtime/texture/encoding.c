@@ -53,12 +53,14 @@ struct decoding {
     const slv_texture *from;
     slv_texture *to;
     slv_env env;      /* logs one at a time */
+    bool curve;       /* colours are encoded: else numbers become floats, no more */
     uint16_t u8[256]; /* halves */
 };
 
 static void begin_decoding(struct decoding *d) {
     for (uint32_t i = 0; i < 256; i++)
-        d->u8[i] = slv_half_from_float(slvi_srgb_to_linear((float)i / 255));
+        d->u8[i] =
+            slv_half_from_float(d->curve ? slvi_srgb_to_linear((float)i / 255) : (float)i / 255);
 }
 
 static void decode_bytes(const struct decoding *d, const uint8_t *from, uint64_t count,
@@ -76,7 +78,8 @@ static void decode_texels(const struct decoding *d, const void *from, uint64_t c
         decode_bytes(d, from, count, to);
     } else {
         slv_type_to_float(desc->type, from, count * desc->nchannels, to);
-        slv_texels_decode(desc->nchannels, desc->alpha_channel, to, count);
+        if (d->curve)
+            slv_texels_decode(desc->nchannels, desc->alpha_channel, to, count);
     }
 }
 
@@ -107,6 +110,7 @@ slv_result slv_texture_decode_rect(const slv_env *env, const slv_texture *textur
                                    slv_rect rect, slv_texture *decoded) {
     struct decoding d = {.from = texture, .to = decoded};
     const slv_texture_desc *desc = slv_texture_get_desc(texture);
+    d.curve = slv_texture_get_desc(decoded)->encoding != SLV_TEXTURE_DATA;
     void *texels = NULL;
     if (face >= desc->nfaces || !slvi_rect_is_within(rect, desc->res[face]))
         return slvi_fail(env, SLV_ERROR_ARGUMENT, "decoding: face %u has no such texels", face);
@@ -143,18 +147,15 @@ slv_result slv_texture_decode_rect(const slv_env *env, const slv_texture *textur
     return result;
 }
 
-static slv_result decode(const slv_env *env, const slv_texture *texture,
-                         slv_texture_encoding wanted, slv_texture **out) {
+static slv_result decode(const slv_env *env, const slv_texture *texture, bool curve,
+                         slv_texture **out) {
     slv_texture_desc desc = *slv_texture_get_desc(texture);
-    struct decoding d = {.from = texture};
+    struct decoding d = {.from = texture, .curve = curve};
     slv_parallel_log *log = NULL;
     slv_result result;
-    *out = NULL;
-    if (slv_texture_get_encoding(texture, wanted) != SLV_TEXTURE_SRGB)
-        return SLV_OK;
     begin_decoding(&d);
     desc.type = desc.type == SLV_TYPE_U8 ? SLV_TYPE_HALF : SLV_TYPE_FLOAT;
-    desc.encoding = SLV_TEXTURE_LINEAR;
+    desc.encoding = curve ? SLV_TEXTURE_LINEAR : SLV_TEXTURE_DATA;
     if (!(result = slv_texture_create(env, &desc, &d.to)) &&
         !(result = slvi_texture_reserve(d.to, texture)) &&
         !(result = slvi_parallel_env_begin(env, &log, &d.env)))
@@ -170,6 +171,16 @@ static slv_result decode(const slv_env *env, const slv_texture *texture,
 
 slv_result slv_texture_decode(const slv_env *env, const slv_texture *texture,
                               slv_texture_encoding wanted, slv_texture **out) {
-    slv_env own = slvi_budget_begin(env);
-    return slvi_budget_end(&own, decode(&own, texture, wanted, out));
+    slv_env own;
+    *out = NULL;
+    if (slv_texture_get_encoding(texture, wanted) != SLV_TEXTURE_SRGB)
+        return SLV_OK;
+    own = slvi_budget_begin(env);
+    return slvi_budget_end(&own, decode(&own, texture, true, out));
+}
+
+slv_result slv_texture_widen(const slv_env *env, const slv_texture *texture, slv_texture **out) {
+    slv_type type = slv_texture_get_desc(texture)->type;
+    *out = NULL;
+    return type == SLV_TYPE_U8 || type == SLV_TYPE_U16 ? decode(env, texture, false, out) : SLV_OK;
 }

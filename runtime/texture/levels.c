@@ -291,6 +291,10 @@ slv_result slv_levels_create(const slv_env *env, const slv_texture *texture, slv
     return create_within(env, texture, false, out);
 }
 
+void slv_levels_set_edge_filter(slv_levels *levels, slv_edge_filter filter) {
+    levels->vectors = filter == SLV_EDGE_FILTER_TANVEC && levels->desc.nchannels > 1;
+}
+
 slv_result slv_levels_create_over(const slv_env *env, const slv_texture *texture,
                                   slv_levels **out) {
     return create_within(env, texture, true, out);

@@ -36,6 +36,7 @@ struct slv_levels {
     unsigned char *texels;
     uint64_t nbytes; /* of `texels` */
     bool borrowed;   /* level 0 of faces that are not constant is the texture's */
+    bool vectors;    /* the first two channels are a vector in each face's own frame */
     bool fixed;      /* filled from outside (levels.h): without `own`, never updated */
     uint8_t *kind;   /* of each face: SLVI_LEVELS_...; NULL: nothing special */
     uint8_t *room;   /* of each face: slvi_level_room */

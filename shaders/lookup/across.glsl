@@ -23,7 +23,7 @@ slv_site slv_across(uint there, int edge, int adjacent, float scale, float end, 
     vec3 edge_wise = (adjacent & 1) == 0 ? vec3(uv.x, f.axis.x, size.x) : vec3(uv.y, f.axis.y, size.y);
     float reach = slv_spread(f) * abs(edge_wise.y) + 0.5 * max(texels, 1.0) / edge_wise.z;
     return slv_site(int(there >> 26 & 15u), float(there & 0xffffu), uv, f, abs(edge_wise.x - 0.5) > 0.5001 ? 2.0 : min(reach / scale, 1.0),
-                    (there >> 30 & 1u) != 0u, size);
+                    (there >> 30 & 1u) != 0u, size, -turns);
 }
 
 // Across one edge; `second` asks for the second of two sub-faces, which lies across the first one's edge before the shared one.

@@ -9,6 +9,7 @@ struct slv_site {
     float along; // how far along the shared edge its filter reaches, the edge's length being 1; 2 if it is not beside the point
     bool constant; // of one value
     vec2 size;
+    int turns; // quarters that its face's axes are turned by, counter-clockwise, as the one that is drawn sees them
 };
 
 // How far the outermost tap is from the centre, as a part of the row's axis.
@@ -104,8 +105,12 @@ slv_tap slv_fetch_site(slv_site site) {
 slv_tap slv_fetch(slv_site site) {
 #if SLV_CONSTANTS
     float covered = slv_constant(site.constant, site.size, site.uv, site.f);
-    return slv_scaled(slv_fetch_site(site), covered);
+    slv_tap tap = slv_scaled(slv_fetch_site(site), covered);
 #else
-    return slv_fetch_site(site);
+    slv_tap tap = slv_fetch_site(site);
 #endif
+#if SLV_TURNS
+    tap.color = slv_turned(site.turns, tap.color);
+#endif
+    return tap;
 }

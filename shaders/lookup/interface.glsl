@@ -28,6 +28,7 @@
 //   SLV_CONSTANTS       1 if there may be faces of one value, which have one texel whatever their size
 //   SLV_BLACK           1 if the texture is black beyond its boundary: what the strategy defines is then renamed, and beyond.glsl
 //                       takes away what lies there
+//   SLV_TURNS           1 if the first two channels are a vector in each face's own frame: those of neighbours are turned
 //   SLV_OWN_ALPHA       with SLV_BLACK: 1 if alpha is a channel of the texels and not always 1
 // A strategy may define features:
 //   SLV_KEEPS_ROW       both sides of an edge look up the same texels: a footprint keeps its row of taps however small it is
@@ -66,6 +67,14 @@ vec4 slv_value(vec4 stored) {
     return stored;
 #endif
 }
+
+#if SLV_TURNS
+// A vector, the first two channels, seen from axes against which its own are turned by so many quarters, counter-clockwise.
+vec4 slv_turned(int turns, vec4 value) {
+    vec2 once = (turns & 1) == 0 ? value.xy : vec2(-value.y, value.x);
+    return vec4((turns & 2) == 0 ? once : -once, value.zw);
+}
+#endif
 
 vec4 slv_sample_grad(int face, vec2 uv, vec2 dx, vec2 dy); // the strategy's own
 

@@ -10,7 +10,7 @@ vec4 slv_visit(int face, vec2 size, vec2 uv, slv_footprint f, bvec4 edges, inout
     slv_reach reach = slv_reach_of(links, edges, uv, slv_extent(size, f));
     reach.pending = SLV_HELPER ? 0u : reach.pending;
     slv_site site = slv_site(0, float(slv_store[SLV_ROW(face)].x >> 16), uv, f, 1.0,
-                             (slv_store[SLV_ROW(face)].y >> 20 & 1u) != 0u, size);
+                             (slv_store[SLV_ROW(face)].y >> 20 & 1u) != 0u, size, 0);
     int edge = -1;
     bool more;
     do {

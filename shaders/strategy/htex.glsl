@@ -13,7 +13,9 @@
 //   bit 25      the half-edge has the half of the square where s + t > 1
 //   bit 26      the face is a sub-face
 // and the corners where these half-edges start, and the polygon's centre: the index of the first of their values in 27 bits, and
-// log2 of the least square around them. A corner has a value for squares of 1, 2, 4 and more texels.
+// log2 of the least square around them. A corner has a value for squares of 1, 2, 4 and more texels. Where these are vectors, the
+// second component of `centre` has 2 bits for each of the squares, of the corners and for the centre: by how many quarters the axes
+// there are turned, counter-clockwise, as the face sees them.
 struct slv_square_links {
     uvec4 squares, corners, centre;
 };
@@ -156,18 +158,29 @@ vec4 slv_sample_grad(int face, vec2 uv, vec2 dx, vec2 dy) {
     pending = SLV_HELPER ? 1u : pending;
 #endif
     vec4 value = vec4(0.0);
+#if SLV_TURNS
+    uint turns = slv_squares[SLV_ROW(face)].centre.y;
+#endif
     do {
         int turn = findLSB(pending);
         pending &= pending - 1u;
-        value += slv_square_value(squares[(place.own + turn) & 3], turn, place.st, texel, f);
+        int slot = (place.own + turn) & 3;
+        vec4 part = slv_square_value(squares[slot], turn, place.st, texel, f);
+#if SLV_TURNS
+        part = slv_turned(int(turns >> 2 * slot), part);
+#endif
+        value += part;
     } while (pending != 0u);
     // Around a corner the squares at hand differ from triangle to triangle: towards it the value becomes the one that all share.
-    uint corner = most < 0.5 ? slv_squares[SLV_ROW(face)].centre.x
-                             : slv_squares[SLV_ROW(face)].corners[place.st.x >= place.st.y ? place.own : after];
+    int start = place.st.x >= place.st.y ? place.own : after;
+    uint corner = most < 0.5 ? slv_squares[SLV_ROW(face)].centre.x : slv_squares[SLV_ROW(face)].corners[start];
     uint first = slv_corner_first(corner), least = corner >> 27;
     float log2_side = clamp(-f.level, 0.0, float(least));
     float share = clamp(min(most, 1.0 - most) * 2.0 * exp2(log2_side), 0.0, 1.0);
     vec4 shared_value = mix(slv_corner[first + uint(log2_side)], slv_corner[first + min(uint(log2_side) + 1u, least)],
                             fract(log2_side));
+#if SLV_TURNS
+    shared_value = slv_turned(int(turns >> (most < 0.5 ? 16 : 8 + 2 * start)), shared_value);
+#endif
     return slv_value(mix(shared_value, value, share));
 }

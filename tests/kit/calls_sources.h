@@ -126,6 +126,10 @@ static slv_result call_ptx_some(const slv_env *env) {
         !(result = slv_ptx_visit_some_faces(env, ptx, faces, 2, visit_some, NULL)) &&
         !(result = slv_ptx_load_texture_at(env, ptx, res, &texture)))
         result = slv_texture_decode(env, texture, SLV_TEXTURE_SRGB, &light);
+    if (!result && light) {
+        slv_texture_destroy(light);
+        result = slv_texture_widen(env, texture, &light);
+    }
     slv_texture_destroy(light);
     slv_texture_destroy(texture);
     slv_ptx_close(ptx);

@@ -223,11 +223,7 @@ slv_result scene_load_texels(const slv_env *env, const slv_ptx *ptx, const slv_r
     /* the filter of triangles knows no border modes */
     out->border_u = triangles ? SLV_BORDER_CLAMP : info->border_u;
     out->border_v = triangles ? SLV_BORDER_CLAMP : info->border_v;
-    if (info->edge_filter == SLV_EDGE_FILTER_TANVEC && !triangles)
-        cli_warning(
-            "%s: holds vectors, which are drawn as numbers: those of neighbours are not turned "
-            "at edges",
-            slv_ptx_name(ptx));
+    out->edge_filter = triangles ? SLV_EDGE_FILTER_NONE : info->edge_filter;
     slv_result result = scene_check_memory(env, ptx, res);
     if (!result)
         result =

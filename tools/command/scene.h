@@ -59,6 +59,7 @@ typedef struct scene {
     slv_texture *triangles;             /* NULL, or what the texture of sub-faces was made of */
     float bounds_min[3], bounds_max[3]; /* of the mesh, or of the group in focus */
     slv_border_mode border_u, border_v; /* how the texture is drawn */
+    slv_edge_filter edge_filter;        /* likewise */
     slv_alpha_mode alpha;               /* too: colours are then multiplied by alpha */
     bool premultiplied;                 /* they are in the file */
     bool raw;                           /* numbers are not light */

@@ -220,6 +220,7 @@ static slv_result prepare(struct session *s) {
         return result;
     upload.border_u = s->scene.border_u;
     upload.border_v = s->scene.border_v;
+    upload.edge_filter = s->scene.edge_filter;
     report->gl = *slv_gl_get_info(s->gl);
     report->nfaces = slv_mesh_face_count(s->scene.mesh);
     report->nresolutions = count_resolutions(s->scene.texture);

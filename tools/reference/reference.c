@@ -105,6 +105,7 @@ static slv_result make_picture(const struct reference *r, const slv_env *env,
                                          .alpha = shot->scene.alpha,
                                          .border_u = shot->scene.border_u,
                                          .border_v = shot->scene.border_v,
+                                         .edge_filter = shot->scene.edge_filter,
                                          .images = shot->scene.uv ? &shot->scene.images : NULL};
     slv_reference_frame frame = {.camera = shot->camera,
                                  .width = shot->width,

@@ -236,6 +236,7 @@ static slv_result need_texture(studio_picture *p, const studio_document *d, cons
                                           .nchannels = look->channel ? 1 : 0,
                                           .border_u = d->scene.border_u,
                                           .border_v = d->scene.border_v,
+                                          .edge_filter = d->scene.edge_filter,
                                           .live = true};
     slv_gl_texture_destroy(s->texture);
     *s = (shown){.anisotropy = look->anisotropy, .channel = look->channel};

@@ -29,7 +29,8 @@ typedef struct slv_reference_params {
     const slv_uv_images *images; /* NULL, or what is shown in place of the texture, which is NULL
                                     then: it is looked at as long as the reference is there */
     slv_border_mode border_u, border_v; /* as slv_gl_texture_params has them */
-    slv_alpha_mode alpha; /* as slv_frame has it: rays go on through what is not opaque */
+    slv_alpha_mode alpha;        /* as slv_frame has it: rays go on through what is not opaque */
+    slv_edge_filter edge_filter; /* as slv_gl_texture_params has it */
     uint64_t reserved[1];
 } slv_reference_params;
 

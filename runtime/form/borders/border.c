@@ -72,10 +72,13 @@ static void copy_strip(const build *b, uint32_t edge, int32_t depth, uint32_t j0
     slvi_res_edge_texel(res, from_edge, (int32_t)from_j, from_depth, &from_x, &from_y);
     const unsigned char *from = slv_levels_texels(b->view.levels, from_face, from_level);
     size_t value = (((size_t)from_y << res.u) + (size_t)from_x) * b->nchannels + b->view.first;
-    ptrdiff_t texel = (ptrdiff_t)b->nchannels;
+    ptrdiff_t texel = (ptrdiff_t)b->nchannels, step = slvi_edge_step(edge, texel, b->pitch);
+    float *to = texel_at(b, x, y);
     copy_run(b, from + value * b->value_size,
-             sign * slvi_edge_step(from_edge, texel, texel << res.u), texel_at(b, x, y),
-             slvi_edge_step(edge, texel, b->pitch), j1 - j0);
+             sign * slvi_edge_step(from_edge, texel, texel << res.u), to, step, j1 - j0);
+    if (sign < 0 && b->view.levels->vectors)
+        for (uint32_t j = j0; j < j1; j++, to += step)
+            slvi_border_turn(&b->view, slvi_edge_turns(edge, from_edge), to);
 }
 
 /* Bilinear inside a level, clamped to its outermost texel centres. */
@@ -109,6 +112,7 @@ static void sample_strip(const build *b, const slv_border_edge *edge, const slv_
         slvi_res_edge_texel(b->res, edge->edge, (int32_t)j, -depth, &x, &y);
         slv_affine_apply(&link->to.map, centre_u(b, x), centre_v(b, y), &u, &v);
         sample(b, (uint32_t)link->to.face, link->level, u, v, value);
+        slvi_border_turn_across(&b->view, edge, link, value);
         store(b, x, y, value);
     }
 }
@@ -123,6 +127,7 @@ static void mirror_strip(const build *b, const slv_border_edge *edge, const slv_
         float value[SLV_BORDER_CHANNELS], own[SLV_BORDER_CHANNELS];
         float t = ((float)j + 0.5f) / (float)(1u << edge->exponent);
         slvi_border_function_at(&b->view, &function, link->slope * t + link->offset, value);
+        slvi_border_turn_across(&b->view, edge, link, value);
         slvi_res_edge_texel(b->res, edge->edge, (int32_t)j, -1, &x, &y);
         slvi_res_edge_texel(b->res, edge->edge, (int32_t)j, 0, &own_x, &own_y);
         slvi_border_fetch(&b->view, b->face, b->level, (uint32_t)own_x, (uint32_t)own_y, own);
@@ -168,6 +173,7 @@ static void fill_single(const build *b, const slv_border_edge *edge, int32_t dep
                 float u, v;
                 slv_affine_apply(&link->to.map, centre_u(b, x), centre_v(b, y), &u, &v);
                 sample(b, (uint32_t)link->to.face, link->level, u, v, half);
+                slvi_border_turn_across(&b->view, edge, link, half);
                 for (uint32_t c = 0; c < b->view.count; c++)
                     value[c] += half[c] / (float)edge->nlinks;
             }
@@ -196,7 +202,8 @@ static void fill_side(const build *b, const slv_border_edge *edge) {
 
 /* The two ways around a corner: across its first edge and on, and across the other. */
 typedef struct corner_path {
-    bool leaves; /* false: a boundary at once */
+    bool leaves;    /* false: a boundary at once */
+    unsigned turns; /* of the first face on it */
     slv_border_link link;
     slv_border_edge onward;
 } corner_path;
@@ -208,6 +215,7 @@ static void path_begin(const build *b, const slv_border_edge *edge, bool at_end,
             continue;
         out->leaves = true;
         out->link = edge->links[i];
+        out->turns = slvi_edge_turns(edge->edge, out->link.to.edge);
         /* Counter-clockwise around the far side: past the end of this edge begins the edge before
          * the neighbour's. */
         uint32_t onward =
@@ -227,6 +235,7 @@ static int path_sample(const build *b, const corner_path *path, float u, float v
     /* From the middle of a whole quad's edge, the quad goes straight on. */
     if (!(slvi_edge_depth(onward->edge, u, v) < 0.0f)) {
         sample(b, (uint32_t)path->link.to.face, path->link.level, u, v, out);
+        slvi_border_turn(&b->view, path->turns, out);
         return 2;
     }
     float t = slvi_edge_t(onward->edge, u, v);
@@ -238,10 +247,12 @@ static int path_sample(const build *b, const corner_path *path, float u, float v
     }
     if (!link) {
         sample(b, (uint32_t)path->link.to.face, path->link.level, u, v, out);
+        slvi_border_turn(&b->view, path->turns, out);
         return 1;
     }
     slv_affine_apply(&link->to.map, u, v, &u, &v);
     sample(b, (uint32_t)link->to.face, link->level, u, v, out);
+    slvi_border_turn(&b->view, path->turns + slvi_edge_turns(onward->edge, link->to.edge), out);
     return 2;
 }
 

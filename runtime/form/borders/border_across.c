@@ -70,6 +70,7 @@ void slvi_border_across(const slv_border_view *view, const slv_border_edge *edge
     slvi_border_function_begin(view, link, &function);
     slvi_border_function_at(
         view, &function, link->slope * slvi_border_centre(edge->exponent, j) + link->offset, out);
+    slvi_border_turn_across(view, edge, link, out);
     slvi_border_fetch_row(view, edge->face, edge->level, edge->res, edge->edge, j, own);
     for (uint32_t c = 0; c < view->count; c++)
         out[c] = 2.0f * out[c] - own[c];

@@ -27,6 +27,13 @@ bool slvi_border_view_next(slv_border_view *view);
 void slvi_border_fetch(const slv_border_view *view, uint32_t face, uint32_t level, uint32_t x,
                        uint32_t y, float *out);
 
+/* Turns the channels of this block, of a face whose axes are turned by so many quarters, to those
+ * of the face that asks. Whatever a function here finds of a face is in that face's frame. */
+static inline void slvi_border_turn(const slv_border_view *view, unsigned turns, float *raw) {
+    if (view->levels->vectors && view->first == 0)
+        slvi_edge_turn_vector(turns, &raw[0], &raw[1]);
+}
+
 /* How a face at some level meets a neighbour. EXACT: at a level with as long texels. COARSER: at
  * its level 0, whose texels are longer. FINER: the face's edge is a single texel and the neighbour
  * a sub-face of half its length. */
@@ -52,6 +59,12 @@ typedef struct slv_border_edge {
     uint32_t nlinks;
     slv_border_link links[2];
 } slv_border_edge;
+
+/* What is across an edge, seen from the face that has the edge. */
+static inline void slvi_border_turn_across(const slv_border_view *view, const slv_border_edge *edge,
+                                           const slv_border_link *link, float *raw) {
+    slvi_border_turn(view, slvi_edge_turns(edge->edge, link->to.edge), raw);
+}
 
 slv_border_edge slvi_border_edge_at(const slv_border_view *view, uint32_t face, uint32_t level,
                                     uint32_t edge);
@@ -103,9 +116,10 @@ bool slvi_border_vertex_value(const slv_border_view *view, uint32_t face, uint32
  * that going once around it from level to level ends at another one. */
 bool slvi_border_vertex_fits(const slv_border_view *view, uint32_t face, uint32_t corner);
 
-/* The whole quad, and its edge, in whose middle a corner of two sub-faces lies, if it is one. */
+/* The whole quad, and its edge, in whose middle a corner of two sub-faces lies, if it is one; and
+ * how its axes are turned as the face sees them (may be NULL). */
 bool slvi_border_quad_past(const slv_border_view *view, uint32_t face, uint32_t corner,
-                           uint32_t *quad, uint32_t *edge);
+                           uint32_t *quad, uint32_t *edge, unsigned *turns);
 
 /* slv_border_build without the level's own texels. */
 slv_result slvi_border_build_rim(const slv_levels *levels, const slv_adjacency *adjacency,

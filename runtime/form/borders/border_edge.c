@@ -116,11 +116,13 @@ void slvi_border_fetch_row(const slv_border_view *view, uint32_t face, uint32_t 
 
 void slvi_border_edge_from(const slv_border_view *view, const slv_border_edge *edge,
                            const slv_border_link *link, uint32_t j, float *out) {
-    if (link)
-        slvi_border_fetch_row(view, (uint32_t)link->to.face, link->level, link->res, link->to.edge,
-                              slvi_border_link_index(edge, link, j), out);
-    else
+    if (!link) {
         slvi_border_fetch_row(view, edge->face, edge->level, edge->res, edge->edge, j, out);
+        return;
+    }
+    slvi_border_fetch_row(view, (uint32_t)link->to.face, link->level, link->res, link->to.edge,
+                          slvi_border_link_index(edge, link, j), out);
+    slvi_border_turn_across(view, edge, link, out);
 }
 
 /* A face of one texel along the edge, opposite two sub-faces: half of each, its own texel where one
@@ -132,6 +134,7 @@ void slvi_border_across_two(const slv_border_view *view, const slv_border_edge *
             const slv_border_link *link = &edge->links[i];
             slvi_border_fetch_row(view, (uint32_t)link->to.face, link->level, link->res,
                                   link->to.edge, 0, half[i]);
+            slvi_border_turn_across(view, edge, link, half[i]);
         } else {
             slvi_border_fetch_row(view, edge->face, edge->level, edge->res, edge->edge, 0, half[i]);
         }

@@ -20,6 +20,7 @@ typedef struct ring_levels {
     uint32_t quad_edge;
     bool quad_meets_first, quad_meets_last;
     int32_t quad_offset;
+    uint32_t position; /* of the face that asks */
 } ring_levels;
 
 #define MOST_AROUND 256
@@ -94,6 +95,7 @@ static ring_levels ring_levels_at(const slv_border_view *view, uint32_t face, ui
                                   uint32_t corner, uint32_t *position) {
     ring_levels out = {.by_edges = true, .quad = SLV_BOUNDARY};
     out.ring = slv_adjacency_ring(view->adjacency, (int32_t)face, corner, position);
+    out.position = *position;
     out.stride = (out.ring.count + MOST_AROUND - 1) / MOST_AROUND;
     if (out.stride > 1) {
         int32_t own = density(view, (int32_t)face) - 2 * (int32_t)level;
@@ -146,6 +148,14 @@ static void fetch_corner(const slv_border_view *view, uint32_t face, uint32_t le
     slvi_border_fetch(view, face, level, (uint32_t)x, (uint32_t)y, out);
 }
 
+/* The same of the quad, which lies across the first edge of the first sub-face and across the last
+ * of the last. */
+static unsigned quad_turns(const ring_levels *levels) {
+    unsigned corner = levels->ring.corners[levels->position].corner;
+    bool first = levels->position == 0 && levels->quad_meets_first;
+    return slvi_edge_turns(first ? corner : slvi_edge_before(corner), levels->quad_edge);
+}
+
 /* The middle of a whole quad's edge: the mean of two sub-faces and the quad's texels on both sides
  * of the middle, which is also what the quad's own interpolation gives there. */
 static void t_value(const slv_border_view *view, const ring_levels *levels, const double *sum,
@@ -155,14 +165,18 @@ static void t_value(const slv_border_view *view, const ring_levels *levels, cons
     slv_border_edge edge = slvi_border_edge_at(view, quad, level, levels->quad_edge);
     uint32_t n = UINT32_C(1) << edge.exponent;
     float texel[2][SLV_BORDER_CHANNELS], across[SLV_BORDER_CHANNELS];
+    unsigned turns = quad_turns(levels);
     for (uint32_t side = 0; side < 2; side++) {
         int32_t x, y;
         slvi_res_edge_texel(edge.res, edge.edge, n > 1 ? (int32_t)(n / 2 - 1 + side) : 0, 0, &x,
                             &y);
         slvi_border_fetch(view, quad, level, (uint32_t)x, (uint32_t)y, texel[side]);
+        slvi_border_turn(view, turns, texel[side]);
     }
-    if (n == 1)
+    if (n == 1) {
         slvi_border_across_two(view, &edge, across);
+        slvi_border_turn(view, turns, across);
+    }
     for (uint32_t c = 0; c < view->count; c++) {
         /* Where a sub-face is missing, the quad's own texel stands for it, as at any boundary. */
         double missing = (levels->quad_meets_first ? 0.0 : (double)texel[0][c]) +
@@ -203,6 +217,7 @@ static uint32_t ring_sum(const slv_border_view *view, const ring_levels *levels,
         memcpy(window[1], window[2], i > 0 ? size : 0);
         fetch_corner(view, (uint32_t)member.face, meeting_level(view, levels, member.face, offset),
                      member.corner, window[2]);
+        slvi_border_turn(view, slvi_ring_turns(ring, levels->position, i), window[2]);
         for (uint32_t c = 0; c < view->count; c++)
             sum[c] += window[2][c];
         if (i < 2)
@@ -247,6 +262,7 @@ static bool find_opposite(const slv_border_view *view, const ring_levels *levels
     uint32_t across = (position + 2) % 4;
     const slv_corner *opposite = &levels->ring.corners[across];
     fetch_corner(view, (uint32_t)opposite->face, at[across], opposite->corner, out);
+    slvi_border_turn(view, slvi_ring_turns(&levels->ring, position, across), out);
     return true;
 }
 
@@ -266,7 +282,7 @@ bool slvi_border_vertex_value(const slv_border_view *view, uint32_t face, uint32
         return false;
     }
     slv_type type = view->levels->desc.type;
-    bool whole = type == SLV_TYPE_U8 || type == SLV_TYPE_U16;
+    bool whole = (type == SLV_TYPE_U8 || type == SLV_TYPE_U16) && !view->levels->vectors;
     for (uint32_t c = 0; c < view->count; c++) {
         out[c] = (float)(sum[c] / members);
         if (!whole)
@@ -286,14 +302,16 @@ bool slvi_border_vertex_fits(const slv_border_view *view, uint32_t face, uint32_
 }
 
 bool slvi_border_quad_past(const slv_border_view *view, uint32_t face, uint32_t corner,
-                           uint32_t *quad, uint32_t *edge) {
+                           uint32_t *quad, uint32_t *edge, unsigned *turns) {
     ring_levels levels = {.quad = SLV_BOUNDARY};
     if (!slv_adjacency_is_t_corner(view->adjacency, (int32_t)face, corner))
         return false;
-    levels.ring = slv_adjacency_ring(view->adjacency, (int32_t)face, corner, NULL);
+    levels.ring = slv_adjacency_ring(view->adjacency, (int32_t)face, corner, &levels.position);
     find_quad(view, &levels);
     *quad = (uint32_t)levels.quad;
     *edge = levels.quad_edge;
+    if (turns)
+        *turns = quad_turns(&levels);
     return levels.quad != SLV_BOUNDARY;
 }
 
@@ -315,7 +333,8 @@ slv_vertex_share slv_border_vertex_share(const slv_levels *levels, const slv_adj
     slv_border_view view = slvi_border_view_begin(levels, adjacency);
     uint32_t position = 0;
     ring_levels ring = ring_levels_at(&view, face, 0, corner % 4, &position);
-    if (ring.stride > 1)
+    /* vectors are another pair of numbers in each face's frame */
+    if (ring.stride > 1 || levels->vectors)
         return (slv_vertex_share){.alone = true};
     uint32_t ahead = (uint32_t)(ring.own - ring.least);
     return (slv_vertex_share){.skip = ahead / 2, .half = ahead & 1};

@@ -6,8 +6,8 @@
 /* The edge of a whole quad in whose middle a corner of two sub-faces lies, if the quad has a single
  * texel along it. Its edge is one straight line, whatever the vertex would like to be. */
 static bool straight_past(const slv_border_view *view, uint32_t face, uint32_t corner,
-                          uint32_t *quad, uint32_t *quad_edge) {
-    return slvi_border_quad_past(view, face, corner, quad, quad_edge) &&
+                          uint32_t *quad, uint32_t *quad_edge, unsigned *turns) {
+    return slvi_border_quad_past(view, face, corner, quad, quad_edge, turns) &&
            slvi_res_along(view->levels->res[*quad], *quad_edge) == 0;
 }
 
@@ -34,7 +34,8 @@ static void round_to_type(const slv_border_view *view, float *raw) {
 void slvi_edge_aligned_corner(const slv_border_view *view, bool rounded, uint32_t face,
                               uint32_t level, uint32_t corner, float *out) {
     uint32_t quad, edge;
-    if (!straight_past(view, face, corner, &quad, &edge)) {
+    unsigned turns;
+    if (!straight_past(view, face, corner, &quad, &edge, &turns)) {
         slvi_border_vertex_value(view, face, level, corner, out, NULL);
         return;
     }
@@ -45,6 +46,7 @@ void slvi_edge_aligned_corner(const slv_border_view *view, bool rounded, uint32_
         round_to_type(view, ends[i]);
     for (uint32_t c = 0; c < view->count; c++)
         out[c] = 0.5f * (ends[0][c] + ends[1][c]);
+    slvi_border_turn(view, turns, out);
 }
 
 /* Own texel plus the one across, at index j; twice the own one at a boundary. */
@@ -71,6 +73,7 @@ static void middle(const slv_border_view *view, bool rounded, const slv_border_e
     /* All levels 0 agree, even around a vertex at which the levels that meet do not. */
     uint32_t level = edge->level ? link->level : 0;
     slvi_edge_aligned_corner(view, rounded, (uint32_t)link->to.face, level, corner, out);
+    slvi_border_turn_across(view, edge, link, out);
 }
 
 /* Sample k = 0..2^exponent of an edge whose own texels decide there. */
@@ -134,6 +137,7 @@ static void fill_between(const slv_border_view *view, bool rounded, const slv_bo
                 decide(view, rounded, &coarse, low + i, ends[i]);
                 if (rounded)
                     round_to_type(view, ends[i]);
+                slvi_border_turn_across(view, edge, link, ends[i]);
             }
         }
         float weight = at - (float)low;

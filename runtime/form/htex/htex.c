@@ -68,6 +68,7 @@ static void fill_triangle(const slv_htex_fill *fill, const slv_htex_source *sour
     bool second = fill->mesh->half[edge][0] != half;
     slv_htex_map map = slv_htex_to_face(part != ALL, part == ALL ? half % 4 : part == END_SIDE);
     uint32_t npoints = points_for(source->res, part != ALL, log2);
+    unsigned turns = 0u - slvi_htex_square_turns(fill->mesh, half, part == END_SIDE);
     float *point = row + width * n;
     float *diagonal = fill->diagonals + (fill->ends[edge] * 2 + (second ? width : 0)) * n;
     unsigned char *texels = htex->at[edge];
@@ -80,13 +81,18 @@ static void fill_triangle(const slv_htex_fill *fill, const slv_htex_source *sour
         for (uint32_t i = first; i < inside; i++) {
             uint32_t place = second ? inside - 1 - i : i - first;
             sample(source, &map, part, log2, npoints, i, j, point, row + place * n);
+            if (htex->vectors)
+                slvi_edge_turn_vector(turns, row + place * n, row + place * n + 1);
         }
         size_t at =
             second ? (size_t)(width - 1 - j) * width + (width - inside) : (size_t)j * width + first;
         slv_type_from_float(htex->desc.type, row, count * n, texels + at * htex->texel_size);
-        if (end > last)
-            sample(source, &map, part, log2, npoints, last, j, point,
-                   diagonal + (second ? width - 1 - last : last) * n);
+        if (end > last) {
+            float *to = diagonal + (second ? width - 1 - last : last) * n;
+            sample(source, &map, part, log2, npoints, last, j, point, to);
+            if (htex->vectors)
+                slvi_edge_turn_vector(turns, to, to + 1);
+        }
     }
 }
 
@@ -300,7 +306,7 @@ static slv_result create(const slv_env *env, const slv_levels *levels,
         (result = slvi_parallel_for(env, mesh->nfaces, ITEMS_PER_RANGE, fill_faces, &fill)) ||
         (result = slvi_parallel_for(env, nedges, ITEMS_PER_RANGE, fill_edges, &fill)))
         goto done;
-    result = slvi_htex_find_corners(env, htex, mesh, fill.tops);
+    result = slvi_htex_find_corners(env, htex, mesh, adjacency, fill.tops);
 done:
     slvi_parallel_env_end(log);
     slvi_free(fill.ends);
@@ -324,6 +330,7 @@ static slv_result create_whole(const slv_env *env, const slv_levels *levels,
         return result;
     htex->desc = *desc;
     htex->texel_size = levels->texel_size;
+    htex->vectors = levels->vectors;
     if ((result = slvi_alloc(env, "resolutions", desc->nfaces, sizeof *htex->res, &htex->res)) ||
         (result = slvi_htex_mesh_create(env, adjacency, &mesh)))
         goto done;

@@ -35,8 +35,63 @@ static void number_nodes(const slv_htex_mesh *mesh, slv_htex_around *out) {
     }
 }
 
+/* How the axes of a node, which are those of the face that it is numbered after, are turned as
+ * another face at one of its corners sees them. */
+static unsigned node_turns(const slv_htex_mesh *mesh, const slv_adjacency *adjacency, uint32_t node,
+                           uint32_t face, unsigned corner) {
+    bool centre = node >= 4 * mesh->nfaces;
+    uint32_t of = centre ? node - 4 * mesh->nfaces : node / 4, position;
+    bool part = slv_htex_is_part(mesh, of);
+    unsigned of_corner = centre ? 2 : part ? 0 : node & 3;
+    if (of == face && (corner == of_corner || (centre && !part)))
+        return 0;
+    slv_ring ring = slv_adjacency_ring(adjacency, (int32_t)face, corner, &position);
+    for (uint32_t i = 0; i < ring.count; i++)
+        if ((uint32_t)ring.corners[i].face == of && ring.corners[i].corner == of_corner)
+            return slvi_ring_turns(&ring, position, i);
+    return 0; /* a vertex that is in several pieces */
+}
+
+/* How a square is turned as one of its corners sees it. */
+static unsigned corner_turns(const slv_htex_mesh *mesh, const slv_adjacency *adjacency,
+                             uint32_t edge, uint32_t k, uint32_t node) {
+    uint32_t half = mesh->half[edge][k == 3], face = half / 4;
+    bool part = slv_htex_is_part(mesh, face), end = k == 2, centre = k == 0 || k == 3;
+    unsigned square = slvi_htex_square_turns(mesh, half, end);
+    if (part && end)
+        face = mesh->after[face];
+    unsigned corner = centre ? 2 : part ? 0 : (half + end) & 3;
+    return (square - node_turns(mesh, adjacency, node, face, corner)) & 3;
+}
+
+static slv_result find_turns(const slv_env *env, const slv_htex_mesh *mesh,
+                             const slv_adjacency *adjacency, slv_htex_around *out) {
+    slv_result result =
+        slvi_alloc(env, "corners", out->first[out->ncorners], sizeof *out->turns, &out->turns);
+    for (uint32_t corner = 0; !result && corner < out->ncorners; corner++)
+        for (uint32_t i = out->first[corner]; i < out->first[corner + 1]; i++)
+            out->turns[i] =
+                (uint8_t)corner_turns(mesh, adjacency, out->squares[i] / SLV_HTEX_CORNERS,
+                                      out->squares[i] % SLV_HTEX_CORNERS, out->node[corner]);
+    return result;
+}
+
+/* What a face has of squares, corners and the centre, as it sees them. */
+static void turn_face(const slv_htex_mesh *mesh, const slv_adjacency *adjacency, uint32_t face,
+                      uint32_t half, slv_htex_face *row) {
+    for (uint32_t k = 0; k < 4; k++, half = slv_htex_next(mesh, half)) {
+        /* around the polygon each half-edge is a quarter further */
+        unsigned along = row->part ? k + 2 : k;
+        row->turns[k] = (uint8_t)((along + (row->second[k] ? 2 : 0)) & 3);
+        if (!row->part || k == 2)
+            row->turns[4 + k] =
+                (uint8_t)node_turns(mesh, adjacency, mesh->root[half], face, row->part ? 0 : k);
+    }
+    row->turns[8] = (uint8_t)node_turns(mesh, adjacency, slv_htex_centre(mesh, 4 * face), face, 2);
+}
+
 slv_result slvi_htex_around_create(const slv_env *env, const slv_htex_mesh *mesh,
-                                   slv_htex_around *out) {
+                                   const slv_adjacency *adjacency, slv_htex_around *out) {
     uint64_t nnodes = 5 * (uint64_t)mesh->nfaces;
     slv_result result;
     *out = (slv_htex_around){0};
@@ -57,7 +112,7 @@ slv_result slvi_htex_around_create(const slv_env *env, const slv_htex_mesh *mesh
     }
     memmove(out->first + 1, out->first, out->ncorners * sizeof *out->first);
     out->first[0] = 0;
-    return SLV_OK;
+    return adjacency ? find_turns(env, mesh, adjacency, out) : SLV_OK;
 }
 
 void slvi_htex_around_free(slv_htex_around *around) {
@@ -65,6 +120,7 @@ void slvi_htex_around_free(slv_htex_around *around) {
     slvi_free(around->node);
     slvi_free(around->first);
     slvi_free(around->squares);
+    slvi_free(around->turns);
     *around = (slv_htex_around){0};
 }
 
@@ -108,6 +164,8 @@ void slvi_htex_corner_values(slv_htex *htex, const slv_htex_around *around, cons
             size_t last = ((size_t)1 << log2) - 1, texel = (k / 2 * last << log2) + k % 2 * last;
             if (log2 < corner->log2) {
                 slv_type_to_float(htex->desc.type, texels + texel * htex->texel_size, n, value);
+                if (around->turns)
+                    slvi_edge_turn_vector(around->turns[i], &value[0], &value[1]);
                 for (size_t c = 0; c < n; c++)
                     sums[log2 * n + c] += (double)value[c];
             }
@@ -145,11 +203,11 @@ done:
 }
 
 slv_result slvi_htex_find_corners(const slv_env *env, slv_htex *htex, const slv_htex_mesh *mesh,
-                                  const float *tops) {
+                                  const slv_adjacency *adjacency, const float *tops) {
     slv_htex_around around = {0};
     struct corner_job job = {htex, &around, tops, env};
     slv_result result;
-    if ((result = slvi_htex_around_create(env, mesh, &around)) ||
+    if ((result = slvi_htex_around_create(env, mesh, htex->vectors ? adjacency : NULL, &around)) ||
         (result = lay_out(env, &around, htex)) ||
         (result = slvi_alloc(env, "corners", (uint64_t)htex->nvalues * htex->desc.nchannels,
                              sizeof *htex->values, &htex->values)) ||
@@ -159,6 +217,8 @@ slv_result slvi_htex_find_corners(const slv_env *env, slv_htex *htex, const slv_
         slv_htex_face *row = &htex->faces[face];
         uint32_t half = row->part ? 4 * mesh->before[mesh->before[face]] : 4 * face;
         row->centre = around.number[slv_htex_centre(mesh, half)];
+        if (htex->vectors)
+            turn_face(mesh, adjacency, face, half, row);
         for (uint32_t k = 0; k < 4; k++, half = slv_htex_next(mesh, half))
             row->start[k] = around.number[mesh->root[half]];
     }

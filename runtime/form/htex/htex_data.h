@@ -67,6 +67,8 @@ struct slv_htex {
     slv_texture_desc desc;
     slv_res *res;
     size_t texel_size;
+    bool vectors; /* of each square along its edge, of each corner in the frame of the face that its
+                     node is numbered after */
     uint32_t nedges;
     uint8_t *log2; /* per edge */
     slv_htex_face *faces;
@@ -107,9 +109,12 @@ typedef struct slv_htex_around {
     uint32_t *node;   /* per corner */
     uint32_t *first;  /* per corner, and where the last ends */
     uint32_t *squares;
+    uint8_t *turns; /* per square: how its axes are turned as the corner sees them; NULL: no vectors
+                       are at hand */
 } slv_htex_around;
+/* `adjacency` is NULL where there are no vectors. Freed also if it fails. */
 slv_result slvi_htex_around_create(const slv_env *env, const slv_htex_mesh *mesh,
-                                   slv_htex_around *out); /* freed also if it fails */
+                                   const slv_adjacency *adjacency, slv_htex_around *out);
 void slvi_htex_around_free(slv_htex_around *around);
 
 /* The values of one corner. `tops` has, per node, the value at the least resolution around it;
@@ -157,6 +162,13 @@ void slvi_htex_free_own(const slv_htex *htex, uint32_t edge);
 
 /* Finds what the squares at a node agree on, and the corners of each face. */
 slv_result slvi_htex_find_corners(const slv_env *env, slv_htex *htex, const slv_htex_mesh *mesh,
-                                  const float *tops);
+                                  const slv_adjacency *adjacency, const float *tops);
+
+/* How a square's axes, of which the first runs along its edge as half-edge `half` does, are turned
+ * as the face beside the start of the half-edge sees them, or with `end` that beside its end. */
+static inline unsigned slvi_htex_square_turns(const slv_htex_mesh *mesh, uint32_t half, bool end) {
+    unsigned along = slv_htex_is_part(mesh, half / 4) ? (end ? 3 : 0) : half & 3;
+    return along + (mesh->half[mesh->edge[half]][0] == half ? 0 : 2);
+}
 
 #endif

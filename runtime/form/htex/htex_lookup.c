@@ -10,9 +10,10 @@ static float clamp(float value, float low, float high) {
     return value > low ? value < high ? value : high : low; /* NaN becomes low */
 }
 
-/* Adds the bilinear value of a level at (s,t), clamped to the square. */
-static void add_level(const slv_htex *htex, uint32_t edge, uint32_t level, float s, float t,
-                      float weight, float *out) {
+/* Adds the bilinear value of a level at (s,t), clamped to the square, and turned if it is a vector.
+ */
+static void add_level(const slv_htex *htex, uint32_t edge, unsigned turns, uint32_t level, float s,
+                      float t, float weight, float *out) {
     int8_t log2 = (int8_t)(htex->log2[edge] - level);
     slvi_bilinear at = slvi_bilinear_centred((slv_res){log2, log2}, s, t);
     size_t size = slv_type_size(htex->desc.type), texel = htex->texel_size, pitch = texel << log2;
@@ -23,6 +24,8 @@ static void add_level(const slv_htex *htex, uint32_t edge, uint32_t level, float
         uint32_t count = left < SLVI_BILINEAR_CHANNELS ? left : SLVI_BILINEAR_CHANNELS;
         slvi_bilinear_typed(htex->desc.type, texels + first * size, texel, pitch, &at, count,
                             value);
+        if (htex->vectors && first == 0)
+            slvi_edge_turn_vector(turns, &value[0], &value[1]);
         for (uint32_t c = 0; c < count; c++)
             out[first + c] += weight * value[c];
     }
@@ -38,9 +41,9 @@ static void add_square(const slv_htex *htex, const slv_htex_face *face, uint32_t
         return;
     s = face->second[k] ? 1 - s : s;
     t = face->second[k] ? 1 - t : t;
-    add_level(htex, edge, fine, s, t, weight * (1 - fraction), out);
+    add_level(htex, edge, face->turns[k], fine, s, t, weight * (1 - fraction), out);
     if (fraction > 0)
-        add_level(htex, edge, coarse, s, t, weight * fraction, out);
+        add_level(htex, edge, face->turns[k], coarse, s, t, weight * fraction, out);
 }
 
 /* Of the finer of two squares, so that both see the same at the side between them. */
@@ -59,8 +62,8 @@ static float across(float from, float along, float texel) {
 }
 
 /* Goes over to the value of the nearest corner. */
-static void join_corner(const slv_htex *htex, uint32_t corner, float distance, float footprint,
-                        float *out) {
+static void join_corner(const slv_htex *htex, uint32_t corner, unsigned turns, float distance,
+                        float footprint, float *out) {
     const slv_htex_corner *row = &htex->corners[corner];
     float log2 = clamp(-footprint, 0, row->log2), reach = 0.5f * exp2f(-log2);
     uint32_t coarse = (uint32_t)log2, fine = coarse < row->log2 ? coarse + 1 : coarse;
@@ -68,10 +71,14 @@ static void join_corner(const slv_htex *htex, uint32_t corner, float distance, f
     size_t n = htex->desc.nchannels;
     const float *a = htex->values + (row->first + coarse) * n,
                 *b = htex->values + (row->first + fine) * n;
+    if (htex->vectors) /* seen from there, and back again */
+        slvi_edge_turn_vector(0u - turns, &out[0], &out[1]);
     for (size_t c = 0; c < n; c++) {
         float value = a[c] + (log2 - (float)coarse) * (b[c] - a[c]);
         out[c] = value + share * (out[c] - value);
     }
+    if (htex->vectors)
+        slvi_edge_turn_vector(turns, &out[0], &out[1]);
 }
 
 void slv_htex_lookup(const slv_htex *htex, uint32_t face, float u, float v, float width,
@@ -103,6 +110,8 @@ void slv_htex_lookup(const slv_htex *htex, uint32_t face, float u, float v, floa
     add_square(htex, row, after, t, -s, footprint, to_after, out);
     add_square(htex, row, before, -t, s, footprint, to_before, out);
     float most = fmaxf(s, t);
-    join_corner(htex, most < 0.5f ? row->centre : row->start[s >= t ? own : after],
-                most < 0.5f ? most : 1 - most, footprint, out);
+    uint32_t start = s >= t ? own : after;
+    join_corner(htex, most < 0.5f ? row->centre : row->start[start],
+                row->turns[most < 0.5f ? 8 : 4 + start], most < 0.5f ? most : 1 - most, footprint,
+                out);
 }

@@ -40,7 +40,8 @@ slv_result slvi_htex_again_create(const slv_env *env, const slv_adjacency *adjac
         return result;
     made->env = *env;
     if ((result = slvi_htex_mesh_create(env, adjacency, &made->mesh)) ||
-        (result = slvi_htex_around_create(env, &made->mesh, &made->around)) ||
+        (result = slvi_htex_around_create(env, &made->mesh, htex->vectors ? adjacency : NULL,
+                                          &made->around)) ||
         (result = slvi_alloc(env, "squares", nedges, sizeof *made->ends, &made->ends)) ||
         (result = slvi_alloc_plain(env, "corners", 5 * nfaces * htex->desc.nchannels,
                                    sizeof *made->tops, &made->tops)) ||

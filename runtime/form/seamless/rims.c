@@ -28,7 +28,7 @@ static void vertex_value(const slv_border_view *view, uint32_t face, uint32_t le
 
 bool slvi_rim_is_between_two(const slv_border_view *view, uint32_t face, uint32_t corner,
                              uint32_t *quad, uint32_t *edge) {
-    return slvi_border_quad_past(view, face, corner, quad, edge) &&
+    return slvi_border_quad_past(view, face, corner, quad, edge, NULL) &&
            slvi_res_along(view->levels->res[*quad], *edge) == 1;
 }
 

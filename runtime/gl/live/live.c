@@ -16,12 +16,14 @@ static const slv_texture *light_of(const slv_gl_live *live) {
 
 /* The levels of the texture's light: of a copy, which must outlive them, if it is encoded, or its
  * values are too large. */
-static slv_result make_levels(const slv_env *env, slv_texture_encoding encoding,
+static slv_result make_levels(const slv_env *env, const slv_gl_texture_params *params,
                               slv_gl_live *live) {
     slv_texture *scaled = NULL;
-    slv_result result = slv_texture_decode(env, live->texture, encoding, &live->copy);
+    slv_result result = slv_texture_decode(env, live->texture, params->encoding, &live->copy);
     bool bytes =
         live->decoded || (live->copy && slv_texture_get_desc(live->texture)->type == SLV_TYPE_U8);
+    if (!result && !live->copy && params->edge_filter)
+        result = slv_texture_widen(env, live->texture, &live->copy);
     if (result || (result = slvi_gl_scale_down(env, light_of(live), &scaled)))
         return result;
     if (scaled) {
@@ -34,7 +36,9 @@ static slv_result make_levels(const slv_env *env, slv_texture_encoding encoding,
             return result;
         slvi_gl_srgb_fill(live->srgb);
     }
-    return slv_levels_create_over(env, light_of(live), &live->levels);
+    if (!(result = slv_levels_create_over(env, light_of(live), &live->levels)))
+        slv_levels_set_edge_filter(live->levels, params->edge_filter);
+    return result;
 }
 
 slv_result slvi_gl_live_create(slv_gl *gl, const slv_env *env, const slv_gl_given *given,
@@ -50,13 +54,16 @@ slv_result slvi_gl_live_create(slv_gl *gl, const slv_env *env, const slv_gl_give
     live->room = UINT64_MAX;
     live->seen = slv_texture_version(live->texture);
     if ((result = slvi_parallel_env_begin(env, &live->log, &live->source.shared)) ||
-        (result = make_levels(env, params->encoding, live))) {
+        (result = make_levels(env, params, live))) {
         slvi_gl_live_destroy(live);
         return result;
     }
     live->source.env = env;
     live->source.gl = gl;
-    live->source.type = live->decoded ? SLV_TYPE_U8 : slv_texture_get_desc(live->texture)->type;
+    live->source.type =
+        live->decoded
+            ? SLV_TYPE_U8
+            : slv_texture_get_desc(params->edge_filter ? light_of(live) : live->texture)->type;
     live->source.levels = live->levels;
     live->source.light = given->decoded ? NULL : light_of(live);
     live->source.srgb = live->srgb;

@@ -142,6 +142,7 @@ static slv_result describe(slv_gl_residency *r, slv_source_desc *found, slv_text
     r->params.texture.encoding = out->encoding;
     r->params.texture.border_u = found->border_u;
     r->params.texture.border_v = found->border_v;
+    r->params.texture.edge_filter = found->edge_filter;
     r->nfaces = found->nfaces;
     r->host_texel = host_texel_of(r, out);
     return SLV_OK;

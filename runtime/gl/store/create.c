@@ -34,6 +34,14 @@ static slv_result fill_params(slv_gl *gl, const slv_env *env, const slv_texture_
         (unsigned)params.border_v > SLV_BORDER_PERIODIC)
         return slvi_fail(env, SLV_ERROR_ARGUMENT, "unknown border mode %d or %d",
                          (int)params.border_u, (int)params.border_v);
+    if ((unsigned)params.edge_filter > SLV_EDGE_FILTER_TANVEC)
+        return slvi_fail(env, SLV_ERROR_ARGUMENT, "unknown edge filter %d",
+                         (int)params.edge_filter);
+    if (desc->nchannels < 2)
+        params.edge_filter = SLV_EDGE_FILTER_NONE;
+    if (params.edge_filter && params.compression == SLV_GL_COMPRESSION_BLOCKS)
+        return slvi_fail(env, SLV_ERROR_UNSUPPORTED,
+                         "a texture of vectors cannot be compressed: blocks have no signs");
     if (!params.anisotropy)
         params.anisotropy = 1;
     if (params.anisotropy > gl->info.max_anisotropy) {

@@ -12,7 +12,7 @@
 
 /* As the shader reads it; see slv_squares in shaders/strategy/htex.glsl. */
 struct square_row {
-    uint32_t squares[4], corners[4], centre, unused[3];
+    uint32_t squares[4], corners[4], centre, turns, unused[2];
 };
 
 enum { CORNERS = 5 }; /* of a row: where four half-edges start, and the centre */
@@ -110,6 +110,9 @@ static void fill_square_row(const slv_gl_pools *layers, const slv_gl_reach *reac
         row->corners[k] = where[k];
     }
     row->centre = where[4];
+    row->turns = 0;
+    for (uint32_t i = 0; i < sizeof face.turns; i++)
+        row->turns |= (uint32_t)face.turns[i] << 2 * i;
 }
 
 /* All values of a corner, which follow one another; returns how many. */

@@ -101,7 +101,11 @@ typedef struct slv_gl_texture_params {
        counts, or with SLV_BORDER_BLACK zero. In lookups within a face SLV_BORDER_PERIODIC is the
        same as SLV_BORDER_CLAMP. */
     slv_border_mode border_u, border_v;
-    uint64_t reserved[3];
+    /* With SLV_EDGE_FILTER_TANVEC the first two channels are a vector in each face's own frame, and
+       what crosses an edge is turned, as lookups on the CPU do it. Integers become half (8 bit) or
+       float then, which have a sign. traverse and hybrid need both channels shown. */
+    slv_edge_filter edge_filter;
+    uint64_t reserved[2];
 } slv_gl_texture_params;
 
 /* Programs are needed for each variant that occurs; see slv_gl_batch. */

@@ -65,6 +65,8 @@ typedef struct slv_htex_face {
     uint32_t start[4]; /* the corners where these half-edges start */
     uint32_t centre;   /* and the polygon's centre */
     bool part;
+    uint8_t turns[9]; /* of levels of vectors: by how many quarters the axes are turned, counter-
+                         clockwise, in which those of these squares, corners and the centre are */
 } slv_htex_face;
 SLV_API slv_htex_face slv_htex_get_face(const slv_htex *htex, uint32_t face);
 

@@ -108,6 +108,12 @@ SLV_NODISCARD SLV_API slv_result slv_source_reduce(const slv_env *env, const slv
 SLV_NODISCARD SLV_API slv_result slv_source_decode(const slv_env *env, slv_source *inner,
                                                    slv_texture_encoding encoding, slv_source *out);
 
+/* What crosses an edge in all that is derived from levels (border.h, form.h): with
+ * SLV_EDGE_FILTER_TANVEC the first two channels, if there are two, are turned from the neighbour's
+ * frame to the face's own. Before anything is made of them; integers, which have no sign, lose what
+ * becomes negative where it is stored in their type. */
+SLV_API void slv_levels_set_edge_filter(slv_levels *levels, slv_edge_filter filter);
+
 /* The version of a store, which grows with every change; it begins as 1. */
 SLV_API uint64_t slv_texture_version(const slv_texture *texture);
 /* Visits what was changed of a store since it had version `since`, and maybe more: of a face, where

@@ -127,7 +127,11 @@ SLV_API slv_texture_encoding slv_texture_get_encoding(const slv_texture *texture
  * SLV_TEXTURE_SRGB. On env->threads threads. */
 SLV_NODISCARD SLV_API slv_result slv_texture_decode(const slv_env *env, const slv_texture *texture,
                                                     slv_texture_encoding wanted, slv_texture **out);
-/* Brings a rectangle of a face of such a copy up to date. */
+/* A copy of a texture with its numbers as they are, in a type with a sign: SLV_TYPE_HALF of 8 bits,
+ * SLV_TYPE_FLOAT of 16; or NULL where the type has one. On env->threads threads. */
+SLV_NODISCARD SLV_API slv_result slv_texture_widen(const slv_env *env, const slv_texture *texture,
+                                                   slv_texture **out);
+/* Brings a rectangle of a face of either copy up to date. */
 SLV_NODISCARD SLV_API slv_result slv_texture_decode_rect(const slv_env *env,
                                                          const slv_texture *texture, uint32_t face,
                                                          slv_rect rect, slv_texture *decoded);

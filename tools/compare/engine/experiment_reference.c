@@ -117,7 +117,8 @@ static slv_result need_reference(experiment *e, const slv_camera *camera) {
                                          .encoding = e->encoding,
                                          .alpha = e->scene->alpha,
                                          .border_u = e->scene->border_u,
-                                         .border_v = e->scene->border_v};
+                                         .border_v = e->scene->border_v,
+                                         .edge_filter = e->scene->edge_filter};
     slv_result result = experiment_aim(e, camera);
     if (result || (e->reference && (surface.segments || e->reference_aimed)))
         return result;
