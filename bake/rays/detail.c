@@ -1,6 +1,6 @@
 /* A detailed mesh on a plainer surface: rays both ways along the normal of the limit, to the
  * nearest thing that faces the same way. */
-#include "rays/ray_scene.h"
+#include "rays/look.h"
 #include "source/source.h"
 
 #include "base/log.h"
@@ -35,73 +35,17 @@ static void normalise(float v[3]) {
         v[k] = length > 0 ? v[k] / length : 0;
 }
 
-static void smooth_normal(const ray_scene *s, uint32_t triangle, const float weights[2],
-                          float out[3]) {
-    const uint32_t *corners = s->triangles + 3 * (size_t)triangle;
-    float w[3] = {1 - weights[0] - weights[1], weights[0], weights[1]}, own[3];
-    out[0] = out[1] = out[2] = 0;
-    for (int c = 0; c < 3; c++) {
-        memcpy(own, s->normals + 3 * (size_t)corners[c], sizeof own);
-        normalise(own);
-        for (int k = 0; k < 3; k++)
-            out[k] += w[c] * own[k];
-    }
-    normalise(out);
-}
-
-/* What is met along a ray that begins `back` behind the surface: passes through what faces away.
- * Distances are from the surface. */
-typedef struct found {
-    float distance;
-    uint32_t triangle;
-    float weights[2];
-    bool any, behind; /* of the wrong side */
-} found;
-
-static void look(const detail *d, const float p[3], const float n[3], float sign, float reach,
-                 found *best) {
-    float direction[3] = {sign * n[0], sign * n[1], sign * n[2]}, origin[3], normal[3];
-    float step = 1e-6f * d->size, from = -step;
-    for (int tries = 0; tries < 32; tries++) {
-        uint32_t triangle;
-        float weights[2];
-        for (int k = 0; k < 3; k++)
-            origin[k] = p[k] + from * direction[k];
-        float distance =
-            from + slvi_ray_cast(&d->scene, origin, direction, reach - from, &triangle, weights);
-        if (!(distance <= reach))
-            return;
-        smooth_normal(&d->scene, triangle, weights, normal);
-        if (dot(normal, n) > 0) {
-            if (!best->any || fabsf(distance) < fabsf(best->distance))
-                *best = (found){
-                    sign * distance, triangle, {weights[0], weights[1]}, true, best->behind};
-            return;
-        }
-        best->behind = true;
-        from = fmaxf(distance, from) + step;
-    }
-}
-
+/* What is asked for of the place that was found from a point of the surface. */
 static slv_bake_miss sample(const detail *d, const float p[3], const float n[3], const float du[3],
                             float out[3]) {
-    found best = {0};
+    ray_found best;
     float normal[3], tangent[3], bitangent[3];
-    look(d, p, n, 1, d->params.front, &best);
-    look(d, p, n, -1, best.any ? fminf(d->params.back, fabsf(best.distance)) : d->params.back,
-         &best);
-    if (!best.any) {
-        float backwards[3] = {-n[0], -n[1], -n[2]};
-        if (best.behind)
-            return SLV_BAKE_BACK_FACING;
-        bool beyond = slvi_ray_is_blocked(&d->scene, p, n, INFINITY) ||
-                      slvi_ray_is_blocked(&d->scene, p, backwards, INFINITY);
-        return beyond ? SLV_BAKE_TOO_FAR : SLV_BAKE_NO_HIT;
-    }
+    const ray_look look = {&d->scene, d->params.front, d->params.back, d->size};
+    slv_bake_miss miss = slvi_ray_look(&look, p, n, &best);
     out[0] = best.distance;
-    if (d->params.kind == SLV_BAKE_DISPLACEMENT)
-        return SLV_BAKE_HIT;
-    smooth_normal(&d->scene, best.triangle, best.weights, normal);
+    if (miss || d->params.kind == SLV_BAKE_DISPLACEMENT)
+        return miss;
+    slvi_ray_normal(&d->scene, best.triangle, best.weights, normal);
     if (d->params.kind == SLV_BAKE_OBJECT_NORMAL) {
         memcpy(out, normal, sizeof normal);
         return SLV_BAKE_HIT;

@@ -240,7 +240,9 @@ done:
 void slv_bake_recipe_destroy(slv_bake_recipe *recipe) {
     if (!recipe)
         return;
-    slv_surface_destroy(recipe->surface);
+    for (uint32_t i = 0; i < recipe->nsurfaces; i++)
+        slv_surface_destroy(recipe->surfaces[i]);
+    slvi_free(recipe->surfaces);
     json_decref(recipe->root);
     json_decref(recipe->files);
     free(recipe->text);

@@ -7,14 +7,15 @@
 
 #include <selvage/bake_recipe.h>
 
-enum { RECIPE_DEPTH = 32 };
+enum { RECIPE_DEPTH = 32, RECIPE_SURFACES = 64 };
 
 struct slv_bake_recipe {
     json_t *root, *files; /* all of it; the names in it */
     char *text;
     slv_bake_job job;
     float max_miss;
-    slv_surface *surface; /* once a source needs it */
+    slv_surface **surfaces; /* that sources needed */
+    uint32_t nsurfaces;
 };
 
 /* Who reads, and what messages call the file. */

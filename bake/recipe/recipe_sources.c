@@ -13,15 +13,31 @@ typedef struct opening {
     recipe_reader r;
     slv_bake_recipe *recipe;
     const slv_mesh *mesh; /* NULL: only check */
+    slv_surface *surface; /* of the mesh, once a source needs it */
+    slv_scheme scheme;
 } opening;
 
 static slv_result open_node(opening *o, const json_t *node, const char *where, int depth,
                             slv_bake_source **out);
+static slv_result open_child(opening *o, const json_t *node, const char *where, const char *key,
+                             int depth, slv_bake_source **out);
 
+/* Surfaces stay with the recipe, which outlives its sources. */
 static slv_result need_surface(opening *o) {
-    const slv_surface_params how = {.scheme = o->recipe->job.scheme};
-    return o->recipe->surface ? SLV_OK
-                              : slv_surface_create(o->r.env, o->mesh, &how, &o->recipe->surface);
+    slv_bake_recipe *recipe = o->recipe;
+    const slv_surface_params how = {.scheme = o->scheme};
+    slv_result result = SLV_OK;
+    if (o->surface)
+        return SLV_OK;
+    if (!recipe->surfaces)
+        result = slvi_alloc(o->r.env, o->r.name, RECIPE_SURFACES, sizeof *recipe->surfaces,
+                            &recipe->surfaces);
+    if (!result && recipe->nsurfaces == RECIPE_SURFACES)
+        result = slvi_fail(o->r.env, SLV_ERROR_LIMIT, "%s: more than %d meshes", o->r.name,
+                           RECIPE_SURFACES);
+    if (!result && !(result = slv_surface_create(o->r.env, o->mesh, &how, &o->surface)))
+        recipe->surfaces[recipe->nsurfaces++] = o->surface;
+    return result;
 }
 
 #define ONLY(...)                                                                                  \
@@ -39,6 +55,11 @@ DEFINE_NAME(detail_name, slv_bake_detail_kind, slv_bake_detail_kind_name)
 DEFINE_NAME(surface_name, slv_bake_surface_kind, slv_bake_surface_kind_name)
 DEFINE_NAME(pattern_name, slv_pattern, slv_pattern_name)
 DEFINE_NAME(blend_name, slvi_blend, slvi_blend_name)
+DEFINE_NAME(scheme_name, slv_scheme, slv_scheme_name)
+
+static const char *by_name(int value) {
+    return value == 0 ? "closest" : value == 1 ? "rays" : "unknown";
+}
 
 static slv_result number(const opening *o, const json_t *node, const char *where, const char *key,
                          double low, double high, float *out) {
@@ -98,6 +119,16 @@ static slv_result open_vertex(opening *o, const json_t *node, const char *where,
     return slv_bake_from_vertex_colors(o->r.env, o->mesh, (slv_texture_encoding)encoding, out);
 }
 
+/* Of a scan with polygons: what its surface has in the nearest place, as it stands. */
+static slv_result from_colored(const opening *o, const slv_mesh *scan,
+                               const slv_bake_points *params, slv_bake_source **out) {
+    const slv_bake_carry how = {.distance = params->distance, .scheme = SLV_SCHEME_BILINEAR};
+    slv_bake_source *colors = NULL;
+    slv_result result = slv_bake_from_vertex_colors(o->r.env, scan, params->encoding, &colors);
+    return result ? result
+                  : slv_bake_from_mesh(o->r.env, o->mesh, o->surface, scan, colors, &how, out);
+}
+
 static slv_result open_points(opening *o, const json_t *node, const char *where, int depth,
                               slv_bake_source **out) {
     slv_bake_points params = {0};
@@ -116,8 +147,65 @@ static slv_result open_points(opening *o, const json_t *node, const char *where,
         (result = slv_mesh_load_points(o->r.env, path, &points)))
         return result;
     params.encoding = (slv_texture_encoding)encoding;
-    result = slv_bake_from_points(o->r.env, o->mesh, o->recipe->surface, points, &params, out);
+    if (slv_mesh_face_count(points))
+        result = from_colored(o, points, &params, out);
+    else
+        result = slv_bake_from_points(o->r.env, o->mesh, o->surface, points, &params, out);
     slv_mesh_destroy(points);
+    return result;
+}
+
+static slv_result open_texture(opening *o, const json_t *node, const char *where, int depth,
+                               slv_bake_source **out) {
+    const char *path;
+    int encoding = 0;
+    slv_result result;
+    (void)depth;
+    if ((result = ONLY("texture", "texture-encoding")) ||
+        (result = file_name(o, node, where, "texture", &path)) ||
+        (result =
+             slvi_recipe_word(&o->r, where, node, "texture-encoding", encoding_name, &encoding)) ||
+        !o->mesh)
+        return result;
+    return slv_bake_from_texture(o->r.env, o->mesh, path, (slv_texture_encoding)encoding, out);
+}
+
+/* A mesh, or the one inside of a texture. */
+static slv_result load_mesh(const opening *o, const char *path, slv_mesh **out) {
+    slv_ptx *ptx = NULL;
+    if (!slv_ptx_is_name(path))
+        return slv_mesh_load(o->r.env, path, out);
+    slv_result result = slv_ptx_open(o->r.env, path, &ptx);
+    result = result ? result : slv_ptx_load_mesh(o->r.env, ptx, out);
+    slv_ptx_close(ptx);
+    return result;
+}
+
+static slv_result open_carry(opening *o, const json_t *node, const char *where, int depth,
+                             slv_bake_source **out) {
+    slv_bake_carry params = {0};
+    const char *path;
+    int by = 0, scheme = (int)o->scheme;
+    slv_bake_source *of = NULL;
+    slv_mesh *other = NULL;
+    slv_result result;
+    if ((result = ONLY("carry", "mesh", "by", "distance", "front", "back", "scheme")) ||
+        (result = file_name(o, node, where, "mesh", &path)) ||
+        (result = slvi_recipe_word(&o->r, where, node, "by", by_name, &by)) ||
+        (result = slvi_recipe_word(&o->r, where, node, "scheme", scheme_name, &scheme)) ||
+        (result = number(o, node, where, "distance", 1e-30, 1e30, &params.distance)) ||
+        (result = number(o, node, where, "front", 1e-30, 1e30, &params.front)) ||
+        (result = number(o, node, where, "back", 1e-30, 1e30, &params.back)))
+        return result;
+    if (o->mesh && ((result = need_surface(o)) || (result = load_mesh(o, path, &other))))
+        return result;
+    opening there = {o->r, o->recipe, other, NULL, (slv_scheme)scheme};
+    result = open_child(&there, node, where, "carry", depth, &of);
+    params.rays = by == 1;
+    params.scheme = (slv_scheme)scheme;
+    if (!result && o->mesh)
+        result = slv_bake_from_mesh(o->r.env, o->mesh, o->surface, other, of, &params, out);
+    slv_mesh_destroy(other);
     return result;
 }
 
@@ -135,7 +223,7 @@ static slv_result open_rays(opening *o, const json_t *node, const char *where, i
         (result = need_surface(o)))
         return result;
     rays.kind = (slv_bake_rays_kind)kind;
-    return slv_bake_from_rays(o->r.env, o->mesh, o->recipe->surface, &rays, out);
+    return slv_bake_from_rays(o->r.env, o->mesh, o->surface, &rays, out);
 }
 
 static slv_result open_detail(opening *o, const json_t *node, const char *where, int depth,
@@ -155,7 +243,7 @@ static slv_result open_detail(opening *o, const json_t *node, const char *where,
         (result = need_surface(o)) || (result = slv_mesh_load(o->r.env, path, &detailed)))
         return result;
     detail.kind = (slv_bake_detail_kind)kind;
-    result = slv_bake_from_detail(o->r.env, o->mesh, o->recipe->surface, detailed, &detail, out);
+    result = slv_bake_from_detail(o->r.env, o->mesh, o->surface, detailed, &detail, out);
     slv_mesh_destroy(detailed);
     return result;
 }
@@ -169,7 +257,7 @@ static slv_result open_surface(opening *o, const json_t *node, const char *where
         (result = slvi_recipe_word(&o->r, where, node, "surface", surface_name, &kind)) ||
         !o->mesh || (result = need_surface(o)))
         return result;
-    return slv_bake_from_surface(o->r.env, o->recipe->surface, (slv_bake_surface_kind)kind, out);
+    return slv_bake_from_surface(o->r.env, o->surface, (slv_bake_surface_kind)kind, out);
 }
 
 static slv_result open_pattern(opening *o, const json_t *node, const char *where, int depth,
@@ -200,7 +288,7 @@ static slv_result open_pattern(opening *o, const json_t *node, const char *where
         memset(p.color1, 0, sizeof p.color1);
     if (!o->mesh || (result = need_surface(o)))
         return result;
-    return slv_bake_from_pattern(o->r.env, o->recipe->surface, &p, out);
+    return slv_bake_from_pattern(o->r.env, o->surface, &p, out);
 }
 
 static slv_result open_constant(opening *o, const json_t *node, const char *where, int depth,
@@ -299,11 +387,19 @@ static slv_result open_node(opening *o, const json_t *node, const char *where, i
     static const struct {
         const char *key;
         slv_result (*open)(opening *, const json_t *, const char *, int, slv_bake_source **);
-    } kinds[] = {
-        {"uv", open_uv},           {"vertex-color", open_vertex}, {"points", open_points},
-        {"rays", open_rays},       {"detail", open_detail},       {"surface", open_surface},
-        {"pattern", open_pattern}, {"constant", open_constant},   {"blend", open_blend},
-        {"levels", open_levels},   {"channels", open_channels}};
+    } kinds[] = {{"uv", open_uv},
+                 {"vertex-color", open_vertex},
+                 {"points", open_points},
+                 {"texture", open_texture},
+                 {"carry", open_carry},
+                 {"rays", open_rays},
+                 {"detail", open_detail},
+                 {"surface", open_surface},
+                 {"pattern", open_pattern},
+                 {"constant", open_constant},
+                 {"blend", open_blend},
+                 {"levels", open_levels},
+                 {"channels", open_channels}};
     *out = NULL;
     if (!json_is_object(node))
         return slvi_recipe_fail(&o->r, where, "expected an object");
@@ -311,13 +407,13 @@ static slv_result open_node(opening *o, const json_t *node, const char *where, i
         if (json_object_get(node, kinds[i].key))
             return kinds[i].open(o, node, where, depth, out);
     return slvi_recipe_fail(&o->r, where,
-                            "has none of uv, vertex-color, points, rays, detail, surface, "
-                            "pattern, constant, blend, levels and channels, one of which says what "
-                            "it is");
+                            "has none of uv, vertex-color, points, texture, carry, rays, detail, "
+                            "surface, pattern, constant, blend, levels and channels, one of which "
+                            "says what it is");
 }
 
 slv_result slvi_recipe_check_sources(const recipe_reader *r, slv_bake_recipe *recipe) {
-    opening o = {*r, recipe, NULL};
+    opening o = {.r = *r, .recipe = recipe};
     slv_bake_source *none = NULL;
     const json_t *source = json_object_get(recipe->root, "source");
     if (!source)
@@ -328,7 +424,7 @@ slv_result slvi_recipe_check_sources(const recipe_reader *r, slv_bake_recipe *re
 slv_result slv_bake_recipe_source(const slv_env *given, slv_bake_recipe *recipe,
                                   const slv_mesh *mesh, slv_bake_source **out) {
     slv_env env = slvi_env_or_default(given);
-    opening o = {{&env, "recipe"}, recipe, mesh};
+    opening o = {{&env, "recipe"}, recipe, mesh, NULL, recipe->job.scheme};
     *out = NULL;
     if (!mesh)
         return slvi_fail(&env, SLV_ERROR_ARGUMENT, "recipe: no mesh");

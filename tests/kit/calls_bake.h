@@ -58,7 +58,7 @@ static slv_result call_bake_recipe(const slv_env *env) {
 static slv_result call_bake_colors(const slv_env *env) {
     static const char obj[] = "v 0 0 0 1 0 0\nv 1 0 0 0 1 0\nv 1 1 0 0 0 1\nf 1 2 3\n";
     slv_mesh *mesh = NULL, *points = NULL;
-    slv_bake_source *source = NULL;
+    slv_bake_source *source = NULL, *texture = NULL;
     slv_result result = slv_mesh_parse_obj(env, "mesh", obj, sizeof obj - 1, &mesh);
     if (!result)
         result = slv_bake_from_vertex_colors(env, mesh, SLV_TEXTURE_AUTO, &source);
@@ -66,8 +66,13 @@ static slv_result call_bake_colors(const slv_env *env) {
     source = NULL;
     if (!result)
         result = slv_bake_from_points(env, calls.mesh, calls.surface, mesh, NULL, &source);
+    slv_bake_source_destroy(source);
+    source = NULL;
     if (!result)
         result = slv_mesh_load_points(env, calls.obj, &points);
+    if (!result &&
+        !(result = slv_bake_from_texture(env, calls.mesh, calls.ptx, SLV_TEXTURE_AUTO, &texture)))
+        result = slv_bake_from_mesh(env, calls.mesh, calls.surface, points, texture, NULL, &source);
     slv_mesh_destroy(points);
     slv_bake_source_destroy(source);
     slv_mesh_destroy(mesh);

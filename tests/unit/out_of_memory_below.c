@@ -96,7 +96,8 @@ static bool loses(const calls_entry *entry) {
     return entry->call == call_catmark || entry->call == call_bilinear ||
            entry->call == call_triangles || entry->call == call_exr ||
            entry->call == call_transfer_from || entry->call == call_streams ||
-           entry->call == call_blank || entry->call == call_bake_recipe;
+           entry->call == call_blank || entry->call == call_bake_recipe ||
+           entry->call == call_bake_colors;
 }
 
 /* OpenEXRCore tells want of memory as damage where it packs, libpng as a failure of any kind,

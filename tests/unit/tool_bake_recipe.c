@@ -173,7 +173,7 @@ static void schema(void) {
                json_object_get(json_object_get(json_object_get(root, "$defs"), "source"), "oneOf"),
            *kind;
     size_t i, fields = 0;
-    REQUIRE(json_array_size(kinds) == 11);
+    REQUIRE(json_array_size(kinds) == 13);
     json_array_foreach(kinds, i, kind) {
         const char *first = json_string_value(json_array_get(json_object_get(kind, "required"), 0)),
                    *key;

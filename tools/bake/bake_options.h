@@ -7,7 +7,8 @@
 #include <selvage/bake_recipe.h>
 
 typedef struct bake_options {
-    const char *paths[2], *uv, *detail, *points, *bytes, *texels, *miss_map, *recipe;
+    const char *paths[2], *uv, *detail, *points, *texture, *from, *bytes, *texels, *miss_map,
+        *recipe;
     uint32_t size[2], min[2], max[2], compression, threads;
     float density, match, max_miss, error, frequency, distance, front, back;
     uint32_t seed, samples;
@@ -15,8 +16,8 @@ typedef struct bake_options {
     bool min_given, surface_given, rays_given, encoding_given, wrap_given, detail_kind_given,
         front_given, back_given;
     bool least_error, no_reductions, reductions_given, scheme_given, max_miss_given, print_recipe,
-        resume, vertex_color, json, progress, quiet;
-    int type, scheme, encoding, wrap, pattern, surface, rays, detail_kind, reductions;
+        resume, vertex_color, by_given, json, progress, quiet;
+    int type, scheme, encoding, wrap, pattern, surface, rays, detail_kind, reductions, by;
 } bake_options;
 
 /* bake_recipe.c: checks the options, and puts what they say into the recipe that is named, or a new

@@ -11,21 +11,26 @@
 
 static int check(const cli_command *command, const bake_options *o) {
     slv_res res;
-    int sources = (o->uv != NULL) + o->vertex_color + (o->points != NULL) + o->pattern_given +
-                  o->rays_given + o->surface_given + (o->detail != NULL);
+    int sources = (o->uv != NULL) + o->vertex_color + (o->points != NULL) + (o->texture != NULL) +
+                  o->pattern_given + o->rays_given + o->surface_given + (o->detail != NULL);
     if (o->recipe && sources)
-        return cli_usage(command, "--recipe says what is baked: --uv, --vertex-color, --points, "
-                                  "--rays, --detail, --surface and --pattern go without it");
+        return cli_usage(command, "--recipe says what is baked: --uv, --texture, --vertex-color, "
+                                  "--points, --rays, --detail, --surface and --pattern go without "
+                                  "it");
+    if (o->recipe && o->from)
+        return cli_usage(command, "--from: a recipe says it by \"carry\"");
+    if (o->by_given && !o->from)
+        return cli_usage(command, "--by: --from MESH is missing");
     if (!o->recipe && sources != 1)
-        return cli_usage(command, "--uv IMAGE, --vertex-color, --points CLOUD, --rays, --detail "
-                                  "MESH, --surface, --pattern or --recipe: one of them says what "
-                                  "is baked");
+        return cli_usage(command, "--uv IMAGE, --texture IN.ptx, --vertex-color, --points CLOUD, "
+                                  "--rays, --detail MESH, --surface, --pattern or --recipe: one of "
+                                  "them says what is baked");
     if (o->detail_kind_given && !o->detail)
         return cli_usage(command, "--detail-kind: --detail MESH is missing");
     if ((o->front_given && !(o->front > 0)) || (o->back_given && !(o->back > 0)) ||
         !(o->distance >= 0))
         return cli_usage(command, "--front, --back and --distance: expected more than 0");
-    if (CLI_STANDARD_ONCE(command, o->paths[0], o->uv, o->detail, o->points, o->recipe))
+    if (CLI_STANDARD_ONCE(command, o->paths[0], o->uv, o->detail, o->points, o->from, o->recipe))
         return EXIT_USAGE;
     if (o->size_given + o->density_given + o->match_given + o->error_given + (o->bytes != NULL) +
             (o->texels != NULL) >
@@ -45,8 +50,8 @@ static int check(const cli_command *command, const bake_options *o) {
         return cli_usage(command, "--max-miss: expected a share, 0 to 1");
     if (o->miss_map && !ptx_name_is_safe(o->miss_map))
         return ptx_name_usage(command, o->miss_map);
-    if (!o->uv && !o->recipe && o->match_given)
-        return cli_usage(command, "--match: only images have a resolution to match");
+    if (!o->uv && !o->texture && !o->recipe && o->match_given)
+        return cli_usage(command, "--match: only images and textures have a resolution to match");
     if (o->no_reductions && o->reductions_given)
         return cli_usage(command, "--reductions and --no-reductions contradict each other");
     return -1;
@@ -83,21 +88,25 @@ static json_t *source_of(const bake_options *o) {
         json_object_set_new(source, "vertex-color", json_true());
         word(source, o->encoding_given, "texture-encoding",
              slv_texture_encoding_name((slv_texture_encoding)o->encoding));
+    } else if (o->texture) {
+        word(source, true, "texture", o->texture);
+        word(source, o->encoding_given, "texture-encoding",
+             slv_texture_encoding_name((slv_texture_encoding)o->encoding));
     } else if (o->points) {
         word(source, true, "points", cli_input(o->points));
-        number(source, o->distance > 0, "distance", (double)o->distance);
+        number(source, o->distance > 0 && !o->from, "distance", (double)o->distance);
         word(source, o->encoding_given, "texture-encoding",
              slv_texture_encoding_name((slv_texture_encoding)o->encoding));
     } else if (o->detail) {
         word(source, true, "detail", cli_input(o->detail));
         word(source, o->detail_kind_given, "kind",
              slv_bake_detail_kind_name((slv_bake_detail_kind)o->detail_kind));
-        number(source, o->front_given, "front", (double)o->front);
-        number(source, o->back_given, "back", (double)o->back);
+        number(source, o->front_given && !o->from, "front", (double)o->front);
+        number(source, o->back_given && !o->from, "back", (double)o->back);
         whole(source, o->samples != 0, "samples", o->samples);
     } else if (o->rays_given) {
         word(source, true, "rays", slv_bake_rays_kind_name((slv_bake_rays_kind)o->rays));
-        number(source, o->distance > 0, "distance", (double)o->distance);
+        number(source, o->distance > 0 && !o->from, "distance", (double)o->distance);
         whole(source, o->samples != 0, "samples", o->samples);
         whole(source, o->seed != 0, "seed", o->seed);
     } else if (o->surface_given) {
@@ -111,6 +120,21 @@ static json_t *source_of(const bake_options *o) {
     return source;
 }
 
+/* What lies on another mesh, which distances are about then. */
+static json_t *carried(const bake_options *o, json_t *of) {
+    json_t *source;
+    if (!o->from)
+        return of;
+    source = json_object();
+    json_object_set_new(source, "carry", of);
+    word(source, true, "mesh", cli_input(o->from));
+    word(source, o->by_given, "by", o->by ? "rays" : "closest");
+    number(source, o->distance > 0, "distance", (double)o->distance);
+    number(source, o->front_given, "front", (double)o->front);
+    number(source, o->back_given, "back", (double)o->back);
+    return source;
+}
+
 /* Fields for all options that were given. Returns -1 or an exit code. */
 static int changes_of(const cli_command *command, const bake_options *o, json_t *changes) {
     uint64_t texels = 0, bytes = 0;
@@ -119,7 +143,7 @@ static int changes_of(const cli_command *command, const bake_options *o, json_t 
     if (o->bytes && !value_count(o->bytes, &bytes))
         return cli_usage(command, "--bytes: expected a number, 64M, not '%s'", o->bytes);
     if (!o->recipe)
-        json_object_set_new(changes, "source", source_of(o));
+        json_object_set_new(changes, "source", carried(o, source_of(o)));
     size(changes, o->size_given, "size", o->size);
     size(changes, o->min_given, "min-size", o->min);
     size(changes, o->max_given, "max-size", o->max);

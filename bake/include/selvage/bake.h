@@ -169,6 +169,41 @@ SLV_NODISCARD SLV_API slv_result slv_bake_from_points(const slv_env *env, const 
                                                       const slv_bake_points *params,
                                                       slv_bake_source **out);
 
+/* A per-face texture of the mesh itself: texels as they are, at its own resolution to the bit,
+ * reductions as it has them, and interpolated across edges where texels are finer. `encoding` says
+ * what its colours are; AUTO: what the file says. A mesh that is not the file's is
+ * SLV_ERROR_MISMATCH, more than four channels and textures of triangles SLV_ERROR_UNSUPPORTED. Of
+ * its texels 256 MiB at most are in memory. `mesh` is not kept. */
+SLV_NODISCARD SLV_API slv_result slv_bake_from_texture(const slv_env *env, const slv_mesh *mesh,
+                                                       const char *path,
+                                                       slv_texture_encoding encoding,
+                                                       slv_bake_source **out);
+
+/* Zero means default. */
+typedef struct slv_bake_carry {
+    bool rays;         /* along the normals of this mesh's limit; default: the nearest place */
+    float distance;    /* how near the other must be; default 1/100 of the diagonal */
+    float front, back; /* how far rays reach outwards and inwards; default 1/20 of it */
+    slv_scheme scheme; /* of the other mesh's surface */
+    bool no_copies;    /* also faces with the same corners are looked up */
+    uint64_t reserved[4];
+} slv_bake_carry;
+
+/* What another mesh has, whatever source that is of it, on the limit surface of this one: from the
+ * nearest place of the other's limit surface, or the nearest along the normal, that faces the same
+ * way. It is looked up as in slv_transfer: interpolated between the other's texels, across its
+ * edges too, or the mean of those that a texel covers; a source that has no resolution of its own
+ * is taken at 4 Mi texels in all. Faces that the other has too, by their corners, are taken as they
+ * are, unless along rays. Texels that have nothing within reach are SLV_BAKE_TOO_FAR, NO_HIT, or
+ * BACK_FACING where only the wrong side of something is there; those where the other has no value
+ * miss as it does. Vectors in faces' own frames are not turned. Takes `of`, also if it fails; keeps
+ * `surface`, neither mesh. */
+SLV_NODISCARD SLV_API slv_result slv_bake_from_mesh(const slv_env *env, const slv_mesh *mesh,
+                                                    const slv_surface *surface,
+                                                    const slv_mesh *other, slv_bake_source *of,
+                                                    const slv_bake_carry *params,
+                                                    slv_bake_source **out);
+
 /* A pattern in space, on the limit surface: RGBA, of which the alpha channel is kept where one of
  * its colours is not opaque. Keeps `surface`, which must outlive the source. */
 SLV_NODISCARD SLV_API slv_result slv_bake_from_pattern(const slv_env *env,
