@@ -46,7 +46,7 @@ static void check_limits(const kit *k) {
     uint64_t unlimited = gl->max_storage;
     for (uint32_t s = 0; s < slv_strategy_count(); s++) {
         const slv_strategy *strategy = slv_strategy_at(s);
-        if (test_skip(s, 2) && s + 1 < slv_strategy_count())
+        if (test_skip(s, 3) && s + 1 < slv_strategy_count())
             continue;
         uint32_t few = look_up(k, strategy, whole);
         gl->max_storage = 8192;

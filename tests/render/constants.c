@@ -63,7 +63,7 @@ static slv_gl_texture *upload(const kit *k, const slv_texture *texture,
 
 /* How far lookups are from those of the same texels spelled out. */
 static void check_same(const kit *k, slv_gl_texture *one, slv_gl_texture_params params,
-                       bool changed) {
+                       bool changed, uint32_t turn) {
     const char *what = changed ? "changed" : "as they are";
     static float values[4 * POINTS], expected[4 * POINTS];
     slv_env env = test_env();
@@ -75,6 +75,8 @@ static void check_same(const kit *k, slv_gl_texture *one, slv_gl_texture_params 
         const slv_strategy *strategy = slv_strategy_at(s);
         float most = 0;
         int worst = 0;
+        if (test_skip(s + turn, 3))
+            continue;
         REQUIRE(slv_gl_texture_lookup(one, &env, strategy, POINTS, faces, uv, dx, dy, values) ==
                 SLV_OK);
         REQUIRE(slv_gl_texture_lookup(all, &env, strategy, POINTS, faces, uv, dx, dy, expected) ==
@@ -108,7 +110,7 @@ static void make_some_constant(kit *k, uint64_t *random) {
     }
 }
 
-static void check(slv_type type, uint32_t nchannels, slv_gl_texture_params params,
+static void check(uint32_t turn, slv_type type, uint32_t nchannels, slv_gl_texture_params params,
                   uint64_t *random) {
     slv_env env = test_env();
     kit k;
@@ -118,7 +120,7 @@ static void check(slv_type type, uint32_t nchannels, slv_gl_texture_params param
     make_some_constant(&k, random);
     place(&k, random);
     slv_gl_texture *one = upload(&k, k.texture, params);
-    check_same(&k, one, params, false);
+    check_same(&k, one, params, false, turn);
     if (params.live) {
         static const float texels[16 * 4] = {0.25f, 0.5f, 1};
         unsigned char stored[sizeof texels];
@@ -136,7 +138,7 @@ static void check(slv_type type, uint32_t nchannels, slv_gl_texture_params param
                         SLV_OK);
             REQUIRE(slv_gl_texture_update(one, &env, NULL) == SLV_OK);
             if (round > 8)
-                check_same(&k, one, params, true);
+                check_same(&k, one, params, true, turn);
         }
     }
     slv_gl_texture_destroy(one);
@@ -147,12 +149,12 @@ int main(void) {
     uint64_t random = 3;
     slv_env env = test_env();
     REQUIRE(slv_gl_create(&env, SLV_GL_AUTO, &gl) == SLV_OK);
-    check(SLV_TYPE_U8, 3, (slv_gl_texture_params){.anisotropy = 8}, &random);
+    check(0, SLV_TYPE_U8, 3, (slv_gl_texture_params){.anisotropy = 8}, &random);
     if (!test_brief())
-        check(SLV_TYPE_FLOAT, 4, (slv_gl_texture_params){.anisotropy = 1}, &random);
-    check(SLV_TYPE_HALF, 1, (slv_gl_texture_params){.anisotropy = 4, .live = true}, &random);
-    check(SLV_TYPE_U8, 3, (slv_gl_texture_params){.branching = SLV_GL_BRANCHING_REAL, .live = true},
-          &random);
+        check(0, SLV_TYPE_FLOAT, 4, (slv_gl_texture_params){.anisotropy = 1}, &random);
+    check(1, SLV_TYPE_HALF, 1, (slv_gl_texture_params){.anisotropy = 4, .live = true}, &random);
+    check(2, SLV_TYPE_U8, 3,
+          (slv_gl_texture_params){.branching = SLV_GL_BRANCHING_REAL, .live = true}, &random);
     slv_gl_destroy(gl);
     return test_end();
 }

@@ -156,7 +156,7 @@ int main(void) {
     char program[KIT_PATH], obj[KIT_PATH], ptx[KIT_PATH];
     REQUIRE(slv_gl_create(&env, SLV_GL_AUTO, &gl) == SLV_OK);
     for (uint32_t s = 0; s < slv_strategy_count(); s++)
-        if (!slv_strategy_at(s)->resampled)
+        if (!slv_strategy_at(s)->resampled && !test_skip(s, 2))
             strategies[nstrategies++] = slv_strategy_at(s);
     kit_scratch_make(&scratch);
     kit_join(program, kit_variable("SELVAGE_BIN"), "selvage-assets");

@@ -93,7 +93,7 @@ static void random_sizes(kit *k, bool oblong, bool rows, uint64_t *random) {
 static void check(kit *k, const char *name, uint64_t *random) {
     static uint32_t turn;
     for (int round = 0; round < 4; round++) {
-        if (test_skip(turn++, 3))
+        if (test_skip(turn++, 5))
             continue;
         char what[64];
         uint32_t anisotropy = round == 3 ? 16 : 1, channels = round == 2 ? 4 : 3;
@@ -113,7 +113,7 @@ static void check(kit *k, const char *name, uint64_t *random) {
 static void check_pairs(kit *k, const char *name, uint64_t *random) {
     static uint32_t turn;
     for (uint32_t odd = 0; odd < 2; odd++) {
-        if (test_skip(turn++, 3))
+        if (test_skip(turn++, 5))
             continue;
         for (uint32_t f = 0; f < k->nfaces; f++)
             k->res[f].u = k->res[f].v = (int8_t)(odd ? 5 : 2);

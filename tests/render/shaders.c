@@ -101,7 +101,7 @@ static void check_text(const char *lookups, const char *name, bool reference) {
     nseen++;
     for (int stage = 0; stage < STAGES; stage++) {
         char file[128];
-        if (test_skip((uint32_t)(nseen + stage), 2))
+        if (test_skip((uint32_t)(nseen + nseen / 2 + stage), 2))
             continue;
         snprintf(file, sizeof file, "%s_%s.frag", stage_names[stage], name);
         if (reference)
@@ -128,7 +128,8 @@ static void check_all_ways(const char *lookups, const char *name, bool reference
     char *vectors = flipped(lookups, "#define SLV_VECTORS ");
     char *taps = flipped(lookups, "#define SLV_TAPS ");
     char *both = flipped(vectors, "#define SLV_TAPS ");
-    check_text(lookups, name, reference);
+    const bool either = nseen / 4 % 2; /* of two texts a short run gives one to the reference */
+    check_text(lookups, name, reference && (!test_brief() || either));
     if (!test_brief()) {
         snprintf(other_name, sizeof other_name, "%s_othervectors", name);
         check_text(vectors, other_name, reference);
@@ -136,7 +137,7 @@ static void check_all_ways(const char *lookups, const char *name, bool reference
         check_text(taps, other_name, reference);
     }
     snprintf(other_name, sizeof other_name, "%s_otherboth", name);
-    check_text(both, other_name, reference);
+    check_text(both, other_name, reference && (!test_brief() || !either));
     free(taps);
     free(both);
     free(vectors);
@@ -175,6 +176,11 @@ static void write_both(const char *lookups, const slv_strategy *strategy, const 
     write_shader(file, lookups, fragment[0]);
 }
 
+/* One pool, four without and eight with two sub-faces are what a short run takes. */
+static bool is_taken(uint32_t variant) {
+    return !test_brief() || variant == 0 || variant == 5 || variant + 1 == SLV_GL_MAX_VARIANTS;
+}
+
 static void check_texture(uint32_t nchannels, uint32_t anisotropy) {
     slv_env env = test_env();
     slv_texture *texture = NULL;
@@ -190,13 +196,15 @@ static void check_texture(uint32_t nchannels, uint32_t anisotropy) {
     for (uint32_t s = 0; s < slv_strategy_count(); s++) {
         for (uint32_t v = 0; v < SLV_GL_MAX_VARIANTS; v++) {
             char name[64];
+            if (!is_taken(v))
+                continue;
             snprintf(name, sizeof name, "%s_variant%u_channels%u_aniso%u", slv_strategy_at(s)->name,
                      v, nchannels, anisotropy);
             const char *lookups = NULL;
             REQUIRE(slv_gl_texture_glsl(uploaded, slv_strategy_at(s), v, &lookups) == SLV_OK);
             CHECK_MSG(strstr(lookups, "slv_sample_grad") != NULL, "%s: no text", name);
             /* in between only the number of pools differs, which the driver sees */
-            check_all_ways(lookups, name, v < 2 || v + 2 >= SLV_GL_MAX_VARIANTS);
+            check_all_ways(lookups, name, test_brief() || v < 2 || v + 2 >= SLV_GL_MAX_VARIANTS);
             /* one pool and four, with and without two sub-faces */
             if (v == 0 || v == 5)
                 write_both(lookups, slv_strategy_at(s), name);
@@ -292,7 +300,8 @@ int main(void) {
     int nways = 0;
     for (uint32_t s = 0; s < slv_strategy_count(); s++)
         nways += slv_strategy_at(s)->coverage ? 2 : 1;
-    CHECK_MSG(nseen == nways * 2 * (test_brief() ? 2 : 4) * SLV_GL_MAX_VARIANTS, "%d texts", nseen);
+    CHECK_MSG(nseen == nways * 2 * (test_brief() ? 2 * 3 : 4 * SLV_GL_MAX_VARIANTS), "%d texts",
+              nseen);
     CHECK(kit_count_files(scratch.folder) == nfiles);
 
     for (int stage = 0; stage < STAGES; stage++) {

@@ -4,7 +4,9 @@ set -eu
 
 bin=$1
 here=$(mktemp -d /tmp/selvage-studio-XXXXXX)
-export HOME=$here XDG_STATE_HOME=$here/state XDG_CONFIG_HOME=$here/config XDG_CACHE_HOME=${XDG_CACHE_HOME:-$HOME/.cache}
+# shaders that are compiled already may be used again
+export MESA_SHADER_CACHE_DIR="${MESA_SHADER_CACHE_DIR:-${XDG_CACHE_HOME:-$HOME/.cache}}"
+export HOME=$here XDG_STATE_HOME=$here/state XDG_CONFIG_HOME=$here/config XDG_CACHE_HOME=$here/cache
 export XDG_RUNTIME_DIR=$here/run LC_ALL=C GALLIVM_PERF=nopt
 export LP_NUM_THREADS=1
 unset DBUS_SESSION_BUS_ADDRESS WAYLAND_DISPLAY GTK_A11Y
