@@ -1,5 +1,6 @@
 /* Resolutions: as a blank texture would have them, or as the source itself is resolved. */
 #include "recipe/plan.h"
+#include "rays/coverage.h"
 #include "recipe/fit.h"
 #include "source/source.h"
 
@@ -32,6 +33,28 @@ static slv_result match(const slv_env *env, const slv_bake_source *source, const
     return result;
 }
 
+static slv_result by_views(const slv_env *env, const slv_mesh *mesh, const slv_bake_job *job,
+                           slv_res **out) {
+    uint32_t nfaces = slv_mesh_face_count(mesh);
+    slv_res low = job->min_res, high = job->max_res;
+    double scale = job->texels_per_pixel > 0 ? (double)job->texels_per_pixel : 1;
+    float *sizes = NULL;
+    if (!high.u && !high.v)
+        high = (slv_res){DEFAULT_MAX_LOG2, DEFAULT_MAX_LOG2};
+    slv_result result = slvi_alloc(env, "resolutions", nfaces, sizeof **out, out);
+    if (!result)
+        result = slvi_alloc(env, "resolutions", nfaces, 2 * sizeof *sizes, &sizes);
+    if (!result)
+        result = slvi_coverage(env, mesh, job->scheme, job->views, job->nviews, sizes);
+    for (uint32_t face = 0; face < nfaces && !result; face++) {
+        const float *size = sizes + 2 * (size_t)face;
+        (*out)[face] = (slv_res){within(log2((double)size[0] * scale), low.u, high.u),
+                                 within(log2((double)size[1] * scale), low.v, high.v)};
+    }
+    slvi_free(sizes);
+    return result;
+}
+
 static void tell(const slv_res *res, uint32_t nfaces, slv_bake_report *report) {
     for (uint32_t face = 0; face < nfaces; face++) {
         int size = res[face].u + res[face].v;
@@ -60,15 +83,20 @@ slv_result slvi_bake_plan(const slv_env *env, const slv_mesh *mesh, const slv_ba
                                     .scheme = job->scheme};
     *out = NULL;
     int given = (job->uniform != 0) + (job->density != 0) + (job->max_texels != 0) +
-                (job->max_bytes != 0) + (job->match != 0) + (job->max_error != 0);
+                (job->max_bytes != 0) + (job->match != 0) + (job->max_error != 0) +
+                (job->nviews != 0);
     if (given > 1)
         return slvi_fail(env, SLV_ERROR_ARGUMENT,
-                         "bake: a resolution, a density, a number of texels, an error or a match "
-                         "with the source: one of them");
+                         "bake: a resolution, a density, a number of texels, an error, views or a "
+                         "match with the source: one of them");
     if (!(job->match >= 0) || !isfinite(job->match))
         return slvi_fail(env, SLV_ERROR_ARGUMENT,
                          "bake: %g texels for one of the source, expected more than 0",
                          (double)job->match);
+    if (!(job->texels_per_pixel >= 0) || !isfinite(job->texels_per_pixel))
+        return slvi_fail(env, SLV_ERROR_ARGUMENT,
+                         "bake: %g texels for a pixel, expected more than 0",
+                         (double)job->texels_per_pixel);
     if (!(job->max_error >= 0) || !isfinite(job->max_error))
         return slvi_fail(env, SLV_ERROR_ARGUMENT, "bake: an error of %g, expected more than 0",
                          (double)job->max_error);
@@ -85,6 +113,8 @@ slv_result slvi_bake_plan(const slv_env *env, const slv_mesh *mesh, const slv_ba
     } else if (job->max_error > 0) {
         result = slvi_alloc(env, "resolutions", source->nfaces, sizeof **out, out);
         result = result ? result : slvi_bake_fit(env, source, job, e, *out, report);
+    } else if (job->nviews) {
+        result = by_views(env, mesh, job, out);
     } else if (own) {
         result = match(env, source, job, out);
     } else {

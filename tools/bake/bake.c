@@ -14,8 +14,8 @@ enum { INPUTS = 256 };
 /* Nothing that is read may be written, nor two things be one. */
 static int check_outputs(const slv_env *env, const bake_options *o, const slv_bake_recipe *recipe,
                          const char *part) {
-    const char *inputs[INPUTS] = {o->paths[0], o->recipe};
-    uint32_t n = 2;
+    const char *inputs[INPUTS] = {o->paths[0], o->recipe, o->views};
+    uint32_t n = 3;
     for (uint32_t i = 0; slv_bake_recipe_file(recipe, i) && n < INPUTS; i++)
         inputs[n++] = slv_bake_recipe_file(recipe, i);
     if (output_check(env, o->paths[1], inputs, n) ||
@@ -33,7 +33,8 @@ static int bake_it(const bake_options *o, const slv_env *env, slv_bake_recipe *r
     slv_mesh *mesh = NULL;
     slv_bake_source *source = NULL;
     slv_bake_report report;
-    char part[4096], *key = bake_recipe_key(recipe, o->paths[0]);
+    slv_bake_view *views = NULL;
+    char part[4096], *key = bake_recipe_key(recipe, o);
     int code = EXIT_FAILED;
     bool writes = !team->module || !team->team.rank;
     cli_progress progress =
@@ -50,6 +51,7 @@ static int bake_it(const bake_options *o, const slv_env *env, slv_bake_recipe *r
     else if (!writes || !check_outputs(env, o, recipe, part)) {
         cli_catch_interrupts();
         if (!slv_mesh_load(env, cli_input(o->paths[0]), &mesh) &&
+            !bake_views_load(env, o, mesh, &views, &job) &&
             !slv_bake_recipe_source(env, recipe, mesh, &source)) {
             slv_result result = slv_bake_save(env, mesh, source, &job, o->paths[1], &report);
             cli_progress_end(&progress);
@@ -62,6 +64,7 @@ static int bake_it(const bake_options *o, const slv_env *env, slv_bake_recipe *r
     }
     slv_bake_source_destroy(source);
     slv_mesh_destroy(mesh);
+    free(views);
     free(key);
     return code;
 }
@@ -152,6 +155,10 @@ int verb_bake(int argc, char **argv) {
          "64x64", 1, 65536, &o.size_given},
         {"--density|-d", CLI_FLOAT, &o.density, "texels per unit of length on the surface", "X", 0,
          0, &o.density_given},
+        {"--views", CLI_TEXT, &o.views,
+         "as many texels as faces have pixels in the pictures of a view file's cameras",
+         "FILE.json", 0, 0, NULL},
+        {"--texels-per-pixel", CLI_FLOAT, &o.texels_per_pixel, "of --views (1)", "X", 0, 0, NULL},
         {"--texels", CLI_TEXT, &o.texels, "as dense as keeps within so many texels in all", "N", 0,
          0, NULL},
         {"--bytes", CLI_TEXT, &o.bytes, "as dense as keeps within so many bytes, unpacked", "N", 0,

@@ -7,10 +7,10 @@
 #include <selvage/bake_recipe.h>
 
 typedef struct bake_options {
-    const char *paths[2], *uv, *detail, *points, *texture, *from, *bytes, *texels, *miss_map,
-        *recipe;
+    const char *paths[2], *uv, *detail, *points, *texture, *from, *views, *bytes, *texels,
+        *miss_map, *recipe;
     uint32_t size[2], min[2], max[2], compression, threads;
-    float density, match, max_miss, error, frequency, distance, front, back;
+    float texels_per_pixel, density, match, max_miss, error, frequency, distance, front, back;
     uint32_t seed, samples;
     bool size_given, max_given, density_given, match_given, error_given, type_given, pattern_given;
     bool min_given, surface_given, rays_given, encoding_given, wrap_given, detail_kind_given,
@@ -26,7 +26,12 @@ int bake_recipe_make(const cli_command *command, const slv_env *env, const bake_
                      slv_bake_recipe **out);
 /* All that decides what is baked: the recipe, and of each file it reads and the mesh when it was
  * changed. For free(); NULL if there is no memory. */
-char *bake_recipe_key(const slv_bake_recipe *recipe, const char *mesh);
+char *bake_recipe_key(const slv_bake_recipe *recipe, const bake_options *options);
+
+/* bake_views.c: the pictures of --views, for free(), and what the job is to know of them. Nothing
+ * without it. */
+slv_result bake_views_load(const slv_env *env, const bake_options *options, const slv_mesh *mesh,
+                           slv_bake_view **views, slv_bake_job *job);
 
 /* bake_report.c. Returns an exit code. */
 int bake_report_tell(const bake_options *options, const slv_bake_job *job, float max_miss,

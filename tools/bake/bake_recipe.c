@@ -33,10 +33,12 @@ static int check(const cli_command *command, const bake_options *o) {
     if (CLI_STANDARD_ONCE(command, o->paths[0], o->uv, o->detail, o->points, o->from, o->recipe))
         return EXIT_USAGE;
     if (o->size_given + o->density_given + o->match_given + o->error_given + (o->bytes != NULL) +
-            (o->texels != NULL) >
+            (o->texels != NULL) + (o->views != NULL) >
         1)
-        return cli_usage(command, "--size, --density, --match, --error, --bytes and --texels: one "
-                                  "of them");
+        return cli_usage(command, "--size, --density, --match, --error, --bytes, --texels and "
+                                  "--views: one of them");
+    if (!(o->texels_per_pixel >= 0) || (o->texels_per_pixel > 0 && !o->views))
+        return cli_usage(command, "--texels-per-pixel: expected more than 0, with --views");
     if (o->size_given && !value_resolution(o->size, &res))
         return cli_usage(command, "--size %ux%u: expected powers of two", o->size[0], o->size[1]);
     if (!value_resolution(o->min, &res) || (o->max_given && !value_resolution(o->max, &res)))
@@ -193,10 +195,10 @@ static int append(char *text, size_t room, const char *path) {
                     (long long)status.st_mtim.tv_sec, status.st_mtim.tv_nsec);
 }
 
-char *bake_recipe_key(const slv_bake_recipe *recipe, const char *mesh) {
+char *bake_recipe_key(const slv_bake_recipe *recipe, const bake_options *o) {
     enum { MORE = 100 };
-    const char *text = slv_bake_recipe_text(recipe), *path;
-    size_t room = strlen(text) + strlen(mesh) + MORE;
+    const char *text = slv_bake_recipe_text(recipe), *path, *mesh = o->paths[0];
+    size_t room = strlen(text) + strlen(mesh) + (o->views ? strlen(o->views) : 0) + 3 * MORE;
     for (uint32_t i = 0; (path = slv_bake_recipe_file(recipe, i)); i++)
         room += strlen(path) + MORE;
     char *key = malloc(room);
@@ -204,6 +206,10 @@ char *bake_recipe_key(const slv_bake_recipe *recipe, const char *mesh) {
         return NULL;
     size_t used = (size_t)snprintf(key, room, "%s\n", text);
     used += (size_t)append(key + used, room - used, mesh);
+    if (o->views) {
+        used += (size_t)append(key + used, room - used, o->views);
+        used += (size_t)snprintf(key + used, room - used, "%.9g\n", (double)o->texels_per_pixel);
+    }
     for (uint32_t i = 0; (path = slv_bake_recipe_file(recipe, i)); i++)
         used += (size_t)append(key + used, room - used, path);
     return key;

@@ -11,6 +11,7 @@
 #ifndef SELVAGE_BAKE_H
 #define SELVAGE_BAKE_H
 
+#include <selvage/camera.h>
 #include <selvage/filter.h>
 #include <selvage/surface.h>
 #include <selvage/uv_images.h>
@@ -320,7 +321,13 @@ typedef struct slv_bake_team {
     void *user;
 } slv_bake_team;
 
-/* Zero means default. How large faces are is said by one of the first six; by none of them by the
+/* A picture in which the surface will be seen: its camera, in the mesh's frame, and its pixels. */
+typedef struct slv_bake_view {
+    slv_camera camera;
+    uint32_t width, height;
+} slv_bake_view;
+
+/* Zero means default. How large faces are is said by one of the first seven; by none of them by the
  * source, each face along each axis with the power of two nearest to what the source has there, or
  * max_texels = 4 Mi if the source has no resolution. */
 typedef struct slv_bake_job {
@@ -329,6 +336,12 @@ typedef struct slv_bake_job {
     float density;       /* texels per unit of length of the limit surface */
     uint64_t max_texels; /* in all, as dense as keeps within; by length on the surface */
     uint64_t max_bytes;  /* the same, of texels as they are unpacked */
+    /* For each face along each axis the power of two nearest to texels_per_pixel (default 1) times
+     * the most pixels that it has there in any of these; min_res where none sees it, since it is
+     * out of the picture or behind something. */
+    const slv_bake_view *views;
+    uint32_t nviews;
+    float texels_per_pixel;
     /* The least power of two along each axis from which bilinear interpolation, on the face alone,
      * comes back to within this much of the source: a difference of values as they are stored, 0..1
      * of integers. The source is sampled at four times its own density, or 1024 times along each
