@@ -2,7 +2,7 @@
  * from what lies along the normal. Whatever source the other has is looked up as texels are. */
 #include "carry/carry.h"
 #include "rays/look.h"
-#include "transfer/closest.h"
+#include "source/closest.h"
 
 #include "base/log.h"
 #include "base/memory.h"
@@ -13,7 +13,7 @@
 #include <math.h>
 #include <string.h>
 
-enum { SEGMENTS = 8, FLAT_SEGMENTS = 4, AT_ONCE = 256, MOST_SAMPLES = 16, LEAST_COST = 32 };
+enum { AT_ONCE = 256, MOST_SAMPLES = 16, LEAST_COST = 32 };
 #define DEFAULT_DISTANCE 0.01f /* of the diagonal, to the nearest place */
 #define DEFAULT_REACH 0.05f    /* of the same, along rays */
 #define MATCH_TOLERANCE 1e-5f  /* of the same, between corners */
@@ -345,18 +345,9 @@ static slv_result match(const slv_env *env, const slv_mesh *mesh, const slv_mesh
     return result;
 }
 
-/* Flat sub-faces are two triangles each; flat polygons of scans may be many. */
-static uint32_t segments_of(const slv_mesh *other, slv_scheme scheme) {
-    const uint8_t *flags = slv_mesh_face_flags(other);
-    bool quads = false;
-    for (uint32_t face = 0; face < slv_mesh_face_count(other); face++)
-        quads = quads || !(flags[face] & SLV_FACE_SUBFACE);
-    return scheme != SLV_SCHEME_BILINEAR ? SEGMENTS : quads ? FLAT_SEGMENTS : 1;
-}
-
 static slv_result search_by(const slv_env *env, const slv_mesh *other, carry *s) {
     slv_adjacency *adjacency = NULL;
-    uint32_t segments = segments_of(other, s->params.scheme);
+    uint32_t segments = slvi_closest_segments(other, s->params.scheme);
     if (!s->params.rays)
         return slvi_closest_create(env, s->other, segments, &s->closest);
     slv_result result = slv_mesh_adjacency(env, other, &adjacency);

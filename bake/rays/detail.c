@@ -1,6 +1,7 @@
 /* A detailed mesh on a plainer surface: rays both ways along the normal of the limit, to the
- * nearest thing that faces the same way. */
+ * nearest thing that faces the same way; vectors to the nearest place in any direction. */
 #include "rays/look.h"
+#include "source/closest.h"
 #include "source/source.h"
 
 #include "base/log.h"
@@ -18,6 +19,10 @@ typedef struct detail {
     const slv_surface *surface;
     ray_scene scene;
     float size; /* what coordinates reach: how exactly a point can be told */
+    /* for vectors */
+    slv_surface *detailed;
+    slv_closest *closest;
+    float offset[3]; /* from the mesh's frame to the detailed one's */
 } detail;
 
 typedef struct points {
@@ -35,32 +40,54 @@ static void normalise(float v[3]) {
         v[k] = length > 0 ? v[k] / length : 0;
 }
 
-/* What is asked for of the place that was found from a point of the surface. */
-static slv_bake_miss sample(const detail *d, const float p[3], const float n[3], const float du[3],
-                            float out[3]) {
-    ray_found best;
-    float normal[3], tangent[3], bitangent[3];
-    const ray_look look = {&d->scene, d->params.front, d->params.back, d->size};
-    slv_bake_miss miss = slvi_ray_look(&look, p, n, &best);
-    out[0] = best.distance;
-    if (miss || d->params.kind == SLV_BAKE_DISPLACEMENT)
-        return miss;
-    slvi_ray_normal(&d->scene, best.triangle, best.weights, normal);
-    if (d->params.kind == SLV_BAKE_OBJECT_NORMAL) {
-        memcpy(out, normal, sizeof normal);
-        return SLV_BAKE_HIT;
-    }
-    /* the unit vector of growing u, as far as it is across the normal */
+/* Along the axes of the face: growing u, as far as it is across the normal, normal x that, and the
+ * normal. */
+static void to_face(const float n[3], const float du[3], float v[3]) {
+    float tangent[3], bitangent[3], out[3];
     for (int k = 0; k < 3; k++)
         tangent[k] = du[k] - dot(du, n) * n[k];
     normalise(tangent);
     for (int k = 0; k < 3; k++)
         bitangent[k] =
             n[(k + 1) % 3] * tangent[(k + 2) % 3] - n[(k + 2) % 3] * tangent[(k + 1) % 3];
-    out[0] = dot(normal, tangent);
-    out[1] = dot(normal, bitangent);
-    out[2] = dot(normal, n);
-    return SLV_BAKE_HIT;
+    out[0] = dot(v, tangent);
+    out[1] = dot(v, bitangent);
+    out[2] = dot(v, n);
+    memcpy(v, out, sizeof out);
+}
+
+/* To the nearest place. */
+static slv_bake_miss vector_to(const detail *d, const float p[3], const float n[3], float out[3]) {
+    float reach = fmaxf(d->params.front, d->params.back), at[3];
+    for (int k = 0; k < 3; k++)
+        at[k] = p[k] + d->offset[k];
+    slv_closest_hit hit = slvi_closest_find(d->closest, at, n, reach);
+    for (int k = 0; k < 3; k++)
+        out[k] = hit.position[k] - at[k];
+    if (hit.point.face >= 0 && hit.distance <= reach)
+        return SLV_BAKE_HIT;
+    hit = slvi_closest_find(d->closest, at, NULL, reach);
+    return hit.point.face >= 0 && hit.distance <= reach ? SLV_BAKE_BACK_FACING : SLV_BAKE_TOO_FAR;
+}
+
+/* What is asked for of the place that was found from a point of the surface. */
+static slv_bake_miss sample(const detail *d, const float p[3], const float n[3], const float du[3],
+                            float out[3]) {
+    ray_found best;
+    slv_bake_miss miss;
+    slv_bake_detail_kind kind = d->params.kind;
+    const ray_look look = {&d->scene, d->params.front, d->params.back, d->size};
+    if (d->closest) {
+        miss = vector_to(d, p, n, out);
+    } else {
+        miss = slvi_ray_look(&look, p, n, &best);
+        out[0] = best.distance;
+        if (!miss && kind != SLV_BAKE_DISPLACEMENT)
+            slvi_ray_normal(&d->scene, best.triangle, best.weights, out);
+    }
+    if (!miss && (kind == SLV_BAKE_FACE_NORMAL || kind == SLV_BAKE_FACE_VECTOR))
+        to_face(n, du, out);
+    return miss;
 }
 
 /* A few texels: as many as their samples fit into a batch. */
@@ -90,7 +117,7 @@ static slv_result evaluate_some(const detail *d, points *work, uint32_t face, sl
         if (count[SLV_BAKE_HIT]) {
             for (uint32_t c = 0; c < n; c++)
                 values[i * n + c] = sum[c] / (float)count[SLV_BAKE_HIT];
-            if (n == 3)
+            if (n == 3 && !d->closest)
                 normalise(values + (size_t)i * n);
             continue;
         }
@@ -121,6 +148,8 @@ static slv_result evaluate(const slv_bake_source *source, const slv_env *env, ui
 static void destroy(slv_bake_source *source) {
     detail *d = (detail *)source;
     slvi_ray_scene_free(&d->scene);
+    slvi_closest_destroy(d->closest);
+    slv_surface_destroy(d->detailed);
     slvi_free(d);
 }
 
@@ -154,7 +183,7 @@ static slv_result measure(const slv_env *env, const slv_mesh *mesh, detail *d) {
 
 static slv_result check(const slv_env *env, slv_bake_detail *p) {
     p->samples = p->samples ? p->samples : 2;
-    if ((unsigned)p->kind > SLV_BAKE_FACE_NORMAL)
+    if ((unsigned)p->kind > SLV_BAKE_FACE_VECTOR)
         return slvi_fail(env, SLV_ERROR_ARGUMENT, "bake: unknown kind of detail %d", (int)p->kind);
     if (p->samples > MOST_SIDE)
         return slvi_fail(env, SLV_ERROR_ARGUMENT, "bake: %u samples a texel and axis, at most %d",
@@ -163,6 +192,20 @@ static slv_result check(const slv_env *env, slv_bake_detail *p) {
         return slvi_fail(env, SLV_ERROR_ARGUMENT, "bake: distances of %g and %g", (double)p->front,
                          (double)p->back);
     return SLV_OK;
+}
+
+/* The polygons as they stand, to search them. */
+static slv_result begin_vectors(const slv_env *env, const slv_mesh *mesh, const slv_mesh *detailed,
+                                detail *d) {
+    const slv_surface_params flat = {.scheme = SLV_SCHEME_BILINEAR};
+    for (int k = 0; k < 3; k++)
+        d->offset[k] =
+            (float)(slv_mesh_get_view(mesh)->origin[k] - slv_mesh_get_view(detailed)->origin[k]);
+    slv_result result = slv_surface_create(env, detailed, &flat, &d->detailed);
+    return result ? result
+                  : slvi_closest_create(env, d->detailed,
+                                        slvi_closest_segments(detailed, SLV_SCHEME_BILINEAR),
+                                        &d->closest);
 }
 
 slv_result slv_bake_from_detail(const slv_env *env, const slv_mesh *mesh,
@@ -177,16 +220,18 @@ slv_result slv_bake_from_detail(const slv_env *env, const slv_mesh *mesh,
         return result;
     d->params = own;
     d->surface = surface;
-    bool height = own.kind == SLV_BAKE_DISPLACEMENT;
+    bool height = own.kind == SLV_BAKE_DISPLACEMENT, vector = own.kind >= SLV_BAKE_OBJECT_VECTOR;
     d->base = (slv_bake_source){.fns = &fns,
                                 .nfaces = slv_mesh_face_count(mesh),
                                 .cost = 2 * own.samples * own.samples,
-                                .apart = own.kind == SLV_BAKE_FACE_NORMAL,
-                                .desc = {height ? SLV_TYPE_FLOAT : SLV_TYPE_HALF, height ? 1 : 3,
-                                         SLV_NO_ALPHA, SLV_TEXTURE_DATA}};
+                                .apart = own.kind == SLV_BAKE_FACE_NORMAL ||
+                                         own.kind == SLV_BAKE_FACE_VECTOR,
+                                .desc = {height || vector ? SLV_TYPE_FLOAT : SLV_TYPE_HALF,
+                                         height ? 1 : 3, SLV_NO_ALPHA, SLV_TEXTURE_DATA}};
     if ((result = slvi_ray_scene_of_polygons(env, detailed, slv_mesh_get_view(mesh)->origin,
                                              &d->scene)) ||
-        (result = measure(env, mesh, d))) {
+        (result = measure(env, mesh, d)) ||
+        (vector && (result = begin_vectors(env, mesh, detailed, d)))) {
         destroy(&d->base);
         return result;
     }

@@ -10,7 +10,8 @@ static const char *const misses[] = {"hit",     "no-uv",       "no-tile", "no-hi
                                      "too-far", "back-facing", "nan"};
 static const char *const surfaces[] = {"position", "normal", "face-id", "density", "curvature"};
 static const char *const rays[] = {"ao", "bent-normal", "thickness"};
-static const char *const details[] = {"displacement", "object-normal", "face-normal"};
+static const char *const details[] = {"displacement", "object-normal", "face-normal",
+                                      "object-vector", "face-vector"};
 static const char *const wraps[] = {"auto", "repeat", "clamp", "none"};
 /* Grey where there is a value; the others are far apart for eyes that cannot tell red and green
  * too. */

@@ -5,7 +5,7 @@
 #include "base/memory.h"
 #include "base/parallel.h"
 #include "base/progress.h"
-#include "transfer/closest.h"
+#include "source/closest.h"
 
 #include <selvage/ptx.h>
 

@@ -280,6 +280,43 @@ static const char box[] =
 
 /* A model onto itself: nothing is displaced, and normals are its own where they are not those of
  * rounded corners. */
+/* Vectors to a leaning plane are across it, whichever way the face's u goes. */
+static void vectors(void) {
+    slv_env env = test_env();
+    slv_mesh *plain, *plane;
+    slv_surface *surface = NULL;
+    float got[16 * 3];
+    uint8_t missed[16];
+    static const char turned[] = "v 1 0 0\nv 1 1 0\nv 0 1 0\nv 0 0 0\nf 1 2 3 4\n",
+                      leaning[] = "v -1 -1 -.1\nv 2 -1 .5\nv 2 2 .5\nv -1 2 -.1\nf 1 2 3 4\n";
+    MUST(slv_mesh_parse_obj(&env, "m", turned, sizeof turned - 1, &plain));
+    MUST(slv_mesh_parse_obj(&env, "m", leaning, sizeof leaning - 1, &plane));
+    MUST(slv_surface_create(&env, plain, &(slv_surface_params){.scheme = SLV_SCHEME_BILINEAR},
+                            &surface));
+    for (int face = 0; face < 2; face++) {
+        const slv_bake_detail params = {
+            .front = 0.4f, .kind = face ? SLV_BAKE_FACE_VECTOR : SLV_BAKE_OBJECT_VECTOR};
+        slv_bake_source *source = NULL;
+        MUST(slv_bake_from_detail(&env, plain, surface, plane, &params, &source));
+        CHECK(slv_bake_source_get_desc(source)->type == SLV_TYPE_FLOAT);
+        MUST(slv_bake_evaluate(source, &env, 0, (slv_res){2, 2}, (slv_rect){0, 0, 4, 4}, got,
+                               missed));
+        for (int i = 0; i < 16; i++) {
+            /* z = 0.1 + 0.2 x, where v goes against x */
+            float x = 1 - ((float)(i / 4) + 0.5f) / 4, away = (0.1f + 0.2f * x) / 1.04f;
+            const float object[3] = {-0.2f * away, 0, away}, own[3] = {0, 0.2f * away, away};
+            for (int k = 0; k < 3; k++)
+                CHECK_MSG(!missed[i] && fabsf(got[3 * i + k] - (face ? own : object)[k]) < 1e-5f,
+                          "%d: texel %d: %g, not %g", face, i, (double)got[3 * i + k],
+                          (double)(face ? own : object)[k]);
+        }
+        slv_bake_source_destroy(source);
+    }
+    slv_surface_destroy(surface);
+    slv_mesh_destroy(plain);
+    slv_mesh_destroy(plane);
+}
+
 static void itself(void) {
     slv_env env = test_env();
     float values[64 * 3], own[64 * 3];
@@ -451,6 +488,7 @@ int main(void) {
     balls();
     bump(0.1);
     bump(-0.1);
+    vectors();
     itself();
     misses();
     surface_values();

@@ -262,11 +262,15 @@ SLV_NODISCARD SLV_API slv_result slv_bake_from_rays(const slv_env *env, const sl
 typedef enum slv_bake_detail_kind {
     SLV_BAKE_DISPLACEMENT = 0, /* signed distance along the unit normal of the limit, mesh units */
     SLV_BAKE_OBJECT_NORMAL,    /* the detailed mesh's smooth normal along the axes of the mesh */
-    SLV_BAKE_FACE_NORMAL /* the same in the face's own frame, as SLV_DISPLACE_TANGENT has it: along
-                            growing u, along normal x that, and along the normal */
+    SLV_BAKE_FACE_NORMAL, /* the same in the face's own frame, as SLV_DISPLACE_TANGENT has it: along
+                             growing u, along normal x that, and along the normal */
+    SLV_BAKE_OBJECT_VECTOR, /* from the limit to the nearest place of the detailed mesh that faces
+                               the same way, along the axes of the mesh: SLV_DISPLACE_OBJECT */
+    SLV_BAKE_FACE_VECTOR    /* the same in the face's own frame: SLV_DISPLACE_TANGENT */
 } slv_bake_detail_kind;
 SLV_API const char *slv_bake_detail_kind_name(slv_bake_detail_kind kind); /* displacement,
-                                                                    object-normal, face-normal */
+                                                                    object-normal, face-normal,
+                                                                    object-vector, face-vector */
 
 /* Zero means default. */
 typedef struct slv_bake_detail {
@@ -278,9 +282,10 @@ typedef struct slv_bake_detail {
 
 /* From a detailed mesh, taken as it stands, to the limit surface of another: along the normal to
  * the nearest thing that faces the same way. What is not met is told: SLV_BAKE_TOO_FAR, NO_HIT, or
- * BACK_FACING where only the wrong side of something was within reach. Meshes that do not even come
- * near each other are SLV_ERROR_MISMATCH. Displacement is float, normals half; data. Keeps
- * `surface`. */
+ * BACK_FACING where only the wrong side of something was within reach, which for vectors is the
+ * larger of front and back in any direction. Meshes that do not even come
+ * near each other are SLV_ERROR_MISMATCH. Displacement and vectors are float, normals half; data.
+ * Keeps `surface`. */
 SLV_NODISCARD SLV_API slv_result slv_bake_from_detail(const slv_env *env, const slv_mesh *mesh,
                                                       const slv_surface *surface,
                                                       const slv_mesh *detailed,

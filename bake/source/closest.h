@@ -9,8 +9,11 @@ typedef struct slv_closest slv_closest;
 typedef struct slv_closest_hit {
     slv_surface_point point; /* face -1: there is no triangle at all, or none that counts */
     float distance;
+    float position[3];
 } slv_closest_hit;
 
+/* How finely faces are to be sampled. */
+uint32_t slvi_closest_segments(const slv_mesh *mesh, slv_scheme scheme);
 /* Samples every face of the surface on a grid of segments x segments. */
 slv_result slvi_closest_create(const slv_env *env, const slv_surface *surface, uint32_t segments,
                                slv_closest **out);

@@ -1,5 +1,5 @@
 /* The closest point of a surface: a tree of boxes over its triangles. */
-#include "transfer/closest.h"
+#include "source/closest.h"
 
 #include "base/log.h"
 #include "base/memory.h"
@@ -9,7 +9,7 @@
 #include <math.h>
 #include <string.h>
 
-enum { LEAF = 4, MAX_DEPTH = 64 };
+enum { LEAF = 4, MAX_DEPTH = 64, SEGMENTS = 8, FLAT_SEGMENTS = 4 };
 #define MOST_TRIED 4096 /* triangles, in a search for one that faces a certain way */
 #define FAR_AWAY 1024.0 /* diagonals; from there on only the direction matters */
 
@@ -217,6 +217,15 @@ static void collapse(slv_closest *c) {
         c->points[i] = c->points[i % 3];
 }
 
+/* Flat sub-faces are two triangles each; flat polygons of scans may be many. */
+uint32_t slvi_closest_segments(const slv_mesh *mesh, slv_scheme scheme) {
+    const uint8_t *flags = slv_mesh_face_flags(mesh);
+    bool quads = false;
+    for (uint32_t face = 0; face < slv_mesh_face_count(mesh); face++)
+        quads = quads || !(flags[face] & SLV_FACE_SUBFACE);
+    return scheme != SLV_SCHEME_BILINEAR ? SEGMENTS : quads ? FLAT_SEGMENTS : 1;
+}
+
 slv_result slvi_closest_create(const slv_env *env, const slv_surface *surface, uint32_t segments,
                                slv_closest **out) {
     slv_closest *c = NULL;
@@ -382,7 +391,7 @@ slv_closest_hit slvi_closest_find(const slv_closest *closest, const float positi
     uint32_t stack[2 * MAX_DEPTH], depth = 0;
     if (!closest->ntriangles || !isfinite(position[0]) || !isfinite(position[1]) ||
         !isfinite(position[2]))
-        return (slv_closest_hit){{-1, 0, 0}, INFINITY};
+        return (slv_closest_hit){{-1, 0, 0}, INFINITY, {0}};
     begin_near(&s, position);
     stack[depth++] = 0;
     while (depth) {
@@ -406,8 +415,9 @@ slv_closest_hit slvi_closest_find(const slv_closest *closest, const float positi
         stack[depth++] = node->first + !left_first;
     }
     if (s.point.face < 0)
-        return (slv_closest_hit){s.point, INFINITY};
+        return (slv_closest_hit){s.point, INFINITY, {0}};
     const double away[3] = {s.at[0] - (double)position[0], s.at[1] - (double)position[1],
                             s.at[2] - (double)position[2]};
-    return (slv_closest_hit){s.point, (float)sqrt(dot(away, away))};
+    return (slv_closest_hit){
+        s.point, (float)sqrt(dot(away, away)), {(float)s.at[0], (float)s.at[1], (float)s.at[2]}};
 }
