@@ -1,9 +1,9 @@
 /* Sources that are made of sources: constants, channels, levels, and one blended over another. */
 #include "recipe/mix.h"
 
+#include "base/blend.h"
 #include "base/log.h"
 #include "base/memory.h"
-#include "base/names.h"
 
 #include <math.h>
 #include <string.h>
@@ -13,18 +13,12 @@ enum { BOTTOM, TOP, MASK, PARTS };
 typedef struct mix {
     slv_bake_source base;
     slv_bake_source *parts[PARTS]; /* the only one is BOTTOM */
-    slvi_blend blend;
+    slv_blend blend;
     float opacity;
     slvi_levels_of levels;
     float constant[SLVI_BAKE_MAX_CHANNELS];
     uint32_t channels[SLVI_BAKE_MAX_CHANNELS];
 } mix;
-
-const char *slvi_blend_name(slvi_blend blend) {
-    static const char *const names[] = {"normal", "multiply", "screen", "overlay",
-                                        "add",    "subtract", "min",    "max"};
-    return slvi_name_of(names, SLVI_COUNT(names), (int)blend);
-}
 
 static void destroy(slv_bake_source *source) {
     mix *m = (mix *)source;
@@ -225,28 +219,6 @@ slv_result slvi_mix_channels(const slv_env *env, const uint32_t *channels, uint3
 
 /* ---- one over another ---- */
 
-static float blended(slvi_blend blend, float a, float b) {
-    switch (blend) {
-    case SLVI_BLEND_NORMAL:
-        break;
-    case SLVI_BLEND_MULTIPLY:
-        return a * b;
-    case SLVI_BLEND_SCREEN:
-        return a + b - a * b;
-    case SLVI_BLEND_OVERLAY:
-        return a < 0.5f ? 2 * a * b : 1 - 2 * (1 - a) * (1 - b);
-    case SLVI_BLEND_ADD:
-        return a + b;
-    case SLVI_BLEND_SUBTRACT:
-        return a - b;
-    case SLVI_BLEND_MIN:
-        return fminf(a, b);
-    case SLVI_BLEND_MAX:
-        return fmaxf(a, b);
-    }
-    return b;
-}
-
 static float color(const part *p, size_t texel, uint32_t c) {
     uint32_t k = p->colors == 1 ? 0 : c;
     return p->values[texel * p->n + k + (p->alpha == 0)];
@@ -269,16 +241,31 @@ static float mask_of(const part *p, size_t texel) {
 
 static void blend_texel(const mix *m, const part *p, size_t i, float *out) {
     const slv_bake_source_desc *desc = &m->base.desc;
-    uint32_t colors = colors_of(&m->base);
-    float weight = m->opacity * mask_of(&p[MASK], i) * alpha(&p[TOP], i);
-    float under = alpha(&p[BOTTOM], i);
-    float total = m->blend == SLVI_BLEND_NORMAL ? weight + under * (1 - weight) : under;
+    const uint32_t colors = colors_of(&m->base);
+    const bool whole = m->blend == SLV_BLEND_COLOR && colors == 3;
+    const float amount = m->opacity * mask_of(&p[MASK], i), over = alpha(&p[TOP], i);
+    const float weight = m->blend == SLV_BLEND_REPLACE ? amount : amount * over;
+    const float under = alpha(&p[BOTTOM], i);
+    /* a color of other than three is normal */
+    const bool normal = m->blend == SLV_BLEND_NORMAL || (m->blend == SLV_BLEND_COLOR && !whole);
+    float total = under, a[SLVI_BAKE_MAX_CHANNELS], b[SLVI_BAKE_MAX_CHANNELS], mixed[3];
     for (uint32_t c = 0; c < colors; c++) {
-        float a = color(&p[BOTTOM], i, c), b = color(&p[TOP], i, c);
-        if (m->blend == SLVI_BLEND_NORMAL)
-            out[c] = total > 0 ? (a * under * (1 - weight) + b * weight) / total : 0;
+        a[c] = color(&p[BOTTOM], i, c);
+        b[c] = color(&p[TOP], i, c);
+    }
+    if (whole)
+        slvi_blend_color(a, b, mixed);
+    if (normal)
+        total = weight + under * (1 - weight);
+    else if (m->blend == SLV_BLEND_REPLACE)
+        total = under + weight * (over - under);
+    for (uint32_t c = 0; c < colors; c++) {
+        if (normal)
+            out[c] = total > 0 ? (a[c] * under * (1 - weight) + b[c] * weight) / total : 0;
         else
-            out[c] = a + weight * (blended(m->blend, a, b) - a);
+            out[c] =
+                a[c] +
+                weight * ((whole ? mixed[c] : slvi_blend_channel(m->blend, a[c], b[c])) - a[c]);
     }
     if (desc->alpha_channel >= 0)
         out[colors] = total;
@@ -304,7 +291,7 @@ static slv_result evaluate_blend(const slv_bake_source *source, const slv_env *e
     return result;
 }
 
-slv_result slvi_mix_blend(const slv_env *env, slvi_blend blend, float opacity,
+slv_result slvi_mix_blend(const slv_env *env, slv_blend blend, float opacity,
                           slv_bake_source *bottom, slv_bake_source *top, slv_bake_source *mask,
                           slv_bake_source **out) {
     static const slvi_bake_fns sized = {evaluate_blend, extent, NULL, destroy, NULL},

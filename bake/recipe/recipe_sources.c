@@ -54,7 +54,7 @@ DEFINE_NAME(rays_name, slv_bake_rays_kind, slv_bake_rays_kind_name)
 DEFINE_NAME(detail_name, slv_bake_detail_kind, slv_bake_detail_kind_name)
 DEFINE_NAME(surface_name, slv_bake_surface_kind, slv_bake_surface_kind_name)
 DEFINE_NAME(pattern_name, slv_pattern, slv_pattern_name)
-DEFINE_NAME(blend_name, slvi_blend, slvi_blend_name)
+DEFINE_NAME(blend_name, slv_blend, slv_blend_name)
 DEFINE_NAME(scheme_name, slv_scheme, slv_scheme_name)
 
 static const char *by_name(int value) {
@@ -337,7 +337,7 @@ static slv_result open_blend(opening *o, const json_t *node, const char *where, 
         slv_bake_source_destroy(mask);
         return result;
     }
-    return slvi_mix_blend(o->r.env, (slvi_blend)blend, opacity, bottom, top, mask, out);
+    return slvi_mix_blend(o->r.env, (slv_blend)blend, opacity, bottom, top, mask, out);
 }
 
 static slv_result open_levels(opening *o, const json_t *node, const char *where, int depth,

@@ -292,7 +292,6 @@ static void check_edges(bool mixed, uint64_t *random) {
                                           values[side]) == SLV_OK);
         /* beside longer texels borders agree at texel centres, and between them nearly */
         const float most = mixed && strategy->form == slv_form_borders ? 0.25f : 1e-2f;
-        float apart = 0;
         for (int i = 0; i < POINTS; i++) {
             float *own = &values[0][4 * i], *other = &values[1][4 * i];
             apply(&turns[i], other);

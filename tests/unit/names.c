@@ -63,7 +63,7 @@ static void check_results(void) {
 
 int main(void) {
     check_results();
-    CHECK_NAMES(slv_blend, SLV_BLEND_REPLACE, slv_blend_name, leads_back_slv_blend(name, i));
+    CHECK_NAMES(slv_blend, SLV_BLEND_SUBTRACT, slv_blend_name, leads_back_slv_blend(name, i));
     CHECK_NAMES(slv_select, SLV_SELECT_ANGLE, slv_select_name, leads_back_slv_select(name, i));
     CHECK_NAMES(slv_size_unit, SLV_SIZE_TEXELS, slv_size_unit_name,
                 leads_back_slv_size_unit(name, i));

@@ -19,6 +19,8 @@ static double mixed(slv_blend blend, double b, double s) {
         return b > s ? b : s;
     case SLV_BLEND_ADD:
         return b + s;
+    case SLV_BLEND_SUBTRACT:
+        return b - s;
     default:
         return s;
     }

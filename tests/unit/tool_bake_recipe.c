@@ -43,10 +43,11 @@ static void mixes(void) {
     static const struct {
         const char *blend;
         float want[3];
-    } blends[] = {{"normal", {0.5f, 0.25f, 1}},  {"multiply", {0.1f, 0.125f, 0.8f}},
-                  {"screen", {0.6f, 0.625f, 1}}, {"overlay", {0.2f, 0.25f, 1}},
-                  {"add", {0.7f, 0.75f, 1.8f}},  {"subtract", {-0.3f, 0.25f, -0.2f}},
-                  {"min", {0.2f, 0.25f, 0.8f}},  {"max", {0.5f, 0.5f, 1}}};
+    } blends[] = {{"normal", {0.5f, 0.25f, 1}},         {"multiply", {0.1f, 0.125f, 0.8f}},
+                  {"screen", {0.6f, 0.625f, 1}},        {"overlay", {0.2f, 0.25f, 1}},
+                  {"add", {0.7f, 0.75f, 1.8f}},         {"subtract", {-0.3f, 0.25f, -0.2f}},
+                  {"darken", {0.2f, 0.25f, 0.8f}},      {"lighten", {0.5f, 0.5f, 1}},
+                  {"color", {0.529958f, 0.294937f, 1}}, {"replace", {0.5f, 0.25f, 1}}};
     static const float a[3] = {0.2f, 0.5f, 0.8f};
     char text[800];
     for (size_t i = 0; i < sizeof blends / sizeof *blends; i++)
@@ -65,6 +66,9 @@ static void mixes(void) {
     check_texel("{\"blend\": \"normal\", \"opacity\": 0.5, \"bottom\": {\"constant\": [1, 0, 0, "
                 "0.5]}, \"top\": {\"constant\": [0, 1, 0, 1]}}",
                 4, (const float[]){1 / 3.0f, 2 / 3.0f, 0, 0.75f});
+    check_texel("{\"blend\": \"replace\", \"opacity\": 0.5, \"bottom\": {\"constant\": [1, 0, 0, "
+                "0.5]}, \"top\": {\"constant\": [0, 1, 0, 1]}}",
+                4, (const float[]){0.5f, 0.5f, 0, 0.75f});
     check_texel("{\"levels\": " A ", \"in\": [0.2, 0.6], \"out\": [1, 0]}", 3,
                 (const float[]){1, 0.25f, 0});
     check_texel("{\"levels\": " A ", \"in\": [0.2, 0.6], \"clamp\": false}", 3,

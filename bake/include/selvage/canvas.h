@@ -5,6 +5,7 @@
 #ifndef SELVAGE_CANVAS_H
 #define SELVAGE_CANVAS_H
 
+#include <selvage/blend.h>
 #include <selvage/paint.h>
 #include <selvage/source.h>
 
@@ -42,26 +43,6 @@ typedef struct slv_canvas {
 /* Paints right on a store: values are rounded to its type at each dab, and nothing can be taken
  * back. The texture must outlive it. */
 SLV_API slv_canvas slv_texture_as_canvas(slv_texture *texture);
-
-/* How a colour goes over another (W3C Compositing and Blending, level 1, where it has them). In the
- * values that the canvas has, as programs for images do. */
-typedef enum slv_blend {
-    SLV_BLEND_NORMAL = 0,
-    SLV_BLEND_MULTIPLY,
-    SLV_BLEND_SCREEN,
-    SLV_BLEND_OVERLAY,
-    SLV_BLEND_DARKEN,
-    SLV_BLEND_LIGHTEN,
-    SLV_BLEND_ADD,
-    SLV_BLEND_COLOR,   /* hue and saturation of the paint, luminosity of what is there; of other
-                          than three colours: normal */
-    SLV_BLEND_REPLACE, /* alpha too becomes the paint's */
-    SLV_BLEND_COUNT
-} slv_blend;
-
-/* normal, multiply, screen, overlay, darken, lighten, add, color, replace */
-SLV_API const char *slv_blend_name(slv_blend blend);
-SLV_API bool slv_blend_from_name(const char *name, slv_blend *out);
 
 enum { SLV_PAINT_CHANNELS = 8 };
 

@@ -1,65 +1,10 @@
-/* Blend modes: one function of backdrop and source for each, and one formula for all that mixes by
- * alpha. */
+/* Paint and layers go into texels: one formula for all blend modes that mixes by alpha. */
 #include "canvas/blend.h"
 
-#include "base/names.h"
+#include "base/blend.h"
 
 #include <math.h>
 #include <string.h>
-
-static const char *const blend_names[SLV_BLEND_COUNT] = {
-    "normal", "multiply", "screen", "overlay", "darken", "lighten", "add", "color", "replace"};
-
-const char *slv_blend_name(slv_blend blend) {
-    return slvi_name_of(blend_names, SLVI_COUNT(blend_names), (int)blend);
-}
-
-bool slv_blend_from_name(const char *name, slv_blend *out) {
-    int value;
-    if (!slvi_name_find(blend_names, SLVI_COUNT(blend_names), name, &value))
-        return false;
-    *out = (slv_blend)value;
-    return true;
-}
-
-static float mix_channel(slv_blend blend, float below, float above) {
-    switch (blend) {
-    case SLV_BLEND_MULTIPLY:
-        return below * above;
-    case SLV_BLEND_SCREEN:
-        return below + above - below * above;
-    case SLV_BLEND_OVERLAY:
-        return below <= 0.5f ? 2 * below * above : 1 - 2 * (1 - below) * (1 - above);
-    case SLV_BLEND_DARKEN:
-        return fminf(below, above);
-    case SLV_BLEND_LIGHTEN:
-        return fmaxf(below, above);
-    case SLV_BLEND_ADD:
-        return below + above;
-    default:
-        return above;
-    }
-}
-
-static float luminosity(const float *c) {
-    return 0.3f * c[0] + 0.59f * c[1] + 0.11f * c[2];
-}
-
-/* The paint's colour with the luminosity of what is below; brought back into 0..1 as the
- * specification's ClipColor does, if both were in it. */
-static void mix_color(const float *below, const float *above, float *out) {
-    float shift = luminosity(below) - luminosity(above), low, high, l = luminosity(below);
-    for (int k = 0; k < 3; k++)
-        out[k] = above[k] + shift;
-    low = fminf(out[0], fminf(out[1], out[2]));
-    high = fmaxf(out[0], fmaxf(out[1], out[2]));
-    for (int k = 0; k < 3; k++) {
-        if (low < 0 && l > low && l >= 0)
-            out[k] = l + (out[k] - l) * l / (l - low);
-        if (high > 1 && high > l && l <= 1)
-            out[k] = l + (out[k] - l) * (1 - l) / (high - l);
-    }
-}
 
 /* The channels that are painted, as they are for all texels. */
 typedef struct mixing {
@@ -83,7 +28,8 @@ static void mix(const mixing *m, const float *texel, float *out) {
     float below[3], above[3], mixed[3];
     uint32_t n = 0;
     for (uint32_t c = m->first; c < m->end; c++)
-        out[c - m->first] = mix_channel(m->paint->blend, texel[c], m->paint->color[c - m->first]);
+        out[c - m->first] =
+            slvi_blend_channel(m->paint->blend, texel[c], m->paint->color[c - m->first]);
     if (m->paint->blend != SLV_BLEND_COLOR || m->colours != 3)
         return;
     for (uint32_t c = m->first; c < m->end; c++)
@@ -91,7 +37,7 @@ static void mix(const mixing *m, const float *texel, float *out) {
             below[n] = texel[c];
             above[n++] = m->paint->color[c - m->first];
         }
-    mix_color(below, above, mixed);
+    slvi_blend_color(below, above, mixed);
     n = 0;
     for (uint32_t c = m->first; c < m->end; c++)
         if ((int32_t)c != m->alpha)

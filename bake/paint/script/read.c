@@ -90,7 +90,8 @@ static slv_result read_blend(reading *r, const char *key, json_t *value) {
     return slv_blend_from_name(json_string_value(value), &r->line->stroke.paint.blend)
                ? SLV_OK
                : wrong(r, key,
-                       "normal, multiply, screen, overlay, darken, lighten, add, color or replace");
+                       "normal, multiply, screen, overlay, darken, lighten, add, color, replace or "
+                       "subtract");
 }
 
 static slv_result read_erase(reading *r, const char *key, json_t *value) {

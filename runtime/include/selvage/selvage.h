@@ -3,6 +3,7 @@
 #define SELVAGE_SELVAGE_H
 
 #include <selvage/adjacency.h>
+#include <selvage/blend.h>
 #include <selvage/border.h>
 #include <selvage/cache.h>
 #include <selvage/camera.h>
