@@ -2,10 +2,10 @@
 #include "base/log.h"
 #include "base/memory.h"
 #include "base/names.h"
-#include "base/parallel.h"
 #include "base/srgb.h"
 #include "texture/reduce.h"
 #include "texture/texture_data.h"
+#include "texture/texture_map.h"
 
 #include <selvage/half.h>
 
@@ -50,30 +50,30 @@ void slv_texels_encode(uint32_t nchannels, int32_t alpha, float *values, uint64_
 }
 
 struct decoding {
-    const slv_texture *from;
-    slv_texture *to;
-    slv_env env;      /* logs one at a time */
+    const slv_texture_desc *from;
     bool curve;       /* colours are encoded: else numbers become floats, no more */
     uint16_t u8[256]; /* halves */
 };
 
-static void begin_decoding(struct decoding *d) {
+static void begin_decoding(const slv_texture_desc *from, bool curve, struct decoding *d) {
+    d->from = from;
+    d->curve = curve;
     for (uint32_t i = 0; i < 256; i++)
         d->u8[i] =
-            slv_half_from_float(d->curve ? slvi_srgb_to_linear((float)i / 255) : (float)i / 255);
+            slv_half_from_float(curve ? slvi_srgb_to_linear((float)i / 255) : (float)i / 255);
 }
 
 static void decode_bytes(const struct decoding *d, const uint8_t *from, uint64_t count,
                          uint16_t *to) {
-    const slv_texture_desc *desc = slv_texture_get_desc(d->from);
     for (uint64_t i = 0; i < count; i++)
-        for (uint32_t c = 0; c < desc->nchannels; c++, from++)
-            *to++ = (int32_t)c == desc->alpha_channel ? slv_half_from_float((float)*from / 255)
-                                                      : d->u8[*from];
+        for (uint32_t c = 0; c < d->from->nchannels; c++, from++)
+            *to++ = (int32_t)c == d->from->alpha_channel ? slv_half_from_float((float)*from / 255)
+                                                         : d->u8[*from];
 }
 
-static void decode_texels(const struct decoding *d, const void *from, uint64_t count, void *to) {
-    const slv_texture_desc *desc = slv_texture_get_desc(d->from);
+static void decode_texels(const void *user, const void *from, uint64_t count, void *to) {
+    const struct decoding *d = user;
+    const slv_texture_desc *desc = d->from;
     if (desc->type == SLV_TYPE_U8) {
         decode_bytes(d, from, count, to);
     } else {
@@ -83,48 +83,26 @@ static void decode_texels(const struct decoding *d, const void *from, uint64_t c
     }
 }
 
-static size_t decoded_size(const struct decoding *d) {
-    const slv_texture_desc *desc = slv_texture_get_desc(d->to);
-    return desc->nchannels * slv_type_size(desc->type);
-}
-
-static slv_result decode_faces(void *user, uint64_t first, uint64_t end) {
-    const struct decoding *d = user;
-    const slv_texture_desc *desc = slv_texture_get_desc(d->from);
-    slv_result result = SLV_OK;
-    for (uint32_t face = (uint32_t)first; !result && face < end; face++) {
-        bool constant = slv_texture_is_constant(d->from, face);
-        uint64_t count = constant ? 1 : (uint64_t)1 << (desc->res[face].u + desc->res[face].v);
-        void *texels = NULL;
-        if ((result = slvi_alloc_plain(&d->env, "decoded texels", count, decoded_size(d), &texels)))
-            return result;
-        decode_texels(d, slv_texture_texels(d->from, face), count, texels);
-        result = constant ? slv_texture_set_constant(d->to, face, texels)
-                          : slv_texture_set_face(d->to, face, texels);
-        slvi_free(texels);
-    }
-    return result;
-}
-
 slv_result slv_texture_decode_rect(const slv_env *env, const slv_texture *texture, uint32_t face,
                                    slv_rect rect, slv_texture *decoded) {
-    struct decoding d = {.from = texture, .to = decoded};
-    const slv_texture_desc *desc = slv_texture_get_desc(texture);
-    d.curve = slv_texture_get_desc(decoded)->encoding != SLV_TEXTURE_DATA;
+    const slv_texture_desc *desc = slv_texture_get_desc(texture),
+                           *to_desc = slv_texture_get_desc(decoded);
+    struct decoding d;
     void *texels = NULL;
     if (face >= desc->nfaces || !slvi_rect_is_within(rect, desc->res[face]))
         return slvi_fail(env, SLV_ERROR_ARGUMENT, "decoding: face %u has no such texels", face);
-    slv_res old = slv_texture_get_desc(decoded)->res[face], res = desc->res[face];
+    slv_res old = to_desc->res[face], res = desc->res[face];
     bool resized = old.u != res.u || old.v != res.v;
     if (resized)
         rect = (slv_rect){0, 0, 1u << res.u, 1u << res.v};
     bool constant = slv_texture_is_constant(texture, face);
     uint64_t count = constant && !resized ? 1 : (uint64_t)rect.width * rect.height;
-    size_t size = desc->nchannels * slv_type_size(desc->type), to_size = decoded_size(&d);
+    size_t size = desc->nchannels * slv_type_size(desc->type),
+           to_size = to_desc->nchannels * slv_type_size(to_desc->type);
     slv_result result = slvi_alloc_plain(env, "decoded texels", count, to_size, &texels);
     if (result)
         return result;
-    begin_decoding(&d);
+    begin_decoding(desc, to_desc->encoding != SLV_TEXTURE_DATA, &d);
     const unsigned char *from = slv_texture_texels(texture, face);
     unsigned char *to = texels;
     if (constant) {
@@ -150,23 +128,11 @@ slv_result slv_texture_decode_rect(const slv_env *env, const slv_texture *textur
 static slv_result decode(const slv_env *env, const slv_texture *texture, bool curve,
                          slv_texture **out) {
     slv_texture_desc desc = *slv_texture_get_desc(texture);
-    struct decoding d = {.from = texture, .curve = curve};
-    slv_parallel_log *log = NULL;
-    slv_result result;
-    begin_decoding(&d);
+    struct decoding d;
+    begin_decoding(slv_texture_get_desc(texture), curve, &d);
     desc.type = desc.type == SLV_TYPE_U8 ? SLV_TYPE_HALF : SLV_TYPE_FLOAT;
     desc.encoding = curve ? SLV_TEXTURE_LINEAR : SLV_TEXTURE_DATA;
-    if (!(result = slv_texture_create(env, &desc, &d.to)) &&
-        !(result = slvi_texture_reserve(d.to, texture)) &&
-        !(result = slvi_parallel_env_begin(env, &log, &d.env)))
-        result = slvi_parallel_for(env, desc.nfaces, 16, decode_faces, &d);
-    slvi_parallel_env_end(log);
-    if (result) {
-        slv_texture_destroy(d.to);
-        d.to = NULL;
-    }
-    *out = d.to;
-    return result;
+    return slvi_texture_map(env, texture, &desc, decode_texels, &d, out);
 }
 
 slv_result slv_texture_decode(const slv_env *env, const slv_texture *texture,

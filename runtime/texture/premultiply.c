@@ -1,64 +1,36 @@
 /* Copies of textures whose colours are multiplied by alpha, which is how they may be averaged. */
 #include "base/log.h"
 #include "base/memory.h"
-#include "base/parallel.h"
 #include "texture/reduce.h"
-#include "texture/texture_data.h"
+#include "texture/texture_map.h"
 
 struct multiplying {
-    const slv_texture *from;
-    slv_texture *to;
-    slv_env env; /* logs one at a time */
+    const slv_texture_desc *desc;
     bool encoded;
 };
 
-static slv_result multiply_faces(void *user, uint64_t first, uint64_t end) {
+static void multiply_texels(const void *user, const void *from, uint64_t count, void *to) {
     const struct multiplying *m = user;
-    const slv_texture_desc *desc = slv_texture_get_desc(m->from);
-    const uint32_t n = desc->nchannels;
-    slv_result result = SLV_OK;
-    for (uint32_t face = (uint32_t)first; !result && face < end; face++) {
-        bool constant = slv_texture_is_constant(m->from, face);
-        uint64_t count = constant ? 1 : (uint64_t)1 << (desc->res[face].u + desc->res[face].v);
-        float *values = NULL;
-        if ((result = slvi_alloc_plain(&m->env, "texels", count * n, sizeof *values, &values)))
-            return result;
-        slv_type_to_float(desc->type, slv_texture_texels(m->from, face), count * n, values);
-        if (m->encoded)
-            slv_texels_decode(n, desc->alpha_channel, values, count);
-        slvi_multiply_alpha(SLV_TYPE_FLOAT, n, desc->alpha_channel, false, values, count);
-        if (m->encoded)
-            slv_texels_encode(n, desc->alpha_channel, values, count);
-        /* in place: no type is longer than a float */
-        slv_type_from_float(desc->type, values, count * n, values);
-        result = constant ? slv_texture_set_constant(m->to, face, values)
-                          : slv_texture_set_face(m->to, face, values);
-        slvi_free(values);
-    }
-    return result;
+    const uint32_t n = m->desc->nchannels;
+    const int32_t alpha = m->desc->alpha_channel;
+    slv_type_to_float(m->desc->type, from, count * n, to);
+    if (m->encoded)
+        slv_texels_decode(n, alpha, to, count);
+    slvi_multiply_alpha(SLV_TYPE_FLOAT, n, alpha, false, to, count);
+    if (m->encoded)
+        slv_texels_encode(n, alpha, to, count);
+    slv_type_from_float(m->desc->type, to, count * n, to); /* no type is longer than a float */
 }
 
 static slv_result premultiply(const slv_env *env, const slv_texture *texture,
                               slv_texture_encoding wanted, slv_texture **out) {
     const slv_texture_desc *desc = slv_texture_get_desc(texture);
-    struct multiplying m = {
-        .from = texture, .encoded = slv_texture_get_encoding(texture, wanted) == SLV_TEXTURE_SRGB};
-    slv_parallel_log *log = NULL;
-    slv_result result;
+    const struct multiplying m = {desc,
+                                  slv_texture_get_encoding(texture, wanted) == SLV_TEXTURE_SRGB};
     *out = NULL;
     if (desc->alpha_channel < 0)
         return slvi_fail(env, SLV_ERROR_ARGUMENT, "texture: there is no alpha to multiply by");
-    if (!(result = slv_texture_create(env, desc, &m.to)) &&
-        !(result = slvi_texture_reserve(m.to, texture)) &&
-        !(result = slvi_parallel_env_begin(env, &log, &m.env)))
-        result = slvi_parallel_for(env, desc->nfaces, 16, multiply_faces, &m);
-    slvi_parallel_env_end(log);
-    if (result) {
-        slv_texture_destroy(m.to);
-        m.to = NULL;
-    }
-    *out = m.to;
-    return result;
+    return slvi_texture_map(env, texture, desc, multiply_texels, &m, out);
 }
 
 slv_result slv_texture_premultiply(const slv_env *env, const slv_texture *texture,
