@@ -5,6 +5,8 @@
 #include "base/log.h"
 #include "base/memory.h"
 
+#include <selvage/wrap.h>
+
 #include <math.h>
 #include <string.h>
 
@@ -50,6 +52,7 @@ static slv_result need_surface(opening *o) {
     }
 DEFINE_NAME(encoding_name, slv_texture_encoding, slv_texture_encoding_name)
 DEFINE_NAME(wrap_name, slv_bake_wrap, slv_bake_wrap_name)
+DEFINE_NAME(round_name, slv_wrap_round, slv_wrap_round_name)
 DEFINE_NAME(rays_name, slv_bake_rays_kind, slv_bake_rays_kind_name)
 DEFINE_NAME(detail_name, slv_bake_detail_kind, slv_bake_detail_kind_name)
 DEFINE_NAME(surface_name, slv_bake_surface_kind, slv_bake_surface_kind_name)
@@ -89,17 +92,20 @@ static slv_result file_name(const opening *o, const json_t *node, const char *wh
 static slv_result open_uv(opening *o, const json_t *node, const char *where, int depth,
                           slv_bake_source **out) {
     const char *path;
-    int encoding = 0, wrap = 0;
+    int encoding = 0, wrap = 0, round = 0;
     slv_result result;
     (void)depth;
-    if ((result = ONLY("uv", "texture-encoding", "wrap")) ||
+    if ((result = ONLY("uv", "texture-encoding", "wrap", "round")) ||
         (result = file_name(o, node, where, "uv", &path)) ||
         (result =
              slvi_recipe_word(&o->r, where, node, "texture-encoding", encoding_name, &encoding)) ||
-        (result = slvi_recipe_word(&o->r, where, node, "wrap", wrap_name, &wrap)) || !o->mesh)
+        (result = slvi_recipe_word(&o->r, where, node, "wrap", wrap_name, &wrap)) ||
+        (result = slvi_recipe_word(&o->r, where, node, "round", round_name, &round)) || !o->mesh)
         return result;
     const slv_bake_uv params = {.encoding = (slv_texture_encoding)encoding,
-                                .wrap = (slv_bake_wrap)wrap};
+                                .wrap = (slv_bake_wrap)wrap,
+                                .round_u = round & 1,
+                                .round_v = round >> 1};
     return slv_bake_from_uv(o->r.env, o->mesh, path, &params, out);
 }
 

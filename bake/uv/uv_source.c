@@ -533,21 +533,14 @@ static void destroy(slv_bake_source *source) {
     slvi_free(s);
 }
 
-/* Keeps the coordinates as they are, and adds whole numbers to those that are looked up, so that
- * all of a face is within half of the map's length of its first corner. */
+/* What is drawn has one value a vertex, in 0..1; what is looked up here leaves that. */
 static slv_result go_round(const slv_env *env, uv_source *s) {
-    slv_result result = slvi_alloc_plain(env, "bake: texture coordinates", s->base.nfaces,
-                                         8 * sizeof *s->once, &s->once);
-    if (result)
-        return result;
-    memcpy(s->once, s->corners, (size_t)s->base.nfaces * 8 * sizeof *s->once);
-    for (uint32_t face = 0; face < s->base.nfaces; face++) {
-        float *corners = s->corners + 8 * (size_t)face;
-        for (int i = 2; i < 8 && !isnan(corners[0]); i++)
-            if (s->round[i & 1])
-                corners[i] = corners[i & 1] + slv_wrap_step(corners[i & 1], corners[i]);
-    }
-    return SLV_OK;
+    size_t count = (size_t)s->base.nfaces * 8;
+    slv_result result =
+        slvi_alloc_plain(env, "bake: texture coordinates", count, sizeof *s->once, &s->once);
+    for (size_t i = 0; i < count && !result; i++)
+        s->once[i] = s->round[i & 1] ? s->corners[i] - floorf(s->corners[i]) : s->corners[i];
+    return result;
 }
 
 slv_result slv_bake_from_uv(const slv_env *env, const slv_mesh *mesh, const char *path,
@@ -560,7 +553,17 @@ slv_result slv_bake_from_uv(const slv_env *env, const slv_mesh *mesh, const char
     if (result)
         return result;
     s->base = (slv_bake_source){.fns = &fns, .nfaces = slv_mesh_face_count(mesh)};
-    if ((result = slv_mesh_face_texcoords(env, mesh, &s->corners)))
+    slv_bake_uv chosen = params ? *params : none;
+    s->round[0] = chosen.round_u;
+    s->round[1] = chosen.round_v;
+    if ((s->round[0] || s->round[1]) && strstr(path, SLV_BAKE_UDIM)) {
+        result = slvi_fail(env, SLV_ERROR_ARGUMENT,
+                           "%s: coordinates that go round take one image, which repeats, and no "
+                           "set of tiles",
+                           path);
+        goto done;
+    }
+    if ((result = slv_mesh_round_texcoords(env, mesh, s->round[0], s->round[1], &s->corners)))
         goto done;
     if (s->base.nfaces && slvi_uv_check_corners(s->corners, s->base.nfaces) == s->base.nfaces) {
         result = slvi_fail(env, SLV_ERROR_MISMATCH,
@@ -569,9 +572,6 @@ slv_result slv_bake_from_uv(const slv_env *env, const slv_mesh *mesh, const char
                            path);
         goto done;
     }
-    slv_bake_uv chosen = params ? *params : none;
-    s->round[0] = chosen.round_u;
-    s->round[1] = chosen.round_v;
     if ((s->round[0] || s->round[1]) && (result = go_round(env, s)))
         goto done;
     if ((s->round[0] || s->round[1]) && !chosen.wrap)

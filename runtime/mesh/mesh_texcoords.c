@@ -3,34 +3,45 @@
 
 #include "base/memory.h"
 
+#include <selvage/wrap.h>
+
 #include <math.h>
 #include <string.h>
 
+/* What is at a polygon's corner: if the axis goes round, the short way from its first. */
+static float corner_value(const slv_mesh_view *view, const int32_t *ids, int32_t i, int axis,
+                          bool round) {
+    float value = view->texcoords[2 * (size_t)ids[i] + (size_t)axis],
+          first = view->texcoords[2 * (size_t)ids[0] + (size_t)axis];
+    return round ? first + slv_wrap_step(first, value) : value;
+}
+
 static void polygon_texcoords(const slv_mesh_view *view, const int32_t *ids, int32_t size,
-                              float *out) {
-    double sum[2] = {0, 0};
-    for (int32_t i = 0; i < size; i++)
-        for (int axis = 0; axis < 2; axis++)
-            sum[axis] += (double)view->texcoords[2 * (size_t)ids[i] + (size_t)axis];
-    for (int32_t k = 0; k < size; k++) {
-        const float *own = view->texcoords + 2 * (size_t)ids[k];
-        const float *next = view->texcoords + 2 * (size_t)ids[(k + 1) % size];
-        const float *last = view->texcoords + 2 * (size_t)ids[(k + size - 1) % size];
-        if (size == 4) {
-            memcpy(out + 2 * (size_t)k, own, 2 * sizeof *out);
-            continue;
-        }
-        for (int axis = 0; axis < 2; axis++) {
+                              const bool round[2], float *out) {
+    for (int axis = 0; axis < 2; axis++) {
+        double sum = 0;
+        for (int32_t i = 0; i < size; i++)
+            sum += (double)corner_value(view, ids, i, axis, round[axis]);
+        for (int32_t k = 0; k < size; k++) {
+            float own = corner_value(view, ids, k, axis, round[axis]),
+                  next = corner_value(view, ids, (k + 1) % size, axis, round[axis]),
+                  last = corner_value(view, ids, (k + size - 1) % size, axis, round[axis]);
+            if (size == 4) {
+                out[2 * k + axis] = own;
+                continue;
+            }
             float *corners = out + 8 * (size_t)k + axis;
-            corners[0] = own[axis];
-            corners[2] = 0.5f * own[axis] + 0.5f * next[axis];
-            corners[4] = (float)(sum[axis] / size);
-            corners[6] = 0.5f * own[axis] + 0.5f * last[axis];
+            corners[0] = own;
+            corners[2] = 0.5f * own + 0.5f * next;
+            corners[4] = (float)(sum / size);
+            corners[6] = 0.5f * own + 0.5f * last;
         }
     }
 }
 
-slv_result slv_mesh_face_texcoords(const slv_env *env, const slv_mesh *mesh, float **out) {
+slv_result slv_mesh_round_texcoords(const slv_env *env, const slv_mesh *mesh, bool round_u,
+                                    bool round_v, float **out) {
+    const bool round[2] = {round_u, round_v};
     const slv_mesh_view *view = &mesh->view;
     slv_result result = slvi_alloc(env, "texture coordinates", mesh->nfaces, 8 * sizeof **out, out);
     for (uint32_t poly = 0; !result && poly < view->npolys; poly++) {
@@ -42,10 +53,14 @@ slv_result slv_mesh_face_texcoords(const slv_env *env, const slv_mesh *mesh, flo
         for (int32_t i = 0; whole && i < size; i++)
             whole = ids[i] >= 0;
         if (whole)
-            polygon_texcoords(view, ids, size, corners);
+            polygon_texcoords(view, ids, size, round, corners);
         else
             for (int32_t i = 0; i < 8 * nfaces; i++)
                 corners[i] = NAN;
     }
     return result;
+}
+
+slv_result slv_mesh_face_texcoords(const slv_env *env, const slv_mesh *mesh, float **out) {
+    return slv_mesh_round_texcoords(env, mesh, false, false, out);
 }

@@ -5,6 +5,7 @@
 #include "kit/calls_data.h"
 
 #include <selvage/bake_recipe.h>
+#include <selvage/wrap.h>
 
 static slv_result call_bake(const slv_env *env) {
     return slv_bake_procedural(env, calls.surface, &calls_noise, NULL, calls.texture);
@@ -14,7 +15,7 @@ static slv_result call_bake_save(const slv_env *env) {
     const slv_bake_job job = {.uniform = true, .res = {3, 3}, .miss_map = calls_path("map.ptx")};
     slv_mesh *mesh = NULL;
     slv_bake_source *uv = NULL, *pattern = NULL;
-    float *corners = NULL, values[4 * 4];
+    float *corners = NULL, *round = NULL, values[4 * 4];
     uint8_t misses[4];
     const slv_rect rect = {1, 1, 2, 2};
     char path[256];
@@ -22,6 +23,7 @@ static slv_result call_bake_save(const slv_env *env) {
     slv_result result =
         slv_mesh_parse_obj(env, "mesh", calls_uv_obj, sizeof calls_uv_obj - 1, &mesh);
     if (!result && !(result = slv_mesh_face_texcoords(env, mesh, &corners)) &&
+        !(result = slv_mesh_round_texcoords(env, mesh, true, true, &round)) &&
         !(result = slv_bake_from_uv(env, mesh, calls.png, NULL, &uv)) &&
         !(result = slv_bake_evaluate(uv, env, 0, (slv_res){3, 3}, rect, values, misses)) &&
         !(result = slv_bake_save(env, mesh, uv, &job, path, NULL)))
@@ -29,6 +31,7 @@ static slv_result call_bake_save(const slv_env *env) {
     if (!result)
         result = slv_bake_evaluate(pattern, env, 0, (slv_res){3, 3}, rect, values, misses);
     slv_free(corners);
+    slv_free(round);
     slv_bake_source_destroy(uv);
     slv_bake_source_destroy(pattern);
     slv_mesh_destroy(mesh);

@@ -195,8 +195,8 @@ static void far_away(void) {
 }
 
 /* A tube of 12 sides with one coordinate a vertex, or with the column of vertices at its seam
- * twice. */
-static void write_tube(const char *name, bool twice) {
+ * twice; of quads, or of triangles. */
+static void write_tube(const char *name, bool twice, bool triangles) {
     enum { AROUND = 12, HIGH = 4 };
     FILE *file = fopen(tool_path(name), "w");
     REQUIRE(file);
@@ -208,10 +208,25 @@ static void write_tube(const char *name, bool twice) {
     for (int y = 0; y < HIGH; y++)
         for (int x = 0; x < AROUND; x++) {
             int row = AROUND + twice, a = 1 + y * row + x, b = 1 + y * row + (x + 1) % row;
-            fprintf(file, "f %d/%d %d/%d %d/%d %d/%d\n", a, a, b, b, b + row, b + row, a + row,
-                    a + row);
+            int c = b + row, d = a + row;
+            fprintf(file,
+                    triangles ? "f %d/%d %d/%d %d/%d\nf %d/%d %d/%d %d/%d\n"
+                              : "f %d/%d %d/%d %d/%d %d/%d\n",
+                    a, a, b, b, c, c, triangles ? a : d, triangles ? a : d, c, c, d, d);
         }
     REQUIRE(fclose(file) == 0);
+}
+
+/* How far two pictures are apart in their most different pixel. */
+static float apart_most(const char *one, const char *other) {
+    slv_image a = load(one), b = load(other);
+    float apart = 0;
+    REQUIRE(a.width == b.width && a.height == b.height);
+    for (uint32_t i = 0; i < 4 * a.width * a.height; i++)
+        apart = fmaxf(apart, fabsf(a.pixels[i] - b.pixels[i]));
+    slv_image_free(&a);
+    slv_image_free(&b);
+    return apart;
 }
 
 static double near_rays(const char *options) {
@@ -230,8 +245,8 @@ static double near_rays(const char *options) {
  * duplicated vertices, which interpolation without the method is far from. What duplicates there
  * are is gone from the mesh that wrap writes. */
 static void rounds(void) {
-    write_tube("once.obj", false);
-    write_tube("twice.obj", true);
+    write_tube("once.obj", false, false);
+    write_tube("twice.obj", true, false);
     for (int azimuth = 0; azimuth < 360; azimuth += 360 / (int)test_effort(3)) {
         char options[256];
         snprintf(
@@ -244,14 +259,9 @@ static void rounds(void) {
         double method = near_rays(line);
         CHECK(tool("render once.obj %s --round u --aniso 16 --bits 32 -q -o a.exr", options) == 0);
         CHECK(tool("render twice.obj --round u %s --aniso 16 --bits 32 -q -o b.exr", options) == 0);
-        slv_image a = load("a.exr"), b = load("b.exr");
-        float apart = 0;
-        for (uint32_t i = 0; i < 4 * a.width * a.height; i++)
-            apart = fmaxf(apart, fabsf(a.pixels[i] - b.pixels[i]));
+        float apart = apart_most("a.exr", "b.exr");
         CHECK_MSG(method > 40 && apart <= 1.0f / 255, "%d degrees: %.1f dB, %g apart", azimuth,
                   method, (double)apart);
-        slv_image_free(&a);
-        slv_image_free(&b);
     }
     CHECK(tool("reference once.obj --round u --uv waves.exr --scheme bilinear --size 96 --azimuth "
                "0 --samples 64 -q -o rays.exr") == 0);
@@ -267,6 +277,37 @@ static void rounds(void) {
     CHECK_MSG(back > 40, "welded: %.1f dB", back);
     CHECK(tool("wrap back.obj again.obj --map cylinder") == 0);
     CHECK_MSG(strstr(tool_out, "60 vertices of 60, 0 duplicates"), "%s", tool_out);
+}
+
+/* The middles of sides and of sub-faces that lie over the end of the map go the short way, too; and
+ * what is baked is what is drawn. */
+static void parts_go_round(void) {
+    static const char line[] = "--uv waves.exr --scheme bilinear --shading unlit --tess 16 --size "
+                               "96 --azimuth 0 --aniso 16 --bits 32 -q";
+    write_tube("once.obj", false, true);
+    write_tube("twice.obj", true, true);
+    CHECK(tool("render twice.obj %s --round u -o twice.exr", line) == 0);
+    CHECK(tool("render once.obj %s --round u -o once.exr", line) == 0);
+    CHECK(tool("render once.obj %s -o plain.exr", line) == 0);
+    float method = apart_most("once.exr", "twice.exr"),
+          plain = apart_most("plain.exr", "twice.exr");
+    CHECK_MSG(method <= 1.0f / 255 && plain > 0.2f, "%g apart, plain %g", (double)method,
+              (double)plain);
+    for (int triangles = 0; triangles < 2; triangles++) {
+        write_tube("once.obj", false, triangles);
+        write_tube("twice.obj", true, triangles);
+        CHECK(tool("bake once.obj --uv waves.exr --round u --size 16 --reductions plain -q -o "
+                   "once.ptx") == 0);
+        CHECK(tool("bake twice.obj --uv waves.exr --wrap repeat --size 16 --reductions plain -q -o "
+                   "twice.ptx") == 0);
+        CHECK_MSG(tool("diff once.ptx twice.ptx --texels --tolerance 1e-5") == 0, "%s", tool_out);
+        CHECK(tool("bake once.obj --uv waves.exr --size 16 --reductions plain -q -o plain.ptx") ==
+              0);
+        CHECK_MSG(tool("diff plain.ptx twice.ptx --texels --tolerance 0.1") == 1, "%s", tool_out);
+    }
+    CHECK(tool("bake once.obj --pattern noise --round u -o none.ptx") == 2);
+    CHECK(tool("render once.obj --uv 't.<UDIM>.exr' --round u -o x.png") == 1);
+    CHECK_MSG(strstr(tool_out, "one image"), "%s", tool_out);
 }
 
 /* A ball of the kind that other programs write, with a seam and poles in many copies; and what the
@@ -401,6 +442,7 @@ int main(void) {
     tiles();
     far_away();
     rounds();
+    parts_go_round();
     limits();
     refused();
     CHECK(tool("render box.obj --uv waves.exr --pass ids -q -o ids.exr") == 0);

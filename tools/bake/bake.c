@@ -146,6 +146,9 @@ int verb_bake(int argc, char **argv) {
          "beyond an image that is no tile (auto: repeat if texture coordinates leave 0..1, else "
          "clamp)",
          names_wraps(), 0, 0, &o.wrap_given},
+        {"--round", CLI_CHOICE, &o.round,
+         "texture coordinates that go round, one value a vertex (selvage wrap)", names_rounds(), 0,
+         0, &o.round_given},
         {"--match", CLI_FLOAT, &o.match,
          "so many texels for a pixel, to the nearest power of two (1)", "X", 0, 0, &o.match_given},
         {"--error", CLI_FLOAT, &o.error,

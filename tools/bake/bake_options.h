@@ -13,11 +13,11 @@ typedef struct bake_options {
     float texels_per_pixel, density, match, max_miss, error, frequency, distance, front, back;
     uint32_t seed, samples;
     bool size_given, max_given, density_given, match_given, error_given, type_given, pattern_given;
-    bool min_given, surface_given, rays_given, encoding_given, wrap_given, detail_kind_given,
-        front_given, back_given;
+    bool min_given, surface_given, rays_given, encoding_given, wrap_given, round_given,
+        detail_kind_given, front_given, back_given;
     bool least_error, no_reductions, reductions_given, scheme_given, max_miss_given, print_recipe,
         resume, vertex_color, by_given, json, progress, quiet;
-    int type, scheme, encoding, wrap, pattern, surface, rays, detail_kind, reductions, by;
+    int type, scheme, encoding, wrap, pattern, surface, rays, detail_kind, reductions, by, round;
 } bake_options;
 
 /* bake_recipe.c: checks the options, and puts what they say into the recipe that is named, or a new

@@ -3,6 +3,8 @@
 #include "command/numbers.h"
 #include "command/ptx_name.h"
 
+#include <selvage/wrap.h>
+
 #include <jansson.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -54,6 +56,8 @@ static int check(const cli_command *command, const bake_options *o) {
         return ptx_name_usage(command, o->miss_map);
     if (!o->uv && !o->texture && !o->recipe && o->match_given)
         return cli_usage(command, "--match: only images and textures have a resolution to match");
+    if (o->round_given && !o->uv)
+        return cli_usage(command, "--round is of texture coordinates: it takes --uv");
     if (o->no_reductions && o->reductions_given)
         return cli_usage(command, "--reductions and --no-reductions contradict each other");
     return -1;
@@ -86,6 +90,7 @@ static json_t *source_of(const bake_options *o) {
         word(source, o->encoding_given, "texture-encoding",
              slv_texture_encoding_name((slv_texture_encoding)o->encoding));
         word(source, o->wrap_given, "wrap", slv_bake_wrap_name((slv_bake_wrap)o->wrap));
+        word(source, o->round_given, "round", slv_wrap_round_name((slv_wrap_round)o->round));
     } else if (o->vertex_color) {
         json_object_set_new(source, "vertex-color", json_true());
         word(source, o->encoding_given, "texture-encoding",

@@ -16,6 +16,7 @@ const char *names_pixel_filters(void);
 const char *names_filters(void);
 const char *names_spaces(void); /* of displacements */
 const char *names_wraps(void);
+const char *names_rounds(void); /* which texture coordinates go round */
 const char *names_seams(void);
 const char *names_patterns(void);
 const char *names_bake_surfaces(void);

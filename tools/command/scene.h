@@ -139,7 +139,7 @@ typedef struct scene_options {
     {                                                                                              \
         "--round", CLI_CHOICE, value,                                                              \
             "with --uv: coordinates that go round, one value a vertex (selvage wrap)",             \
-            "no|u|v|both", 0, 0, NULL                                                              \
+            names_rounds(), 0, 0, NULL                                                             \
     }
 #define SCENE_ENVIRONMENT(value)                                                                   \
     {                                                                                              \

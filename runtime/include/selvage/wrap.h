@@ -54,6 +54,22 @@ static inline void slv_wrap_tangent(const float positions[9], const float u[3], 
         tangent[c] = size > 0 ? tangent[c] / sqrtf(size) : 0;
 }
 
+/* Which texture coordinates go round: u is the first bit, v the second. */
+typedef enum slv_wrap_round {
+    SLV_WRAP_ROUND_NO = 0,
+    SLV_WRAP_ROUND_U,
+    SLV_WRAP_ROUND_V,
+    SLV_WRAP_ROUND_BOTH
+} slv_wrap_round;
+
+SLV_API const char *slv_wrap_round_name(slv_wrap_round round); /* no, u, v, both */
+
+/* As slv_mesh_face_texcoords (mesh.h), of a mesh whose coordinates go round along the axes that are
+ * named: within a polygon they take the short way from its first corner on, and may leave 0..1
+ * there; what is between corners is the mean of these. For slv_free. */
+SLV_NODISCARD SLV_API slv_result slv_mesh_round_texcoords(const slv_env *env, const slv_mesh *mesh,
+                                                          bool round_u, bool round_v, float **out);
+
 typedef enum slv_wrap_map {
     SLV_WRAP_KEEP = 0, /* those that the mesh has */
     SLV_WRAP_CYLINDER, /* u around the axis, v along it, 0 to 1 from end to end */

@@ -17,6 +17,11 @@ const char *slv_wrap_map_name(slv_wrap_map map) {
     return slvi_name_of(maps, SLVI_COUNT(maps), (int)map);
 }
 
+const char *slv_wrap_round_name(slv_wrap_round round) {
+    static const char *const rounds[] = {"no", "u", "v", "both"};
+    return slvi_name_of(rounds, SLVI_COUNT(rounds), (int)round);
+}
+
 bool slv_wrap_map_from_name(const char *name, slv_wrap_map *out) {
     int value = 0;
     bool found = slvi_name_find(maps, SLVI_COUNT(maps), name, &value);
