@@ -66,3 +66,15 @@ convert \( tube_plain.png tube_twice.png tube_method.png +append \) \( torus_pla
 for shape in tube torus; do
     "$bin/selvage" wrap "${shape}_twice.obj" once.obj
 done
+
+# What wrap.md has of a comparison: the place where the maps differ most, and the table.
+"$bin/selvage" bake torus.obj --uv hues.png --round both --scheme bilinear --match 2 --reductions seamless --quiet -o torus.ptx
+"$bin/selvage" compare torus.ptx --mesh torus.obj --uv hues.png --round both --scheme bilinear --msaa 4 --size 480x270 --frames 24 \
+    --reference-frames 6 --reference-samples 64 --elevation 35 --strategies clamp,borders,traverse,discard --quiet --out report
+for map in reference uv-plain uv-duplicated uv-wrapped clamp traverse; do
+    convert "report/map_close_$map.png" -resize 150x150 -gravity south -background white -splice 0x16 -font DejaVu-Sans -pointsize 12 \
+        -annotate +0+1 "$map" "close_$map.png"
+done
+convert close_reference.png close_uv-plain.png close_uv-duplicated.png close_uv-wrapped.png close_clamp.png close_traverse.png +append \
+    +dither -colors 200 "$docs/images/wrap_compare.png"
+cat report/maps.csv

@@ -4,7 +4,6 @@
 #include "source/source.h"
 #include "uv/sample.h"
 
-#include "adjacency/edge.h"
 #include "base/log.h"
 #include "base/memory.h"
 
@@ -64,32 +63,6 @@ static void widen(int32_t cells[4], const int32_t other[4]) {
     }
 }
 
-static void at_edge(const float *corners, unsigned edge, float t, float out[2]) {
-    const float *from = corners + 2 * (size_t)(edge & 3),
-                *to = corners + 2 * (size_t)slvi_edge_next(edge & 3);
-    for (int axis = 0; axis < 2; axis++)
-        out[axis] = from[axis] + (to[axis] - from[axis]) * t;
-}
-
-/* Whether two faces have the same texture coordinates along the edge that they share. */
-static bool continues(const float *corners, unsigned edge, const slv_neighbour *next,
-                      const float *others) {
-    for (int end = 0; end < 2; end++) {
-        float t = end ? next->t1 : next->t0, own[2], there[2], u, v;
-        static const float us[4] = {0, 1, 1, 0}, vs[4] = {0, 0, 1, 1};
-        float eu = us[edge] + (us[slvi_edge_next(edge)] - us[edge]) * t;
-        float ev = vs[edge] + (vs[slvi_edge_next(edge)] - vs[edge]) * t;
-        at_edge(corners, edge, t, own);
-        slv_affine_apply(&next->map, eu, ev, &u, &v);
-        for (int axis = 0; axis < 2; axis++)
-            there[axis] = (others[axis] * (1 - u) + others[2 + axis] * u) * (1 - v) +
-                          (others[6 + axis] * (1 - u) + others[4 + axis] * u) * v;
-        if (fabsf(own[0] - there[0]) > 1e-4f || fabsf(own[1] - there[1]) > 1e-4f)
-            return false;
-    }
-    return true;
-}
-
 static slv_result find_cells(const slv_env *env, const slv_mesh *mesh, uv_source *s) {
     slv_adjacency *adjacency = NULL;
     slv_result result =
@@ -106,7 +79,8 @@ static slv_result find_cells(const slv_env *env, const slv_mesh *mesh, uv_source
             uint32_t count = slv_adjacency_neighbours(adjacency, (int32_t)face, edge, next);
             for (uint32_t i = 0; i < count; i++) {
                 const float *there = corners_of(s, (uint32_t)next[i].face);
-                if (isnan(there[0]) || !continues(corners_of(s, face), edge, &next[i], there))
+                if (isnan(there[0]) ||
+                    !slv_uv_continues(corners_of(s, face), edge, &next[i], there, false, false))
                     continue;
                 own_cells(there, other);
                 widen(cells, other);
@@ -503,6 +477,8 @@ static void images(const slv_bake_source *source, slv_uv_images *out) {
                            .tiled = s->set.udim || s->set.wrap == SLV_BAKE_WRAP_NONE,
                            .repeat = s->set.wrap == SLV_BAKE_WRAP_REPEAT,
                            .wide = s->set.type == SLV_TYPE_FLOAT || s->set.type == SLV_TYPE_U16,
+                           .narrow = s->set.type == SLV_TYPE_U8 && s->set.alpha < 0,
+                           .data = s->set.encoding != SLV_TEXTURE_SRGB,
                            .ntiles = s->set.ntiles,
                            .tiles = s->squares,
                            .pixels = read_pixels,

@@ -30,7 +30,8 @@ vec4 slv_along_footprint(vec2 place) {
     dx = mix(vec2(huge), dx, lessThanEqual(abs(dx), vec2(huge)));
     dy = mix(vec2(huge), dy, lessThanEqual(abs(dy), vec2(huge)));
     float px = length(dx * size), py = length(dy * size), longest = max(px, py);
-    float taps = clamp(ceil(longest / max(min(px, py), 1e-12)), 1.0, float(slv_image_taps));
+    // a little less than what is a whole number but for rounding
+    float taps = clamp(ceil(longest / max(min(px, py), 1e-12) - 0.01), 1.0, float(slv_image_taps));
     float level = log2(max(longest / taps, 1e-12));
     vec2 axis = px > py ? dx : dy;
     vec4 sum = vec4(0.0);

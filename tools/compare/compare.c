@@ -16,9 +16,9 @@
 struct compare {
     const char *arguments[1];
     uint32_t narguments;
-    const char *mesh, *out, *strategies, *focus, *msaa, *references;
+    const char *mesh, *out, *strategies, *focus, *msaa, *references, *uv;
     cli_list views;
-    int scheme, boundary, shading, context, adjacency, encoding, alpha;
+    int scheme, boundary, shading, context, adjacency, encoding, alpha, round;
     bool quick, quiet, progress, resume, compress, size_given, frames_given, reference_frames_given,
         samples_given, scheme_given, premultiplied;
     uint32_t size[2], aniso, frames, tess, threads, samples, accumulate, reference_frames;
@@ -226,6 +226,9 @@ static slv_result prepare(struct session *s) {
     report->nresolutions = count_resolutions(s->scene.texture);
     if (slv_texture_get_encoding(s->scene.texture, upload.encoding) == SLV_TEXTURE_DATA)
         report->pictures = SLV_ENCODE_RAW;
+    if (o->uv && (result = compare_load_image(&s->env, o->uv, upload.encoding,
+                                              (slv_wrap_round)o->round, &s->scene, report)))
+        return result;
     if (o->aniso > report->gl.max_anisotropy)
         report->anisotropy = report->gl.max_anisotropy;
     orbit *path = &report->path;
@@ -317,8 +320,12 @@ static slv_result run(struct session *s) {
     if ((result = experiment_draw_pictures(&s->experiment)))
         goto done;
     begin_stage(s, "drawing from blocks");
-    if (s->blocks)
-        result = experiment_draw_compressed(&s->experiment, s->blocks);
+    if (s->blocks && (result = experiment_draw_compressed(&s->experiment, s->blocks)))
+        goto done;
+    begin_stage(s, "drawing maps");
+    if (s->scene.uv && !(result = experiment_compare_maps(&s->experiment, &s->scene.images,
+                                                          (slv_wrap_round)s->options->round)))
+        compare_warn_of_other_content(s->experiment.report);
 done:
     if (result == SLV_ERROR_CANCELLED)
         tell_of_interruption(s);
@@ -395,6 +402,10 @@ static const char *problem(const struct compare *o, report_data *report) {
         return "--dolly: expected 1 to 100";
     if (!experiment_parse_rates(o->msaa ? o->msaa : o->quick ? "1,4" : "1,2,4,8", report))
         return "--msaa: expected some of 1, 2, 4, 8 with commas between";
+    if (o->round && !o->uv)
+        return "--round is of texture coordinates: it takes --uv";
+    if (o->uv && !o->mesh)
+        return "--uv: texture coordinates are the mesh's: it takes --mesh";
     if (o->accumulate & (o->accumulate - 1))
         return "--accumulate: expected a power of two";
     if (o->tess & (o->tess - 1))
@@ -457,6 +468,11 @@ int verb_compare(int argc, char **argv) {
         SCENE_VIEW(CLI_TEXTS, &o.views,
                    "also measure the camera of this view file, beside the orbit; may be given "
                    "again"),
+        {"--uv", CLI_TEXT, &o.uv,
+         "also compare with this image, or set of tiles (name.<UDIM>.exr), through the mesh's "
+         "texture coordinates",
+         "IMAGE", 0, 0, NULL},
+        SCENE_ROUND(&o.round),
         {"--resume", CLI_FLAG, &o.resume, "go on with a run that was stopped", NULL, 0, 0, NULL},
         {"--size", CLI_SIZE, o.size, "pixels (960x540, quick 480x270)", NULL, 48, 16384,
          &o.size_given},
@@ -503,11 +519,12 @@ int verb_compare(int argc, char **argv) {
         .name = "compare",
         .summary = "measure the seam strategies against each other on one camera orbit",
         .arguments = "FILE.ptx [DIR]",
-        .reads = "a texture; a mesh and view files if they are named",
+        .reads = "a texture; a mesh, view files and images if they are named",
         .writes = "a folder: report.html, report.json, frames.jsonl, tables and pictures",
         .examples =
             "  selvage compare scene.ptx --mesh scene.obj --out report\n"
             "  selvage compare teapot.ptx --quick --strategies clamp,traverse --msaa 2\n"
+            "  selvage compare vase.ptx --mesh vase.obj --uv vase.png --round u\n"
             "  selvage compare scene.ptx --frames 1000 --reference raycast,supersampled \\\n"
             "    --reference-frames 1000 --accumulate 8 --resume\n",
         .options = options,

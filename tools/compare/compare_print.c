@@ -115,12 +115,43 @@ static void print_times(const report_data *report) {
            100 * interval_coverage(report->frames));
 }
 
+/* Maps by texture coordinates, which are no strategies. */
+static void print_maps(const report_data *report) {
+    const report_maps *maps = &report->maps;
+    if (!maps->image)
+        return;
+    printf("\n%-14s %10s %6s %13s %8s %8s %8s %6s", "beside maps", "frame ms", "ratio", "from - to",
+           "vertices", "kB", "GPU MB", "cut");
+    printf(maps->referenced ? " %10s %10s %10s %10s\n" : "\n", "inside", "edges", "end", "apart");
+    for (uint32_t k = 0; k < maps->nrows; k++) {
+        const report_map *row = &maps->rows[k];
+        printf("%-14s %10.2f %6.2f %6.2f -%5.2f %8u %8.1f %8.2f %6u", row->name, row->median_ms,
+               row->ratio.median, row->ratio.low, row->ratio.high, row->vertices,
+               (double)row->vertices * row->vertex_bytes / 1e3, (double)row->gpu_bytes / 1e6,
+               row->cut);
+        for (int place = REPORT_PLACE_INSIDE; place < REPORT_PLACES && maps->referenced; place++)
+            print_number(10, 6, report_rms(&row->errors[place]));
+        if (maps->referenced)
+            print_number(10, 6, row->strategy ? (double)NAN : row->apart);
+        putchar('\n');
+    }
+    printf("(%s by texture coordinates and per-face textures, ratios to %s", maps->image,
+           maps->rows[maps->baseline].name);
+    if (maps->referenced)
+        printf(
+            "; RMS errors against rays at the image, where one face is seen, faces meet, and the "
+            "map ends; apart: the furthest pixel from %s",
+            maps->rows[maps->baseline].name);
+    puts(")");
+}
+
 void compare_print(const report_data *report, const char *folder) {
     if (report->nrates > 1 || report->left_out[0])
         print_rates(report);
     print_times(report);
     print_errors(report);
     print_compressed(report);
+    print_maps(report);
     report_advice advice = report_advise(report), cameras = report_advise_cameras(report);
     print_advice(report, &advice, "for this orbit");
     print_advice(report, &cameras, "for the given views");

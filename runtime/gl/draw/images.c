@@ -1,10 +1,13 @@
 /* Images by texture coordinates: their levels, and which faces each of them is on. */
 #include "gl/draw/images.h"
 
+#include "gl/store/format.h"
 #include "gl/store/tables.h"
 
 #include "base/log.h"
 #include "base/memory.h"
+
+#include <selvage/half.h>
 
 #include <math.h>
 #include <stdlib.h>
@@ -62,13 +65,24 @@ static slv_result reduce(const slv_env *env, const level *from, float *row, leve
     return result;
 }
 
+/* A row in 8 bits in place of its floats. */
+static void narrow_row(const uint8_t *srgb, uint32_t count, const float *rgba, uint8_t *out) {
+    for (uint32_t i = 0; i < 4 * count; i++) {
+        float value = rgba[i] > 0 ? rgba[i] < 1 ? rgba[i] : 1 : 0;
+        out[i] =
+            srgb && i % 4 < 3 ? srgb[slv_half_from_float(value)] : (uint8_t)(255 * value + 0.5f);
+    }
+}
+
 static slv_result upload(const slv_gl_images *made, const slv_env *env, const level *l,
-                         GLint number, GLuint texture, float *row) {
+                         GLint number, GLuint texture, bool narrow, float *row) {
     const slv_gl_api *api = &made->gl->api;
     for (uint32_t y = 0; y < l->height; y++) {
         read_row(l, y, row);
+        if (narrow)
+            narrow_row(made->srgb, l->width, row, (uint8_t *)row);
         api->TextureSubImage3D(texture, number, 0, (GLint)y, 0, (GLsizei)l->width, 1, 1, GL_RGBA,
-                               GL_FLOAT, row);
+                               narrow ? GL_UNSIGNED_BYTE : GL_FLOAT, row);
     }
     return slvi_gl_check(made->gl, env, "an image");
 }
@@ -89,11 +103,19 @@ static slv_result make_texture(slv_gl_images *made, const slv_env *env, const sl
     if ((result = slvi_alloc(env, "pixels", now.width, 4 * sizeof *row, &row)))
         return result;
     api->CreateTextures(GL_TEXTURE_2D_ARRAY, 1, out);
-    api->TextureStorage3D(*out, (GLsizei)most, images->wide ? GL_RGBA32F : GL_RGBA16F,
+    const GLenum narrow = images->data ? GL_RGBA8 : GL_SRGB8_ALPHA8;
+    api->TextureStorage3D(*out, (GLsizei)most,
+                          images->narrow ? narrow
+                          : images->wide ? GL_RGBA32F
+                                         : GL_RGBA16F,
                           (GLsizei)now.width, (GLsizei)now.height, 1);
     for (uint32_t k = 0; k < most && !result; k++) {
-        made->bytes += (uint64_t)now.width * now.height * (images->wide ? 16 : 8);
-        if ((result = upload(made, env, &now, (GLint)k, *out, row)) || k + 1 == most)
+        made->bytes += (uint64_t)now.width * now.height *
+                       (images->narrow ? 4
+                        : images->wide ? 16
+                                       : 8);
+        if ((result = upload(made, env, &now, (GLint)k, *out, images->narrow, row)) ||
+            k + 1 == most)
             break;
         result = reduce(env, &now, row, &next);
         slvi_free(now.pixels);
@@ -117,10 +139,15 @@ static slv_result make_textures(slv_gl_images *made, const slv_env *env,
         .ntiles = 1, .tiles = &one, .pixels = none_pixel, .user = images->none};
     slv_result result = slvi_alloc(env, "images", (uint64_t)images->ntiles + 1,
                                    sizeof *made->textures, &made->textures);
+    if (!result && images->narrow && !images->data &&
+        !(result = slvi_alloc_plain(env, "sRGB curve", SLVI_GL_SRGB, 1, &made->srgb)))
+        slvi_gl_srgb_fill(made->srgb);
     made->ntextures = result ? 0 : images->ntiles + 1;
     for (uint32_t i = 0; i < images->ntiles && !result; i++)
         if (images->tiles[i].width && images->tiles[i].height)
             result = make_texture(made, env, images, i, &made->textures[i]);
+    slvi_free(made->srgb);
+    made->srgb = NULL;
     return result ? result : make_texture(made, env, &none, 0, &made->textures[images->ntiles]);
 }
 

@@ -19,6 +19,7 @@ struct slv_gl_images {
     uint32_t nfaces, ntextures;
     GLuint *textures; /* those of no size are 0; the last is one pixel that stands for them */
     GLuint sampler, corners;
+    uint8_t *srgb; /* slvi_gl_srgb_fill's while images are uploaded; NULL if none is of sRGB */
     slv_gl_batches batches;
     slv_gl_image_batch *squares; /* of each batch */
     GLint taps;    /* places of a footprint that the shader looks up, where the sampler does not */

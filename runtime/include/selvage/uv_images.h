@@ -4,7 +4,7 @@
 #ifndef SELVAGE_UV_IMAGES_H
 #define SELVAGE_UV_IMAGES_H
 
-#include <selvage/result.h>
+#include <selvage/adjacency.h>
 
 #ifdef __cplusplus
 extern "C" {
@@ -27,6 +27,8 @@ typedef struct slv_uv_images {
     bool tiled;  /* many images, each on its square; otherwise the first is everywhere: */
     bool repeat; /* again on each square, or by its outermost pixels */
     bool wide;   /* half floats do not hold all values */
+    bool narrow; /* 8 bits do, of sRGB unless `data`, and alpha is 1 */
+    bool data;
     uint32_t ntiles;
     const slv_uv_tile *tiles;
     float none[4]; /* the colour where there is no image or no texture coordinates */
@@ -38,6 +40,12 @@ typedef struct slv_uv_images {
     const void *user;
     uint64_t reserved[4];
 } slv_uv_images;
+
+/* Whether a face and its neighbour over an edge have the same texture coordinates along the part of
+ * it that they share, to 1e-4; those that go round may be whole numbers apart. Both are the eight
+ * numbers of a face. */
+SLV_API bool slv_uv_continues(const float *corners, unsigned edge, const slv_neighbour *next,
+                              const float *others, bool round_u, bool round_v);
 
 #ifdef __cplusplus
 }

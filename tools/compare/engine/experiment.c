@@ -159,7 +159,7 @@ static slv_result draw_all(experiment *e, moment *m, uint32_t rate, uint32_t tur
 }
 
 static slv_result find_references(experiment *e, moment *m, experiment_frame *out) {
-    slv_result result = experiment_classify(e, &m->frame, &m->labels);
+    slv_result result = experiment_classify(e, &m->frame, experiment_seam_label, &m->labels);
     size_t npixels = (size_t)m->frame.width * m->frame.height;
     for (size_t i = 0; i < npixels && !result; i++)
         out->npixels[m->labels[i]]++;
@@ -215,7 +215,7 @@ static void measure_flicker(const experiment *e, const moment *before, const mom
 static slv_result find_next(experiment *e, double t, report_source source, moment *next) {
     double estimate;
     next->frame = experiment_frame_at(e, t + 1.0 / EXPERIMENT_STEPS, NULL);
-    slv_result result = experiment_classify(e, &next->frame, &next->labels);
+    slv_result result = experiment_classify(e, &next->frame, experiment_seam_label, &next->labels);
     return result ? result
                   : experiment_reference(e, source, &next->frame, &next->references[source],
                                          &estimate);

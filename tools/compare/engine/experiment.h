@@ -17,9 +17,13 @@ typedef struct experiment {
     slv_gl *gl;
     slv_gl_texture *texture;
     slv_gl_renderer *renderer;
-    slv_reference *reference;   /* made when first needed */
-    slv_camera aimed;           /* whom the renderer's surface is divided for, face by face */
-    bool aims, reference_aimed; /* it has been for one; and the reference's is the same */
+    slv_gl_images *images; /* what is drawn in place of the texture, while it is not NULL */
+    const uint8_t *cut;    /* of each face, while maps are compared (map_rows.h) */
+    slv_reference *reference, *map_reference; /* made when first needed; of the texture, and of an
+                                                 image */
+    slv_camera aimed; /* whom the renderer's surface is divided for, face by face */
+    bool aims;        /* it has been for one; and the references' is the same: */
+    bool reference_aimed, map_aimed;
     slv_shading shading;
     slv_texture_encoding encoding;
     report_data *report;
@@ -83,8 +87,22 @@ slv_result experiment_draw_compressed(experiment *e, slv_gl_texture *blocks);
 /* A picture to hold others against, as the eye of `frame` sees it. `estimate` is NaN if unknown. */
 slv_result experiment_reference(experiment *e, report_source source, const slv_frame *frame,
                                 slv_image *image, double *estimate);
-/* A report_label for each pixel. */
-slv_result experiment_classify(experiment *e, const slv_frame *frame, uint8_t **labels);
+/* The same by rays that look up an image, a box filter. */
+slv_result experiment_map_reference(experiment *e, const slv_uv_images *images,
+                                    const slv_frame *frame, slv_image *image, double *estimate);
+/* A label for each pixel, REPORT_OUTLINE or what `label` says, such as the report_label that
+ * experiment_seam_label finds; for free(). */
+typedef uint8_t (*experiment_label_fn)(const experiment *e, const slv_reference_hit *hit);
+slv_result experiment_classify(experiment *e, const slv_frame *frame, experiment_label_fn label,
+                               uint8_t **labels);
+uint8_t experiment_seam_label(const experiment *e, const slv_reference_hit *hit);
+/* Which edges of its face the lookup of a hit reaches over. */
+void experiment_reaches(const experiment *e, const slv_reference_hit *hit, bool over[4]);
+
+/* An image through the mesh's texture coordinates beside all strategies, with coordinates that go
+ * round in all ways that there are; after experiment_run. */
+slv_result experiment_compare_maps(experiment *e, const slv_uv_images *images,
+                                   slv_wrap_round round);
 
 /* The file of finished frames: one line of JSON each, after one of conditions. */
 typedef struct experiment_state {

@@ -100,7 +100,7 @@ slv_result experiment_aim(experiment *e, const slv_camera *camera) {
         slv_gl_renderer_tessellate(e->renderer, e->env, e->scene->mesh, e->scene->surface, &params);
     e->aims = !result;
     e->aimed = *camera;
-    e->reference_aimed = false;
+    e->reference_aimed = e->map_aimed = false;
     return result;
 }
 
@@ -117,8 +117,11 @@ slv_result experiment_draw(experiment *e, const slv_frame *given, const report_r
         offset(i, rate->frames, by);
         frame.camera = orbit_shifted(&given->camera, frame.width, frame.height,
                                      by[0] / (float)rate->msaa, by[1] / (float)rate->msaa);
-        result = slv_gl_renderer_draw(e->renderer, e->env, e->texture, &frame,
-                                      image ? (i ? &one : image) : NULL, ms ? &seconds : NULL);
+        slv_image *to = image ? (i ? &one : image) : NULL;
+        double *time = ms ? &seconds : NULL;
+        result = e->images
+                     ? slv_gl_renderer_draw_images(e->renderer, e->env, e->images, &frame, to, time)
+                     : slv_gl_renderer_draw(e->renderer, e->env, e->texture, &frame, to, time);
         total += seconds;
         for (size_t k = 0; i && image && !result && k < count; k++)
             image->pixels[k] += one.pixels[k];

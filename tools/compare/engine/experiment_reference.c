@@ -111,35 +111,34 @@ static bool go_on(void *user, uint64_t done, uint64_t total) {
     return !c->cancelled;
 }
 
-static slv_result need_reference(experiment *e, const slv_camera *camera) {
+/* Of the texture, or of images if they are not NULL. */
+static slv_result need_reference(experiment *e, const slv_camera *camera,
+                                 const slv_uv_images *images) {
     const slv_tessellation_params surface = experiment_tessellation(e->report, e->scene, camera);
     const slv_reference_params params = {.tessellation = &surface,
                                          .encoding = e->encoding,
                                          .alpha = e->scene->alpha,
                                          .border_u = e->scene->border_u,
                                          .border_v = e->scene->border_v,
-                                         .edge_filter = e->scene->edge_filter};
+                                         .edge_filter = e->scene->edge_filter,
+                                         .images = images};
+    slv_reference **reference = images ? &e->map_reference : &e->reference;
+    bool *aimed = images ? &e->map_aimed : &e->reference_aimed;
     slv_result result = experiment_aim(e, camera);
-    if (result || (e->reference && (surface.segments || e->reference_aimed)))
+    if (result || (*reference && (surface.segments || *aimed)))
         return result;
-    result = e->reference ? slv_reference_tessellate(e->reference, e->env, e->scene->mesh,
-                                                     e->scene->surface, &surface)
-                          : slv_reference_create(e->env, e->scene->mesh, e->scene->surface,
-                                                 e->scene->texture, e->scene->adjacency, &params,
-                                                 &e->reference);
-    e->reference_aimed = !result;
+    result = *reference ? slv_reference_tessellate(*reference, e->env, e->scene->mesh,
+                                                   e->scene->surface, &surface)
+                        : slv_reference_create(e->env, e->scene->mesh, e->scene->surface,
+                                               images ? NULL : e->scene->texture,
+                                               e->scene->adjacency, &params, reference);
+    *aimed = !result;
     return result;
 }
 
-slv_result experiment_reference(experiment *e, report_source source, const slv_frame *frame,
-                                slv_image *image, double *estimate) {
+static slv_result cast_rays(experiment *e, const slv_reference *reference, slv_pixel_filter filter,
+                            const slv_frame *frame, slv_image *image, double *estimate) {
     slv_reference_stats stats = {0};
-    slv_result result;
-    *estimate = NAN;
-    if (source == REPORT_SUPERSAMPLED)
-        return supersample(e, frame, image);
-    if ((result = need_reference(e, &frame->camera)))
-        return result;
     cast watched = {.e = e};
     const slv_reference_frame picture = {.camera = frame->camera,
                                          .width = frame->width,
@@ -147,16 +146,33 @@ slv_result experiment_reference(experiment *e, report_source source, const slv_f
                                          .shading = frame->shading,
                                          .ka = frame->ka,
                                          .kd = frame->kd,
-                                         .filter = source == REPORT_MITCHELL ? SLV_PIXEL_MITCHELL
-                                                                             : SLV_PIXEL_BOX,
+                                         .filter = filter,
                                          .samples = e->report->reference.samples,
                                          .progress = {go_on, &watched}};
     slv_env env = *e->env;
     env.log = log_unless_cancelled;
     env.log_user = &watched;
-    result = slv_reference_render(e->reference, &env, &picture, image, NULL, &stats);
+    slv_result result = slv_reference_render(reference, &env, &picture, image, NULL, &stats);
     *estimate = stats.error;
     return result;
+}
+
+slv_result experiment_reference(experiment *e, report_source source, const slv_frame *frame,
+                                slv_image *image, double *estimate) {
+    *estimate = NAN;
+    if (source == REPORT_SUPERSAMPLED)
+        return supersample(e, frame, image);
+    slv_result result = need_reference(e, &frame->camera, NULL);
+    return result ? result
+                  : cast_rays(e, e->reference,
+                              source == REPORT_MITCHELL ? SLV_PIXEL_MITCHELL : SLV_PIXEL_BOX, frame,
+                              image, estimate);
+}
+
+slv_result experiment_map_reference(experiment *e, const slv_uv_images *images,
+                                    const slv_frame *frame, slv_image *image, double *estimate) {
+    slv_result result = need_reference(e, &frame->camera, images);
+    return result ? result : cast_rays(e, e->map_reference, SLV_PIXEL_BOX, frame, image, estimate);
 }
 
 /* How far the lookup of a hit reaches in u and v: half of the footprint, and half a texel of the
@@ -182,15 +198,22 @@ static report_label corner_label(const slv_adjacency *adjacency, int32_t face, u
     return ring.count == (ring.closed ? 4 : 2) ? REPORT_REGULAR : REPORT_EXTRAORDINARY;
 }
 
-static report_label seam_label(const experiment *e, const slv_reference_hit *hit) {
+void experiment_reaches(const experiment *e, const slv_reference_hit *hit, bool over[4]) {
+    double reach[2];
+    find_reach(hit, slv_texture_get_desc(e->scene->texture)->res[hit->face], e->report->anisotropy,
+               reach);
+    over[0] = (double)hit->v < reach[1];
+    over[1] = 1 - (double)hit->u < reach[0];
+    over[2] = 1 - (double)hit->v < reach[1];
+    over[3] = (double)hit->u < reach[0];
+}
+
+uint8_t experiment_seam_label(const experiment *e, const slv_reference_hit *hit) {
     const slv_adjacency *adjacency = e->scene->adjacency;
     const slv_face_adjacency *meets = &slv_adjacency_faces(adjacency)[hit->face];
-    slv_res res = slv_texture_get_desc(e->scene->texture)->res[hit->face];
     report_label label = REPORT_INTERIOR;
-    double reach[2];
-    find_reach(hit, res, e->report->anisotropy, reach);
-    const bool over[4] = {(double)hit->v < reach[1], 1 - (double)hit->u < reach[0],
-                          1 - (double)hit->v < reach[1], (double)hit->u < reach[0]};
+    bool over[4];
+    experiment_reaches(e, hit, over);
     for (unsigned k = 0; k < 4; k++) {
         report_label one = over[k] && meets->face[k] >= 0 ? REPORT_EDGE : REPORT_INTERIOR;
         if (over[k] && over[(k + 3) % 4]) {
@@ -199,7 +222,7 @@ static report_label seam_label(const experiment *e, const slv_reference_hit *hit
         }
         label = one > label ? one : label;
     }
-    return label;
+    return (uint8_t)label;
 }
 
 /* Whether what the pixel's corners see is off the plane that its middle sees. */
@@ -216,7 +239,8 @@ static bool is_outline(const slv_reference_hit *hit, const slv_reference_hit *co
     return false;
 }
 
-slv_result experiment_classify(experiment *e, const slv_frame *frame, uint8_t **labels) {
+slv_result experiment_classify(experiment *e, const slv_frame *frame, experiment_label_fn label,
+                               uint8_t **labels) {
     uint32_t width = frame->width, height = frame->height;
     slv_reference_hit *hits = calloc((size_t)width * height, sizeof *hits);
     slv_reference_hit *corners = calloc((size_t)(width + 1) * (height + 1), sizeof *corners);
@@ -230,7 +254,7 @@ slv_result experiment_classify(experiment *e, const slv_frame *frame, uint8_t **
                              width, height);
         goto done;
     }
-    if ((result = need_reference(e, &frame->camera)) ||
+    if ((result = need_reference(e, &frame->camera, NULL)) ||
         (result = slv_reference_trace(e->reference, e->env, &frame->camera, width, height, hits)) ||
         (result =
              slv_reference_trace(e->reference, e->env, &between, width + 1, height + 1, corners)))
@@ -242,8 +266,7 @@ slv_result experiment_classify(experiment *e, const slv_frame *frame, uint8_t **
                            (frame->camera.perspective ? (double)hit->depth : 1);
             bool outline = hit->face < 0 ||
                            is_outline(hit, corners + (size_t)y * (width + 1) + x, width + 1, pixel);
-            (*labels)[(size_t)y * width + x] =
-                (uint8_t)(outline ? REPORT_OUTLINE : seam_label(e, hit));
+            (*labels)[(size_t)y * width + x] = outline ? REPORT_OUTLINE : label(e, hit);
         }
     }
 done:

@@ -7,6 +7,7 @@
 
 #include <selvage/reference.h>
 #include <selvage/selvage.h>
+#include <selvage/wrap.h>
 
 #include <stdio.h>
 
@@ -17,6 +18,7 @@ enum {
     REPORT_ERROR_STEPS = 41,
     REPORT_MAX_RATES = 8,
     REPORT_MAX_STRATEGIES = 16,
+    REPORT_MAX_MAPS = REPORT_MAX_STRATEGIES + 3,
     REPORT_MAX_CAMERAS = 16
 };
 
@@ -126,6 +128,45 @@ typedef struct report_reference {
     slv_image views[REPORT_MAX_VIEWS], spots[REPORT_MAX_SPOTS];
 } report_reference;
 
+/* Pixels by where a map by texture coordinates is cut. */
+typedef enum report_place {
+    REPORT_PLACE_OUTLINE = REPORT_OUTLINE,
+    REPORT_PLACE_INSIDE, /* one face */
+    REPORT_PLACE_EDGE,   /* faces meet, and the map goes on */
+    REPORT_PLACE_SEAM,   /* the map ends at an edge, or goes over its end within the face */
+    REPORT_PLACES
+} report_place;
+
+/* A way to bring an image onto the mesh. */
+typedef struct report_map {
+    const char *name, *title;
+    const slv_strategy *strategy;    /* of per-face textures; NULL: by texture coordinates, */
+    bool once, short_way;            /* which have one value a vertex, and go round */
+    uint32_t vertices, vertex_bytes; /* of the control mesh; bytes of one */
+    uint32_t cut;                    /* edges at which lookups have to go on elsewhere */
+    uint64_t gpu_bytes;              /* of texels and tables */
+    double median_ms;
+    interval ratio; /* to the row `baseline` in the same frame */
+    report_tally errors[REPORT_PLACES];
+    double apart; /* of any pixel from that row; not of strategies */
+    slv_image view, spot;
+} report_map;
+
+/* An image by texture coordinates beside per-face textures that show the same, all against one
+ * reference, which looks up the image. */
+typedef struct report_maps {
+    const char *image; /* NULL: nothing of this was asked for */
+    slv_wrap_round round;
+    uint32_t nrows, baseline;
+    uint32_t frames, referenced, samples; /* `referenced` of them, with so many rays a pixel */
+    uint32_t over_end;                    /* faces that one value a vertex is wrong in */
+    uint64_t npixels[REPORT_PLACES];
+    double estimate; /* RMS of the reference's own error */
+    report_map rows[REPORT_MAX_MAPS];
+    report_spot spot;         /* where the rows differ most, in `view` */
+    slv_image view, close_up; /* the reference's */
+} report_maps;
+
 typedef struct report_data {
     const char *ptx, *mesh;
     slv_gl_info gl;
@@ -143,6 +184,7 @@ typedef struct report_data {
     report_reference reference;
     uint32_t ncameras;
     report_camera cameras[REPORT_MAX_CAMERAS];
+    report_maps maps;
     double others; /* processors that other programs took while frames were drawn */
     bool compressed;
     uint32_t nresolutions; /* distinct face resolutions */

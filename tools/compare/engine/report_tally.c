@@ -137,4 +137,10 @@ void report_free(report_data *report) {
         slv_image_free(&report->reference.views[v]);
     for (uint32_t i = 0; i < REPORT_MAX_STRATEGIES * REPORT_MAX_STRATEGIES; i++)
         slv_image_free(&report->pairs[i].heat);
+    for (uint32_t i = 0; i < REPORT_MAX_MAPS; i++) {
+        slv_image_free(&report->maps.rows[i].view);
+        slv_image_free(&report->maps.rows[i].spot);
+    }
+    slv_image_free(&report->maps.view);
+    slv_image_free(&report->maps.close_up);
 }

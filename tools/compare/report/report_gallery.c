@@ -24,8 +24,7 @@ static void write_base64(FILE *stream, const unsigned char *bytes, size_t size) 
     fwrite(line, 1, filled, stream);
 }
 
-/* The attributes src, width and height of a picture. */
-static slv_result write_source(const page *p, const slv_image *image) {
+slv_result page_image(const page *p, const slv_image *image) {
     const slv_image_params params = {.encoding = p->report->pictures, .bits = 8};
     void *bytes = NULL;
     size_t size = 0;
@@ -47,14 +46,14 @@ slv_result page_views(const page *p) {
             fprintf(p->stream,
                     "<img alt=\"View %u, the reference\" data-view=\"%u\" data-strategy=\"%u\"",
                     v + 1, v, p->report->nstrategies);
-            result = write_source(p, &p->report->reference.views[v]);
+            result = page_image(p, &p->report->reference.views[v]);
             fputs(">\n", p->stream);
         }
         for (uint32_t i = 0; !result && i < p->report->nstrategies; i++) {
             fprintf(p->stream,
                     "<img alt=\"View %u, drawn with %s\" data-view=\"%u\" data-strategy=\"%u\"",
                     v + 1, page_strategy_name(p, i), v, i);
-            result = write_source(p, &p->report->strategies[i].views[v]);
+            result = page_image(p, &p->report->strategies[i].views[v]);
             fputs(">\n", p->stream);
         }
     }
@@ -92,13 +91,13 @@ slv_result page_spots(const page *p) {
                 report->nstrategies + page_has_reference(p));
         if (page_has_reference(p)) {
             fprintf(p->stream, "<figure><img alt=\"Seam %u, enlarged, the reference\"", s + 1);
-            result = write_source(p, &report->reference.spots[s]);
+            result = page_image(p, &report->reference.spots[s]);
             fputs("><figcaption>reference</figcaption></figure>\n", p->stream);
         }
         for (uint32_t i = 0; !result && i < report->nstrategies; i++) {
             fprintf(p->stream, "<figure><img alt=\"Seam %u, enlarged, drawn with %s\"", s + 1,
                     page_strategy_name(p, i));
-            result = write_source(p, &report->strategies[i].spots[s]);
+            result = page_image(p, &report->strategies[i].spots[s]);
             fprintf(p->stream, "><figcaption>%s</figcaption></figure>\n", page_strategy_name(p, i));
         }
         fputs("</div>\n</div>\n", p->stream);
@@ -124,7 +123,7 @@ static slv_result write_heats(const page *p) {
         const char *name = page_strategy_name(p, i);
         fprintf(p->stream, "<figure><img alt=\"Map of the distance of %s from the reference\"",
                 name);
-        result = write_source(p, &report->strategies[i].heat);
+        result = page_image(p, &report->strategies[i].heat);
         fprintf(p->stream, ">\n<figcaption>%s</figcaption></figure>\n", name);
     }
     fputs("</div>\n<h3>From each other</h3>\n", p->stream);
@@ -163,7 +162,7 @@ slv_result page_pairs(const page *p) {
         const report_pair *pair = &report->pairs[i];
         const char *a = page_strategy_name(p, pair->a), *b = page_strategy_name(p, pair->b);
         fprintf(p->stream, "<figure><img alt=\"Map of the differences between %s and %s\"", a, b);
-        result = write_source(p, &pair->heat);
+        result = page_image(p, &pair->heat);
         fprintf(p->stream, ">\n<figcaption>%s and %s</figcaption></figure>\n", a, b);
     }
     fprintf(p->stream,

@@ -2,6 +2,7 @@
 #include "command/output.h"
 #include "compare/report/report_experiment.h"
 #include "compare/report/report_files.h"
+#include "compare/report/report_maps.h"
 #include "compare/report/report_page.h"
 
 #include <string.h>
@@ -343,6 +344,7 @@ static const struct {
     {"method", method},
     {"facts", facts},
     {"orbit_sections", orbit_sections},
+    {"maps", report_write_maps},
     {"papers", papers},
     {"advice", advice},
     {"rule", rule},

@@ -296,6 +296,38 @@ static json_t *cameras_json(const report_data *report) {
     return list;
 }
 
+/* An image by texture coordinates beside the strategies. */
+static json_t *maps_json(const report_maps *maps) {
+    static const char *const places[REPORT_PLACES] = {"outline", "inside", "edges", "end"};
+    json_t *rows = json_array();
+    for (uint32_t k = 0; k < maps->nrows; k++) {
+        const report_map *row = &maps->rows[k];
+        json_t *errors = json_object();
+        for (int place = 0; place < REPORT_PLACES; place++)
+            if (json_object_set_new(errors, places[place], tally_json(&row->errors[place])))
+                return NULL;
+        rows = append(
+            rows,
+            json_pack("{s:s, s:b, s:o, s:o, s:o, s:o, s:I, s:I, s:I, s:I, s:o, s:o}", "name",
+                      row->name, "strategy", (int)(row->strategy != NULL), "median_ms",
+                      output_json_number(row->median_ms), "time_ratio",
+                      output_json_number(row->ratio.median), "time_ratio_low",
+                      output_json_number(row->ratio.low), "time_ratio_high",
+                      output_json_number(row->ratio.high), "vertices", (json_int_t)row->vertices,
+                      "vertex_bytes", (json_int_t)row->vertices * row->vertex_bytes, "gpu_bytes",
+                      (json_int_t)row->gpu_bytes, "cut_edges", (json_int_t)row->cut, "apart",
+                      row->strategy || !maps->referenced ? json_null()
+                                                         : output_json_number(row->apart),
+                      "errors", errors));
+    }
+    return json_pack("{s:o, s:s, s:s, s:I, s:I, s:I, s:o, s:I, s:o}", "image", text(maps->image),
+                     "round", slv_wrap_round_name(maps->round), "baseline",
+                     maps->rows[maps->baseline].name, "frames", (json_int_t)maps->frames,
+                     "reference_frames", (json_int_t)maps->referenced, "samples",
+                     (json_int_t)maps->samples, "reference_rms", output_json_number(maps->estimate),
+                     "faces_over_end", (json_int_t)maps->over_end, "rows", rows);
+}
+
 static json_t *report_json(const report_data *report) {
     char version[32];
     uint32_t v = slv_version();
@@ -304,7 +336,7 @@ static json_t *report_json(const report_data *report) {
     snprintf(version, sizeof version, "%u.%u.%u", v >> 16, v >> 8 & 255, v & 255);
     return json_pack(
         "{s:i, s:s, s:s, s:o, s:o, s:I, s:I, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, "
-        "s:o}",
+        "s:o, s:o}",
         "schema", 2, "tool", "selvage compare", "version", version, "texture", text(report->ptx),
         "mesh", text(report->mesh), "faces", (json_int_t)report->nfaces, "resolutions",
         (json_int_t)report->nresolutions, "conditions", conditions_json(report), "reference",
@@ -313,8 +345,8 @@ static json_t *report_json(const report_data *report) {
         both ? apart_json(report) : json_null(), "pairs", pairs_json(report), "spots",
         spots_json(report), "advice", take_json(report, &advice), "points",
         advice.measured ? points_json(report, &advice) : json_null(), "cameras",
-        cameras_json(report), "advice_for_cameras", take_json(report, &cameras), "findings",
-        findings_json(report));
+        cameras_json(report), "maps", report->maps.image ? maps_json(&report->maps) : json_null(),
+        "advice_for_cameras", take_json(report, &cameras), "findings", findings_json(report));
 }
 
 slv_result report_write_json(const slv_env *env, const char *path, const report_data *report) {

@@ -20,6 +20,8 @@ static inline const char *page_strategy_name(const page *p, uint32_t index) {
     return p->report->strategies[index].strategy->name;
 }
 
+/* The attributes src, width and height of a picture. */
+slv_result page_image(const page *p, const slv_image *image);
 /* The pictures: those of the viewer, seams close up, and maps of differences. */
 slv_result page_views(const page *p);
 slv_result page_spots(const page *p);

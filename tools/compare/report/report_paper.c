@@ -121,6 +121,28 @@ void report_write_csv(FILE *stream, const report_data *report) {
     }
 }
 
+static void write_field(FILE *stream, double value) {
+    fputc(',', stream);
+    write_number(stream, value, 8, "");
+}
+
+static void write_maps(FILE *stream, const report_data *report) {
+    const report_maps *maps = &report->maps;
+    fputs("map,median_ms,ratio,ratio_low,ratio_high,vertices,vertex_bytes,gpu_bytes,cut_edges,"
+          "rms_inside,rms_edges,rms_end,apart\n",
+          stream);
+    for (uint32_t k = 0; k < maps->nrows; k++) {
+        const report_map *row = &maps->rows[k];
+        fprintf(stream, "%s,%.6g,%.4f,%.4f,%.4f,%u,%u,%llu,%u", row->name, row->median_ms,
+                row->ratio.median, row->ratio.low, row->ratio.high, row->vertices,
+                row->vertices * row->vertex_bytes, (unsigned long long)row->gpu_bytes, row->cut);
+        for (int place = REPORT_PLACE_INSIDE; place < REPORT_PLACES; place++)
+            write_field(stream, report_rms(&row->errors[place]));
+        write_field(stream, row->strategy || !maps->referenced ? (double)NAN : row->apart);
+        fputc('\n', stream);
+    }
+}
+
 static void write_left(FILE *stream, const report_data *report) {
     fputs("distance", stream);
     for (uint32_t r = 0; r < report->nrates; r++)
@@ -198,7 +220,7 @@ static void write_blocks(FILE *stream, const report_data *report) {
     }
 }
 
-enum { TIMES, LATEX, MARKDOWN, LABELS, BLOCKS, LEFT, RIGHT };
+enum { TIMES, LATEX, MARKDOWN, LABELS, BLOCKS, MAPS, LEFT, RIGHT };
 
 static slv_result write_table(const slv_env *env, const char *folder, const char *name,
                               const report_data *report, int what) {
@@ -219,6 +241,8 @@ static slv_result write_table(const slv_env *env, const char *folder, const char
         write_labels(stream, report);
     else if (what == BLOCKS)
         write_blocks(stream, report);
+    else if (what == MAPS)
+        write_maps(stream, report);
     else if (what == LEFT)
         write_left(stream, report);
     else
@@ -234,6 +258,8 @@ slv_result report_write_tables(const slv_env *env, const char *folder, const rep
         return result;
     if (report->compressed &&
         (result = write_table(env, folder, "compression.csv", report, BLOCKS)))
+        return result;
+    if (report->maps.image && (result = write_table(env, folder, "maps.csv", report, MAPS)))
         return result;
     if (report_of_paper(report).both)
         result = write_table(env, folder, "figure5_left.csv", report, LEFT);

@@ -45,6 +45,18 @@ slv_result report_write_pictures(const slv_env *env, const char *folder,
         snprintf(name, sizeof name, "view%u_reference.png", v);
         result = save(env, folder, name, &report->reference.views[v], report->pictures);
     }
+    for (uint32_t k = 0; !result && k < report->maps.nrows; k++) {
+        const report_map *row = &report->maps.rows[k];
+        snprintf(name, sizeof name, "map_%s.png", row->name);
+        if (!(result = save(env, folder, name, &row->view, report->pictures))) {
+            snprintf(name, sizeof name, "map_close_%s.png", row->name);
+            result = save(env, folder, name, &row->spot, report->pictures);
+        }
+    }
+    if (!result &&
+        !(result = save(env, folder, "map_reference.png", &report->maps.view, report->pictures)))
+        result =
+            save(env, folder, "map_close_reference.png", &report->maps.close_up, report->pictures);
     for (uint32_t i = 0; !result && i < report->npairs; i++) {
         const report_pair *pair = &report->pairs[i];
         snprintf(name, sizeof name, "difference_%s_%s.png",
