@@ -563,6 +563,7 @@ static const calls_entry calls_all[] = {
     {"folders", call_folders},
     {"blank", call_blank},
     {"dabs", call_dabs},
+    {"lay", call_lay},
     {"brush", call_brush},
     {"stroke", call_stroke},
     {"document", call_document},

@@ -157,6 +157,37 @@ static slv_result call_fill(const slv_env *env) {
     return result;
 }
 
+/* A masked clone on both sides of a symmetry, gradients all over, and what is alike. */
+static slv_result call_lay(const slv_env *env) {
+    const slv_paint paint = {.color = {1, 0.5f, 0}, .opacity = 0.7f};
+    const slv_dab dab = {.at = {0, 0.9f, 0.5f}, .radius = 0.4f, .hardness = 0.5f, .unfold = true};
+    const uint32_t face[2] = {0, 1};
+    const unsigned edge[2] = {1, 3};
+    slv_symmetry *symmetry = NULL;
+    slv_lay lay = {.ink = {.kind = SLV_INK_CLONE, .source = {1, 0.5f, 0.5f}},
+                   .mask = {.towards = {0, 0, 1}, .degrees = 170}};
+    uint8_t selected[CALLS_FACES] = {1, 1};
+    slv_patches patches;
+    calls_easel easel;
+    slv_result result = easel_begin(env, &easel);
+    const slv_res *res = result ? NULL : slv_texture_get_desc(easel.texture)->res;
+    if (!result &&
+        !(result = slv_symmetry_create(env, slv_paint_surface_adjacency(easel.surface), face, edge,
+                                       &symmetry, NULL)) &&
+        !(result = slv_painter_cover(easel.painter, res, &dab, &patches))) {
+        lay.symmetry = symmetry;
+        result = slv_painter_lay(easel.painter, &easel.canvas, &patches, &paint, &lay, &dab, NULL);
+    }
+    lay.ink = (slv_ink){.kind = SLV_INK_GRADIENT, .to = {1, 1, 0}};
+    if (!result && !(result = slv_painter_fill_with(easel.painter, &easel.canvas, selected, &paint,
+                                                    &lay, NULL)))
+        result = slv_painter_flood(easel.painter, &easel.canvas, (slv_surface_point){0, 0.1f, 0.1f},
+                                   0.5f, &paint, &lay, NULL);
+    slv_symmetry_destroy(symmetry);
+    easel_end(&easel);
+    return result;
+}
+
 static const char calls_script[] =
     "{\"radius\": 0.3, \"brush\": {\"hardness\": 0.7}, \"color\": [1, 0, 0], \"samples\": "
     "[[0, 0.2, 0.4], [0, 0.5, 0.6], [1, 0.4, 0.4]], \"mirror\": [{\"point\": [1, 0, 0], "

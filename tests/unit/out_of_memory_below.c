@@ -84,8 +84,8 @@ static slv_result run(const calls_entry *entry, long at) {
  */
 static bool is_left_out(const calls_entry *entry) {
     return entry->call == call_reference || entry->call == call_transfer ||
-           entry->call == call_dabs || entry->call == call_stroke || entry->call == call_fill ||
-           entry->call == call_script || entry->call == call_document ||
+           entry->call == call_dabs || entry->call == call_lay || entry->call == call_stroke ||
+           entry->call == call_fill || entry->call == call_script || entry->call == call_document ||
            entry->call == call_session || entry->call == call_session_moves ||
            entry->call == call_bake_rays;
 }

@@ -2,6 +2,8 @@
 #include "kit/mesh_shapes.h"
 #include "kit/tool_kit.h"
 
+#include <selvage/image.h>
+
 static const char box[] = "v 0 0 0\nv 2 0 0\nv 2 2 0\nv 0 2 0\nv 0 0 2\nv 2 0 2\nv 2 2 2\nv 0 2 2\n"
                           "f 4 3 2 1\nf 5 6 7 8\nf 1 2 6 5\nf 2 3 7 6\nf 3 4 8 7\nf 4 1 5 8\n";
 
@@ -150,6 +152,71 @@ static void pictures(void) {
     RUNS(1, "paint p.selvage s.jsonl --record missing/x.png");
 }
 
+/* A picture of 4 x 2 pixels, red but for its left quarter, which is clear. */
+static void write_picture(const char *name) {
+    slv_env env = test_env();
+    slv_image image = {0};
+    const slv_image_params raw = {.encoding = SLV_ENCODE_RAW};
+    MUST(slv_image_create(&env, 4, 2, 4, &image));
+    for (uint32_t i = 0; i < 8; i++) {
+        image.pixels[4 * i] = 1;
+        image.pixels[4 * i + 3] = i % 4 > 0;
+    }
+    MUST(slv_image_save(&env, tool_path(name), &image, &raw));
+    slv_image_free(&image);
+}
+
+/* Images, gradients, clones, masks, symmetry and fills by colour from scripts, and the same of a
+ * session, which keeps the images that lines name. */
+static void laid(void) {
+    static const char *const lines[] = {
+        "{\"stamp\": \"red.png\", \"radius\": 0.5, \"samples\": [[1, 0.5, 0.5]]}",
+        "{\"op\": \"fill\", \"face\": 1, \"select\": \"connected\", \"size\": [64, 64], "
+        "\"camera\": {\"azimuth\": 0, \"elevation\": 0}, \"image\": {\"file\": \"red.png\", "
+        "\"at\": [32, 32], \"width\": 90, \"angle\": 20}}",
+        "{\"op\": \"fill\", \"face\": 1, \"color\": [1, 0, 0], \"gradient\": {\"from\": [0, 0, 0], "
+        "\"to\": [2, 2, 2], \"color\": [0, 0, 1], \"radial\": true}}",
+        "{\"clone\": [1, 0.5, 0.5], \"radius\": 0.4, \"samples\": [[3, 0.5, 0.5], [3, 0.5, "
+        "0.7]]}",
+        "{\"op\": \"fill\", \"face\": 1, \"select\": \"connected\", \"color\": [0, 1, 0], "
+        "\"where\": {\"towards\": [0, 1, 0], \"degrees\": 30}}",
+        "{\"op\": \"fill\", \"face\": 1, \"select\": \"connected\", \"color\": [0, 1, 1], "
+        "\"opacity\": 0.5, \"where\": {\"channel\": 1, \"inverse\": true, \"faces\": [0, 1, "
+        "2]}}",
+        "{\"op\": \"set\", \"symmetry\": {\"face\": 1, \"edge\": 1}}",
+        "{\"radius\": 0.2, \"color\": [1, 1, 0], \"samples\": [[1, 0.2, 0.3]]}",
+        "{\"op\": \"fill\", \"face\": 5, \"select\": \"color\", \"at\": [0.1, 0.1], "
+        "\"tolerance\": 0.02, \"color\": [0, 0, 0], \"symmetry\": null}"};
+    static char text[4096];
+    size_t used = 0;
+    float c[3];
+    write_picture("red.png");
+    for (size_t i = 0; i < sizeof lines / sizeof *lines; i++)
+        used += (size_t)snprintf(text + used, sizeof text - used, "%s\n", lines[i]);
+    write_script(lines[0]);
+    RUNS(0, "paint blank.ptx s.jsonl out.ptx --scheme bilinear --quiet");
+    texel(1, 0.55f, 0.5f, c);
+    CHECK(c[0] > 0.99f && c[1] < 0.01f);
+    texel(1, 0.5f, 0.7f, c); /* beside it: it is half as high as wide */
+    CHECK(c[1] > 0.5f);
+    write_script(text);
+    RUNS(0, "paint blank.ptx s.jsonl out.ptx --scheme bilinear");
+    HAS("8 operations");
+    RUNS(0, "paint blank.ptx s.jsonl four.ptx --scheme bilinear --threads 4 --quiet");
+    RUNS(0, "diff out.ptx four.ptx");
+    texel(5, 0.1f, 0.1f, c);
+    CHECK(c[0] < 0.01f && c[2] < 0.01f);
+    RUNS(0, "paint blank.ptx s.jsonl l.selvage --scheme bilinear --quiet");
+    RUNS(0, "paint l.selvage s.jsonl look.ptx --quiet");
+    CHECK(unlink(tool_path("red.png")) == 0);
+    RUNS(0, "session l.selvage --export l.ptx");
+    write_script("{\"op\": \"fill\", \"face\": 2, \"color\": [0, 0, 1], \"where\": {\"layer\": 2, "
+                 "\"channel\": 3}}");
+    RUNS(0, "paint l.selvage s.jsonl --layer 1");
+    RUNS(1, "paint blank.ptx s.jsonl out.ptx");
+    HAS("where: expected no layer");
+}
+
 static void wrong_scripts(void) {
     static const struct {
         const char *text, *says;
@@ -163,6 +230,12 @@ static void wrong_scripts(void) {
                    {"{\"radius\": 1, \"samples\": [[6, 0, 0]]}", "sample 0"},
                    {"{\"radius\": 1, \"samples\": [[0, 0, 0], [0, 2, 0]]}", "sample 1"},
                    {"{\"radius\": 1, \"samples\": [[0, 0]]}", "sample 0"},
+                   {"{\"op\": \"fill\", \"face\": 1, \"gradient\": {}}", "gradient: expected"},
+                   {"{\"op\": \"fill\", \"face\": 1, \"image\": \"no.png\"}", "no.png"},
+                   {"{\"op\": \"fill\", \"face\": 1, \"clone\": [0, 0, 0]}", "clones are for"},
+                   {"{\"op\": \"fill\", \"face\": 1, \"where\": {\"degrees\": 3}}", "towards"},
+                   {"{\"op\": \"fill\", \"face\": 1, \"where\": {\"facing\": true}}", "camera"},
+                   {"{\"op\": \"fill\", \"face\": 1, \"symmetry\": {\"face\": 1}}", "symmetry"},
                    {"{\"op\": \"fill\"}", "face"},
                    {"{\"op\": \"fill\", \"face\": 6}", "face"},
                    {"{\"op\": \"fill\", \"face\": 1, \"opacity\": 2}", "opacity"},
@@ -192,6 +265,7 @@ int main(void) {
     thin_paint();
     sessions();
     pictures();
+    laid();
     wrong_scripts();
     tool_end();
     return test_end();

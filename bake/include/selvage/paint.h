@@ -81,6 +81,7 @@ typedef struct slv_dab {
     float aspect;   /* 1.. : how much longer than wide; 0 is 1 */
     float angle;    /* degrees, counter-clockwise from `axis` to the long axis */
     float axis[3];  /* a direction, projected into the surface at `at`; zeros: where u grows */
+    bool unfold;    /* slv_painter_unfolded will be asked */
     uint64_t reserved[4];
 } slv_dab;
 
@@ -131,6 +132,12 @@ SLV_NODISCARD SLV_API slv_result slv_painter_cover(slv_painter *painter, const s
 SLV_NODISCARD SLV_API slv_result slv_painter_cover_screen(slv_painter *painter, const slv_res *res,
                                                           const slv_screen_dab *dab,
                                                           slv_patches *out);
+
+/* Where a point lies as seen from the middle of the last dab, which was to `unfold`: in the plane
+ * into which the surface around it is unfolded, in mesh units, (1,0) being its axis. False where
+ * the dab has not been. */
+SLV_API bool slv_painter_unfolded(const slv_painter *painter, slv_surface_point point,
+                                  float out[2]);
 
 /* Where `to` lies as seen from `from`: the vector in the plane into which the surface around `from`
  * is unfolded, (1,0) being `axis` there (as in slv_dab). `*reached` is false if it is further than

@@ -28,7 +28,10 @@ typedef struct slv_script_params {
     /* Lines of a brush file's that were left out, once for each file. May be NULL. */
     void (*unknown)(void *user, const char *brush, const char *setting);
     void *user;
-    uint64_t reserved[4];
+    /* Of what is painted on: another layer, or its mask, which a line wants to be masked by. NULL:
+     * there are none. What is wrong is told. */
+    slv_result (*layer)(void *user, uint32_t id, bool mask, slv_canvas *out);
+    uint64_t reserved[3];
 } slv_script_params;
 
 /* Painter and canvas must outlive it. */

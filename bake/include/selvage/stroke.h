@@ -3,7 +3,7 @@
 #define SELVAGE_STROKE_H
 
 #include <selvage/brush.h>
-#include <selvage/canvas.h>
+#include <selvage/lay.h>
 
 #ifdef __cplusplus
 extern "C" {
@@ -37,6 +37,9 @@ typedef struct slv_stroke_dab {
     slv_dab dab; /* unless on_screen */
     slv_screen_dab screen;
     slv_paint paint;
+    bool laid; /* `lay` counts, but for its blur */
+    slv_lay lay;
+    slv_camera facing; /* room for the mask's camera where it is mirrored */
 } slv_stroke_dab;
 
 /* Zero means default, but for brush, paint and radius. */
@@ -54,12 +57,16 @@ typedef struct slv_stroke_params {
     /* More than 0: dabs blur what is there, by so many radii, and the paint's colour does not
      * count. Not with `project`. */
     float blur;
+    /* Inks, masks and symmetry, which all that the stroke leaves has; copied, and what it points to
+     * outlives the stroke. NULL: none. Its blur does not count. A stamp is as large as a dab's
+     * square; the source of a clone is for the first dab, and goes along with the others. */
+    const slv_lay *lay;
     const slv_mirror *mirrors; /* nmirrors of them, at most SLV_MIRRORS; copied */
     uint32_t nmirrors;
     /* May be NULL. Is told each dab before it is applied; a failure ends the stroke. */
     slv_result (*each)(void *user, const slv_stroke_dab *dab);
     void *user;
-    uint64_t reserved[6];
+    uint64_t reserved[5];
 } slv_stroke_params;
 
 typedef struct slv_stroke_stats {

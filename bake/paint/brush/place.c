@@ -200,35 +200,98 @@ static void reflect_camera(const slv_mirror *m, slv_camera *camera) {
     }
 }
 
+/* The point of the surface on the other side of the mirrors, within so far of it. */
+static bool mirror_point(const slv_stroke *s, unsigned which, slv_surface_point *at, float reach,
+                         float axis[3]) {
+    const slv_paint_surface *surface = slv_painter_get_surface(s->painter);
+    float p[3], normal[3], direction[3];
+    slv_paint_hit hit;
+    if (!slv_paint_surface_at(surface, *at, p, normal, NULL))
+        return false;
+    for (unsigned i = 0; i < s->params.nmirrors; i++)
+        if (which >> i & 1) {
+            reflect(&s->mirrors[i], p, true);
+            reflect(&s->mirrors[i], normal, false);
+            reflect(&s->mirrors[i], axis, false);
+        }
+    for (int k = 0; k < 3; k++) { /* from as far above, so far down again and as far below */
+        p[k] += reach * normal[k];
+        direction[k] = -reach * normal[k];
+    }
+    if (!slv_paint_surface_hit(surface, p, direction, &hit) || !(hit.distance <= 2))
+        return false;
+    *at = hit.point;
+    return true;
+}
+
+/* Ink and mask as the mirrors show them. */
+static bool mirror_lay(const slv_stroke *s, unsigned which, bool turned, slv_stroke_dab *dab) {
+    slv_ink *ink = &dab->lay.ink;
+    slv_mask *mask = &dab->lay.mask;
+    if (mask->facing)
+        dab->facing = *mask->facing;
+    for (unsigned i = 0; i < s->params.nmirrors; i++)
+        if (which >> i & 1) {
+            reflect_camera(&s->mirrors[i], &ink->camera);
+            reflect_camera(&s->mirrors[i], &dab->facing);
+            reflect(&s->mirrors[i], ink->from, true);
+            reflect(&s->mirrors[i], ink->to, true);
+            reflect(&s->mirrors[i], mask->towards, false);
+        }
+    mask->facing = mask->facing ? &dab->facing : NULL;
+    ink->flip = turned && !ink->legible;
+    return ink->kind != SLV_INK_CLONE ||
+           mirror_point(s, which, &ink->source, dab->dab.radius, ink->axis);
+}
+
+bool slvi_place_source(slv_stroke *s, slv_stroke_dab *dab) {
+    const slv_paint_surface *surface = slv_painter_get_surface(s->painter);
+    slv_ink *ink = &dab->lay.ink;
+    float a[3], b[3], vector[2];
+    double axis[3], across[3], x, y;
+    uint32_t tri;
+    bool reached;
+    if (s->source.at.face < 0) {
+        if (!slvi_surface_place(surface, s->lay.ink.source, &tri, &x, &y))
+            return false;
+        slvi_tri_frame(surface, tri, dab->dab.axis, axis, across);
+        s->source = (slvi_base){.at = s->lay.ink.source};
+        for (int k = 0; k < 3; k++)
+            s->source.axis[k] = (float)axis[k];
+        s->first_dab = (slvi_base){.at = dab->dab.at};
+        memcpy(s->first_dab.axis, dab->dab.axis, sizeof dab->dab.axis);
+    }
+    slv_paint_surface_at(surface, s->first_dab.at, a, NULL, NULL);
+    slv_paint_surface_at(surface, dab->dab.at, b, NULL, NULL);
+    float limit = 3 * (float)slvi_distance(a, b) + dab->dab.radius;
+    s->result = slv_painter_locate(s->painter, s->first_dab.at, s->first_dab.axis, dab->dab.at,
+                                   limit, vector, &reached);
+    if (s->result || !reached)
+        return false;
+    walk_from(s, &s->source, (double)vector[0], (double)vector[1], &ink->source, ink->axis);
+    return true;
+}
+
 bool slvi_mirror_dab(const slv_stroke *s, unsigned which, const slv_stroke_dab *dab,
                      slv_stroke_dab *out) {
     const slv_paint_surface *surface = slv_painter_get_surface(s->painter);
-    float p[3], normal[3], direction[3], axis[3];
+    float axis[3] = {0};
     bool turned = false;
     *out = *dab;
-    slv_paint_surface_at(surface, dab->dab.at, p, normal, axis);
-    if (dab->dab.axis[0] != 0 || dab->dab.axis[1] != 0 || dab->dab.axis[2] != 0)
-        memcpy(axis, dab->dab.axis, sizeof axis);
-    for (unsigned i = 0; i < s->params.nmirrors; i++) {
-        const slv_mirror *m = &s->mirrors[i];
-        if (!(which >> i & 1))
-            continue;
-        reflect_camera(m, &out->screen.camera);
-        reflect(m, p, true);
-        reflect(m, normal, false);
-        reflect(m, axis, false);
-        turned = !turned;
-    }
+    for (unsigned i = 0; i < s->params.nmirrors; i++)
+        if (which >> i & 1) {
+            reflect_camera(&s->mirrors[i], &out->screen.camera);
+            turned = !turned;
+        }
+    if (dab->laid && !mirror_lay(s, which, turned, out))
+        return false;
     if (dab->on_screen)
         return true;
-    for (int k = 0; k < 3; k++) { /* from a radius above, so far down again and as far below */
-        p[k] += dab->dab.radius * normal[k];
-        direction[k] = -dab->dab.radius * normal[k];
-    }
-    slv_paint_hit hit;
-    if (!slv_paint_surface_hit(surface, p, direction, &hit) || !(hit.distance <= 2))
+    slv_paint_surface_at(surface, dab->dab.at, NULL, NULL, axis);
+    if (dab->dab.axis[0] != 0 || dab->dab.axis[1] != 0 || dab->dab.axis[2] != 0)
+        memcpy(axis, dab->dab.axis, sizeof axis);
+    if (!mirror_point(s, which, &out->dab.at, dab->dab.radius, axis))
         return false;
-    out->dab.at = hit.point;
     memcpy(out->dab.axis, axis, sizeof axis);
     out->dab.angle = turned ? -dab->dab.angle : dab->dab.angle;
     return true;

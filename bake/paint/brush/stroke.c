@@ -66,6 +66,24 @@ static void set_color(slv_stroke *s, const float rgb[3], slv_paint *paint) {
             paint->color[c - paint->first_channel] = rgb[k++];
 }
 
+/* What the stroke's ink wants of a dab: of a stamp the disc is around its square. False if there is
+ * nothing to paint with. */
+static bool aim_ink(slv_stroke *s, slv_stroke_dab *dab) {
+    const float around = 1.41421356f;
+    dab->laid = s->params.lay != NULL;
+    if (!dab->laid)
+        return true;
+    dab->lay = s->lay;
+    dab->dab.unfold = s->lay.ink.kind >= SLV_INK_STAMP;
+    if (s->lay.ink.kind == SLV_INK_STAMP) {
+        dab->dab.radius *= around;
+        dab->screen.radius *= around;
+        dab->dab.hardness = dab->screen.hardness = 1;
+        dab->dab.aspect = dab->screen.aspect = 1;
+    }
+    return s->lay.ink.kind != SLV_INK_CLONE || slvi_place_source(s, dab);
+}
+
 /* A dab of libmypaint is up to four: what it erases, and what of the rest keeps alpha, or the
  * luminosity, or nothing. */
 static void put_plane_dab(void *user, const slvi_plane_dab *dab) {
@@ -83,7 +101,7 @@ static void put_plane_dab(void *user, const slvi_plane_dab *dab) {
         placed.x = s->first.x;
         placed.y = s->first.y;
     }
-    if (!slvi_place_dab(s, &placed, &out)) {
+    if (!slvi_place_dab(s, &placed, &out) || !aim_ink(s, &out)) {
         s->stats.missed++;
         return;
     }
@@ -212,6 +230,8 @@ static slv_result check(const slv_env *env, const slv_stroke_params *p) {
     if (!fine || !p->brush)
         return slvi_fail(env, SLV_ERROR_ARGUMENT,
                          "stroke: radius, opacity, colour, blur or mirrors are out of range");
+    if (p->lay && p->lay->ink.kind == SLV_INK_CLONE && p->project)
+        return slvi_fail(env, SLV_ERROR_ARGUMENT, "stroke: dabs of the picture clone nothing");
     if (!p->in_picture && (p->unit == SLV_SIZE_PIXELS || !(p->radius > 0)))
         return slvi_fail(env, SLV_ERROR_ARGUMENT,
                          "stroke: on the surface a radius is in mesh units or texels, more than 0");
@@ -235,6 +255,10 @@ slv_result slv_stroke_begin(slv_painter *painter, const slv_canvas *canvas,
     s->params = *params;
     for (uint32_t i = 0; i < params->nmirrors; i++)
         s->mirrors[i] = params->mirrors[i];
+    if (params->lay)
+        s->lay = *params->lay;
+    s->params.lay = params->lay ? &s->lay : NULL;
+    s->source.at.face = -1; /* no dab was cloned yet */
     s->radius = (double)slv_brush_radius(params->brush);
     if (!(s->params.radius > 0)) {
         s->params.radius = (float)s->radius;
@@ -369,6 +393,13 @@ slv_result slv_stroke_dab_apply(slv_painter *painter, const slv_canvas *canvas,
                                 : slv_painter_cover(painter, desc.res, &dab->dab, patches);
     if (result)
         return result;
+    if (dab->laid) {
+        slv_lay lay = dab->lay;
+        lay.blur = dab->blur;
+        return slv_painter_lay(painter, canvas, patches, &dab->paint, &lay,
+                               dab->on_screen ? NULL : &dab->dab,
+                               dab->on_screen ? &dab->screen : NULL);
+    }
     return dab->blur > 0 ? slv_painter_blur(painter, canvas, patches, dab->blur, dab->paint.opacity)
                          : slv_painter_apply(painter, canvas, patches, &dab->paint);
 }

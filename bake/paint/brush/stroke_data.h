@@ -23,7 +23,10 @@ struct slv_stroke {
     slv_canvas canvas;
     slv_stroke_params params;
     slv_mirror mirrors[SLV_MIRRORS];
-    slv_result result; /* what went wrong, and ends the stroke */
+    slv_lay lay;         /* if params.lay is not NULL, which then points here */
+    slvi_base first_dab; /* of a clone: where it was */
+    slvi_base source;    /* and what it took its colour from */
+    slv_result result;   /* what went wrong, and ends the stroke */
     slv_stroke_stats stats;
     slvi_path path;
     slvi_mypaint *engine;
@@ -47,6 +50,9 @@ slv_result slvi_place_sample(slv_stroke *s, const slv_stroke_sample *sample, dou
 bool slvi_place_scale(slv_stroke *s, const slv_stroke_sample *sample);
 /* Where a dab of the plane lies. False if there is no surface. */
 bool slvi_place_dab(slv_stroke *s, const slvi_plane_dab *dab, slv_stroke_dab *out);
+/* What a dab is cloned from: as far from the source of the first one, and in the same direction.
+ * False if there is none. */
+bool slvi_place_source(slv_stroke *s, slv_stroke_dab *dab);
 /* The same dab on the other side of those of the mirrors whose bits are set. False if there is no
  * surface. */
 bool slvi_mirror_dab(const slv_stroke *s, unsigned which, const slv_stroke_dab *dab,

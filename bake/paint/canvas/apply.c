@@ -1,6 +1,6 @@
 /* Paint through patches onto a canvas, and what a canvas has under patches. */
 #include "canvas/blend.h"
-#include "surface/painter_data.h"
+#include "canvas/lay_data.h"
 
 #include "base/log.h"
 
@@ -13,8 +13,9 @@ typedef struct work {
     slv_canvas_desc desc;
     const slv_patches *patches;
     const slv_paint *paint;
-    uint64_t *starts; /* of each patch's texels */
-    double *sums;     /* nchannels + 1 for each patch */
+    const float *colors; /* of each texel, or NULL */
+    uint64_t *starts;    /* of each patch's texels */
+    double *sums;        /* nchannels + 1 for each patch */
 } work;
 
 static uint64_t texels_of(const slv_patch *patch) {
@@ -29,7 +30,8 @@ static slv_result apply_some(void *user, uint64_t begin, uint64_t end) {
         float *texels = w->p->texels + w->starts[i] * w->desc.nchannels;
         if ((result = w->canvas->fns->read(w->canvas->user, patch->face, patch->rect, texels)))
             break;
-        slvi_blend_texels(&w->desc, w->paint, patch->coverage, texels_of(patch), texels);
+        const float *colors = w->colors ? w->colors + w->starts[i] * SLV_PAINT_CHANNELS : NULL;
+        slvi_blend_texels(&w->desc, w->paint, patch->coverage, colors, texels_of(patch), texels);
         result = w->canvas->fns->write(w->canvas->user, patch->face, patch->rect, texels);
     }
     return result;
@@ -84,9 +86,10 @@ static slv_result prepare(work *w, uint64_t extra) {
                              &p->texel_room);
 }
 
-slv_result slv_painter_apply(slv_painter *painter, const slv_canvas *canvas,
-                             const slv_patches *patches, const slv_paint *paint) {
-    work w = {.p = painter, .canvas = canvas, .patches = patches, .paint = paint};
+slv_result slvi_painter_apply(slv_painter *painter, const slv_canvas *canvas,
+                              const slv_patches *patches, const slv_paint *paint,
+                              const float *colors) {
+    work w = {.p = painter, .canvas = canvas, .patches = patches, .paint = paint, .colors = colors};
     slv_result result = prepare(&w, 0);
     if (result)
         return result;
@@ -101,6 +104,11 @@ slv_result slv_painter_apply(slv_painter *painter, const slv_canvas *canvas,
     if (canvas->fns->begin && (result = canvas->fns->begin(canvas->user, patches)))
         return result;
     return slvi_painter_share(painter, patches, apply_some, &w);
+}
+
+slv_result slv_painter_apply(slv_painter *painter, const slv_canvas *canvas,
+                             const slv_patches *patches, const slv_paint *paint) {
+    return slvi_painter_apply(painter, canvas, patches, paint, NULL);
 }
 
 slv_result slv_painter_mean(slv_painter *painter, const slv_canvas *canvas,

@@ -12,6 +12,7 @@ typedef struct mixing {
     uint32_t first, end; /* channels */
     int32_t alpha;       /* or -1 */
     uint32_t colours;    /* of them without alpha */
+    const float *color;  /* of the channels from the first on */
 } mixing;
 
 static void erase(const mixing *m, float amount, float *texel) {
@@ -28,14 +29,13 @@ static void mix(const mixing *m, const float *texel, float *out) {
     float below[3], above[3], mixed[3];
     uint32_t n = 0;
     for (uint32_t c = m->first; c < m->end; c++)
-        out[c - m->first] =
-            slvi_blend_channel(m->paint->blend, texel[c], m->paint->color[c - m->first]);
+        out[c - m->first] = slvi_blend_channel(m->paint->blend, texel[c], m->color[c - m->first]);
     if (m->paint->blend != SLV_BLEND_COLOR || m->colours != 3)
         return;
     for (uint32_t c = m->first; c < m->end; c++)
         if ((int32_t)c != m->alpha) {
             below[n] = texel[c];
-            above[n++] = m->paint->color[c - m->first];
+            above[n++] = m->color[c - m->first];
         }
     slvi_blend_color(below, above, mixed);
     n = 0;
@@ -50,7 +50,7 @@ static void put_normal(const mixing *m, float amount, float *texel) {
     float result = m->paint->lock_alpha ? below : amount + below * (1 - amount);
     float share = m->paint->lock_alpha || below == 1 ? amount : result > 0 ? amount / result : 0;
     for (uint32_t c = m->first; c < m->end; c++)
-        texel[c] += share * (m->paint->color[c - m->first] - texel[c]);
+        texel[c] += share * (m->color[c - m->first] - texel[c]);
     if (m->alpha >= 0)
         texel[m->alpha] = result;
 }
@@ -65,7 +65,7 @@ static void put(const mixing *m, float amount, float *texel) {
     if (paint->blend == SLV_BLEND_REPLACE) {
         for (uint32_t c = m->first; c < m->end; c++)
             if (!paint->lock_alpha || (int32_t)c != m->alpha)
-                texel[c] += amount * (paint->color[c - m->first] - texel[c]);
+                texel[c] += amount * (m->color[c - m->first] - texel[c]);
         return;
     }
     mix(m, texel, mixed);
@@ -73,7 +73,7 @@ static void put(const mixing *m, float amount, float *texel) {
     for (uint32_t c = m->first; c < m->end; c++) {
         if ((int32_t)c == m->alpha)
             continue;
-        float color = paint->color[c - m->first];
+        float color = m->color[c - m->first];
         if (paint->lock_alpha || below == 1) /* so that what is opaque owes nothing to a quotient */
             texel[c] += above * (mixed[c - m->first] - texel[c]);
         else if (result > 0)
@@ -86,10 +86,13 @@ static void put(const mixing *m, float amount, float *texel) {
 }
 
 void slvi_blend_texels(const slv_canvas_desc *canvas, const slv_paint *paint, const float *coverage,
-                       uint64_t count, float *texels) {
+                       const float *colors, uint64_t count, float *texels) {
     uint32_t n = canvas->nchannels, room = paint->nchannels ? paint->nchannels : SLV_PAINT_CHANNELS;
     room = room < SLV_PAINT_CHANNELS ? room : SLV_PAINT_CHANNELS;
-    mixing m = {.paint = paint, .first = paint->first_channel, .alpha = canvas->alpha_channel};
+    mixing m = {.paint = paint,
+                .first = paint->first_channel,
+                .alpha = canvas->alpha_channel,
+                .color = paint->color};
     m.end = n - m.first < room ? n : m.first + room;
     m.colours = m.end - m.first;
     if (m.alpha >= (int32_t)m.first && m.alpha < (int32_t)m.end)
@@ -98,6 +101,8 @@ void slvi_blend_texels(const slv_canvas_desc *canvas, const slv_paint *paint, co
         float amount = coverage[i] * paint->opacity;
         if (!(amount > 0))
             continue;
+        if (colors)
+            m.color = colors + i * SLV_PAINT_CHANNELS;
         if (paint->erase)
             erase(&m, amount, texels);
         else
@@ -109,12 +114,12 @@ void slvi_blend_layer(const slv_canvas_desc *canvas, slv_blend blend, float opac
                       const float *above, const float *mask, uint64_t count, float *texels) {
     uint32_t n = canvas->nchannels;
     slv_paint paint = {.opacity = 1, .blend = blend};
-    mixing m = {&paint, 0, n, canvas->alpha_channel, n - 1};
+    mixing m = {&paint, 0, n, canvas->alpha_channel, n - 1, NULL};
     for (uint64_t i = 0; i < count; i++, texels += n, above += n) {
         float amount = opacity * (mask ? mask[i] : 1) * above[canvas->alpha_channel];
         if (!(amount > 0))
             continue;
-        memcpy(paint.color, above, n * sizeof *above);
+        m.color = above;
         put(&m, amount < 1 ? amount : 1, texels);
     }
 }

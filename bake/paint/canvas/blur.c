@@ -1,6 +1,6 @@
 /* Blur: each texel towards what a filtered lookup of the canvas gives there, across every seam. The
  * canvas is looked up as a source behind a small cache, which the painter keeps. */
-#include "surface/painter_data.h"
+#include "canvas/lay_data.h"
 
 #include "base/log.h"
 #include "base/memory.h"
@@ -153,6 +153,41 @@ static bool is_of(const struct slvi_blur *b, const slv_canvas *canvas,
            memcmp(b->res, desc->res, desc->nfaces * sizeof *b->res) == 0;
 }
 
+slv_result slvi_painter_watch(slv_painter *p, const slv_canvas *canvas,
+                              const slv_canvas_desc *desc) {
+    if (desc->nfaces != p->surface->nfaces)
+        return slvi_fail(&p->env, SLV_ERROR_MISMATCH, "canvas: %u faces on a surface of %u",
+                         (unsigned)desc->nfaces, (unsigned)p->surface->nfaces);
+    if (!is_of(p->blur, canvas, desc))
+        return make_blur(p, canvas, desc);
+    /* what it knows may have been painted over */
+    return slv_cache_invalidate(p->blur->cache, p->blur->file);
+}
+
+slv_result slvi_painter_look_up(const slv_painter *p, uint32_t count, const slv_surface_point *at,
+                                float width, float *out) {
+    const struct slvi_blur *b = p->blur;
+    slv_lookup lookups[BATCH];
+    for (uint32_t done = 0, n; done < count; done += n) {
+        for (n = 0; n < BATCH && done + n < count; n++) {
+            const slv_surface_point *a = &at[done + n];
+            const float *sides = p->surface->sides + 3 * (size_t)a->face;
+            lookups[n] = (slv_lookup){.file = b->file,
+                                      .face = (uint32_t)a->face,
+                                      .u = a->u,
+                                      .v = a->v,
+                                      .uw1 = sides[0] > 0 ? width / sides[0] : 0,
+                                      .vw2 = sides[1] > 0 ? width / sides[1] : 0};
+        }
+        slv_result result =
+            slv_sample_batch(b->sampler, lookups, n, out + (uint64_t)done * b->desc.nchannels,
+                             b->desc.nchannels, NULL);
+        if (result)
+            return result;
+    }
+    return SLV_OK;
+}
+
 slv_result slv_painter_blur(slv_painter *painter, const slv_canvas *canvas,
                             const slv_patches *patches, float width, float opacity) {
     slv_painter *p = painter;
@@ -164,13 +199,7 @@ slv_result slv_painter_blur(slv_painter *painter, const slv_canvas *canvas,
     if (!(width >= 0) || !isfinite(width) || !(opacity >= 0 && opacity <= 1))
         return slvi_fail(&p->env, SLV_ERROR_ARGUMENT, "blur: a width of %g, an opacity of %g",
                          (double)width, (double)opacity);
-    if (desc.nfaces != p->surface->nfaces)
-        return slvi_fail(&p->env, SLV_ERROR_MISMATCH, "blur: %u faces on a surface of %u",
-                         (unsigned)desc.nfaces, (unsigned)p->surface->nfaces);
-    if (!is_of(p->blur, canvas, &desc))
-        result = make_blur(p, canvas, &desc);
-    else /* what it knows may have been painted over */
-        result = slv_cache_invalidate(p->blur->cache, p->blur->file);
+    result = slvi_painter_watch(p, canvas, &desc);
     for (uint32_t i = 0; i < patches->count; i++) {
         uint64_t n = (uint64_t)patches->list[i].rect.width * patches->list[i].rect.height;
         total += n;

@@ -1,5 +1,5 @@
 /* Fills: which faces, and paint all over them. */
-#include "surface/painter_data.h"
+#include "canvas/lay_data.h"
 
 #include "base/log.h"
 #include "base/memory.h"
@@ -80,9 +80,10 @@ slv_result slv_painter_select(slv_painter *painter, uint32_t face, slv_select se
     return result;
 }
 
-/* Patches of whole faces, from *face on, as many as make a batch. */
+/* Patches of whole faces, from *face on, as many as make a batch. `alike`: they will stay covered
+ * as they are, and can share that. */
 static slv_result make_batch(slv_painter *p, const slv_canvas_desc *desc, const uint8_t *selected,
-                             uint32_t *face, slv_patches *out) {
+                             bool alike, uint32_t *face, slv_patches *out) {
     *out = (slv_patches){0};
     uint64_t largest = 0;
     for (; *face < desc->nfaces && out->ntexels < BATCH_TEXELS; ++*face) {
@@ -103,19 +104,27 @@ static slv_result make_batch(slv_painter *p, const slv_canvas_desc *desc, const 
         out->ntexels += texels;
         largest = texels > largest ? texels : largest;
     }
-    /* all of them are covered alike */
+    uint64_t room = alike ? largest : out->ntexels, at = 0;
     slv_result result =
-        slvi_painter_room(p, largest, sizeof *p->coverage, &p->coverage, &p->coverage_room);
-    for (uint64_t i = 0; i < largest && !result; i++)
+        slvi_painter_room(p, room, sizeof *p->coverage, &p->coverage, &p->coverage_room);
+    for (uint64_t i = 0; i < room && !result; i++)
         p->coverage[i] = 1;
-    for (uint32_t i = 0; i < out->count && !result; i++)
-        p->patches[i].coverage = p->coverage;
+    for (uint32_t i = 0; i < out->count && !result; i++) {
+        p->patches[i].coverage = p->coverage + at;
+        at += alike ? 0 : (uint64_t)p->patches[i].rect.width * p->patches[i].rect.height;
+    }
     out->list = p->patches;
     return result;
 }
 
 slv_result slv_painter_fill(slv_painter *painter, const slv_canvas *canvas, const uint8_t *selected,
                             const slv_paint *paint, uint32_t *faces) {
+    return slv_painter_fill_with(painter, canvas, selected, paint, NULL, faces);
+}
+
+slv_result slv_painter_fill_with(slv_painter *painter, const slv_canvas *canvas,
+                                 const uint8_t *selected, const slv_paint *paint,
+                                 const slv_lay *lay, uint32_t *faces) {
     slv_canvas_desc desc;
     slv_patches batch;
     uint32_t done = 0;
@@ -124,8 +133,9 @@ slv_result slv_painter_fill(slv_painter *painter, const slv_canvas *canvas, cons
         result = slvi_fail(&painter->env, SLV_ERROR_MISMATCH, "fill: %u faces on a surface of %u",
                            (unsigned)desc.nfaces, (unsigned)painter->surface->nfaces);
     for (uint32_t face = 0; !result && face < desc.nfaces;) {
-        if (!(result = make_batch(painter, &desc, selected, &face, &batch)) && batch.count)
-            result = slv_painter_apply(painter, canvas, &batch, paint);
+        if (!(result = make_batch(painter, &desc, selected, !lay, &face, &batch)) && batch.count)
+            result = lay ? slv_painter_lay(painter, canvas, &batch, paint, lay, NULL, NULL)
+                         : slv_painter_apply(painter, canvas, &batch, paint);
         done += batch.count;
     }
     if (faces)

@@ -14,16 +14,21 @@ slv_result slvi_script_copy(const slv_env *env, const char *text, char **out) {
     return result;
 }
 
+slv_result slvi_script_path(const slv_script *script, const char *file, char **out) {
+    size_t room = strlen(script->folder) + strlen(file) + 2;
+    slv_result result = slvi_alloc(&script->env, "script", room, 1, out);
+    if (!result)
+        snprintf(*out, room, "%s%s%s", file[0] == '/' ? "" : script->folder,
+                 file[0] == '/' || !script->folder[0] ? "" : "/", file);
+    return result;
+}
+
 static slv_result load_file(slv_script *s, const char *file, slv_brush **out) {
     char *path = NULL;
     const char *const *unknown;
-    size_t room = strlen(s->folder) + strlen(file) + 2;
-    slv_result result = slvi_alloc(&s->env, "script", room, 1, &path);
-    if (!result) {
-        snprintf(path, room, "%s%s%s", file[0] == '/' ? "" : s->folder,
-                 file[0] == '/' || !s->folder[0] ? "" : "/", file);
+    slv_result result = slvi_script_path(s, file, &path);
+    if (!result)
         result = slv_brush_load(&s->env, path, out);
-    }
     for (uint32_t i = 0; !result && s->params.unknown && i < slv_brush_unknown(*out, &unknown); i++)
         s->params.unknown(s->params.user, path, unknown[i]);
     slvi_free(path);

@@ -9,207 +9,220 @@
 
 static const char *const op_names[SLVI_SCRIPT_OPS] = {"stroke", "fill", "set"};
 
-/* A line that is being read. */
-typedef struct reading {
-    slv_script *script;
-    uint64_t number;
-    slvi_line *line;
-} reading;
-
-static slv_result wrong(const reading *r, const char *key, const char *expected) {
-    return slvi_fail(&r->script->env, SLV_ERROR_FORMAT, "%s: line %llu: %s: expected %s",
-                     r->script->name, (unsigned long long)r->number, key, expected);
-}
-
-static bool read_number(json_t *value, double low, double high, float *out) {
-    double number = json_number_value(value);
-    if (!json_is_number(value) || !(number >= low && number <= high))
-        return false;
-    *out = (float)number;
-    return true;
-}
-
 static bool read_flag(json_t *value, bool *out) {
     *out = json_is_true(value);
     return json_is_boolean(value);
 }
 
-/* As many numbers as `least` to `most`. */
-static bool read_numbers(json_t *value, size_t least, size_t most, float *out) {
-    size_t count = json_array_size(value);
-    if (!json_is_array(value) || count < least || count > most)
-        return false;
-    for (size_t i = 0; i < count; i++)
-        if (!read_number(json_array_get(value, i), -1e18, 1e18, &out[i]))
-            return false;
-    return true;
-}
-
-static slv_result read_op(reading *r, const char *key, json_t *value) {
+static slv_result read_op(slvi_reading *r, const char *key, json_t *value) {
     int op;
     if (!slvi_name_find(op_names, SLVI_SCRIPT_OPS, json_string_value(value), &op))
-        return wrong(r, key, "stroke, fill or set");
+        return slvi_script_wrong(r, key, "stroke, fill or set");
     r->line->op = (slvi_script_op)op;
     return SLV_OK;
 }
 
-static slv_result read_brush(reading *r, const char *key, json_t *value) {
+static slv_result read_brush(slvi_reading *r, const char *key, json_t *value) {
     (void)key;
     return slvi_script_brush_of(r->script, r->number, value, &r->line->stroke.brush);
 }
 
-static slv_result read_radius(reading *r, const char *key, json_t *value) {
-    return read_number(value, 1e-18, 1e18, &r->line->stroke.radius)
+static slv_result read_radius(slvi_reading *r, const char *key, json_t *value) {
+    return slvi_script_number(value, 1e-18, 1e18, &r->line->stroke.radius)
                ? SLV_OK
-               : wrong(r, key, "a number, more than 0");
+               : slvi_script_wrong(r, key, "a number, more than 0");
 }
 
-static slv_result read_unit(reading *r, const char *key, json_t *value) {
+static slv_result read_unit(slvi_reading *r, const char *key, json_t *value) {
     return slv_size_unit_from_name(json_string_value(value), &r->line->stroke.unit)
                ? SLV_OK
-               : wrong(r, key, "world, pixels or texels");
+               : slvi_script_wrong(r, key, "world, pixels or texels");
 }
 
-static slv_result read_color(reading *r, const char *key, json_t *value) {
+static slv_result read_color(slvi_reading *r, const char *key, json_t *value) {
     slv_paint *paint = &r->line->stroke.paint;
     memset(paint->color, 0, sizeof paint->color);
-    if (!read_numbers(value, 1, SLV_PAINT_CHANNELS, paint->color))
-        return wrong(r, key, "1 to 8 numbers, as the texture stores them");
+    if (!slvi_script_numbers(value, 1, SLV_PAINT_CHANNELS, paint->color))
+        return slvi_script_wrong(r, key, "1 to 8 numbers, as the texture stores them");
     for (size_t c = json_array_size(value); c < SLV_PAINT_CHANNELS; c++)
         paint->color[c] = 1; /* alpha, where it is not given */
     return SLV_OK;
 }
 
-static slv_result read_opacity(reading *r, const char *key, json_t *value) {
-    return read_number(value, 0, 1, &r->line->stroke.paint.opacity)
+static slv_result read_opacity(slvi_reading *r, const char *key, json_t *value) {
+    return slvi_script_number(value, 0, 1, &r->line->stroke.paint.opacity)
                ? SLV_OK
-               : wrong(r, key, "a number from 0 to 1");
+               : slvi_script_wrong(r, key, "a number from 0 to 1");
 }
 
-static slv_result read_blend(reading *r, const char *key, json_t *value) {
+static slv_result read_blend(slvi_reading *r, const char *key, json_t *value) {
     return slv_blend_from_name(json_string_value(value), &r->line->stroke.paint.blend)
                ? SLV_OK
-               : wrong(r, key,
-                       "normal, multiply, screen, overlay, darken, lighten, add, color, replace or "
-                       "subtract");
+               : slvi_script_wrong(
+                     r, key,
+                     "normal, multiply, screen, overlay, darken, lighten, add, color, replace or "
+                     "subtract");
 }
 
-static slv_result read_erase(reading *r, const char *key, json_t *value) {
-    return read_flag(value, &r->line->stroke.paint.erase) ? SLV_OK : wrong(r, key, "true or false");
+static slv_result read_erase(slvi_reading *r, const char *key, json_t *value) {
+    return read_flag(value, &r->line->stroke.paint.erase)
+               ? SLV_OK
+               : slvi_script_wrong(r, key, "true or false");
 }
 
-static slv_result read_lock(reading *r, const char *key, json_t *value) {
-    return read_flag(value, &r->line->stroke.paint.lock_alpha) ? SLV_OK
-                                                               : wrong(r, key, "true or false");
+static slv_result read_lock(slvi_reading *r, const char *key, json_t *value) {
+    return read_flag(value, &r->line->stroke.paint.lock_alpha)
+               ? SLV_OK
+               : slvi_script_wrong(r, key, "true or false");
 }
 
-static slv_result read_channels(reading *r, const char *key, json_t *value) {
+static slv_result read_channels(slvi_reading *r, const char *key, json_t *value) {
     float range[2];
-    if (!read_numbers(value, 2, 2, range) || !(range[0] >= 0 && range[0] < 65536) ||
+    if (!slvi_script_numbers(value, 2, 2, range) || !(range[0] >= 0 && range[0] < 65536) ||
         !(range[1] >= 0 && range[1] <= SLV_PAINT_CHANNELS))
-        return wrong(r, key, "the first channel and how many, 1 to 8");
+        return slvi_script_wrong(r, key, "the first channel and how many, 1 to 8");
     r->line->stroke.paint.first_channel = (uint32_t)range[0];
     r->line->stroke.paint.nchannels = (uint32_t)range[1];
     return SLV_OK;
 }
 
-static slv_result read_size(reading *r, const char *key, json_t *value) {
+static slv_result read_size(slvi_reading *r, const char *key, json_t *value) {
     float size[2];
-    if (!read_numbers(value, 2, 2, size) || !(size[0] >= 1 && size[0] <= 65536) ||
+    if (!slvi_script_numbers(value, 2, 2, size) || !(size[0] >= 1 && size[0] <= 65536) ||
         !(size[1] >= 1 && size[1] <= 65536))
-        return wrong(r, key, "the picture's width and height in pixels");
+        return slvi_script_wrong(r, key, "the picture's width and height in pixels");
     r->line->stroke.width = (uint32_t)size[0];
     r->line->stroke.height = (uint32_t)size[1];
     return SLV_OK;
 }
 
-static slv_result read_camera(reading *r, const char *key, json_t *value) {
+static slv_result read_camera(slvi_reading *r, const char *key, json_t *value) {
     if (json_is_null(value)) {
         r->line->stroke.in_picture = false;
         return SLV_OK;
     }
     r->line->camera = value;
-    return json_is_object(value) ? SLV_OK : wrong(r, key, "an object, or null");
+    return json_is_object(value) ? SLV_OK : slvi_script_wrong(r, key, "an object, or null");
 }
 
-static slv_result read_project(reading *r, const char *key, json_t *value) {
-    return read_flag(value, &r->line->stroke.project) ? SLV_OK : wrong(r, key, "true or false");
+static slv_result read_project(slvi_reading *r, const char *key, json_t *value) {
+    return read_flag(value, &r->line->stroke.project) ? SLV_OK
+                                                      : slvi_script_wrong(r, key, "true or false");
 }
 
-static slv_result read_blur(reading *r, const char *key, json_t *value) {
-    return read_number(value, 0, 16, &r->line->stroke.blur) ? SLV_OK
-                                                            : wrong(r, key, "0 to 16 radii");
+static slv_result read_blur(slvi_reading *r, const char *key, json_t *value) {
+    return slvi_script_number(value, 0, 16, &r->line->stroke.blur)
+               ? SLV_OK
+               : slvi_script_wrong(r, key, "0 to 16 radii");
 }
 
-static slv_result read_mirror(reading *r, const char *key, json_t *value) {
+static slv_result read_mirror(slvi_reading *r, const char *key, json_t *value) {
     slvi_line *line = r->line;
     size_t count = json_array_size(value);
     if (!json_is_array(value) || count > SLV_MIRRORS)
-        return wrong(r, key, "up to 3 planes");
+        return slvi_script_wrong(r, key, "up to 3 planes");
     for (size_t i = 0; i < count; i++) {
         json_t *plane = json_array_get(value, i);
-        if (!read_numbers(json_object_get(plane, "point"), 3, 3, line->mirrors[i].point) ||
-            !read_numbers(json_object_get(plane, "normal"), 3, 3, line->mirrors[i].normal))
-            return wrong(r, key, "planes with a point and a normal, three numbers each");
+        if (!slvi_script_numbers(json_object_get(plane, "point"), 3, 3, line->mirrors[i].point) ||
+            !slvi_script_numbers(json_object_get(plane, "normal"), 3, 3, line->mirrors[i].normal))
+            return slvi_script_wrong(r, key,
+                                     "planes with a point and a normal, three numbers each");
     }
     line->stroke.nmirrors = (uint32_t)count;
     return SLV_OK;
 }
 
-static slv_result read_samples(reading *r, const char *key, json_t *value) {
+static slv_result read_samples(slvi_reading *r, const char *key, json_t *value) {
     r->line->samples = value;
-    return json_is_array(value) && json_array_size(value) ? SLV_OK
-                                                          : wrong(r, key, "a list of samples");
+    return json_is_array(value) && json_array_size(value)
+               ? SLV_OK
+               : slvi_script_wrong(r, key, "a list of samples");
 }
 
-static slv_result read_face(reading *r, const char *key, json_t *value) {
+static slv_result read_face(slvi_reading *r, const char *key, json_t *value) {
     json_int_t face = json_integer_value(value);
     if (!json_is_integer(value) || face < 0 || (uint64_t)face >= r->script->nfaces)
-        return wrong(r, key, "the number of a face");
+        return slvi_script_wrong(r, key, "the number of a face");
     r->line->face = face;
     return SLV_OK;
 }
 
-static slv_result read_select(reading *r, const char *key, json_t *value) {
-    return slv_select_from_name(json_string_value(value), &r->line->select)
+static slv_result read_select(slvi_reading *r, const char *key, json_t *value) {
+    const char *name = json_string_value(value);
+    r->line->by_color = name && strcmp(name, "color") == 0;
+    return r->line->by_color || slv_select_from_name(json_string_value(value), &r->line->select)
                ? SLV_OK
-               : wrong(r, key, "face, connected or angle");
+               : slvi_script_wrong(r, key, "face, connected, angle or color");
 }
 
-static slv_result read_degrees(reading *r, const char *key, json_t *value) {
-    return read_number(value, 0, 180, &r->line->degrees) ? SLV_OK
-                                                         : wrong(r, key, "a number from 0 to 180");
+static slv_result read_degrees(slvi_reading *r, const char *key, json_t *value) {
+    return slvi_script_number(value, 0, 180, &r->line->degrees)
+               ? SLV_OK
+               : slvi_script_wrong(r, key, "a number from 0 to 180");
+}
+
+static slv_result read_at(slvi_reading *r, const char *key, json_t *value) {
+    float *at = r->line->at;
+    return slvi_script_numbers(value, 2, 2, at) && at[0] >= 0 && at[0] <= 1 && at[1] >= 0 &&
+                   at[1] <= 1
+               ? SLV_OK
+               : slvi_script_wrong(r, key, "[u, v], 0 to 1");
+}
+
+static slv_result read_tolerance(slvi_reading *r, const char *key, json_t *value) {
+    return slvi_script_number(value, 0, 1e18, &r->line->tolerance)
+               ? SLV_OK
+               : slvi_script_wrong(r, key, "a number, 0 or more");
 }
 
 static const struct {
     const char *key;
-    slv_result (*read)(reading *r, const char *key, json_t *value);
-} keys[] = {{"op", read_op},           {"brush", read_brush},
-            {"radius", read_radius},   {"unit", read_unit},
-            {"color", read_color},     {"opacity", read_opacity},
-            {"blend", read_blend},     {"erase", read_erase},
-            {"lock_alpha", read_lock}, {"channels", read_channels},
-            {"size", read_size},       {"camera", read_camera},
-            {"project", read_project}, {"blur", read_blur},
-            {"mirror", read_mirror},   {"samples", read_samples},
-            {"face", read_face},       {"select", read_select},
-            {"degrees", read_degrees}};
+    slv_result (*read)(slvi_reading *r, const char *key, json_t *value);
+} keys[] = {{"op", read_op},
+            {"brush", read_brush},
+            {"radius", read_radius},
+            {"unit", read_unit},
+            {"color", read_color},
+            {"opacity", read_opacity},
+            {"blend", read_blend},
+            {"erase", read_erase},
+            {"lock_alpha", read_lock},
+            {"channels", read_channels},
+            {"size", read_size},
+            {"camera", read_camera},
+            {"project", read_project},
+            {"blur", read_blur},
+            {"mirror", read_mirror},
+            {"samples", read_samples},
+            {"face", read_face},
+            {"select", read_select},
+            {"degrees", read_degrees},
+            {"at", read_at},
+            {"tolerance", read_tolerance},
+            {"stamp", slvi_script_read_stamp},
+            {"image", slvi_script_read_image},
+            {"gradient", slvi_script_read_gradient},
+            {"clone", slvi_script_read_clone},
+            {"where", slvi_script_read_where},
+            {"symmetry", slvi_script_read_symmetry}};
 
 /* A matrix and a window, as in slv_camera; or an orbit around the surface. */
-static slv_result make_camera(const reading *r) {
+static slv_result make_camera(const slvi_reading *r) {
     slv_stroke_params *s = &r->line->stroke;
     json_t *camera = r->line->camera, *matrix = json_object_get(camera, "world_to_camera");
     float azimuth = 30, elevation = 20, fov = 35, low[3], high[3];
     s->in_picture = true;
     if (!s->width || !s->height)
-        return wrong(r, "camera", "a size of the picture beside it");
+        return slvi_script_wrong(r, "camera", "a size of the picture beside it");
     if (matrix) {
         json_t *perspective = json_object_get(camera, "perspective");
         s->camera.perspective = json_is_true(perspective);
-        return read_numbers(matrix, 16, 16, s->camera.world_to_camera) &&
-                       read_numbers(json_object_get(camera, "window"), 4, 4, s->camera.window)
+        return slvi_script_numbers(matrix, 16, 16, s->camera.world_to_camera) &&
+                       slvi_script_numbers(json_object_get(camera, "window"), 4, 4,
+                                           s->camera.window)
                    ? SLV_OK
-                   : wrong(r, "camera", "world_to_camera of 16 numbers and window of 4");
+                   : slvi_script_wrong(r, "camera",
+                                       "world_to_camera of 16 numbers and window of 4");
     }
     const struct {
         const char *key;
@@ -218,8 +231,8 @@ static slv_result make_camera(const reading *r) {
     } angles[] = {{"azimuth", &azimuth, 360}, {"elevation", &elevation, 90}, {"fov", &fov, 170}};
     for (size_t i = 0; i < SLVI_COUNT(angles); i++) {
         json_t *value = json_object_get(camera, angles[i].key);
-        if (value && !read_number(value, -angles[i].most, angles[i].most, angles[i].value))
-            return wrong(r, angles[i].key, "degrees");
+        if (value && !slvi_script_number(value, -angles[i].most, angles[i].most, angles[i].value))
+            return slvi_script_wrong(r, angles[i].key, "degrees");
     }
     slv_paint_surface_bounds(slv_painter_get_surface(r->script->painter), low, high);
     s->camera =
@@ -228,12 +241,12 @@ static slv_result make_camera(const reading *r) {
 }
 
 slv_result slvi_script_read(slv_script *script, uint64_t number, json_t *root, slvi_line *out) {
-    reading r = {script, number, out};
+    slvi_reading r = {script, number, out};
     const char *key;
     json_t *value;
     slv_result result;
     if (!json_is_object(root))
-        return wrong(&r, "line", "an object");
+        return slvi_script_wrong(&r, "line", "an object");
     out->camera = out->samples = NULL;
     out->face = -1;
     out->op = SLVI_SCRIPT_STROKE;
@@ -249,8 +262,10 @@ slv_result slvi_script_read(slv_script *script, uint64_t number, json_t *root, s
     }
     if (out->camera && (result = make_camera(&r)))
         return result;
+    if (out->op != SLVI_SCRIPT_SET && (result = slvi_script_finish_lay(&r)))
+        return result;
     if (out->op == SLVI_SCRIPT_FILL && out->face < 0)
-        return wrong(&r, "face", "the face that a fill begins at");
+        return slvi_script_wrong(&r, "face", "the face that a fill begins at");
     return SLV_OK;
 }
 
@@ -260,7 +275,7 @@ slv_result slvi_script_sample(const slv_script *script, uint64_t number, const s
     size_t place = line->stroke.in_picture ? 2 : 3;
     float v[8] = {0}; /* face u v, or x y; pressure, time, tilt x and y */
     double time = json_number_value(json_array_get(list, place + 1));
-    bool fine = read_numbers(list, place, place + 4, v);
+    bool fine = slvi_script_numbers(list, place, place + 4, v);
     *out = (slv_stroke_sample){.pressure = json_array_size(list) > place ? v[place]
                                                                          : 1, /* as a mouse does */
                                .time = time,

@@ -38,6 +38,7 @@ static void set_defaults(slvi_line *set) {
     set->stroke.paint.opacity = 1;
     set->stroke.unit = SLV_SIZE_WORLD;
     set->degrees = 30;
+    set->at[0] = set->at[1] = 0.5f;
     for (int c = 3; c < SLV_PAINT_CHANNELS; c++)
         set->stroke.paint.color[c] = 1;
 }
@@ -64,6 +65,8 @@ slv_result slv_script_create(slv_painter *painter, const slv_canvas *canvas,
     if ((result = slvi_script_copy(env, params->name ? params->name : "script", &s->name)) ||
         (result = slvi_script_copy(env, params->folder ? params->folder : "", &s->folder)) ||
         (result = slvi_alloc(env, "script", desc.nfaces, 1, &s->touched)) ||
+        (result = slvi_alloc(env, "script", desc.nfaces, 1, &s->line_faces)) ||
+        (result = slvi_alloc(env, "script", desc.nfaces, 1, &s->set_faces)) ||
         (result = slvi_alloc(env, "script", desc.nfaces, 1, &s->selected))) {
         slv_script_destroy(s);
         return result;
@@ -80,6 +83,11 @@ void slv_script_destroy(slv_script *script) {
         slv_brush_destroy(script->brushes[i].brush);
     }
     slvi_free(script->brushes);
+    slvi_script_free_images(script);
+    slv_symmetry_destroy(script->symmetry);
+    slv_symmetry_destroy(script->old_symmetry);
+    slvi_free(script->line_faces);
+    slvi_free(script->set_faces);
     slvi_free(script->name);
     slvi_free(script->folder);
     slvi_free(script->touched);
@@ -95,11 +103,19 @@ bool slv_script_touched(const slv_script *script, uint32_t face) {
     return face < script->nfaces && script->touched[face];
 }
 
+/* Whether paint is more than a colour. */
+static bool is_laid(const slv_lay *lay) {
+    const slv_mask *mask = &lay->mask;
+    return lay->ink.kind || lay->symmetry || mask->faces || mask->degrees > 0 || mask->facing ||
+           mask->canvas;
+}
+
 /* Samples come later. The brush is the script's. */
 static slv_result begin_stroke(slv_script *s, uint64_t number, slvi_line *line, slv_stroke **out) {
     slv_result result = SLV_OK;
     *out = NULL;
     line->stroke.mirrors = line->mirrors;
+    line->stroke.lay = is_laid(&line->lay) ? &line->lay : NULL;
     if (!line->stroke.brush) {
         json_t *standard = json_object();
         result = slvi_script_brush_of(s, number, standard, &line->stroke.brush);
@@ -109,14 +125,15 @@ static slv_result begin_stroke(slv_script *s, uint64_t number, slvi_line *line, 
 }
 
 slv_result slvi_script_stroke(slv_script *script, uint64_t number, json_t *root, slv_stroke **out) {
-    slvi_line all = script->set;
-    slv_result result = slvi_script_read(script, number, root, &all);
+    slvi_line *all = &script->live; /* the stroke looks at it */
+    *all = script->set;
+    slv_result result = slvi_script_read(script, number, root, all);
     *out = NULL;
-    if (!result && (all.op != SLVI_SCRIPT_STROKE || all.samples))
+    if (!result && (all->op != SLVI_SCRIPT_STROKE || all->samples))
         result = slvi_fail(&script->env, SLV_ERROR_FORMAT,
                            "%s: line %llu: expected a stroke, its samples to come", script->name,
                            (unsigned long long)number);
-    return result ? result : begin_stroke(script, number, &all, out);
+    return result ? result : begin_stroke(script, number, all, out);
 }
 
 static slv_result run_stroke(slv_script *s, uint64_t number, slvi_line *line) {
@@ -146,17 +163,38 @@ static slv_result run_stroke(slv_script *s, uint64_t number, slvi_line *line) {
 }
 
 static slv_result run_fill(slv_script *s, const slvi_line *line) {
+    const slv_lay *lay = is_laid(&line->lay) ? &line->lay : NULL;
     slv_canvas_desc desc;
+    uint64_t texels = 0;
+    slv_result result;
+    if (line->by_color) {
+        const slv_surface_point at = {(int32_t)line->face, line->at[0], line->at[1]};
+        result = slv_painter_flood(s->painter, &s->canvas, at, line->tolerance, &line->stroke.paint,
+                                   lay, &texels);
+        s->stats.texels += texels;
+        return result;
+    }
     memset(s->selected, 0, s->nfaces);
-    slv_result result = slv_painter_select(s->painter, (uint32_t)line->face, line->select,
-                                           line->degrees, s->selected);
+    result = slv_painter_select(s->painter, (uint32_t)line->face, line->select, line->degrees,
+                                s->selected);
     if (!result)
-        result = slv_painter_fill(s->painter, &s->canvas, s->selected, &line->stroke.paint, NULL);
+        result = slv_painter_fill_with(s->painter, &s->canvas, s->selected, &line->stroke.paint,
+                                       lay, NULL);
     if (!result && !(result = describe(s, &desc)))
         for (uint32_t f = 0; f < s->nfaces; f++)
             if (s->selected[f])
                 s->stats.texels += UINT64_C(1) << (desc.res[f].u + desc.res[f].v);
     return result;
+}
+
+/* What a line has set stays, with the faces of its mask. */
+static void keep_set(slv_script *s, const slvi_line *line) {
+    s->set = *line;
+    if (line->lay.mask.faces == s->line_faces) {
+        uint8_t *other = s->set_faces;
+        s->set_faces = s->line_faces;
+        s->line_faces = other;
+    }
 }
 
 slv_result slv_script_run(slv_script *script, uint64_t number, const char *line, size_t size) {
@@ -178,7 +216,7 @@ slv_result slv_script_run(slv_script *script, uint64_t number, const char *line,
                          (unsigned long long)number, error.text);
     if (!(result = slvi_script_read(script, number, root, &all))) {
         if (all.op == SLVI_SCRIPT_SET)
-            script->set = all;
+            keep_set(script, &all);
         else
             result = all.op == SLVI_SCRIPT_FILL ? run_fill(script, &all)
                                                 : run_stroke(script, number, &all);

@@ -23,7 +23,25 @@ typedef struct slvi_line {
     int64_t face;    /* of a fill; -1: none */
     slv_select select;
     float degrees;
+    bool by_color; /* a fill of what is alike, from `at` of the face */
+    float at[2], tolerance;
+    slv_lay lay; /* what it points to is of the script, or of this line */
+    bool image_at, facing, masked;
+    slv_canvas mask_canvas;
 } slvi_line;
+
+/* A line that is being read. */
+typedef struct slvi_reading {
+    slv_script *script;
+    uint64_t number;
+    slvi_line *line;
+} slvi_reading;
+
+/* An image that a line has named. */
+typedef struct slvi_script_image {
+    char *key;
+    slv_image *image;
+} slvi_script_image;
 
 /* A brush that a line has named or described. */
 typedef struct slvi_script_brush {
@@ -37,9 +55,15 @@ struct slv_script {
     slv_canvas inner, canvas; /* ours notes what is touched */
     char *name, *folder;
     slv_script_params params;
-    slvi_line set;
+    slvi_line set, live; /* and that of a stroke whose samples come later */
     slvi_script_brush *brushes;
     uint32_t nbrushes;
+    slvi_script_image *images;
+    uint32_t nimages;
+    uint64_t pixels; /* of all images */
+    slv_symmetry *symmetry, *old_symmetry;
+    uint32_t symmetry_of[4];
+    uint8_t *line_faces, *set_faces; /* of masks */
     uint8_t *touched, *selected;
     uint32_t nfaces;
     slv_script_stats stats;
@@ -49,6 +73,23 @@ struct slv_script {
 slv_result slvi_script_read(slv_script *script, uint64_t number, json_t *root, slvi_line *out);
 /* Begins the stroke of a line that has no samples. The script outlives it. */
 slv_result slvi_script_stroke(slv_script *script, uint64_t number, json_t *root, slv_stroke **out);
+/* One error line: what a key should be. */
+slv_result slvi_script_wrong(const slvi_reading *r, const char *key, const char *expected);
+bool slvi_script_number(json_t *value, double low, double high, float *out);
+/* As many numbers as `least` to `most`. */
+bool slvi_script_numbers(json_t *value, size_t least, size_t most, float *out);
+/* How paint is laid. */
+slv_result slvi_script_read_stamp(slvi_reading *r, const char *key, json_t *value);
+slv_result slvi_script_read_image(slvi_reading *r, const char *key, json_t *value);
+slv_result slvi_script_read_gradient(slvi_reading *r, const char *key, json_t *value);
+slv_result slvi_script_read_clone(slvi_reading *r, const char *key, json_t *value);
+slv_result slvi_script_read_where(slvi_reading *r, const char *key, json_t *value);
+slv_result slvi_script_read_symmetry(slvi_reading *r, const char *key, json_t *value);
+/* What depends on other keys; the line stays where it is from then on. */
+slv_result slvi_script_finish_lay(slvi_reading *r);
+void slvi_script_free_images(slv_script *script);
+/* Where a file is that a line names, for slvi_free. */
+slv_result slvi_script_path(const slv_script *script, const char *file, char **out);
 /* A copy of a text, for slvi_free. */
 slv_result slvi_script_copy(const slv_env *env, const char *text, char **out);
 /* Sample `index` of a line's. */

@@ -60,8 +60,8 @@ static slv_result copy_file(const slv_session *session, const char *name, const 
 
 /* What belongs to a session by its name: not what a killed process was writing. */
 static bool is_part(const char *name) {
-    static const char *const begins[] = {"session.json", "mesh.obj", "state-",
-                                         "journal",      "brush-",   "texture-"};
+    static const char *const begins[] = {"session.json", "mesh.obj", "state-", "journal",
+                                         "brush-",       "texture-", "image-"};
     size_t length = strlen(name), end = sizeof ".selvage" - 1;
     if (length > end && strcmp(name + length - end, ".selvage") == 0)
         return false;

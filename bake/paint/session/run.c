@@ -118,8 +118,16 @@ slv_result slv_session_painter(slv_session *session, slv_painter **out) {
     return result;
 }
 
+static slv_result find_layer(void *user, uint32_t id, bool mask, slv_canvas *out) {
+    slv_session *session = user;
+    return slv_document_canvas(session->document, id, mask, out);
+}
+
 slv_result slvi_session_script(slv_session *session, uint32_t layer, bool mask, slv_script **out) {
-    const slv_script_params params = {.name = session->journal.path, .folder = session->path};
+    const slv_script_params params = {.name = session->journal.path,
+                                      .folder = session->path,
+                                      .user = session,
+                                      .layer = find_layer};
     slv_painter *painter;
     slv_canvas canvas;
     slv_result result = slv_session_painter(session, &painter);
@@ -196,21 +204,24 @@ static slv_result tell_unknown(const slv_session *session, const char *path, con
     return result;
 }
 
-/* The name by which a session that keeps nothing finds a brush's file from its own folder. */
-static slv_result name_brush(const slv_session *session, const char *path, json_t *line) {
+/* The name by which a session that keeps nothing finds a file from its own folder. */
+static slv_result name_file(const slv_session *session, const char *path, json_t *holder,
+                            const char *key) {
     char *whole = realpath(path, NULL);
     slv_result result =
         whole ? SLV_OK
               : slvi_fail(&session->env, slvi_io_error(errno), "%s: %s", path, strerror(errno));
-    if (!result && json_object_set_new(line, "brush", json_string(whole)) != 0)
+    if (!result && json_object_set_new(holder, key, json_string(whole)) != 0)
         result = slvi_fail(&session->env, SLV_ERROR_ARGUMENT, "%s: its name is not UTF-8", path);
     free(whole);
     return result;
 }
 
-/* Copies a brush's file into the session, and lets the line name that. */
-static slv_result keep_brush(slv_session *session, const char *folder, json_t *line) {
-    const char *name = json_string_value(json_object_get(line, "brush")), *base, *path;
+/* Copies a file that a line names, a brush or an image, into the session, and lets the line name
+ * that. */
+static slv_result keep_file(slv_session *session, const char *folder, const char *kind,
+                            json_t *holder, const char *key) {
+    const char *name = json_string_value(json_object_get(holder, key)), *base, *path;
     char *from = NULL, *to = NULL, *text = NULL, kept[96];
     size_t size = 0;
     slv_result result;
@@ -222,22 +233,36 @@ static slv_result keep_brush(slv_session *session, const char *folder, json_t *l
         return result;
     path = folder || *name == '/' ? from : name;
     if (session->params.unkept) {
-        result = name_brush(session, path, line);
+        result = name_file(session, path, holder, key);
     } else if (!(result = slvi_file_read(&session->env, path, &text, &size))) {
         size_t mark =
-            (size_t)snprintf(kept, sizeof kept, "brush-%08" PRIx32 "-", slvi_crc(0, text, size));
+            (size_t)snprintf(kept, sizeof kept, "%s-%08" PRIx32 "-", kind, slvi_crc(0, text, size));
         bool known = strncmp(base, kept, mark) == 0; /* it comes from a session */
+        size_t length = strlen(base);
+        /* the ending says what kind of image it is */
+        base += !known && length > 60 ? length - 60 : 0;
         snprintf(kept + mark, sizeof kept - mark, "%.60s", known ? base + mark : base);
         result = slvi_session_path(&session->env, session->path, kept, &to);
     }
     if (!result && to && access(to, F_OK) != 0 &&
-        !(result = tell_unknown(session, path, text, size)))
+        (strcmp(kind, "brush") != 0 || !(result = tell_unknown(session, path, text, size))))
         result = slvi_output_write(&session->env, to, text, size);
-    if (!result && to && json_object_set_new(line, "brush", json_string(kept)) != 0)
+    if (!result && to && json_object_set_new(holder, key, json_string(kept)) != 0)
         result = slvi_fail(&session->env, SLV_ERROR_ARGUMENT, "%s: its name is not UTF-8", from);
     slvi_free(from);
     slvi_free(to);
     slvi_free(text);
+    return result;
+}
+
+static slv_result keep_files(slv_session *session, const char *folder, json_t *line) {
+    static const char *const images[] = {"stamp", "image"};
+    slv_result result = keep_file(session, folder, "brush", line, "brush");
+    for (size_t i = 0; i < 2 && !result; i++) {
+        json_t *image = json_object_get(line, images[i]);
+        result = json_is_object(image) ? keep_file(session, folder, "image", image, "file")
+                                       : keep_file(session, folder, "image", line, images[i]);
+    }
     return result;
 }
 
@@ -274,7 +299,7 @@ slv_result slvi_session_line(slv_session *session, const char *folder, const cha
         return slvi_fail(&session->env, SLV_ERROR_FORMAT, "%s: a line: %s", session->path,
                          root ? "expected an object" : error.text);
     }
-    if ((result = keep_brush(session, folder, root)))
+    if ((result = keep_files(session, folder, root)))
         json_decref(root);
     else
         *out = root;

@@ -204,7 +204,8 @@ slv_result slv_painter_cover(slv_painter *painter, const slv_res *res, const slv
     slv_res here = res[dab->at.face];
     shape.edge = sqrt((double)slv_paint_surface_texel_area(s, (uint32_t)dab->at.face, here));
     slvi_profile f = face_profile(painter, &shape, (uint32_t)dab->at.face);
-    slvi_reach reach = {.least = (float)(f.radius * 1.0001), .res = res, .places = !shape.round};
+    slvi_reach reach = {
+        .least = (float)(f.radius * 1.0001), .res = res, .places = !shape.round || dab->unfold};
     if ((result = slvi_painter_spread(painter, dab->at, dab->axis, &reach)) ||
         (result = slvi_painter_gather(painter, res, find_tri_texels, &shape, out)))
         return result;

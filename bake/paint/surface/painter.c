@@ -44,6 +44,9 @@ void slv_painter_destroy(slv_painter *painter) {
         return;
     if (painter->blur)
         painter->end_blur(painter->blur);
+    if (painter->mirrored)
+        painter->end_mirrored(painter->mirrored);
+    slvi_free(painter->colors);
     slvi_free(painter->vertices);
     slvi_free(painter->tri_round);
     slvi_free(painter->queue.list);

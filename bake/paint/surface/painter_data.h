@@ -41,6 +41,7 @@ typedef struct slvi_part {
 } slvi_part;
 
 struct slvi_blur; /* canvas/blur.c */
+struct slvi_mirrored;
 
 struct slv_painter {
     slv_env env;
@@ -64,6 +65,10 @@ struct slv_painter {
     uint64_t texel_room;
     double *sums; /* of patches, for means; and where their texels begin */
     uint64_t sum_room;
+    float *colors; /* SLV_PAINT_CHANNELS for each texel of all patches */
+    uint64_t color_room;
+    struct slvi_mirrored *mirrored; /* canvas/symmetry.c */
+    void (*end_mirrored)(struct slvi_mirrored *mirrored);
     struct slvi_blur *blur; /* of the canvas that was blurred last, or NULL; and what ends it */
     void (*end_blur)(struct slvi_blur *blur);
 };

@@ -3,88 +3,51 @@
  * Rays through the disc find triangles, from which their neighbours are reached as long as they lie
  * under the disc; of these each texel is looked at by itself: whether it faces the eye, lies inside
  * the disc, and is hidden by nothing. */
-#include "surface/painter_data.h"
+#include "surface/view.h"
 
 #include "base/log.h"
 
 #include <string.h>
 
-/* Rays along the disc's diameter, at most; and how much nearer to the eye than a texel another
- * surface must be to hide it, in parts of its distance. */
+/* Rays along the disc's diameter, at most. */
 enum { MOST_RAYS = 48 };
-#define SHADOW 1e-4
 
-/* A camera taken apart: the matrix as doubles, and the eye. */
+/* The dab as it is evaluated. */
 typedef struct view {
     const slv_screen_dab *dab;
-    double matrix[12], eye[3], towards[3]; /* perspective: the eye; else where rays come from */
+    slvi_view seen;
     double along[2], across[2];
     slvi_profile profile;
 } view;
 
 static bool make_view(const slv_paint_surface *s, const slv_screen_dab *dab, view *out) {
-    float origin[3], direction[3], o[3], d[3];
     double angle = (double)dab->angle * 3.14159265358979 / 180,
            aspect = dab->aspect > 1 ? (double)dab->aspect : 1;
     *out = (view){.dab = dab,
                   .along = {cos(angle), sin(angle)},
                   .across = {-aspect * sin(angle), aspect * cos(angle)},
                   .profile = slvi_profile_make((double)dab->radius, (double)dab->hardness, 1, 0)};
-    for (int k = 0; k < 12; k++)
-        out->matrix[k] = (double)dab->camera.world_to_camera[k];
-    float middle[2] = {(float)dab->width / 2, (float)dab->height / 2};
-    if (!slv_paint_surface_ray(s, &dab->camera, dab->width, dab->height, middle[0], middle[1],
-                               origin, direction) ||
-        !slv_paint_surface_ray(s, &dab->camera, dab->width, dab->height, middle[0] + 1, middle[1],
-                               o, d))
-        return false;
-    for (int k = 0; k < 3; k++)
-        out->towards[k] = -(double)direction[k];
-    /* the eye is where its two rays meet: so far behind where they begin as these are apart */
-    double spread = 0, apart = 0;
-    for (int k = 0; k < 3; k++) {
-        spread += ((double)d[k] - (double)direction[k]) * ((double)d[k] - (double)direction[k]);
-        apart += ((double)o[k] - (double)origin[k]) * ((double)d[k] - (double)direction[k]);
-    }
-    for (int k = 0; k < 3 && dab->camera.perspective; k++)
-        out->eye[k] = (double)origin[k] - apart / spread * (double)direction[k];
-    return true;
-}
-
-/* A point's place in the picture; false behind the eye. */
-static bool project(const view *v, const double p[3], double out[2]) {
-    double c[3];
-    const float *w = v->dab->camera.window;
-    for (int r = 0; r < 3; r++)
-        c[r] = v->matrix[4 * r] * p[0] + v->matrix[4 * r + 1] * p[1] + v->matrix[4 * r + 2] * p[2] +
-               v->matrix[4 * r + 3];
-    double depth = v->dab->camera.perspective ? -c[2] : 1;
-    if (!(depth > 0))
-        return false;
-    out[0] = (c[0] / depth - (double)w[0]) / ((double)w[1] - (double)w[0]) * v->dab->width;
-    out[1] = ((double)w[3] - c[1] / depth) / ((double)w[3] - (double)w[2]) * v->dab->height;
-    return true;
+    return slvi_view_make(s, &dab->camera, dab->width, dab->height, &out->seen);
 }
 
 /* Whether some of a triangle may lie under the disc, and it faces the eye. */
 static bool is_under(const slv_painter *p, const view *v, uint32_t tri) {
-    double low[2] = {INFINITY, INFINITY}, high[2] = {-INFINITY, -INFINITY}, normal[3], towards[3],
-           reach = v->profile.radius;
+    double low[2] = {INFINITY, INFINITY}, high[2] = {-INFINITY, -INFINITY},
+           reach = v->profile.radius, point[3];
     const float *at[2] = {&v->dab->x, &v->dab->y};
     for (unsigned k = 0; k < 3; k++) {
         const float *q = slvi_tri_point(p->surface, tri, k);
-        double point[3] = {(double)q[0], (double)q[1], (double)q[2]}, pixel[2];
-        if (!project(v, point, pixel))
+        double pixel[2];
+        for (int i = 0; i < 3; i++)
+            point[i] = (double)q[i];
+        if (!slvi_view_project(&v->seen, point, pixel))
             return false;
         for (int i = 0; i < 2; i++) {
             low[i] = fmin(low[i], pixel[i]);
             high[i] = fmax(high[i], pixel[i]);
         }
-        for (int i = 0; i < 3; i++)
-            towards[i] = v->dab->camera.perspective ? v->eye[i] - point[i] : v->towards[i];
     }
-    slvi_tri_normal(p->surface, tri, normal);
-    return slvi_dot(normal, towards) > 0 && low[0] <= (double)*at[0] + reach &&
+    return slvi_view_faces(p->surface, &v->seen, tri, point) && low[0] <= (double)*at[0] + reach &&
            high[0] >= (double)*at[0] - reach && low[1] <= (double)*at[1] + reach &&
            high[1] >= (double)*at[1] - reach;
 }
@@ -122,23 +85,6 @@ static slv_result find_triangles(slv_painter *p, const view *v) {
     return result;
 }
 
-/* Whether nothing lies between a point and the eye. */
-static bool is_seen(const slv_painter *p, const view *v, const double point[3]) {
-    float o[3], d[3];
-    double pixel[2], to_point = 0, length = 0;
-    slv_paint_hit hit;
-    if (!project(v, point, pixel) ||
-        !slv_paint_surface_ray(p->surface, &v->dab->camera, v->dab->width, v->dab->height,
-                               (float)pixel[0], (float)pixel[1], o, d) ||
-        !slv_paint_surface_hit(p->surface, o, d, &hit))
-        return true; /* on a silhouette the ray misses what is there */
-    for (int k = 0; k < 3; k++) {
-        to_point += (point[k] - (double)o[k]) * (double)d[k];
-        length += (double)d[k] * (double)d[k];
-    }
-    return (double)hit.distance >= to_point / length * (1 - SHADOW) - 1e-6 * (double)p->size;
-}
-
 static float look_at(const slv_painter *p, const view *v, uint32_t tri, double x, double y) {
     double w[3], point[3], pixel[2];
     slvi_tri_weights(tri, x, y, w);
@@ -146,13 +92,13 @@ static float look_at(const slv_painter *p, const view *v, uint32_t tri, double x
         point[k] = w[0] * (double)slvi_tri_point(p->surface, tri, 0)[k] +
                    w[1] * (double)slvi_tri_point(p->surface, tri, 1)[k] +
                    w[2] * (double)slvi_tri_point(p->surface, tri, 2)[k];
-    if (!project(v, point, pixel))
+    if (!slvi_view_project(&v->seen, point, pixel))
         return 0;
     double dx = pixel[0] - (double)v->dab->x, dy = pixel[1] - (double)v->dab->y;
     double along = dx * v->along[0] + dy * v->along[1],
            across = dx * v->across[0] + dy * v->across[1];
     float value = slvi_profile_at(&v->profile, along * along + across * across);
-    return value > 0 && is_seen(p, v, point) ? value : 0;
+    return value > 0 && slvi_view_sees(p, &v->seen, point) ? value : 0;
 }
 
 static bool cell_texels(const slv_painter *p, const void *user, uint32_t tri,

@@ -265,6 +265,17 @@ static double find_place(const slv_painter *p, uint32_t tri, const double w[3], 
     return distance;
 }
 
+bool slv_painter_unfolded(const slv_painter *painter, slv_surface_point point, float out[2]) {
+    uint32_t tri;
+    double x, y, w[3];
+    if (!slvi_surface_place(painter->surface, point, &tri, &x, &y) ||
+        painter->tri_round[tri] != painter->round)
+        return false;
+    slvi_tri_weights(tri, x, y, w);
+    find_place(painter, tri, w, out);
+    return true;
+}
+
 slv_result slv_painter_locate(slv_painter *painter, slv_surface_point from, const float axis[3],
                               slv_surface_point to, float limit, float out[2], bool *reached) {
     const slv_paint_surface *s = painter->surface;
