@@ -11,9 +11,9 @@
 #include <string.h>
 
 struct session {
-    const char *path, *new_from, *script, *merge, *export, *edits;
+    const char *path, *new_from, *replay, *script, *merge, *export, *edits;
     bool save, as_saved, json, quiet;
-    uint32_t layer, undo, redo, threads, edited, merged;
+    uint32_t layer, undo, redo, scale, threads, edited, merged;
     int scheme;
     slv_session *session;
 };
@@ -132,10 +132,19 @@ static slv_result merge(const slv_env *env, struct session *s) {
     return result;
 }
 
+static int log2_of(uint32_t scale) {
+    int log2 = 0;
+    while (scale >> log2 > 1)
+        log2++;
+    return log2;
+}
+
 static slv_result work(const slv_env *env, struct session *s) {
     const slv_session_params how = {.as_saved = s->as_saved};
     slv_result result =
-        s->new_from ? make(env, s) : slv_session_open(env, s->path, &how, &s->session);
+        s->new_from ? make(env, s)
+        : s->replay ? slv_session_replay(env, s->replay, s->path, log2_of(s->scale), &s->session)
+                    : slv_session_open(env, s->path, &how, &s->session);
     for (uint32_t i = 0; !result && i < s->undo; i++)
         result = slv_document_undo(slv_session_document(s->session));
     for (uint32_t i = 0; !result && i < s->redo; i++)
@@ -181,6 +190,11 @@ int verb_session(int argc, char **argv) {
     const cli_option options[] = {
         {"--new", CLI_TEXT, &s.new_from, "make it, for the mesh in a .ptx and on its texels",
          "IN.ptx", 0, 0, NULL},
+        {"--replay", CLI_TEXT, &s.replay, "make it, with all that was done in another one",
+         "OTHER.selvage", 0, 0, NULL},
+        {"--scale", CLI_UINT, &s.scale,
+         "with --replay: at so many times the resolution, a power of two (1)", NULL, 1, 65536,
+         NULL},
         {"--script", CLI_TEXT, &s.script, "strokes to paint, JSON lines", "SCRIPT.jsonl", 0, 0,
          NULL},
         {"--layer", CLI_UINT, &s.layer, "id of the layer to paint on (the topmost)", NULL, 1,
@@ -208,7 +222,8 @@ int verb_session(int argc, char **argv) {
         .writes = "the session, and with --export or --edits a .ptx",
         .examples = "  selvage session cow.selvage --new cow.ptx\n"
                     "  selvage session cow.selvage --script strokes.jsonl --save\n"
-                    "  selvage session cow.selvage --undo 1 --export painted.ptx\n",
+                    "  selvage session cow.selvage --undo 1 --export painted.ptx\n"
+                    "  selvage session large.selvage --replay cow.selvage --scale 2\n",
         .options = options,
         .noptions = sizeof options / sizeof *options,
         .min_arguments = 1,
@@ -218,6 +233,11 @@ int verb_session(int argc, char **argv) {
     int code = cli_parse(&command, argc, argv);
     if (code >= 0)
         return code;
+    if (s.new_from && s.replay)
+        return cli_usage(&command, "--new and --replay: one of them");
+    if (s.scale && (!s.replay || (s.scale & (s.scale - 1))))
+        return cli_usage(&command,
+                         s.replay ? "--scale: expected a power of two" : "--scale is of --replay");
     if (s.export && !ptx_name_is_safe(s.export))
         return ptx_name_usage(&command, s.export);
     return run_session(&s);

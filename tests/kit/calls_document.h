@@ -64,7 +64,7 @@ static inline slv_result call_document(const slv_env *env) {
 
 /* Before each run: no session is there. */
 static inline void calls_prepare_session(void) {
-    static const char *const names[] = {"made.selvage", "moved.selvage"};
+    static const char *const names[] = {"made.selvage", "moved.selvage", "again.selvage"};
     for (size_t i = 0; i < sizeof names / sizeof *names; i++)
         test_remove(calls_path(names[i]));
 }
@@ -89,6 +89,13 @@ static inline slv_result call_session_moves(const slv_env *env) {
     if (!result && !(result = calls_stroke(session)))
         result = slv_session_save_as(session, calls_path("moved.selvage"));
     slv_session_destroy(session);
+    session = NULL;
+    if (!result) {
+        char from[512];
+        snprintf(from, sizeof from, "%s", calls_path("moved.selvage"));
+        result = slv_session_replay(env, from, calls_path("again.selvage"), 1, &session);
+        slv_session_destroy(session);
+    }
     return result ? result : slv_session_remove(env, calls_path("made.selvage"));
 }
 

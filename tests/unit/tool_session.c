@@ -46,6 +46,24 @@ int main(void) {
     HAS("\"merged_faces\": 2");
     RUNS(0, "session other.selvage --export merged.ptx");
     RUNS(0, "diff out.ptx merged.ptx");
+    /* all of it again, from the samples, and at twice the resolution */
+    RUNS(0, "session again.selvage --replay s.selvage --export again.ptx");
+    HAS("6 faces, 2 layers");
+    RUNS(0, "diff saved.ptx again.ptx");
+    RUNS(0, "session large.selvage --replay s.selvage --scale 2 --export large.ptx");
+    RUNS(0, "session large.selvage --export reopened.ptx -q");
+    RUNS(0, "diff large.ptx reopened.ptx");
+    RUNS(0, "new box.obj blank32.ptx --size 32 --scheme bilinear -q");
+    RUNS(0, "session direct.selvage --new blank32.ptx --scheme bilinear -q");
+    RUNS(0, "session direct.selvage --script s.jsonl --export direct.ptx -q");
+    RUNS(0, "diff large.ptx direct.ptx");
+    RUNS(1, "session large.selvage --replay s.selvage");
+    HAS("is there already");
+    RUNS(1, "session huge.selvage --replay s.selvage --scale 65536");
+    HAS("face 0 would have");
+    CHECK(access(tool_path("huge.selvage"), F_OK) != 0);
+    RUNS(2, "session x.selvage --scale 2");
+    RUNS(2, "session x.selvage --replay s.selvage --scale 3");
     RUNS(1, "session missing.selvage");
     HAS("missing.selvage");
     RUNS(2, "session");

@@ -101,6 +101,14 @@ SLV_NODISCARD SLV_API slv_result slv_session_save(slv_session *session);
  * is in the journal there. The old folder is left as it is, saved or not, and free for others.
  * SLV_ERROR_IO if something is there already; then the session is where it was. */
 SLV_NODISCARD SLV_API slv_result slv_session_save_as(slv_session *session, const char *path);
+/* Makes a new session at `path` in which all is done again that was done in the one at `from` and
+ * not undone, from its beginning on, at 2^scale times the resolution along each side of a face (a
+ * negative scale: at a part of it): strokes from their samples, brushes counted in texels by as
+ * many more. Textures that were loaded are resized. It is saved; what was merged from other
+ * sessions is not in journals, and is left out. SLV_ERROR_LIMIT for faces that would be too large
+ * or too small. After a failure nothing is left. */
+SLV_NODISCARD SLV_API slv_result slv_session_replay(const slv_env *env, const char *from,
+                                                    const char *path, int scale, slv_session **out);
 /* Removes a session's folder with all that is in it. SLV_ERROR_IO, and nothing is removed, while
  * somebody has it open. */
 SLV_NODISCARD SLV_API slv_result slv_session_remove(const slv_env *env, const char *path);

@@ -25,19 +25,54 @@ slv_result slvi_session_state_path(const slv_session *session, uint64_t state, c
     return slvi_session_path(&session->env, session->path, name, out);
 }
 
+/* Runs of faces with the same resolution: log2 of width and height, and how many. */
+static json_t *runs_of(const slv_texture_desc *flat) {
+    json_t *runs = json_array();
+    for (uint32_t f = 0, end; f < flat->nfaces; f = end) {
+        const slv_res res = flat->res[f];
+        for (end = f + 1;
+             end < flat->nfaces && flat->res[end].u == res.u && flat->res[end].v == res.v;)
+            end++;
+        if (json_array_append_new(
+                runs, json_pack("[iiI]", (int)res.u, (int)res.v, (json_int_t)(end - f))) != 0) {
+            json_decref(runs);
+            return NULL;
+        }
+    }
+    return runs;
+}
+
+/* And back; false if they are not those of all faces. */
+static bool read_runs(const json_t *runs, uint32_t nfaces, slv_res *res) {
+    json_t *run;
+    size_t i;
+    uint32_t face = 0;
+    json_array_foreach(runs, i, run) {
+        json_int_t u = json_integer_value(json_array_get(run, 0)),
+                   v = json_integer_value(json_array_get(run, 1)),
+                   count = json_integer_value(json_array_get(run, 2));
+        if (json_array_size(run) != 3 || u < 0 || v < 0 || u > SLV_MAX_LOG2_RES ||
+            v > SLV_MAX_LOG2_RES || count < 1 || count > nfaces - face)
+            return false;
+        for (json_int_t k = 0; k < count; k++)
+            res[face++] = (slv_res){(int8_t)u, (int8_t)v};
+    }
+    return json_is_array(runs) && face == nfaces;
+}
+
 slv_result slvi_session_describe(const slv_env *env, const char *path,
                                  const slv_session_params *params) {
     const slv_texture_desc *flat = &params->document.flat;
     json_t *background = json_array();
     for (uint32_t c = 0; params->document.background && c < flat->nchannels; c++)
         json_array_append_new(background, json_real((double)params->document.background[c]));
-    json_t *root = json_pack("{s:s, s:i, s:s, s:I, s:s, s:i, s:i, s:s, s:s, s:s, s:o}", "kind",
-                             "selvage session", "version", 1, "mesh", "mesh.obj", "faces",
-                             (json_int_t)flat->nfaces, "type", slv_type_name(flat->type),
-                             "channels", (int)flat->nchannels, "alpha", (int)flat->alpha_channel,
-                             "encoding", slv_texture_encoding_name(flat->encoding), "working",
-                             slv_type_name(params->document.working), "scheme",
-                             slv_scheme_name(params->scheme), "background", background);
+    json_t *root = json_pack(
+        "{s:s, s:i, s:s, s:I, s:s, s:i, s:i, s:s, s:s, s:s, s:o, s:o}", "kind", "selvage session",
+        "version", 1, "mesh", "mesh.obj", "faces", (json_int_t)flat->nfaces, "type",
+        slv_type_name(flat->type), "channels", (int)flat->nchannels, "alpha",
+        (int)flat->alpha_channel, "encoding", slv_texture_encoding_name(flat->encoding), "working",
+        slv_type_name(params->document.working), "scheme", slv_scheme_name(params->scheme),
+        "background", background, "res", runs_of(flat));
     char *text = root ? json_dumps(root, JSON_INDENT(2) | JSON_REAL_PRECISION(9)) : NULL;
     slv_result result = text ? slvi_output_write(env, path, text, strlen(text))
                              : slvi_fail(env, SLV_ERROR_MEMORY, "%s: no memory", path);
@@ -90,7 +125,7 @@ static const char *read_root(const json_t *root, slv_session_params *out) {
 }
 
 slv_result slvi_session_read_description(const slv_env *env, const char *path,
-                                         slv_session_params *out) {
+                                         slv_session_params *out, bool *began) {
     char *text = NULL;
     size_t size = 0;
     float *background = NULL;
@@ -110,6 +145,10 @@ slv_result slvi_session_read_description(const slv_env *env, const char *path,
         result = slvi_fail(env, SLV_ERROR_FORMAT, "%s: %s is not what it should be", path, wrong);
     else if (!(result = slvi_alloc(env, path, out->document.flat.nfaces, sizeof *res, &res)))
         result = slvi_alloc(env, path, SLVI_MOST_CHANNELS, sizeof *background, &background);
+    const json_t *runs = json_object_get(root, "res");
+    *began = runs != NULL;
+    if (!result && runs && !read_runs(runs, out->document.flat.nfaces, res))
+        result = slvi_fail(env, SLV_ERROR_FORMAT, "%s: res is not what it should be", path);
     for (size_t c = 0; !result && c < json_array_size(list); c++)
         background[c] = (float)json_number_value(json_array_get(list, c));
     out->document.flat.res = res;

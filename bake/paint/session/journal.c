@@ -108,6 +108,42 @@ slv_result slvi_journal_scan(const slvi_journal *journal, slvi_journal_text *out
     return SLV_OK;
 }
 
+static bool begins(const slvi_journal_text *text, uint64_t i, const char *with) {
+    return text->lines[i].size == strlen(with) &&
+           memcmp(text->text + text->lines[i].at, with, strlen(with)) == 0;
+}
+
+bool slvi_journal_survivors(const slvi_journal_text *text, uint64_t line, uint64_t *live,
+                            uint64_t *count, bool *whole) {
+    uint64_t redo = 0;
+    *count = 0;
+    *whole = true;
+    for (uint64_t i = 0; i < text->count; i++) {
+        if (text->lines[i].number <= line)
+            continue;
+        if (text->lines[i].number != line + 1) {
+            *whole = false;
+            break;
+        }
+        line++;
+        if (begins(text, i, "{\"op\":\"undo\"")) {
+            if (!*count)
+                return false;
+            --*count;
+            redo++;
+        } else if (begins(text, i, "{\"op\":\"redo\"")) {
+            if (!redo)
+                return false;
+            ++*count;
+            redo--;
+        } else {
+            live[(*count)++] = i;
+            redo = 0;
+        }
+    }
+    return true;
+}
+
 void slvi_journal_free(slvi_journal_text *text) {
     slvi_free(text->text);
     slvi_free(text->lines);

@@ -48,45 +48,6 @@ static slv_result list_states(const slv_session *session, uint64_t **out, uint64
     return result;
 }
 
-static bool begins(const slvi_journal_text *text, uint64_t i, const char *with) {
-    return text->lines[i].size == strlen(with) &&
-           memcmp(text->text + text->lines[i].at, with, strlen(with)) == 0;
-}
-
-/* Which lines after number `line` were not undone, and how many: false if something from before
- * was.
- * `*whole` says whether no line is missing. `live` has room for all. */
-static bool survivors(const slvi_journal_text *text, uint64_t line, uint64_t *live, uint64_t *count,
-                      bool *whole) {
-    uint64_t redo = 0;
-    *count = 0;
-    *whole = true;
-    for (uint64_t i = 0; i < text->count; i++) {
-        if (text->lines[i].number <= line)
-            continue;
-        if (text->lines[i].number != line + 1) {
-            *whole = false;
-            break;
-        }
-        line++;
-        if (begins(text, i, "{\"op\":\"undo\"")) {
-            if (!*count)
-                return false;
-            --*count;
-            redo++;
-        } else if (begins(text, i, "{\"op\":\"redo\"")) {
-            if (!redo)
-                return false;
-            ++*count;
-            redo--;
-        } else {
-            live[(*count)++] = i;
-            redo = 0;
-        }
-    }
-    return true;
-}
-
 static slv_result replay_edit(slv_session *session, json_t *edit) {
     slv_document *document = session->document;
     const char *op = json_string_value(json_object_get(edit, "op"));
@@ -216,6 +177,23 @@ static slv_result sweep(const slv_session *session) {
     return result;
 }
 
+/* What came after a state and is not to be: the journal says that it was undone, for those who read
+ * it from its beginning. */
+static slv_result forget(slv_session *session, const slvi_journal_text *text, uint64_t line,
+                         uint64_t *live) {
+    uint64_t count = 0;
+    bool whole;
+    slv_result result = SLV_OK;
+    if (session->params.unkept || !slvi_journal_survivors(text, line, live, &count, &whole) ||
+        !whole)
+        return SLV_OK;
+    json_t *undo = json_pack("{s:s}", "op", "undo");
+    for (uint64_t i = 0; i < count && !result; i++)
+        result = slvi_journal_append(&session->journal, undo);
+    json_decref(undo);
+    return result;
+}
+
 /* From the states, newest first, the one to go on from. */
 static slv_result choose(slv_session *session, const slvi_journal_text *text,
                          const uint64_t *states, uint64_t nstates, uint64_t *live) {
@@ -231,7 +209,7 @@ static slv_result choose(slv_session *session, const slvi_journal_text *text,
             continue;
         if (i == 0)
             session->saved_line = line;
-        if (session->params.as_saved || survivors(text, line, live, &count, &whole)) {
+        if (session->params.as_saved || slvi_journal_survivors(text, line, live, &count, &whole)) {
             session->floor = states[i];
             break;
         }
@@ -243,6 +221,8 @@ static slv_result choose(slv_session *session, const slvi_journal_text *text,
     session->state = states[0];
     session->journal.next = (last > line ? last : line) + 1;
     if (session->params.as_saved) {
+        if ((result = forget(session, text, line, live)))
+            return result;
         whole = text->count == 0 || last <= line;
         count = 0;
     }

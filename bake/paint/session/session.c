@@ -19,7 +19,7 @@ static slv_result open_all(slv_session *session, const slv_session_params *param
     if ((result = slvi_session_path(env, session->path, "session.json", &about)) ||
         (result = slvi_session_path(env, session->path, "mesh.obj", &mesh)) ||
         (result = slvi_session_path(env, session->path, "journal", &journal)) ||
-        (result = slvi_session_read_description(env, about, &session->params)) ||
+        (result = slvi_session_read_description(env, about, &session->params, &session->began)) ||
         (result = slvi_journal_open(env, journal, true, &session->journal)) ||
         (result = slv_mesh_load(env, mesh, &session->mesh)) ||
         (result = slv_mesh_adjacency(env, session->mesh, &session->adjacency)))

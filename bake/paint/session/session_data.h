@@ -36,6 +36,10 @@ slv_result slvi_journal_open(const slv_env *env, const char *path, bool create,
 void slvi_journal_close(slvi_journal *journal);
 slv_result slvi_journal_scan(const slvi_journal *journal, slvi_journal_text *out);
 void slvi_journal_free(slvi_journal_text *text);
+/* Which lines after number `line` were not undone, and how many: false if something from before
+ * was. `*whole` says whether no line is missing. `live` has room for all. */
+bool slvi_journal_survivors(const slvi_journal_text *text, uint64_t line, uint64_t *live,
+                            uint64_t *count, bool *whole);
 /* Cuts off what is behind `end`. */
 slv_result slvi_journal_cut(slvi_journal *journal, uint64_t end);
 /* Appends a line, which then is on the disk unless the journal is relaxed; if it cannot be, nothing
@@ -74,6 +78,7 @@ struct slv_session {
     slvi_live_stroke live;
     bool running;   /* a line of a script: layers may be painted on */
     bool replaying; /* nothing is journalled */
+    bool began;     /* its parameters have the resolutions that it had at first */
     uint64_t state; /* the number of the newest state */
     uint64_t floor; /* and of that which the session was opened with */
     uint64_t saved_line;
@@ -90,8 +95,9 @@ slv_result slvi_session_state_path(const slv_session *session, uint64_t state, c
  * are for slvi_free. */
 slv_result slvi_session_describe(const slv_env *env, const char *path,
                                  const slv_session_params *params);
+/* `*began`: it says which resolutions the document had at first; else they are zeros. */
 slv_result slvi_session_read_description(const slv_env *env, const char *path,
-                                         slv_session_params *out);
+                                         slv_session_params *out, bool *began);
 void slvi_session_free_description(slv_session_params *params);
 
 /* The document as it is, complete or not at all; `line` is the last of the journal that it has. */
