@@ -2,6 +2,7 @@
  * from what lies along the normal. Whatever source the other has is looked up as texels are. */
 #include "carry/carry.h"
 #include "rays/look.h"
+#include "source/cage.h"
 #include "source/closest.h"
 
 #include "base/log.h"
@@ -28,6 +29,7 @@ typedef struct carry {
     slv_tessellation triangles; /* what `scene` was made of */
     ray_scene scene;
     ray_look look;
+    bake_cage cage;
     carry_pool *pool;
     slv_face_match *matches; /* NULL: none */
     float offset[3];         /* from this mesh's frame to the other's */
@@ -35,7 +37,8 @@ typedef struct carry {
 
 typedef struct points {
     slv_surface_point at[AT_ONCE];
-    float positions[AT_ONCE][3], normals[AT_ONCE][3], du[AT_ONCE][3], dv[AT_ONCE][3];
+    float positions[AT_ONCE][3], normals[AT_ONCE][3], du[AT_ONCE][3], dv[AT_ONCE][3],
+        cage[AT_ONCE][3];
 } points;
 
 static float length(const float v[3]) {
@@ -48,9 +51,13 @@ static slv_result surface_points(const carry *s, points *work, uint32_t count) {
                                        .du = work->du[0],
                                        .dv = work->dv[0]};
     slv_result result = slv_surface_evaluate(s->surface, count, work->at, &arrays);
+    if (!result && s->cage.surface)
+        result = slvi_cage_points(&s->cage, count, work->at, work->cage[0]);
     for (uint32_t i = 0; i < count && !result; i++)
-        for (int k = 0; k < 3; k++)
+        for (int k = 0; k < 3; k++) {
             work->positions[i][k] += s->offset[k];
+            work->cage[i][k] += s->offset[k];
+        }
     return result;
 }
 
@@ -67,10 +74,11 @@ static slv_bake_miss nearest(const carry *s, const float p[3], const float n[3],
                                                                      : SLV_BAKE_TOO_FAR;
 }
 
-static slv_bake_miss along(const carry *s, const float p[3], const float n[3],
-                           slv_surface_point *out) {
+static slv_bake_miss along(const carry *s, const points *work, uint32_t i, slv_surface_point *out) {
     ray_found found;
-    slv_bake_miss miss = slvi_ray_look(&s->look, p, n, &found);
+    slv_bake_miss miss =
+        s->cage.surface ? slvi_ray_look_from(&s->look, work->cage[i], work->positions[i], &found)
+                        : slvi_ray_look(&s->look, work->positions[i], work->normals[i], &found);
     if (miss)
         return miss;
     const uint32_t *corners = s->scene.triangles + 3 * (size_t)found.triangle;
@@ -85,9 +93,9 @@ static slv_bake_miss along(const carry *s, const float p[3], const float n[3],
     return SLV_BAKE_HIT;
 }
 
-static slv_bake_miss find(const carry *s, const float p[3], const float n[3],
-                          slv_surface_point *out) {
-    return s->closest ? nearest(s, p, n, out) : along(s, p, n, out);
+static slv_bake_miss find(const carry *s, const points *work, uint32_t i, slv_surface_point *out) {
+    return s->closest ? nearest(s, work->positions[i], work->normals[i], out)
+                      : along(s, work, i, out);
 }
 
 /* ---- what is there ---- */
@@ -148,7 +156,7 @@ static slv_result average(walk *w, const slv_surface_point *middle, const uint32
     slv_result result = surface_points(w->s, &w->grid, each);
     for (uint32_t k = 0; k < each && !result; k++) {
         slv_surface_point at;
-        slv_bake_miss miss = find(w->s, w->grid.positions[k], w->grid.normals[k], &at);
+        slv_bake_miss miss = find(w->s, &w->grid, k, &at);
         miss = miss ? miss : look_up(w, &at, footprint, out);
         found += !miss;
         *missed = miss ? (uint8_t)miss : *missed;
@@ -162,7 +170,7 @@ static slv_result average(walk *w, const slv_surface_point *middle, const uint32
 
 static slv_result texel(walk *w, uint32_t i, float *out, uint8_t *missed) {
     slv_surface_point at;
-    slv_bake_miss miss = find(w->s, w->row.positions[i], w->row.normals[i], &at);
+    slv_bake_miss miss = find(w->s, &w->row, i, &at);
     float width = ldexpf(length(w->row.du[i]), -w->res.u),
           height = ldexpf(length(w->row.dv[i]), -w->res.v);
     uint32_t count[2] = {2, 2}; /* part of a texel may be there though its middle is not */
@@ -258,7 +266,7 @@ static void extent(const slv_bake_source *source, uint32_t face, float size[2]) 
         return;
     }
     work.at[0] = (slv_surface_point){(int32_t)face, 0.5f, 0.5f};
-    if (surface_points(s, &work, 1) || find(s, work.positions[0], work.normals[0], &at) ||
+    if (surface_points(s, &work, 1) || find(s, &work, 0, &at) ||
         slv_surface_evaluate(s->other, 1, &at, &arrays))
         return;
     s->of->fns->extent(s->of, (uint32_t)at.face, own);
@@ -276,6 +284,7 @@ static void destroy(slv_bake_source *source) {
     slvi_ray_scene_free(&s->scene);
     slv_tessellation_free(&s->triangles);
     slvi_closest_destroy(s->closest);
+    slvi_cage_destroy(&s->cage);
     slv_surface_destroy(s->other);
     slvi_free(s->matches);
     slv_bake_source_destroy(s->of);
@@ -307,6 +316,9 @@ static slv_result measure(const slv_env *env, const slv_mesh *mesh, const slv_me
     for (int k = 0; k < 3; k++) {
         double side = (double)high[0][k] - (double)low[0][k];
         diagonal += side * side;
+    }
+    slvi_cage_bound(&s->cage, s->params.cage, s->offset, low[0], high[0]);
+    for (int k = 0; k < 3; k++) {
         for (int m = 0; m < 2; m++)
             s->look.size = fmaxf(s->look.size, fmaxf(fabsf(low[m][k]), fabsf(high[m][k])));
     }
@@ -366,6 +378,8 @@ static slv_result check(const slv_env *env, const slv_mesh *other, const slv_bak
         return slvi_fail(env, SLV_ERROR_MISMATCH,
                          "bake: the other mesh has %u faces, its source %u",
                          slv_mesh_face_count(other), of->nfaces);
+    if (p->cage && !p->rays)
+        return slvi_fail(env, SLV_ERROR_ARGUMENT, "bake: a cage is for rays");
     const float values[] = {p->distance, p->front, p->back};
     for (int k = 0; k < 3; k++)
         if (!(values[k] >= 0) || !isfinite(values[k]))
@@ -399,7 +413,8 @@ slv_result slv_bake_from_mesh(const slv_env *env, const slv_mesh *mesh, const sl
                                 .cost = of->cost + LEAST_COST,
                                 .apart = of->apart,
                                 .desc = of->desc};
-    if ((result = measure(env, mesh, other, s)) ||
+    if ((result = slvi_cage_create(env, mesh, own.cage, own.cage_scheme, &s->cage)) ||
+        (result = measure(env, mesh, other, s)) ||
         (result = slv_surface_create(env, other, &how, &s->other)) ||
         (result = search_by(env, other, s)) || (result = match(env, mesh, other, s)) ||
         (result = slvi_alloc(env, "bake: texels", 1, sizeof *s->pool, &s->pool)) ||

@@ -1,6 +1,7 @@
 /* A detailed mesh on a plainer surface: rays both ways along the normal of the limit, to the
  * nearest thing that faces the same way; vectors to the nearest place in any direction. */
 #include "rays/look.h"
+#include "source/cage.h"
 #include "source/closest.h"
 #include "source/source.h"
 
@@ -18,6 +19,7 @@ typedef struct detail {
     slv_bake_detail params;
     const slv_surface *surface;
     ray_scene scene;
+    bake_cage cage;
     float size; /* what coordinates reach: how exactly a point can be told */
     /* for vectors */
     slv_surface *detailed;
@@ -27,7 +29,7 @@ typedef struct detail {
 
 typedef struct points {
     slv_surface_point at[AT_ONCE];
-    float positions[AT_ONCE][3], normals[AT_ONCE][3], du[AT_ONCE][3];
+    float positions[AT_ONCE][3], normals[AT_ONCE][3], du[AT_ONCE][3], cage[AT_ONCE][3];
 } points;
 
 static float dot(const float *a, const float *b) {
@@ -71,8 +73,8 @@ static slv_bake_miss vector_to(const detail *d, const float p[3], const float n[
 }
 
 /* What is asked for of the place that was found from a point of the surface. */
-static slv_bake_miss sample(const detail *d, const float p[3], const float n[3], const float du[3],
-                            float out[3]) {
+static slv_bake_miss sample(const detail *d, const points *work, uint32_t i, float out[3]) {
+    const float *p = work->positions[i], *n = work->normals[i];
     ray_found best;
     slv_bake_miss miss;
     slv_bake_detail_kind kind = d->params.kind;
@@ -80,13 +82,14 @@ static slv_bake_miss sample(const detail *d, const float p[3], const float n[3],
     if (d->closest) {
         miss = vector_to(d, p, n, out);
     } else {
-        miss = slvi_ray_look(&look, p, n, &best);
+        miss = d->cage.surface ? slvi_ray_look_from(&look, work->cage[i], p, &best)
+                               : slvi_ray_look(&look, p, n, &best);
         out[0] = best.distance;
         if (!miss && kind != SLV_BAKE_DISPLACEMENT)
             slvi_ray_normal(&d->scene, best.triangle, best.weights, out);
     }
     if (!miss && (kind == SLV_BAKE_FACE_NORMAL || kind == SLV_BAKE_FACE_VECTOR))
-        to_face(n, du, out);
+        to_face(n, work->du[i], out);
     return miss;
 }
 
@@ -105,11 +108,13 @@ static slv_result evaluate_some(const detail *d, points *work, uint32_t face, sl
         .positions = work->positions[0], .normals = work->normals[0], .du = work->du[0]};
     slv_result result =
         slv_surface_evaluate(d->surface, (size_t)rect.width * each, work->at, &arrays);
+    if (!result && d->cage.surface)
+        result = slvi_cage_points(&d->cage, (size_t)rect.width * each, work->at, work->cage[0]);
     for (uint32_t i = 0; i < rect.width && !result; i++) {
         uint32_t count[SLV_BAKE_MISSES] = {0};
         float sum[3] = {0}, one[3];
         for (uint32_t k = i * each; k < (i + 1) * each; k++) {
-            slv_bake_miss miss = sample(d, work->positions[k], work->normals[k], work->du[k], one);
+            slv_bake_miss miss = sample(d, work, k, one);
             for (uint32_t c = 0; c < n && miss == SLV_BAKE_HIT; c++)
                 sum[c] += one[c];
             count[miss]++;
@@ -149,6 +154,7 @@ static void destroy(slv_bake_source *source) {
     detail *d = (detail *)source;
     slvi_ray_scene_free(&d->scene);
     slvi_closest_destroy(d->closest);
+    slvi_cage_destroy(&d->cage);
     slv_surface_destroy(d->detailed);
     slvi_free(d);
 }
@@ -162,10 +168,12 @@ static slv_result measure(const slv_env *env, const slv_mesh *mesh, detail *d) {
         low[i % 3] = fminf(low[i % 3], view->positions[i]);
         high[i % 3] = fmaxf(high[i % 3], view->positions[i]);
     }
+    for (int k = 0; k < 3; k++)
+        diagonal += ((double)high[k] - (double)low[k]) * ((double)high[k] - (double)low[k]);
+    slvi_cage_bound(&d->cage, d->params.cage, NULL, low, high);
     for (int k = 0; k < 3; k++) {
         d->size = fmaxf(d->size, fmaxf(fabsf(low[k]), fabsf(high[k])));
         d->size = fmaxf(d->size, fmaxf(fabsf(d->scene.low[k]), fabsf(d->scene.high[k])));
-        diagonal += ((double)high[k] - (double)low[k]) * ((double)high[k] - (double)low[k]);
     }
     float reach = DEFAULT_REACH * (float)sqrt(diagonal);
     d->params.front = d->params.front > 0 ? d->params.front : reach;
@@ -185,6 +193,11 @@ static slv_result check(const slv_env *env, slv_bake_detail *p) {
     p->samples = p->samples ? p->samples : 2;
     if ((unsigned)p->kind > SLV_BAKE_FACE_VECTOR)
         return slvi_fail(env, SLV_ERROR_ARGUMENT, "bake: unknown kind of detail %d", (int)p->kind);
+    if (p->cage && p->kind != SLV_BAKE_OBJECT_NORMAL && p->kind != SLV_BAKE_FACE_NORMAL)
+        return slvi_fail(
+            env, SLV_ERROR_ARGUMENT,
+            "bake: a cage is for normals: displacement goes along those of the surface, "
+            "vectors to the nearest place");
     if (p->samples > MOST_SIDE)
         return slvi_fail(env, SLV_ERROR_ARGUMENT, "bake: %u samples a texel and axis, at most %d",
                          p->samples, MOST_SIDE);
@@ -230,6 +243,7 @@ slv_result slv_bake_from_detail(const slv_env *env, const slv_mesh *mesh,
                                          height ? 1 : 3, SLV_NO_ALPHA, SLV_TEXTURE_DATA}};
     if ((result = slvi_ray_scene_of_polygons(env, detailed, slv_mesh_get_view(mesh)->origin,
                                              &d->scene)) ||
+        (result = slvi_cage_create(env, mesh, own.cage, own.cage_scheme, &d->cage)) ||
         (result = measure(env, mesh, d)) ||
         (vector && (result = begin_vectors(env, mesh, detailed, d)))) {
         destroy(&d->base);

@@ -85,3 +85,26 @@ slv_bake_miss slvi_ray_look(const ray_look *l, const float p[3], const float n[3
                   slvi_ray_is_blocked(l->scene, p, backwards, INFINITY);
     return beyond ? SLV_BAKE_TOO_FAR : SLV_BAKE_NO_HIT;
 }
+
+slv_bake_miss slvi_ray_look_from(const ray_look *l, const float cage[3], const float point[3],
+                                 ray_found *out) {
+    float outwards[3], inwards[3], length;
+    *out = (ray_found){0};
+    for (int k = 0; k < 3; k++)
+        outwards[k] = cage[k] - point[k];
+    length = sqrtf(dot(outwards, outwards));
+    if (!(length > 0))
+        return SLV_BAKE_NO_HIT; /* the cage touches the surface: there is no way to look */
+    for (int k = 0; k < 3; k++) {
+        outwards[k] /= length;
+        inwards[k] = -outwards[k];
+    }
+    one_way(l, cage, outwards, -1, length + l->back, out);
+    out->distance += length;
+    if (out->any)
+        return SLV_BAKE_HIT;
+    if (out->behind)
+        return SLV_BAKE_BACK_FACING;
+    return slvi_ray_is_blocked(l->scene, cage, inwards, INFINITY) ? SLV_BAKE_TOO_FAR
+                                                                  : SLV_BAKE_NO_HIT;
+}

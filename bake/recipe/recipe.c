@@ -141,7 +141,7 @@ static slv_result parse(const recipe_reader *r, const char *text, size_t size, j
 /* Names of files become those that they are opened by: relative to the folder of the recipe.
  * Recursive, as deep as sources are nested, which `depth` limits. */
 static slv_result place_files(const recipe_reader *r, json_t *node, const char *folder, int depth) {
-    static const char *const files[] = {"uv", "detail", "points", "texture", "mesh"};
+    static const char *const files[] = {"uv", "detail", "points", "texture", "mesh", "cage"};
     const char *key;
     json_t *value;
     char path[4096];
@@ -195,7 +195,7 @@ static slv_result read_file(const recipe_reader *r, const char *path, json_t **o
 }
 
 static slv_result list_files(slv_bake_recipe *recipe, json_t *node) {
-    static const char *const files[] = {"uv", "detail", "points", "texture", "mesh"};
+    static const char *const files[] = {"uv", "detail", "points", "texture", "mesh", "cage"};
     const char *key;
     json_t *value;
     for (size_t i = 0; i < sizeof files / sizeof *files; i++) {

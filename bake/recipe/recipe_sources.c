@@ -125,6 +125,16 @@ static slv_result open_vertex(opening *o, const json_t *node, const char *where,
     return slv_bake_from_vertex_colors(o->r.env, o->mesh, (slv_texture_encoding)encoding, out);
 }
 
+static slv_result open_cage(const opening *o, const json_t *node, const char *where,
+                            slv_mesh **out) {
+    const char *path;
+    *out = NULL;
+    if (!json_object_get(node, "cage"))
+        return SLV_OK;
+    slv_result result = file_name(o, node, where, "cage", &path);
+    return result || !o->mesh ? result : slv_mesh_load(o->r.env, path, out);
+}
+
 /* Of a scan with polygons: what its surface has in the nearest place, as it stands. */
 static slv_result from_colored(const opening *o, const slv_mesh *scan,
                                const slv_bake_points *params, slv_bake_source **out) {
@@ -193,9 +203,9 @@ static slv_result open_carry(opening *o, const json_t *node, const char *where, 
     const char *path;
     int by = 0, scheme = (int)o->scheme;
     slv_bake_source *of = NULL;
-    slv_mesh *other = NULL;
+    slv_mesh *other = NULL, *cage = NULL;
     slv_result result;
-    if ((result = ONLY("carry", "mesh", "by", "distance", "front", "back", "scheme")) ||
+    if ((result = ONLY("carry", "mesh", "by", "distance", "front", "back", "scheme", "cage")) ||
         (result = file_name(o, node, where, "mesh", &path)) ||
         (result = slvi_recipe_word(&o->r, where, node, "by", by_name, &by)) ||
         (result = slvi_recipe_word(&o->r, where, node, "scheme", scheme_name, &scheme)) ||
@@ -203,15 +213,21 @@ static slv_result open_carry(opening *o, const json_t *node, const char *where, 
         (result = number(o, node, where, "front", 1e-30, 1e30, &params.front)) ||
         (result = number(o, node, where, "back", 1e-30, 1e30, &params.back)))
         return result;
-    if (o->mesh && ((result = need_surface(o)) || (result = load_mesh(o, path, &other))))
+    if ((result = open_cage(o, node, where, &cage)) ||
+        (o->mesh && ((result = need_surface(o)) || (result = load_mesh(o, path, &other))))) {
+        slv_mesh_destroy(cage);
         return result;
+    }
     opening there = {o->r, o->recipe, other, NULL, (slv_scheme)scheme};
     result = open_child(&there, node, where, "carry", depth, &of);
     params.rays = by == 1;
     params.scheme = (slv_scheme)scheme;
+    params.cage = cage;
+    params.cage_scheme = o->scheme;
     if (!result && o->mesh)
         result = slv_bake_from_mesh(o->r.env, o->mesh, o->surface, other, of, &params, out);
     slv_mesh_destroy(other);
+    slv_mesh_destroy(cage);
     return result;
 }
 
@@ -237,20 +253,26 @@ static slv_result open_detail(opening *o, const json_t *node, const char *where,
     slv_bake_detail detail = {0};
     const char *path;
     int kind = 0;
-    slv_mesh *detailed = NULL;
+    slv_mesh *detailed = NULL, *cage = NULL;
     slv_result result;
     (void)depth;
-    if ((result = ONLY("detail", "kind", "front", "back", "samples")) ||
+    if ((result = ONLY("detail", "kind", "front", "back", "samples", "cage")) ||
         (result = file_name(o, node, where, "detail", &path)) ||
         (result = slvi_recipe_word(&o->r, where, node, "kind", detail_name, &kind)) ||
         (result = whole(o, node, where, "samples", 1, 16, &detail.samples)) ||
         (result = number(o, node, where, "front", 1e-30, 1e30, &detail.front)) ||
-        (result = number(o, node, where, "back", 1e-30, 1e30, &detail.back)) || !o->mesh ||
-        (result = need_surface(o)) || (result = slv_mesh_load(o->r.env, path, &detailed)))
+        (result = number(o, node, where, "back", 1e-30, 1e30, &detail.back)) ||
+        (result = open_cage(o, node, where, &cage)) || !o->mesh || (result = need_surface(o)) ||
+        (result = slv_mesh_load(o->r.env, path, &detailed))) {
+        slv_mesh_destroy(cage);
         return result;
+    }
     detail.kind = (slv_bake_detail_kind)kind;
+    detail.cage = cage;
+    detail.cage_scheme = o->scheme;
     result = slv_bake_from_detail(o->r.env, o->mesh, o->surface, detailed, &detail, out);
     slv_mesh_destroy(detailed);
+    slv_mesh_destroy(cage);
     return result;
 }
 

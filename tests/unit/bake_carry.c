@@ -195,6 +195,37 @@ static void misses(void) {
               "%d %d %d %d", missed[0], missed[1], missed[2], missed[3]);
 }
 
+/* A cage that leans: rays go straight through it and the surface, whatever lies before the cage. */
+static void cage(void) {
+    static const char shifted[] = "v 1 0 1\nv 2 0 1\nv 2 1 1\nv 1 1 1\nf 1 2 3 4\n",
+                      other[] = "v -2 -2 .5\nv 4 -2 .5\nv 4 4 .5\nv -2 4 .5\n"
+                                "v -2 -2 2\nv 4 -2 2\nv 4 4 2\nv -2 4 2\nf 1 2 3 4\nf 5 6 7 8\n",
+                      square[] = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf 1 2 3 4\n";
+    char source[900];
+    float got[16 * 3];
+    uint8_t missed[16];
+    tool_write_file("cage.obj", shifted, sizeof shifted - 1);
+    tool_write_file("sheets.obj", other, sizeof other - 1);
+    snprintf(source, sizeof source,
+             "{\"carry\": {\"surface\": \"position\"}, \"mesh\": \"%s\", \"by\": \"rays\", "
+             "\"cage\": \"%s\"}",
+             tool_path("sheets.obj"), tool_path("cage.obj"));
+    evaluate(square, source, 0, (slv_res){2, 2}, 3, got, missed);
+    for (int i = 0; i < 16; i++) {
+        float x = ((float)(i % 4) + 0.5f) / 4 + 0.5f, y = ((float)(i / 4) + 0.5f) / 4;
+        CHECK_MSG(!missed[i] && fabsf(got[3 * i] - x) < 0.02f &&
+                      fabsf(got[3 * i + 1] - y) < 0.02f && fabsf(got[3 * i + 2] - 0.5f) < 1e-5f,
+                  "texel %d: %d %g %g %g", i, missed[i], (double)got[3 * i], (double)got[3 * i + 1],
+                  (double)got[3 * i + 2]);
+    }
+    snprintf(source, sizeof source,
+             "{\"detail\": \"%s\", \"kind\": \"face-normal\", "
+             "\"cage\": \"%s\"}",
+             tool_path("sheets.obj"), tool_path("cage.obj"));
+    evaluate(square, source, 0, (slv_res){2, 2}, 3, got, missed);
+    CHECK(!missed[0] && fabsf(got[2] - 1) < 1e-6f);
+}
+
 /* Triangles with colours at their vertices: linear between them. */
 static void scan(void) {
     char text[8000], source[300];
@@ -244,6 +275,11 @@ static void verb(void) {
     HAS("\"front\": 0.4");
     RUNS(2, "bake grid.obj --uv waves.exr --by rays -o b.ptx");
     RUNS(2, "bake grid.obj --from bent.obj -o b.ptx");
+    RUNS(2, "bake grid.obj --from bent.obj --uv waves.exr --cage grid.obj -o b.ptx");
+    RUNS(1, "bake grid.obj --from bent.obj --uv waves.exr --by rays --cage bent.obj -o none.ptx");
+    HAS("the cage has 3 polygons");
+    RUNS(1, "bake bent.obj --detail bent.obj --cage bent.obj -o none.ptx");
+    HAS("a cage is for normals");
     tool_write_file("other.obj", far, sizeof far - 1);
     RUNS(1, "bake bent.obj --from other.obj --surface position -o none.ptx");
     HAS("elsewhere");
@@ -263,6 +299,7 @@ int main(void) {
     turns();
     places();
     misses();
+    cage();
     scan();
     tool_end();
     return test_end();

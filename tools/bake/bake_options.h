@@ -7,7 +7,7 @@
 #include <selvage/bake_recipe.h>
 
 typedef struct bake_options {
-    const char *paths[2], *uv, *detail, *points, *texture, *from, *views, *bytes, *texels,
+    const char *paths[2], *uv, *detail, *points, *texture, *from, *views, *cage, *bytes, *texels,
         *miss_map, *recipe;
     uint32_t size[2], min[2], max[2], compression, threads;
     float texels_per_pixel, density, match, max_miss, error, frequency, distance, front, back;

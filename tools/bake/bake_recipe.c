@@ -21,6 +21,8 @@ static int check(const cli_command *command, const bake_options *o) {
                                   "it");
     if (o->recipe && o->from)
         return cli_usage(command, "--from: a recipe says it by \"carry\"");
+    if (o->cage && !o->detail && !(o->from && o->by))
+        return cli_usage(command, "--cage: --from with --by rays, or --detail, is missing");
     if (o->by_given && !o->from)
         return cli_usage(command, "--by: --from MESH is missing");
     if (!o->recipe && sources != 1)
@@ -110,6 +112,7 @@ static json_t *source_of(const bake_options *o) {
              slv_bake_detail_kind_name((slv_bake_detail_kind)o->detail_kind));
         number(source, o->front_given && !o->from, "front", (double)o->front);
         number(source, o->back_given && !o->from, "back", (double)o->back);
+        word(source, o->cage && !o->from, "cage", o->cage);
         whole(source, o->samples != 0, "samples", o->samples);
     } else if (o->rays_given) {
         word(source, true, "rays", slv_bake_rays_kind_name((slv_bake_rays_kind)o->rays));
@@ -139,6 +142,7 @@ static json_t *carried(const bake_options *o, json_t *of) {
     number(source, o->distance > 0, "distance", (double)o->distance);
     number(source, o->front_given, "front", (double)o->front);
     number(source, o->back_given, "back", (double)o->back);
+    word(source, o->cage != NULL, "cage", o->cage);
     return source;
 }
 

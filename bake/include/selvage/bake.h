@@ -182,11 +182,13 @@ SLV_NODISCARD SLV_API slv_result slv_bake_from_texture(const slv_env *env, const
 
 /* Zero means default. */
 typedef struct slv_bake_carry {
-    bool rays;         /* along the normals of this mesh's limit; default: the nearest place */
-    float distance;    /* how near the other must be; default 1/100 of the diagonal */
-    float front, back; /* how far rays reach outwards and inwards; default 1/20 of it */
-    slv_scheme scheme; /* of the other mesh's surface */
-    bool no_copies;    /* also faces with the same corners are looked up */
+    bool rays;              /* along the normals of this mesh's limit; default: the nearest place */
+    float distance;         /* how near the other must be; default 1/100 of the diagonal */
+    float front, back;      /* how far rays reach outwards and inwards; default 1/20 of it */
+    slv_scheme scheme;      /* of the other mesh's surface */
+    const slv_mesh *cage;   /* for rays, as in slv_bake_detail */
+    slv_scheme cage_scheme; /* that of the surface */
+    bool no_copies;         /* also faces with the same corners are looked up */
     uint64_t reserved[4];
 } slv_bake_carry;
 
@@ -277,6 +279,11 @@ typedef struct slv_bake_detail {
     slv_bake_detail_kind kind;
     float front, back; /* how far rays reach outwards and inwards; default 1/20 of the diagonal */
     uint32_t samples;  /* per texel and axis, to 16; default 2 */
+    /* NULL, or for normals a mesh of the same polygons: rays go from its surface through this one's
+     * and `back` beyond, to the first thing that faces it. Else SLV_ERROR_MISMATCH, before any ray,
+     * with the polygon. */
+    const slv_mesh *cage;
+    slv_scheme cage_scheme; /* that of the surface */
     uint64_t reserved[4];
 } slv_bake_detail;
 
