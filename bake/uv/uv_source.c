@@ -519,6 +519,31 @@ static slv_result go_round(const slv_env *env, uv_source *s) {
     return result;
 }
 
+/* Of a face over half of the map both ways round are as short, or the wrong one is. */
+static void warn_of_wide(const slv_env *env, const char *path, const uv_source *s) {
+    uint32_t wide = 0, first = 0;
+    for (uint32_t face = 0; face < s->base.nfaces; face++) {
+        const float *corners = corners_of(s, face);
+        bool is_wide = false;
+        for (int axis = 0; axis < 2 && !isnan(corners[0]); axis++) {
+            float low = corners[axis], high = corners[axis];
+            for (int c = 1; c < 4; c++) {
+                low = fminf(low, corners[2 * c + axis]);
+                high = fmaxf(high, corners[2 * c + axis]);
+            }
+            is_wide |= s->round[axis] && high - low > 0.5f - 1e-5f;
+        }
+        first = is_wide && !wide ? face : first;
+        wide += is_wide;
+    }
+    if (wide)
+        slvi_logf(
+            env, SLV_LOG_WARNING,
+            "%s: %u of %u faces span half of the map or more along what goes round, and may be "
+            "taken the wrong way: the first is face %u",
+            path, wide, s->base.nfaces, first);
+}
+
 slv_result slv_bake_from_uv(const slv_env *env, const slv_mesh *mesh, const char *path,
                             const slv_bake_uv *params, slv_bake_source **out) {
     static const slv_bake_uv none = {0};
@@ -550,6 +575,8 @@ slv_result slv_bake_from_uv(const slv_env *env, const slv_mesh *mesh, const char
     }
     if ((s->round[0] || s->round[1]) && (result = go_round(env, s)))
         goto done;
+    if (s->round[0] || s->round[1])
+        warn_of_wide(env, path, s);
     if ((s->round[0] || s->round[1]) && !chosen.wrap)
         chosen.wrap = SLV_BAKE_WRAP_REPEAT;
     if ((result = slvi_uv_set_load(env, path, &chosen, s->corners, s->base.nfaces, &s->set)) ||

@@ -305,6 +305,16 @@ static void parts_go_round(void) {
               0);
         CHECK_MSG(tool("diff plain.ptx twice.ptx --texels --tolerance 0.1") == 1, "%s", tool_out);
     }
+    /* four rows of a fourth of the map each are told well; of two rows each has half of it */
+    CHECK(tool("render once.obj --uv waves.exr --round both --size 16 -q -o y.png") == 0);
+    CHECK_MSG(!strstr(tool_out, "half of the map"), "%s", tool_out);
+    write_text("half.obj", "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 2 0 0\nv 2 1 0\nvt 0 0\n"
+                           "vt .25 0\nvt .25 1\nvt 0 1\nvt .75 0\nvt .75 1\n"
+                           "f 1/1 2/2 3/3 4/4\nf 2/2 5/5 6/6 3/3\n");
+    CHECK(tool("render half.obj --uv waves.exr --round u --size 16 -q -o y.png") == 0);
+    CHECK_MSG(strstr(tool_out, "1 of 2 faces span half of the map") &&
+                  strstr(tool_out, "the first is face 1"),
+              "%s", tool_out);
     CHECK(tool("bake once.obj --pattern noise --round u -o none.ptx") == 2);
     CHECK(tool("render once.obj --uv 't.<UDIM>.exr' --round u -o x.png") == 1);
     CHECK_MSG(strstr(tool_out, "one image"), "%s", tool_out);

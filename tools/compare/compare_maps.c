@@ -33,7 +33,7 @@ void compare_warn_of_other_content(const report_data *report) {
         if (maps->rows[k].strategy)
             least = fmin(least, report_rms(&maps->rows[k].errors[REPORT_PLACE_INSIDE]));
     if (isfinite(least) && least > 16.0 / 255)
-        cli_warning("%s: does not show what %s does, from which it is %.0f/255 away inside faces: "
-                    "bake --uv makes a texture of an image",
-                    report->ptx, maps->image, 255 * least);
+        cli_warning("%s: is %.0f/255 away from %s inside faces: it shows something else (bake --uv "
+                    "makes a texture of an image), or is much coarser",
+                    report->ptx, 255 * least, maps->image);
 }
