@@ -2,6 +2,8 @@
  * samples, of which each pixel has several, asks nothing and has all channels in a register. */
 #include "uv/sample.h"
 
+#include <math.h>
+
 #define ALWAYS static inline __attribute__((always_inline))
 
 enum storage { BYTES, WORDS, FLOATS };
@@ -49,10 +51,49 @@ void slvi_uv_decode(const uv_tile *tile, uint32_t nchannels, uint32_t x, uint32_
     }
 }
 
+#define STRAIGHT 1e-9f /* pixels a sample: less is a line along an axis */
+
+/* A line along an axis of the image: what lies between its two rows (or columns) of pixels is found
+ * once a pixel, not once a sample. Pixels are `along` apart on the line and `across` between the
+ * two. More than 8 parameters, since the compiler is to see both forms by themselves. */
+static inline void sum_straight(const uv_pixel *pixels, size_t along, size_t across, float start,
+                                float step, float fraction, uint32_t per_texel, uint32_t ntexels,
+                                uv_pixel *sums) {
+    int32_t held = INT32_MIN;
+    uv_pixel low = {0}, high = {0};
+    uint32_t k = 0;
+    for (uint32_t texel = 0; texel < ntexels; texel++) {
+        uv_pixel sum = sums[texel];
+        for (uint32_t i = 0; i < per_texel; i++, k++) {
+            float x = start + (float)k * step;
+            int32_t left = (int32_t)x;
+            if (left != held) {
+                const uv_pixel *at = pixels + (size_t)left * along;
+                low = left == held + 1 ? high : at[0] + (at[across] - at[0]) * fraction;
+                high = at[along] + (at[along + across] - at[along]) * fraction;
+                held = left;
+            }
+            sum += low + (high - low) * (x - (float)left);
+        }
+        sums[texel] = sum;
+    }
+}
+
 void slvi_uv_sum_line(const uv_window *window, const uv_line *line, uint32_t per_texel,
                       uint32_t ntexels, uv_pixel *sums) {
     size_t row = window->width;
     uint32_t k = 0;
+    int32_t column = (int32_t)line->x, level = (int32_t)line->y;
+    if (fabsf(line->dy) < STRAIGHT) {
+        sum_straight(window->pixels + (size_t)level * row, 1, row, line->x, line->dx,
+                     line->y - (float)level, per_texel, ntexels, sums);
+        return;
+    }
+    if (fabsf(line->dx) < STRAIGHT) {
+        sum_straight(window->pixels + column, row, 1, line->y, line->dy, line->x - (float)column,
+                     per_texel, ntexels, sums);
+        return;
+    }
     for (uint32_t texel = 0; texel < ntexels; texel++) {
         uv_pixel sum = sums[texel];
         for (uint32_t i = 0; i < per_texel; i++, k++) {
