@@ -34,8 +34,8 @@ demo: build ## makes the demo scene, compares the strategies on it, and says whe
 check: dependencies-tests build ## builds and runs the quick tests; JOBS=n at a time (2)
 	@ctest --preset quick -j $(JOBS)
 
-test: dependencies-tests build ## builds and runs all tests; JOBS=n at a time (2)
-	@ctest --preset release -j $(JOBS)
+test: dependencies-tests build ## builds and runs the tests, long ones too with SELVAGE_TEST_EFFORT=1; JOBS=n at a time (2)
+	@ctest --preset $(if $(SELVAGE_TEST_EFFORT),release,short) -j $(JOBS)
 
 install: build ## installs under PREFIX (/usr/local), DESTDIR in front
 	@DESTDIR="$(DESTDIR)" cmake --install build --prefix "$(PREFIX)"

@@ -232,7 +232,8 @@ static void random_file(slv_ptx_mesh_type mesh_type, slv_type type, uint32_t nch
         REQUIRE(slv_ptx_writer_finish(writer) == SLV_OK);
         slv_ptx_writer_destroy(writer);
         for (int premultiply = 0; premultiply < 2; premultiply++)
-            check_file(path, premultiply, (int)test_effort(2));
+            if (!test_skip((uint32_t)(premultiply + edit), 2))
+                check_file(path, premultiply, (int)test_effort(2));
         check_table_bytes(path);
     }
     remove(path);
