@@ -219,3 +219,19 @@ slv_result slvi_form_faces_stale(const slv_form_faces *faces, uint32_t face, con
     slvi_face_set_free(&set);
     return result;
 }
+
+slv_result slvi_form_faces_need(const slv_form_faces *faces, bool samples, slv_face_set *set,
+                                slv_visit_item visit, void *user) {
+    slv_result result = SLV_OK;
+    uint32_t own = set->count, rings = 1;
+    for (uint32_t i = 0; !result && i < own; i++) /* which may be enough to know */
+        result = visit(user, set->faces[i]);
+    for (uint32_t i = 0; i < own; i++)
+        if (!is_simple(faces, set->faces[i]))
+            rings = samples ? 3 : 2;
+    for (uint32_t i = 0; !result && i < rings; i++)
+        result = slvi_face_set_grow(&faces->env, faces->adjacency, 0, set);
+    for (uint32_t i = own; !result && i < set->count; i++)
+        result = visit(user, set->faces[i]);
+    return result;
+}

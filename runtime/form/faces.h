@@ -51,6 +51,10 @@ slv_result slvi_form_faces_around(const slv_form_faces *faces, uint32_t face, co
 /* The same, visited. */
 slv_result slvi_form_faces_stale(const slv_form_faces *faces, uint32_t face, const slv_rect *rect,
                                  bool samples, slv_visit_item visit, void *user);
+/* The other way round, for slv_form's `needs`: the faces whose texels a face's item depends on, and
+ * some more. Starts with those that are in `set`. */
+slv_result slvi_form_faces_need(const slv_form_faces *faces, bool samples, slv_face_set *set,
+                                slv_visit_item visit, void *user);
 slv_result slvi_form_check_rect(const slv_form_faces *faces, uint32_t face, const slv_rect *rect);
 
 #endif

@@ -292,6 +292,7 @@ static void check_edges(bool mixed, uint64_t *random) {
                                           values[side]) == SLV_OK);
         /* beside longer texels borders agree at texel centres, and between them nearly */
         const float most = mixed && strategy->form == slv_form_borders ? 0.25f : 1e-2f;
+        float apart = 0;
         for (int i = 0; i < POINTS; i++) {
             float *own = &values[0][4 * i], *other = &values[1][4 * i];
             apply(&turns[i], other);
@@ -300,7 +301,10 @@ static void check_edges(bool mixed, uint64_t *random) {
                       strategy->name, mixed ? ", mixed" : "", p[0].faces[i], (double)p[0].uv[2 * i],
                       (double)p[0].uv[2 * i + 1], (double)own[0], (double)own[1], p[1].faces[i],
                       (double)other[0], (double)other[1]);
+            apart += fabsf(own[0] - other[0]) + fabsf(own[1] - other[1]);
         }
+        CHECK_MSG(apart / (2 * POINTS) < 0.02f, "%s: %g on average", strategy->name,
+                  (double)apart / (2 * POINTS));
     }
     slv_gl_texture_destroy(texture);
     kit_free(&k);

@@ -48,6 +48,16 @@ static slv_result leaves_range(const void *made, uint32_t item, bool *out) {
     return result;
 }
 
+static slv_result needs(const void *made, uint32_t item, slv_visit_item visit, void *user) {
+    const slv_form_faces *faces = made;
+    slv_face_set set = {0};
+    slv_result result = slvi_face_set_add(&faces->env, &set, item);
+    if (!result)
+        result = slvi_form_faces_need(faces, false, &set, visit, user);
+    slvi_face_set_free(&set);
+    return result;
+}
+
 static slv_result stale(const void *made, uint32_t face, const slv_rect *rect, slv_visit_item visit,
                         void *user) {
     return slvi_form_faces_stale(made, face, rect, false, visit, user);
@@ -69,6 +79,7 @@ const slv_form *slv_form_borders(void) {
         .read_rim = read_rim,
         .leaves_range = leaves_range,
         .stale = stale,
+        .needs = needs,
     };
     return &form;
 }

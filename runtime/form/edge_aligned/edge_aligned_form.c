@@ -42,6 +42,16 @@ static slv_result read_level(const void *made, uint32_t item, uint32_t level, fl
     return SLV_OK;
 }
 
+static slv_result needs(const void *made, uint32_t item, slv_visit_item visit, void *user) {
+    const slv_form_faces *faces = &((const struct aligned_faces *)made)->faces;
+    slv_face_set set = {0};
+    slv_result result = slvi_face_set_add(&faces->env, &set, item);
+    if (!result)
+        result = slvi_form_faces_need(faces, true, &set, visit, user);
+    slvi_face_set_free(&set);
+    return result;
+}
+
 static slv_result stale(const void *made, uint32_t face, const slv_rect *rect, slv_visit_item visit,
                         void *user) {
     return slvi_form_faces_stale(made, face, rect, true, visit, user);
@@ -67,6 +77,7 @@ const slv_form *slv_form_edge_aligned(void) {
         .read = read_level,
         .read_rim = read_level,
         .stale = stale,
+        .needs = needs,
         .refresh = refresh,
     };
     return &form;

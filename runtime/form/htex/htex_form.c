@@ -4,17 +4,45 @@
 #include "base/memory.h"
 #include "form/htex/htex_data.h"
 
+#include <string.h>
+
+/* Of two polygons with two sub-faces each. */
+enum { SIDES = 4 };
+#define NONE UINT32_MAX
+
 struct squares {
     slv_form_faces faces;
     slv_htex *htex;
-    slv_htex_again *again; /* NULL until something is refreshed */
+    slv_htex_again *again;    /* NULL until something is refreshed */
+    uint32_t (*sides)[SIDES]; /* per square: the faces that have a part of it, and NONE */
 };
+
+/* Puts down which faces have parts of which squares. */
+static slv_result list_sides(const slv_env *env, struct squares *form) {
+    uint32_t nedges = slv_htex_edge_count(form->htex);
+    slv_result result = slvi_alloc(env, "squares", nedges, sizeof *form->sides, &form->sides);
+    if (result)
+        return result;
+    memset(form->sides, 0xff, nedges * sizeof *form->sides);
+    for (uint32_t face = 0; face < form->faces.desc->nfaces; face++) {
+        slv_htex_face row = slv_htex_get_face(form->htex, face);
+        for (uint32_t k = 0; k < 4; k++) {
+            uint32_t *sides = form->sides[row.edge[k]], i = 0;
+            while (i < SIDES && sides[i] != NONE && sides[i] != face)
+                i++;
+            if (i < SIDES && (!row.part || k == 1 || k == 2))
+                sides[i] = face;
+        }
+    }
+    return SLV_OK;
+}
 
 static void destroy(void *made) {
     struct squares *form = made;
     if (!form)
         return;
     slvi_htex_again_destroy(form->again);
+    slvi_free(form->sides);
     slv_htex_destroy(form->htex);
     slvi_free(form);
 }
@@ -27,6 +55,8 @@ static slv_result create(const slv_env *env, const slv_levels *levels,
         result = slvi_form_faces_begin(env, levels, adjacency, border, &made->faces);
     if (!result)
         result = slv_htex_create(env, levels, adjacency, &made->htex);
+    if (!result)
+        result = list_sides(env, made);
     if (result) {
         destroy(made);
         made = NULL;
@@ -119,6 +149,18 @@ static slv_result stale(const void *made, uint32_t face, const slv_rect *rect, s
     return result;
 }
 
+static slv_result needs(const void *made, uint32_t item, slv_visit_item visit, void *user) {
+    const struct squares *form = made;
+    slv_face_set set = {0};
+    slv_result result = SLV_OK;
+    for (uint32_t i = 0; !result && i < SIDES && form->sides[item][i] != NONE; i++)
+        result = slvi_face_set_add(&form->faces.env, &set, form->sides[item][i]);
+    if (!result)
+        result = slvi_form_faces_need(&form->faces, false, &set, visit, user);
+    slvi_face_set_free(&set);
+    return result;
+}
+
 static slv_result refresh(void *made, const uint32_t *items, uint32_t nitems) {
     struct squares *form = made;
     const slv_form_faces *faces = &form->faces;
@@ -143,6 +185,7 @@ const slv_form *slv_form_htex(void) {
         .read = read_level,
         .stale = stale,
         .refresh = refresh,
+        .needs = needs,
     };
     return &form;
 }

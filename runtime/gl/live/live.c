@@ -66,6 +66,7 @@ slv_result slvi_gl_live_create(slv_gl *gl, const slv_env *env, const slv_gl_give
             : slv_texture_get_desc(params->edge_filter ? light_of(live) : live->texture)->type;
     live->source.levels = live->levels;
     live->source.light = given->decoded ? NULL : light_of(live);
+    live->source.bare_only = given->resident;
     live->source.srgb = live->srgb;
     live->source.adjacency = given->adjacency;
     live->source.params = *params;

@@ -16,7 +16,8 @@ typedef struct slv_gl_change {
 typedef struct slv_gl_given {
     const slv_texture *texture;
     const slv_adjacency *adjacency;
-    bool decoded; /* halves: the light of encoded 8-bit colours, which it is to be on the GPU */
+    bool resident; /* faces come and go: what their neighbours take must not change with it */
+    bool decoded;  /* halves: the light of encoded 8-bit colours, which it is to be on the GPU */
 } slv_gl_given;
 
 typedef struct slv_gl_live {

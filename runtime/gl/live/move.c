@@ -194,9 +194,8 @@ static bool is_wide(const slv_gl_store *store, uint32_t item) {
     return store->wide[item] && !store->pools.format.block;
 }
 
-bool slvi_gl_move_needed(const slv_gl_source *source, const slv_gl_store *store, uint32_t item) {
+bool slvi_gl_move_needed(const slv_gl_store *store, uint32_t item, slv_res res) {
     const slv_gl_pool *pool = &store->pools.pools[store->pools.pool_of[item]];
-    slv_res res = slvi_gl_item_res(source, store->pools.form, store->made, item);
     return pool->res.u != res.u || pool->res.v != res.v || pool->wide != is_wide(store, item);
 }
 
@@ -214,9 +213,8 @@ static slv_gl_pool *soonest_empty(slv_gl_pools *pools, const slv_gl_pool *of) {
 
 /* The parameters are what moves where, and what becomes of it. */
 slv_result slvi_gl_move_item(const slv_gl_source *source, slv_gl_store *store, uint32_t item,
-                             uint64_t *room, uint32_t fillers[2], bool *waits) {
+                             slv_res res, uint64_t *room, uint32_t fillers[2], bool *waits) {
     slv_gl_pools *pools = &store->pools;
-    slv_res res = slvi_gl_item_res(source, pools->form, store->made, item);
     slv_res old = pools->pools[pools->pool_of[item]].res;
     uint32_t to = NO_POOL;
     bool wide = is_wide(store, item), resized = res.u != old.u || res.v != old.v;

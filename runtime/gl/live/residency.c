@@ -213,7 +213,7 @@ static slv_result too_much(const slv_gl_residency *r, uint64_t bytes) {
 /* The texture of the coarse levels, whose size is known before any of it goes to the GPU. */
 static slv_result create_texture(slv_gl *gl, const slv_adjacency *adjacency, slv_gl_residency *r) {
     slv_gl_upload upload = {0};
-    const slv_gl_given given = {r->store, adjacency,
+    const slv_gl_given given = {r->store, adjacency, true,
                                 r->readers.encoded && r->readers.type == SLV_TYPE_U8};
     slv_result result =
         slvi_gl_texture_prepare(gl, &r->env, &given, &r->params.texture, false, &r->texture);

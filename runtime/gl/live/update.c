@@ -60,6 +60,7 @@ static slv_result upload(struct update *update, slv_gl_store *store, uint32_t it
 static slv_result move(struct update *update, slv_gl_store *store, uint32_t item) {
     const slv_gl_source *source = &update->live->source;
     uint32_t fillers[2], items[SLV_FORM_ITEMS];
+    slv_res res;
     bool waits, wide = false, blocks = store->pools.format.block;
     slv_result result = slvi_gl_store_is_wide(source, store, item, &wide);
     if (result)
@@ -67,9 +68,11 @@ static slv_result move(struct update *update, slv_gl_store *store, uint32_t item
     if (wide != store->wide[item])
         *(blocks ? &store->nclipped : &store->nwide) += wide ? 1u : UINT32_MAX;
     store->wide[item] = wide;
-    if (!slvi_gl_move_needed(source, store, item))
-        return SLV_OK;
-    if ((result = slvi_gl_move_item(source, store, item, &update->live->room, fillers, &waits)))
+    if ((result = slvi_gl_item_res(source, store->pools.form, store->made, item, &res)) ||
+        !slvi_gl_move_needed(store, item, res))
+        return result;
+    if ((result =
+             slvi_gl_move_item(source, store, item, res, &update->live->room, fillers, &waits)))
         return result;
     if (waits)
         slvi_gl_marks_add(&store->waiting, item);

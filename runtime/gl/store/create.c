@@ -277,14 +277,14 @@ slv_result slvi_gl_texture_prepare(slv_gl *gl, const slv_env *env, const slv_gl_
 slv_result slv_gl_texture_create(slv_gl *gl, const slv_env *env, const slv_texture *texture,
                                  const slv_adjacency *adjacency,
                                  const slv_gl_texture_params *params, slv_gl_texture **out) {
-    const slv_gl_given given = {texture, adjacency, false};
+    const slv_gl_given given = {texture, adjacency, false, false};
     return slvi_gl_texture_prepare(gl, env, &given, params, true, out);
 }
 
 slv_result slv_gl_texture_prepare(slv_gl *gl, const slv_env *env, const slv_texture *texture,
                                   const slv_adjacency *adjacency,
                                   const slv_gl_texture_params *params, slv_gl_texture **out) {
-    const slv_gl_given given = {texture, adjacency, false};
+    const slv_gl_given given = {texture, adjacency, false, false};
     return slvi_gl_texture_prepare(gl, env, &given, params, false, out);
 }
 
@@ -303,7 +303,7 @@ slv_result slvi_gl_texture_renew(slv_gl_texture *texture) {
     params.nstrategies = texture->nslots;
     params.progress = (slv_progress){0};
     const slv_gl_given given = {texture->live->texture, texture->live->source.adjacency,
-                                texture->live->decoded};
+                                texture->live->source.bare_only, texture->live->decoded};
     result = slvi_gl_texture_prepare(texture->gl, env, &given, &params, true, &fresh);
     if (!result) {
         old = *texture;

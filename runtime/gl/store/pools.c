@@ -59,6 +59,45 @@ static void pack_levels(const slv_form *form, uint32_t border, bool blocks, slv_
     pool->height = y + shelf;
 }
 
+struct alike {
+    const slv_gl_source *source;
+    uint32_t first;
+    bool any;
+};
+
+/* Ends the visit at a face that is not as the first. */
+static slv_result is_alike(void *user, uint32_t face) {
+    struct alike *alike = user;
+    const slv_texture *light = alike->source->light;
+    if (!slv_texture_is_constant(light, face))
+        return SLV_ERROR_CANCELLED;
+    if (!alike->any)
+        alike->first = face;
+    alike->any = true;
+    const slv_texture_desc *desc = slv_texture_get_desc(light);
+    return memcmp(slv_texture_texels(light, face), slv_texture_texels(light, alike->first),
+                  desc->nchannels * slv_type_size(desc->type))
+               ? SLV_ERROR_CANCELLED
+               : SLV_OK;
+}
+
+slv_result slvi_gl_item_res(const slv_gl_source *source, const slv_form *form, const void *made,
+                            uint32_t item, slv_res *out) {
+    const slv_res one = {0, 0};
+    struct alike alike = {.source = source};
+    bool single = form == slv_form_bare() && slvi_gl_is_constant(source, item);
+    slv_result result = SLV_OK;
+    /* one vector is another pair of numbers in the next face's frame */
+    if (!single && form->needs && source->light && !source->bare_only &&
+        !source->params.edge_filter) {
+        result = form->needs(made, item, is_alike, &alike);
+        single = !result && alike.any;
+        result = result == SLV_ERROR_CANCELLED ? SLV_OK : result;
+    }
+    *out = single ? one : form->res(made, item);
+    return result;
+}
+
 uint64_t slvi_gl_layer_bytes(const slv_gl_pools *pools, const slv_gl_pool *pool) {
     const slv_gl_format *format = slv_gl_pool_format(pools, pool);
     uint64_t bytes = 0;

@@ -72,12 +72,14 @@ void slvi_gl_pools_give(slv_gl_pools *pools, uint32_t item, uint32_t pool);
 slv_result slvi_gl_pools_list(const slv_env *env, slv_gl_pools *pools);
 void slvi_gl_pools_free(slv_gl_pools *pools);
 
-/* The class that an item belongs in. */
-static inline slv_res slvi_gl_item_res(const slv_gl_source *source, const slv_form *form,
-                                       const void *made, uint32_t item) {
-    slv_res one = {0, 0};
-    return form == slv_form_bare() && slvi_gl_is_constant(source, item) ? one
-                                                                        : form->res(made, item);
+/* The class that an item belongs in: one texel, if all that it is made of has one value. */
+slv_result slvi_gl_item_res(const slv_gl_source *source, const slv_form *form, const void *made,
+                            uint32_t item, slv_res *out);
+/* Which level of its form an item has at a level of its pool: the last, if it has one texel. */
+static inline uint32_t slvi_gl_stored_level(const slv_gl_pools *pools, const void *made,
+                                            uint32_t item, uint32_t level) {
+    return level + slv_res_level_count(pools->form->res(made, item)) -
+           pools->pools[pools->pool_of[item]].nlevels;
 }
 
 static inline const slv_gl_format *slv_gl_pool_format(const slv_gl_pools *pools,

@@ -28,6 +28,7 @@ typedef struct slv_gl_source {
     const slv_levels *levels; /* of its colours, decoded */
     const slv_texture *light; /* what the levels are of: faces of one value take one texel of forms
                                  that have faces as they are. NULL: they take as many as others */
+    bool bare_only;           /* likewise, but for the bare form */
     const uint8_t *srgb;      /* NULL, or what encodes them again: 8-bit colours */
     const slv_adjacency *adjacency;
     slv_gl_texture_params params; /* defaults filled in */

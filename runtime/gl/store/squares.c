@@ -105,8 +105,8 @@ static void fill_square_row(const slv_gl_pools *layers, const slv_gl_reach *reac
         uint32_t edge = face.edge[k];
         row->squares[k] = layers->layer_of[edge] |
                           slvi_gl_slot_of(range, layers->pool_of[edge]) << 16 |
-                          slv_htex_log2(htex, edge) << 20 | (uint32_t)face.second[k] << 25 |
-                          (uint32_t)face.part << 26;
+                          (uint32_t)layers->pools[layers->pool_of[edge]].res.u << 20 |
+                          (uint32_t)face.second[k] << 25 | (uint32_t)face.part << 26;
         row->corners[k] = where[k];
     }
     row->centre = where[4];

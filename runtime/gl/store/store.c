@@ -14,6 +14,22 @@ static void free_items(slv_gl_items *items) {
     slvi_free(items->order);
 }
 
+struct sizes {
+    const slv_gl_source *source;
+    const slv_form *form;
+    const void *made;
+    slv_res *res;
+};
+
+static slv_result find_sizes(void *user, uint64_t first, uint64_t end) {
+    const struct sizes *sizes = user;
+    slv_result result = SLV_OK;
+    for (uint64_t i = first; !result && i < end; i++)
+        result =
+            slvi_gl_item_res(sizes->source, sizes->form, sizes->made, (uint32_t)i, &sizes->res[i]);
+    return result;
+}
+
 /* Items in the order in which the faces, neighbours close together, first need them. */
 static slv_result list_items(const slv_gl_source *source, const slv_form *form, const void *made,
                              slv_gl_items *out) {
@@ -29,8 +45,9 @@ static slv_result list_items(const slv_gl_source *source, const slv_form *form, 
         (result = slvi_alloc(env, "face order", nfaces, sizeof *faces, &faces)) ||
         (result = slvi_gl_face_order(source, faces)))
         goto done;
-    for (uint32_t i = 0; i < out->count; i++)
-        out->res[i] = slvi_gl_item_res(source, form, made, i);
+    struct sizes sizes = {source, form, made, out->res};
+    if ((result = slvi_parallel_for(&source->shared, out->count, 1024, find_sizes, &sizes)))
+        goto done;
     for (uint32_t i = 0; i < nfaces; i++) {
         uint32_t items[SLV_FORM_ITEMS], count = form->items(made, faces[i], items);
         for (uint32_t k = 0; k < count; k++) {

@@ -61,14 +61,19 @@ void slvi_gl_face_row(const slv_gl_source *source, const slv_gl_pools *pools, co
                       uint32_t face, uint32_t row[2]) {
     slv_res res = slv_levels_get_desc(source->levels)->res[face];
     uint32_t items[SLV_FORM_ITEMS];
+    bool single = slvi_gl_is_constant(source, face);
     row[0] = 0;
     if (pools->form->items(made, face, items) == 1)
         row[0] = pools->pool_of[items[0]] | pools->layer_of[items[0]] << 16;
+    if (pools->packing == SLV_GL_PAGES) {
+        slv_res stored = pools->pools[pools->pool_of[items[0]]].res;
+        single = stored.u + stored.v == 0;
+    }
     row[1] =
         (uint32_t)res.u | (uint32_t)res.v << 8 |
         slvi_black_edges(source->adjacency, face, source->params.border_u, source->params.border_v)
             << 16 |
-        (uint32_t)slvi_gl_is_constant(source, face) << 20;
+        (uint32_t)single << 20;
 }
 
 slv_result slvi_gl_face_table(const slv_gl_source *source, const slv_gl_pools *pools,

@@ -26,9 +26,8 @@ static slv_result read_level(const struct origin *from, uint32_t item, uint32_t 
                              float *scratch, struct level *out) {
     const slv_form *form = from->pools->form;
     const slv_texture_desc *desc = slv_levels_get_desc(from->source->levels);
-    out->extent =
-        slv_form_level_extent(form, slvi_gl_item_res(from->source, form, from->made, item), level,
-                              slvi_gl_border(&from->source->params));
+    out->extent = slv_form_level_extent(form, form->res(from->made, item), level,
+                                        slvi_gl_border(&from->source->params));
     slv_result result = rim ? form->read_rim(from->made, item, level, scratch, &out->read)
                             : form->read(from->made, item, level, scratch, &out->read);
     if (!result && out->read.type != desc->type && out->read.type != SLV_TYPE_FLOAT)
@@ -110,9 +109,9 @@ static slv_result fill_level(const struct origin *from, uint32_t item, uint32_t 
                              slv_rect rect, float *scratch, unsigned char *out, size_t pitch) {
     const slv_form *form = from->pools->form;
     struct level level;
-    level.extent =
-        slv_form_level_extent(form, slvi_gl_item_res(from->source, form, from->made, item), number,
-                              slvi_gl_border(&from->source->params));
+    number = slvi_gl_stored_level(from->pools, from->made, item, number);
+    level.extent = slv_form_level_extent(form, form->res(from->made, item), number,
+                                         slvi_gl_border(&from->source->params));
     if (form->read_rim && form->borders && rect.width == level.extent.width &&
         rect.height == level.extent.height)
         return fill_around(from, item, number, scratch, out, pitch);
@@ -341,7 +340,8 @@ slv_result slvi_gl_upload_rim(const slv_gl_source *source, const slv_gl_pools *p
     struct origin from = {source, pools, made, place.format};
     struct level level;
     slv_form_extent extent = slv_form_level_extent(pools->form, pools->form->res(made, item),
-                                                   number, slvi_gl_border(&source->params));
+                                                   slvi_gl_stored_level(pools, made, item, number),
+                                                   slvi_gl_border(&source->params));
     uint32_t x = extent.border_u + pools->form->samples, width = extent.width;
     uint32_t y = extent.border_v + pools->form->samples, height = extent.height;
     bool large =

@@ -66,6 +66,10 @@ typedef struct slv_form {
      * faces have got other resolutions. Nobody else may use the form meanwhile. NULL if nothing is
      * kept of items. */
     slv_result (*refresh)(void *made, const uint32_t *items, uint32_t count);
+    /* Visits all faces of whose texels an item can have something, and maybe others around them:
+     * where they have one value, all levels of the item have it. NULL: that is not known. Stops at
+     * what `visit` returns other than SLV_OK. */
+    slv_result (*needs)(const void *made, uint32_t item, slv_visit_item visit, void *user);
 } slv_form;
 
 /* The extent of a level of an item; `border` is what `create` was given. */
