@@ -1,15 +1,17 @@
 /* Alpha in drawing: stacks of quads blend in the right order whatever order they are drawn in,
  * masks cut at one half, with multisampling too; colours under no paint never show; grey with alpha
  * is as four channels are; and the ray-cast reference composes the same picture. */
+#include "gl/context/api.h"
 #include "kit/seam_kit.h"
 #include "kit/strategy_kit.h"
 
 #include <selvage/gl_renderer.h>
 #include <selvage/reference.h>
 
-enum { SIDE = 24, LAYERS = 12 };
+enum { SIDE = 24, LAYERS = 12, LEAST_ROW = 32 * SIDE * LAYERS };
 
 static slv_gl *gl;
+static uint64_t lists_most; /* bytes that lists of fragments may take; 0: the driver's limit */
 
 /* Quads that lie one behind the other, at depths in no order, seen from the front. */
 typedef struct stack {
@@ -82,7 +84,12 @@ static slv_image draw(const stack *s, const slv_strategy *strategy, uint32_t msa
                        .alpha = alpha};
     memcpy(frame.background, background, sizeof frame.background);
     REQUIRE(slv_gl_renderer_create(gl, &env, s->k.mesh, s->surface, 2, &renderer) == SLV_OK);
-    REQUIRE(slv_gl_renderer_draw(renderer, &env, texture, &frame, &image, NULL) == SLV_OK);
+    const uint64_t most = gl->max_storage;
+    gl->max_storage = lists_most ? lists_most : most;
+    slv_result result = slv_gl_renderer_draw(renderer, &env, texture, &frame, &image, NULL);
+    gl->max_storage = most;
+    CHECK_MSG(result == (lists_most && lists_most < LEAST_ROW ? SLV_ERROR_LIMIT : SLV_OK), "%d",
+              result);
     slv_gl_renderer_destroy(renderer);
     slv_gl_texture_destroy(texture);
     return image;
@@ -133,6 +140,33 @@ static void check_stack(void) {
     cast_rays(&s, SLV_ALPHA_BLEND, background, &image);
     check_all(&image, expected, "rays");
     slv_image_free(&image);
+    free_stack(&s);
+}
+
+/* Where lists of fragments have no room the picture is made in bands, to the bit the same; a row
+ * for which there is none is refused. */
+static void check_bands(void) {
+    static const float background[4] = {0.1f, 0.2f, 0.15f, 0.5f};
+    float rgba[LAYERS][4];
+    stack s;
+    make_stack(&s);
+    color_stack(&s, rgba, 0, 0.3f);
+    for (uint32_t msaa = 1; msaa <= 4; msaa *= 4) {
+        slv_image whole = draw(&s, slv_strategy_default(), msaa, SLV_ALPHA_BLEND, background);
+        for (int rows = 1; rows <= 8; rows *= 2) {
+            /* triangles share the pixels on their edges */
+            lists_most = (uint64_t)rows * (msaa + 1) * LEAST_ROW;
+            slv_image bands = draw(&s, slv_strategy_default(), msaa, SLV_ALPHA_BLEND, background);
+            CHECK_MSG(memcmp(whole.pixels, bands.pixels, sizeof(float) * 4 * SIDE * SIDE) == 0,
+                      "%u samples, room for %d rows or more", msaa, rows);
+            slv_image_free(&bands);
+        }
+        lists_most = LEAST_ROW / 2;
+        slv_image none = draw(&s, slv_strategy_default(), msaa, SLV_ALPHA_BLEND, background);
+        CHECK(!none.pixels);
+        lists_most = 0;
+        slv_image_free(&whole);
+    }
     free_stack(&s);
 }
 
@@ -267,6 +301,7 @@ int main(void) {
     REQUIRE(slv_gl_create(&env, SLV_GL_AUTO, &gl) == SLV_OK);
     check_values();
     check_stack();
+    check_bands();
     check_mask();
     check_fringe();
     slv_gl_destroy(gl);

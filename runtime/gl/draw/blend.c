@@ -124,6 +124,9 @@ slv_result slvi_gl_blend(const slv_gl *gl, const slv_env *env, slv_gl_blender *b
         if (count <= blender->room) {
             show_lists(gl, blender, blend, first);
             first += band;
+            if (first <
+                blend->height) /* Mesa's llvmpipe clears buffers that are still to be read */
+                gl->api.Finish();
         } else if (count <= most) {
             result = need_buffers(gl, env, blender, 0, count);
         } else if (band > 1) {
