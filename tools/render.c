@@ -1,5 +1,6 @@
 /* The verb render: pictures. */
 #include "command/ids.h"
+#include "command/latlong.h"
 #include "command/output.h"
 #include "command/salvage.h"
 #include "command/scene.h"
@@ -165,6 +166,39 @@ static slv_result draw_picture(const slv_env *env, struct drawing *d, const char
     return result;
 }
 
+struct look {
+    slv_gl_texture *texture;
+    const slv_strategy *strategy;
+};
+
+static slv_result look_up(void *user, const slv_env *env, const latlong_points *p) {
+    const struct look *look = user;
+    slv_result result = slv_gl_texture_lookup(look->texture, env, look->strategy, p->count,
+                                              p->faces, p->uv, p->dx, p->dy, p->values);
+    for (uint32_t i = 0; i < p->count; i++)
+        p->values[4 * (size_t)i + 3] = 1;
+    return result;
+}
+
+/* All directions of an environment. */
+static slv_result draw_map(const slv_env *env, struct drawing *d, const char *path) {
+    const struct render *r = d->render;
+    const scene_shot *shot = &d->shot;
+    const slv_frame frame = frame_of(r, shot);
+    struct look look = {d->texture, frame.strategy};
+    slv_image image = {0};
+    slv_result result = latlong_draw(env, shot->scene.mesh, shot->width, shot->height,
+                                     r->msaa > 1 ? 2 : 1, look_up, &look, &image);
+    if (!result &&
+        !(result = output_image(env, path, &image, d->file, r->scene.progress, r->quiet)) &&
+        !r->quiet)
+        printf("%s: %u x %u, %s, %u lookups per pixel, %ux anisotropy, %s\n", path, image.width,
+               image.height, frame.strategy->name, r->msaa > 1 ? 4 : 1, r->aniso,
+               slv_gl_get_info(d->gl)->renderer);
+    slv_image_free(&image);
+    return result;
+}
+
 static int draw(const cli_command *command, const struct render *r, const char *path) {
     slv_env env = cli_env(r->scene.threads);
     struct drawing d = {.render = r, .file = {.bits = r->bits}};
@@ -187,8 +221,9 @@ static int draw(const cli_command *command, const struct render *r, const char *
         goto done;
     for (uint32_t i = 0; i < frames->count || (i == 0 && !frames->count); i++) {
         if (scene_frame_name(&env, frames, i, path, name) || scene_frame_set(&env, i, &d.shot) ||
-            (r->pass ? draw_ids(&env, r, &d.shot, name) != EXIT_OK
-                     : draw_picture(&env, &d, name) != SLV_OK))
+            (r->pass            ? draw_ids(&env, r, &d.shot, name) != EXIT_OK
+             : r->scene.latlong ? draw_map(&env, &d, name) != SLV_OK
+                                : draw_picture(&env, &d, name) != SLV_OK))
             goto done;
     }
     code = d.shot.scene.salvaged && !r->pass ? EXIT_FAILED : EXIT_OK;
@@ -201,8 +236,20 @@ done:
     return code;
 }
 
+/* What is wrong with the options; NULL if nothing is. */
+static const char *options_problem(const struct render *r) {
+    const char *problem = scene_options_problem(&r->scene);
+    if (problem)
+        return problem;
+    if (r->scene.uv && r->compress)
+        return "--compress is of per-face textures, not of --uv";
+    if (r->scene.latlong && r->pass)
+        return "--pass ids is of a surface, not of --latlong";
+    return r->msaa & (r->msaa - 1) ? "--msaa: expected 1, 2, 4 or 8" : NULL;
+}
+
 int verb_render(int argc, char **argv) {
-    enum { OWN = 18 };
+    enum { OWN = 19 };
     struct render r = {.scene = scene_options_default(), .msaa = 4, .aniso = 1};
     r.scene.numbered = true;
     char strategies[SCENE_STRATEGIES_SIZE], how[80], buffer[512];
@@ -227,8 +274,10 @@ int verb_render(int argc, char **argv) {
         {"--bits", CLI_UINT, &r.bits, "PNG: 8 or 16 (8). EXR: 16 half or 32 float (16)", NULL, 8,
          32, NULL},
         SCENE_CONTEXT(&r.context),
-        SCENE_ALPHA(&r.scene.alpha, &r.scene.premultiplied, "blend"),
+        SCENE_ALPHA(&r.scene.alpha, &r.scene.premultiplied, "blend, or the view's",
+                    &r.scene.alpha_given),
         SCENE_ENVIRONMENT(&r.scene.environment),
+        SCENE_LATLONG(&r.scene.latlong),
         SCENE_UV(&r.scene.uv),
         SCENE_ROUND(&r.scene.round),
         SCENE_FRAMES(&r.scene.frames),
@@ -264,13 +313,9 @@ int verb_render(int argc, char **argv) {
     if (code >= 0)
         return code;
     r.scene.raw = r.raw;
-    const char *problem = scene_options_problem(&r.scene);
+    const char *problem = options_problem(&r);
     if (problem)
         return cli_usage(&command, "%s", problem);
-    if (r.scene.uv && r.compress)
-        return cli_usage(&command, "--compress is of per-face textures, not of --uv");
-    if (r.msaa & (r.msaa - 1))
-        return cli_usage(&command, "--msaa: expected 1, 2, 4 or 8");
     const char *out = output_path(&r, buffer, sizeof buffer);
     slv_image_format format = slv_image_format_of_name(out);
     bool exr = format == SLV_IMAGE_EXR;

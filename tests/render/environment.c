@@ -161,6 +161,48 @@ static void check_picture(void) {
     CHECK(run.code == 1 && strstr(run.err, "an environment is a sphere"));
 }
 
+/* All directions at once: +z in the middle, +y at the top, +x to the left, by OpenGL and by rays.
+ */
+static void check_map(void) {
+    enum { WIDTH = 48, HEIGHT = 24 };
+    char ptx[KIT_PATH];
+    kit_join(ptx, scratch.root, "env.ptx");
+#define MAP ptx, "--latlong", "--size", "48x24", "-q", "-o"
+    slv_image images[] = {
+        draw(ARGUMENTS("render", MAP, "m.exr", "--bits", "32"), "m.exr"),
+        draw(ARGUMENTS("render", MAP, "n.exr", "--bits", "32", "-s", "borders", "--msaa", "1"),
+             "n.exr"),
+        draw(ARGUMENTS("reference", MAP, "o.exr", "--samples", "16"), "o.exr"),
+    };
+    for (int i = 0; i < 3; i++) {
+        float most = 0;
+        for (int y = 0; y < HEIGHT; y++)
+            for (int x = 0; x < WIDTH; x++) {
+                const float *at = images[i].pixels + 4 * (y * WIDTH + x);
+                double longitude = (0.5 - (x + 0.5) / WIDTH) * 2 * 3.14159265358979,
+                       latitude = (0.5 - (y + 0.5) / HEIGHT) * 3.14159265358979;
+                double d[3] = {sin(longitude) * cos(latitude), sin(latitude),
+                               cos(longitude) * cos(latitude)};
+                for (int c = 0; c < 3; c++)
+                    most = fmaxf(most, fabsf(at[c] - (float)(0.5 + 0.5 * d[c])));
+                CHECK(at[3] == 1);
+            }
+        CHECK_MSG(most < 0.01f, "picture %d: %g", i, (double)most);
+        slv_image_free(&images[i]);
+    }
+    slv_image whole = draw(ARGUMENTS("render", ptx, "--latlong", "-q", "-o", "p.exr"), "p.exr");
+    CHECK(whole.width == 512 && whole.height == 256);
+    slv_image_free(&whole);
+    static const char *const refused[][2] = {
+        {"--azimuth", "3"}, {"--shading", "unlit"}, {"--tess", "4"}, {"--pass", "ids"}};
+    for (size_t i = 0; i < sizeof refused / sizeof *refused; i++) {
+        kit_selvage(&scratch, NULL, ARGUMENTS("render", MAP, "q.png", refused[i][0], refused[i][1]),
+                    &run);
+        CHECK_MSG(run.code == 2 && strstr(run.err, "--latlong"), "%s: %d: %s", refused[i][0],
+                  run.code, run.err);
+    }
+}
+
 int main(void) {
     uint64_t random = 8;
     for (int i = 0; i < 8; i++)
@@ -168,6 +210,7 @@ int main(void) {
     check_others(&random);
     kit_scratch_make(&scratch);
     check_picture();
+    check_map();
     test_remove(scratch.root);
     return test_end();
 }

@@ -114,6 +114,7 @@ static void check_views(void) {
     }
 }
 
+#define QUAD "v -1 -1 0\nv 1 -1 0\nv 1 1 0\nv -1 1 0\nf 1 2 3 4\n"
 #define EYE "\"world_to_camera\": [[1,0,0,0],[0,1,0,0],[0,0,1,-5],[0,0,0,1]]"
 #define TANGENT "0.41421356237309503" /* of half 45 degrees */
 
@@ -158,6 +159,71 @@ static void check_fov(void) {
                     "{}", "--shading", "unlit");
 }
 
+/* Fields that cannot be meant are refused, each by a line that says why. */
+static void check_refused_fields(void) {
+    static const char *const fields[][2] = {
+        {"\"size\": [32.5, 32]", "size is not two whole numbers"},
+        {"\"size\": [32, 32], \"size\": [16, 16]", "duplicate object key near '\"size\"'"},
+        {"\"shading\": \"unlit\"", "shading is not an object, such as {\"model\": \"unlit\"}"},
+        {"\"shading\": {\"ka\": 1}", "shading: model is not one of the words"},
+        {"\"shading\": {\"model\": \"unlti\"}", "unknown shading model 'unlti'"},
+        {"\"alpha\": \"mask\"", "alpha is not an object, such as {\"mode\": \"mask\"}"},
+        {"\"alpha\": {\"mode\": \"masc\"}", "alpha: unknown mode 'masc', expected"},
+        {"\"alpha\": {\"mode\": 1}", "alpha: mode is not one of the words"},
+        {"\"alpha\": {\"premultiplied\": 1}", "alpha: premultiplied is neither true nor false"}};
+    char path[KIT_PATH], text[256];
+    kit_join(path, scratch.root, "refused.json");
+    for (size_t i = 0; i < sizeof fields / sizeof *fields; i++) {
+        int length = snprintf(text, sizeof text, "{%s}", fields[i][0]);
+        kit_write(path, text, (size_t)length);
+        kit_selvage(&scratch, NULL, ARGUMENTS("render", ptx, "--view", path, "-o", "no.png"), &run);
+        CHECK_MSG(run.code == 1 && strstr(run.err, fields[i][1]) && kit_lines(run.err) == 1,
+                  "%s: %d: %s", text, run.code, run.err);
+    }
+}
+
+/* What a view says of alpha is what options say, and these come first. */
+static void check_alpha(void) {
+    static const char *const same[][3] = {
+        {"{\"alpha\": {\"mode\": \"mask\"}}", "--alpha", "mask"},
+        {"{\"alpha\": {\"mode\": \"ignore\"}}", "--alpha", "ignore"},
+        {"{\"alpha\": {\"premultiplied\": true}}", "--premultiplied", NULL}};
+    char mesh[KIT_PATH], path[KIT_PATH], texture[KIT_PATH];
+    kit_write(kit_join(mesh, scratch.root, "quad.obj"), QUAD, sizeof QUAD - 1);
+    kit_join(texture, scratch.root, "alpha.ptx");
+    kit_join(path, scratch.root, "alpha.json");
+    kit_selvage(&scratch, NULL,
+                ARGUMENTS("new", mesh, "-o", texture, "--channels", "4", "--alpha", "3", "--fill",
+                          "0.7,0.4,0.2,0.6", "--size", "1x1"),
+                &run);
+    REQUIRE(run.code == 0);
+    for (size_t i = 0; i < 3; i++) {
+        float apart = 0;
+        kit_write(path, same[i][0], strlen(same[i][0]));
+        draw(ARGUMENTS("render", texture, "-m", mesh, "--size", "24x16", "--view", path, "one.exr"),
+             NULL);
+        draw(ARGUMENTS("render", texture, "-m", mesh, "--size", "24x16", "two.exr", same[i][1],
+                       same[i][2]),
+             NULL);
+        draw(ARGUMENTS("render", texture, "-m", mesh, "--size", "24x16", "three.exr", "--view",
+                       path, "--alpha", "blend"),
+             NULL);
+        draw(ARGUMENTS("render", texture, "-m", mesh, "--size", "24x16", "four.exr",
+                       i == 2 ? "--premultiplied" : NULL),
+             NULL);
+        slv_image pictures[4] = {load("one.exr"), load("two.exr"), load("three.exr"),
+                                 load("four.exr")};
+        for (size_t k = 0; k < 4 * 24 * 16; k++) {
+            CHECK(pictures[0].pixels[k] == pictures[1].pixels[k]);
+            CHECK(pictures[2].pixels[k] == pictures[3].pixels[k]);
+            apart = fmaxf(apart, fabsf(pictures[0].pixels[k] - pictures[2].pixels[k]));
+        }
+        CHECK_MSG(i == 2 || apart > 0.1f, "%s: as without", same[i][0]);
+        for (int k = 0; k < 4; k++)
+            slv_image_free(&pictures[k]);
+    }
+}
+
 /* A group that is not there is answered with the nearest that is. */
 static void check_focus(void) {
     static const char cube[] =
@@ -189,6 +255,8 @@ int main(void) {
     check_channels();
     check_views();
     check_fov();
+    check_refused_fields();
+    check_alpha();
     check_focus();
     check_progress();
     test_remove(scratch.root);

@@ -68,8 +68,9 @@ static slv_result open_triangles(const slv_env *env, const char *path, const slv
     return result;
 }
 
+/* `named`: the command line names the channel. */
 static int open_file(const cli_command *command, const slv_env *env, const displace_settings *d,
-                     const slv_mesh *mesh, displace_open *out) {
+                     bool named, const slv_mesh *mesh, displace_open *out) {
     uint32_t nfaces = slv_mesh_face_count(mesh);
     slv_file_id file;
     slv_ptx_info info;
@@ -85,7 +86,11 @@ static int open_file(const cli_command *command, const slv_env *env, const displ
     const value_channels channels = {info.nchannels, info.alpha_channel};
     int32_t channel = value_channel_find(d->channel, strlen(d->channel), channels);
     uint32_t width = d->space ? 3 : 1;
-    if (channel < 0 || info.nchannels - (uint32_t)channel < width)
+    bool fits = channel >= 0 && info.nchannels - (uint32_t)channel >= width;
+    if (!fits && !named)
+        return cli_error("%s: displaces from channel '%s' on, and has not %u there but %u in all",
+                         d->texture, d->channel, width, info.nchannels);
+    if (!fits)
         return cli_usage(command,
                          "--displacement-channel: '%s' is not the first of %u of %s, which "
                          "has %u",
@@ -117,7 +122,7 @@ int displace_begin(const cli_command *command, const slv_env *env, const displac
         strlen(options->channel ? options->channel : "") >= DISPLACE_CHANNEL)
         return cli_usage(command, "--displacement: the name is too long");
     out->moves = d.given && d.scale != 0;
-    return out->moves ? open_file(command, env, &d, mesh, out) : EXIT_OK;
+    return out->moves ? open_file(command, env, &d, options->channel != NULL, mesh, out) : EXIT_OK;
 }
 
 void displace_close(displace_open *displace) {

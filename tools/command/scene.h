@@ -25,6 +25,9 @@ typedef struct scene_view {
     slv_boundary boundary; /* default if the file does not say */
     slv_scheme scheme;
     bool has_scheme;
+    bool has_alpha;
+    slv_alpha_mode alpha;
+    bool premultiplied; /* without has_alpha, too */
     displace_settings displacement;
 } scene_view;
 
@@ -97,9 +100,10 @@ int32_t scene_file_face(const scene_data *scene, int32_t face);
 typedef struct scene_options {
     const char *mesh, *view, *focus, *channels;
     int alpha;          /* slv_alpha_mode */
+    bool alpha_given;   /* else the view's, if that says so */
     bool premultiplied; /* colours are stored multiplied by alpha */
     bool raw;           /* numbers are not light */
-    bool environment;
+    bool environment, latlong;
     int round;          /* 1 u goes round, 2 v, 3 both */
     const char *frames; /* meshes that move, for verbs that write several pictures */
     uint32_t turntable; /* how many pictures around, or 0 */
@@ -114,7 +118,7 @@ typedef struct scene_options {
 } scene_options;
 
 /* Of the verbs that draw. */
-#define SCENE_ALPHA(mode, premultiplied, what)                                                     \
+#define SCENE_ALPHA(mode, premultiplied, what, given)                                              \
     {"--alpha",                                                                                    \
      CLI_CHOICE,                                                                                   \
      mode,                                                                                         \
@@ -123,7 +127,7 @@ typedef struct scene_options {
      names_alpha_modes(),                                                                          \
      0,                                                                                            \
      0,                                                                                            \
-     NULL},                                                                                        \
+     given},                                                                                       \
     {                                                                                              \
         "--premultiplied", CLI_FLAG, premultiplied, "colours are stored multiplied by alpha",      \
             NULL, 0, 0, NULL                                                                       \
@@ -148,6 +152,12 @@ typedef struct scene_options {
             "there "                                                                               \
             "is no geometry)",                                                                     \
             NULL, 0, 0, NULL                                                                       \
+    }
+#define SCENE_LATLONG(value)                                                                       \
+    {                                                                                              \
+        "--latlong", CLI_FLAG, value,                                                              \
+            "an environment as a map of latitude and longitude, +z in the middle (512x256)", NULL, \
+            0, 0, NULL                                                                             \
     }
 #define SCENE_FRAMES(value)                                                                        \
     {                                                                                              \

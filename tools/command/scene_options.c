@@ -53,6 +53,13 @@ const char *scene_options_problem(const scene_options *o) {
         return "--frames and --turntable: each says which pictures there are";
     if (o->round && !o->uv)
         return "--round is of texture coordinates: it takes --uv";
+    if (o->latlong && (o->mesh || o->uv))
+        return "--latlong is of six faces, which need no --mesh and no --uv";
+    if (o->latlong && (o->orbit_given || o->fov_given || o->tess || o->frames || o->turntable ||
+                       o->shading_given))
+        return "--latlong shows all directions at once, as they are: no option of a camera, of "
+               "light or "
+               "of a surface says anything";
     if (o->environment && (o->mesh || o->uv))
         return "--environment: six faces need no --mesh and no --uv";
     if (o->uv && (o->mesh || o->channels || o->adjacency || o->salvage))
@@ -193,6 +200,17 @@ static slv_result list_frames(const slv_env *env, const scene_options *o, const 
     return result;
 }
 
+/* What is made of alpha: options come first here, too. */
+static scene_options with_alpha(const scene_options *o, const scene_view *view) {
+    scene_options out = *o;
+    if (view->has_alpha && !o->alpha_given)
+        out.alpha = (int)view->alpha;
+    out.premultiplied |= view->premultiplied;
+    if (o->latlong) /* nothing lies behind */
+        out.alpha = SLV_ALPHA_IGNORE;
+    return out;
+}
+
 /* How the picture looks, but for its camera. */
 static void set_look(const scene_options *o, const scene_view *view, const uint32_t size[2],
                      scene_shot *out) {
@@ -206,26 +224,36 @@ static void set_look(const scene_options *o, const scene_view *view, const uint3
 }
 
 int scene_load_shot(const cli_command *command, const slv_env *env, const char *ptx,
-                    const scene_options *o, scene_shot *out) {
+                    const scene_options *options, scene_shot *out) {
     scene_view view = {0};
     memset(out, 0, sizeof *out);
-    if (CLI_STANDARD_ONCE(command, ptx, o->mesh, o->uv, o->view, o->displace.texture))
+    if (CLI_STANDARD_ONCE(command, ptx, options->mesh, options->uv, options->view,
+                          options->displace.texture))
         return EXIT_USAGE;
-    if (o->view && scene_load_view(env, cli_input(o->view), &view))
+    if (options->view && scene_load_view(env, cli_input(options->view), &view))
         return EXIT_FAILED;
+    const scene_options asked = with_alpha(options, &view), *o = &asked;
     scene_params params = {.ptx = ptx,
                            .mesh = o->mesh,
                            .adjacency = o->adjacency,
                            .focus = o->focus,
                            .salvage = o->salvage,
-                           .environment = o->environment,
+                           .environment = o->environment || o->latlong,
                            .moves = o->frames != NULL,
                            .scheme_given = o->scheme_given || view.has_scheme,
                            .encoding = (slv_texture_encoding)o->encoding,
                            .scheme = o->scheme_given ? (slv_scheme)o->scheme : view.scheme,
                            .boundary =
                                o->boundary_given ? (slv_boundary)o->boundary : view.boundary};
-    const uint32_t *size = o->size_given || !view.has_size ? o->size : view.size;
+    static const uint32_t map[2] = {512, 256};
+    const uint32_t *size = o->size_given      ? o->size
+                           : view.has_size    ? view.size
+                           : options->latlong ? map
+                                              : o->size;
+    if (o->latlong && (view.has_camera || view.has_fov || view.has_shading))
+        cli_warning(
+            "%s: camera and shading are not used: --latlong shows all directions as they are",
+            o->view);
     set_look(o, &view, size, out);
     slv_ptx *file = NULL;
     slv_res *res = NULL;

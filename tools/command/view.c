@@ -200,20 +200,49 @@ static bool read_weight(const json_t *shading, const char *key, float *out) {
 
 static slv_result read_shading(const slv_env *env, const char *path, const json_t *root,
                                scene_view *out) {
-    const json_t *shading = json_object_get(root, "shading");
-    const char *model = json_string_value(json_object_get(shading, "model"));
+    const json_t *shading = json_object_get(root, "shading"),
+                 *name = json_object_get(shading, "model");
+    const char *model = json_string_value(name);
     char hint[SLV_WORDS_HINT];
     if (!shading)
         return SLV_OK;
-    if (!model || !slv_shading_from_name(model, &out->shading))
-        return bad_view(env, path, "unknown shading model '%s', expected %s%s", model ? model : "",
-                        names_shadings(),
-                        slv_words_hint(model ? model : "", names_shadings(), hint));
+    if (!json_is_object(shading))
+        return bad_view(env, path, "shading is not an object, such as {\"model\": \"unlit\"}");
+    if (!model)
+        return bad_view(env, path, "shading: model is not one of the words %s", names_shadings());
+    if (!slv_shading_from_name(model, &out->shading))
+        return bad_view(env, path, "unknown shading model '%s', expected %s%s", model,
+                        names_shadings(), slv_words_hint(model, names_shadings(), hint));
     out->ka = 0.2f;
     out->kd = 0.8f;
     if (!read_weight(shading, "ka", &out->ka) || !read_weight(shading, "kd", &out->kd))
         return bad_view(env, path, "ka and kd are numbers from 0 to 1000");
     out->has_shading = true;
+    return SLV_OK;
+}
+
+static slv_result read_alpha(const slv_env *env, const char *path, const json_t *root,
+                             scene_view *out) {
+    const json_t *alpha = json_object_get(root, "alpha"), *mode = json_object_get(alpha, "mode"),
+                 *premultiplied = json_object_get(alpha, "premultiplied");
+    const char *word = json_string_value(mode);
+    char hint[SLV_WORDS_HINT];
+    if (!alpha)
+        return SLV_OK;
+    if (!json_is_object(alpha))
+        return bad_view(env, path, "alpha is not an object, such as {\"mode\": \"mask\"}");
+    fields_warn(env, path, alpha, "mode|premultiplied");
+    if (mode && !word)
+        return bad_view(env, path, "alpha: mode is not one of the words %s", names_alpha_modes());
+    const int index = word ? words_index(names_alpha_modes(), word, strlen(word)) : 0;
+    if (index < 0)
+        return bad_view(env, path, "alpha: unknown mode '%s', expected %s%s", word,
+                        names_alpha_modes(), slv_words_hint(word, names_alpha_modes(), hint));
+    if (premultiplied && !json_is_boolean(premultiplied))
+        return bad_view(env, path, "alpha: premultiplied is neither true nor false");
+    out->has_alpha = word != NULL;
+    out->alpha = (slv_alpha_mode)index;
+    out->premultiplied = json_is_true(premultiplied);
     return SLV_OK;
 }
 
@@ -306,8 +335,9 @@ static slv_result read_size(const slv_env *env, const char *path, const json_t *
     if (!array)
         return SLV_OK;
     if (!read_floats(array, 2, size) ||
-        !(size[0] >= 1 && size[0] <= 16384 && size[1] >= 1 && size[1] <= 16384))
-        return bad_view(env, path, "size is not two numbers from 1 to 16384");
+        !(size[0] >= 1 && size[0] <= 16384 && size[1] >= 1 && size[1] <= 16384) ||
+        size[0] != floorf(size[0]) || size[1] != floorf(size[1]))
+        return bad_view(env, path, "size is not two whole numbers from 1 to 16384");
     out->size[0] = (uint32_t)size[0];
     out->size[1] = (uint32_t)size[1];
     out->has_size = true;
@@ -324,14 +354,14 @@ slv_result scene_load_view(const slv_env *env, const char *path, scene_view *out
     small.max_bytes = MAX_BYTES; /* a pipe may have no end */
     if ((result = slv_text_load(&small, path, &text, &length)))
         return result;
-    json_t *root = json_loadb(text, length, 0, &error);
+    json_t *root = json_loadb(text, length, JSON_REJECT_DUPLICATES, &error);
     slv_free(text);
     if (!root)
         return bad_view(env, path, "line %d: %s", error.line, error.text);
     if (json_is_object(root)) {
         fields_warn(env, path, root,
                     "size|world_to_camera|projection|screen_window|fov|shading|scheme|boundary|"
-                    "displacement|cameras");
+                    "displacement|cameras|alpha");
         fields_warn(env, path, json_object_get(root, "shading"), "model|ka|kd");
     }
     if (!json_is_object(root))
@@ -339,6 +369,7 @@ slv_result scene_load_view(const slv_env *env, const char *path, scene_view *out
     else if (!(result = read_size(env, path, root, out)) &&
              !(result = read_cameras(env, path, root, out)) &&
              !(result = read_shading(env, path, root, out)) &&
+             !(result = read_alpha(env, path, root, out)) &&
              !(result = read_displacement(env, path, root, &out->displacement)))
         result = read_surface(env, path, root, out);
     json_decref(root);

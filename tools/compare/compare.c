@@ -497,7 +497,7 @@ int verb_compare(int argc, char **argv) {
         SCENE_SCHEME(&o.scheme, &o.scheme_given),
         SCENE_BOUNDARY(&o.boundary, "boundary rule (the mesh's, or edge-and-corner)", NULL),
         SCENE_TESS(&o.tess, "each face as many as the picture needs"),
-        SCENE_ALPHA(&o.alpha, &o.premultiplied, "ignore"),
+        SCENE_ALPHA(&o.alpha, &o.premultiplied, "ignore", NULL),
         SCENE_ADJACENCY(&o.adjacency),
         CLI_TEXTURE_ENCODING(&o.encoding),
         {"--reference", CLI_TEXT, &o.references,

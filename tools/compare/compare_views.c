@@ -17,6 +17,8 @@ slv_result compare_read_views(const slv_env *env, const cli_list *views, report_
                                views->items[i]);
         if (view.displacement.given)
             cli_warning("%s: the displacement is not used: only its camera is", views->items[i]);
+        if (view.has_alpha || view.premultiplied)
+            cli_warning("%s: alpha is not used: --alpha says it for all cameras", views->items[i]);
         /* all that the view shows, in the proportions of the comparison's pictures */
         scene_fit_window(view.camera.window, (float)report->width / (float)report->height);
         report->cameras[report->ncameras++] =

@@ -1,4 +1,5 @@
 /* The verb reference: a picture by rays, and how its error falls with their number. */
+#include "command/latlong.h"
 #include "command/output.h"
 #include "command/scene.h"
 #include "reference/convergence.h"
@@ -8,6 +9,7 @@
 
 #include <math.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 #include <strings.h>
 
@@ -93,6 +95,44 @@ static slv_result study(const struct reference *r, const slv_env *env,
                           convergence_write(env, slv_folder_path(folder), &o->convergence));
 }
 
+/* Rays know no footprints: there are as many lookups as it takes. */
+static slv_result look_up(void *user, const slv_env *env, const latlong_points *p) {
+    slv_surface_point *points = malloc(p->count * sizeof *points);
+    float *rgb = malloc(3 * (size_t)p->count * sizeof *rgb);
+    slv_result result =
+        points && rgb ? SLV_OK : output_fail(env, SLV_ERROR_MEMORY, "no memory for a map");
+    for (uint32_t i = 0; i < p->count && !result; i++)
+        points[i] = (slv_surface_point){p->faces[i], p->uv[2 * i], p->uv[2 * i + 1]};
+    if (!result)
+        result = slv_reference_lookup(user, p->count, points, rgb);
+    for (uint32_t i = 0; i < p->count && !result; i++)
+        for (int c = 0; c < 4; c++)
+            p->values[4 * (size_t)i + c] = c < 3 ? rgb[3 * (size_t)i + c] : 1;
+    free(points);
+    free(rgb);
+    return result;
+}
+
+/* All directions of an environment. */
+static slv_result make_map(const struct reference *r, const slv_env *env, const scene_shot *shot,
+                           slv_reference *reference, const char *path, struct outcome *o) {
+    const slv_image_params file = {.bits = r->bits ? r->bits : 32};
+    uint32_t side = (uint32_t)ceil(sqrt(r->samples));
+    slv_image image = {0};
+    double start = cli_now();
+    slv_result result = latlong_draw(env, shot->scene.mesh, shot->width, shot->height, side,
+                                     look_up, reference, &image);
+    o->seconds = cli_now() - start;
+    o->stats = (slv_reference_stats){.samples = (uint64_t)side * side * o->width * o->height,
+                                     .ncovered = (uint64_t)o->width * o->height,
+                                     .error = NAN,
+                                     .worst = NAN};
+    if (!result)
+        result = output_image(env, path, &image, file, r->scene.progress, r->quiet || r->json);
+    slv_image_free(&image);
+    return result;
+}
+
 /* The surface and the camera as they are now, and what is asked of them. */
 static slv_result make_picture(const struct reference *r, const slv_env *env,
                                const scene_shot *shot, const char *path, struct outcome *o) {
@@ -123,8 +163,13 @@ static slv_result make_picture(const struct reference *r, const slv_env *env,
     const bool forced = r->scene.progress, quiet = r->quiet || r->json;
     if ((result =
              slv_reference_create(env, shot->scene.mesh, shot->scene.surface, shot->scene.texture,
-                                  shot->scene.adjacency, &params, &reference)) ||
-        (result = render(r, env, reference, &frame, &image, &error, &o->stats, &o->seconds)) ||
+                                  shot->scene.adjacency, &params, &reference)))
+        goto done;
+    if (r->scene.latlong) {
+        result = make_map(r, env, shot, reference, path, o);
+        goto done;
+    }
+    if ((result = render(r, env, reference, &frame, &image, &error, &o->stats, &o->seconds)) ||
         (result = output_image(env, path, &image, file, forced, quiet)) ||
         (r->error && (result = output_image(env, r->error, &error, wide, forced, quiet))) ||
         (r->convergence && (result = study(r, env, reference, &frame, &image, o))))
@@ -238,7 +283,7 @@ static int run(const cli_command *command, const struct reference *r, const char
 }
 
 int verb_reference(int argc, char **argv) {
-    enum { OWN = 16 };
+    enum { OWN = 17 };
     uint32_t narguments = 0;
     struct reference r = {.scene = scene_options_default(), .samples = 256};
     r.scene.numbered = true;
@@ -255,8 +300,10 @@ int verb_reference(int argc, char **argv) {
          "1, 4, 16, ... samples against the most: a table and a plot", "FOLDER", 0, 0, NULL},
         {"--seed", CLI_UINT, &r.seed, "other samples (0)", NULL, 0, UINT32_MAX, NULL},
         {"--bits", CLI_UINT, &r.bits, "16 half or 32 float (32)", NULL, 16, 32, NULL},
-        SCENE_ALPHA(&r.scene.alpha, &r.scene.premultiplied, "blend"),
+        SCENE_ALPHA(&r.scene.alpha, &r.scene.premultiplied, "blend, or the view's",
+                    &r.scene.alpha_given),
         SCENE_ENVIRONMENT(&r.scene.environment),
+        SCENE_LATLONG(&r.scene.latlong),
         SCENE_UV(&r.scene.uv),
         SCENE_ROUND(&r.scene.round),
         SCENE_FRAMES(&r.scene.frames),
@@ -293,6 +340,9 @@ int verb_reference(int argc, char **argv) {
         return cli_usage(&command, "%s", problem);
     if (r.scene.shading_given && r.scene.shading == SLV_SHADE_LEVELS)
         return cli_usage(&command, "--shading: levels are of lookups, and have no reference");
+    if (r.scene.latlong && (r.filter || r.error || r.convergence))
+        return cli_usage(&command, "--latlong is the mean over each pixel: no --filter, --error or "
+                                   "--convergence");
     if (r.bits && r.bits != 16 && r.bits != 32)
         return cli_usage(&command, "--bits: expected 16 or 32");
     const char *path = output_path(&r, buffer, sizeof buffer);

@@ -28,6 +28,10 @@ slv_result studio_view_save(studio_app *app, const char *path) {
                   "world_to_camera", rows, "projection",
                   camera.perspective ? "perspective" : "orthographic", "screen_window", window,
                   "shading", "model", slv_shading_name(app->look.shading), "ka", 0.2, "kd", 0.8);
+    /* the window shows colours alone, whatever there is of alpha */
+    if (root && slv_texture_get_desc(app->document.texture)->alpha_channel != SLV_NO_ALPHA)
+        json_object_set_new(root, "alpha",
+                            json_pack("{s:s}", "mode", slv_alpha_mode_name(SLV_ALPHA_IGNORE)));
     char *text = root ? json_dumps(root, JSON_INDENT(2) | JSON_REAL_PRECISION(17)) : NULL;
     GError *error = NULL;
     slv_result result = SLV_OK;
