@@ -291,7 +291,8 @@ slv_result slv_painter_locate(slv_painter *painter, slv_surface_point from, cons
     double straight = slvi_distance(a, b);
     if (!(straight <= (double)limit))
         return SLV_OK;
-    for (double far = 1.02 * straight;; far *= 2) {
+    /* never from 0 on, which would stay that: a place may be a rounding away from itself */
+    for (double far = fmax(1.02 * straight, 1e-4 * (double)limit);; far *= 2) {
         const slvi_reach reach = {.least = fminf((float)far, limit), .places = true};
         slv_result result = slvi_painter_spread(painter, from, axis, &reach);
         if (result)
