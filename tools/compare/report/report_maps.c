@@ -53,7 +53,7 @@ static void write_caption(FILE *stream, const report_data *report) {
         fprintf(stream,
                 " All rows are held against one reference, rays (%u per pixel) that look up the "
                 "image itself: so the errors of per-face textures have in them what was lost when "
-                "they were baked, which the sections below, against rays at the per-face texture, "
+                "they were baked, which the errors above, against rays at the per-face texture, "
                 "leave out.",
                 maps->samples);
     fputs("</p>\n", stream);
