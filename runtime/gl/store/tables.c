@@ -67,7 +67,7 @@ void slvi_gl_face_row(const slv_gl_source *source, const slv_gl_pools *pools, co
         row[0] = pools->pool_of[items[0]] | pools->layer_of[items[0]] << 16;
     if (pools->packing == SLV_GL_PAGES) {
         slv_res stored = pools->pools[pools->pool_of[items[0]]].res;
-        single = stored.u + stored.v == 0;
+        single = stored.u + stored.v == 0 && res.u + res.v > 0; /* one texel has its own border */
     }
     row[1] =
         (uint32_t)res.u | (uint32_t)res.v << 8 |
