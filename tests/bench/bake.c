@@ -8,15 +8,19 @@
 
 enum { SIDE = 16 };
 
-/* A plane of faces over the whole of an image. */
-static slv_mesh *make_mesh(const slv_env *env) {
+/* A plane of faces over an image, whose coordinates go along its axes or lean by so many degrees.
+ */
+static slv_mesh *make_mesh(const slv_env *env, double lean) {
+    const double c = cos(lean * 0.017453292519943295), s = sin(lean * 0.017453292519943295);
     static char text[SIDE * SIDE * 200];
     slv_mesh *mesh = NULL;
     size_t used = 0;
     for (int i = 0; i <= SIDE; i++)
-        for (int j = 0; j <= SIDE; j++)
+        for (int j = 0; j <= SIDE; j++) {
+            const double u = (double)j / SIDE - 0.5, v = (double)i / SIDE - 0.5;
             used += (size_t)snprintf(text + used, sizeof text - used, "v %d %d 0\nvt %g %g\n", j, i,
-                                     (double)j / SIDE, (double)i / SIDE);
+                                     0.5 + c * u - s * v, 0.5 + s * u + c * v);
+        }
     for (int i = 0; i < SIDE; i++)
         for (int j = 0; j < SIDE; j++) {
             int a = i * (SIDE + 1) + j + 1, b = a + SIDE + 1;
@@ -79,13 +83,14 @@ int main(int argc, char **argv) {
     slv_env env = {.log = bench_log, .threads = 1};
     if (!mkdtemp(folder))
         return 1;
-    slv_mesh *mesh = make_mesh(&env);
+    slv_mesh *mesh = make_mesh(&env, 0), *leaning = make_mesh(&env, 30);
     snprintf(out, sizeof out, "%s/out.ptx", folder);
     for (size_t i = 0; i < sizeof images / sizeof *images; i++) {
-        slv_bake_source *source = NULL;
+        slv_bake_source *source = NULL, *turned = NULL;
         snprintf(path, sizeof path, "%s/%s", folder, images[i].name);
         make_image(&env, path, side, images[i].channels);
         bench_stop(slv_bake_from_uv(&env, mesh, path, NULL, &source));
+        bench_stop(slv_bake_from_uv(&env, leaning, path, NULL, &turned));
         for (int8_t shift = -1; shift < 2; shift++) {
             int8_t log2 = (int8_t)((smoke ? 3 : 7) + shift);
             const slv_res res = {log2, log2};
@@ -93,11 +98,14 @@ int main(int argc, char **argv) {
                      exp2((double)-shift));
             bench_report(false, what, "Mtexel/s a core",
                          time_values(&env, source, SIDE * SIDE, res));
+            bench_report(false, "  coordinates that lean by 30 degrees", "Mtexel/s a core",
+                         time_values(&env, turned, SIDE * SIDE, res));
             if (!shift)
                 bench_report(false, "  with packing into a .ptx of noise", "Mtexel/s a core",
                              time_file(&env, mesh, source, res, out));
         }
         slv_bake_source_destroy(source);
+        slv_bake_source_destroy(turned);
     }
     const slv_procedural stripes = {.frequency = 2};
     slv_surface *surface = NULL;
@@ -114,6 +122,7 @@ int main(int argc, char **argv) {
     slv_bake_source_destroy(source);
     slv_surface_destroy(surface);
     slv_mesh_destroy(mesh);
+    slv_mesh_destroy(leaning);
     snprintf(line, sizeof line, "rm -rf '%s'", folder);
     return system(line) != 0;
 }
