@@ -1,4 +1,5 @@
 /* The verb session: a painting session that is made, painted on, undone, saved and exported. */
+#include "command/line_log.h"
 #include "command/output.h"
 #include "command/ptx_name.h"
 #include "command/scene.h"
@@ -12,10 +13,11 @@
 
 struct session {
     const char *path, *new_from, *replay, *script, *merge, *export, *edits;
-    bool save, as_saved, json, quiet;
+    bool save, as_saved, json, progress, quiet;
     uint32_t layer, undo, redo, scale, threads, edited, merged;
     int scheme;
     slv_session *session;
+    line_log log;
 };
 
 /* A session for the mesh in a .ptx, whose texels are its lowest layer. */
@@ -36,7 +38,7 @@ static slv_result make(const slv_env *env, struct session *s) {
 }
 
 /* Each line of the script is an entry of the history; it ends with the first that is wrong. */
-static slv_result run_script(const slv_env *env, const struct session *s) {
+static slv_result run_script(const slv_env *env, struct session *s) {
     slv_document *document = slv_session_document(s->session);
     uint32_t count = slv_document_layer_count(document);
     uint32_t layer = s->layer ? s->layer : count ? slv_document_layer_at(document, count - 1) : 0;
@@ -49,16 +51,18 @@ static slv_result run_script(const slv_env *env, const struct session *s) {
     char *slash = strrchr(folder, '/');
     if (slash)
         *slash = 0;
-    cli_progress progress = cli_progress_fleeting("paint", false, s->quiet || s->json);
+    cli_progress progress = cli_progress_fleeting("paint", s->progress, s->quiet || s->json);
     for (size_t at = 0; at < size && !result;) {
         const char *end = memchr(text + at, '\n', size - at);
         size_t length = end ? (size_t)(end - (text + at)) : size - at;
+        s->log.line++;
         result =
             slv_session_run(s->session, layer, false, slash ? folder : NULL, text + at, length);
         at += length + 1;
         if (!result && !cli_progress_report(&progress, at < size ? at : size, size))
             result = output_fail(env, SLV_ERROR_CANCELLED, "%s: stopped", s->script);
     }
+    s->log.line = 0;
     cli_progress_end(&progress);
     slv_free(text);
     return result;
@@ -163,7 +167,7 @@ static slv_result work(const slv_env *env, struct session *s) {
 }
 
 static int run_session(struct session *s) {
-    slv_env env = cli_env(s->threads);
+    const slv_env outer = cli_env(s->threads), env = line_log_begin(&s->log, &outer, s->script);
     slv_session_info info;
     slv_history_info history;
     const char *const inputs[] = {s->new_from, s->script};
@@ -204,7 +208,8 @@ int verb_session(int argc, char **argv) {
         {"--merge", CLI_TEXT, &s.merge, "take what it has painted on other faces, and save",
          "OTHER.selvage", 0, 0, NULL},
         {"--save", CLI_FLAG, &s.save, "save it when all is done", NULL, 0, 0, NULL},
-        {"--export", CLI_TEXT, &s.export, "write the flattened layers", "OUT.ptx", 0, 0, NULL},
+        {"--export|--out|-o", CLI_TEXT, &s.export, "write the flattened layers", "OUT.ptx", 0, 0,
+         NULL},
         {"--edits", CLI_TEXT, &s.edits, "append what a .ptx has otherwise to it", "FILE.ptx", 0, 0,
          NULL},
         {"--as-saved", CLI_FLAG, &s.as_saved, "forget what was done since it was saved", NULL, 0, 0,
@@ -212,6 +217,7 @@ int verb_session(int argc, char **argv) {
         SCENE_SCHEME(&s.scheme, NULL),
         CLI_JSON(&s.json),
         CLI_THREADS(&s.threads),
+        CLI_PROGRESS(&s.progress),
         CLI_QUIET(&s.quiet, "print nothing on success"),
     };
     const cli_command command = {

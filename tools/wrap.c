@@ -12,7 +12,7 @@ enum { VERTEX_BYTES = 32 }; /* of position, normal and texture coordinates in fl
 struct wrap_options {
     const char *paths[2];
     int map, axis;
-    bool keep, json, quiet;
+    bool keep, json, progress, quiet;
 };
 
 static void print_limits(const slv_wrap_report *r) {
@@ -51,16 +51,20 @@ static int run_wrap(const struct wrap_options *o) {
     slv_env env = cli_env(0);
     const slv_wrap_params params = {
         .map = (slv_wrap_map)o->map, .axis = o->axis, .keep_vertices = o->keep};
+    cli_progress progress = cli_progress_fleeting("wrap", o->progress, o->quiet || o->json);
     slv_wrap_report report;
     slv_mesh *mesh = NULL, *made = NULL;
     int code = EXIT_FAILED;
     if (output_check(&env, o->paths[1], o->paths, 1) ||
         slv_mesh_load(&env, cli_input(o->paths[0]), &mesh) ||
-        slv_mesh_wrap(&env, mesh, &params, &report, &made))
+        !cli_progress_report(&progress, 1, 3) ||
+        slv_mesh_wrap(&env, mesh, &params, &report, &made) || !cli_progress_report(&progress, 2, 3))
         goto done;
     cli_catch_interrupts();
     if (slv_mesh_save_obj(&env, made, o->paths[1]))
         goto done;
+    cli_progress_report(&progress, 3, 3);
+    cli_progress_end(&progress);
     uint32_t before = slv_mesh_get_view(mesh)->nverts;
     code = EXIT_OK;
     if (o->json)
@@ -74,6 +78,7 @@ static int run_wrap(const struct wrap_options *o) {
         print_limits(&report);
     }
 done:
+    cli_progress_end(&progress);
     slv_mesh_destroy(made);
     slv_mesh_destroy(mesh);
     return code;
@@ -92,6 +97,7 @@ int verb_wrap(int argc, char **argv) {
          0, 0, NULL},
         {"--keep-vertices", CLI_FLAG, &o.keep, "weld nothing", NULL, 0, 0, NULL},
         CLI_JSON(&o.json),
+        CLI_PROGRESS(&o.progress),
         CLI_QUIET(&o.quiet, "print nothing on success"),
     };
     const cli_command command = {

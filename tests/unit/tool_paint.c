@@ -223,7 +223,7 @@ static void wrong_scripts(void) {
     } scripts[] = {{"{", "line 1"},
                    {"\n\n[]", "line 3"},
                    {"{\"op\": \"dance\"}", "op: expected"},
-                   {"{\"radious\": 1, \"samples\": [[0, 0, 0]]}", "unknown key 'radious'"},
+                   {"{\"radious\": 1, \"samples\": [[0, 0, 0]]}", "unknown key 'radious'; did you mean 'radius'?"},
                    {"{\"samples\": [[0, 0, 0]]}", "radius"},
                    {"{\"radius\": 1}", "samples"},
                    {"{\"radius\": -1, \"samples\": [[0, 0, 0]]}", "radius"},

@@ -36,6 +36,7 @@ int main(void) {
     RUNS(0, "session s.selvage --edits undone.ptx");
     HAS("0 faces appended");
     RUNS(1, "session s.selvage --script wrong.jsonl");
+    HAS("selvage: wrong.jsonl: line ");
     HAS("face: expected the number of a face");
     RUNS(0, "session s.selvage");
     HAS("1 since it was saved");
@@ -55,7 +56,7 @@ int main(void) {
     RUNS(0, "diff large.ptx reopened.ptx");
     RUNS(0, "new box.obj blank32.ptx --size 32 --scheme bilinear -q");
     RUNS(0, "session direct.selvage --new blank32.ptx --scheme bilinear -q");
-    RUNS(0, "session direct.selvage --script s.jsonl --export direct.ptx -q");
+    RUNS(0, "session direct.selvage --script s.jsonl -o direct.ptx -q");
     RUNS(0, "diff large.ptx direct.ptx");
     RUNS(1, "session large.selvage --replay s.selvage");
     HAS("is there already");

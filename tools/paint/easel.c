@@ -91,24 +91,6 @@ slv_result easel_open(const slv_env *env, easel *e) {
     return result;
 }
 
-/* A session knows nothing of the script that its lines come from. */
-static void log_line(void *user, slv_log_level level, const char *message) {
-    const easel *e = user;
-    char text[1024];
-    if (e->line && level == SLV_LOG_ERROR)
-        snprintf(text, sizeof text, "%s: line %llu: %s", e->path, (unsigned long long)e->line,
-                 message);
-    e->outer.log(e->outer.log_user, level, e->line && level == SLV_LOG_ERROR ? text : message);
-}
-
-static slv_env session_env(const slv_env *env, easel *e) {
-    slv_env own = *env;
-    e->outer = *env;
-    own.log = log_line;
-    own.log_user = e;
-    return own;
-}
-
 static void choose_layer(easel *e, uint32_t layer) {
     slv_document *document = slv_session_document(e->session);
     uint32_t count = slv_document_layer_count(document);
@@ -118,7 +100,7 @@ static void choose_layer(easel *e, uint32_t layer) {
 
 slv_result easel_open_session(const slv_env *env, easel *e, uint32_t layer, bool unkept) {
     const slv_session_params how = {.unkept = unkept};
-    const slv_env own = session_env(env, e);
+    const slv_env own = line_log_begin(&e->log, env, NULL);
     slv_result result = slv_session_open(&own, e->name, &how, &e->session);
     if (!result)
         choose_layer(e, layer);
@@ -127,7 +109,7 @@ slv_result easel_open_session(const slv_env *env, easel *e, uint32_t layer, bool
 
 slv_result easel_make_session(const slv_env *env, easel *e, const char *path) {
     const slv_session_params how = {.scheme = e->scheme};
-    const slv_env own = session_env(env, e);
+    const slv_env own = line_log_begin(&e->log, env, NULL);
     slv_result result;
     if (ptx_name_is_safe(e->name)) {
         if (!(result = open_ptx(env, e)))
@@ -158,7 +140,7 @@ slv_result easel_begin(const slv_env *env, easel *e, const char *script,
         .name = script, .folder = e->folder, .unknown = unknown, .user = user};
     if ((size_t)snprintf(e->folder, sizeof e->folder, "%s", script) >= sizeof e->folder)
         return output_fail(env, SLV_ERROR_IO, "%s: its name is too long", script);
-    e->path = script;
+    e->log.path = script;
     char *slash = strrchr(e->folder, '/');
     *(slash ? slash : e->folder) = 0;
     if (e->session)
@@ -170,10 +152,10 @@ slv_result easel_begin(const slv_env *env, easel *e, const char *script,
 slv_result easel_run(easel *e, uint64_t number, const char *line, size_t size) {
     if (!e->session)
         return slv_script_run(e->script, number, line, size);
-    e->line = number;
+    e->log.line = number;
     slv_result result =
         slv_session_run(e->session, e->layer, false, *e->folder ? e->folder : NULL, line, size);
-    e->line = 0;
+    e->log.line = 0;
     return result;
 }
 

@@ -2,6 +2,7 @@
 #ifndef SELVAGE_TOOLS_PAINT_H
 #define SELVAGE_TOOLS_PAINT_H
 
+#include "command/line_log.h"
 #include "command/scene.h"
 
 #include <selvage/gl_live.h>
@@ -26,10 +27,8 @@ typedef struct easel {
     /* of a session */
     slv_session *session;
     uint32_t layer;
-    slv_env outer;    /* whose log is told the script's line too, while one is run */
-    const char *path; /* of the script */
+    line_log log; /* which the session's errors go through */
     char folder[4096];
-    uint64_t line;
 } easel;
 
 /* Of a texture or a mesh. */

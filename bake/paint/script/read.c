@@ -4,6 +4,8 @@
 #include "base/log.h"
 #include "base/names.h"
 
+#include <selvage/words.h>
+
 #include <math.h>
 #include <string.h>
 
@@ -254,9 +256,16 @@ slv_result slvi_script_read(slv_script *script, uint64_t number, json_t *root, s
         size_t i = 0;
         while (i < SLVI_COUNT(keys) && strcmp(keys[i].key, key) != 0)
             i++;
-        if (i == SLVI_COUNT(keys))
-            return slvi_fail(&script->env, SLV_ERROR_FORMAT, "%s: line %llu: unknown key '%.40s'",
-                             script->name, (unsigned long long)number, key);
+        if (i == SLVI_COUNT(keys)) {
+            char known[512] = "", hint[SLV_WORDS_HINT];
+            size_t used = 0;
+            for (i = 0; i < SLVI_COUNT(keys) && used < sizeof known; i++)
+                used += (size_t)snprintf(known + used, sizeof known - used, "%s%s", i ? "|" : "",
+                                         keys[i].key);
+            return slvi_fail(&script->env, SLV_ERROR_FORMAT, "%s: line %llu: unknown key '%.40s'%s",
+                             script->name, (unsigned long long)number, key,
+                             slv_words_hint(key, known, hint));
+        }
         if ((result = keys[i].read(&r, key, value)))
             return result;
     }
