@@ -57,13 +57,13 @@ static int run_wrap(const struct wrap_options *o) {
     int code = EXIT_FAILED;
     if (output_check(&env, o->paths[1], o->paths, 1) ||
         slv_mesh_load(&env, cli_input(o->paths[0]), &mesh) ||
-        !cli_progress_report(&progress, 1, 3) ||
-        slv_mesh_wrap(&env, mesh, &params, &report, &made) || !cli_progress_report(&progress, 2, 3))
+        !cli_progress_report(&progress, 10, 30) ||
+        slv_mesh_wrap(&env, mesh, &params, &report, &made) || !cli_progress_report(&progress, 20, 30))
         goto done;
     cli_catch_interrupts();
     if (slv_mesh_save_obj(&env, made, o->paths[1]))
         goto done;
-    cli_progress_report(&progress, 3, 3);
+    cli_progress_report(&progress, 30, 30);
     cli_progress_end(&progress);
     uint32_t before = slv_mesh_get_view(mesh)->nverts;
     code = EXIT_OK;

@@ -164,6 +164,20 @@ static void try_shape(const char *name, const style *how, int (*make)(output *, 
     }
 }
 
+/* Each face of a cube over the whole of an image: nothing of that is left with one value a vertex,
+ * which is said. */
+static void check_whole(void) {
+    static const char cube[] =
+        "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 0 0 1\nv 1 0 1\nv 1 1 1\nv 0 1 1\nvt 0 0\n"
+        "vt 1 0\nvt 1 1\nvt 0 1\nf 4/1 3/2 2/3 1/4\nf 5/1 6/2 7/3 8/4\nf 1/1 2/2 6/3 5/4\n"
+        "f 2/1 3/2 7/3 6/4\nf 3/1 4/2 8/3 7/4\nf 4/1 1/2 5/3 8/4\n";
+    tool_write_file("whole.obj", cube, sizeof cube - 1);
+    RUNS(0, "wrap whole.obj out.obj");
+    HAS("6 polygons span half of the map or more");
+    RUNS(0, "wrap whole.obj out.obj --map cylinder --json");
+    HAS("\"wide\": 2"); /* its caps */
+}
+
 int main(void) {
     tool_begin();
     for (size_t i = 0; i < sizeof styles / sizeof *styles; i++) {
@@ -175,6 +189,7 @@ int main(void) {
         try_shape("torus", &styles[i], torus);
         try_shape("cylinder", &styles[i], cylinder);
     }
+    check_whole();
     tool_end();
     return test_end();
 }

@@ -175,7 +175,20 @@ static void list_values(const slvi_weld *w, int32_t *head, int32_t *next, coordi
                 c->values[2 * i + (uint32_t)axis] -= floorf(c->values[2 * i + (uint32_t)axis]);
 }
 
-static void judge(const slvi_weld *w, const int32_t *poly_from, const int32_t *head,
+/* How far the coordinates of a polygon are apart as the mesh had them. */
+static float span_before(const slvi_weld *w, const coordinates *c, uint32_t p, uint32_t first,
+                         int axis) {
+    float least = INFINITY, most = -INFINITY;
+    for (uint32_t s = first; s < first + (uint32_t)w->sizes[p]; s++) {
+        least = fminf(least, c->at[2 * (size_t)s + (size_t)axis]);
+        most = fmaxf(most, c->at[2 * (size_t)s + (size_t)axis]);
+    }
+    return most - least;
+}
+
+/* Coordinates that the mesh `had` say by themselves how far a polygon reaches: one from 0 to 1 has
+ * nothing left of the map where both become one value. */
+static void judge(const slvi_weld *w, bool had, const int32_t *poly_from, const int32_t *head,
                   const int32_t *next, const coordinates *c, slv_wrap_report *report) {
     uint32_t first = 0;
     report->first_many = report->first_wide = -1;
@@ -195,7 +208,8 @@ static void judge(const slvi_weld *w, const int32_t *poly_from, const int32_t *h
                 most = fmaxf(most, at);
             }
             over[axis] = c->round[axis] && most - least >= 0.5f;
-            wide |= c->round[axis] && high - low >= 0.5f - SAME;
+            wide |= c->round[axis] &&
+                    fmaxf(high - low, had ? span_before(w, c, p, first, axis) : 0) >= 0.5f - SAME;
         }
         for (int axis = 0; axis < 2; axis++)
             report->nseam[axis] += over[axis] && !wide;
@@ -306,7 +320,7 @@ static slv_result make(const slv_env *env, const slv_mesh *mesh, const slv_wrap_
     else
         take(&mesh->view, &w, &c);
     list_values(&w, head, next, &c);
-    judge(&w, r.poly_from, head, next, &c, report);
+    judge(&w, !params->map, r.poly_from, head, next, &c, report);
     view.nverts = w.nverts;
     view.npolys = w.npolys;
     view.poly_sizes = w.sizes;
