@@ -54,9 +54,11 @@ int cli_standard_once(const cli_command *command, const char *const *paths, size
     uint32_t found = 0;
     for (size_t i = 0; i < count; i++)
         found += paths[i] && strcmp(cli_input(paths[i]), cli_input("-")) == 0;
-    return found < 2 ? EXIT_OK
-                     : cli_usage(command,
-                                 "two inputs are the standard input, which can be read only once");
+    return found < 2
+               ? EXIT_OK
+               : cli_usage(
+                     command,
+                     "of two inputs both are the standard input, which can be read only once");
 }
 
 const char *cli_input(const char *path) {
