@@ -269,6 +269,13 @@ static slv_result load_set(const slv_env *env, const char *path, const slv_bake_
     return result ? result : tell_missing(env, path, set);
 }
 
+bool slvi_uv_stays(const float *corners, uint32_t nfaces, int axis) {
+    for (size_t i = 0; i < 4 * (size_t)nfaces; i++)
+        if (corners[2 * i + (size_t)axis] < 0 || corners[2 * i + (size_t)axis] > 1)
+            return false;
+    return true;
+}
+
 slv_result slvi_uv_set_load(const slv_env *env, const char *path, const slv_bake_uv *params,
                             const float *corners, uint32_t nfaces, uv_set *out) {
     int32_t *count = NULL;

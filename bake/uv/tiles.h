@@ -24,6 +24,7 @@ typedef struct uv_set {
     slv_texture_encoding encoding;
     bool udim;
     slv_bake_wrap wrap; /* of one image; never AUTO */
+    bool ends[2];       /* a repeated image does not go on over these ends, which nothing crosses */
     uint32_t ntiles;
     uv_tile *tiles;
     slv_bake_tile *list; /* the same tiles, for the caller */
@@ -45,6 +46,9 @@ slv_result slvi_uv_tile_name(const slv_env *env, const char *path, int32_t cell,
 slv_result slvi_uv_set_load(const slv_env *env, const char *path, const slv_bake_uv *params,
                             const float *corners, uint32_t nfaces, uv_set *out);
 void slvi_uv_set_free(uv_set *set);
+
+/* Whether no face leaves 0..1 along an axis. */
+bool slvi_uv_stays(const float *corners, uint32_t nfaces, int axis);
 
 /* The tile of a cell, in whose frame (0..1) it then is: `u`, `v` are its lower left corner. NULL:
  * there is none. */

@@ -160,8 +160,8 @@ static const uv_tile *reach(const uv_face *f, const uv_tile *tile, const int32_t
     if (!du && !dv)
         return tile;
     if (!set->udim && set->wrap == SLV_BAKE_WRAP_REPEAT) {
-        *x = (*x + w) % w;
-        *y = (*y + h) % h;
+        *x = set->ends[0] ? clamp_to(*x, 0, w - 1) : (*x + w) % w;
+        *y = set->ends[1] ? clamp_to(*y, 0, h - 1) : (*y + h) % h;
         return tile;
     }
     const uv_tile *next = NULL;
@@ -475,7 +475,8 @@ static void images(const slv_bake_source *source, slv_uv_images *out) {
                            .round_u = s->round[0],
                            .round_v = s->round[1],
                            .tiled = s->set.udim || s->set.wrap == SLV_BAKE_WRAP_NONE,
-                           .repeat = s->set.wrap == SLV_BAKE_WRAP_REPEAT,
+                           .repeat_u = s->set.wrap == SLV_BAKE_WRAP_REPEAT && !s->set.ends[0],
+                           .repeat_v = s->set.wrap == SLV_BAKE_WRAP_REPEAT && !s->set.ends[1],
                            .wide = s->set.type == SLV_TYPE_FLOAT || s->set.type == SLV_TYPE_U16,
                            .narrow = s->set.type == SLV_TYPE_U8 && s->set.alpha < 0,
                            .data = s->set.encoding != SLV_TEXTURE_SRGB,
@@ -577,11 +578,15 @@ slv_result slv_bake_from_uv(const slv_env *env, const slv_mesh *mesh, const char
         goto done;
     if (s->round[0] || s->round[1])
         warn_of_wide(env, path, s);
-    if ((s->round[0] || s->round[1]) && !chosen.wrap)
+    const bool along = (s->round[0] || s->round[1]) && !chosen.wrap;
+    if (along)
         chosen.wrap = SLV_BAKE_WRAP_REPEAT;
     if ((result = slvi_uv_set_load(env, path, &chosen, s->corners, s->base.nfaces, &s->set)) ||
         (result = find_cells(env, mesh, s)) || (result = list_squares(env, s)))
         goto done;
+    for (int axis = 0; axis < 2; axis++)
+        s->set.ends[axis] =
+            along && !s->round[axis] && slvi_uv_stays(s->corners, s->base.nfaces, axis);
     s->base.desc =
         (slv_bake_source_desc){s->set.type, s->set.nchannels, s->set.alpha, s->set.encoding};
     *out = &s->base;

@@ -102,7 +102,8 @@ static void rays_make(const wrap_mesh *m, rays *out) {
     out->tile = (slv_uv_tile){0, 0, WIDTH, HEIGHT};
     out->images = (slv_uv_images){.nfaces = slv_mesh_face_count(out->mesh),
                                   .texcoords = out->corners,
-                                  .repeat = true,
+                                  .repeat_u = true,
+                                  .repeat_v = true,
                                   .ntiles = 1,
                                   .tiles = &out->tile,
                                   .color = color_at,

@@ -158,6 +158,8 @@ static void tiles(void) {
     write_image("t.1002.exr", 32, 32, low);
     write_image("t.1011.exr", 48, 30, waves);
     CHECK_MSG(tool("render row.obj --uv t.UDIM.exr -o x.png") == 1, "%s", tool_out);
+    CHECK(tool("render row.obj --uv 't.<UDIM>.exr' --view row.json -o t.1001.exr") == 1);
+    CHECK_MSG(strstr(tool_out, "is one of t.<UDIM>.exr, and would be lost"), "%s", tool_out);
     CHECK(tool("render row.obj --uv 't.<UDIM>.exr' --view row.json --bits 32 -o gl.exr") == 0);
     CHECK_MSG(strstr(tool_out, "1003") && !strstr(strstr(tool_out, "1003") + 1, "1003"), "%s",
               tool_out);
@@ -296,11 +298,15 @@ static void parts_go_round(void) {
     for (int triangles = 0; triangles < 2; triangles++) {
         write_tube("once.obj", false, triangles);
         write_tube("twice.obj", true, triangles);
-        CHECK(tool("bake once.obj --uv waves.exr --round u --size 16 --reductions plain -q -o "
-                   "once.ptx") == 0);
+        CHECK(tool("bake once.obj --uv waves.exr --round u --wrap repeat --size 16 --reductions "
+                   "plain -q -o once.ptx") == 0);
         CHECK(tool("bake twice.obj --uv waves.exr --wrap repeat --size 16 --reductions plain -q -o "
                    "twice.ptx") == 0);
         CHECK_MSG(tool("diff once.ptx twice.ptx --texels --tolerance 1e-5") == 0, "%s", tool_out);
+        /* v, which does not go round, ends by itself where nothing else was asked for */
+        CHECK(tool("bake once.obj --uv waves.exr --round u --size 16 --reductions plain -q -o "
+                   "ends.ptx") == 0);
+        CHECK_MSG(tool("diff ends.ptx twice.ptx --texels --tolerance 1e-5") == 1, "%s", tool_out);
         CHECK(tool("bake once.obj --uv waves.exr --size 16 --reductions plain -q -o plain.ptx") ==
               0);
         CHECK_MSG(tool("diff plain.ptx twice.ptx --texels --tolerance 0.1") == 1, "%s", tool_out);

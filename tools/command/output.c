@@ -1,6 +1,7 @@
 /* Whether outputs can be written, and text made safe for HTML, JSON and terminals. */
 #include "command/output.h"
 
+#include <selvage/bake.h>
 #include <selvage/folder.h>
 
 #include <math.h>
@@ -38,12 +39,30 @@ slv_result output_image(const slv_env *env, const char *path, const slv_image *i
     return result;
 }
 
+/* Whether a file is one of a set of tiles, NAME.<UDIM>.ENDING. */
+static bool is_tile(const char *set, const struct stat *there) {
+    const char *at = strstr(set, SLV_BAKE_UDIM);
+    char name[4096];
+    struct stat input;
+    for (int tile = 1001; at && tile <= 9999; tile++) {
+        snprintf(name, sizeof name, "%.*s%d%s", (int)(at - set), set, tile,
+                 at + strlen(SLV_BAKE_UDIM));
+        if (stat(name, &input) == 0 && there->st_dev == input.st_dev &&
+            there->st_ino == input.st_ino)
+            return true;
+    }
+    return false;
+}
+
 slv_result output_check_inputs(const slv_env *env, const char *path, const char *const *inputs,
                                size_t ninputs) {
     struct stat there, input;
     for (size_t i = 0; i < ninputs && stat(path, &there) == 0; i++)
-        if (inputs[i] && stat(cli_input(inputs[i]), &input) == 0 && S_ISREG(input.st_mode) &&
-            there.st_dev == input.st_dev && there.st_ino == input.st_ino)
+        if (inputs[i] && is_tile(inputs[i], &there))
+            return output_fail(env, SLV_ERROR_ARGUMENT, "%s: is one of %s, and would be lost", path,
+                               inputs[i]);
+        else if (inputs[i] && stat(cli_input(inputs[i]), &input) == 0 && S_ISREG(input.st_mode) &&
+                 there.st_dev == input.st_dev && there.st_ino == input.st_ino)
             return strcmp(path, inputs[i]) == 0
                        ? output_fail(env, SLV_ERROR_ARGUMENT,
                                      "%s: is read, and would be lost if it were written", path)

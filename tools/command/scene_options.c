@@ -186,13 +186,15 @@ static slv_result list_frames(const slv_env *env, const scene_options *o, const 
                               const slv_camera *camera, float aspect, scene_data *scene) {
     frames_list *frames = &scene->frames;
     const float *low = scene->bounds_min, *high = scene->bounds_max;
+    const bool orbit = o->orbit_given || o->fov_given;
+    if (view->ncameras && (o->turntable || o->frames || orbit || !o->numbered))
+        cli_warning("%s: of its %u cameras %s is used", o->view, view->ncameras,
+                    orbit ? "none" : "the first");
     if (o->turntable)
         return frames_turntable(env, camera, low, high, o->turntable, frames);
     if (o->frames)
         return frames_find(env, o->frames, frames);
-    if (view->ncameras && !o->numbered)
-        cli_warning("%s: of its %u cameras the first is used", o->view, view->ncameras);
-    if (!view->ncameras || !o->numbered || o->orbit_given || o->fov_given)
+    if (!view->ncameras || !o->numbered || orbit)
         return SLV_OK;
     slv_result result = frames_turntable(env, camera, low, high, view->ncameras, frames);
     for (uint32_t i = 0; i < view->ncameras && !result; i++)

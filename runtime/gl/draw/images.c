@@ -151,13 +151,13 @@ static slv_result make_textures(slv_gl_images *made, const slv_env *env,
     return result ? result : make_texture(made, env, &none, 0, &made->textures[images->ntiles]);
 }
 
-static void make_sampler(slv_gl_images *made, bool repeat, uint32_t anisotropy) {
+static void make_sampler(slv_gl_images *made, const slv_uv_images *images, uint32_t anisotropy) {
     const slv_gl_api *api = &made->gl->api;
-    GLint wrap = repeat ? GL_REPEAT : GL_CLAMP_TO_EDGE;
+    const bool u = !images->tiled && images->repeat_u, v = !images->tiled && images->repeat_v;
     uint32_t most = made->gl->info.max_anisotropy;
     api->CreateSamplers(1, &made->sampler);
-    api->SamplerParameteri(made->sampler, GL_TEXTURE_WRAP_S, wrap);
-    api->SamplerParameteri(made->sampler, GL_TEXTURE_WRAP_T, wrap);
+    api->SamplerParameteri(made->sampler, GL_TEXTURE_WRAP_S, u ? GL_REPEAT : GL_CLAMP_TO_EDGE);
+    api->SamplerParameteri(made->sampler, GL_TEXTURE_WRAP_T, v ? GL_REPEAT : GL_CLAMP_TO_EDGE);
     api->SamplerParameteri(made->sampler, GL_TEXTURE_MIN_FILTER, GL_LINEAR_MIPMAP_LINEAR);
     api->SamplerParameteri(made->sampler, GL_TEXTURE_MAG_FILTER, GL_LINEAR);
     made->taps = made->gl->info.software ? (GLint)anisotropy : 1;
@@ -292,7 +292,7 @@ slv_result slv_gl_images_create(slv_gl *gl, const slv_env *env, const slv_uv_ima
     made->round[1] = images->round_v;
     made->bytes = (uint64_t)images->nfaces * 8 * sizeof(float);
     slvi_gl_set_state(gl);
-    make_sampler(made, !images->tiled && images->repeat, anisotropy);
+    make_sampler(made, images, anisotropy);
     if ((result = make_textures(made, env, images)) || (result = make_batches(made, env, images)) ||
         (result = slvi_gl_buffer(gl, env, "texture coordinates", images->texcoords,
                                  (uint64_t)images->nfaces * 8 * sizeof(float), &made->corners)) ||

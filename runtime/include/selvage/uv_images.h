@@ -24,10 +24,10 @@ typedef struct slv_uv_images {
     const float *texcoords; /* 8 a face; NaN in the first: it has none */
     bool round_u, round_v;  /* the coordinate goes round, with one value a vertex: within a face it
                                takes the short way (wrap.h) */
-    bool tiled;  /* many images, each on its square; otherwise the first is everywhere: */
-    bool repeat; /* again on each square, or by its outermost pixels */
-    bool wide;   /* half floats do not hold all values */
-    bool narrow; /* 8 bits do, of sRGB unless `data`, and alpha is 1 */
+    bool tiled; /* many images, each on its square; otherwise the first is everywhere: */
+    bool repeat_u, repeat_v; /* again on each square, or by its outermost pixels */
+    bool wide;               /* half floats do not hold all values */
+    bool narrow;             /* 8 bits do, of sRGB unless `data`, and alpha is 1 */
     bool data;
     uint32_t ntiles;
     const slv_uv_tile *tiles;
