@@ -283,6 +283,21 @@ static void check_bad(const char *ptx) {
     check_refused(ARGUMENTS(SMALL, "--displacement", ptx, "--displacement-space", "object",
                             "--displacement-channel", "1", "x.png"),
                   2, "first of 3");
+    /* as many faces with other neighbours */
+    char apart[1024] = "";
+    for (int v = 0; v < 12; v++)
+        snprintf(apart + strlen(apart), sizeof apart - strlen(apart), "v %d %d 0\n", v % 4, v / 4);
+    for (int f = 0; f < 6; f++) {
+        const int a = 1 + f % 3 + f / 3 * 4;
+        snprintf(apart + strlen(apart), sizeof apart - strlen(apart), "f %d %d %d %d\n", a, a + 1,
+                 a + 5, a + 4);
+    }
+    const slv_res res[6] = {{0, 0}};
+    const slv_procedural noise = {.pattern = SLV_PATTERN_NOISE, .frequency = 2};
+    bake_write(kit_join(path, scratch.root, "apart.ptx"), apart, SLV_SCHEME_BILINEAR, 6, res,
+               &noise);
+    check_refused(ARGUMENTS(SMALL, "--displacement", path, "x.png"), 1,
+                  "apart.ptx does not fit the mesh");
     kit_join(path, kit_variable("SELVAGE_TESTS"), "conformance/data/tri_tiled_u8_1.ptx");
     check_refused(ARGUMENTS(SMALL, "--displacement", path, "x.png"), 1, "triangle-mesh texture");
 }

@@ -68,9 +68,19 @@ static slv_result open_triangles(const slv_env *env, const char *path, const slv
     return result;
 }
 
-/* `named`: the command line names the channel. */
+/* Whether its neighbours are those of the mesh, which lookups over edges go to. */
+static slv_result match(const slv_env *env, const char *path, const slv_mesh *mesh) {
+    slv_ptx *ptx = NULL;
+    slv_result result = slv_ptx_open(env, path, &ptx);
+    if (!result)
+        result = slv_ptx_match_mesh(env, ptx, mesh);
+    slv_ptx_close(ptx);
+    return result;
+}
+
+/* `named`: the command line names the channel. `any`: its neighbours may be others. */
 static int open_file(const cli_command *command, const slv_env *env, const displace_settings *d,
-                     bool named, const slv_mesh *mesh, displace_open *out) {
+                     bool named, bool any, const slv_mesh *mesh, displace_open *out) {
     uint32_t nfaces = slv_mesh_face_count(mesh);
     slv_file_id file;
     slv_ptx_info info;
@@ -83,6 +93,8 @@ static int open_file(const cli_command *command, const slv_env *env, const displ
     } else if (info.nfaces != nfaces)
         return cli_error("%s: displaces %u faces, and the mesh has %u", d->texture, info.nfaces,
                          nfaces);
+    else if (!any && match(env, d->texture, mesh))
+        return EXIT_FAILED;
     const value_channels channels = {info.nchannels, info.alpha_channel};
     int32_t channel = value_channel_find(d->channel, strlen(d->channel), channels);
     uint32_t width = d->space ? 3 : 1;
@@ -105,8 +117,8 @@ static int open_file(const cli_command *command, const slv_env *env, const displ
 }
 
 int displace_begin(const cli_command *command, const slv_env *env, const displace_options *options,
-                   const displace_settings *settings, const char *ptx, const slv_mesh *mesh,
-                   displace_open *out) {
+                   const displace_settings *settings, const char *ptx, bool any,
+                   const slv_mesh *mesh, displace_open *out) {
     const char *texture = options->texture;
     int code = texture ? cli_settle_input(&texture) : EXIT_OK;
     const displace_settings d = merge(options, settings, texture, ptx);
@@ -122,7 +134,8 @@ int displace_begin(const cli_command *command, const slv_env *env, const displac
         strlen(options->channel ? options->channel : "") >= DISPLACE_CHANNEL)
         return cli_usage(command, "--displacement: the name is too long");
     out->moves = d.given && d.scale != 0;
-    return out->moves ? open_file(command, env, &d, options->channel != NULL, mesh, out) : EXIT_OK;
+    return out->moves ? open_file(command, env, &d, options->channel != NULL, any, mesh, out)
+                      : EXIT_OK;
 }
 
 void displace_close(displace_open *displace) {

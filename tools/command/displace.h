@@ -37,12 +37,12 @@ typedef struct displace_open {
 } displace_open;
 
 /* Opens what both say, if either says anything: a texture of the mesh's faces or triangles, `ptx`
- * itself where only a channel is named. Returns an exit code; displace_close releases it, after a
- * failure too.
+ * itself where only a channel is named; of quads with the mesh's neighbours, unless they may be
+ * `any`. Returns an exit code; displace_close releases it, after a failure too.
  */
 int displace_begin(const cli_command *command, const slv_env *env, const displace_options *options,
-                   const displace_settings *settings, const char *ptx, const slv_mesh *mesh,
-                   displace_open *out);
+                   const displace_settings *settings, const char *ptx, bool any,
+                   const slv_mesh *mesh, displace_open *out);
 void displace_close(displace_open *displace);
 
 #endif

@@ -277,8 +277,8 @@ int scene_load_shot(const cli_command *command, const slv_env *env, const char *
     int code =
         list_frames(env, o, &view, &out->camera, aspect, &out->scene) ? EXIT_FAILED : EXIT_OK;
     if (!code)
-        code = displace_begin(command, env, &o->displace, &view.displacement, ptx, out->scene.mesh,
-                              &out->scene.displace);
+        code = displace_begin(command, env, &o->displace, &view.displacement, ptx,
+                              o->adjacency != 0, out->scene.mesh, &out->scene.displace);
     if (!code && out->scene.displace.moves && out->scene.environment)
         code = cli_error("%s: an environment is a sphere, and nothing displaces that", ptx);
     if (out->scene.environment) {
