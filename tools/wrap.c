@@ -58,7 +58,8 @@ static int run_wrap(const struct wrap_options *o) {
     if (output_check(&env, o->paths[1], o->paths, 1) ||
         slv_mesh_load(&env, cli_input(o->paths[0]), &mesh) ||
         !cli_progress_report(&progress, 10, 30) ||
-        slv_mesh_wrap(&env, mesh, &params, &report, &made) || !cli_progress_report(&progress, 20, 30))
+        slv_mesh_wrap(&env, mesh, &params, &report, &made) ||
+        !cli_progress_report(&progress, 20, 30))
         goto done;
     cli_catch_interrupts();
     if (slv_mesh_save_obj(&env, made, o->paths[1]))
