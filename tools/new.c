@@ -16,6 +16,7 @@ enum { MOST_CHANNELS = 64 };
 
 struct new_options {
     const char *paths[2], *fill, *bytes, *texels;
+    const char *names; /* of channels, or their number */
     uint32_t size[2], min[2], max[2], channels, alpha, compression, threads;
     float density;
     bool size_given, max_given, density_given, alpha_given, square, json, progress, quiet;
@@ -106,10 +107,40 @@ static int run_new(struct new_options *o, slv_blank_params *params) {
     return code;
 }
 
+/* A number, or the letters of colours and alpha, each once: `a` is alpha then. */
+static int read_channels(const cli_command *command, struct new_options *o) {
+    const char *text = o->names ? o->names : "3", *rest;
+    char *end;
+    unsigned long count = strtoul(text, &end, 10);
+    if (*text >= '0' && *text <= '9' && !*end && count >= 1 && count <= MOST_CHANNELS) {
+        o->channels = (uint32_t)count;
+        return EXIT_OK;
+    }
+    o->channels = 0;
+    for (rest = text; *rest && strchr("rgbay,", *rest); rest++) {
+        if (*rest == ',')
+            continue;
+        if (strchr(rest + 1, *rest))
+            break;
+        if (*rest == 'a' && !o->alpha_given) {
+            o->alpha = o->channels;
+            o->alpha_given = true;
+        }
+        o->channels++;
+    }
+    if (*rest || !o->channels)
+        return cli_usage(command,
+                         "--channels: '%s' is neither a number from 1 to %d nor names such as rgb, "
+                         "rgba and y",
+                         text, MOST_CHANNELS);
+    return EXIT_OK;
+}
+
 /* What the options ask for; says what is wrong with them. */
 static int make_params(const cli_command *command, struct new_options *o, slv_blank_params *p) {
     uint64_t bytes = 0;
-    o->channels = o->channels ? o->channels : 3;
+    if (read_channels(command, o))
+        return EXIT_USAGE;
     if (o->size_given + o->density_given + (o->bytes != NULL) + (o->texels != NULL) > 1)
         return cli_usage(command, "--size, --density, --bytes and --texels: one of them");
     if (o->size_given && !value_resolution(o->size, &p->res))
@@ -165,7 +196,8 @@ int verb_new(int argc, char **argv) {
         {"--square", CLI_FLAG, &o.square, "oblong faces have square textures too", NULL, 0, 0,
          NULL},
         CLI_TYPE(&o.type, "data type (uint8)", NULL),
-        {"--channels|-c", CLI_UINT, &o.channels, "how many (3)", NULL, 1, MOST_CHANNELS, NULL},
+        {"--channels|-c", CLI_TEXT, &o.names, "how many, or their names: rgb, rgba, y (3)",
+         "N|NAMES", 0, 0, NULL},
         {"--alpha", CLI_UINT, &o.alpha, "which channel is alpha, from 0 (none)", NULL, 0,
          MOST_CHANNELS - 1, &o.alpha_given},
         {"--fill", CLI_TEXT, &o.fill,

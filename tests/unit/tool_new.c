@@ -89,6 +89,9 @@ static void colours(void) {
     RUNS(0, "new box.obj out.ptx --size 4 --fill '#804020' --type float");
     expect_texel(3, (float[]){0.215861f, 0.0512695f, 0.0144438f}, 1e-6);
     RUNS(0, "new box.obj out.ptx --size 4 --fill red --channels 4 --alpha 3");
+    RUNS(0, "new box.obj named.ptx --size 4 --fill red --channels r,g,b,a");
+    CHECK(same_bytes(tool_path("named.ptx"), tool_path("out.ptx")));
+    RUNS(2, "new box.obj named.ptx --channels rgbb");
     expect_texel(4, (float[]){1, 0, 0, 1}, 0);
     RUNS(0, "new box.obj out.ptx --size 4 --channels 1 --type half --fill 0.25");
     expect_texel(1, (float[]){0.25f}, 0);
