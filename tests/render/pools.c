@@ -119,7 +119,7 @@ static void check_extremes(void) {
     kit k;
     kit_grid(&k, 1, 1, false, 0, NULL, NULL);
     k.res[0] = (slv_res){15, 0};
-    kit_begin_texture(&k, SLV_TYPE_U8, 1);
+    kit_noise(&k, SLV_TYPE_U8, 1, &random); /* one value would take one texel */
     slv_gl_texture *texture = NULL;
     CHECK(slv_gl_texture_create(gl, &env, k.texture, k.adjacency, NULL, &texture) ==
           SLV_ERROR_LIMIT);
