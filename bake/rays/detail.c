@@ -1,6 +1,7 @@
 /* A detailed mesh on a plainer surface: rays both ways along the normal of the limit, to the
  * nearest thing that faces the same way; vectors to the nearest place in any direction. */
 #include "rays/look.h"
+#include "rays/vectors.h"
 #include "source/cage.h"
 #include "source/closest.h"
 #include "source/source.h"
@@ -32,29 +33,19 @@ typedef struct points {
     float positions[AT_ONCE][3], normals[AT_ONCE][3], du[AT_ONCE][3], cage[AT_ONCE][3];
 } points;
 
-static float dot(const float *a, const float *b) {
-    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-}
-
-static void normalise(float v[3]) {
-    float length = sqrtf(dot(v, v));
-    for (int k = 0; k < 3; k++)
-        v[k] = length > 0 ? v[k] / length : 0;
-}
-
 /* Along the axes of the face: growing u, as far as it is across the normal, normal x that, and the
  * normal. */
 static void to_face(const float n[3], const float du[3], float v[3]) {
     float tangent[3], bitangent[3], out[3];
     for (int k = 0; k < 3; k++)
-        tangent[k] = du[k] - dot(du, n) * n[k];
-    normalise(tangent);
+        tangent[k] = du[k] - slvi_dot(du, n) * n[k];
+    slvi_normalise(tangent);
     for (int k = 0; k < 3; k++)
         bitangent[k] =
             n[(k + 1) % 3] * tangent[(k + 2) % 3] - n[(k + 2) % 3] * tangent[(k + 1) % 3];
-    out[0] = dot(v, tangent);
-    out[1] = dot(v, bitangent);
-    out[2] = dot(v, n);
+    out[0] = slvi_dot(v, tangent);
+    out[1] = slvi_dot(v, bitangent);
+    out[2] = slvi_dot(v, n);
     memcpy(v, out, sizeof out);
 }
 
@@ -123,7 +114,7 @@ static slv_result evaluate_some(const detail *d, points *work, uint32_t face, sl
             for (uint32_t c = 0; c < n; c++)
                 values[i * n + c] = sum[c] / (float)count[SLV_BAKE_HIT];
             if (n == 3 && !d->closest)
-                normalise(values + (size_t)i * n);
+                slvi_normalise(values + (size_t)i * n);
             continue;
         }
         for (int miss = 1; miss < SLV_BAKE_MISSES; miss++)

@@ -1,18 +1,9 @@
 /* The nearest thing along a normal that faces the same way: rays pass through what does not. */
 #include "rays/look.h"
+#include "rays/vectors.h"
 
 #include <math.h>
 #include <string.h>
-
-static float dot(const float *a, const float *b) {
-    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-}
-
-static void normalise(float v[3]) {
-    float length = sqrtf(dot(v, v));
-    for (int k = 0; k < 3; k++)
-        v[k] = length > 0 ? v[k] / length : 0;
-}
 
 static void flat_normal(const ray_scene *s, const uint32_t *corners, float out[3]) {
     double ab[3], ac[3], across[3], length = 0;
@@ -39,11 +30,11 @@ void slvi_ray_normal(const ray_scene *s, uint32_t triangle, const float weights[
     }
     for (int c = 0; c < 3; c++) {
         memcpy(own, s->normals + 3 * (size_t)corners[c], sizeof own);
-        normalise(own);
+        slvi_normalise(own);
         for (int k = 0; k < 3; k++)
             out[k] += w[c] * own[k];
     }
-    normalise(out);
+    slvi_normalise(out);
 }
 
 /* One way; a ray begins a little behind the surface. */
@@ -61,7 +52,7 @@ static void one_way(const ray_look *l, const float p[3], const float n[3], float
         if (!(distance <= reach))
             return;
         slvi_ray_normal(l->scene, triangle, weights, normal);
-        if (dot(normal, n) > 0) {
+        if (slvi_dot(normal, n) > 0) {
             if (!best->any || fabsf(distance) < fabsf(best->distance))
                 *best = (ray_found){
                     sign * distance, triangle, {weights[0], weights[1]}, true, best->behind};
@@ -92,7 +83,7 @@ slv_bake_miss slvi_ray_look_from(const ray_look *l, const float cage[3], const f
     *out = (ray_found){0};
     for (int k = 0; k < 3; k++)
         outwards[k] = cage[k] - point[k];
-    length = sqrtf(dot(outwards, outwards));
+    length = sqrtf(slvi_dot(outwards, outwards));
     if (!(length > 0))
         return SLV_BAKE_NO_HIT; /* the cage touches the surface: there is no way to look */
     for (int k = 0; k < 3; k++) {
