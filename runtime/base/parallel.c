@@ -4,7 +4,7 @@
 #include "base/log.h"
 #include "base/memory.h"
 
-#include <pthread.h>
+#include <signal.h>
 #include <unistd.h>
 
 #define MAX_THREADS 256
@@ -30,6 +30,19 @@ uint32_t slvi_thread_count(const slv_env *env) {
         threads = online > 0 ? (uint32_t)online : 1;
     }
     return threads < MAX_THREADS ? threads : MAX_THREADS;
+}
+
+int slvi_thread_start(pthread_t *thread, void *(*run)(void *user), void *user) {
+    /* of the thread's own doing, or a profiler's */
+    static const int own[] = {SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGTRAP, SIGABRT, SIGSYS, SIGPROF};
+    sigset_t held, before;
+    sigfillset(&held);
+    for (size_t i = 0; i < sizeof own / sizeof *own; i++)
+        sigdelset(&held, own[i]);
+    pthread_sigmask(SIG_BLOCK, &held, &before);
+    int reason = pthread_create(thread, NULL, run, user);
+    pthread_sigmask(SIG_SETMASK, &before, NULL);
+    return reason;
 }
 
 static void work(void *user, uint32_t worker) {
@@ -67,7 +80,7 @@ static void *thread(void *job) {
 static void start_and_join(struct job *job, uint32_t wanted) {
     pthread_t threads[MAX_THREADS];
     uint32_t started = 0;
-    while (started + 1 < wanted && pthread_create(&threads[started], NULL, thread, job) == 0)
+    while (started + 1 < wanted && slvi_thread_start(&threads[started], thread, job) == 0)
         started++;
     work(job, 0);
     while (started)

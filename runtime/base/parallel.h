@@ -4,6 +4,8 @@
 
 #include <selvage/result.h>
 
+#include <pthread.h>
+
 /* Handles the items first..end-1. A result other than SLV_OK stops the handing out of further
  * ranges. */
 typedef slv_result (*slv_range_fn)(void *user, uint64_t first, uint64_t end);
@@ -22,5 +24,9 @@ slv_result slvi_parallel_env_begin(const slv_env *env, slv_parallel_log **state,
 void slvi_parallel_env_end(slv_parallel_log *state);
 
 uint32_t slvi_thread_count(const slv_env *env);
+
+/* pthread_create for a thread that takes no signals but those that it causes itself: what the host
+ * does with signals, or holds back for a while, is its own threads' matter. */
+int slvi_thread_start(pthread_t *thread, void *(*run)(void *user), void *user);
 
 #endif

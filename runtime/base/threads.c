@@ -5,8 +5,6 @@
 
 #include <selvage/threads.h>
 
-#include <pthread.h>
-
 /* Lives on the stack of the call that waits for it. */
 struct work {
     void (*task)(void *argument, uint32_t index);
@@ -93,7 +91,7 @@ slv_result slv_threads_create(const slv_env *env, slv_threads **out) {
     pthread_cond_init(&threads->arrived, NULL);
     pthread_cond_init(&threads->finished, NULL);
     while (threads->started < wanted &&
-           pthread_create(&threads->threads[threads->started], NULL, serve, threads) == 0)
+           slvi_thread_start(&threads->threads[threads->started], serve, threads) == 0)
         threads->started++;
     *out = threads;
     return SLV_OK;

@@ -2,6 +2,7 @@
 #include "cache/cache_data.h"
 
 #include "base/log.h"
+#include "base/parallel.h"
 
 static bool is_stopping(slv_cache *cache) {
     pthread_mutex_lock(&cache->lock);
@@ -76,7 +77,7 @@ slv_result slv_cache_prefetch(slv_cache *cache, slv_file_id file, uint32_t face)
                          (unsigned)face, (unsigned)info.nfaces);
     pthread_mutex_lock(&cache->lock);
     if (!cache->worker_runs) {
-        if (pthread_create(&cache->worker, NULL, work, cache) == 0)
+        if (slvi_thread_start(&cache->worker, work, cache) == 0)
             cache->worker_runs = true;
         else
             result = slvi_fail(&cache->env, SLV_ERROR_MEMORY, "no thread to read ahead");

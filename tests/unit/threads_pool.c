@@ -1,8 +1,10 @@
 /* A pool of threads in the environment: the same bytes as without one, for calls within calls and
- * for many callers at once. */
+ * for many callers at once, and no signal that is the host's. */
 #include "kit/calls_kit.h"
 
 #include <pthread.h>
+#include <signal.h>
+#include <stdatomic.h>
 #include <sys/stat.h>
 
 enum { CALLERS = 6, ROUNDS = 4 };
@@ -94,6 +96,50 @@ static void check_nested(void) {
     slv_ptx_close(ptx);
 }
 
+static pthread_t host;
+static atomic_uint others;
+
+static slv_result look_at_signals(void *user, const slv_env *env, uint32_t face,
+                                  const slv_ptx_face *info, void *texels) {
+    sigset_t held;
+    (void)user, (void)env, (void)face, (void)info, (void)texels;
+    pthread_sigmask(SIG_SETMASK, NULL, &held);
+    if (!pthread_equal(pthread_self(), host)) {
+        need(sigismember(&held, SIGTERM) == 1 && sigismember(&held, SIGINT) == 1 &&
+             sigismember(&held, SIGSEGV) == 0);
+        atomic_fetch_add(&others, 1);
+    }
+    return SLV_OK;
+}
+
+/* A signal that the host's thread holds back waits, however many threads there are: those of the
+ * pool (which is there), of a call and of a cache. */
+static void check_signals(void) {
+    slv_env four = test_env();
+    slv_ptx *ptx = NULL;
+    slv_cache *cache = NULL;
+    slv_file_id file;
+    sigset_t term, before, waiting;
+    four.threads = 4;
+    host = pthread_self();
+    REQUIRE(!slv_ptx_open(&four, calls.ptx, &ptx));
+    for (int i = 0; i < 1000 && !atomic_load(&others); i++)
+        CHECK(!slv_ptx_visit_faces(&four, ptx, look_at_signals, NULL));
+    CHECK(atomic_load(&others) > 0);
+    slv_ptx_close(ptx);
+
+    REQUIRE(!slv_cache_create(&four, NULL, &cache) && !slv_cache_open(cache, calls.ptx, &file));
+    CHECK(!slv_cache_prefetch(cache, file, 0));
+    sigemptyset(&term);
+    sigaddset(&term, SIGTERM);
+    pthread_sigmask(SIG_BLOCK, &term, &before);
+    CHECK(kill(getpid(), SIGTERM) == 0 && sigpending(&waiting) == 0 &&
+          sigismember(&waiting, SIGTERM) == 1);
+    sigwait(&term, &(int){0});
+    pthread_sigmask(SIG_SETMASK, &before, NULL);
+    slv_cache_destroy(cache);
+}
+
 /* An executor of somebody else's, that takes the parts from last to first. */
 static unsigned executed;
 
@@ -122,6 +168,7 @@ int main(void) {
     check_copy(&pooled, calls_path("pooled.ptx"));
     check_nested();
     check_callers();
+    check_signals();
     slv_threads_destroy(threads);
     slv_threads_destroy(NULL);
 

@@ -4,6 +4,7 @@
 
 #include "base/log.h"
 #include "base/memory.h"
+#include "base/parallel.h"
 
 #include <string.h>
 
@@ -187,7 +188,7 @@ slv_result slvi_readers_begin(uint32_t count, slvi_readers *readers) {
     pthread_cond_init(&readers->more, NULL);
     readers->begun = true;
     while (readers->nthreads < count &&
-           pthread_create(&readers->threads[readers->nthreads], NULL, work, readers) == 0)
+           slvi_thread_start(&readers->threads[readers->nthreads], work, readers) == 0)
         readers->nthreads++;
     return readers->nthreads ? SLV_OK
                              : slvi_fail(&readers->env, SLV_ERROR_MEMORY,

@@ -18,7 +18,8 @@ extern "C" {
 typedef struct slv_threads slv_threads;
 
 /* Starts env->threads threads less one, for the caller's own works too; 0 means one per processor.
- * Fewer if the system gives no more. */
+ * Fewer if the system gives no more. As all threads that the library starts, they take no signals.
+ */
 SLV_NODISCARD SLV_API slv_result slv_threads_create(const slv_env *env, slv_threads **out);
 /* Waits until they have ended. Environments and objects that use them must not be used after. */
 SLV_API void slv_threads_destroy(slv_threads *threads);
