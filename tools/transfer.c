@@ -4,7 +4,6 @@
 #include "command/ptx_name.h"
 #include "command/salvage.h"
 #include "command/scene.h"
-#include "command/triangles.h"
 #include "verbs.h"
 
 #include <selvage/cache.h>
@@ -148,10 +147,15 @@ static slv_result open_triangles(const slv_env *env, const slv_ptx *ptx, const s
                                  struct texels *from) {
     const slv_texture_source_params params = {.name = slv_ptx_name(ptx)};
     slv_texture_encoding encoding;
+    slv_texture *triangles = NULL;
     slv_result result = slv_ptx_get_encoding(ptx, &encoding);
-    if (!result && !(result = slv_mesh_adjacency(env, mesh, &from->adjacency)) &&
-        !(result = triangles_load(env, ptx, mesh, from->adjacency, encoding, &from->texture)))
+    if (!result && !(result = slv_ptx_match_mesh(env, ptx, mesh)) &&
+        !(result = slv_mesh_adjacency(env, mesh, &from->adjacency)) &&
+        !(result = scene_check_memory(env, ptx, NULL)) &&
+        !(result = slv_ptx_load_texture(env, ptx, &triangles)) &&
+        !(result = slv_triangle_texture(env, triangles, from->adjacency, encoding, &from->texture)))
         result = slv_texture_as_source(env, from->texture, from->adjacency, &params, &from->source);
+    slv_texture_destroy(triangles);
     return result;
 }
 

@@ -213,8 +213,9 @@ static slv_result call_folders(const slv_env *env) {
     return result;
 }
 
-/* A surface moved by a file. */
-static slv_result call_displaced(const slv_env *env) {
+/* A surface moved by a file, as it stands or with other neighbours. */
+static slv_result call_displaced_by(const slv_env *env, const slv_adjacency *adjacency) {
+    const slv_displacement_params moved = {.adjacency = adjacency};
     slv_displacement displacement = {SLV_DISPLACE_NORMAL, NULL, NULL, NULL};
     const float low[3] = {0, 0, 0}, high[3] = {3, 1, 1};
     const slv_camera camera = slv_camera_orbit(low, high, 20, 30, 30, 1);
@@ -225,13 +226,18 @@ static slv_result call_displaced(const slv_env *env) {
     slv_file_id file;
     slv_result result = slv_cache_create(env, NULL, &cache);
     if (!result && !(result = slv_cache_open(cache, calls.ptx, &file)) &&
-        !(result = slv_displacement_open(cache, file, NULL, &displacement)))
+        !(result = slv_displacement_open(cache, file, &moved, &displacement)))
         result = slv_tessellate_with(env, calls.mesh, calls.surface, calls.adjacency, &params,
                                      &tessellation);
     slv_tessellation_free(&tessellation);
     slv_displacement_close(&displacement);
     slv_cache_destroy(cache);
     return result;
+}
+
+static slv_result call_displaced(const slv_env *env) {
+    slv_result result = call_displaced_by(env, NULL);
+    return result ? result : call_displaced_by(env, calls.adjacency);
 }
 
 #endif

@@ -217,6 +217,20 @@ static void check_triangles(void) {
     slv_image_free(&gl);
     slv_image_free(&rays);
     slv_image_free(&flat);
+    /* the same where they do not meet: by the neighbours that are asked for */
+    static const char apart[] =
+        "v 0 0 0\nv 1 0 0\nv 1 1 0.3\nv 0 1 0\nv 0 0 0\nv 1 1 0.3\nf 1 2 3\nf 5 6 4\n";
+    kit_write(mesh, apart, sizeof apart - 1);
+    kit_selvage(&scratch, NULL, ARGUMENTS("render", ptx, TRIANGLES, DISPLACED, "-o", "no.exr"),
+                &run);
+    CHECK_MSG(run.code == 1 && strstr(run.err, "does not fit the mesh"), "%s", run.err);
+    gl = draw(ARGUMENTS("render", ptx, TRIANGLES, DISPLACED, "--adjacency", "mesh", "m.exr"),
+              "m.exr");
+    flat = draw(ARGUMENTS("render", ptx, TRIANGLES, DISPLACED, "--adjacency", "ptx", "p.exr"),
+                "p.exr");
+    CHECK_MSG(psnr(&gl, &flat) < 40, "neighbours say nothing: %.1f dB", psnr(&gl, &flat));
+    slv_image_free(&gl);
+    slv_image_free(&flat);
 }
 
 #define SMALL "render", ptx, "--size", "32", "--msaa", "1", "--tess", "4"
@@ -249,6 +263,31 @@ static void check_views(const char *ptx) {
     CHECK(same(&options, &file) && same(&own, &file));
     CHECK(!same(&scaled, &file) && !same(&none, &file) && same(&off, &none));
     slv_image *all[] = {&options, &own, &file, &scaled, &off, &none};
+    for (size_t i = 0; i < sizeof all / sizeof *all; i++)
+        slv_image_free(all[i]);
+}
+
+/* The view's channel is of the view's file: another file's is the first, unless it is named. */
+static void check_other_file(const char *ptx) {
+    static const char text[] = "{\"displacement\": {\"texture\": \"steps.ptx\", \"channel\": 1}}";
+    char view[KIT_PATH], steps[KIT_PATH], mesh[KIT_PATH];
+    kit_write(kit_join(view, scratch.root, "steps.json"), text, sizeof text - 1);
+    kit_join(steps, scratch.root, "steps.ptx");
+    kit_write(kit_join(mesh, scratch.root, "cube.obj"), cube_obj, sizeof cube_obj - 1);
+    kit_selvage(&scratch, NULL,
+                ARGUMENTS("new", mesh, "-o", steps, "--channels", "3", "--fill", "0.2,0.8,0.5",
+                          "--size", "1x1"),
+                &run);
+    REQUIRE(run.code == 0);
+    slv_image second = draw(ARGUMENTS(SMALL, "--view", view, "a.exr"), "a.exr");
+    slv_image other =
+        draw(ARGUMENTS(SMALL, "--view", view, "--displacement", steps, "b.exr"), "b.exr");
+    slv_image first = draw(ARGUMENTS(SMALL, "--displacement", steps, "c.exr"), "c.exr");
+    slv_image named = draw(ARGUMENTS(SMALL, "--view", view, "--displacement", steps,
+                                     "--displacement-channel", "g", "d.exr"),
+                           "d.exr");
+    CHECK(same(&other, &first) && same(&named, &second) && !same(&first, &second));
+    slv_image *all[] = {&second, &other, &first, &named};
     for (size_t i = 0; i < sizeof all / sizeof *all; i++)
         slv_image_free(all[i]);
 }
@@ -315,6 +354,7 @@ int main(void) {
     check_small();
     check_triangles();
     check_views(ptx);
+    check_other_file(ptx);
     check_bad(ptx);
     test_remove(scratch.root);
     return test_end();

@@ -3,7 +3,7 @@
 
 #include "command/lists.h"
 #include "command/output.h"
-#include "command/triangles.h"
+#include "command/scene.h"
 
 #include <string.h>
 
@@ -41,7 +41,8 @@ static displace_settings merge(const displace_options *o, const displace_setting
     }
     if (texture)
         snprintf(d.texture, sizeof d.texture, "%s", texture);
-    if (o->channel || !d.channel[0])
+    /* the view's channel is of the view's file */
+    if (o->channel || texture || !d.channel[0])
         snprintf(d.channel, sizeof d.channel, "%s", o->channel ? o->channel : "0");
     d.given |= texture != NULL;
     d.scale = o->scale_given ? o->scale : d.scale;
@@ -52,48 +53,36 @@ static displace_settings merge(const displace_options *o, const displace_setting
     return d;
 }
 
-/* Triangles as sub-faces, whose values are numbers. */
-static slv_result open_triangles(const slv_env *env, const char *path, const slv_mesh *mesh,
-                                 displace_open *out, slv_file_id *file) {
-    const slv_texture_source_params params = {.name = path};
-    slv_source source = {0};
+/* Whether it is of this mesh, with its neighbours if they must `agree`: lookups over edges go to
+ * them. */
+static slv_result check_mesh(const slv_env *env, const char *path, bool agree,
+                             const slv_mesh *mesh) {
     slv_ptx *ptx = NULL;
     slv_result result = slv_ptx_open(env, path, &ptx);
-    if (!result && !(result = slv_mesh_adjacency(env, mesh, &out->adjacency)) &&
-        !(result =
-              triangles_load(env, ptx, mesh, out->adjacency, SLV_TEXTURE_DATA, &out->texture)) &&
-        !(result = slv_texture_as_source(env, out->texture, out->adjacency, &params, &source)))
-        result = slv_cache_open_source(out->cache, &source, NULL, file);
-    slv_ptx_close(ptx);
-    return result;
-}
-
-/* Whether its neighbours are those of the mesh, which lookups over edges go to. */
-static slv_result match(const slv_env *env, const char *path, const slv_mesh *mesh) {
-    slv_ptx *ptx = NULL;
-    slv_result result = slv_ptx_open(env, path, &ptx);
-    if (!result)
+    const bool triangles = !result && slv_ptx_get_info(ptx)->mesh_type == SLV_PTX_TRIANGLE;
+    if (!result && (agree || (triangles && !scene_is_of_triangles(mesh))))
         result = slv_ptx_match_mesh(env, ptx, mesh);
+    if (!result && triangles)
+        result = scene_check_memory(env, ptx, NULL);
     slv_ptx_close(ptx);
     return result;
 }
 
-/* `named`: the command line names the channel. `any`: its neighbours may be others. */
+/* `named`: the command line names the channel. */
 static int open_file(const cli_command *command, const slv_env *env, const displace_settings *d,
-                     bool named, bool any, const slv_mesh *mesh, displace_open *out) {
+                     bool named, const slv_adjacency *adjacency, const slv_mesh *mesh,
+                     displace_open *out) {
     uint32_t nfaces = slv_mesh_face_count(mesh);
     slv_file_id file;
     slv_ptx_info info;
     if (slv_cache_create(env, NULL, &out->cache) || slv_cache_open(out->cache, d->texture, &file) ||
         slv_cache_get_info(out->cache, file, &info))
         return EXIT_FAILED;
-    if (info.mesh_type == SLV_PTX_TRIANGLE) {
-        if (open_triangles(env, d->texture, mesh, out, &file))
-            return EXIT_FAILED;
-    } else if (info.nfaces != nfaces)
-        return cli_error("%s: displaces %u faces, and the mesh has %u", d->texture, info.nfaces,
-                         nfaces);
-    else if (!any && match(env, d->texture, mesh))
+    uint64_t displaced = (info.mesh_type == SLV_PTX_TRIANGLE ? 3 : 1) * (uint64_t)info.nfaces;
+    if (displaced != nfaces)
+        return cli_error("%s: displaces %llu faces, and the mesh has %u", d->texture,
+                         (unsigned long long)displaced, nfaces);
+    if (check_mesh(env, d->texture, !adjacency, mesh))
         return EXIT_FAILED;
     const value_channels channels = {info.nchannels, info.alpha_channel};
     int32_t channel = value_channel_find(d->channel, strlen(d->channel), channels);
@@ -111,14 +100,15 @@ static int open_file(const cli_command *command, const slv_env *env, const displ
                                             .channel = (uint32_t)channel,
                                             .scale = d->scale,
                                             .bias = d->bias,
-                                            .filter = &d->filter};
+                                            .filter = &d->filter,
+                                            .adjacency = adjacency};
     return slv_displacement_open(out->cache, file, &params, &out->displacement) ? EXIT_FAILED
                                                                                 : EXIT_OK;
 }
 
 int displace_begin(const cli_command *command, const slv_env *env, const displace_options *options,
-                   const displace_settings *settings, const char *ptx, bool any,
-                   const slv_mesh *mesh, displace_open *out) {
+                   const displace_settings *settings, const char *ptx,
+                   const slv_adjacency *adjacency, const slv_mesh *mesh, displace_open *out) {
     const char *texture = options->texture;
     int code = texture ? cli_settle_input(&texture) : EXIT_OK;
     const displace_settings d = merge(options, settings, texture, ptx);
@@ -134,14 +124,12 @@ int displace_begin(const cli_command *command, const slv_env *env, const displac
         strlen(options->channel ? options->channel : "") >= DISPLACE_CHANNEL)
         return cli_usage(command, "--displacement: the name is too long");
     out->moves = d.given && d.scale != 0;
-    return out->moves ? open_file(command, env, &d, options->channel != NULL, any, mesh, out)
+    return out->moves ? open_file(command, env, &d, options->channel != NULL, adjacency, mesh, out)
                       : EXIT_OK;
 }
 
 void displace_close(displace_open *displace) {
     slv_displacement_close(&displace->displacement);
     slv_cache_destroy(displace->cache);
-    slv_texture_destroy(displace->texture);
-    slv_adjacency_destroy(displace->adjacency);
     memset(displace, 0, sizeof *displace);
 }

@@ -30,19 +30,18 @@ void displace_options_rows(displace_options *options, cli_option *rows);
 /* A displacement with what it reads from. */
 typedef struct displace_open {
     slv_cache *cache;
-    slv_adjacency *adjacency; /* of triangles, with the texture of their sub-faces */
-    slv_texture *texture;
     slv_displacement displacement;
     bool moves; /* there is one, and its scale is not 0 */
 } displace_open;
 
 /* Opens what both say, if either says anything: a texture of the mesh's faces or triangles, `ptx`
- * itself where only a channel is named; of quads with the mesh's neighbours, unless they may be
- * `any`. Returns an exit code; displace_close releases it, after a failure too.
+ * itself where only a channel is named. `adjacency` has the neighbours that it takes, and must
+ * outlive it; NULL: its own, which must be the mesh's. Returns an exit code; displace_close
+ * releases it, after a failure too.
  */
 int displace_begin(const cli_command *command, const slv_env *env, const displace_options *options,
-                   const displace_settings *settings, const char *ptx, bool any,
-                   const slv_mesh *mesh, displace_open *out);
+                   const displace_settings *settings, const char *ptx,
+                   const slv_adjacency *adjacency, const slv_mesh *mesh, displace_open *out);
 void displace_close(displace_open *displace);
 
 #endif

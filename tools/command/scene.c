@@ -71,14 +71,6 @@ static const char *hint_group(const slv_mesh_view *mesh, const char *typed,
     return text;
 }
 
-bool scene_is_of_triangles(const slv_mesh *mesh) {
-    const slv_mesh_view *view = slv_mesh_get_view(mesh);
-    for (uint32_t poly = 0; poly < view->npolys; poly++)
-        if (view->poly_sizes[poly] != 3)
-            return false;
-    return true;
-}
-
 slv_result scene_load_geometry(const slv_env *env, const slv_ptx *ptx, const char *option,
                                slv_mesh **out) {
     slv_env silent = *env;
@@ -254,12 +246,12 @@ int32_t scene_file_face(const scene_data *scene, int32_t face) {
 }
 
 void scene_free(scene_data *scene) {
+    displace_close(&scene->displace); /* looks at the adjacency */
     slv_mesh_destroy(scene->mesh);
     slv_adjacency_destroy(scene->adjacency);
     slv_surface_destroy(scene->surface);
     slv_texture_destroy(scene->texture);
     slv_bake_source_destroy(scene->uv);
-    displace_close(&scene->displace);
     frames_free(&scene->frames);
     slv_texture_destroy(scene->triangles);
     memset(scene, 0, sizeof *scene);

@@ -75,6 +75,8 @@ typedef struct scene {
     slv_uv_images images;
 } scene_data;
 
+/* A warning that alpha was asked for where nothing has any. */
+void scene_warn_of_alpha(const char *path, slv_alpha_mode wanted);
 /* What is made of alpha in a file of which all channels are shown, as far as there are four. */
 slv_alpha_mode scene_alpha_of(const slv_ptx_info *info, slv_alpha_mode wanted);
 slv_result scene_load(const slv_env *env, const scene_params *params, scene_data *out);
@@ -91,7 +93,13 @@ slv_result scene_load_images(const slv_env *env, const scene_params *params, con
 slv_result scene_load_geometry(const slv_env *env, const slv_ptx *ptx, const char *option,
                                slv_mesh **out);
 /* Whether all polygons have three vertices. */
-bool scene_is_of_triangles(const slv_mesh *mesh);
+static inline bool scene_is_of_triangles(const slv_mesh *mesh) {
+    const slv_mesh_view *view = slv_mesh_get_view(mesh);
+    for (uint32_t poly = 0; poly < view->npolys; poly++)
+        if (view->poly_sizes[poly] != 3)
+            return false;
+    return true;
+}
 void scene_free(scene_data *scene);
 /* Which face of the file a face of the scene is part of, or -1 if it is none. */
 int32_t scene_file_face(const scene_data *scene, int32_t face);
@@ -99,10 +107,11 @@ int32_t scene_file_face(const scene_data *scene, int32_t face);
 /* What the verbs that make one picture ask about the scene and the view of it. */
 typedef struct scene_options {
     const char *mesh, *view, *focus, *channels;
-    int alpha;          /* slv_alpha_mode */
-    bool alpha_given;   /* else the view's, if that says so */
-    bool premultiplied; /* colours are stored multiplied by alpha */
-    bool raw;           /* numbers are not light */
+    int alpha;        /* slv_alpha_mode */
+    bool alpha_given; /* else the view's, if that says so */
+    int straight;     /* 0 if colours are stored multiplied by alpha */
+    bool straight_given;
+    bool raw; /* numbers are not light */
     bool environment, latlong;
     int round;          /* 1 u goes round, 2 v, 3 both */
     const char *frames; /* meshes that move, for verbs that write several pictures */
@@ -118,7 +127,7 @@ typedef struct scene_options {
 } scene_options;
 
 /* Of the verbs that draw. */
-#define SCENE_ALPHA(mode, premultiplied, what, given)                                              \
+#define SCENE_ALPHA(mode, straight, what, given, straight_given)                                   \
     {"--alpha",                                                                                    \
      CLI_CHOICE,                                                                                   \
      mode,                                                                                         \
@@ -129,8 +138,9 @@ typedef struct scene_options {
      0,                                                                                            \
      given},                                                                                       \
     {                                                                                              \
-        "--premultiplied", CLI_FLAG, premultiplied, "colours are stored multiplied by alpha",      \
-            NULL, 0, 0, NULL                                                                       \
+        "--premultiplied", CLI_MODE, straight,                                                     \
+            "colours are stored multiplied by alpha: yes, which the word alone says, or no",       \
+            "yes|no", 0, 0, straight_given                                                         \
     }
 #define SCENE_UV(value)                                                                            \
     {                                                                                              \

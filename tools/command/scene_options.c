@@ -8,7 +8,8 @@
 #include <string.h>
 
 scene_options scene_options_default(void) {
-    return (scene_options){.size = {512, 512}, .azimuth = 30, .elevation = 20, .fov = 35};
+    return (scene_options){
+        .size = {512, 512}, .azimuth = 30, .elevation = 20, .fov = 35, .straight = 1};
 }
 
 void scene_options_rows(scene_options *o, cli_option *out) {
@@ -141,7 +142,7 @@ static int choose_channels(const cli_command *command, const scene_options *o,
     if (!code && *count > 4)
         code = cli_usage(command, "--channels: '%s' are %u, and at most 4 can be shown", channels,
                          *count);
-    scene->premultiplied = o->premultiplied;
+    scene->premultiplied = !o->straight;
     scene->raw = o->raw;
     scene->alpha = scene_alpha_of(info, (slv_alpha_mode)o->alpha);
     if (!code && channels) {
@@ -207,10 +208,24 @@ static scene_options with_alpha(const scene_options *o, const scene_view *view) 
     scene_options out = *o;
     if (view->has_alpha && !o->alpha_given)
         out.alpha = (int)view->alpha;
-    out.premultiplied |= view->premultiplied;
+    if (!o->straight_given)
+        out.straight = !view->premultiplied;
     if (o->latlong) /* nothing lies behind */
         out.alpha = SLV_ALPHA_IGNORE;
     return out;
+}
+
+void scene_warn_of_alpha(const char *path, slv_alpha_mode wanted) {
+    cli_warning("%s: what is shown has no alpha, so that --alpha %s changes nothing", path,
+                slv_alpha_mode_name(wanted));
+}
+
+/* What is made of the alpha of an image, and a word where somebody asked for what there is not. */
+static void settle_alpha(const scene_options *o, bool asked, const char *path, scene_data *scene) {
+    if (o->uv)
+        scene->alpha = scene->images.narrow ? SLV_ALPHA_IGNORE : (slv_alpha_mode)o->alpha;
+    if (asked && o->alpha && !scene->alpha)
+        scene_warn_of_alpha(path, (slv_alpha_mode)o->alpha);
 }
 
 /* How the picture looks, but for its camera. */
@@ -278,7 +293,8 @@ int scene_load_shot(const cli_command *command, const slv_env *env, const char *
         list_frames(env, o, &view, &out->camera, aspect, &out->scene) ? EXIT_FAILED : EXIT_OK;
     if (!code)
         code = displace_begin(command, env, &o->displace, &view.displacement, ptx,
-                              o->adjacency != 0, out->scene.mesh, &out->scene.displace);
+                              o->adjacency ? out->scene.adjacency : NULL, out->scene.mesh,
+                              &out->scene.displace);
     if (!code && out->scene.displace.moves && out->scene.environment)
         code = cli_error("%s: an environment is a sphere, and nothing displaces that", ptx);
     if (out->scene.environment) {
@@ -295,8 +311,8 @@ int scene_load_shot(const cli_command *command, const slv_env *env, const char *
          scene_load_texels(env, file, res, params.encoding, &out->scene) ||
          (channels && pick_all(env, channels, nchannels, &out->scene))))
         code = EXIT_FAILED;
-    if (o->uv)
-        out->scene.alpha = (slv_alpha_mode)o->alpha;
+    if (!code)
+        settle_alpha(o, o->alpha_given || view.has_alpha, ptx, &out->scene);
     scene_view_free(&view);
     free(channels);
     free(res);

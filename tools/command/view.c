@@ -95,7 +95,8 @@ static slv_result read_camera(const slv_env *env, const char *path, const json_t
     slv_result result;
     for (size_t r = 0; matrix && r < 4; r++) {
         const json_t *row = json_array_get(matrix, r);
-        if (!read_floats(row, 4, out->camera.world_to_camera + 4 * r))
+        if (json_array_size(matrix) != 4 ||
+            !read_floats(row, 4, out->camera.world_to_camera + 4 * r))
             return bad_view(env, path, "world_to_camera is not four rows of four numbers");
         for (size_t c = 0; c < 4; c++)
             out->world_to_camera[4 * r + c] = json_number_value(json_array_get(row, c));

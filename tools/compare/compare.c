@@ -18,9 +18,9 @@ struct compare {
     uint32_t narguments;
     const char *mesh, *out, *strategies, *focus, *msaa, *references, *uv;
     cli_list views;
-    int scheme, boundary, shading, context, adjacency, encoding, alpha, round;
+    int scheme, boundary, shading, context, adjacency, encoding, alpha, straight, round;
     bool quick, quiet, progress, resume, compress, size_given, frames_given, reference_frames_given,
-        samples_given, scheme_given, premultiplied;
+        samples_given, scheme_given;
     uint32_t size[2], aniso, frames, tess, threads, samples, accumulate, reference_frames;
     float azimuth, elevation, fov, orbit, tilt, dolly;
 };
@@ -178,7 +178,7 @@ static json_t *conditions(const struct session *s) {
         (double)r->path.elevation, (double)r->path.tilt, (double)r->path.fov, (double)r->path.dolly,
         "focus", o->focus ? output_json_text(o->focus, strlen(o->focus)) : json_null(), "surface",
         o->scheme_given ? o->scheme : -1, o->boundary, o->shading, "views", views, "alpha",
-        o->alpha, o->premultiplied, "texture-encoding",
+        o->alpha, !o->straight, "texture-encoding",
         slv_texture_encoding_name((slv_texture_encoding)o->encoding));
 }
 
@@ -203,7 +203,7 @@ static slv_result prepare(struct session *s) {
                            .encoding = (slv_texture_encoding)o->encoding,
                            .boundary = (slv_boundary)o->boundary,
                            .alpha = (slv_alpha_mode)o->alpha,
-                           .premultiplied = o->premultiplied};
+                           .premultiplied = !o->straight};
     const slv_strategy *strategies[REPORT_MAX_STRATEGIES + 1];
     slv_gl_texture_params upload = {.strategies = strategies,
                                     .anisotropy = o->aniso,
@@ -220,6 +220,8 @@ static slv_result prepare(struct session *s) {
         return result;
     upload.border_u = s->scene.border_u;
     upload.border_v = s->scene.border_v;
+    if (o->alpha && !s->scene.alpha)
+        scene_warn_of_alpha(o->arguments[0], (slv_alpha_mode)o->alpha);
     upload.edge_filter = s->scene.edge_filter;
     report->gl = *slv_gl_get_info(s->gl);
     report->nfaces = slv_mesh_face_count(s->scene.mesh);
@@ -453,7 +455,8 @@ int verb_compare(int argc, char **argv) {
                         .orbit = 360,
                         .tilt = 15,
                         .dolly = 2.5f,
-                        .fov = 35};
+                        .fov = 35,
+                        .straight = 1};
     char left_out[SCENE_STRATEGIES_SIZE];
     const cli_option options[] = {
         CLI_MESH(&o.mesh),
@@ -497,7 +500,7 @@ int verb_compare(int argc, char **argv) {
         SCENE_SCHEME(&o.scheme, &o.scheme_given),
         SCENE_BOUNDARY(&o.boundary, "boundary rule (the mesh's, or edge-and-corner)", NULL),
         SCENE_TESS(&o.tess, "each face as many as the picture needs"),
-        SCENE_ALPHA(&o.alpha, &o.premultiplied, "ignore", NULL),
+        SCENE_ALPHA(&o.alpha, &o.straight, "ignore", NULL, NULL),
         SCENE_ADJACENCY(&o.adjacency),
         CLI_TEXTURE_ENCODING(&o.encoding),
         {"--reference", CLI_TEXT, &o.references,
