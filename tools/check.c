@@ -41,7 +41,7 @@ static struct verdict judge(const struct check *c, const slv_ptx_report *report)
 
 static void print_report(const struct check *c, const char *path, const slv_ptx_report *report) {
     struct verdict verdict = judge(c, report);
-    output_terminal(stdout, path, strlen(path), SIZE_MAX);
+    output_terminal(stdout, cli_shown(path), strlen(cli_shown(path)), SIZE_MAX);
     putchar('\n');
     for (uint32_t i = 0, end; i < report->nfindings; i = end) {
         slv_check_kind kind = report->findings[i].kind;
@@ -100,9 +100,9 @@ static json_t *report_json(const struct check *c, const char *path, const slv_pt
             goto failed;
     return json_pack(
         "{s:i, s:o, s:s, s:b, s:I, s:I, s:o, s:o, s:{s:I, s:o, s:o, s:o}}", "schema", 1, "path",
-        output_json_text(path, strlen(path)), "verdict", verdict.words, "good", (int)verdict.good,
-        "errors", (json_int_t)verdict.errors, "warnings", (json_int_t)verdict.warnings, "counts",
-        counts, "findings", findings, "seams", "compared", (json_int_t)report->nseams, "largest",
+        output_json_name(path), "verdict", verdict.words, "good", (int)verdict.good, "errors",
+        (json_int_t)verdict.errors, "warnings", (json_int_t)verdict.warnings, "counts", counts,
+        "findings", findings, "seams", "compared", (json_int_t)report->nseams, "largest",
         output_json_number((double)report->worst_seam.amount), "face",
         number_or_null(report->worst_seam.face), "edge", number_or_null(report->worst_seam.edge));
 failed:

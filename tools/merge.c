@@ -26,18 +26,16 @@ static json_t *merge_json(const struct merge *m) {
     json_t *parts = json_array();
     for (uint32_t i = 0; i < m->npaths; i++)
         if (json_array_append_new(
-                parts, json_pack("{s:o, s:I, s:I}", "path",
-                                 output_json_text(m->paths[i], strlen(m->paths[i])), "first_face",
-                                 (json_int_t)m->first_faces[i], "faces",
+                parts, json_pack("{s:o, s:I, s:I}", "path", output_json_name(m->paths[i]),
+                                 "first_face", (json_int_t)m->first_faces[i], "faces",
                                  (json_int_t)(m->first_faces[i + 1] - m->first_faces[i])))) {
             json_decref(parts);
             return NULL;
         }
     return json_pack("{s:i, s:o, s:I, s:s, s:I, s:I, s:I, s:I, s:I, s:b, s:o}", "schema", 1, "path",
-                     output_json_text(m->out, strlen(m->out)), "faces", (json_int_t)wrote->nfaces,
-                     "data_type", slv_type_name(wrote->type), "channels",
-                     (json_int_t)wrote->nchannels, "texels", (json_int_t)m->stats.texels,
-                     "texel_bytes",
+                     output_json_name(m->out), "faces", (json_int_t)wrote->nfaces, "data_type",
+                     slv_type_name(wrote->type), "channels", (json_int_t)wrote->nchannels, "texels",
+                     (json_int_t)m->stats.texels, "texel_bytes",
                      (json_int_t)(m->stats.texels * wrote->nchannels * slv_type_size(wrote->type)),
                      "file_bytes", (json_int_t)output_file_bytes(m->out), "clipped_values",
                      (json_int_t)m->stats.clipped, "geometry", (int)m->geometry, "parts", parts);
@@ -54,7 +52,7 @@ static int print_result(const struct merge *m) {
             printf("  no faces: ");
         else
             printf("  faces %u to %u: ", first, end - 1);
-        output_terminal(stdout, m->paths[i], strlen(m->paths[i]), SIZE_MAX);
+        output_terminal(stdout, cli_shown(m->paths[i]), strlen(cli_shown(m->paths[i])), SIZE_MAX);
         putchar('\n');
     }
     return EXIT_OK;

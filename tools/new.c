@@ -73,12 +73,11 @@ static void print_result(const struct new_options *o, const slv_blank_stats *sta
 static json_t *new_json(const struct new_options *o, const slv_blank_stats *stats,
                         uint32_t nfaces) {
     return json_pack("{s:i, s:o, s:I, s:I, s:s, s:I, s:I, s:[i,i], s:[i,i], s:o}", "schema", 1,
-                     "path", output_json_text(o->paths[1], strlen(o->paths[1])), "faces",
-                     (json_int_t)nfaces, "channels", (json_int_t)o->channels, "type",
-                     slv_type_name((slv_type)o->type), "texels", (json_int_t)stats->texels, "bytes",
-                     (json_int_t)stats->bytes, "smallest", 1 << stats->smallest.u,
-                     1 << stats->smallest.v, "largest", 1 << stats->largest.u,
-                     1 << stats->largest.v, "density",
+                     "path", output_json_name(o->paths[1]), "faces", (json_int_t)nfaces, "channels",
+                     (json_int_t)o->channels, "type", slv_type_name((slv_type)o->type), "texels",
+                     (json_int_t)stats->texels, "bytes", (json_int_t)stats->bytes, "smallest",
+                     1 << stats->smallest.u, 1 << stats->smallest.v, "largest",
+                     1 << stats->largest.u, 1 << stats->largest.v, "density",
                      stats->density > 0 ? output_json_number((double)stats->density) : json_null());
 }
 

@@ -94,8 +94,8 @@ static json_t *found_json(const struct pick *p, const found *f) {
     json_t *values = json_array();
     if (f->hit.face < 0) {
         json_decref(values);
-        return json_pack("{s:i, s:o, s:n}", "schema", 1, "path",
-                         output_json_text(p->arguments[0], strlen(p->arguments[0])), "face");
+        return json_pack("{s:i, s:o, s:n}", "schema", 1, "path", output_json_name(p->arguments[0]),
+                         "face");
     }
     for (uint32_t c = 0; c < f->nchannels; c++)
         if (json_array_append_new(values, output_json_number((double)f->values[c]))) {
@@ -103,10 +103,10 @@ static json_t *found_json(const struct pick *p, const found *f) {
             return NULL;
         }
     return json_pack("{s:i, s:o, s:i, s:f, s:f, s:[I,I], s:[I,I], s:o}", "schema", 1, "path",
-                     output_json_text(p->arguments[0], strlen(p->arguments[0])), "face",
-                     (int)f->hit.face, "u", (double)f->hit.u, "v", (double)f->hit.v, "texel",
-                     (json_int_t)f->x, (json_int_t)f->y, "size", (json_int_t)f->size[0],
-                     (json_int_t)f->size[1], "value", values);
+                     output_json_name(p->arguments[0]), "face", (int)f->hit.face, "u",
+                     (double)f->hit.u, "v", (double)f->hit.v, "texel", (json_int_t)f->x,
+                     (json_int_t)f->y, "size", (json_int_t)f->size[0], (json_int_t)f->size[1],
+                     "value", values);
 }
 
 static void print_found(const found *f) {

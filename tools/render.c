@@ -17,7 +17,7 @@ struct render {
     scene_options scene;
     const char *out;
     int strategy, context, pass;
-    bool raw, quiet, compress;
+    bool raw, quiet, json, compress;
     uint32_t msaa, aniso, bits;
 };
 
@@ -33,16 +33,69 @@ static const char *output_path(const struct render *r, char *buffer, size_t size
     return buffer;
 }
 
+/* What draws pictures, one after the other. */
+struct drawing {
+    const struct render *render;
+    scene_shot shot;
+    slv_gl *gl;
+    slv_gl_texture *texture; /* or */
+    slv_gl_images *images;
+    slv_gl_renderer *renderer;
+    slv_image_params file;
+    json_t *pictures; /* what --json says of each */
+};
+
+static slv_result add_picture(const slv_env *env, struct drawing *d, const char *path,
+                              const slv_image *image, bool empty, double seconds) {
+    json_t *triangles = d->renderer
+                            ? json_integer((json_int_t)slv_gl_renderer_triangles(d->renderer))
+                            : json_null();
+    if (!d->render->json)
+        return SLV_OK;
+    if (!d->pictures ||
+        json_array_append_new(
+            d->pictures,
+            json_pack("{s:o, s:I, s:I, s:o, s:b, s:o}", "picture", output_json_name(path), "width",
+                      (json_int_t)image->width, "height", (json_int_t)image->height, "triangles",
+                      triangles, "empty", (int)empty, "seconds", output_json_number(seconds))) != 0)
+        return output_fail(env, SLV_ERROR_MEMORY, "%s: no memory to describe it", path);
+    return SLV_OK;
+}
+
+/* All that is known of what was drawn, whichever way. */
+static json_t *drawing_json(const struct drawing *d, double seconds) {
+    const struct render *r = d->render;
+    const slv_strategy *strategy = slv_strategy_at((uint32_t)r->strategy);
+    const bool ids = r->pass != 0;
+    /* with --uv what is named first is the mesh */
+    const char *texture = r->scene.uv ? r->scene.uv : r->ptx,
+               *mesh = r->scene.uv ? r->ptx : r->scene.mesh;
+    const uint64_t bytes = d->images    ? slv_gl_images_bytes(d->images)
+                           : d->texture ? slv_gl_texture_get_stats(d->texture, strategy).gpu_bytes
+                                        : 0;
+    return json_pack("{s:i, s:o, s:o, s:s, s:o, s:I, s:I, s:I, s:o, s:o, s:O}", "schema", 1,
+                     "texture", output_json_name(texture), "mesh",
+                     mesh ? output_json_name(mesh) : json_null(), "pass", ids ? "ids" : "color",
+                     "strategy", d->texture ? json_string(strategy->name) : json_null(), "msaa",
+                     (json_int_t)(r->msaa && !ids ? r->msaa : 1), "anisotropy",
+                     (json_int_t)r->aniso, "gpu_bytes", (json_int_t)bytes, "renderer",
+                     d->gl ? json_string(slv_gl_get_info(d->gl)->renderer) : json_null(), "seconds",
+                     output_json_number(seconds), "pictures", d->pictures);
+}
+
 /* Face numbers in place of colours; no OpenGL is needed for them. */
-static int draw_ids(const slv_env *env, const struct render *r, const scene_shot *shot,
-                    const char *path) {
+static int draw_ids(const slv_env *env, struct drawing *d, const char *path) {
+    const struct render *r = d->render;
+    double start = cli_now();
     bool exr = slv_image_format_of_name(path) == SLV_IMAGE_EXR;
     const slv_image_params file = {.encoding = SLV_ENCODE_RAW, .bits = exr ? 32 : 8};
     slv_image image = {0};
     bool nothing = true;
     int code = EXIT_FAILED;
-    if (ids_draw(env, shot, exr, &image) ||
-        output_image(env, path, &image, file, r->scene.progress, r->quiet))
+    if (ids_draw(env, &d->shot, exr, &image))
+        goto done;
+    double seconds = cli_now() - start;
+    if (output_image(env, path, &image, file, r->scene.progress, r->quiet))
         goto done;
     size_t n = image.nchannels, count = (size_t)image.width * image.height;
     for (size_t i = 0; i < count && nothing; i++)
@@ -51,7 +104,7 @@ static int draw_ids(const slv_env *env, const struct render *r, const scene_shot
         scene_warn_of_nothing(path);
     if (!r->quiet)
         printf("%s: %u x %u, the face of each pixel\n", path, image.width, image.height);
-    code = EXIT_OK;
+    code = add_picture(env, d, path, &image, nothing, seconds) ? EXIT_FAILED : EXIT_OK;
 done:
     slv_image_free(&image);
     return code;
@@ -80,17 +133,6 @@ static slv_frame frame_of(const struct render *r, const scene_shot *shot) {
     memcpy(frame.background, shot->background, sizeof frame.background);
     return frame;
 }
-
-/* What draws pictures, one after the other. */
-struct drawing {
-    const struct render *render;
-    scene_shot shot;
-    slv_gl *gl;
-    slv_gl_texture *texture; /* or */
-    slv_gl_images *images;
-    slv_gl_renderer *renderer;
-    slv_image_params file;
-};
 
 static slv_result begin(const slv_env *env, struct drawing *d) {
     const struct render *r = d->render;
@@ -145,6 +187,7 @@ static slv_result draw_picture(const slv_env *env, struct drawing *d, const char
     const scene_shot *shot = &d->shot;
     const slv_frame frame = frame_of(r, shot);
     slv_image image = {0};
+    double start = cli_now();
     slv_result result =
         d->renderer ? slv_gl_renderer_tessellate(d->renderer, env, shot->scene.mesh,
                                                  shot->scene.surface, &shot->tessellation)
@@ -155,12 +198,15 @@ static slv_result draw_picture(const slv_env *env, struct drawing *d, const char
     result = d->images
                  ? slv_gl_renderer_draw_images(d->renderer, env, d->images, &frame, &image, NULL)
                  : slv_gl_renderer_draw(d->renderer, env, d->texture, &frame, &image, NULL);
+    double seconds = cli_now() - start;
     if (!result &&
         !(result = output_image(env, path, &image, d->file, r->scene.progress, r->quiet))) {
-        if (is_empty(&image, frame.background))
+        bool empty = is_empty(&image, frame.background);
+        if (empty)
             scene_warn_of_nothing(path);
         if (!r->quiet)
             tell(d, &frame, path);
+        result = add_picture(env, d, path, &image, empty, seconds);
     }
     slv_image_free(&image);
     return result;
@@ -187,11 +233,15 @@ static slv_result draw_map(const slv_env *env, struct drawing *d, const char *pa
     const slv_frame frame = frame_of(r, shot);
     struct look look = {d->texture, frame.strategy};
     slv_image image = {0};
+    double start = cli_now();
     slv_result result = latlong_draw(env, shot->scene.mesh, shot->width, shot->height,
                                      r->msaa > 1 ? 2 : 1, look_up, &look, &image);
-    if (!result &&
-        !(result = output_image(env, path, &image, d->file, r->scene.progress, r->quiet)) &&
-        !r->quiet)
+    double seconds = cli_now() - start;
+    if (!result)
+        result = output_image(env, path, &image, d->file, r->scene.progress, r->quiet);
+    if (!result)
+        result = add_picture(env, d, path, &image, false, seconds);
+    if (!result && !r->quiet)
         printf("%s: %u x %u, %s, %u lookups per pixel, %ux anisotropy, %s\n", path, image.width,
                image.height, frame.strategy->name, r->msaa > 1 ? 4 : 1, r->aniso,
                slv_gl_get_info(d->gl)->renderer);
@@ -201,7 +251,9 @@ static slv_result draw_map(const slv_env *env, struct drawing *d, const char *pa
 
 static int draw(const cli_command *command, const struct render *r, const char *path) {
     slv_env env = cli_env(r->scene.threads);
-    struct drawing d = {.render = r, .file = {.bits = r->bits}};
+    struct drawing d = {
+        .render = r, .file = {.bits = r->bits}, .pictures = r->json ? json_array() : NULL};
+    const double start = cli_now();
     const char *const inputs[] = {r->ptx, r->scene.mesh, r->scene.view, r->scene.displace.texture,
                                   r->scene.uv};
     const frames_list *frames = &d.shot.scene.frames;
@@ -221,13 +273,16 @@ static int draw(const cli_command *command, const struct render *r, const char *
         goto done;
     for (uint32_t i = 0; i < frames->count || (i == 0 && !frames->count); i++) {
         if (scene_frame_name(&env, frames, i, path, name) || scene_frame_set(&env, i, &d.shot) ||
-            (r->pass            ? draw_ids(&env, r, &d.shot, name) != EXIT_OK
+            (r->pass            ? draw_ids(&env, &d, name) != EXIT_OK
              : r->scene.latlong ? draw_map(&env, &d, name) != SLV_OK
                                 : draw_picture(&env, &d, name) != SLV_OK))
             goto done;
     }
     code = d.shot.scene.salvaged && !r->pass ? EXIT_FAILED : EXIT_OK;
+    if (r->json && output_print_json(path, drawing_json(&d, cli_now() - start)))
+        code = EXIT_FAILED;
 done:
+    json_decref(d.pictures);
     slv_gl_renderer_destroy(d.renderer);
     slv_gl_texture_destroy(d.texture);
     slv_gl_images_destroy(d.images);
@@ -249,7 +304,7 @@ static const char *options_problem(const struct render *r) {
 }
 
 int verb_render(int argc, char **argv) {
-    enum { OWN = 19 };
+    enum { OWN = 20 };
     struct render r = {.scene = scene_options_default(), .msaa = 4, .aniso = 1};
     r.scene.numbered = true;
     char strategies[SCENE_STRATEGIES_SIZE], how[80], buffer[512];
@@ -283,6 +338,7 @@ int verb_render(int argc, char **argv) {
         SCENE_FRAMES(&r.scene.frames),
         SCENE_TURNTABLE(&r.scene.turntable),
         CLI_SALVAGE(&r.scene.salvage),
+        CLI_JSON(&r.json),
         CLI_QUIET(&r.quiet, "print nothing on success"),
     };
     const cli_command command = {
@@ -297,6 +353,7 @@ int verb_render(int argc, char **argv) {
             "  selvage render cow.ptx --mesh cow.obj --azimuth 60 --strategy discard\n"
             "  selvage render teapot.ptx --view view.json --raw --out linear.exr --bits 32\n"
             "  selvage render teapot.ptx --pass ids faces.exr\n"
+            "  selvage render teapot.ptx -o teapot.png --json | jq '.pictures[].triangles'\n"
             "  selvage render cow.obj --uv 'cow.<UDIM>.exr' -o cow.png\n",
         .options = options,
         .noptions = sizeof options / sizeof *options,
@@ -313,6 +370,7 @@ int verb_render(int argc, char **argv) {
     if (code >= 0)
         return code;
     r.scene.raw = r.raw;
+    r.quiet |= r.json;
     const char *problem = options_problem(&r);
     if (problem)
         return cli_usage(&command, "%s", problem);

@@ -25,7 +25,7 @@ static slv_result make(const slv_env *env, struct session *s) {
     slv_ptx *ptx = NULL;
     slv_mesh *mesh = NULL;
     slv_texture *texture = NULL;
-    const slv_session_params params = {.scheme = (slv_scheme)s->scheme};
+    const slv_session_params params = {.scheme = (slv_scheme)s->scheme, .made_of = s->new_from};
     slv_result result;
     if (!(result = slv_ptx_open(env, s->new_from, &ptx)) &&
         !(result = scene_load_geometry(env, ptx, "a .ptx with the mesh inside", &mesh)) &&
@@ -88,14 +88,13 @@ static json_t *session_json(const struct session *s, const slv_session_info *inf
             json_decref(layers);
             return NULL;
         }
-    return json_pack("{s:i, s:o, s:I, s:I, s:I, s:I, s:I, s:I, s:I, s:I, s:I, s:o}", "schema", 1,
-                     "path", output_json_text(s->path, strlen(s->path)), "faces",
-                     (json_int_t)slv_document_get_desc(document)->nfaces, "lines",
-                     (json_int_t)info->lines, "unsaved", (json_int_t)info->unsaved, "recovered",
-                     (json_int_t)info->recovered, "torn_bytes", (json_int_t)info->torn_bytes,
-                     "undos", (json_int_t)history->undos, "redos", (json_int_t)history->redos,
-                     "exported_faces", (json_int_t)s->edited, "merged_faces", (json_int_t)s->merged,
-                     "layers", layers);
+    return json_pack(
+        "{s:i, s:o, s:I, s:I, s:I, s:I, s:I, s:I, s:I, s:I, s:I, s:o}", "schema", 1, "path",
+        output_json_name(s->path), "faces", (json_int_t)slv_document_get_desc(document)->nfaces,
+        "lines", (json_int_t)info->lines, "unsaved", (json_int_t)info->unsaved, "recovered",
+        (json_int_t)info->recovered, "torn_bytes", (json_int_t)info->torn_bytes, "undos",
+        (json_int_t)history->undos, "redos", (json_int_t)history->redos, "exported_faces",
+        (json_int_t)s->edited, "merged_faces", (json_int_t)s->merged, "layers", layers);
 }
 
 static void print_session(const struct session *s, const slv_session_info *info,
@@ -149,6 +148,9 @@ static slv_result work(const slv_env *env, struct session *s) {
         s->new_from ? make(env, s)
         : s->replay ? slv_session_replay(env, s->replay, s->path, log2_of(s->scale), &s->session)
                     : slv_session_open(env, s->path, &how, &s->session);
+    const char *const inputs[] = {result ? NULL : slv_session_made_of(s->session)};
+    if (!result && s->export)
+        result = output_check_inputs(env, s->export, inputs, 1);
     for (uint32_t i = 0; !result && i < s->undo; i++)
         result = slv_document_undo(slv_session_document(s->session));
     for (uint32_t i = 0; !result && i < s->redo; i++)
@@ -170,9 +172,9 @@ static int run_session(struct session *s) {
     const slv_env outer = cli_env(s->threads), env = line_log_begin(&s->log, &outer, s->script);
     slv_session_info info;
     slv_history_info history;
-    const char *const inputs[] = {s->new_from, s->script};
+    const char *const inputs[] = {s->new_from, s->script, s->path, s->merge, s->replay};
     int code = EXIT_FAILED;
-    if (s->export && (output_check(&env, s->export, inputs, 2) || output_try(&env, s->export)))
+    if (s->export && (output_check(&env, s->export, inputs, 5) || output_try(&env, s->export)))
         return code;
     cli_catch_interrupts();
     if (!work(&env, s)) {

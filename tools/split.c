@@ -102,8 +102,7 @@ static int run_split(const cli_command *command, struct split *s) {
     code = s->failed ? cli_error("%s: no memory to describe it", s->out) : EXIT_OK;
     if (!code && s->json)
         code = output_print_json(s->out, json_pack("{s:i, s:o, s:O}", "schema", 1, "path",
-                                                   output_json_text(s->out, strlen(s->out)),
-                                                   "parts", s->parts));
+                                                   output_json_name(s->out), "parts", s->parts));
     else if (!code && !s->quiet)
         print_parts(s);
 done:

@@ -70,9 +70,9 @@ static json_t *transfer_json(const struct transfer *t) {
         }
     }
     return json_pack("{s:i, s:o, s:I, s:I, s:I, s:I, s:I, s:o, s:o}", "schema", 1, "path",
-                     output_json_text(t->paths[1], strlen(t->paths[1])), "faces",
-                     (json_int_t)t->nfaces, "copied", (json_int_t)t->counts[SLV_TRANSFER_COPIED],
-                     "resampled", (json_int_t)t->counts[SLV_TRANSFER_RESAMPLED], "partly",
+                     output_json_name(t->paths[1]), "faces", (json_int_t)t->nfaces, "copied",
+                     (json_int_t)t->counts[SLV_TRANSFER_COPIED], "resampled",
+                     (json_int_t)t->counts[SLV_TRANSFER_RESAMPLED], "partly",
                      (json_int_t)t->counts[SLV_TRANSFER_PARTLY], "far",
                      (json_int_t)t->counts[SLV_TRANSFER_FAR], "covered",
                      output_json_number((double)t->covered), "face_list", faces);
@@ -297,7 +297,8 @@ int verb_transfer(int argc, char **argv) {
         {"--scheme", CLI_CHOICE, &t.scheme,
          "subdivision scheme (catmark; between meshes of triangles, of a texture of such, loop)",
          names_schemes(), 0, 0, &t.scheme_given},
-        {"--faces|-f", CLI_FLAG, &t.faces, "say of every face what was done", NULL, 0, 0, NULL},
+        {"--list-faces||--faces|-f", CLI_FLAG, &t.faces, "say of every face what was done", NULL, 0,
+         0, NULL},
         CLI_COMPRESSION(&t.compression),
         CLI_SALVAGE(&t.salvage),
         CLI_JSON(&t.json),
@@ -311,9 +312,10 @@ int verb_transfer(int argc, char **argv) {
         .arguments = "IN.ptx OUT.ptx|-o OUT.ptx --to NEW.obj",
         .reads = "a texture and the changed model; the old one if it is named",
         .writes = "a texture with the geometry of the changed model inside",
-        .examples = "  selvage transfer cow.ptx cow2.ptx --to cow2.obj\n"
-                    "  selvage transfer cow.ptx cow2.ptx --from cow.obj --to cow2.obj --faces\n"
-                    "  selvage transfer cow.ptx cow2.ptx --to cow2.obj --distance 0.05 --blank\n",
+        .examples =
+            "  selvage transfer cow.ptx cow2.ptx --to cow2.obj\n"
+            "  selvage transfer cow.ptx cow2.ptx --from cow.obj --to cow2.obj --list-faces\n"
+            "  selvage transfer cow.ptx cow2.ptx --to cow2.obj --distance 0.05 --blank\n",
         .options = options,
         .noptions = sizeof options / sizeof *options,
         .min_arguments = 1,

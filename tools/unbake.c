@@ -18,10 +18,10 @@ static int print_result(const struct unbake_options *o, const slv_unbake_report 
     if (o->json)
         return output_print_json(
             o->paths[1], json_pack("{s:i, s:o, s:I, s:I, s:I, s:I, s:I, s:I}", "schema", 1, "path",
-                                   output_json_text(o->paths[1], strlen(o->paths[1])), "images",
-                                   (json_int_t)r->images, "width", (json_int_t)r->width, "height",
-                                   (json_int_t)r->height, "inside", (json_int_t)r->inside, "shared",
-                                   (json_int_t)r->shared, "faces_without", (json_int_t)r->without));
+                                   output_json_name(o->paths[1]), "images", (json_int_t)r->images,
+                                   "width", (json_int_t)r->width, "height", (json_int_t)r->height,
+                                   "inside", (json_int_t)r->inside, "shared", (json_int_t)r->shared,
+                                   "faces_without", (json_int_t)r->without));
     if (o->quiet)
         return EXIT_OK;
     output_terminal(stdout, o->paths[1], strlen(o->paths[1]), SIZE_MAX);

@@ -38,10 +38,10 @@ static json_t *report_json(const struct wrap_options *o, const slv_wrap_report *
                            uint32_t nbefore) {
     return json_pack(
         "{s:i, s:o, s:I, s:I, s:I, s:I, s:I, s:I, s:I, s:I, s:I, s:I, s:I, s:I}", "schema", 1,
-        "path", output_json_text(o->paths[1], strlen(o->paths[1])), "vertices_before",
-        (json_int_t)nbefore, "vertices", (json_int_t)r->nverts, "welded", (json_int_t)r->nwelded,
-        "bytes_saved", (json_int_t)r->nwelded * VERTEX_BYTES, "kept", (json_int_t)r->nkept,
-        "collapsed", (json_int_t)r->ncollapsed, "seam_u", (json_int_t)r->nseam[0], "seam_v",
+        "path", output_json_name(o->paths[1]), "vertices_before", (json_int_t)nbefore, "vertices",
+        (json_int_t)r->nverts, "welded", (json_int_t)r->nwelded, "bytes_saved",
+        (json_int_t)r->nwelded * VERTEX_BYTES, "kept", (json_int_t)r->nkept, "collapsed",
+        (json_int_t)r->ncollapsed, "seam_u", (json_int_t)r->nseam[0], "seam_v",
         (json_int_t)r->nseam[1], "wide", (json_int_t)r->nwide, "first_wide",
         (json_int_t)(r->nwide ? r->first_wide + 1 : 0), "many_valued", (json_int_t)r->nmany,
         "first_many_valued", (json_int_t)(r->nmany ? r->first_many + 1 : 0));

@@ -115,7 +115,7 @@ cases_info() {
     local f g previous=
     for f in $(all_files) $(damaged_files); do
         add info "info --json $f" "t info in/$f --json"
-        add info "info --faces --meta $f" "t info in/$f --faces --meta"
+        add info "info --list-faces --meta $f" "t info in/$f --list-faces --meta"
         add info "check --json $f" "t check in/$f --json"
         if [ "$quick" = 0 ]; then
             add info "check $f" "t check in/$f --seams 0.01; t check in/$f --tables --strict --show 3"
@@ -202,7 +202,7 @@ t diff in/$f small.ptx --tolerance 0.05 --images reals --format exr --show 4"
     cases_transfer made/cube cube.obj cube
     if [ "$quick" = 0 ]; then cases_transfer made/half demo/scene.obj scene; fi
     for f in $(few_files); do
-        add edit "transfer $f" "t transfer in/$f out.ptx --from in/cube.obj --to in/made/cube_moved.obj --faces"
+        add edit "transfer $f" "t transfer in/$f out.ptx --from in/cube.obj --to in/made/cube_moved.obj --list-faces"
     done
 }
 
@@ -238,7 +238,7 @@ cases_transfer() { # texture, its mesh, name of the changed mesh
     local f=$1.ptx to=in/made/$3_moved.obj
     if [ ! -f "$work/in/$f" ] || [ ! -f "$work/in/$2" ]; then return 0; fi
     add edit "transfer $f" \
-        "t transfer in/$f out.ptx --to $to --from in/$2; t transfer in/$f inside.ptx --to $to --faces"
+        "t transfer in/$f out.ptx --to $to --from in/$2; t transfer in/$f inside.ptx --to $to --list-faces"
     add edit "transfer --blank $f" \
         "t transfer in/$f out.ptx --to $to --from in/$2 --blank --distance 0.004 --json --scheme bilinear"
     add edit "transfer --no-copies $f" "t transfer in/$f out.ptx --to in/$2 --from in/$2 --no-copies --json"

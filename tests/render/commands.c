@@ -363,13 +363,13 @@ static json_t *parse_output(const char *what) {
 static void check_info(void) {
     kit_selvage(&scratch, NULL, ARGUMENTS("info", cube_ptx), &run);
     CHECK(run.code == 0 && !run.err[0] && strstr(run.out, "cube.ptx") && strstr(run.out, "uint8"));
-    kit_selvage(&scratch, NULL, ARGUMENTS("info", cube_ptx, "--faces", "--meta"), &run);
+    kit_selvage(&scratch, NULL, ARGUMENTS("info", cube_ptx, "--list-faces", "--meta"), &run);
     CHECK(run.code == 0 && !run.err[0] && strstr(run.out, "PtexVertPositions"));
     kit_selvage(&scratch, NULL, ARGUMENTS("info", cube_obj), &run);
     CHECK(run.code == 0 && !run.err[0] && strstr(run.out, "cube.obj"));
     const char *files[] = {cube_ptx, cube_obj};
     for (int i = 0; i < 2; i++) {
-        kit_selvage(&scratch, NULL, ARGUMENTS("info", files[i], "--json", "--faces"), &run);
+        kit_selvage(&scratch, NULL, ARGUMENTS("info", files[i], "--json", "--list-faces"), &run);
         json_t *root = parse_output("info --json");
         const json_t *faces = json_object_get(root, "faces");
         CHECK(json_array_size(faces) == 6 || json_integer_value(faces) == 6);
@@ -378,6 +378,45 @@ static void check_info(void) {
     kit_selvage(&scratch, NULL, ARGUMENTS("--version"), &run);
     CHECK(run.code == 0 && strncmp(run.out, "selvage ", 8) == 0);
     CHECK(kit_count_files(scratch.folder) == 0);
+}
+
+/* What render says of its pictures is what they are. */
+static void check_render_json(void) {
+    static const char *const ways[][5] = {{"-o", "one.png", NULL},
+                                          {"-o", "ids.exr", "--pass", "ids", NULL},
+                                          {"-o", "round.png", "--turntable", "2", NULL}};
+    for (size_t i = 0; i < 3; i++) {
+        const char *const *w = ways[i];
+        kit_selvage(&scratch, NULL,
+                    ARGUMENTS("render", cube_ptx, "--json", "--size", "48x32", w[0], w[1], w[2],
+                              w[2] ? w[3] : NULL),
+                    &run);
+        json_t *root = parse_output("render --json"), *pictures = json_object_get(root, "pictures");
+        const bool ids = i == 1;
+        CHECK(strcmp(json_string_value(json_object_get(root, "texture")), cube_ptx) == 0);
+        CHECK(strcmp(json_string_value(json_object_get(root, "pass")), ids ? "ids" : "color") == 0);
+        CHECK(json_is_string(json_object_get(root, "renderer")) == !ids);
+        CHECK((json_integer_value(json_object_get(root, "gpu_bytes")) > 0) == !ids);
+        CHECK(json_array_size(pictures) == (i == 2 ? 2 : 1));
+        double seconds = 0;
+        for (size_t k = 0; k < json_array_size(pictures); k++) {
+            const json_t *picture = json_array_get(pictures, k);
+            char path[KIT_PATH];
+            slv_image image = {0};
+            kit_join(path, scratch.folder, json_string_value(json_object_get(picture, "picture")));
+            CHECK(slv_image_load(NULL, path, &image) == SLV_OK && image.width == 48 &&
+                  json_integer_value(json_object_get(picture, "width")) == 48 &&
+                  json_integer_value(json_object_get(picture, "height")) == image.height);
+            CHECK((json_integer_value(json_object_get(picture, "triangles")) >= 12) == !ids);
+            CHECK(json_is_false(json_object_get(picture, "empty")));
+            seconds += json_number_value(json_object_get(picture, "seconds"));
+            slv_image_free(&image);
+        }
+        CHECK(seconds > 0 && seconds <= json_number_value(json_object_get(root, "seconds")));
+        json_decref(root);
+    }
+    test_remove(scratch.folder);
+    REQUIRE(mkdir(scratch.folder, 0777) == 0);
 }
 
 static void check_report(void) {
@@ -390,15 +429,22 @@ static void check_report(void) {
     kit_selvage(&scratch, NULL,
                 ARGUMENTS("compare", cube_ptx, "--mesh", cube_obj, "--quick", "--out", "report",
                           "--size", "160x96", "--frames", "2", "--strategies",
-                          "clamp,traverse,discard", "--quiet"),
+                          "clamp,traverse,discard", "--json"),
                 &run);
-    CHECK_MSG(run.code == 0 && kit_lines(run.err) == 0 && !run.out[0], "compare: exit code %d: %s",
-              run.code, run.err);
+    CHECK_MSG(run.code == 0 && kit_lines(run.err) == 0, "compare: exit code %d: %s", run.code,
+              run.err);
     REQUIRE(run.code == 0 && kit_count_files(scratch.folder) == 1);
     char report[KIT_PATH];
     kit_join(report, scratch.folder, "report");
     json_t *root = json_load_file(kit_join(path, report, "report.json"), 0, &error);
     REQUIRE(root);
+    json_t *said = parse_output("compare --json"), *name = json_object_get(said, "report");
+    CHECK(name && strcmp(json_string_value(name), "report/report.html") == 0);
+    json_object_del(said, "report");
+    CHECK(json_object_size(said) == json_object_size(root) &&
+          json_array_size(json_object_get(said, "strategies")) == 3);
+    CHECK(json_equal(json_object_get(said, "advice"), json_object_get(root, "advice")));
+    json_decref(said);
     CHECK(json_integer_value(json_object_get(root, "faces")) == 6);
     CHECK(json_is_string(json_object_get(json_object_get(root, "conditions"), "renderer")));
     CHECK(json_integer_value(json_object_get(json_object_get(root, "conditions"), "width")) == 160);
@@ -547,6 +593,7 @@ int main(void) {
     check_no_context();
     check_info();
     check_pictures();
+    check_render_json();
     check_report();
     check_single_face();
     test_remove(scratch.root);

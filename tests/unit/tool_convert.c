@@ -446,6 +446,11 @@ static void check_spellings(void) {
         RUNS(0, "diff first.ptx second.ptx");
     }
     RUNS(0, "convert rgb.ptx rgba.ptx --channels r,g,b,=1 --alpha 3");
+    /* of the result, which has a fourth channel where the source has none */
+    RUNS(0, "convert rgb.ptx first.ptx --channels rgb,=1 --alpha a");
+    RUNS(0, "diff rgba.ptx first.ptx");
+    RUNS(2, "convert rgb.ptx x.ptx --alpha a");
+    HAS("'a' is neither none nor a channel of the result, 0 to 2");
     RUNS(0, "convert rgba.ptx first.ptx --channels a,r");
     RUNS(0, "convert rgba.ptx second.ptx --channels 3,0 --alpha a");
     RUNS(0, "diff first.ptx second.ptx");

@@ -99,7 +99,9 @@ static void check_usage(void) {
     RUNS(2, "diff a.ptx missing.ptx"); /* trouble, as diff(1) has it */
     HAS("selvage: missing.ptx: ");
     RUNS(2, "diff a.ptx a.ptx >/dev/full");
-    RUNS(2, "diff a.ptx b.ptx >/dev/full");
+    HAS("cannot write the answer: No space left on device");
+    RUNS(2, "diff a.ptx b.ptx --json >/dev/full");
+    HAS("cannot write the answer: No space left on device");
     RUNS(2, "diff a.ptx b.ptx --images a.ptx");
     RUNS(0, "diff --help");
     HAS("Examples:");

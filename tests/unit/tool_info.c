@@ -82,7 +82,7 @@ static void check_mesh(void) {
     HAS("6, of them 5 boundary, 0 non-manifold, 0 flipped");
     HAS("\\x1b[31m\\xffred");
     CHECK(!strchr(out, '\x1b'));
-    CHECK(info("mesh.obj --json --faces", out, sizeof out) == 0);
+    CHECK(info("mesh.obj --json -f", out, sizeof out) == 0);
     HAS("\"kind\": \"mesh\"");
     HAS("\"boundary_edges\": 5");
     HAS("\"face_table\": [");
@@ -99,7 +99,7 @@ static void check_mesh(void) {
 
 static void check_ptx(void) {
     char out[16384];
-    CHECK(info("texture.data --faces --meta", out, sizeof out) == 0);
+    CHECK(info("texture.data --list-faces --meta", out, sizeof out) == 0);
     HAS("uint8, 3 channels, no alpha");
     HAS("4, of them 1 constant, 3 sub-faces");
     HAS("8 x 4");

@@ -69,6 +69,15 @@ static int limited(uint64_t bytes, const char *arguments) {
     return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
 }
 
+/* What the process takes by itself. */
+static uint64_t taken(void) {
+    FILE *stream = fopen("/proc/self/statm", "r");
+    unsigned long long pages = 0;
+    REQUIRE(stream && fscanf(stream, "%llu", &pages) == 1);
+    fclose(stream);
+    return pages * (uint64_t)sysconf(_SC_PAGESIZE);
+}
+
 #define LIMITED(code, mib, arguments)                                                              \
     do {                                                                                           \
         int code_ = limited((uint64_t)(mib)*MIB, arguments);                                       \
@@ -163,6 +172,9 @@ int main(void) {
         LIMITED(0, 300, "sample small.ptx --queries q.txt");
         HAS("cache: of 1024 MiB of address space");
         HAS("it makes do with those");
+        /* fewer lookups at a time, where there is no room for many */
+        LIMITED(0, taken() / MIB + 24, "sample small.ptx --queries q.txt --threads 1");
+        HAS(" -> 0.");
     }
     tool_end();
     return test_end();

@@ -141,9 +141,10 @@ static void print_to(int stream, const char *path) {
 }
 
 static int call_verb(int verb, uint32_t mutation) {
-    char *lines[VERBS][7] = {{"selvage", "info", mutation % 3 ? "--faces" : "--json", "--meta", in},
-                             {"selvage", "check", mutation % 4 ? "--show=3" : "--seams=0.1", in},
-                             {"selvage", "convert", "--scale=1/2", "--type=half", in, out}};
+    char *lines[VERBS][7] = {
+        {"selvage", "info", mutation % 3 ? "--list-faces" : "--json", "--meta", in},
+        {"selvage", "check", mutation % 4 ? "--show=3" : "--seams=0.1", in},
+        {"selvage", "convert", "--scale=1/2", "--type=half", in, out}};
     char *whole[] = {"selvage", "convert", in, out, NULL};
     char **line = verb == CONVERT && mutation % 2 ? whole : lines[verb];
     int count = 0;

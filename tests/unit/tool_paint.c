@@ -30,7 +30,7 @@ static void paints(void) {
                  "{\"brush\": {\"hardness\": 1, \"spacing\": 0.2}, \"samples\": "
                  "[[1, 0.5, 0.5], [1, 0.95, 0.5], [3, 0.5, 0.9]]}\n"
                  "{\"op\": \"fill\", \"face\": 0, \"color\": [0, 0, 1]}");
-    RUNS(0, "paint box.ptx s.jsonl out.ptx --scheme bilinear --faces");
+    RUNS(0, "paint box.ptx s.jsonl out.ptx --scheme bilinear --list-faces");
     HAS("2 operations");
     HAS("seams after");
     HAS("  face 3\n");
@@ -94,7 +94,7 @@ static void sessions(void) {
                  "{\"op\": \"fill\", \"face\": 0, \"color\": [0, 0, 1]}");
     RUNS(0, "new box.obj blank.ptx --size 64 --quiet");
     RUNS(0, "paint blank.ptx s.jsonl out.ptx --quiet");
-    RUNS(0, "paint blank.ptx s.jsonl a.selvage --faces");
+    RUNS(0, "paint blank.ptx s.jsonl a.selvage --list-faces");
     HAS("2 operations");
     HAS("  face 3\n");
     RUNS(0, "session a.selvage --export a.ptx");

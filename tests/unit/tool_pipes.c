@@ -46,7 +46,21 @@ static void check_others(const char *path) {
          tool_path("pipe"));
     HAS("control mesh");
     RUNS(1, "check - <pipe & printf 'Ptexx' >'%s'; wait $!", tool_path("pipe"));
-    HAS("/dev/stdin");
+    HAS("standard input\n");
+    LACKS("/dev/");
+    static const char *const nonsense[] = {"convert - -o never.ptx", "diff pipe '%s'",
+                                           "render - --quiet", "info --json pipe"};
+    for (size_t i = 0; i < sizeof nonsense / sizeof *nonsense; i++) {
+        char line[1200];
+        snprintf(line, sizeof line, nonsense[i], path);
+        RUNS(strncmp(line, "diff", 4) == 0 ? 2 : 1, "%s %s & printf 'hello' >'%s'; wait $!", line,
+             strchr(line, '-') && strstr(line, " -") && !strstr(line, "pipe") ? "<pipe" : "",
+             tool_path("pipe"));
+        HAS(strstr(line, "pipe") ? "selvage: pipe: " : "selvage: standard input: ");
+        LACKS("/dev/");
+    }
+    feed(0, 0, "info --json", path, "");
+    HAS("\"path\": \"standard input\"");
     RUNS(1, "convert pipe -o never.ptx");
     HAS("pipe: a pipe that nobody writes to\n");
     RUNS(2, "diff - - <'%s'", path);

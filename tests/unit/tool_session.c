@@ -21,6 +21,28 @@ int main(void) {
     HAS("is there already");
     RUNS(0, "session s.selvage --export first.ptx");
     RUNS(0, "diff in.ptx first.ptx");
+    /* what it was made of is not written over, however it is named; nor is what it consists of */
+    RUNS(0, "convert in.ptx kept.ptx");
+    REQUIRE(symlink("in.ptx", tool_path("link.ptx")) == 0);
+    static const char *const lost[] = {"in.ptx", "./in.ptx", "link.ptx"};
+    for (size_t i = 0; i < sizeof lost / sizeof *lost; i++) {
+        RUNS(1, "session s.selvage --script s.jsonl --export %s", lost[i]);
+        HAS("would be lost");
+        RUNS(1, "paint s.selvage s.jsonl %s", lost[i]);
+        HAS("would be lost");
+    }
+    RUNS(0, "diff in.ptx kept.ptx");
+    RUNS(0, "paint in.ptx s.jsonl painted.selvage -q");
+    RUNS(1, "session painted.selvage -o in.ptx");
+    HAS("would be lost");
+    RUNS(0, "session again.selvage --replay painted.selvage -q");
+    RUNS(1, "session again.selvage -o in.ptx");
+    tool_write_file("s.selvage/texture-9-0.ptx", "old", 3);
+    RUNS(1, "session s.selvage -o s.selvage/texture-9-0.ptx");
+    HAS("s.selvage/texture-9-0.ptx: is part of the session s.selvage");
+    RUNS(0, "session s.selvage");
+    HAS("3 lines, 0 since");
+    test_remove(tool_path("again.selvage"));
     RUNS(0, "session s.selvage --script s.jsonl --export out.ptx");
     HAS("5 lines, 2 since");
     RUNS(1, "diff first.ptx out.ptx");

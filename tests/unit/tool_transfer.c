@@ -115,7 +115,7 @@ static void check_copies(void) {
     }
     write_obj("turned.obj", order, ways, 0);
     write_positions("grid.ptx", (slv_res){3, 4});
-    RUNS(0, "transfer grid.ptx turned.ptx --to turned.obj --faces");
+    RUNS(0, "transfer grid.ptx turned.ptx --to turned.obj --list-faces");
     HAS("16 faces: 16 copied, 0 resampled, 0 partly, 0 too far away");
     HAS("100% of the surface covered");
     HAS("face 7: copied from face 4, turned by 3 and flipped");
@@ -141,7 +141,8 @@ static void check_resampling(void) {
                                 "v 1.5 0 0\nv 1.5 0.7 0\nv 4 0 0\nv 4 1 0\n"
                                 "f 1 2 3 4\nf 2 5 6 3\nf 5 7 8 6\n";
     tool_write_file("wider.obj", wider, sizeof wider - 1);
-    RUNS(0, "transfer fine.ptx wider.ptx --to wider.obj --scheme bilinear --faces --threads 3");
+    RUNS(0,
+         "transfer fine.ptx wider.ptx --to wider.obj --scheme bilinear --list-faces --threads 3");
     HAS("3 faces: 0 copied, 1 resampled, 1 partly, 1 too far away");
     HAS("face 0: resampled, its middle from face 4");
     HAS("face 1: partly");
@@ -285,7 +286,8 @@ static void check_scales(void) {
     RUNS(0, "transfer units.ptx scaled.ptx --from from.obj --to to.obj --scale-from auto");
     HAS("the old model's coordinates times 100\n");
     HAS("16 copied");
-    RUNS(0, "transfer units.ptx scaled.ptx --from to.obj --to from.obj --scale-from 1/100 --faces");
+    RUNS(0, "transfer units.ptx scaled.ptx --from to.obj --to from.obj --scale-from 1/100 "
+            "--list-faces");
     HAS("16 copied");
     write_scaled("to.obj", 2.54);
     RUNS(0, "transfer units.ptx scaled.ptx --from from.obj --to to.obj --scale-from auto --quiet");

@@ -68,8 +68,8 @@ static json_t *bake_json(const bake_options *o, const slv_bake_job *job,
     return json_pack(
         "{s:i, s:o, s:I, s:I, s:I, s:s, s:s, s:I, s:I, s:[i,i], s:[i,i], s:I, s:o, "
         "s:o, s:o, s:o, s:o}",
-        "schema", 1, "path", output_json_text(o->paths[1], strlen(o->paths[1])), "faces",
-        (json_int_t)report->faces, "constant_faces", (json_int_t)report->constant_faces, "channels",
+        "schema", 1, "path", output_json_name(o->paths[1]), "faces", (json_int_t)report->faces,
+        "constant_faces", (json_int_t)report->constant_faces, "channels",
         (json_int_t)slv_bake_source_get_desc(source)->nchannels, "type",
         slv_type_name(report->type), "encoding", slv_texture_encoding_name(report->encoding),
         "texels", (json_int_t)report->texels, "bytes", (json_int_t)report->bytes, "smallest",

@@ -7,7 +7,9 @@
 #include <fcntl.h>
 #include <signal.h>
 #include <stdarg.h>
+#include <stddef.h>
 #include <stdio.h>
+#include <stdio_ext.h>
 #include <stdlib.h>
 #include <string.h>
 #include <strings.h>
@@ -18,6 +20,28 @@
 static void begin_line(void) {
     if (isatty(STDERR_FILENO) == 1)
         fputs("\r\033[K", stderr);
+}
+
+/* Messages of libraries too say what they read by the name that it was opened by. */
+static void print_line(const char *text) {
+    while (*text) {
+        const char *name = strstr(text, "/dev/");
+        char path[32];
+        size_t length = name ? 5 + strspn(name + 5, "/abcdefghijklmnopqrstuvwxyz0123456789") : 0;
+        fprintf(stderr, "%.*s", (int)(name ? name - text : (ptrdiff_t)strlen(text)), text);
+        if (!name)
+            break;
+        snprintf(path, sizeof path, "%.*s", (int)length, name);
+        fputs(length < sizeof path ? cli_shown(path) : "/dev/", stderr);
+        text = name + (length < sizeof path ? length : 5);
+    }
+    fputc('\n', stderr);
+}
+
+static void print_words(const char *format, va_list args) {
+    char text[8192];
+    vsnprintf(text, sizeof text, format, args);
+    print_line(text);
 }
 
 int cli_usage(const cli_command *command, const char *format, ...) {
@@ -35,8 +59,7 @@ int cli_error(const char *format, ...) {
     va_start(args, format);
     begin_line();
     fputs("selvage: ", stderr);
-    vfprintf(stderr, format, args);
-    fputc('\n', stderr);
+    print_words(format, args);
     va_end(args);
     return EXIT_FAILED;
 }
@@ -47,6 +70,8 @@ int cli_answered(int code) {
     if (fflush(stdout) == 0 && !failed)
         return code;
     cli_error("cannot write the answer: %s", errno ? strerror(errno) : "the disk may be full");
+    __fpurge(stdout);
+    clearerr(stdout);
     return code ? code : EXIT_FAILED;
 }
 
@@ -75,8 +100,7 @@ void cli_warning(const char *format, ...) {
     va_start(args, format);
     begin_line();
     fputs("selvage: warning: ", stderr);
-    vfprintf(stderr, format, args);
-    fputc('\n', stderr);
+    print_words(format, args);
     va_end(args);
 }
 
@@ -85,7 +109,8 @@ static void print_log(void *user, slv_log_level level, const char *message) {
     if (level == SLV_LOG_INFO)
         return;
     begin_line();
-    fprintf(stderr, "selvage: %s%s\n", level == SLV_LOG_WARNING ? "warning: " : "", message);
+    fprintf(stderr, "selvage: %s", level == SLV_LOG_WARNING ? "warning: " : "");
+    print_line(message);
 }
 
 /* Of the process, as its signals are: a verb runs once, so that there is one, which the first call

@@ -30,7 +30,8 @@ typedef struct cli_list {
 } cli_list;
 
 typedef struct cli_option {
-    const char *names; /* "--out|-o"; the first is shown */
+    const char *names; /* "--out|-o"; the first is shown. Behind two bars, "--list-faces||--faces",
+                          are spellings of earlier versions, which are read and not shown. */
     cli_kind kind;
     void *value;
     const char *help;
@@ -106,7 +107,7 @@ int cli_error(const char *format, ...) __attribute__((format(printf, 1, 2)));
 
 /* Before any verb: what it may rely on. */
 void cli_begin(void);
-/* After every verb: returns `code`, unless its answer could not be written, which is said. */
+/* After every verb: returns `code`, unless its answer could not be written, which is said, once. */
 int cli_answered(int code);
 /* Usage (2) if two of the names, some of which may be NULL, are of the standard input, which can be
  * read once; else 0. */
@@ -116,6 +117,9 @@ int cli_standard_once(const cli_command *command, const char *const *paths, size
                       sizeof((const char *const[]){__VA_ARGS__}) / sizeof(const char *))
 /* The name under which "-" is read, standard input; another is as it was, NULL too. */
 const char *cli_input(const char *path);
+/* What to call an input that has another name only to be read by: the standard input, a pipe. All
+ * lines on stderr have these words by themselves. */
+const char *cli_shown(const char *path);
 /* A texture is read here and there, and a pipe only once: if `*path` is "-" or the name of a pipe,
  * what comes through it is put into a file that has no name and is gone with the process, and
  * `*path` becomes the name to open it by. Other names stay. Returns an exit code. */

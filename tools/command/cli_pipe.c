@@ -20,6 +20,23 @@ enum {
     MOST_NAMES = 64
 };
 
+/* Pipes that have a name of their own for as long as the process lasts, and what they were called.
+ */
+static struct {
+    char name[sizeof FOLDER + 12];
+    const char *shown;
+} pipes[MOST_NAMES];
+static int count;
+
+const char *cli_shown(const char *path) {
+    if (strcmp(path, cli_input("-")) == 0)
+        return "standard input";
+    for (int i = 0; i < count; i++)
+        if (strcmp(path, pipes[i].name) == 0)
+            return pipes[i].shown;
+    return path;
+}
+
 static const char *folder(void) {
     const char *given = getenv("TMPDIR");
     return given && *given ? given : "/tmp";
@@ -82,23 +99,20 @@ static int descriptor_of(const char *path) {
                                                            : -1;
 }
 
-/* The file takes the place of the descriptor, if there is one, or else gets a name of its own that
- * lasts as long as the process. */
+/* The file takes the place of the descriptor, if there is one, or else gets a name of its own. */
 static int name_file(int file, int descriptor, const char **path) {
     if (descriptor >= 0) {
         bool good = dup2(file, descriptor) == descriptor && lseek(descriptor, 0, SEEK_SET) == 0;
         close(file);
         return good ? EXIT_OK : cli_error("%s: %s", *path, strerror(errno));
     }
-    static char names[MOST_NAMES][sizeof FOLDER + 12];
-    static int count;
     if (count == MOST_NAMES) {
         close(file);
         return cli_error("%s: is one pipe more than %d", *path, MOST_NAMES);
     }
-    char *name = names[count++];
-    snprintf(name, sizeof names[0], FOLDER "%d", file);
-    *path = name;
+    snprintf(pipes[count].name, sizeof pipes[0].name, FOLDER "%d", file);
+    pipes[count].shown = *path;
+    *path = pipes[count++].name;
     return EXIT_OK;
 }
 

@@ -130,7 +130,7 @@ void cli_print_table(const cli_command *command) {
         const cli_option *option = &command->options[i];
         const char *name = option->names;
         fputs("| ", stdout);
-        for (size_t length; *name; name += length + (name[length] == '|')) {
+        for (size_t length; *name && *name != '|'; name += length + (name[length] == '|')) {
             length = strcspn(name, "|");
             printf("%s`%.*s`", name == option->names ? "" : ", ", (int)length, name);
         }

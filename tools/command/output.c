@@ -3,6 +3,7 @@
 
 #include <selvage/bake.h>
 #include <selvage/folder.h>
+#include <selvage/session.h>
 
 #include <math.h>
 #include <signal.h>
@@ -54,6 +55,17 @@ static bool is_tile(const char *set, const struct stat *there) {
     return false;
 }
 
+/* Whether a file lies in a folder that is a session, of which all is needed. */
+static bool is_in_session(const char *path, const char *session, const struct stat *folder) {
+    char parent[4096];
+    struct stat there;
+    const char *slash = strrchr(path, '/');
+    int length = slash ? (int)(slash - path) + 1 : 2;
+    snprintf(parent, sizeof parent, "%.*s", length, slash ? path : "./");
+    return slv_session_is(session) && stat(parent, &there) == 0 && there.st_dev == folder->st_dev &&
+           there.st_ino == folder->st_ino;
+}
+
 slv_result output_check_inputs(const slv_env *env, const char *path, const char *const *inputs,
                                size_t ninputs) {
     struct stat there, input;
@@ -61,8 +73,13 @@ slv_result output_check_inputs(const slv_env *env, const char *path, const char 
         if (inputs[i] && is_tile(inputs[i], &there))
             return output_fail(env, SLV_ERROR_ARGUMENT, "%s: is one of %s, and would be lost", path,
                                inputs[i]);
-        else if (inputs[i] && stat(cli_input(inputs[i]), &input) == 0 && S_ISREG(input.st_mode) &&
-                 there.st_dev == input.st_dev && there.st_ino == input.st_ino)
+        else if (!inputs[i] || stat(cli_input(inputs[i]), &input) != 0)
+            continue;
+        else if (S_ISDIR(input.st_mode) && is_in_session(path, inputs[i], &input))
+            return output_fail(env, SLV_ERROR_ARGUMENT,
+                               "%s: is part of the session %s, and would be lost", path, inputs[i]);
+        else if (S_ISREG(input.st_mode) && there.st_dev == input.st_dev &&
+                 there.st_ino == input.st_ino)
             return strcmp(path, inputs[i]) == 0
                        ? output_fail(env, SLV_ERROR_ARGUMENT,
                                      "%s: is read, and would be lost if it were written", path)
@@ -200,6 +217,11 @@ json_t *output_json_text(const char *text, size_t size) {
     json_t *string = json_stringn(clean, (size_t)(to - clean));
     free(clean);
     return string;
+}
+
+json_t *output_json_name(const char *path) {
+    const char *shown = cli_shown(path);
+    return output_json_text(shown, strlen(shown));
 }
 
 json_t *output_json_number(double value) {

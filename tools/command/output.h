@@ -36,6 +36,8 @@ void output_html(FILE *stream, const char *text);
 bool output_terminal(FILE *stream, const char *text, size_t size, size_t max_chars);
 /* NULL if there is no memory, which jansson's setters pass on as their own failure. */
 json_t *output_json_text(const char *text, size_t size);
+/* The name of a file, as cli_shown has it. */
+json_t *output_json_name(const char *path);
 json_t *output_json_number(double value); /* null if it is not finite */
 /* Prints and releases; NULL means that there was no memory for it. Returns an exit code. */
 int output_print_json(const char *path, json_t *root);

@@ -88,12 +88,13 @@ static int unknown_option(const cli_command *command, const char *argument) {
     char names[4096] = "--help", hint[SLV_WORDS_HINT];
     size_t used = strlen(names);
     for (uint32_t k = 0; k < command->noptions; k++) {
-        size_t more = strlen(command->options[k].names);
+        const char *word = command->options[k].names, *former = strstr(word, "||");
+        size_t more = former ? (size_t)(former - word) : strlen(word);
         if (used + more + 2 > sizeof names)
             break;
         names[used++] = '|';
-        memcpy(names + used, command->options[k].names, more + 1);
-        used += more;
+        memcpy(names + used, word, more);
+        names[used += more] = 0;
     }
     return cli_usage(command, "unknown option '%s'%s", argument,
                      slv_words_hint(argument, names, hint));

@@ -19,8 +19,8 @@ struct compare {
     const char *mesh, *out, *strategies, *focus, *msaa, *references, *uv;
     cli_list views;
     int scheme, boundary, shading, context, adjacency, encoding, alpha, straight, round;
-    bool quick, quiet, progress, resume, compress, size_given, frames_given, reference_frames_given,
-        samples_given, scheme_given;
+    bool quick, quiet, json, progress, resume, compress, size_given, frames_given,
+        reference_frames_given, samples_given, scheme_given;
     uint32_t size[2], aniso, frames, tess, threads, samples, accumulate, reference_frames;
     float azimuth, elevation, fov, orbit, tilt, dolly;
 };
@@ -91,7 +91,8 @@ static bool report_stage(void *user, uint64_t done, uint64_t total) {
     if (!s->shows) {
         if (goes_on)
             snprintf(s->title, sizeof s->title, "measuring the other %u frames", (uint32_t)total);
-        s->shown = cli_progress_begin(s->title, total, s->options->progress, s->options->quiet);
+        s->shown = cli_progress_begin(s->title, total, s->options->progress,
+                                      s->options->quiet || s->options->json);
         s->shows = true;
     } else if (done) {
         cli_progress_update(&s->shown, done);
@@ -371,6 +372,18 @@ static void choose(const struct compare *o, report_data *report) {
     r->frames = r->frames < report->frames ? r->frames : report->frames;
 }
 
+/* What report.json says, and where the report is. */
+static int print_json(const struct compare *o, const report_data *report) {
+    char path[1300];
+    snprintf(path, sizeof path, "%s/report.html", o->out);
+    json_t *root = report_json(report);
+    if (root && json_object_set_new(root, "report", output_json_name(path)) != 0) {
+        json_decref(root);
+        root = NULL;
+    }
+    return output_print_json(o->out, root);
+}
+
 static int compare(const struct compare *o, report_data *report) {
     struct session session = {.options = o, .env = cli_env(o->threads), .report = report};
     slv_folder *folder;
@@ -391,7 +404,9 @@ static int compare(const struct compare *o, report_data *report) {
                     "are not to be trusted",
                     report->others);
     end_session(&session);
-    if (!code && !o->quiet)
+    if (!code && o->json)
+        code = print_json(o, report);
+    else if (!code && !o->quiet)
         compare_print(report, o->out);
     report_free(report);
     return code;
@@ -516,6 +531,7 @@ int verb_compare(int argc, char **argv) {
         SCENE_CONTEXT(&o.context),
         CLI_PROGRESS(&o.progress),
         CLI_THREADS(&o.threads),
+        CLI_JSON(&o.json),
         CLI_QUIET(&o.quiet, "no progress, no table"),
     };
     const cli_command command = {

@@ -45,8 +45,7 @@ static json_t *convert_json(const conversion *c, const char *made) {
     bool folder = is_folder(paths[1]);
     return json_pack(
         "{s:i, s:o, s:o, s:s, s:I, s:I, s:s, s:I, s:o, s:I, s:I, s:o, s:I}", "schema", 1, "source",
-        output_json_text(paths[0], strlen(paths[0])), "path",
-        output_json_text(paths[1], strlen(paths[1])), "made", made, "faces",
+        output_json_name(paths[0]), "path", output_json_name(paths[1]), "made", made, "faces",
         (json_int_t)stats->faces, "resized_faces", (json_int_t)stats->resized, "data_type",
         slv_type_name(wrote->type), "channels", (json_int_t)wrote->nchannels, "alpha_channel",
         wrote->alpha_channel < 0 ? json_null() : json_integer(wrote->alpha_channel), "texels",
@@ -136,8 +135,8 @@ int verb_convert(int argc, char **argv) {
          "channels of the result, each one of the source's by name or number, or a value: b,g,r "
          "or 0-2,=1",
          "LIST", 0, 0, NULL},
-        {"--alpha", CLI_TEXT, &o.alpha, "which channel of the result is alpha, or none", "N", 0, 0,
-         NULL},
+        {"--alpha", CLI_TEXT, &o.alpha,
+         "which channel of the result is alpha, by name or number, or none", "N", 0, 0, NULL},
         {"--premultiply", CLI_FLAG, &o.premultiply, "multiply colours by alpha", NULL, 0, 0, NULL},
         {"--unmultiply", CLI_FLAG, &o.unmultiply, "divide colours by alpha", NULL, 0, 0, NULL},
         {"--faces|-f", CLI_TEXT, &o.faces,

@@ -27,7 +27,8 @@ static int parse_channels(const cli_command *command, const char *text, convert_
     return code;
 }
 
-/* A channel of the result: its number, or what the source calls the channel that is there. */
+/* A channel of the result: its number, or what the source calls the channel that is there, or else
+ * what a file of so many channels calls it. */
 static int parse_alpha(const cli_command *command, const char *text, convert_request *request) {
     char *end;
     uint32_t have = request->channels ? request->params.nchannels : request->source->nchannels;
@@ -41,8 +42,13 @@ static int parse_alpha(const cli_command *command, const char *text, convert_req
     for (uint32_t i = have; i-- > 0 && named >= 0;)
         if ((request->channels ? request->channels[i].source : (int32_t)i) == named)
             index = i;
+    if (!number && index == have) {
+        named = value_channel_find(text, strlen(text), (value_channels){have, SLV_NO_ALPHA});
+        index = named < 0 ? have : (unsigned long)named;
+    }
     if ((number && *end) || index >= have)
-        return cli_usage(command, "--alpha: '%s' is neither none nor a channel from 0 to %u", text,
+        return cli_usage(command,
+                         "--alpha: '%s' is neither none nor a channel of the result, 0 to %u", text,
                          have - 1);
     request->params.alpha_channel = (int32_t)index;
     return EXIT_OK;

@@ -106,9 +106,8 @@ static json_t *diff_json(const struct diff *d) {
         if (d->faces[face].what && json_array_append_new(faces, face_json(d, face)))
             goto failed;
     return json_pack("{s:i, s:o, s:o, s:b, s:o, s:I, s:I, s:o, s:o, s:o, s:o}", "schema", 1, "a",
-                     output_json_text(d->paths[0], strlen(d->paths[0])), "b",
-                     output_json_text(d->paths[1], strlen(d->paths[1])), "equal", (int)d->equal,
-                     "tolerance", output_json_number((double)d->tolerance), "faces",
+                     output_json_name(d->paths[0]), "b", output_json_name(d->paths[1]), "equal",
+                     (int)d->equal, "tolerance", output_json_number((double)d->tolerance), "faces",
                      (json_int_t)d->nfaces, "different_faces", (json_int_t)d->ndifferent, "largest",
                      output_json_number((double)d->largest), "largest_face",
                      d->largest_face < 0 ? json_null() : json_integer(d->largest_face),
@@ -156,7 +155,7 @@ static int run_diff(struct diff *d) {
     if (d->json && output_print_json(d->paths[0], diff_json(d)))
         goto done;
     /* an answer that cannot be written is no answer */
-    code = fflush(stdout) || ferror(stdout) ? EXIT_TROUBLE : d->equal ? EXIT_OK : EXIT_DIFFERENT;
+    code = cli_answered(EXIT_OK) ? EXIT_TROUBLE : d->equal ? EXIT_OK : EXIT_DIFFERENT;
     for (int i = 0; i < 2; i++)
         if (salvage_tell(d->files[i]) && !code)
             code = EXIT_DIFFERENT;

@@ -49,8 +49,8 @@ int verb_info(int argc, char **argv) {
     info_options o = {0};
     const cli_option options[] = {
         CLI_JSON(&o.json),
-        {"--faces|-f", CLI_FLAG, &o.faces, "also list every face: size, flags, neighbours", NULL, 0,
-         0, NULL},
+        {"--list-faces||--faces|-f", CLI_FLAG, &o.faces,
+         "also list every face: size, flags, neighbours", NULL, 0, 0, NULL},
         {"--meta", CLI_FLAG, &o.meta, "also show the metadata's values (.ptx)", NULL, 0, 0, NULL},
         {"--sheet|--out|-o|--output", CLI_TEXT, &o.sheet,
          "also write a picture of all faces, each in a cell", "OUT.png|.exr", 0, 0, NULL},
@@ -73,7 +73,7 @@ int verb_info(int argc, char **argv) {
                                  .writes = "a picture of its faces if it is named, PNG or EXR; as "
                                            "an argument it must not exist yet",
                                  .examples = "  selvage info teapot.ptx\n"
-                                             "  selvage info teapot.ptx --meta --faces\n"
+                                             "  selvage info teapot.ptx --meta --list-faces\n"
                                              "  selvage info teapot.ptx --sheet faces.png\n"
                                              "  selvage info cage.obj --json | jq .valences\n",
                                  .options = options,

@@ -118,7 +118,7 @@ static json_t *mesh_json(const char *path, const slv_mesh *mesh, const slv_mesh_
         "{s:i, s:s, s:o, s:I, s:I, s:I, s:I, s:I, s:I, s:I, s:o, s:I, s:I, s:I, s:I, s:I, s:I, "
         "s:s, "
         "s:o, s:o, s:I, s:I, s:o}",
-        "schema", 1, "kind", "mesh", "path", output_json_text(path, strlen(path)), "polygons",
+        "schema", 1, "kind", "mesh", "path", output_json_name(path), "polygons",
         (json_int_t)stats->npolys, "vertices", (json_int_t)stats->nverts, "isolated_vertices",
         (json_int_t)stats->nisolated_verts, "faces", (json_int_t)stats->nfaces, "subfaces",
         (json_int_t)stats->nsubfaces, "holes", (json_int_t)stats->nholes, "extraordinary_vertices",

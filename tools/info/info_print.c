@@ -14,7 +14,7 @@ void info_line(const char *label, const char *format, ...) {
 }
 
 void info_title(const char *path) {
-    output_terminal(stdout, path, strlen(path), SIZE_MAX);
+    output_terminal(stdout, cli_shown(path), strlen(cli_shown(path)), SIZE_MAX);
     putchar('\n');
 }
 

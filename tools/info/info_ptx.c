@@ -249,9 +249,9 @@ static json_t *geometry_json(const struct summary *s) {
 static json_t *sheet_json(const struct summary *s, const char *path) {
     const info_sheet_layout *sheet = &s->sheet;
     return json_pack("{s:o, s:I, s:I, s:I, s:I, s:I, s:I, s:I, s:I}", "path",
-                     output_json_text(path, strlen(path)), "width", (json_int_t)sheet->width,
-                     "height", (json_int_t)sheet->height, "columns", (json_int_t)sheet->columns,
-                     "rows", (json_int_t)sheet->rows, "cell", (json_int_t)sheet->cell, "gap",
+                     output_json_name(path), "width", (json_int_t)sheet->width, "height",
+                     (json_int_t)sheet->height, "columns", (json_int_t)sheet->columns, "rows",
+                     (json_int_t)sheet->rows, "cell", (json_int_t)sheet->cell, "gap",
                      (json_int_t)sheet->gap, "faces", (json_int_t)sheet->faces, "shown",
                      (json_int_t)sheet->shown);
 }
@@ -264,8 +264,8 @@ static json_t *ptx_json(const struct summary *s, const info_options *options) {
         "{s:i, s:s, s:o, s:s, s:s, s:s, s:I, s:o, s:I, s:I, s:o, s:s, s:s, s:s, s:b, s:I, s:I, "
         "s:I, "
         "s:I, s:I, s:I, s:o, s:o, s:o, s:o, s:o}",
-        "schema", 1, "kind", "ptx", "path", output_json_text(s->path, strlen(s->path)), "version",
-        version, "mesh_type", slv_ptx_mesh_type_name(info->mesh_type), "data_type",
+        "schema", 1, "kind", "ptx", "path", output_json_name(s->path), "version", version,
+        "mesh_type", slv_ptx_mesh_type_name(info->mesh_type), "data_type",
         slv_type_name(info->type), "channels", (json_int_t)info->nchannels, "alpha_channel",
         info->alpha_channel < 0 ? json_null() : json_integer(info->alpha_channel), "faces",
         (json_int_t)info->nfaces, "levels", (json_int_t)info->nlevels, "level_faces",

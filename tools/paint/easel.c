@@ -108,7 +108,7 @@ slv_result easel_open_session(const slv_env *env, easel *e, uint32_t layer, bool
 }
 
 slv_result easel_make_session(const slv_env *env, easel *e, const char *path) {
-    const slv_session_params how = {.scheme = e->scheme};
+    const slv_session_params how = {.scheme = e->scheme, .made_of = e->name};
     const slv_env own = line_log_begin(&e->log, env, NULL);
     slv_result result;
     if (ptx_name_is_safe(e->name)) {

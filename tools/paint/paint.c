@@ -132,12 +132,11 @@ static json_t *paint_json(const struct paint *p) {
             return NULL;
         }
     return json_pack("{s:i, s:o, s:I, s:I, s:I, s:I, s:I, s:o, s:I, s:O, s:o, s:o}", "schema", 1,
-                     "path", output_json_text(name, strlen(name)), "operations",
-                     (json_int_t)s->operations, "dabs", (json_int_t)s->dabs, "missed",
-                     (json_int_t)s->missed, "texels", (json_int_t)s->texels, "faces",
-                     (json_int_t)nfaces, "touched", faces, "pictures", (json_int_t)p->pictures.next,
-                     "lines", p->lines, "seams_before", certificate_json(&p->before), "seams_after",
-                     certificate_json(&p->after));
+                     "path", output_json_name(name), "operations", (json_int_t)s->operations,
+                     "dabs", (json_int_t)s->dabs, "missed", (json_int_t)s->missed, "texels",
+                     (json_int_t)s->texels, "faces", (json_int_t)nfaces, "touched", faces,
+                     "pictures", (json_int_t)p->pictures.next, "lines", p->lines, "seams_before",
+                     certificate_json(&p->before), "seams_after", certificate_json(&p->after));
 }
 
 /* Whether all that is to be written can be, before the work. */
@@ -161,7 +160,11 @@ static slv_result open_easel(const slv_env *env, struct paint *p) {
     if (!slv_session_is(e->name))
         return p->to_session ? easel_make_session(env, e, p->paths[2]) : easel_open(env, e);
     slv_result result = easel_open_session(env, e, p->layer, !p->in_place && !p->to_session);
-    return result || !p->to_session ? result : slv_session_save_as(e->session, p->paths[2]);
+    if (result || p->in_place)
+        return result;
+    const char *const made_of[] = {slv_session_made_of(e->session)};
+    return p->to_session ? slv_session_save_as(e->session, p->paths[2])
+                         : output_check_inputs(env, p->paths[2], made_of, 1);
 }
 
 static slv_result work(const slv_env *env, struct paint *p) {
@@ -262,7 +265,8 @@ int verb_paint(int argc, char **argv) {
          &p.camera_given},
         {"--certify", CLI_FLAG, &p.certify, "say how seams are after each stroke and fill", NULL, 0,
          0, NULL},
-        {"--faces|-f", CLI_FLAG, &p.faces, "list the faces that were painted on", NULL, 0, 0, NULL},
+        {"--list-faces||--faces|-f", CLI_FLAG, &p.faces, "list the faces that were painted on",
+         NULL, 0, 0, NULL},
         CLI_COMPRESSION(&p.compression),
         CLI_JSON(&p.json),
         CLI_PROGRESS(&p.progress),
@@ -277,7 +281,7 @@ int verb_paint(int argc, char **argv) {
                  "lines",
         .writes = "the painted texture, of a mesh a new one; or a session; or numbered pictures",
         .examples = "  selvage paint cow.ptx strokes.jsonl painted.ptx\n"
-                    "  selvage paint cow.obj strokes.jsonl painted.ptx --faces\n"
+                    "  selvage paint cow.obj strokes.jsonl painted.ptx --list-faces\n"
                     "  selvage paint cow.ptx - painted.ptx <strokes.jsonl\n"
                     "  selvage paint cow.ptx strokes.jsonl cow.selvage\n"
                     "  selvage paint cow.selvage more.jsonl --record stage.####.png --certify\n",

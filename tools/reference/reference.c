@@ -251,18 +251,17 @@ static json_t *convergence_json(const convergence *c) {
 }
 
 static json_t *outcome_json(const struct reference *r, const char *path, const struct outcome *o) {
-    return json_pack("{s:i, s:o, s:o, s:I, s:I, s:I, s:s, s:I, s:I, s:o, s:o, s:o, s:o, s:o, s:o}",
-                     "schema", 1, "texture", output_json_text(r->ptx, strlen(r->ptx)), "picture",
-                     output_json_text(path, strlen(path)), "width", (json_int_t)o->width, "height",
-                     (json_int_t)o->height, "segments", (json_int_t)o->segments, "filter",
-                     r->filter == SLV_PIXEL_BOX ? "box" : "mitchell", "samples",
-                     (json_int_t)r->samples, "covered_pixels", (json_int_t)o->stats.ncovered,
-                     "estimated_rms", output_json_number(o->stats.error), "estimated_worst",
-                     output_json_number(o->stats.worst), "seconds", output_json_number(o->seconds),
-                     "million_samples_per_second", output_json_number(speed(o)), "convergence",
-                     convergence_json(&o->convergence), "order",
-                     o->convergence.count ? output_json_number(convergence_order(&o->convergence))
-                                          : json_null());
+    return json_pack(
+        "{s:i, s:o, s:o, s:I, s:I, s:I, s:s, s:I, s:I, s:o, s:o, s:o, s:o, s:o, s:o}", "schema", 1,
+        "texture", output_json_name(r->ptx), "picture", output_json_name(path), "width",
+        (json_int_t)o->width, "height", (json_int_t)o->height, "segments", (json_int_t)o->segments,
+        "filter", r->filter == SLV_PIXEL_BOX ? "box" : "mitchell", "samples",
+        (json_int_t)r->samples, "covered_pixels", (json_int_t)o->stats.ncovered, "estimated_rms",
+        output_json_number(o->stats.error), "estimated_worst", output_json_number(o->stats.worst),
+        "seconds", output_json_number(o->seconds), "million_samples_per_second",
+        output_json_number(speed(o)), "convergence", convergence_json(&o->convergence), "order",
+        o->convergence.count ? output_json_number(convergence_order(&o->convergence))
+                             : json_null());
 }
 
 static int run(const cli_command *command, const struct reference *r, const char *path) {

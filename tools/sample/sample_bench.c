@@ -226,12 +226,11 @@ static void measure(bench *b, runner *runners, uint32_t nthreads, double *rates)
 static void print_rates(const sample_options *options, const bench *b, uint32_t nthreads,
                         const double *rates, FILE *stream) {
     if (options->json) {
-        json_t *root =
-            json_pack("{s:i, s:o, s:I, s:I, s:I, s:f, s:f, s:f}", "schema", 1, "path",
-                      output_json_text(b->texture->path, strlen(b->texture->path)), "lookups",
-                      (json_int_t)b->count, "parameter_sets", (json_int_t)b->nsets, "threads",
-                      (json_int_t)nthreads, mode_names[0][1], rates[0], mode_names[1][1], rates[1],
-                      mode_names[2][1], rates[2]);
+        json_t *root = json_pack("{s:i, s:o, s:I, s:I, s:I, s:f, s:f, s:f}", "schema", 1, "path",
+                                 output_json_name(b->texture->path), "lookups",
+                                 (json_int_t)b->count, "parameter_sets", (json_int_t)b->nsets,
+                                 "threads", (json_int_t)nthreads, mode_names[0][1], rates[0],
+                                 mode_names[1][1], rates[1], mode_names[2][1], rates[2]);
         if (root && json_dumpf(root, stream, JSON_INDENT(2)) == 0)
             fputc('\n', stream);
         json_decref(root);

@@ -272,10 +272,11 @@ static bool print_block(job *j, const block *b, const sample_reader *reader, FIL
     return true;
 }
 
-static bool job_begin(job *j, const sample_options *options, sample_texture *texture) {
-    size_t channels = texture->info.nchannels, max = CHUNK_VALUES / channels;
-    *j = (job){.options = options, .texture = texture, .stride = channels};
-    j->max = max < BLOCKS ? BLOCKS : max > CHUNK_LINES ? CHUNK_LINES : max / BLOCKS * BLOCKS;
+/* Chunks of at most `max` lines, a multiple of the blocks. */
+static bool job_begin_with(job *j, const sample_options *options, sample_texture *texture,
+                           size_t max) {
+    size_t channels = texture->info.nchannels;
+    *j = (job){.options = options, .texture = texture, .stride = channels, .max = max};
     j->block_lines = j->max / BLOCKS;
     j->queries = calloc(j->max, sizeof *j->queries);
     j->values = calloc(j->max * channels, sizeof *j->values);
@@ -311,6 +312,20 @@ static void job_end(job *j) {
     free(j->results);
 }
 
+/* Where memory is short, fewer lines at a time give the same answers. */
+static bool job_begin(job *j, const sample_options *options, sample_texture *texture) {
+    size_t lines = CHUNK_VALUES / texture->info.nchannels / BLOCKS;
+    if (lines > CHUNK_LINES / BLOCKS)
+        lines = CHUNK_LINES / BLOCKS;
+    for (lines = lines ? lines : 1; !job_begin_with(j, options, texture, lines * BLOCKS);
+         lines /= 2) {
+        if (lines == 1)
+            return false;
+        job_end(j);
+    }
+    return true;
+}
+
 /* Returns false when nothing more should come: `code` says how the work ended. */
 static bool print_chunk(job *j, const sample_reader *reader, FILE *stream, uint64_t *count,
                         uint64_t *failed, int *code) {
@@ -337,12 +352,11 @@ static bool print_chunk(job *j, const sample_reader *reader, FILE *stream, uint6
             return false;
         }
     }
-    if (fflush(stream) == 0)
-        return true;
-    /* of standard output it is said at the end */
-    *code =
-        stream == stdout ? EXIT_FAILED : cli_error("cannot write the answer: %s", strerror(errno));
-    return false;
+    if (stream == stdout)
+        *code = cli_answered(EXIT_OK);
+    else if (fflush(stream) != 0)
+        *code = cli_error("cannot write the answer: %s", strerror(errno));
+    return !*code;
 }
 
 int sample_run(const sample_options *options, sample_texture *texture, sample_reader *reader,
@@ -359,7 +373,7 @@ int sample_run(const sample_options *options, sample_texture *texture, sample_re
     }
     if (options->json) {
         fputs("{\n  \"schema\": 1,\n  \"path\": ", stream);
-        print_json_text(texture->path, stream);
+        print_json_text(cli_shown(texture->path), stream);
         fprintf(stream, ",\n  \"faces\": %u,\n  \"channels\": %u,\n  \"lookups\": [",
                 texture->info.nfaces, texture->info.nchannels);
     }

@@ -36,7 +36,10 @@ typedef struct slv_session_params {
     /* Nothing that is done is kept: the folder is opened to be looked at, and written to by no
      * call. Saving is SLV_ERROR_ARGUMENT. Not for new sessions. */
     bool unkept;
-    uint64_t reserved[4];
+    /* For new sessions: the file that it is made of, which is kept as a full path for those who ask
+     * what must not be written over. NULL: none. */
+    const char *made_of;
+    uint64_t reserved[3];
 } slv_session_params;
 
 /* A new folder with a copy of the mesh. SLV_ERROR_IO if something is there: nothing is replaced. */
@@ -114,6 +117,9 @@ SLV_NODISCARD SLV_API slv_result slv_session_replay(const slv_env *env, const ch
 SLV_NODISCARD SLV_API slv_result slv_session_remove(const slv_env *env, const char *path);
 /* Where it is. Owned by the session, until it goes elsewhere. */
 SLV_API const char *slv_session_path(const slv_session *session);
+/* The file that it was made of, or NULL if that was not said; it may be there no more. Owned by the
+ * session. */
+SLV_API const char *slv_session_made_of(const slv_session *session);
 
 typedef struct slv_session_info {
     uint64_t lines;      /* of the journal */

@@ -6,6 +6,7 @@
 #include "base/log.h"
 #include "base/output.h"
 
+#include <errno.h>
 #include <inttypes.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -60,6 +61,19 @@ static bool read_runs(const json_t *runs, uint32_t nfaces, slv_res *res) {
     return json_is_array(runs) && face == nfaces;
 }
 
+/* As a full path, which is right from wherever it is read; a name that JSON cannot hold is left
+ * out. False if memory ran out. */
+static bool add_origin(json_t *root, const char *made_of) {
+    json_t *name = NULL;
+    errno = 0;
+    char *full = realpath(made_of, NULL);
+    bool good = full || errno != ENOMEM;
+    if (good)
+        good = slvi_json_text(full ? full : made_of, &name) != SLV_ERROR_MEMORY;
+    free(full);
+    return good && (!name || json_object_set_new(root, "made_of", name) == 0);
+}
+
 slv_result slvi_session_describe(const slv_env *env, const char *path,
                                  const slv_session_params *params) {
     const slv_texture_desc *flat = &params->document.flat;
@@ -73,7 +87,8 @@ slv_result slvi_session_describe(const slv_env *env, const char *path,
         (int)flat->alpha_channel, "encoding", slv_texture_encoding_name(flat->encoding), "working",
         slv_type_name(params->document.working), "scheme", slv_scheme_name(params->scheme),
         "background", background, "res", runs_of(flat));
-    char *text = root ? json_dumps(root, JSON_INDENT(2) | JSON_REAL_PRECISION(9)) : NULL;
+    bool complete = root && (!params->made_of || add_origin(root, params->made_of));
+    char *text = complete ? json_dumps(root, JSON_INDENT(2) | JSON_REAL_PRECISION(9)) : NULL;
     slv_result result = text ? slvi_output_write(env, path, text, strlen(text))
                              : slvi_fail(env, SLV_ERROR_MEMORY, "%s: no memory", path);
     free(text);
@@ -149,10 +164,15 @@ slv_result slvi_session_read_description(const slv_env *env, const char *path,
     *began = runs != NULL;
     if (!result && runs && !read_runs(runs, out->document.flat.nfaces, res))
         result = slvi_fail(env, SLV_ERROR_FORMAT, "%s: res is not what it should be", path);
+    const char *origin = json_string_value(json_object_get(root, "made_of"));
+    char *made_of = NULL;
+    if (!result && origin && !(result = slvi_alloc(env, path, strlen(origin) + 1, 1, &made_of)))
+        memcpy(made_of, origin, strlen(origin) + 1);
     for (size_t c = 0; !result && c < json_array_size(list); c++)
         background[c] = (float)json_number_value(json_array_get(list, c));
     out->document.flat.res = res;
     out->document.background = background;
+    out->made_of = made_of;
     json_decref(root);
     return result;
 }
@@ -161,7 +181,9 @@ void slvi_session_free_description(slv_session_params *params) {
     union {
         const void *is;
         void *was;
-    } res = {params->document.flat.res}, background = {params->document.background};
+    } res = {params->document.flat.res}, background = {params->document.background},
+      made_of = {params->made_of};
     slvi_free(res.was);
     slvi_free(background.was);
+    slvi_free(made_of.was);
 }

@@ -185,6 +185,10 @@ slv_document *slv_session_document(slv_session *session) {
     return session->document;
 }
 
+const char *slv_session_made_of(const slv_session *session) {
+    return session->params.made_of;
+}
+
 const slv_mesh *slv_session_mesh(const slv_session *session) {
     return session->mesh;
 }

@@ -7,7 +7,7 @@
 #include <string.h>
 
 static json_t *text(const char *string) {
-    return string ? output_json_text(string, strlen(string)) : json_null();
+    return string ? output_json_name(string) : json_null();
 }
 
 static json_t *number_or_null(int32_t value) {
@@ -328,7 +328,7 @@ static json_t *maps_json(const report_maps *maps) {
                      "faces_over_end", (json_int_t)maps->over_end, "rows", rows);
 }
 
-static json_t *report_json(const report_data *report) {
+json_t *report_json(const report_data *report) {
     char version[32];
     uint32_t v = slv_version();
     report_advice advice = report_advise(report), cameras = report_advise_cameras(report);
