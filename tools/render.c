@@ -352,7 +352,6 @@ int verb_render(int argc, char **argv) {
             "  selvage render teapot.ptx -o teapot.png\n"
             "  selvage render cow.ptx --mesh cow.obj --azimuth 60 --strategy discard\n"
             "  selvage render teapot.ptx --view view.json --raw --out linear.exr --bits 32\n"
-            "  selvage render teapot.ptx --pass ids faces.exr\n"
             "  selvage render teapot.ptx -o teapot.png --json | jq '.pictures[].triangles'\n"
             "  selvage render cow.obj --uv 'cow.<UDIM>.exr' -o cow.png\n",
         .options = options,

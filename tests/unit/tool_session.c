@@ -8,20 +8,9 @@ static const char script[] =
     "{\"op\":\"set\",\"color\":[1,0,0],\"radius\":0.3}\n"
     "{\"samples\":[[1,0.2,0.5],[1,0.8,0.5]]}\n# a comment\n{\"op\":\"fill\",\"face\":3}\n";
 
-int main(void) {
-    tool_begin();
-    tool_write_file("box.obj", box, sizeof box - 1);
-    tool_write_file("s.jsonl", script, sizeof script - 1);
-    tool_write_file("wrong.jsonl", "{\"op\":\"fill\",\"face\":2}\n{\"op\":\"fill\",\"face\":99}\n",
-                    47);
-    RUNS(0, "new box.obj in.ptx --size 16 --scheme bilinear");
-    RUNS(0, "session s.selvage --new in.ptx --scheme bilinear");
-    HAS("6 faces, 2 layers, 3 lines, 0 since it was saved");
-    RUNS(1, "session s.selvage --new in.ptx");
-    HAS("is there already");
-    RUNS(0, "session s.selvage --export first.ptx");
-    RUNS(0, "diff in.ptx first.ptx");
-    /* what it was made of is not written over, however it is named; nor is what it consists of */
+/* What a session was made of is not written over, however it is named; nor is what it consists of.
+ */
+static void check_kept(void) {
     RUNS(0, "convert in.ptx kept.ptx");
     REQUIRE(symlink("in.ptx", tool_path("link.ptx")) == 0);
     static const char *const lost[] = {"in.ptx", "./in.ptx", "link.ptx"};
@@ -43,6 +32,22 @@ int main(void) {
     RUNS(0, "session s.selvage");
     HAS("3 lines, 0 since");
     test_remove(tool_path("again.selvage"));
+}
+
+int main(void) {
+    tool_begin();
+    tool_write_file("box.obj", box, sizeof box - 1);
+    tool_write_file("s.jsonl", script, sizeof script - 1);
+    tool_write_file("wrong.jsonl", "{\"op\":\"fill\",\"face\":2}\n{\"op\":\"fill\",\"face\":99}\n",
+                    47);
+    RUNS(0, "new box.obj in.ptx --size 16 --scheme bilinear");
+    RUNS(0, "session s.selvage --new in.ptx --scheme bilinear");
+    HAS("6 faces, 2 layers, 3 lines, 0 since it was saved");
+    RUNS(1, "session s.selvage --new in.ptx");
+    HAS("is there already");
+    RUNS(0, "session s.selvage --export first.ptx");
+    RUNS(0, "diff in.ptx first.ptx");
+    check_kept();
     RUNS(0, "session s.selvage --script s.jsonl --export out.ptx");
     HAS("5 lines, 2 since");
     RUNS(1, "diff first.ptx out.ptx");

@@ -86,10 +86,6 @@ int cli_standard_once(const cli_command *command, const char *const *paths, size
                      "of two inputs both are the standard input, which can be read only once");
 }
 
-const char *cli_input(const char *path) {
-    return path && strcmp(path, "-") == 0 ? "/dev/stdin" : path;
-}
-
 bool cli_ends_with(const char *path, const char *extension) {
     size_t length = strlen(path), wanted = strlen(extension);
     return length > wanted && strcasecmp(path + length - wanted, extension) == 0;

@@ -120,6 +120,10 @@ const char *cli_input(const char *path);
 /* What to call an input that has another name only to be read by: the standard input, a pipe. All
  * lines on stderr have these words by themselves. */
 const char *cli_shown(const char *path);
+/* The name by which an open descriptor is read, as long as the process lasts; `shown` is what to
+ * call it, and stays the caller's. NULL if there are too many. */
+#define CLI_DESCRIPTORS "/dev/fd/"
+const char *cli_name_pipe(int descriptor, const char *shown);
 /* A texture is read here and there, and a pipe only once: if `*path` is "-" or the name of a pipe,
  * what comes through it is put into a file that has no name and is gone with the process, and
  * `*path` becomes the name to open it by. Other names stay. Returns an exit code. */

@@ -12,30 +12,10 @@
 #include <sys/statvfs.h>
 #include <unistd.h>
 
-#define FOLDER "/dev/fd/"
-
 enum {
     PART = 1 << 18,
-    PATIENCE = 2000, /* milliseconds until somebody writes */
-    MOST_NAMES = 64
+    PATIENCE = 2000 /* milliseconds until somebody writes */
 };
-
-/* Pipes that have a name of their own for as long as the process lasts, and what they were called.
- */
-static struct {
-    char name[sizeof FOLDER + 12];
-    const char *shown;
-} pipes[MOST_NAMES];
-static int count;
-
-const char *cli_shown(const char *path) {
-    if (strcmp(path, cli_input("-")) == 0)
-        return "standard input";
-    for (int i = 0; i < count; i++)
-        if (strcmp(path, pipes[i].name) == 0)
-            return pipes[i].shown;
-    return path;
-}
 
 static const char *folder(void) {
     const char *given = getenv("TMPDIR");
@@ -94,9 +74,10 @@ static int copy(int from, int file, const char *name) {
 
 /* The descriptor that a name is of, or -1. */
 static int descriptor_of(const char *path) {
-    return strcmp(cli_input(path), cli_input("-")) == 0    ? STDIN_FILENO
-           : strncmp(path, FOLDER, sizeof FOLDER - 1) == 0 ? atoi(path + sizeof FOLDER - 1)
-                                                           : -1;
+    return strcmp(cli_input(path), cli_input("-")) == 0 ? STDIN_FILENO
+           : strncmp(path, CLI_DESCRIPTORS, sizeof CLI_DESCRIPTORS - 1) == 0
+               ? atoi(path + sizeof CLI_DESCRIPTORS - 1)
+               : -1;
 }
 
 /* The file takes the place of the descriptor, if there is one, or else gets a name of its own. */
@@ -106,13 +87,12 @@ static int name_file(int file, int descriptor, const char **path) {
         close(file);
         return good ? EXIT_OK : cli_error("%s: %s", *path, strerror(errno));
     }
-    if (count == MOST_NAMES) {
+    const char *name = cli_name_pipe(file, *path);
+    if (!name) {
         close(file);
-        return cli_error("%s: is one pipe more than %d", *path, MOST_NAMES);
+        return cli_error("%s: is one pipe too many", *path);
     }
-    snprintf(pipes[count].name, sizeof pipes[0].name, FOLDER "%d", file);
-    pipes[count].shown = *path;
-    *path = pipes[count++].name;
+    *path = name;
     return EXIT_OK;
 }
 
