@@ -10,6 +10,7 @@
 #endif
 
 #include <dirent.h>
+#include <dlfcn.h>
 #include <fcntl.h>
 #include <sys/stat.h>
 #include <sys/wait.h>
@@ -41,6 +42,22 @@ static inline const char *kit_variable(const char *name) {
         exit(1);
     }
     return value;
+}
+
+/* Mesa's driver, and the compiler that it brings along, where they are: a fork that finds them
+ * loaded need not load them. Nothing of them is called here. */
+static inline void kit_load_driver(void) {
+#ifdef KIT_VERBS
+    void *egl = dlopen("libEGL.so.1", RTLD_NOW | RTLD_LOCAL);
+    void *any = egl ? dlsym(egl, "eglGetDisplay") : NULL;
+    char path[KIT_PATH];
+    Dl_info where;
+    if (any && dladdr(any, &where)) {
+        snprintf(path, sizeof path, "%.*s/dri/swrast_dri.so",
+                 (int)(strrchr(where.dli_fname, '/') - where.dli_fname), where.dli_fname);
+        (void)dlopen(path, RTLD_NOW | RTLD_LOCAL);
+    }
+#endif
 }
 
 static inline void kit_scratch_make(kit_scratch *scratch) {

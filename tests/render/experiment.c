@@ -436,6 +436,7 @@ static void check_compressed(void) {
 }
 
 int main(void) {
+    kit_load_driver();
     kit_scratch_make(&scratch);
     cube_write(kit_join(ptx, scratch.root, "cube.ptx"));
     refuse(2, "--msaa", "--msaa", "3");

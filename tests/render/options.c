@@ -260,6 +260,7 @@ static void check_progress(void) {
 }
 
 int main(void) {
+    kit_load_driver();
     kit_scratch_make(&scratch);
     cube_write(kit_join(ptx, scratch.root, "cube.ptx"));
     check_colours();
