@@ -76,7 +76,7 @@ static void check_same(const kit *k, slv_gl_texture *one, slv_gl_texture_params 
         const slv_strategy *strategy = slv_strategy_at(s);
         float most = 0;
         int worst = 0;
-        if (test_skip(s + turn, 3))
+        if (test_skip(s + turn, 4))
             continue;
         REQUIRE(slv_gl_texture_lookup(one, &env, strategy, POINTS, faces, uv, dx, dy, values) ==
                 SLV_OK);

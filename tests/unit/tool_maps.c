@@ -151,7 +151,7 @@ static void check_files(void) {
 
 #define COMPARE                                                                                    \
     "compare %s.ptx --mesh %s.obj --uv waves.png --scheme bilinear --strategies clamp,traverse "   \
-    "--msaa 4 --quick --frames 2 --reference-samples 32 --size 160x120 "
+    "--msaa 4 --quick --frames 2 --reference-samples 16 --size 120x90 "
 
 static void rounds(void) {
     static const stored tube[] = {{"uv-plain", 60, 32, 0},
