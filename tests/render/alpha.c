@@ -133,6 +133,8 @@ static void check_stack(void) {
             expected[c] = rgba[s.order[rank]][c] + (1 - rgba[s.order[rank]][3]) * expected[c];
     for (uint32_t k = 0; k < slv_strategy_count(); k++)
         for (uint32_t msaa = 1; msaa <= 4; msaa *= 4) {
+            if (test_skip(k + (msaa > 1), 2))
+                continue;
             image = draw(&s, slv_strategy_at(k), msaa, SLV_ALPHA_BLEND, background);
             check_all(&image, expected, slv_strategy_at(k)->name);
             slv_image_free(&image);
@@ -190,6 +192,8 @@ static void check_mask(void) {
         }
         for (uint32_t k = 0; k < slv_strategy_count(); k++)
             for (uint32_t msaa = 1; msaa <= 4; msaa *= 4) {
+                if (test_skip(k + (msaa > 1), 2))
+                    continue;
                 image = draw(&s, slv_strategy_at(k), msaa, SLV_ALPHA_MASK, background);
                 check_all(&image, expected, slv_strategy_at(k)->name);
                 slv_image_free(&image);
