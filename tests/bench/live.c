@@ -1,5 +1,5 @@
-/* Updates of textures on the GPU: CPU time of one changed rectangle, for each strategy, on few
- * faces and on many. */
+/* Textures that live: CPU time of one changed rectangle, for each strategy, on few faces and on
+ * many; and the calls that upload the texture bit by bit, with `--making`. */
 #include "kit/bench_kit.h"
 
 #include <selvage/gl_live.h>
@@ -75,6 +75,49 @@ static double measure(slv_gl *gl, const slv_env *env, const scene *s, const slv_
     return bench_median(times, ROUNDS);
 }
 
+/* Uploads with a budget of 16 MiB a call, and prints how long the calls were. */
+static void show_making(slv_gl *gl, const slv_env *env, const scene *s,
+                        const slv_strategy *strategy) {
+    const slv_strategy *const list[] = {strategy};
+    slv_gl_texture_params params = {.strategies = list, .nstrategies = 1};
+    slv_gl_texture *made = NULL;
+    slv_gl_upload upload = {0};
+    double longest = 0, at = 0, total = 0, prepared = bench_seconds(CLOCK_PROCESS_CPUTIME_ID);
+    uint32_t calls = 0;
+    bench_stop(slv_gl_texture_prepare(gl, env, s->texture, s->adjacency, &params, &made));
+    prepared = bench_seconds(CLOCK_PROCESS_CPUTIME_ID) - prepared;
+    for (; !upload.ready; calls++) {
+        double start = bench_seconds(CLOCK_PROCESS_CPUTIME_ID);
+        bench_stop(slv_gl_texture_upload(made, env, UINT64_C(16) << 20, &upload));
+        double took = bench_seconds(CLOCK_PROCESS_CPUTIME_ID) - start;
+        total += took;
+        if (took > longest) {
+            longest = took;
+            at = upload.total ? (double)upload.done / (double)upload.total : 1;
+        }
+    }
+    printf("%-14s %.2f s to prepare, %.2f s in %u calls, the longest %.1f ms at %.1f %%\n",
+           strategy->name, prepared, total, calls, 1e3 * longest, 100 * at);
+    fflush(stdout);
+    slv_gl_texture_destroy(made);
+}
+
+static bool is_left_out(const slv_strategy *strategy, const char *only) {
+    return strategy->comparison || (only && strcmp(only, strategy->name) != 0);
+}
+
+/* `--making [FACES [STRATEGY]]`: faces of 8 x 8 texels. */
+static int run_making(slv_gl *gl, const slv_env *env, uint32_t nfaces, const char *only) {
+    scene s = make_scene(env, nfaces, 3);
+    for (uint32_t i = 0; i < slv_strategy_count(); i++)
+        if (!is_left_out(slv_strategy_at(i), only))
+            show_making(gl, env, &s, slv_strategy_at(i));
+    slv_texture_destroy(s.texture);
+    slv_adjacency_destroy(s.adjacency);
+    slv_gl_destroy(gl);
+    return 0;
+}
+
 int main(int argc, char **argv) {
     bool smoke = argc > 1 && strcmp(argv[1], "--smoke") == 0;
     int side = smoke ? 3 : SIDE;
@@ -85,13 +128,16 @@ int main(int argc, char **argv) {
     slv_gl *gl = NULL;
     scene scenes[2];
     bench_stop(slv_gl_create(&env, SLV_GL_AUTO, &gl));
+    if (argc > 1 && strcmp(argv[1], "--making") == 0)
+        return run_making(gl, &env, argc > 2 ? (uint32_t)atoi(argv[2]) : 1000000,
+                          argc > 3 ? argv[3] : NULL);
     for (uint32_t k = 0; k < 2; k++)
         scenes[k] = make_scene(&env, counts[k], side);
     printf("a rectangle of %u x %u texels, ms of CPU; in brackets making the texture\n", 1u << side,
            1u << side);
     for (uint32_t i = 0; i < slv_strategy_count(); i++) {
         const slv_strategy *strategy = slv_strategy_at(i);
-        if (strategy->comparison || (argc > 1 && !smoke && strcmp(argv[1], strategy->name)))
+        if (is_left_out(strategy, argc > 1 && !smoke ? argv[1] : NULL))
             continue;
         for (uint32_t e = 0; e < 2; e++) {
             slv_texture_encoding encoding = e ? SLV_TEXTURE_SRGB : SLV_TEXTURE_DATA;
