@@ -43,8 +43,8 @@ static void make_image(const slv_env *env, const char *path, uint32_t side, uint
 }
 
 /* Values alone, on one thread. */
-static double time_values(const slv_env *env, const slv_bake_source *source, uint32_t nfaces,
-                          slv_res res) {
+static double time_once(const slv_env *env, const slv_bake_source *source, uint32_t nfaces,
+                        slv_res res) {
     enum { ROWS = 32 };
     uint32_t width = 1u << res.u, height = 1u << res.v;
     float *values = malloc((size_t)width * ROWS * 4 * sizeof *values);
@@ -61,6 +61,16 @@ static double time_values(const slv_env *env, const slv_bake_source *source, uin
     free(values);
     free(misses);
     return (double)texels / seconds * 1e-6;
+}
+
+/* The best of some, since others use the processor's caches too. */
+static double time_values(const slv_env *env, const slv_bake_source *source, uint32_t nfaces,
+                          slv_res res) {
+    enum { TIMES = 5 };
+    double best = 0;
+    for (int i = 0; i < TIMES; i++)
+        best = fmax(best, time_once(env, source, nfaces, res));
+    return best;
 }
 
 static double time_file(const slv_env *env, const slv_mesh *mesh, const slv_bake_source *source,
