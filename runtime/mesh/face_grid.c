@@ -10,7 +10,7 @@ slv_result slvi_face_grid_make(const slv_env *env, uint64_t points, bool displac
                                slvi_face_grid *out) {
     float **lists[] = {
         &out->limit.positions, &out->limit.normals, &out->limit.du, &out->limit.dv, &out->uv,
-        &out->values,          &out->offsets,       &out->facing};
+        &out->values,          &out->offsets,       &out->facing,   &out->middles,  &out->along};
     slv_result result = SLV_OK;
     memset(out, 0, sizeof *out);
     for (size_t i = 0; i < (displaced ? sizeof lists / sizeof *lists : 2) && !result; i++)
@@ -21,7 +21,7 @@ slv_result slvi_face_grid_make(const slv_env *env, uint64_t points, bool displac
 void slvi_face_grid_free(slvi_face_grid *grid) {
     float *lists[] = {
         grid->limit.positions, grid->limit.normals, grid->limit.du, grid->limit.dv, grid->uv,
-        grid->values,          grid->offsets,       grid->facing};
+        grid->values,          grid->offsets,       grid->facing,   grid->middles,  grid->along};
     for (size_t i = 0; i < sizeof lists / sizeof *lists; i++)
         slvi_free(lists[i]);
 }
@@ -51,43 +51,80 @@ static void make_offset(slv_displacement_space space, const float *value, const 
     }
 }
 
-/* The change of the offsets from one end of a face to the other, along the axis on which
- * neighbouring points are `step` vertices apart, at point `i` of 0..n. */
-static void slope(const float *offset, uint32_t i, uint32_t n, ptrdiff_t step, float out[3]) {
-    const float *before = i > 0 ? offset - 3 * step : offset;
-    const float *after = i < n ? offset + 3 * step : offset;
-    float segments = (float)n / (i > 0 && i < n ? 2.0f : 1.0f);
-    for (int c = 0; c < 3; c++)
-        out[c] = (after[c] - before[c]) * segments;
+/* A face's values on the way to its normals: of its points, and of those in the middle between two
+ * along an axis, row by row. */
+typedef struct slopes {
+    slv_displacement_space space;
+    size_t width; /* floats a value */
+    uint32_t n;
+    const slvi_face_grid *grid;
+} slopes;
+
+/* How fast the moved surface goes along an axis at a vertex, in units of the face's side: the
+ * limit, the change of the value over half a segment on both sides, and that of the frame in which
+ * it moves from one neighbour to the other. `step` is how far apart vertices are along the axis,
+ * `i` where this one is among them, `middle` the value behind it. */
+static void slope(const slopes *s, size_t vertex, uint32_t i, size_t step, const float *limit,
+                  const float *middle, size_t back, float out[3]) {
+    const slv_surface_arrays *l = &s->grid->limit;
+    const float *value = s->grid->values + s->width * vertex;
+    const float *before = i > 0 ? middle - back : value, *after = i < s->n ? middle : value;
+    const float ends = i > 0 && i < s->n ? 1 : 2, most = (float)s->n;
+    const size_t left = 3 * (i > 0 ? vertex - step : vertex),
+                 right = 3 * (i < s->n ? vertex + step : vertex), at = 3 * vertex;
+    float change[3] = {0, 0, 0}, moved[3], from[3], to[3];
+    for (size_t c = 0; c < s->width; c++)
+        change[c] = (after[c] - before[c]) * most * ends;
+    make_offset(s->space, change, l->normals + at, l->du + at, moved);
+    make_offset(s->space, value, l->normals + left, l->du + left, from);
+    make_offset(s->space, value, l->normals + right, l->du + right, to);
+    for (size_t c = 0; c < 3; c++)
+        out[c] = limit[at + c] + moved[c] + (to[c] - from[c]) * most * ends / 2;
+}
+
+/* The values in the middle of segments along u, or v. */
+static slv_result look_between(const slvi_grid_job *job, uint32_t face, uint32_t n, bool along_v,
+                               float spacing, slvi_face_grid *grid) {
+    const slv_displacement *d = job->displacement;
+    uint32_t row = along_v ? n + 1 : n, count = n * (n + 1);
+    for (uint32_t i = 0; i < count; i++) {
+        const float x = (float)(i % row) / (float)n, y = (float)(i / row) / (float)n,
+                    half = 0.5f / (float)n;
+        grid->uv[2 * i] = along_v ? x : x + half;
+        grid->uv[2 * i + 1] = along_v ? y + half : y;
+    }
+    return d->evaluate(d->user, (int32_t)face, spacing, count, grid->uv, grid->middles);
 }
 
 static slv_result displace(const slvi_grid_job *job, uint32_t face, uint32_t n,
                            slvi_face_grid *grid) {
     const slv_displacement *d = job->displacement;
     const slv_surface_arrays *limit = &grid->limit;
+    const slopes s = {d->space, d->space ? 3 : 1, n, grid};
     uint32_t side = n + 1, count = side * side;
-    size_t width = d->space ? 3 : 1;
     float spacing = job->spacing ? job->spacing[face] : 1 / (float)n;
     for (uint32_t i = 0; i < count; i++) {
         grid->uv[2 * i] = (float)(i % side) / (float)n;
         grid->uv[2 * i + 1] = (float)(i / side) / (float)n;
     }
     slv_result result = d->evaluate(d->user, (int32_t)face, spacing, count, grid->uv, grid->values);
-    if (result)
+    if (result || (result = look_between(job, face, n, false, spacing, grid)))
         return result;
-    for (size_t i = 0; i < count; i++)
-        make_offset(d->space, grid->values + width * i, limit->normals + 3 * i, limit->du + 3 * i,
-                    grid->offsets + 3 * i);
+    for (uint32_t i = 0; i < count; i++) {
+        make_offset(d->space, grid->values + s.width * i, limit->normals + 3 * (size_t)i,
+                    limit->du + 3 * (size_t)i, grid->offsets + 3 * (size_t)i);
+        slope(&s, i, i % side, 1, limit->du,
+              grid->middles + s.width * ((size_t)(i / side) * n + i % side), s.width,
+              grid->along + 3 * (size_t)i);
+    }
+    if ((result = look_between(job, face, n, true, spacing, grid)))
+        return result;
     for (uint32_t i = 0; i < count; i++) {
         size_t at = 3 * (size_t)i;
-        float along_u[3], along_v[3], normal[3];
-        slope(grid->offsets + at, i % side, n, 1, along_u);
-        slope(grid->offsets + at, i / side, n, side, along_v);
-        for (size_t c = 0; c < 3; c++) {
-            along_u[c] += limit->du[at + c];
-            along_v[c] += limit->dv[at + c];
-        }
-        cross(along_u, along_v, normal);
+        float along_v[3], normal[3];
+        slope(&s, i, i / side, side, limit->dv, grid->middles + s.width * (size_t)i, s.width * side,
+              along_v);
+        cross(grid->along + at, along_v, normal);
         if (!slvi_normalise(normal, grid->facing + at))
             memcpy(grid->facing + at, limit->normals + at, sizeof normal);
     }

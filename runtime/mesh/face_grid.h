@@ -9,6 +9,7 @@ typedef struct slvi_face_grid {
     slv_surface_arrays limit;
     float *uv, *values;      /* what a displacement is asked, and its answers */
     float *offsets, *facing; /* how far points move, and the unit normals then */
+    float *middles, *along;  /* on the way there: answers between points, and tangents */
 } slvi_face_grid;
 
 /* For `points`, with a displacement or without. slvi_face_grid_free is due after a failure too. */

@@ -281,7 +281,7 @@ slv_result slvi_choose_rates(const slv_env *env, slvi_grid_job *job,
                .m = camera->world_to_camera,
                .perspective = camera->perspective,
                .pixels = params->pixels > 0 ? params->pixels : SLV_TESSELLATION_PIXELS,
-               .turn = SLV_TESSELLATION_TURN};
+               .turn = job->displacement ? SLV_TESSELLATION_TURN_MOVED : SLV_TESSELLATION_TURN};
     slvi_surface_bounds(job->surface, low, high);
     memcpy(r.window, camera->window, sizeof r.window);
     r.per_unit[0] = (float)params->width / (r.window[1] - r.window[0]);

@@ -1,7 +1,7 @@
-/* What faces cost that are divided each as the picture needs, against all alike: triangles, frames,
- * and pixels that differ from the finest. Frames are interleaved and medians compared. On the demo
- * scene, and on a torus of many faces that is far away, beside one of few that covers the same
- * pixels. */
+/* What faces cost that are divided each as the picture needs, against all alike and the finest:
+ * triangles, processor time of frames, and pixels that differ from the finest. Frames are
+ * interleaved and medians compared. On the demo scene; and on a torus of many faces, near and far
+ * away, beside one of few that covers the same pixels, and nothing at all. */
 #include "kit/bench_scene.h"
 
 #include <selvage/gl_renderer.h>
@@ -11,7 +11,7 @@
 enum { MAX_FRAMES = 101, WAYS = 3 };
 
 typedef struct options {
-    uint32_t frames, width, height, faces, finest;
+    uint32_t frames, few, width, height, faces, finest;
     bool json;
 } options;
 
@@ -22,7 +22,7 @@ typedef struct way {
     const char *name;
     uint32_t segments;
     slv_gl_renderer *renderer;
-    double seconds[MAX_FRAMES], made; /* of frames, and of dividing */
+    double seconds[MAX_FRAMES], frame, made; /* of frames, their median, and of dividing */
     slv_image image;
 } way;
 
@@ -44,7 +44,21 @@ static double off_pixels(const slv_image *a, const slv_image *b) {
     return 100 * (double)count / (double)all;
 }
 
-/* The last way is the one that pictures are held against; frames of it are not timed. */
+/* Processor time of a frame, all threads of the driver together. */
+static double draw(slv_gl_renderer *renderer, slv_gl_texture *texture, const slv_frame *frame) {
+    double start = bench_seconds(CLOCK_PROCESS_CPUTIME_ID), waited; /* until it is there */
+    bench_stop(slv_gl_renderer_draw(renderer, &env, texture, frame, NULL, &waited));
+    return bench_seconds(CLOCK_PROCESS_CPUTIME_ID) - start;
+}
+
+static double covered(const slv_image *image) {
+    size_t count = 0, all = (size_t)image->width * image->height;
+    for (size_t i = 0; i < all; i++)
+        count += image->pixels[4 * i + 3] > 0;
+    return (double)count;
+}
+
+/* The last way is the one that pictures are held against; of it `o->few` frames are timed. */
 static void measure(const options *o, slv_gl *gl, const char *scene, const slv_mesh *mesh,
                     const slv_surface *surface, slv_gl_texture *texture, const slv_frame *frame,
                     way ways[WAYS]) {
@@ -61,19 +75,23 @@ static void measure(const options *o, slv_gl *gl, const char *scene, const slv_m
             slv_gl_renderer_draw(ways[i].renderer, &env, texture, frame, &ways[i].image, NULL));
     }
     for (uint32_t f = 0; f < o->frames; f++)
-        for (uint32_t i = 0; i + 1 < WAYS; i++)
-            bench_stop(slv_gl_renderer_draw(ways[i].renderer, &env, texture, frame, NULL,
-                                            &ways[i].seconds[f]));
+        for (uint32_t i = 0; i < WAYS; i++)
+            if (i + 1 < WAYS || f < o->few)
+                ways[i].seconds[f] = draw(ways[i].renderer, texture, frame);
     for (uint32_t i = 0; i < WAYS; i++) {
         way *w = &ways[i];
         report(o, scene, w, "triangles", "", (double)slv_gl_renderer_triangles(w->renderer));
         report(o, scene, w, "processor time to divide", "ms", 1000 * w->made);
-        if (i + 1 < WAYS) {
-            report(o, scene, w, "frame", "ms", 1000 * bench_median(w->seconds, o->frames));
+        w->frame = bench_median(w->seconds, i + 1 < WAYS ? o->frames : o->few);
+        report(o, scene, w, "processor time of a frame", "ms", 1000 * w->frame);
+        if (i + 1 < WAYS)
             report(o, scene, w, "pixels off by more than 2/255", "%",
                    off_pixels(&w->image, &ways[WAYS - 1].image));
-        }
     }
+    report(o, scene, &ways[1], "pixels that it covers", "", covered(&ways[1].image));
+    report(o, scene, &ways[1], "as fast as all alike", "times", ways[0].frame / ways[1].frame);
+    report(o, scene, &ways[1], "as fast as the finest", "times",
+           ways[WAYS - 1].frame / ways[1].frame);
     for (uint32_t i = 0; i < WAYS; i++) {
         slv_image_free(&ways[i].image);
         slv_gl_renderer_destroy(ways[i].renderer);
@@ -119,12 +137,11 @@ static void demo(const options *o, slv_gl *gl, const char *folder) {
     slv_mesh_destroy(mesh);
 }
 
-/* A ring of `around` * `across` faces, ten times as far away as would fill the picture. */
-static void far_away(const options *o, slv_gl *gl, const char *name, uint32_t around,
-                     uint32_t across) {
-    bench_torus torus = bench_torus_make(&env, around, across);
-    const uint32_t nfaces = around * across;
-    const float low[3] = {-30, -10, -30}, high[3] = {30, 10, 30};
+/* A ring of `side` * `side` faces, so many times as far away as fills the picture. */
+static void far_away(const options *o, slv_gl *gl, const char *name, uint32_t side, float away) {
+    bench_torus torus = bench_torus_make(&env, side, side);
+    const uint32_t nfaces = side * side;
+    const float low[3] = {-3 * away, -away, -3 * away}, high[3] = {3 * away, away, 3 * away};
     slv_res *res = calloc(nfaces, sizeof *res);
     slv_texture *texture = NULL;
     slv_gl_texture *uploaded = NULL;
@@ -160,7 +177,8 @@ static bool parse(int argc, char **argv, options *o) {
         if (strcmp(argv[i], "--json") == 0)
             o->json = true;
         else if (strcmp(argv[i], "--smoke") == 0)
-            *o = (options){.frames = 1, .width = 96, .height = 54, .faces = 20, .finest = 8};
+            *o = (options){
+                .frames = 1, .few = 1, .width = 96, .height = 54, .faces = 20, .finest = 8};
         else
             return false;
     }
@@ -168,7 +186,7 @@ static bool parse(int argc, char **argv, options *o) {
 }
 
 int main(int argc, char **argv) {
-    options o = {.frames = 15, .width = 960, .height = 540, .faces = 316, .finest = 64};
+    options o = {.frames = 15, .few = 3, .width = 960, .height = 540, .faces = 320, .finest = 64};
     char folder[BENCH_PATH] = "";
     slv_gl *gl = NULL;
     if (!parse(argc, argv, &o)) {
@@ -179,8 +197,11 @@ int main(int argc, char **argv) {
     if (!bench_scene_make(argv[0], folder))
         return 1;
     demo(&o, gl, folder);
-    far_away(&o, gl, "many faces far away", o.faces, o.faces);
-    far_away(&o, gl, "few faces far away", 32, 32);
+    far_away(&o, gl, "many faces", o.faces, 1);
+    far_away(&o, gl, "many faces, 10 times as far", o.faces, 10);
+    far_away(&o, gl, "few faces, 10 times as far", 32, 10);
+    far_away(&o, gl, "many faces, 100 times as far", o.faces, 100);
+    far_away(&o, gl, "nearly nothing", 4, 10000);
     bench_scene_remove(folder);
     slv_gl_destroy(gl);
     return 0;

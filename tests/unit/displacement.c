@@ -322,6 +322,49 @@ static void check_constant(void) {
     displaced_free(&d);
 }
 
+static slv_result wave(void *user, int32_t face, float spacing, size_t count, const float *uv,
+                       float *out) {
+    (void)user;
+    (void)face;
+    (void)spacing;
+    for (size_t i = 0; i < count; i++)
+        out[i] = 0.1f * sinf(6.2831853f * uv[2 * i]) + 0.05f * uv[2 * i + 1];
+    return SLV_OK;
+}
+
+/* Slopes are those of half a segment to both sides of a point: of a wave of eight segments all but
+ * 2.6 % is there, where from neighbour to neighbour a tenth would be missing. */
+static void check_slopes(void) {
+    slv_env env = test_env();
+    shape s = {0};
+    for (int k = 0; k < 4; k++)
+        shape_vertex(&s, k == 1 || k == 2, k > 1, 0);
+    shape_polygon(&s, 4, (const int32_t[]){0, 1, 2, 3});
+    slv_mesh *mesh = shape_mesh(NULL, &s);
+    slv_adjacency *adjacency = NULL;
+    slv_surface *surface = NULL;
+    slv_tessellation t;
+    const slv_surface_params bilinear = {.scheme = SLV_SCHEME_BILINEAR};
+    const slv_displacement moved = {SLV_DISPLACE_NORMAL, wave, NULL, NULL};
+    const slv_tessellation_params params = {.segments = 8, .displacement = &moved};
+    MUST(slv_mesh_adjacency(&env, mesh, &adjacency));
+    MUST(slv_surface_create(&env, mesh, &bilinear, &surface));
+    MUST(slv_tessellate_with(&env, mesh, surface, adjacency, &params, &t));
+    for (int i = 1; i < 8; i++) {
+        const float *normal = vertex_at(&t, 0, (float)i / 8, 0.5f)->normal;
+        float expected = 0.62831853f * cosf(6.2831853f * (float)i / 8),
+              slope = -normal[0] / normal[2];
+        CHECK_MSG(fabsf(slope - expected) < 0.03f * fabsf(expected) + 1e-4f,
+                  "point %d: slope %g, not %g", i, (double)slope, (double)expected);
+        CHECK(fabsf(normal[1] / normal[2] + 0.05f) < 1e-4f);
+    }
+    slv_tessellation_free(&t);
+    slv_surface_destroy(surface);
+    slv_adjacency_destroy(adjacency);
+    slv_mesh_destroy(mesh);
+    shape_clear(&s);
+}
+
 static void check_refused(void) {
     uint64_t random = 1;
     shape s = shape_cube();
@@ -362,6 +405,7 @@ int main(void) {
     check_formula(SLV_DISPLACE_OBJECT, vector, vector);
     check_formula(SLV_DISPLACE_TANGENT, vector, (const float[]){0.2f, 0.3f, 0.1f});
     check_constant();
+    check_slopes();
     check_refused();
     return test_end();
 }

@@ -61,9 +61,10 @@ typedef struct slv_displacement {
 SLV_API slv_displacement slv_sphere_displacement(const slv_mesh *cube);
 
 /* How far points may be from where they belong in a picture, in pixels, and unit normals from
- * what they are. */
+ * what they are; those of a moved surface, which change from texel to texel, more. */
 #define SLV_TESSELLATION_PIXELS 0.125f
 #define SLV_TESSELLATION_TURN 0.025f
+#define SLV_TESSELLATION_TURN_MOVED 0.035f
 
 /* Zero means default. */
 typedef struct slv_tessellation_params {
@@ -99,7 +100,7 @@ SLV_NODISCARD SLV_API slv_result slv_tessellate(const slv_env *env, const slv_me
  * a displacement the surface stays closed: points of an edge or a vertex move by one amount, the
  * mean over the faces that meet there, whatever their resolutions, so that they are the same to the
  * bit on all sides. Normals are those of the moved surface, from differences of the displacement
- * between neighbouring vertices, and one at each such point where the limit is smooth. A point
+ * over half a segment to both sides, and one at each such point where the limit is smooth. A point
  * moved further than 1e18 is SLV_ERROR_LIMIT. */
 SLV_NODISCARD SLV_API slv_result slv_tessellate_with(const slv_env *env, const slv_mesh *mesh,
                                                      const slv_surface *surface,
