@@ -60,7 +60,7 @@ static slv_result run_script(const slv_env *env, struct session *s) {
             slv_session_run(s->session, layer, false, slash ? folder : NULL, text + at, length);
         at += length + 1;
         if (!result && !cli_progress_report(&progress, at < size ? at : size, size))
-            result = output_fail(env, SLV_ERROR_CANCELLED, "%s: stopped", s->script);
+            result = output_fail(env, SLV_ERROR_CANCELLED, "stopped");
     }
     s->log.line = 0;
     cli_progress_end(&progress);
@@ -144,10 +144,15 @@ static int log2_of(uint32_t scale) {
 
 static slv_result work(const slv_env *env, struct session *s) {
     const slv_session_params how = {.as_saved = s->as_saved};
+    const bool makes = s->new_from || s->replay;
+    if (makes)
+        cli_catch_interrupts();
     slv_result result =
         s->new_from ? make(env, s)
         : s->replay ? slv_session_replay(env, s->replay, s->path, log2_of(s->scale), &s->session)
                     : slv_session_open(env, s->path, &how, &s->session);
+    if (!makes) /* what is only read is lost by nobody */
+        cli_catch_interrupts();
     const char *const inputs[] = {result ? NULL : slv_session_made_of(s->session)};
     if (!result && s->export)
         result = output_check_inputs(env, s->export, inputs, 1);
@@ -176,7 +181,6 @@ static int run_session(struct session *s) {
     int code = EXIT_FAILED;
     if (s->export && (output_check(&env, s->export, inputs, 5) || output_try(&env, s->export)))
         return code;
-    cli_catch_interrupts();
     if (!work(&env, s)) {
         code = EXIT_OK;
         slv_session_get_info(s->session, &info);

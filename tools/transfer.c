@@ -106,6 +106,7 @@ static slv_result copy_meta(const struct result *r) {
 static slv_result begin(void *user, const slv_texture_desc *desc) {
     struct result *r = user;
     slv_ptx_writer_params params = slv_ptx_writer_params_like(r->ptx);
+    cli_catch_interrupts();
     params.nfaces = desc->nfaces;
     params.mesh_type = SLV_PTX_QUAD;
     params.compression = (int)r->t->compression;
@@ -251,7 +252,6 @@ static int run_transfer(struct transfer *t) {
         cli_error("no memory for %u faces", t->nfaces);
         goto done;
     }
-    cli_catch_interrupts();
     code = carry_over(&env, t, ptx, source, target);
     if (code)
         goto done;

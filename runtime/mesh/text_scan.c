@@ -15,9 +15,12 @@ static bool is_digit(char c) {
     return c >= '0' && c <= '9';
 }
 
-/* How many bytes a backslash and the line end after it take, \n, \r or both; 0 if there is none. */
+/* How many bytes a backslash and the line end after it take, \n, \r or both; 0 if there is none. The
+ * text's end is one too. */
 static size_t joined_line_end(const slv_scan *scan) {
     size_t left = (size_t)(scan->end - scan->next);
+    if (left == 1 && scan->next[0] == '\\')
+        return 1;
     if (left < 2 || scan->next[0] != '\\' || !is_line_end(scan->next[1]))
         return 0;
     return left > 2 && scan->next[1] == '\r' && scan->next[2] == '\n' ? 3 : 2;

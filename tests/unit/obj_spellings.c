@@ -39,7 +39,8 @@ static void blank(void) {
 static void end_line(void) {
     static const char *const between[] = {"# f 1 2 3", "",       "usemtl a b",
                                           "s off",     "vp 0.5", "   # v"};
-    put("%s%s", dice(8) ? "" : " \t", line_end);
+    static const char *const tails[] = {" \t", " # 1 2 3", "\t#"};
+    put("%s%s", dice(8) ? "" : tails[dice(3)], line_end);
     if (dice(5) == 0)
         put("%s%s", between[dice(6)], line_end);
 }
@@ -116,9 +117,11 @@ static void write_file(void) {
             so_far[kind]++;
         }
     }
-    if (dice(3) == 0) /* the last line may lack its end */
+    if (dice(3) == 0) { /* the last line may lack its end, or be joined to nothing */
         while (used && (isspace((unsigned char)text[used - 1]) || text[used - 1] == '\\'))
             used--;
+        put("%s", dice(2) ? "\\" : "");
+    }
 }
 
 /* What the small reader found. */
@@ -142,6 +145,7 @@ static void read_corner(const char *word) {
 static void read_line(char *line) {
     static const char *const words[] = {"v", "vt", "vn"};
     static const uint32_t counts[] = {3, 2, 3};
+    line[strcspn(line, "#")] = 0;
     char *left = NULL, *word = strtok_r(line, " \t", &left);
     if (!word)
         return;
@@ -189,6 +193,7 @@ static void read_file(void) {
             copy[length - 1] = begins_statement(at + 1, end) ? '\n' : ' ';
         }
     }
+    length -= length && copy[length - 1] == '\\';
     for (size_t i = 0; i <= length; i++)
         if (i == length || copy[i] == '\n') {
             line[size] = 0;

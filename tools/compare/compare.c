@@ -312,6 +312,8 @@ static void warn_of_nothing(const report_data *report) {
 
 static slv_result run(struct session *s) {
     slv_result result = prepare(s);
+    /* until here there is nothing that an interrupt could lose */
+    cli_catch_interrupts();
     if (result || (result = measure_frames(s)))
         goto done;
     s->measuring = false;
@@ -384,14 +386,29 @@ static int print_json(const struct compare *o, const report_data *report) {
     return output_print_json(o->out, root);
 }
 
+/* Inputs may lie in the report's folder, but not where it puts a file. */
+static slv_result check_outputs(const slv_env *env, const struct compare *o) {
+    static const char *const names[] = {"report.html", "report.json", "frames.jsonl",
+                                        "frames.old.jsonl"};
+    const char *inputs[3 + CLI_LIST_ROOM] = {o->arguments[0], o->mesh, o->uv};
+    slv_result result = output_try_folder(env, o->out);
+    for (uint32_t v = 0; v < o->views.count; v++)
+        inputs[3 + v] = o->views.items[v];
+    for (size_t i = 0; i < sizeof names / sizeof *names && !result; i++) {
+        char path[1300];
+        snprintf(path, sizeof path, "%s/%s", o->out, names[i]);
+        result = output_check_inputs(env, path, inputs, 3 + o->views.count);
+    }
+    return result;
+}
+
 static int compare(const struct compare *o, report_data *report) {
     struct session session = {.options = o, .env = cli_env(o->threads), .report = report};
     slv_folder *folder;
     double start = cli_now();
     /* whether it can be written is known before minutes are spent */
-    if (output_try_folder(&session.env, o->out))
+    if (check_outputs(&session.env, o))
         return EXIT_FAILED;
-    cli_catch_interrupts();
     choose(o, report);
     slv_result result = run(&session);
     report->seconds = cli_now() - start;

@@ -198,9 +198,12 @@ static int run_paint(struct paint *p) {
     p->lines = json_array();
     if (check_outputs(&env, p))
         goto done;
-    cli_catch_interrupts();
+    /* what is only read is lost by nobody */
+    if (p->to_session)
+        cli_catch_interrupts();
     if (open_easel(&env, p))
         goto done;
+    cli_catch_interrupts();
     made = p->to_session;
     if (work(&env, p))
         goto done;

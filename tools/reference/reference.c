@@ -49,6 +49,7 @@ static slv_result render(const struct reference *r, const slv_env *env,
     snprintf(what, sizeof what, "%u samples per pixel", frame->samples);
     cli_progress progress = cli_progress_begin(what, 1, r->scene.progress, r->quiet || r->json);
     slv_reference_frame watched = *frame;
+    cli_catch_interrupts();
     double start = cli_now();
     watched.progress = (slv_progress){cli_progress_report, &progress};
     slv_result result = slv_reference_render(reference, env, &watched, image, error, stats);
@@ -222,7 +223,6 @@ static int make(const cli_command *command, const struct reference *r, const slv
                    ? EXIT_FAILED
                    : EXIT_OK;
     shot.tessellation.pixels = SLV_TESSELLATION_PIXELS / 4; /* what others are measured against */
-    cli_catch_interrupts();
     for (uint32_t i = 0; !code && (i < frames->count || (i == 0 && !frames->count)); i++) {
         if (scene_frame_name(env, frames, i, path, name) || scene_frame_set(env, i, &shot) ||
             make_picture(r, env, &shot, name, o))

@@ -56,3 +56,9 @@ refuses selvage split parts/a.ptx -o parts
 says "would be lost"
 cmp -s whole.ptx parts/a.ptx || fail "the whole is lost to a part of its name"
 accepts selvage split whole.ptx -o parts
+# A view file may lie in the folder of a report, but not where the report puts a file.
+mkdir report
+printf '{"azimuth": 30}\n' >report/report.json
+refuses selvage compare in.ptx --view report/report.json --out report
+says "would be lost"
+grep -q azimuth report/report.json || fail "the view is lost"
