@@ -15,8 +15,8 @@ static bool is_digit(char c) {
     return c >= '0' && c <= '9';
 }
 
-/* How many bytes a backslash and the line end after it take, \n, \r or both; 0 if there is none. The
- * text's end is one too. */
+/* How many bytes a backslash and the line end after it take, \n, \r or both; 0 if there is none.
+ * The text's end is one too. */
 static size_t joined_line_end(const slv_scan *scan) {
     size_t left = (size_t)(scan->end - scan->next);
     if (left == 1 && scan->next[0] == '\\')

@@ -102,6 +102,8 @@ static void check_usage(void) {
     HAS("cannot write the answer: No space left on device");
     RUNS(2, "diff a.ptx b.ptx --json >/dev/full");
     HAS("cannot write the answer: No space left on device");
+    RUNS(1, "info a.ptx --list-faces --json >/dev/full");
+    HAS("cannot write the answer: No space left on device");
     RUNS(2, "diff a.ptx b.ptx --images a.ptx");
     RUNS(0, "diff --help");
     HAS("Examples:");

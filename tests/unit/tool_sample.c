@@ -354,7 +354,7 @@ static void check_streams(void) {
     free(text);
     RUNS(1, "sample '%s/cube_u16_rgba.ptx' -i '%s/cube_u16_rgba.filter.txt' >/dev/full",
          data_folder(), data_folder());
-    HAS("cannot write the answer: ");
+    HAS("cannot write the answer: No space left on device");
     snprintf(line, sizeof line,
              "cd '%s' && sleep 3 | timeout 1 '%s/selvage' sample '%s/cube_u16_rgba.ptx' -o stopped",
              tool_folder, bin ? bin : "bin", data_folder());

@@ -69,7 +69,10 @@ int cli_answered(int code) {
     errno = 0;
     if (fflush(stdout) == 0 && !failed)
         return code;
-    cli_error("cannot write the answer: %s", errno ? strerror(errno) : "the disk may be full");
+    /* the reason of what failed earlier is known no more, but is still there */
+    if (!errno && write(STDOUT_FILENO, "\n", 1) > 0)
+        errno = ENOSPC;
+    cli_error("cannot write the answer: %s", strerror(errno));
     __fpurge(stdout);
     clearerr(stdout);
     return code ? code : EXIT_FAILED;
