@@ -55,6 +55,20 @@ float alpha_step(float a) {
            abs(slv_sample_grad(surface_face, surface_uv + y, dx, dy).a - a);
 #endif
 }
+
+// How much of a pixel is there: where alpha passes 1/2 the rim is as wide as a pixel. A pixel that sees many texels has the mean of
+// their alpha, which is how many of them are there, and nothing passes 1/2 any more; unless alpha is the same at the finest level.
+float covered_part(float a) {
+    float rim = clamp((a - 0.5) / max(alpha_step(a), 1e-4) + 0.5, 0.0, 1.0);
+#if SURFACE_IMAGES
+    return rim;
+#else
+    vec2 dx = dFdx(surface_uv), dy = dFdy(surface_uv);
+    float level = slv_level(surface_face, dx, dy), part = exp2(-level);
+    float finest = slv_sample_grad(surface_face, surface_uv, dx * part, dy * part).a;
+    return mix(rim, a, clamp(level * 0.5, 0.0, 1.0) * clamp(abs(finest - a) * 20.0, 0.0, 1.0));
+#endif
+}
 #endif
 
 void main() {
@@ -94,10 +108,8 @@ void main() {
         keep(c);
     color = vec4(0.0);
 #elif SURFACE_ALPHA == 2
-    // alpha as coverage: where it passes 1/2 the rim is as wide as a pixel
-    float inside = (c.a - 0.5) / max(alpha_step(c.a), 1e-4) + 0.5;
 #if SURFACE_MSAA > 1
-    int covered = int(clamp(inside, 0.0, 1.0) * float(SURFACE_MSAA) + 0.5);
+    int covered = int(covered_part(c.a) * float(SURFACE_MSAA) + 0.5);
 #else
     int covered = c.a >= 0.5 ? 1 : 0;
 #endif

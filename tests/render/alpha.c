@@ -205,6 +205,43 @@ static void check_mask(void) {
     free_stack(&s);
 }
 
+/* A mask of so many texels a pixel that none is seen: as much of it is there as rays find; and
+ * nothing of what is nowhere half there. */
+static void check_far_mask(void) {
+    enum { LOG2 = 8, COUNT = 1 << 2 * LOG2 };
+    static const float background[4] = {0, 0, 0, 0};
+    static float texels[4 * COUNT];
+    uint64_t random = 3;
+    stack s;
+    slv_image drawn = {0}, rays = {0};
+    make_stack(&s);
+    kit_equal(&s.k, LOG2);
+    for (int flat = 0; flat < 2; flat++) {
+        double squares = 0, there = 0;
+        kit_begin_texture(&s.k, SLV_TYPE_U8, 4);
+        for (int i = 0; i < 4 * COUNT; i++)
+            texels[i] = flat ? 0.4f : (float)(i % 4 == 3 ? test_random(&random) % 2 : texels[i]);
+        for (int i = 0; i < COUNT; i++)
+            texels[4 * i] = texels[4 * i + 1] = texels[4 * i + 2] = texels[4 * i + 3];
+        for (uint32_t f = 0; f < LAYERS; f++)
+            if (f == (uint32_t)s.order[0])
+                kit_set(&s.k, f, texels);
+        drawn = draw(&s, slv_strategy_default(), 4, SLV_ALPHA_MASK, background);
+        cast_rays(&s, SLV_ALPHA_MASK, background, &rays);
+        for (size_t i = 3; i < 4 * SIDE * SIDE; i += 4) {
+            double apart = (double)(drawn.pixels[i] - rays.pixels[i]);
+            squares += apart * apart / (SIDE * SIDE);
+            there += (double)drawn.pixels[i] / (SIDE * SIDE);
+        }
+        /* four rays a pixel are a quarter off where half is there */
+        CHECK_MSG(flat ? there == 0 : fabs(there - 0.5) < 0.03, "%g of the mask is there", there);
+        CHECK_MSG(sqrt(squares) < 0.32, "a mask far away is %g from rays", sqrt(squares));
+        slv_image_free(&drawn);
+        slv_image_free(&rays);
+    }
+    free_stack(&s);
+}
+
 /* White paint on faces that are black where no paint is, one texel here and there: multiplied, a
  * lookup is its alpha, whatever it crosses. */
 static void check_fringe(void) {
@@ -307,6 +344,7 @@ int main(void) {
     check_stack();
     check_bands();
     check_mask();
+    check_far_mask();
     check_fringe();
     slv_gl_destroy(gl);
     return test_end();
