@@ -136,8 +136,8 @@ static int lines_so_far(const char *path) {
     return count;
 }
 
-/* Starts the experiment and sends it a signal once some frames are done. Returns how it ended,
- * which may be by itself where a busy machine let this process wait. */
+/* Starts the experiment and sends it a signal once some frames are done. Returns how it ended, 0 if
+ * no frame was left to do, as where a busy machine let this process wait. */
 static int start_and_stop(const char *folder, int which) {
     char program[KIT_PATH], log[KIT_PATH], inside[KIT_PATH], state[KIT_PATH];
     const char *const given[] = {kit_join(program, kit_variable("SELVAGE_BIN"), "selvage"),
