@@ -67,18 +67,21 @@ static void print_result(const struct new_options *o, const slv_blank_stats *sta
            1u << stats->largest.u, 1u << stats->largest.v);
     if (stats->density > 0)
         printf(", %.4g texels a unit of length", (double)stats->density);
+    if (stats->nlimited)
+        printf(", less on %u faces, which have the largest size", stats->nlimited);
     putchar('\n');
 }
 
 static json_t *new_json(const struct new_options *o, const slv_blank_stats *stats,
                         uint32_t nfaces) {
-    return json_pack("{s:i, s:o, s:I, s:I, s:s, s:I, s:I, s:[i,i], s:[i,i], s:o}", "schema", 1,
+    return json_pack("{s:i, s:o, s:I, s:I, s:s, s:I, s:I, s:[i,i], s:[i,i], s:o, s:I}", "schema", 1,
                      "path", output_json_name(o->paths[1]), "faces", (json_int_t)nfaces, "channels",
                      (json_int_t)o->channels, "type", slv_type_name((slv_type)o->type), "texels",
                      (json_int_t)stats->texels, "bytes", (json_int_t)stats->bytes, "smallest",
                      1 << stats->smallest.u, 1 << stats->smallest.v, "largest",
                      1 << stats->largest.u, 1 << stats->largest.v, "density",
-                     stats->density > 0 ? output_json_number((double)stats->density) : json_null());
+                     stats->density > 0 ? output_json_number((double)stats->density) : json_null(),
+                     "limited", (json_int_t)stats->nlimited);
 }
 
 static int run_new(struct new_options *o, slv_blank_params *params) {
@@ -147,6 +150,9 @@ static int make_params(const cli_command *command, struct new_options *o, slv_bl
     if (!value_resolution(o->min, &p->min_res) ||
         (o->max_given && !value_resolution(o->max, &p->max_res)))
         return cli_usage(command, "--min-size and --max-size: expected powers of two");
+    if (o->max_given && (p->min_res.u > p->max_res.u || p->min_res.v > p->max_res.v))
+        return cli_usage(command, "--min-size %ux%u is larger than --max-size %ux%u", o->min[0],
+                         o->min[1], o->max[0], o->max[1]);
     if (o->density_given && !(o->density > 0))
         return cli_usage(command, "--density: expected more than 0");
     if (o->texels && !value_count(o->texels, &p->max_texels))

@@ -53,16 +53,22 @@ static int8_t within(double value, int low, int high) {
     return (int8_t)(value > low ? (value < high ? lround(value) : high) : low); /* NaN: low */
 }
 
+/* Of a density, whatever the largest is. */
+static slv_res unlimited_res(const plan *p, uint32_t face, double density) {
+    double u = (double)p->sides[2 * (size_t)face] * density,
+           v = (double)p->sides[2 * (size_t)face + 1] * density;
+    if (p->params->square)
+        u = v = sqrt(u * v);
+    return (slv_res){within(log2(u), p->low.u, INT8_MAX), within(log2(v), p->low.v, INT8_MAX)};
+}
+
 static slv_res face_res(const plan *p, uint32_t face, double density) {
     bool half = slv_mesh_faces(p->mesh)[face].sub >= 0;
     if (p->params->uniform)
         return (slv_res){within(p->params->res.u - half, p->low.u, p->high.u),
                          within(p->params->res.v - half, p->low.v, p->high.v)};
-    double u = (double)p->sides[2 * (size_t)face] * density,
-           v = (double)p->sides[2 * (size_t)face + 1] * density;
-    if (p->params->square)
-        u = v = sqrt(u * v);
-    return (slv_res){within(log2(u), p->low.u, p->high.u), within(log2(v), p->low.v, p->high.v)};
+    slv_res res = unlimited_res(p, face, density);
+    return (slv_res){res.u < p->high.u ? res.u : p->high.u, res.v < p->high.v ? res.v : p->high.v};
 }
 
 static uint64_t count_texels(const plan *p, double density) {
@@ -74,17 +80,21 @@ static uint64_t count_texels(const plan *p, double density) {
     return total;
 }
 
-/* The largest density that keeps within a number of texels, by halving an interval of exponents. */
+/* The largest density that keeps within a number of texels, by halving an interval of exponents;
+ * where all faces are as large as they may be, the smallest that makes them so. */
 static double find_density(const plan *p, uint64_t texels) {
     double low = -160, high = 160;
+    uint64_t most = count_texels(p, exp2(high));
+    bool whole = most <= texels;
     for (int i = 0; i < 60; i++) {
         double middle = (low + high) / 2;
-        if (count_texels(p, exp2(middle)) <= texels)
+        uint64_t count = count_texels(p, exp2(middle));
+        if (whole ? count < most : count <= texels)
             low = middle;
         else
             high = middle;
     }
-    return exp2(low);
+    return exp2(whole ? high : low);
 }
 
 static slv_result check(const slv_env *env, const slv_blank_params *params) {
@@ -101,6 +111,12 @@ static slv_result check(const slv_env *env, const slv_blank_params *params) {
         return slvi_fail(env, SLV_ERROR_ARGUMENT,
                          "new texture: 2^%d x 2^%d texels, expected 0 to %d", params->res.u,
                          params->res.v, SLV_MAX_LOG2_RES);
+    if ((params->max_res.u || params->max_res.v) &&
+        (params->min_res.u > params->max_res.u || params->min_res.v > params->max_res.v))
+        return slvi_fail(env, SLV_ERROR_ARGUMENT,
+                         "new texture: no face smaller than %ux%u and none larger than %ux%u",
+                         1u << params->min_res.u, 1u << params->min_res.v, 1u << params->max_res.u,
+                         1u << params->max_res.v);
     if (params->alpha_channel < 0 || (uint32_t)params->alpha_channel > n)
         return slvi_fail(env, SLV_ERROR_ARGUMENT, "new texture: alpha is channel %d of %u",
                          (int)params->alpha_channel - 1, (unsigned)n);
@@ -117,8 +133,27 @@ static void tell(const plan *p, const slv_res *res, double density, slv_blank_st
         if (!face || size > stats->largest.u + stats->largest.v)
             stats->largest = res[face];
         stats->texels += UINT64_C(1) << size;
+        slv_res wanted = p->params->uniform ? res[face] : unlimited_res(p, face, density);
+        if ((wanted.u > res[face].u || wanted.v > res[face].v) && !stats->nlimited++)
+            stats->first_limited = face;
     }
     stats->bytes = stats->texels * n * slv_type_size(p->params->type);
+}
+
+static void warn(const slv_env *env, const plan *p, const slv_blank_stats *stats) {
+    const slv_blank_params *params = p->params;
+    if (params->density > 0 && stats->nlimited)
+        slvi_logf(env, SLV_LOG_WARNING,
+                  "new texture: %u of %u faces, the first %u, take more than %ux%u texels at %g a "
+                  "unit of length, and have no more",
+                  stats->nlimited, p->nfaces, stats->first_limited, 1u << p->high.u,
+                  1u << p->high.v, (double)params->density);
+    if (params->max_texels && stats->texels > params->max_texels)
+        slvi_logf(env, SLV_LOG_WARNING,
+                  "new texture: %llu texels where %llu were asked for: no face is smaller than "
+                  "%ux%u",
+                  (unsigned long long)stats->texels, (unsigned long long)params->max_texels,
+                  1u << p->low.u, 1u << p->low.v);
 }
 
 slv_result slv_blank_plan(const slv_env *env, const slv_mesh *mesh, const slv_blank_params *params,
@@ -137,6 +172,8 @@ slv_result slv_blank_plan(const slv_env *env, const slv_mesh *mesh, const slv_bl
     if (!p.high.u && !p.high.v)
         p.high = p.params->uniform ? (slv_res){SLV_MAX_LOG2_RES, SLV_MAX_LOG2_RES}
                                    : (slv_res){DEFAULT_MAX_LOG2, DEFAULT_MAX_LOG2};
+    p.high.u = p.high.u > p.low.u ? p.high.u : p.low.u;
+    p.high.v = p.high.v > p.low.v ? p.high.v : p.low.v;
     if (!(result = slvi_alloc(env, "resolutions", p.nfaces, sizeof *res, &res)) &&
         !p.params->uniform && !(result = measure(env, &p)))
         density =
@@ -145,8 +182,13 @@ slv_result slv_blank_plan(const slv_env *env, const slv_mesh *mesh, const slv_bl
                 : find_density(&p, p.params->max_texels ? p.params->max_texels : DEFAULT_TEXELS);
     for (uint32_t face = 0; !result && face < p.nfaces; face++)
         res[face] = face_res(&p, face, density);
-    if (!result && stats)
-        tell(&p, res, density, stats);
+    if (!result) {
+        slv_blank_stats own;
+        tell(&p, res, density, &own);
+        warn(env, &p, &own);
+        if (stats)
+            *stats = own;
+    }
     slvi_free(p.sides);
     if (result) {
         slvi_free(res);

@@ -62,6 +62,17 @@ static void budgets(void) {
     slv_res *res = NULL;
     CHECK(slv_blank_plan(&env, mesh, &both, &res, NULL) == SLV_ERROR_ARGUMENT && !res);
     slv_mesh_destroy(mesh);
+    /* what cannot be is said */
+    RUNS(0, "new four.obj out.ptx --scheme bilinear --density 100000 --json");
+    HAS("1 of 1 faces, the first 0, take more than 4096x4096 texels");
+    HAS("\"limited\": 1");
+    RUNS(0, "new box.obj out.ptx --min-size 64 --texels 10");
+    HAS("24576 texels where 10 were asked for: no face is smaller than 64x64");
+    RUNS(0, "new four.obj out.ptx --scheme bilinear --texels 1G --max-size 64");
+    HAS("64x64 texels, 45.25 texels a unit");
+    LACKS("warning");
+    RUNS(0, "new four.obj out.ptx --min-size 8192x1 --texels 9000");
+    LACKS("warning");
     RUNS(0, "new box.obj out.ptx --bytes 6k --quiet");
     RUNS(0, "info out.ptx --json");
 }
@@ -117,6 +128,8 @@ static void refused(void) {
     RUNS(2, "new box.obj out.ptx --bytes lots");
     RUNS(2, "new box.obj out.ptx --alpha 3");
     RUNS(2, "new box.obj out.ptx --fill 1,2");
+    RUNS(2, "new box.obj out.ptx --min-size 64 --max-size 8");
+    HAS("--min-size 64x64 is larger than --max-size 8x8");
     RUNS(1, "new missing.obj out.ptx");
     RUNS(1, "new box.obj nowhere/out.ptx");
     RUNS(0, "new four.obj other.ptx --size 65536x1 --json");

@@ -12,10 +12,10 @@ extern "C" {
 /* Zero means default. How large faces are is said by one of the first three: by none of them it is
  * max_texels = 4 Mi. Sizes are powers of two; lengths are of the limit surface. */
 typedef struct slv_blank_params {
-    bool uniform;        /* every whole face has the resolution `res`, sub-faces half of it */
-    slv_res res;         /* of `uniform` */
-    float density;       /* texels per unit of length: to the nearest power of two */
-    uint64_t max_texels; /* in all: the largest density that keeps within, or else one a face */
+    bool uniform;             /* every whole face has the resolution `res`, sub-faces half of it */
+    slv_res res;              /* of `uniform` */
+    float density;            /* texels per unit of length: to the nearest power of two */
+    uint64_t max_texels;      /* in all: the largest density that keeps within, or else min_res */
     slv_res min_res, max_res; /* what faces are kept within; default 1x1 and 4096x4096 */
     bool square;              /* faces as wide as high, though their sides differ */
 
@@ -34,10 +34,14 @@ typedef struct slv_blank_stats {
     uint64_t texels, bytes;    /* of all faces, as if none was constant */
     slv_res smallest, largest; /* faces, by their number of texels */
     float density;             /* that was used; 0 with `uniform` */
-    uint64_t reserved[4];
+    uint32_t nlimited;         /* faces that max_res made coarser than that */
+    uint32_t first_limited;    /* the first of those, or 0 */
+    uint64_t reserved[3];
 } slv_blank_stats;
 
-/* The resolution of each face, for slv_free. `stats` may be NULL in all three. */
+/* The resolution of each face, for slv_free. `stats` may be NULL in all three. SLV_ERROR_ARGUMENT
+ * for a min_res larger than max_res; a warning where max_res limits a density that was asked for,
+ * or min_res needs more texels than max_texels. */
 SLV_NODISCARD SLV_API slv_result slv_blank_plan(const slv_env *env, const slv_mesh *mesh,
                                                 const slv_blank_params *params, slv_res **out,
                                                 slv_blank_stats *stats);
