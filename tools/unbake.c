@@ -10,8 +10,8 @@
 struct unbake_options {
     const char *paths[2], *mesh;
     uint32_t size[2], threads, bits;
-    bool json, progress, quiet, salvage;
-    int filter, encoding;
+    bool json, progress, quiet, salvage, scheme_given;
+    int filter, encoding, normals, scheme;
 };
 
 static int print_result(const struct unbake_options *o, const slv_unbake_report *r) {
@@ -52,6 +52,8 @@ static int run_unbake(const struct unbake_options *o) {
                                       .bits = o->bits,
                                       .filter = (slv_filter)o->filter,
                                       .encoding = (slv_texture_encoding)o->encoding,
+                                      .normals = (slv_unbake_normals)o->normals,
+                                      .scheme = (slv_scheme)o->scheme,
                                       .progress = {cli_progress_report, &progress}};
     const char *const inputs[] = {o->paths[0], o->mesh};
     if (output_check(&env, o->paths[1], inputs, 2))
@@ -92,6 +94,12 @@ int verb_unbake(int argc, char **argv) {
         {"--filter", CLI_CHOICE, &o.filter, "how texels are looked up (bilinear)", names_filters(),
          0, 0, NULL},
         CLI_TEXTURE_ENCODING(&o.encoding),
+        {"--tangent", CLI_CHOICE, &o.normals,
+         "what the texture holds becomes a normal map in MikkTSpace's frame (values: it does not)",
+         names_unbake_normals(), 0, 0, NULL},
+        {"--scheme", CLI_CHOICE, &o.scheme,
+         "the surface that --tangent face-normal was baked for (catmark)", names_schemes(), 0, 0,
+         &o.scheme_given},
         CLI_SALVAGE(&o.salvage),
         CLI_JSON(&o.json),
         CLI_PROGRESS(&o.progress),
@@ -104,8 +112,10 @@ int verb_unbake(int argc, char **argv) {
         .arguments = "IN.ptx OUT.png|-o OUT.png --mesh MESH.obj",
         .reads = "a texture of quads, and its mesh with texture coordinates",
         .writes = "a PNG or EXR image, or one for each tile of a set",
-        .examples = "  selvage unbake cow.ptx --mesh cow.obj -o cow.png\n"
-                    "  selvage unbake cow.ptx --mesh cow.obj -o 'colour.<UDIM>.exr' --size 4096\n",
+        .examples =
+            "  selvage unbake cow.ptx --mesh cow.obj -o cow.png\n"
+            "  selvage unbake cow.ptx --mesh cow.obj -o 'colour.<UDIM>.exr' --size 4096\n"
+            "  selvage unbake normals.ptx --mesh cow.obj --tangent object-normal -o map.png\n",
         .options = options,
         .noptions = sizeof options / sizeof *options,
         .min_arguments = 1,
@@ -122,6 +132,8 @@ int verb_unbake(int argc, char **argv) {
                                    "coordinates");
     if (slv_image_format_of_name(o.paths[1]) == SLV_IMAGE_NONE)
         return cli_usage(&command, "%s: images are written as .png or .exr", o.paths[1]);
+    if (o.scheme_given && o.normals != SLV_UNBAKE_FACE_NORMALS)
+        return cli_usage(&command, "--scheme: goes with --tangent face-normal");
     if (o.bits && o.bits != 8 && o.bits != 16 && o.bits != 32)
         return cli_usage(&command, "--bits: 8, 16 or 32");
     if (CLI_STANDARD_ONCE(&command, o.paths[0], o.mesh))

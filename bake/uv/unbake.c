@@ -1,8 +1,10 @@
 /* From a .ptx back to UV images: bands of rows, each pixel looked up where its middle lies on the
  * surface, on over the edges of islands, and the rest filled from what is nearest. */
 #include "source/holes.h"
+#include "uv/face_normals.h"
 #include "uv/multiplied.h"
 #include "uv/raster.h"
+#include "uv/tangents.h"
 #include "uv/tiles.h"
 
 #include "base/log.h"
@@ -29,6 +31,9 @@ typedef struct unbake {
     float *corners;
     uint32_t nfaces, nchannels;
     int32_t alpha;
+    const slv_mesh_face *mesh_faces;
+    slvi_tangents *tangents; /* NULL: values are no normals */
+    slv_surface *surface;
     slv_cache *cache;
     slv_file_id file;
     slvi_steps steps;
@@ -149,6 +154,20 @@ static void cross_edge(const unbake *b, slv_lookup *l) {
     l->v = fminf(fmaxf(l->v, 0), 1);
 }
 
+/* The normal that was found becomes what a normal map has there. */
+static void to_map(const unbake *b, const uv_owner *o, float *value) {
+    const float *c = b->corners + 8 * (size_t)o->face;
+    float place[2];
+    for (int axis = 0; axis < 2; axis++) {
+        const float low = c[axis] + (c[2 + axis] - c[axis]) * o->u,
+                    high = c[6 + axis] + (c[4 + axis] - c[6 + axis]) * o->u;
+        place[axis] = low + (high - low) * o->v;
+    }
+    slvi_tangents_turn(b->tangents, b->mesh_faces[o->face].poly, place, value);
+    for (int k = 0; k < 3; k++)
+        value[k] = 0.5f + 0.5f * value[k];
+}
+
 static slv_result look_up(unbake *b, slv_sampler *sampler, const uv_band *band) {
     enum { AT_ONCE = 4096 };
     slv_lookup *lookups = NULL;
@@ -181,6 +200,8 @@ static slv_result look_up(unbake *b, slv_sampler *sampler, const uv_band *band) 
         if (result)
             break;
         for (uint32_t i = 0; i < used; i++) {
+            if (b->tangents)
+                to_map(b, &band->owners[places[i]], values + (size_t)i * n);
             size_t pixel = (size_t)band->top * band->width + places[i];
             memcpy(b->image.pixels + pixel * n, values + (size_t)i * n, n * sizeof *values);
             b->missing[pixel] = 0;
@@ -315,10 +336,15 @@ static slv_result make_images(unbake *b, const char *path) {
 
 static slv_result open_texels(unbake *b) {
     const slv_cache_params params = {.max_bytes = CACHE_BYTES};
-    slv_source texels, light, multiplied;
+    slv_source texels, turned, light, multiplied;
     slv_result result = slv_cache_create(&b->env, &params, &b->cache);
-    if (!result && !(result = slv_ptx_as_source(&b->env, b->ptx, &texels)) &&
-        !(result = slv_source_decode(&b->env, &texels, b->encoding, &light)) &&
+    if (result || (result = slv_ptx_as_source(&b->env, b->ptx, &texels)))
+        return result;
+    if (!b->surface)
+        turned = texels;
+    else if ((result = slvi_uv_face_normals(&b->env, b->surface, &texels, &turned)))
+        return result;
+    if (!(result = slv_source_decode(&b->env, &turned, b->encoding, &light)) &&
         !(result = slvi_uv_multiplied(&b->env, &light, &multiplied)))
         result = slv_cache_open_source(b->cache, &multiplied, NULL, &b->file);
     return result;
@@ -351,10 +377,28 @@ static slv_result check(unbake *b, const slv_mesh *mesh, const char *path) {
                          "%s: images have 1 or 3 channels, and alpha behind them, but the texture "
                          "has %u%s: convert --channels takes some of them",
                          path, info->nchannels, info->alpha_channel >= 0 ? " with alpha" : "");
+    if (b->params->normals &&
+        (info->nchannels != 3 || info->type == SLV_TYPE_U8 || info->type == SLV_TYPE_U16 ||
+         b->params->normals > SLV_UNBAKE_FACE_NORMALS))
+        return slvi_fail(&b->env, SLV_ERROR_UNSUPPORTED,
+                         "%s: a normal map is made of three channels of half or float, which have "
+                         "a sign, but the texture has %u of %s",
+                         path, info->nchannels, slv_type_name(info->type));
     if (slv_image_format_of_name(path) == SLV_IMAGE_NONE)
         return slvi_fail(&b->env, SLV_ERROR_ARGUMENT, "%s: images are written as .png or .exr",
                          path);
     return slv_ptx_match_mesh(&b->env, b->ptx, mesh);
+}
+
+static slv_result begin_normals(unbake *b, const slv_mesh *mesh) {
+    const slv_surface_params params = {.scheme = b->params->scheme};
+    slv_result result = SLV_OK;
+    b->mesh_faces = slv_mesh_faces(mesh);
+    if (b->params->normals)
+        result = slvi_tangents_create(&b->env, mesh, &b->tangents);
+    if (!result && b->params->normals == SLV_UNBAKE_FACE_NORMALS)
+        result = slv_surface_create(&b->env, mesh, &params, &b->surface);
+    return result;
 }
 
 static slv_result run(unbake *b, const slv_mesh *mesh, const char *path,
@@ -373,12 +417,17 @@ static slv_result run(unbake *b, const slv_mesh *mesh, const char *path,
         params->height = params->width;
     b->report->width = params->width;
     b->report->height = params->height;
-    if ((result = open_texels(b)))
+    if ((result = begin_normals(b, mesh)) || (result = open_texels(b)))
         return result;
     pthread_mutex_init(&b->lock, NULL);
     result = make_images(b, path);
     pthread_mutex_destroy(&b->lock);
     return result;
+}
+
+const char *slv_unbake_normals_name(slv_unbake_normals normals) {
+    static const char *const names[] = {"values", "object-normal", "face-normal"};
+    return (unsigned)normals <= SLV_UNBAKE_FACE_NORMALS ? names[normals] : "unknown";
 }
 
 slv_result slv_unbake(const slv_env *env, const slv_ptx *ptx, const slv_mesh *mesh,
@@ -400,11 +449,15 @@ slv_result slv_unbake(const slv_env *env, const slv_ptx *ptx, const slv_mesh *me
     slv_result result = slvi_parallel_env_begin(env, &log, &b.env);
     if (result)
         return result;
+    if (own_params.normals)
+        b.encoding = SLV_TEXTURE_DATA;
     if (!b.encoding)
         result = slv_ptx_get_encoding(ptx, &b.encoding);
     if (!result)
         result = run(&b, mesh, path, &own_params);
     slv_cache_destroy(b.cache);
+    slv_surface_destroy(b.surface);
+    slvi_tangents_destroy(b.tangents);
     slv_adjacency_destroy(b.adjacency);
     slvi_free(b.corners);
     slvi_parallel_env_end(log);

@@ -117,4 +117,27 @@ static slv_result call_unbake(const slv_env *env) {
     return result;
 }
 
+static slv_result call_unbake_normals(const slv_env *env) {
+    const slv_unbake_params params = {.width = 8, .height = 8, .normals = SLV_UNBAKE_FACE_NORMALS};
+    slv_mesh *mesh = NULL;
+    slv_surface *surface = NULL;
+    slv_bake_source *source = NULL;
+    slv_ptx *ptx = NULL;
+    char path[256];
+    snprintf(path, sizeof path, "%s/for_normals.ptx", calls.folder);
+    const slv_bake_job job = {.uniform = true, .res = {2, 2}};
+    slv_result result =
+        slv_mesh_parse_obj(env, "mesh", calls_uv_obj, sizeof calls_uv_obj - 1, &mesh);
+    if (!result && !(result = slv_surface_create(env, mesh, NULL, &surface)) &&
+        !(result = slv_bake_from_surface(env, surface, SLV_BAKE_NORMAL, &source)))
+        result = slv_bake_save(env, mesh, source, &job, path, NULL);
+    if (!result && !(result = slv_ptx_open(env, path, &ptx)))
+        result = slv_unbake(env, ptx, mesh, &params, calls_path("normals.png"), NULL);
+    slv_ptx_close(ptx);
+    slv_bake_source_destroy(source);
+    slv_surface_destroy(surface);
+    slv_mesh_destroy(mesh);
+    return result;
+}
+
 #endif

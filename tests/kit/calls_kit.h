@@ -548,6 +548,7 @@ static const calls_entry calls_all[] = {
     {"bake_colors", call_bake_colors},
     {"bake_rays", call_bake_rays},
     {"unbake", call_unbake},
+    {"unbake normals", call_unbake_normals},
     {"transfer", call_transfer},
     {"reference", call_reference},
     {"transfer_from", call_transfer_from},

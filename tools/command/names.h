@@ -22,5 +22,6 @@ const char *names_patterns(void);
 const char *names_bake_surfaces(void);
 const char *names_bake_rays(void);
 const char *names_bake_details(void);
+const char *names_unbake_normals(void);
 
 #endif

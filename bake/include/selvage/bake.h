@@ -420,6 +420,15 @@ SLV_NODISCARD SLV_API slv_result slv_bake_save(const slv_env *env, const slv_mes
 
 /* ---- and back to UV images ---- */
 
+/* What three channels are that become a normal map. */
+typedef enum slv_unbake_normals {
+    SLV_UNBAKE_VALUES,         /* nothing: they are drawn as they are */
+    SLV_UNBAKE_OBJECT_NORMALS, /* normals along the mesh's axes */
+    SLV_UNBAKE_FACE_NORMALS    /* in the face's own frame (SLV_BAKE_FACE_NORMAL) */
+} slv_unbake_normals;
+/* values, object-normal, face-normal */
+SLV_API const char *slv_unbake_normals_name(slv_unbake_normals normals);
+
 /* Zero means default. */
 typedef struct slv_unbake_params {
     uint32_t width, height; /* of each image; default the power of two that has about as many pixels
@@ -428,7 +437,9 @@ typedef struct slv_unbake_params {
     slv_filter filter;      /* default SLV_FILTER_POINT is taken as SLV_FILTER_BILINEAR */
     slv_texture_encoding encoding; /* of the texture's colours; default what it says */
     slv_progress progress;         /* rows */
-    uint64_t reserved[4];
+    slv_unbake_normals normals;
+    slv_scheme scheme; /* of the surface, of SLV_UNBAKE_FACE_NORMALS */
+    uint64_t reserved[3];
 } slv_unbake_params;
 
 typedef struct slv_unbake_report {
@@ -447,7 +458,15 @@ typedef struct slv_unbake_report {
  * image shows faces that leave 0..1 where it would be repeated. Colours are sRGB in a PNG and light
  * in an EXR, but for SLV_TEXTURE_DATA, which is taken as it stands. The texture has one or three
  * channels, and alpha may stand behind them, else SLV_ERROR_UNSUPPORTED; a mesh that does not
- * belong to it is SLV_ERROR_MISMATCH. Each file is whole or not there. On env->threads threads; the
+ * belong to it is SLV_ERROR_MISMATCH.
+ *
+ * `normals` makes a tangent space normal map: what is drawn is the normal in MikkTSpace's frame of
+ * the mesh's polygons with the normals of its file, or where it has none smooth ones (Mikkelsen
+ * 2008; frames are interpolated and not normalised, the bitangent is that of each pixel), as n/2 +
+ * 1/2 in files of both formats, with green along growing v. The texture has three channels of half
+ * or float then, else SLV_ERROR_UNSUPPORTED.
+ *
+ * Each file is whole or not there. On env->threads threads; the
  * same bytes with any number of them. `params` and `report` may be NULL. */
 SLV_NODISCARD SLV_API slv_result slv_unbake(const slv_env *env, const slv_ptx *ptx,
                                             const slv_mesh *mesh, const slv_unbake_params *params,
