@@ -1,10 +1,10 @@
 /* A detailed mesh on a plainer surface: rays both ways along the normal of the limit, to the
  * nearest thing that faces the same way; vectors to the nearest place in any direction. */
 #include "rays/look.h"
-#include "rays/vectors.h"
 #include "source/cage.h"
 #include "source/closest.h"
 #include "source/source.h"
+#include "source/vectors.h"
 
 #include "base/log.h"
 #include "base/memory.h"

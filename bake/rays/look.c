@@ -1,6 +1,6 @@
 /* The nearest thing along a normal that faces the same way: rays pass through what does not. */
 #include "rays/look.h"
-#include "rays/vectors.h"
+#include "source/vectors.h"
 
 #include <math.h>
 #include <string.h>

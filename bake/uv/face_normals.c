@@ -2,7 +2,7 @@
 #include "uv/face_normals.h"
 
 #include "base/memory.h"
-#include "rays/vectors.h"
+#include "source/vectors.h"
 
 enum { AT_ONCE = 256 };
 

@@ -2,7 +2,7 @@
 #ifndef SLV_BAKE_UV_TANGENTS_DATA_H
 #define SLV_BAKE_UV_TANGENTS_DATA_H
 
-#include "rays/vectors.h"
+#include "source/vectors.h"
 #include "uv/tangents.h"
 
 #define SLVI_TANGENT_NONE UINT32_MAX
