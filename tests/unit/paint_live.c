@@ -49,13 +49,14 @@ static slv_result begin(slv_session *session, const char *line) {
 #define PICTURE                                                                                    \
     ",\"size\":[200,100],\"unit\":\"pixels\",\"camera\":{\"azimuth\":30,\"elevation\":20}}"
 
-/* In a picture, a hand that trembles: numbers with many digits. */
+/* In a picture, a hand that trembles: numbers with many digits; and a pen that is not calibrated,
+ * with a clock that now and then goes back. */
 static slv_stroke_sample sample_at(int i) {
     return (slv_stroke_sample){.x = 60 + 80.0f * (float)i / 39,
                                .y = 50 + 9 * sinf((float)i),
-                               .pressure = 0.3f + 0.5f * (float)(i % 7) / 7,
-                               .tilt_x = 0.1f,
-                               .time = 1e9 + i / 125.0};
+                               .pressure = i % 11 ? 0.3f + 0.5f * (float)(i % 7) / 7 : 1.02f,
+                               .tilt_x = i % 13 ? 0.1f : -1.5f,
+                               .time = 1e9 + (i % 10 ? i : i - 2) / 125.0};
 }
 
 static void stroke(slv_session *session, uint32_t portion) {

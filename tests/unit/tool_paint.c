@@ -220,36 +220,55 @@ static void laid(void) {
 static void wrong_scripts(void) {
     static const struct {
         const char *text, *says;
-    } scripts[] = {{"{", "line 1"},
-                   {"\n\n[]", "line 3"},
-                   {"{\"op\": \"dance\"}", "op: expected"},
-                   {"{\"radious\": 1, \"samples\": [[0, 0, 0]]}",
-                    "unknown key 'radious'; did you mean 'radius'?"},
-                   {"{\"samples\": [[0, 0, 0]]}", "radius"},
-                   {"{\"radius\": 1}", "samples"},
-                   {"{\"radius\": -1, \"samples\": [[0, 0, 0]]}", "radius"},
-                   {"{\"radius\": 1, \"samples\": [[6, 0, 0]]}", "sample 0"},
-                   {"{\"radius\": 1, \"samples\": [[0, 0, 0], [0, 2, 0]]}", "sample 1"},
-                   {"{\"radius\": 1, \"samples\": [[0, 0]]}", "sample 0"},
-                   {"{\"op\": \"fill\", \"face\": 1, \"gradient\": {}}", "gradient: expected"},
-                   {"{\"op\": \"fill\", \"face\": 1, \"image\": \"no.png\"}", "no.png"},
-                   {"{\"op\": \"fill\", \"face\": 1, \"clone\": [0, 0, 0]}", "clones are for"},
-                   {"{\"op\": \"fill\", \"face\": 1, \"where\": {\"degrees\": 3}}", "towards"},
-                   {"{\"op\": \"fill\", \"face\": 1, \"where\": {\"facing\": true}}", "camera"},
-                   {"{\"op\": \"fill\", \"face\": 1, \"symmetry\": {\"face\": 1}}", "symmetry"},
-                   {"{\"op\": \"fill\"}", "face"},
-                   {"{\"op\": \"fill\", \"face\": 6}", "face"},
-                   {"{\"op\": \"fill\", \"face\": 1, \"opacity\": 2}", "opacity"},
-                   {"{\"radius\": 1, \"brush\": 7, \"samples\": [[0, 0, 0]]}", "brush"},
-                   {"{\"radius\": 1, \"brush\": \"no.myb\", \"samples\": [[0, 0, 0]]}", "no.myb"},
-                   {"{\"radius\": 1, \"brush\": {\"hard\": 1}, \"samples\": [[0, 0, 0]]}", "hard"},
-                   {"{\"radius\": 1, \"camera\": {}, \"samples\": [[0, 0]]}", "size"},
-                   {"{\"radius\": 1, \"unit\": \"pixels\", \"samples\": [[0, 0, 0]]}", "radius"}};
+    } scripts[] = {
+        {"{", "line 1"},
+        {"\n\n[]", "line 3"},
+        {"{\"op\": \"dance\"}", "op: expected"},
+        {"{\"radious\": 1, \"samples\": [[0, 0, 0]]}",
+         "unknown key 'radious'; did you mean 'radius'?"},
+        {"{\"samples\": [[0, 0, 0]]}", "radius"},
+        {"{\"radius\": 1}", "samples"},
+        {"{\"radius\": -1, \"samples\": [[0, 0, 0]]}", "radius"},
+        {"{\"radius\": 1, \"samples\": [[6, 0, 0]]}", "sample 0"},
+        {"{\"radius\": 1, \"samples\": [[0, 0, 0], [0, 2, 0]]}", "sample 1"},
+        {"{\"radius\": 1, \"samples\": [[0, 0]]}", "sample 0"},
+        {"{\"op\": \"fill\", \"face\": 1, \"gradient\": {}}", "gradient: expected"},
+        {"{\"op\": \"fill\", \"face\": 1, \"image\": \"no.png\"}", "no.png"},
+        {"{\"op\": \"fill\", \"face\": 1, \"clone\": [0, 0, 0]}", "clones are for"},
+        {"{\"op\": \"fill\", \"face\": 1, \"where\": {\"degrees\": 3}}", "towards"},
+        {"{\"op\": \"fill\", \"face\": 1, \"where\": {\"facing\": true}}", "camera"},
+        {"{\"op\": \"fill\", \"face\": 1, \"symmetry\": {\"face\": 1}}", "symmetry"},
+        {"{\"op\": \"fill\"}", "face"},
+        {"{\"op\": \"fill\", \"face\": 6}", "face"},
+        {"{\"op\": \"fill\", \"face\": 1, \"opacity\": 2}", "opacity"},
+        {"{\"radius\": 1, \"brush\": 7, \"samples\": [[0, 0, 0]]}", "brush"},
+        {"{\"radius\": 1, \"brush\": \"no.myb\", \"samples\": [[0, 0, 0]]}", "no.myb"},
+        {"{\"radius\": 1, \"brush\": {\"hard\": 1}, \"samples\": [[0, 0, 0]]}", "hard"},
+        {"{\"radius\": 1, \"camera\": {}, \"samples\": [[0, 0]]}", "size"},
+        {"{\"radius\": 1, \"unit\": \"pixels\", \"samples\": [[0, 0, 0]]}", "radius"},
+        {"{\"radius\": 1e30, \"samples\": [[0, 0, 0]]}", "at most 1e18"},
+        {"{\"radius\": 1, \"samples\": [[0, 0, 0, 7]]}", "pressures from 0 to 1"},
+        {"{\"radius\": 1, \"samples\": [[0, 0, 0, 1, 0, 2]]}", "tilts from -1 to 1"},
+        {"{\"radius\": 1, \"samples\": [[0, 0, 0, 1, 2], [0, 1, 0, 1, 1]]}",
+         "sample 1: at 1 seconds, after one at 2"},
+        {"{\"radius\": 1, \"samples\": [[7, 0, 0]]}", "of 6 faces"},
+        {"{\"radius\": 1, \"channels\": [3, 1], \"samples\": [[0, 0, 0]]}",
+         "no channels 3 to 3, the last is 2"},
+        {"{\"radius\": 1, \"channels\": [0, 4], \"samples\": [[0, 0, 0]]}",
+         "no channels 0 to 3, the last is 2"},
+        {"{\"radius\": 1, \"project\": true, \"samples\": [[0, 0, 0]]}", "a camera"},
+        {"{\"op\": \"set\", \"radius\": 1, \"samples\": [[0, 0, 0]]}", "samples: expected"},
+        {"{\"op\": \"fill\", \"face\": 1, \"samples\": [[0, 0, 0]]}", "samples: expected"},
+        {"{\"radius\": 1, \"samples\": [[0, 0, 0]], \"mirror\": [{\"point\": [0, 0, 0], "
+         "\"normal\": [0, 0, 0]}]}",
+         "mirrors"}};
     for (size_t i = 0; i < sizeof scripts / sizeof *scripts; i++) {
         write_script(scripts[i].text);
         unlink(tool_path("out.ptx"));
         RUNS(1, "paint box.ptx s.jsonl out.ptx");
         HAS(scripts[i].says);
+        const char *named = strstr(tool_out, "s.jsonl: line ");
+        CHECK_MSG(named && !strstr(named + 1, "s.jsonl"), "%s", tool_out);
         CHECK(access(tool_path("out.ptx"), F_OK) != 0);
         CHECK_MSG(strchr(tool_out, '\n') == tool_out + strlen(tool_out) - 1, "%s", tool_out);
     }

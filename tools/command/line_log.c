@@ -3,11 +3,16 @@
 
 #include <inttypes.h>
 #include <stdio.h>
+#include <string.h>
 
 static void log_line(void *user, slv_log_level level, const char *message) {
     const line_log *log = user;
     char text[1024];
-    const bool named = log->line && level == SLV_LOG_ERROR;
+    /* what a script itself says names its line already */
+    const size_t length = log->path ? strlen(log->path) : 0;
+    const bool named = log->line && level == SLV_LOG_ERROR &&
+                       !(length && strncmp(message, log->path, length) == 0 &&
+                         strncmp(message + length, ": line ", 7) == 0);
     if (named)
         snprintf(text, sizeof text, "%s: line %" PRIu64 ": %s", log->path, log->line, message);
     log->outer.log(log->outer.log_user, level, named ? text : message);

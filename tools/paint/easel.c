@@ -84,10 +84,11 @@ static slv_result load_mesh(const slv_env *env, easel *e, slv_type type) {
 
 slv_result easel_open(const slv_env *env, easel *e) {
     const slv_paint_surface_params how = {.scheme = e->scheme, .boundary = e->boundary};
+    const slv_env own = line_log_begin(&e->log, env, NULL);
     slv_result result =
-        ptx_name_is_safe(e->name) ? load_ptx(env, e) : load_mesh(env, e, SLV_TYPE_FLOAT);
-    if (!result && !(result = slv_paint_surface_create(env, e->mesh, &how, &e->surface)))
-        result = slv_painter_create(env, e->surface, &e->painter);
+        ptx_name_is_safe(e->name) ? load_ptx(&own, e) : load_mesh(&own, e, SLV_TYPE_FLOAT);
+    if (!result && !(result = slv_paint_surface_create(&own, e->mesh, &how, &e->surface)))
+        result = slv_painter_create(&own, e->surface, &e->painter);
     return result;
 }
 
@@ -150,11 +151,10 @@ slv_result easel_begin(const slv_env *env, easel *e, const char *script,
 }
 
 slv_result easel_run(easel *e, uint64_t number, const char *line, size_t size) {
-    if (!e->session)
-        return slv_script_run(e->script, number, line, size);
     e->log.line = number;
-    slv_result result =
-        slv_session_run(e->session, e->layer, false, *e->folder ? e->folder : NULL, line, size);
+    slv_result result = e->session ? slv_session_run(e->session, e->layer, false,
+                                                     *e->folder ? e->folder : NULL, line, size)
+                                   : slv_script_run(e->script, number, line, size);
     e->log.line = 0;
     return result;
 }

@@ -27,7 +27,7 @@ typedef struct easel {
     /* of a session */
     slv_session *session;
     uint32_t layer;
-    line_log log; /* which the session's errors go through */
+    line_log log; /* which errors of lines go through */
     char folder[4096];
 } easel;
 

@@ -32,7 +32,7 @@ static slv_result read_brush(slvi_reading *r, const char *key, json_t *value) {
 static slv_result read_radius(slvi_reading *r, const char *key, json_t *value) {
     return slvi_script_number(value, 1e-18, 1e18, &r->line->stroke.radius)
                ? SLV_OK
-               : slvi_script_wrong(r, key, "a number, more than 0");
+               : slvi_script_wrong(r, key, "a number, more than 0 and at most 1e18");
 }
 
 static slv_result read_unit(slvi_reading *r, const char *key, json_t *value) {
@@ -83,6 +83,11 @@ static slv_result read_channels(slvi_reading *r, const char *key, json_t *value)
     if (!slvi_script_numbers(value, 2, 2, range) || !(range[0] >= 0 && range[0] < 65536) ||
         !(range[1] >= 0 && range[1] <= SLV_PAINT_CHANNELS))
         return slvi_script_wrong(r, key, "the first channel and how many, 1 to 8");
+    if (range[0] + range[1] > (float)r->script->nchannels || range[0] >= r->script->nchannels)
+        return slvi_fail(&r->script->env, SLV_ERROR_FORMAT,
+                         "%s: line %llu: %s: there are no channels %g to %g, the last is %u",
+                         r->script->name, (unsigned long long)r->number, key, (double)range[0],
+                         (double)(range[0] + fmaxf(range[1], 1) - 1), r->script->nchannels - 1);
     r->line->stroke.paint.first_channel = (uint32_t)range[0];
     r->line->stroke.paint.nchannels = (uint32_t)range[1];
     return SLV_OK;
@@ -273,6 +278,10 @@ slv_result slvi_script_read(slv_script *script, uint64_t number, json_t *root, s
         return result;
     if (out->op != SLVI_SCRIPT_SET && (result = slvi_script_finish_lay(&r)))
         return result;
+    if (out->samples && out->op != SLVI_SCRIPT_STROKE)
+        return slvi_script_wrong(&r, "samples", "a stroke, which has \"op\": \"stroke\" or none");
+    if (out->op == SLVI_SCRIPT_STROKE && out->stroke.project && !out->stroke.in_picture)
+        return slvi_script_wrong(&r, "project", "a camera and a size of the picture beside it");
     if (out->op == SLVI_SCRIPT_FILL && out->face < 0)
         return slvi_script_wrong(&r, "face", "the face that a fill begins at");
     return SLV_OK;
@@ -299,10 +308,13 @@ slv_result slvi_script_sample(const slv_script *script, uint64_t number, const s
                (uint64_t)face < script->nfaces && v[1] >= 0 && v[1] <= 1 && v[2] >= 0 && v[2] <= 1;
         out->at = (slv_surface_point){(int32_t)face, v[1], v[2]};
     }
-    if (!fine)
-        return slvi_fail(&script->env, SLV_ERROR_FORMAT, "%s: line %llu: sample %zu: expected %s",
-                         script->name, (unsigned long long)number, index,
-                         line->stroke.in_picture ? "[x, y, pressure, time, tilt x, tilt y]"
-                                                 : "[face, u, v, pressure, time, tilt x, tilt y]");
-    return SLV_OK;
+    fine = fine && out->pressure >= 0 && out->pressure <= 1 && fabsf(out->tilt_x) <= 1 &&
+           fabsf(out->tilt_y) <= 1;
+    if (fine)
+        return SLV_OK;
+    return slvi_fail(&script->env, SLV_ERROR_FORMAT,
+                     "%s: line %llu: sample %zu: expected %s, pressure, time, tilt x, tilt y]; "
+                     "of %u faces, u, v and pressures from 0 to 1, tilts from -1 to 1",
+                     script->name, (unsigned long long)number, index,
+                     line->stroke.in_picture ? "[x, y" : "[face, u, v", script->nfaces);
 }

@@ -6,6 +6,7 @@
 #include "base/log.h"
 #include "base/memory.h"
 
+#include <math.h>
 #include <string.h>
 
 static slv_result describe(void *user, slv_canvas_desc *out) {
@@ -61,6 +62,7 @@ slv_result slv_script_create(slv_painter *painter, const slv_canvas *canvas,
     s->canvas = (slv_canvas){&fns, s};
     s->params = *params;
     s->nfaces = desc.nfaces;
+    s->nchannels = desc.nchannels;
     set_defaults(&s->set);
     if ((result = slvi_script_copy(env, params->name ? params->name : "script", &s->name)) ||
         (result = slvi_script_copy(env, params->folder ? params->folder : "", &s->folder)) ||
@@ -146,8 +148,14 @@ static slv_result run_stroke(slv_script *s, uint64_t number, slvi_line *line) {
                          "%s: line %llu: samples: expected a list of samples", s->name,
                          (unsigned long long)number);
     /* all of it is looked at before any of it is painted */
-    for (size_t i = 0; !result && i < json_array_size(line->samples); i++)
-        result = slvi_script_sample(s, number, line, i, &sample);
+    double last = -INFINITY;
+    for (size_t i = 0; !result && i < json_array_size(line->samples); i++) {
+        if (!(result = slvi_script_sample(s, number, line, i, &sample)) && sample.time < last)
+            result = slvi_fail(&s->env, SLV_ERROR_FORMAT,
+                               "%s: line %llu: sample %zu: at %g seconds, after one at %g", s->name,
+                               (unsigned long long)number, i, sample.time, last);
+        last = sample.time;
+    }
     if (!result)
         result = begin_stroke(s, number, line, &stroke);
     for (size_t i = 0; !result && i < json_array_size(line->samples); i++)

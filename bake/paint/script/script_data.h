@@ -65,7 +65,7 @@ struct slv_script {
     uint32_t symmetry_of[4];
     uint8_t *line_faces, *set_faces; /* of masks */
     uint8_t *touched, *selected;
-    uint32_t nfaces;
+    uint32_t nfaces, nchannels;
     slv_script_stats stats;
 };
 

@@ -5,6 +5,7 @@
 #include "history/history.h"
 #include "script/script_data.h"
 
+#include <math.h>
 #include <string.h>
 
 /* Ends what is open: with another result than SLV_OK all of it is taken back. */
@@ -27,6 +28,7 @@ static slv_result begin(slv_session *session, uint32_t layer, bool mask, json_t 
     slv_result result = slvi_session_script(session, layer, mask, &live->script);
     live->line = json_copy(session->set);
     live->samples = json_array();
+    live->last = -INFINITY;
     json_object_update(live->line, line);
     if (!result)
         result = slvi_script_stroke(live->script, session->journal.next, live->line, &live->stroke);
@@ -57,6 +59,20 @@ static slv_result none(const slv_session *session) {
     return slvi_fail(&session->env, SLV_ERROR_ARGUMENT, "%s: no stroke has begun", session->path);
 }
 
+static float within(float value, float low, float high) {
+    return value < low ? low : value > high ? high : value; /* NaN stays */
+}
+
+/* What a pen says that is not calibrated, or comes late: the journal has it as scripts may. */
+static slv_stroke_sample in_range(const slv_stroke_sample *given, double last) {
+    slv_stroke_sample s = *given;
+    s.pressure = within(s.pressure, 0, 1);
+    s.tilt_x = within(s.tilt_x, -1, 1);
+    s.tilt_y = within(s.tilt_y, -1, 1);
+    s.time = s.time < last ? last : s.time;
+    return s;
+}
+
 slv_result slv_session_stroke_add(slv_session *session, const slv_stroke_sample *samples,
                                   uint32_t count) {
     slvi_live_stroke *live = &session->live;
@@ -65,7 +81,7 @@ slv_result slv_session_stroke_add(slv_session *session, const slv_stroke_sample 
         return none(session);
     const bool in_picture = json_is_object(json_object_get(live->line, "camera"));
     for (uint32_t i = 0; !result && i < count; i++) {
-        const slv_stroke_sample *s = &samples[i];
+        const slv_stroke_sample own = in_range(&samples[i], live->last), *s = &own;
         const double rest[] = {(double)s->pressure, s->time, (double)s->tilt_x, (double)s->tilt_y};
         json_t *list =
             in_picture ? json_pack("[f, f]", (double)s->x, (double)s->y)
@@ -81,9 +97,10 @@ slv_result slv_session_stroke_add(slv_session *session, const slv_stroke_sample 
                             : slvi_fail(&session->env, SLV_ERROR_MEMORY,
                                         "%s: no memory for a stroke", session->path);
         }
+        live->last = own.time;
+        if (!result)
+            result = slv_stroke_add(live->stroke, &own, 1);
     }
-    if (!result)
-        result = slv_stroke_add(live->stroke, samples, count);
     return result ? end(session, result) : SLV_OK;
 }
 

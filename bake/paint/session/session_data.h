@@ -58,6 +58,7 @@ typedef struct slvi_live_stroke {
     slv_script *script; /* has the brush */
     slv_stroke *stroke; /* NULL: there is none */
     json_t *line, *samples;
+    double last; /* sample's time */
     slvi_edit edit;
 } slvi_live_stroke;
 
