@@ -10,7 +10,9 @@
 #include <stdio.h>
 #include <string.h>
 
-static const char *const sizing[] = {"size", "density", "match", "texels", "bytes", "error"};
+static const char *const sizing[] = {"size",  "density", "match", "texels",
+                                     "bytes", "error",   "views"};
+static const char *const files[] = {"uv", "detail", "points", "texture", "mesh", "cage", "views"};
 
 /* ---- the job ---- */
 
@@ -65,14 +67,15 @@ static slv_result read_reductions(const recipe_reader *r, slv_bake_recipe *recip
 /* All that is one number, and where it goes. */
 static slv_result read_numbers(const recipe_reader *r, slv_bake_recipe *recipe) {
     slv_bake_job *job = &recipe->job;
-    double density = 0, match = 0, error = 0, texels = 0, bytes = 0, compression = 0, miss = 0;
+    double density = 0, match = 0, error = 0, texels = 0, bytes = 0, compression = 0, miss = 0,
+           pixels = 0;
     const struct {
         const char *key;
         double low, high, *out;
     } numbers[] = {{"density", 1e-30, 1e30, &density}, {"match", 1e-6, 1e6, &match},
                    {"error", 1e-9, 1e9, &error},       {"texels", 1, 1e18, &texels},
                    {"bytes", 1, 1e18, &bytes},         {"compression", 1, 12, &compression},
-                   {"max-miss", 0, 1, &miss}};
+                   {"max-miss", 0, 1, &miss},          {"texels-per-pixel", 1e-6, 1e6, &pixels}};
     for (size_t i = 0; i < sizeof numbers / sizeof *numbers; i++) {
         slv_result result = slvi_recipe_number(r, "recipe", recipe->root, numbers[i].key,
                                                numbers[i].low, numbers[i].high, numbers[i].out);
@@ -85,15 +88,16 @@ static slv_result read_numbers(const recipe_reader *r, slv_bake_recipe *recipe) 
     job->max_texels = (uint64_t)texels;
     job->max_bytes = (uint64_t)bytes;
     job->compression = (int)compression;
+    job->texels_per_pixel = (float)pixels;
     recipe->max_miss = (float)miss;
     return SLV_OK;
 }
 
 static slv_result read_job(const recipe_reader *r, slv_bake_recipe *recipe) {
-    static const char *const keys[] = {"$schema",  "source",     "size",        "density",
-                                       "match",    "texels",     "bytes",       "error",
-                                       "min-size", "max-size",   "type",        "scheme",
-                                       "max-miss", "reductions", "compression", "least-error"};
+    static const char *const keys[] = {
+        "$schema",  "source",     "size",        "density",     "match", "texels",
+        "bytes",    "error",      "min-size",    "max-size",    "type",  "scheme",
+        "max-miss", "reductions", "compression", "least-error", "views", "texels-per-pixel"};
     int type = 0, scheme = 0;
     json_t *root = recipe->root;
     recipe->job.min_res = (slv_res){0, 0};
@@ -118,8 +122,12 @@ static slv_result read_job(const recipe_reader *r, slv_bake_recipe *recipe) {
     for (size_t i = 0; i < sizeof sizing / sizeof *sizing; i++)
         given += json_object_get(root, sizing[i]) != NULL;
     if (given > 1)
-        return slvi_recipe_fail(r, "recipe",
-                                "size, density, match, texels, bytes and error: one of them");
+        return slvi_recipe_fail(
+            r, "recipe", "size, density, match, texels, bytes, error and views: one of them");
+    if (json_object_get(root, "views") && !slv_bake_recipe_views(recipe))
+        return slvi_recipe_fail(r, "recipe", "views: expected the name of a view file");
+    if (recipe->job.texels_per_pixel > 0 && !slv_bake_recipe_views(recipe))
+        return slvi_recipe_fail(r, "recipe", "texels-per-pixel: views is missing");
     return SLV_OK;
 }
 
@@ -141,7 +149,6 @@ static slv_result parse(const recipe_reader *r, const char *text, size_t size, j
 /* Names of files become those that they are opened by: relative to the folder of the recipe.
  * Recursive, as deep as sources are nested, which `depth` limits. */
 static slv_result place_files(const recipe_reader *r, json_t *node, const char *folder, int depth) {
-    static const char *const files[] = {"uv", "detail", "points", "texture", "mesh", "cage"};
     const char *key;
     json_t *value;
     char path[4096];
@@ -175,6 +182,8 @@ static slv_result merge(const recipe_reader *r, json_t *root, const char *change
         sized |= json_object_get(with, sizing[i]) != NULL;
     for (size_t i = 0; sized && i < sizeof sizing / sizeof *sizing; i++)
         json_object_del(root, sizing[i]);
+    if (sized)
+        json_object_del(root, "texels-per-pixel");
     if (!result)
         json_object_foreach(with, key, value) if (json_object_set(root, key, value)) result =
             slvi_fail(r->env, SLV_ERROR_MEMORY, "%s: no memory", r->name);
@@ -195,7 +204,6 @@ static slv_result read_file(const recipe_reader *r, const char *path, json_t **o
 }
 
 static slv_result list_files(slv_bake_recipe *recipe, json_t *node) {
-    static const char *const files[] = {"uv", "detail", "points", "texture", "mesh", "cage"};
     const char *key;
     json_t *value;
     for (size_t i = 0; i < sizeof files / sizeof *files; i++) {
@@ -259,6 +267,10 @@ const slv_bake_job *slv_bake_recipe_job(const slv_bake_recipe *recipe) {
 
 float slv_bake_recipe_max_miss(const slv_bake_recipe *recipe) {
     return recipe->max_miss;
+}
+
+const char *slv_bake_recipe_views(const slv_bake_recipe *recipe) {
+    return json_string_value(json_object_get(recipe->root, "views"));
 }
 
 const char *slv_bake_recipe_file(const slv_bake_recipe *recipe, uint32_t index) {

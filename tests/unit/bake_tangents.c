@@ -114,6 +114,7 @@ static void degenerate(void) {
                "f 1/1 2/2 3/3 4/4\nf 2/2 5/2 6/3 3/3\nf 5/2 7/5 8/6 6/3\nf 7 8 9\n"
                "f 7/5 8/6 9/6\n");
     RUNS(0, "bake flat.obj --recipe constant.json -o flat.ptx");
+    HAS("flat.obj: 2 polygons have no area, the first is 3");
     RUNS(0, "unbake flat.ptx --mesh flat.obj --tangent object-normal -o flat.exr --size 64 --bits "
             "32");
     slv_image image = load("flat.exr");

@@ -47,6 +47,23 @@ int main(void) {
            "{\"size\": [256, 256], \"projection\": \"perspective\", \"screen_window\": [-1, 1, -1, "
            "1], " FRONT "}",
            "", (const int[5][2]){{4, 4}, {1, 1}, {4, 3}, {1, 1}, {4, 4}});
+    /* a recipe says the same, its file beside it */
+    const char *recipe = "{\"source\": {\"surface\": \"position\"}, \"scheme\": \"bilinear\", "
+                         "\"views\": \"view.json\", \"texels-per-pixel\": 2}";
+    tool_write_file("r.json", recipe, strlen(recipe));
+    RUNS(0,
+         "bake m.obj --surface position --scheme bilinear --views view.json --texels-per-pixel 2 "
+         "-o v.ptx");
+    RUNS(0, "bake m.obj --recipe r.json -o r.ptx");
+    CHECK(uv_same_files("v.ptx", "r.ptx"));
+    RUNS(0, "bake m.obj --surface position --views view.json -o none.ptx --print-recipe");
+    HAS("\"views\": \"view.json\"");
+    RUNS(0, "bake m.obj --recipe r.json --size 4 -o four.ptx");
+    HAS("faces of 4x4");
+    const char *wrong = "{\"source\": {\"surface\": \"position\"}, \"views\": 3}";
+    tool_write_file("r.json", wrong, strlen(wrong));
+    RUNS(1, "bake m.obj --recipe r.json -o none.ptx");
+    HAS("view file");
     RUNS(2, "bake m.obj --surface position --views view.json --size 4 -o none.ptx");
     RUNS(2, "bake m.obj --surface position --texels-per-pixel 2 -o none.ptx");
     tool_write_file("view.json", "{}", 2);

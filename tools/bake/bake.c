@@ -14,8 +14,8 @@ enum { INPUTS = 256 };
 /* Nothing that is read may be written, nor two things be one. */
 static int check_outputs(const slv_env *env, const bake_options *o, const slv_bake_recipe *recipe,
                          const char *part) {
-    const char *inputs[INPUTS] = {o->paths[0], o->recipe, o->views};
-    uint32_t n = 3;
+    const char *inputs[INPUTS] = {o->paths[0], o->recipe};
+    uint32_t n = 2;
     for (uint32_t i = 0; slv_bake_recipe_file(recipe, i) && n < INPUTS; i++)
         inputs[n++] = slv_bake_recipe_file(recipe, i);
     if (output_check(env, o->paths[1], inputs, n) ||
@@ -51,8 +51,10 @@ static int bake_it(const bake_options *o, const slv_env *env, slv_bake_recipe *r
     else if (!writes || !check_outputs(env, o, recipe, part)) {
         cli_catch_interrupts();
         if (!slv_mesh_load(env, cli_input(o->paths[0]), &mesh) &&
-            !bake_views_load(env, o, mesh, &views, &job) &&
+            !bake_views_load(env, slv_bake_recipe_views(recipe), mesh, &views, &job) &&
             !slv_bake_recipe_source(env, recipe, mesh, &source)) {
+            if (writes)
+                bake_mesh_tell(env, o->paths[0], mesh);
             slv_result result = slv_bake_save(env, mesh, source, &job, o->paths[1], &report);
             cli_progress_end(&progress);
             team->complete = !result;

@@ -28,12 +28,14 @@ int bake_recipe_make(const cli_command *command, const slv_env *env, const bake_
  * changed. For free(); NULL if there is no memory. */
 char *bake_recipe_key(const slv_bake_recipe *recipe, const bake_options *options);
 
-/* bake_views.c: the pictures of --views, for free(), and what the job is to know of them. Nothing
- * without it. */
-slv_result bake_views_load(const slv_env *env, const bake_options *options, const slv_mesh *mesh,
+/* bake_views.c: the pictures of a view file, for free(), and what the job is to know of them.
+ * Nothing if `path` is NULL. */
+slv_result bake_views_load(const slv_env *env, const char *path, const slv_mesh *mesh,
                            slv_bake_view **views, slv_bake_job *job);
 
-/* bake_report.c. Returns an exit code. */
+/* bake_report.c. Warns of what no source has a value for, or none that goes on across edges. */
+void bake_mesh_tell(const slv_env *env, const char *path, const slv_mesh *mesh);
+/* Returns an exit code. */
 int bake_report_tell(const bake_options *options, const slv_bake_job *job, float max_miss,
                      const slv_bake_report *report, const slv_bake_source *source);
 

@@ -41,7 +41,7 @@ static int check(const cli_command *command, const bake_options *o) {
         1)
         return cli_usage(command, "--size, --density, --match, --error, --bytes, --texels and "
                                   "--views: one of them");
-    if (!(o->texels_per_pixel >= 0) || (o->texels_per_pixel > 0 && !o->views))
+    if (!(o->texels_per_pixel >= 0) || (o->texels_per_pixel > 0 && !o->views && !o->recipe))
         return cli_usage(command, "--texels-per-pixel: expected more than 0, with --views");
     if (o->size_given && !value_resolution(o->size, &res))
         return cli_usage(command, "--size %ux%u: expected powers of two", o->size[0], o->size[1]);
@@ -160,6 +160,8 @@ static int changes_of(const cli_command *command, const bake_options *o, json_t 
     size(changes, o->max_given, "max-size", o->max);
     number(changes, o->density_given, "density", (double)o->density);
     number(changes, o->match_given, "match", (double)o->match);
+    word(changes, o->views != NULL, "views", cli_input(o->views));
+    number(changes, o->texels_per_pixel > 0, "texels-per-pixel", (double)o->texels_per_pixel);
     number(changes, o->error_given, "error", (double)o->error);
     number(changes, o->max_miss_given, "max-miss", (double)o->max_miss);
     whole(changes, o->texels != NULL, "texels", texels);
@@ -207,7 +209,7 @@ static int append(char *text, size_t room, const char *path) {
 char *bake_recipe_key(const slv_bake_recipe *recipe, const bake_options *o) {
     enum { MORE = 100 };
     const char *text = slv_bake_recipe_text(recipe), *path, *mesh = o->paths[0];
-    size_t room = strlen(text) + strlen(mesh) + (o->views ? strlen(o->views) : 0) + 3 * MORE;
+    size_t room = strlen(text) + strlen(mesh) + 3 * MORE;
     for (uint32_t i = 0; (path = slv_bake_recipe_file(recipe, i)); i++)
         room += strlen(path) + MORE;
     char *key = malloc(room);
@@ -215,10 +217,6 @@ char *bake_recipe_key(const slv_bake_recipe *recipe, const bake_options *o) {
         return NULL;
     size_t used = (size_t)snprintf(key, room, "%s\n", text);
     used += (size_t)append(key + used, room - used, mesh);
-    if (o->views) {
-        used += (size_t)append(key + used, room - used, o->views);
-        used += (size_t)snprintf(key + used, room - used, "%.9g\n", (double)o->texels_per_pixel);
-    }
     for (uint32_t i = 0; (path = slv_bake_recipe_file(recipe, i)); i++)
         used += (size_t)append(key + used, room - used, path);
     return key;

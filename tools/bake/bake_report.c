@@ -2,6 +2,7 @@
 #include "bake/bake_options.h"
 #include "command/output.h"
 
+#include <math.h>
 #include <string.h>
 
 static bool measures(const slv_bake_job *job) {
@@ -106,4 +107,45 @@ int bake_report_tell(const bake_options *o, const slv_bake_job *job, float max_m
     if (!o->json && !o->quiet)
         print_result(o, job, report, source);
     return code;
+}
+
+/* Whether a polygon encloses no area, which is told from the longest of its sides. */
+static bool is_flat(const slv_mesh_view *view, const int32_t *verts, int32_t count) {
+    double area[3] = {0}, longest = 0;
+    for (int32_t i = 0; i < count; i++) {
+        const float *o = view->positions + 3 * (size_t)verts[0],
+                    *a = view->positions + 3 * (size_t)verts[i],
+                    *b = view->positions + 3 * (size_t)verts[(i + 1) % count];
+        double x[3], y[3], side = 0;
+        for (int k = 0; k < 3; k++) {
+            x[k] = (double)a[k] - (double)o[k];
+            y[k] = (double)b[k] - (double)o[k];
+            side += (y[k] - x[k]) * (y[k] - x[k]);
+        }
+        for (int k = 0; k < 3; k++)
+            area[k] += x[(k + 1) % 3] * y[(k + 2) % 3] - x[(k + 2) % 3] * y[(k + 1) % 3];
+        longest = fmax(longest, side);
+    }
+    return sqrt(area[0] * area[0] + area[1] * area[1] + area[2] * area[2]) <= 1e-9 * longest;
+}
+
+void bake_mesh_tell(const slv_env *env, const char *path, const slv_mesh *mesh) {
+    const slv_mesh_view *view = slv_mesh_get_view(mesh);
+    const int32_t *verts = view->poly_verts;
+    uint32_t flat = 0, first = 0;
+    slv_mesh_stats stats;
+    for (uint32_t poly = 0; poly < view->npolys; verts += view->poly_sizes[poly++]) {
+        if (!is_flat(view, verts, view->poly_sizes[poly]))
+            continue;
+        first = flat ? first : poly;
+        flat++;
+    }
+    if (flat)
+        cli_warning("%s: %u polygons have no area, the first is %u: their texels are baked, and "
+                    "nobody will see them",
+                    path, flat, first);
+    if (!slv_mesh_get_stats(env, mesh, &stats) && stats.nnonmanifold_edges)
+        cli_warning("%s: %u edges have more than two polygons: they are baked as boundaries, at "
+                    "which faces do not agree",
+                    path, stats.nnonmanifold_edges);
 }

@@ -7,18 +7,18 @@
 
 enum { DEFAULT_SIDE = 512 }; /* as pictures have it whose file does not say */
 
-slv_result bake_views_load(const slv_env *env, const bake_options *o, const slv_mesh *mesh,
+slv_result bake_views_load(const slv_env *env, const char *path, const slv_mesh *mesh,
                            slv_bake_view **views, slv_bake_job *job) {
     scene_view file = {0};
     *views = NULL;
-    if (!o->views)
+    if (!path)
         return SLV_OK;
-    slv_result result = scene_load_view(env, cli_input(o->views), &file);
+    slv_result result = scene_load_view(env, path, &file);
     uint32_t count = file.ncameras ? file.ncameras : 1;
     if (!result && !file.has_camera)
-        result = output_fail(env, SLV_ERROR_FORMAT, "%s: has no camera", o->views);
+        result = output_fail(env, SLV_ERROR_FORMAT, "%s: has no camera", path);
     if (!result && !(*views = calloc(count, sizeof **views)))
-        result = output_fail(env, SLV_ERROR_MEMORY, "%s: no memory", o->views);
+        result = output_fail(env, SLV_ERROR_MEMORY, "%s: no memory", path);
     uint32_t width = file.has_size ? file.size[0] : DEFAULT_SIDE,
              height = file.has_size ? file.size[1] : DEFAULT_SIDE;
     for (uint32_t i = 0; i < count && !result; i++) {
@@ -30,12 +30,7 @@ slv_result bake_views_load(const slv_env *env, const bake_options *o, const slv_
     scene_view_free(&file);
     if (result)
         return result;
-    /* in place of what a recipe says of sizes */
-    job->uniform = false;
-    job->density = job->match = job->max_error = 0;
-    job->max_texels = job->max_bytes = 0;
     job->views = *views;
     job->nviews = count;
-    job->texels_per_pixel = o->texels_per_pixel;
     return result;
 }
