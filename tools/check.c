@@ -230,12 +230,7 @@ int verb_check(int argc, char **argv) {
                     "  selvage check cow.ptx --mesh cow.obj --seams 0.02\n"
                     "  selvage check broken.ptx --repair mended.ptx\n"
                     "  selvage check teapot.ptx --json | jq '.findings[] | .face'\n",
-        .options = options,
-        .noptions = sizeof options / sizeof *options,
-        .min_arguments = 1,
-        .max_arguments = 1,
-        .positional = &c.path,
-        .npositional = &narguments,
+        CLI_TAKES(options, 1, 1, &c.path, &narguments),
         .output = &c.repair,
         .output_is_new = true};
     int code = cli_parse(&command, argc, argv);

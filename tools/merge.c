@@ -97,12 +97,7 @@ int verb_merge(int argc, char **argv) {
                                  .examples =
                                      "  selvage merge body.ptx head.ptx -o figure.ptx\n"
                                      "  selvage merge part*.ptx -o all.ptx --type half --json\n",
-                                 .options = options,
-                                 .noptions = sizeof options / sizeof *options,
-                                 .min_arguments = 1,
-                                 .max_arguments = MAX_FILES,
-                                 .positional = m.paths,
-                                 .npositional = &m.npaths,
+                                 CLI_TAKES(options, 1, MAX_FILES, m.paths, &m.npaths),
                                  .output = &m.out,
                                  .output_needed = true,
                                  .output_is_new = true};

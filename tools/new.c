@@ -228,12 +228,7 @@ int verb_new(int argc, char **argv) {
                     "  selvage new cow.obj cow.ptx --density 40 --fill '#c0b090'\n"
                     "  selvage new cow.obj rough.ptx --size 64 --channels 1 --fill 0.5\n"
                     "  selvage new cow.obj height.ptx --bytes 64M --type half --channels 1\n",
-        .options = options,
-        .noptions = sizeof options / sizeof *options,
-        .min_arguments = 1,
-        .max_arguments = 1,
-        .positional = o.paths,
-        .npositional = &narguments,
+        CLI_TAKES(options, 1, 1, o.paths, &narguments),
         .output = &o.paths[1],
         .output_needed = true};
     int code = cli_parse(&command, argc, argv);

@@ -161,12 +161,7 @@ int verb_pick(int argc, char **argv) {
         .exits = "0 a face is there, 1 none is, or failure, 2 wrong usage",
         .examples = "  selvage pick teapot.ptx 300 120 --view view.json\n"
                     "  selvage pick cow.ptx --mesh cow.obj --azimuth 60 256 256 --json\n",
-        .options = options,
-        .noptions = sizeof options / sizeof *options,
-        .min_arguments = 3,
-        .max_arguments = 3,
-        .positional = p.arguments,
-        .npositional = &narguments};
+        CLI_TAKES(options, 3, 3, p.arguments, &narguments)};
     scene_options_rows(&p.scene, options + OWN);
     int code = cli_parse(&command, argc, argv);
     if (code >= 0)

@@ -354,12 +354,7 @@ int verb_render(int argc, char **argv) {
             "  selvage render teapot.ptx --view view.json --raw --out linear.exr --bits 32\n"
             "  selvage render teapot.ptx -o teapot.png --json | jq '.pictures[].triangles'\n"
             "  selvage render cow.obj --uv 'cow.<UDIM>.exr' -o cow.png\n",
-        .options = options,
-        .noptions = sizeof options / sizeof *options,
-        .min_arguments = 1,
-        .max_arguments = 1,
-        .positional = &r.ptx,
-        .npositional = &narguments,
+        CLI_TAKES(options, 1, 1, &r.ptx, &narguments),
         .output = &r.out};
     while (slv_strategy_at((uint32_t)r.strategy) != slv_strategy_default())
         r.strategy++;

@@ -236,12 +236,7 @@ int verb_session(int argc, char **argv) {
                     "  selvage session cow.selvage --script strokes.jsonl --save\n"
                     "  selvage session cow.selvage --undo 1 --export painted.ptx\n"
                     "  selvage session large.selvage --replay cow.selvage --scale 2\n",
-        .options = options,
-        .noptions = sizeof options / sizeof *options,
-        .min_arguments = 1,
-        .max_arguments = 1,
-        .positional = &s.path,
-        .npositional = &narguments};
+        CLI_TAKES(options, 1, 1, &s.path, &narguments)};
     int code = cli_parse(&command, argc, argv);
     if (code >= 0)
         return code;

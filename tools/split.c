@@ -132,12 +132,7 @@ int verb_split(int argc, char **argv) {
                                  .writes = "a folder of textures, all of them or none",
                                  .examples = "  selvage split figure.ptx parts\n"
                                              "  selvage split figure.ptx -o halves --at 320\n",
-                                 .options = options,
-                                 .noptions = sizeof options / sizeof *options,
-                                 .min_arguments = 1,
-                                 .max_arguments = 1,
-                                 .positional = &s.path,
-                                 .npositional = &narguments,
+                                 CLI_TAKES(options, 1, 1, &s.path, &narguments),
                                  .output = &s.out,
                                  .output_needed = true};
     int code = cli_parse(&command, argc, argv);

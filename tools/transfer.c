@@ -316,12 +316,7 @@ int verb_transfer(int argc, char **argv) {
             "  selvage transfer cow.ptx cow2.ptx --to cow2.obj\n"
             "  selvage transfer cow.ptx cow2.ptx --from cow.obj --to cow2.obj --list-faces\n"
             "  selvage transfer cow.ptx cow2.ptx --to cow2.obj --distance 0.05 --blank\n",
-        .options = options,
-        .noptions = sizeof options / sizeof *options,
-        .min_arguments = 1,
-        .max_arguments = 1,
-        .positional = t.paths,
-        .npositional = &narguments,
+        CLI_TAKES(options, 1, 1, t.paths, &narguments),
         .output = &t.paths[1],
         .output_needed = true};
     int code = cli_parse(&command, argc, argv);

@@ -116,12 +116,7 @@ int verb_unbake(int argc, char **argv) {
             "  selvage unbake cow.ptx --mesh cow.obj -o cow.png\n"
             "  selvage unbake cow.ptx --mesh cow.obj -o 'colour.<UDIM>.exr' --size 4096\n"
             "  selvage unbake normals.ptx --mesh cow.obj --tangent object-normal -o map.png\n",
-        .options = options,
-        .noptions = sizeof options / sizeof *options,
-        .min_arguments = 1,
-        .max_arguments = 1,
-        .positional = o.paths,
-        .npositional = &narguments,
+        CLI_TAKES(options, 1, 1, o.paths, &narguments),
         .output = &o.paths[1],
         .output_needed = true};
     int code = cli_parse(&command, argc, argv);

@@ -109,12 +109,7 @@ int verb_wrap(int argc, char **argv) {
         .writes = "the mesh with one texture coordinate a vertex, without duplicated vertices",
         .examples = "  selvage wrap vase.obj round.obj\n"
                     "  selvage wrap tube.obj round.obj --map cylinder --axis z\n",
-        .options = options,
-        .noptions = sizeof options / sizeof *options,
-        .min_arguments = 1,
-        .max_arguments = 1,
-        .positional = o.paths,
-        .npositional = &narguments,
+        CLI_TAKES(options, 1, 1, o.paths, &narguments),
         .output = &o.paths[1],
         .output_needed = true};
     int code = cli_parse(&command, argc, argv);

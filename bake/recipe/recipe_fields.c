@@ -1,7 +1,7 @@
 /* The fields of a recipe's objects: what they may be, and what is said of those that are not. */
 #include "recipe/recipe_data.h"
 
-#include <selvage/words.h>
+#include "base/words.h"
 
 #include <math.h>
 #include <stdarg.h>
@@ -28,10 +28,8 @@ slv_result slvi_recipe_only(const recipe_reader *r, const char *where, const jso
         if (i < nkeys)
             continue;
         char known[512] = "", hint[SLV_WORDS_HINT];
-        size_t used = 0;
-        for (i = 0; i < nkeys && used < sizeof known; i++)
-            used +=
-                (size_t)snprintf(known + used, sizeof known - used, "%s%s", i ? "|" : "", keys[i]);
+        for (i = 0; i < nkeys; i++)
+            slvi_words_add(known, sizeof known, keys[i]);
         return slvi_recipe_fail(r, where, "unknown field '%.60s'%s", key,
                                 slv_words_hint(key, known, hint));
     }
@@ -54,15 +52,14 @@ slv_result slvi_recipe_word(const recipe_reader *r, const char *where, const jso
                             const char *key, const char *(*name_of)(int), int *out) {
     const json_t *value = json_object_get(object, key);
     char list[300] = "";
-    size_t used = 0;
     if (!value)
         return SLV_OK;
-    for (int i = 0; strcmp(name_of(i), "unknown") != 0 && used < sizeof list; i++) {
+    for (int i = 0; strcmp(name_of(i), "unknown") != 0; i++) {
         if (json_is_string(value) && strcmp(json_string_value(value), name_of(i)) == 0) {
             *out = i;
             return SLV_OK;
         }
-        used += (size_t)snprintf(list + used, sizeof list - used, "%s%s", i ? "|" : "", name_of(i));
+        slvi_words_add(list, sizeof list, name_of(i));
     }
     char hint[SLV_WORDS_HINT];
     const char *word = json_string_value(value);

@@ -1,22 +1,13 @@
 /* The border mode black, drawn: every strategy gives what lookups on the CPU give beside a
  * boundary, at corners of it too, and so does the ray-cast reference; periodic is as clamp is; what
  * is white is half as bright on a boundary. */
-#include "kit/ptx_kit.h"
+#include "kit/point_kit.h"
 #include "kit/seam_kit.h"
 #include "kit/strategy_kit.h"
 
-#include <selvage/filter.h>
 #include <selvage/reference.h>
 
-enum { POINTS = 1024, LOG2_SIDE = 3 };
-
 static slv_gl *gl;
-
-typedef struct points {
-    int32_t faces[POINTS];
-    float uv[2 * POINTS], dx[2 * POINTS], dy[2 * POINTS];
-    float expected[4 * POINTS];
-} points;
 
 /* Three quads around a vertex where the mesh is notched, a row beside them, and a quad alone. */
 static void make_shape(kit *k, uint64_t *random) {
@@ -28,36 +19,6 @@ static void make_shape(kit *k, uint64_t *random) {
     kit_finish(k);
     kit_equal(k, LOG2_SIDE);
     kit_noise(k, SLV_TYPE_U8, 3, random);
-}
-
-/* Lookups on the CPU. `level`: how many texels wide the footprints are, as a power of two. */
-static void look_up(const kit *k, slv_border_mode u, slv_border_mode v, int level, points *p) {
-    slv_env env = test_env();
-    const char *path = scratch_path("border.ptx");
-    slv_cache *cache = NULL;
-    slv_sampler *sampler = NULL;
-    slv_file_id file;
-    const slv_filter_params bilinear = {.filter = SLV_FILTER_BILINEAR};
-    const slv_ptx_write_params how = {.border_u = u, .border_v = v};
-    REQUIRE(slv_ptx_save(&env, path, k->texture, k->adjacency, &how) == SLV_OK);
-    REQUIRE(slv_cache_create(&env, NULL, &cache) == SLV_OK);
-    REQUIRE(slv_cache_open(cache, path, &file) == SLV_OK);
-    REQUIRE(slv_sampler_create(cache, &bilinear, &sampler) == SLV_OK);
-    for (int i = 0; i < POINTS; i++) {
-        float width = level ? ldexpf(1, level - LOG2_SIDE) : 1e-3f;
-        p->dx[2 * i] = p->dy[2 * i + 1] = width;
-        p->dx[2 * i + 1] = p->dy[2 * i] = 0;
-        slv_lookup lookup = {.file = file,
-                             .face = (uint32_t)p->faces[i],
-                             .u = p->uv[2 * i],
-                             .v = p->uv[2 * i + 1],
-                             .uw1 = width,
-                             .vw2 = width};
-        REQUIRE(slv_sample(sampler, &lookup, p->expected + 4 * i) == SLV_OK);
-    }
-    slv_sampler_destroy(sampler);
-    slv_cache_destroy(cache);
-    remove(path);
 }
 
 static float depth(unsigned edge, float u, float v) {
@@ -85,17 +46,6 @@ static bool is_other(const kit *k, const slv_strategy *strategy, const points *p
     return false;
 }
 
-static void place(const kit *k, uint64_t *random, points *p) {
-    for (int i = 0; i < POINTS; i++) {
-        p->faces[i] = (int32_t)(test_random(random) % k->nfaces);
-        for (int c = 0; c < 2; c++) {
-            float at = (float)(test_random(random) % 1000) / 1000, near = at * at * 0.25f;
-            p->uv[2 * i + c] = i % 2 ? at : test_random(random) % 2 ? near : 1 - near;
-            p->uv[2 * i + c] = fminf(p->uv[2 * i + c], 0.999f);
-        }
-    }
-}
-
 static void check_lookups(slv_border_mode u, slv_border_mode v, int level, uint64_t *random) {
     static points p;
     static float values[4 * POINTS];
@@ -103,8 +53,8 @@ static void check_lookups(slv_border_mode u, slv_border_mode v, int level, uint6
     const float most = level ? 6.0f / 255 : 2.5f / 255;
     kit k;
     make_shape(&k, random);
-    place(&k, random, &p);
-    look_up(&k, u, v, level, &p);
+    points_place(&k, level, random, &p);
+    points_look_up(&k, &(slv_ptx_write_params){.border_u = u, .border_v = v}, &p);
     slv_gl_texture *texture =
         seam_upload(gl, &k, (slv_gl_texture_params){.border_u = u, .border_v = v});
     for (uint32_t s = 0; s < slv_strategy_count(); s++) {
@@ -142,8 +92,8 @@ static void check_rays(slv_border_mode u, slv_border_mode v, uint64_t *random) {
     slv_reference *reference = NULL;
     kit k;
     make_shape(&k, random);
-    place(&k, random, &p);
-    look_up(&k, u, v, 0, &p);
+    points_place(&k, 0, random, &p);
+    points_look_up(&k, &(slv_ptx_write_params){.border_u = u, .border_v = v}, &p);
     for (int i = 0; i < POINTS; i++)
         points_of[i] = (slv_surface_point){p.faces[i], p.uv[2 * i], p.uv[2 * i + 1]};
     REQUIRE(slv_surface_create(&env, k.mesh, NULL, &surface) == SLV_OK);

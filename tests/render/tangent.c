@@ -1,23 +1,14 @@
 /* Vectors in the frames of faces, drawn: those of neighbours are turned at edges by every strategy
  * and by rays as lookups on the CPU turn them, and a field that is one vector everywhere on a plane
  * stays one whatever the frames and resolutions. */
-#include "kit/edge_kit.h"
-#include "kit/ptx_kit.h"
+#include "kit/point_kit.h"
 #include "kit/seam_kit.h"
 #include "kit/strategy_kit.h"
 
-#include <selvage/filter.h>
 #include <selvage/reference.h>
 
-enum { POINTS = 1024, LOG2_SIDE = 3 };
-
 static slv_gl *gl;
-
-typedef struct points {
-    int32_t faces[POINTS];
-    float uv[2 * POINTS], dx[2 * POINTS], dy[2 * POINTS];
-    float expected[4 * POINTS];
-} points;
+static const slv_ptx_write_params tanvec = {.edge_filter = SLV_EDGE_FILTER_TANVEC};
 
 /* A vector in the frame of a face seen from another one. */
 typedef struct turn {
@@ -34,51 +25,6 @@ static void apply(const turn *t, float *v) {
 static turn turn_across(const slv_neighbour *to) {
     float by = 1 / (fabsf(to->map.uu) + fabsf(to->map.uv));
     return (turn){by * to->map.uu, by * to->map.vu, by * to->map.uv, by * to->map.vv};
-}
-
-static float uniform(uint64_t *random) {
-    return (float)(test_random(random) % 4096) / 4096;
-}
-
-/* Most of them close to edges and corners. */
-static void place(const kit *k, int level, uint64_t *random, points *p) {
-    for (int i = 0; i < POINTS; i++) {
-        float width = level ? ldexpf(1, level - LOG2_SIDE) : 1e-3f;
-        p->faces[i] = (int32_t)(test_random(random) % k->nfaces);
-        for (int c = 0; c < 2; c++) {
-            float at = uniform(random), near = at * at * 0.25f;
-            p->uv[2 * i + c] = i % 2 ? at : test_random(random) % 2 ? near : 1 - near;
-            p->uv[2 * i + c] = fminf(p->uv[2 * i + c], 0.999f);
-        }
-        p->dx[2 * i] = p->dy[2 * i + 1] = width;
-        p->dx[2 * i + 1] = p->dy[2 * i] = 0;
-    }
-}
-
-static void look_up(const kit *k, points *p) {
-    slv_env env = test_env();
-    const char *path = scratch_path("tangent.ptx");
-    slv_cache *cache = NULL;
-    slv_sampler *sampler = NULL;
-    slv_file_id file;
-    const slv_filter_params bilinear = {.filter = SLV_FILTER_BILINEAR};
-    const slv_ptx_write_params how = {.edge_filter = SLV_EDGE_FILTER_TANVEC};
-    REQUIRE(slv_ptx_save(&env, path, k->texture, k->adjacency, &how) == SLV_OK);
-    REQUIRE(slv_cache_create(&env, NULL, &cache) == SLV_OK);
-    REQUIRE(slv_cache_open(cache, path, &file) == SLV_OK);
-    REQUIRE(slv_sampler_create(cache, &bilinear, &sampler) == SLV_OK);
-    for (int i = 0; i < POINTS; i++) {
-        slv_lookup lookup = {.file = file,
-                             .face = (uint32_t)p->faces[i],
-                             .u = p->uv[2 * i],
-                             .v = p->uv[2 * i + 1],
-                             .uw1 = p->dx[2 * i],
-                             .vw2 = p->dx[2 * i]};
-        REQUIRE(slv_sample(sampler, &lookup, p->expected + 4 * i) == SLV_OK);
-    }
-    slv_sampler_destroy(sampler);
-    slv_cache_destroy(cache);
-    remove(path);
 }
 
 static slv_gl_texture *upload(const kit *k) {
@@ -108,8 +54,8 @@ static void check_lookups(slv_type type, uint32_t nchannels, int level, uint64_t
     kit_grid(&k, 4, 3, true, 0, random, NULL);
     kit_equal(&k, LOG2_SIDE);
     kit_noise(&k, type, nchannels, random);
-    place(&k, level, random, &p);
-    look_up(&k, &p);
+    points_place(&k, level, random, &p);
+    points_look_up(&k, &tanvec, &p);
     slv_gl_texture *texture = upload(&k);
     for (uint32_t s = 0; s < slv_strategy_count(); s++) {
         const slv_strategy *strategy = slv_strategy_at(s);
@@ -148,8 +94,8 @@ static void check_rays(slv_type type, uint64_t *random) {
     kit_grid(&k, 4, 3, true, 0, random, NULL);
     kit_equal(&k, LOG2_SIDE);
     kit_noise(&k, type, 3, random);
-    place(&k, 0, random, &p);
-    look_up(&k, &p);
+    points_place(&k, 0, random, &p);
+    points_look_up(&k, &tanvec, &p);
     for (int i = 0; i < POINTS; i++)
         at[i] = (slv_surface_point){p.faces[i], p.uv[2 * i], p.uv[2 * i + 1]};
     REQUIRE(slv_surface_create(&env, k.mesh, NULL, &surface) == SLV_OK);
@@ -219,7 +165,7 @@ static void check_field(slv_type type, uint64_t *random) {
     kit_end_texture(&k);
     slv_gl_texture *texture = upload(&k);
     for (int level = 0; level < 3; level++) {
-        place(&k, level, random, &p);
+        points_place(&k, level, random, &p);
         for (uint32_t s = 0; s < slv_strategy_count(); s++) {
             const slv_strategy *strategy = slv_strategy_at(s);
             REQUIRE(slv_gl_texture_lookup(texture, &env, strategy, POINTS, p.faces, p.uv, p.dx,
@@ -254,8 +200,8 @@ static void place_on_edges(const kit *k, bool other, points *p, turn *turns) {
             count = slv_adjacency_neighbours(k->adjacency, (int32_t)face, e, to);
         }
         const slv_neighbour *at = &to[test_random(&random) % count];
-        kit_edge_point_float(e, at->t0 + (0.3f + 0.4f * uniform(&random)) * (at->t1 - at->t0), &u,
-                             &v);
+        kit_edge_point_float(
+            e, at->t0 + (0.3f + 0.4f * points_uniform(&random)) * (at->t1 - at->t0), &u, &v);
         turns[i] = turn_across(at);
         if (other)
             slv_affine_apply(&at->map, u, v, &u, &v);

@@ -209,12 +209,7 @@ int verb_bake(int argc, char **argv) {
                     "  selvage bake cow.obj --detail sculpt.obj --type half -o height.ptx\n"
                     "  selvage bake cow.obj --recipe worn.json --density 40 -o cow.ptx\n"
                     "  selvage bake cow.obj --pattern noise --frequency 8 -o cow.ptx\n",
-        .options = options,
-        .noptions = sizeof options / sizeof *options,
-        .min_arguments = 1,
-        .max_arguments = 1,
-        .positional = o.paths,
-        .npositional = &narguments,
+        CLI_TAKES(options, 1, 1, o.paths, &narguments),
         .output = &o.paths[1],
         .output_needed = true,
         .exits = "0 success; 1 failure, or more texels without a value than --max-miss; 2 wrong "

@@ -90,6 +90,11 @@ typedef struct cli_command {
     const char *exits; /* what exit codes mean; NULL: 0 success, 1 failure, 2 wrong usage */
 } cli_command;
 
+/* A command's part of this that says what it takes: a table of options, and so many inputs. */
+#define CLI_TAKES(table, least, most, inputs, ninputs)                                             \
+    .options = table, .noptions = sizeof table / sizeof *table, .min_arguments = least,            \
+    .max_arguments = most, .positional = inputs, .npositional = ninputs
+
 /* Fills the values. Returns -1 to go on, or the exit code: help was asked for, or the usage is
  * wrong. */
 int cli_parse(const cli_command *command, int argc, char **argv);

@@ -563,12 +563,7 @@ int verb_compare(int argc, char **argv) {
             "  selvage compare vase.ptx --mesh vase.obj --uv vase.png --round u\n"
             "  selvage compare scene.ptx --frames 1000 --reference raycast,supersampled \\\n"
             "    --reference-frames 1000 --accumulate 8 --resume\n",
-        .options = options,
-        .noptions = sizeof options / sizeof *options,
-        .min_arguments = 1,
-        .max_arguments = 1,
-        .positional = o.arguments,
-        .npositional = &o.narguments,
+        CLI_TAKES(options, 1, 1, o.arguments, &o.narguments),
         .output = &out};
     char word[32] = "";
     int code = cli_parse(&command, argc, argv);

@@ -183,12 +183,7 @@ int verb_convert(int argc, char **argv) {
             "  selvage convert rgb.ptx rgba.ptx --channels 0,1,2,=1 --alpha 3\n"
             "  selvage convert teapot.ptx faces/ && selvage convert faces/ again.ptx\n"
             "  selvage convert teapot.ptx sheet.exr && selvage convert sheet.json again.ptx\n",
-        .options = options,
-        .noptions = sizeof options / sizeof *options,
-        .min_arguments = 1,
-        .max_arguments = 1,
-        .positional = paths,
-        .npositional = &narguments,
+        CLI_TAKES(options, 1, 1, paths, &narguments),
         .output = &paths[1],
         .output_needed = true};
     int code = cli_parse(&command, argc, argv);

@@ -201,12 +201,7 @@ int verb_diff(int argc, char **argv) {
                     "  selvage diff teapot.ptx teapot16.ptx --texels --tolerance 0.002\n"
                     "  selvage diff before.ptx after.ptx --images differences --format exr\n"
                     "  selvage diff before.ptx after.ptx --json | jq '.face_list[].face'\n",
-        .options = options,
-        .noptions = sizeof options / sizeof *options,
-        .min_arguments = 2,
-        .max_arguments = 2,
-        .positional = d.paths,
-        .npositional = &narguments,
+        CLI_TAKES(options, 2, 2, d.paths, &narguments),
         .output = &d.images,
         .output_is_new = true};
     int code = cli_parse(&command, argc, argv);

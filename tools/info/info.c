@@ -76,12 +76,7 @@ int verb_info(int argc, char **argv) {
                                              "  selvage info teapot.ptx --meta --list-faces\n"
                                              "  selvage info teapot.ptx --sheet faces.png\n"
                                              "  selvage info cage.obj --json | jq .valences\n",
-                                 .options = options,
-                                 .noptions = sizeof options / sizeof *options,
-                                 .min_arguments = 1,
-                                 .max_arguments = 1,
-                                 .positional = &path,
-                                 .npositional = &narguments,
+                                 CLI_TAKES(options, 1, 1, &path, &narguments),
                                  .output = &o.sheet,
                                  .output_is_new = true};
     int code = cli_parse(&command, argc, argv);

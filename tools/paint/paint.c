@@ -288,12 +288,7 @@ int verb_paint(int argc, char **argv) {
                     "  selvage paint cow.ptx - painted.ptx <strokes.jsonl\n"
                     "  selvage paint cow.ptx strokes.jsonl cow.selvage\n"
                     "  selvage paint cow.selvage more.jsonl --record stage.####.png --certify\n",
-        .options = options,
-        .noptions = sizeof options / sizeof *options,
-        .min_arguments = 2,
-        .max_arguments = 2,
-        .positional = p.paths,
-        .npositional = &narguments,
+        CLI_TAKES(options, 2, 2, p.paths, &narguments),
         .output = &p.paths[2]};
     int code = cli_parse(&command, argc, argv);
     if (code >= 0)

@@ -321,12 +321,7 @@ int verb_reference(int argc, char **argv) {
             "  selvage reference teapot.ptx --samples 1024 -o teapot.exr\n"
             "  selvage reference cow.ptx --mesh cow.obj --view view.json --filter mitchell\n"
             "  selvage reference teapot.ptx --samples 4096 --convergence study\n",
-        .options = options,
-        .noptions = sizeof options / sizeof *options,
-        .min_arguments = 1,
-        .max_arguments = 1,
-        .positional = &r.ptx,
-        .npositional = &narguments,
+        CLI_TAKES(options, 1, 1, &r.ptx, &narguments),
         .output = &r.out};
     char buffer[512];
     r.scene.alpha = SLV_ALPHA_BLEND;

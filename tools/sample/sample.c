@@ -117,12 +117,7 @@ int verb_sample(int argc, char **argv) {
             "  uw1 vw1 and uw2 vw2 are the sides of the footprint, in units of the face.\n"
             "It comes back with ' -> ' and the values after it. What follows a '->' is not\n"
             "read; blank lines and those that begin with # are passed over.\n",
-        .options = options,
-        .noptions = sizeof options / sizeof *options,
-        .min_arguments = 1,
-        .max_arguments = 1,
-        .positional = &path,
-        .npositional = &narguments,
+        CLI_TAKES(options, 1, 1, &path, &narguments),
         .output = &o.out,
         .output_is_new = true};
     int code = cli_parse(&command, argc, argv);

@@ -3,8 +3,7 @@
 
 #include "base/log.h"
 #include "base/names.h"
-
-#include <selvage/words.h>
+#include "base/words.h"
 
 #include <math.h>
 #include <string.h>
@@ -263,10 +262,8 @@ slv_result slvi_script_read(slv_script *script, uint64_t number, json_t *root, s
             i++;
         if (i == SLVI_COUNT(keys)) {
             char known[512] = "", hint[SLV_WORDS_HINT];
-            size_t used = 0;
-            for (i = 0; i < SLVI_COUNT(keys) && used < sizeof known; i++)
-                used += (size_t)snprintf(known + used, sizeof known - used, "%s%s", i ? "|" : "",
-                                         keys[i].key);
+            for (i = 0; i < SLVI_COUNT(keys); i++)
+                slvi_words_add(known, sizeof known, keys[i].key);
             return slvi_fail(&script->env, SLV_ERROR_FORMAT, "%s: line %llu: unknown key '%.40s'%s",
                              script->name, (unsigned long long)number, key,
                              slv_words_hint(key, known, hint));
