@@ -30,21 +30,56 @@ static void print_limits(const slv_wrap_report *r) {
                r->nwide, r->first_wide + 1);
     if (r->nmany)
         printf("  %u vertices have no single value, as at poles and where charts end: the first is "
-               "%d\n",
-               r->nmany, r->first_many + 1);
+               "%d, of polygon %d\n",
+               r->nmany, r->first_many + 1, r->many_poly + 1);
+    if (r->nends)
+        printf(
+            "  %u of these lie where the map ends %g after it begins along %s, which is no whole "
+            "number of repetitions: the first is %d, of polygon %d\n",
+            r->nends, (double)r->end_apart, r->end_axis ? "v" : "u", r->first_end + 1,
+            r->end_poly + 1);
+    if (r->nfar)
+        printf("  %u polygons have texture coordinates (vt) beyond 65536, which are left as they "
+               "are: the first is %d\n",
+               r->nfar, r->first_far + 1);
+    if (r->nclose)
+        printf("  %u vertices at open edges are beside another that is too far away to be welded: "
+               "the first is %d, %.2g from %d\n",
+               r->nclose, r->first_close + 1, (double)r->close_apart, r->close_to + 1);
 }
 
+/* Numbers of vertices and polygons as files count them, 0 where there is none. */
 static json_t *report_json(const struct wrap_options *o, const slv_wrap_report *r,
                            uint32_t nbefore) {
-    return json_pack(
-        "{s:i, s:o, s:I, s:I, s:I, s:I, s:I, s:I, s:I, s:I, s:I, s:I, s:I, s:I}", "schema", 1,
-        "path", output_json_name(o->paths[1]), "vertices_before", (json_int_t)nbefore, "vertices",
-        (json_int_t)r->nverts, "welded", (json_int_t)r->nwelded, "bytes_saved",
-        (json_int_t)r->nwelded * VERTEX_BYTES, "kept", (json_int_t)r->nkept, "collapsed",
-        (json_int_t)r->ncollapsed, "seam_u", (json_int_t)r->nseam[0], "seam_v",
-        (json_int_t)r->nseam[1], "wide", (json_int_t)r->nwide, "first_wide",
-        (json_int_t)(r->nwide ? r->first_wide + 1 : 0), "many_valued", (json_int_t)r->nmany,
-        "first_many_valued", (json_int_t)(r->nmany ? r->first_many + 1 : 0));
+    const struct {
+        const char *name;
+        int64_t value;
+    } numbers[] = {
+        {"vertices_before", nbefore},
+        {"vertices", r->nverts},
+        {"welded", r->nwelded},
+        {"bytes_saved", (int64_t)r->nwelded * VERTEX_BYTES},
+        {"kept", r->nkept},
+        {"close", r->nclose},
+        {"first_close", r->nclose ? r->first_close + 1 : 0},
+        {"collapsed", r->ncollapsed},
+        {"seam_u", r->nseam[0]},
+        {"seam_v", r->nseam[1]},
+        {"wide", r->nwide},
+        {"first_wide", r->nwide ? r->first_wide + 1 : 0},
+        {"many_valued", r->nmany},
+        {"first_many_valued", r->nmany ? r->first_many + 1 : 0},
+        {"ends", r->nends},
+        {"first_end", r->nends ? r->first_end + 1 : 0},
+        {"far", r->nfar},
+        {"first_far", r->nfar ? r->first_far + 1 : 0},
+    };
+    json_t *json = json_pack("{s:i, s:o}", "schema", 1, "path", output_json_name(o->paths[1]));
+    for (size_t i = 0; i < sizeof numbers / sizeof *numbers && json; i++)
+        json_object_set_new(json, numbers[i].name, json_integer((json_int_t)numbers[i].value));
+    if (json && r->nends)
+        json_object_set_new(json, "end_apart", json_real((double)r->end_apart));
+    return json;
 }
 
 static int run_wrap(const struct wrap_options *o) {

@@ -11,22 +11,7 @@
 #include <string.h>
 #include <unistd.h>
 
-#define FARTHEST 65536.0f /* texture coordinates, in units: floats have 1/128 left there */
 enum { NAME_ROOM = 4096, LISTED = 24 };
-
-uint32_t slvi_uv_check_corners(float *corners, uint32_t nfaces) {
-    uint32_t without = 0;
-    for (uint32_t face = 0; face < nfaces; face++) {
-        float *own = corners + 8 * (size_t)face;
-        bool good = true;
-        for (int i = 0; i < 8; i++)
-            good = good && fabsf(own[i]) <= FARTHEST;
-        if (!good)
-            own[0] = NAN;
-        without += !good;
-    }
-    return without;
-}
 
 /* The lowest and highest texture coordinate of a face. */
 static void bounds_of(const float *corners, float low[2], float high[2]) {
@@ -267,13 +252,6 @@ static slv_result load_set(const slv_env *env, const char *path, const slv_bake_
         index++;
     }
     return result ? result : tell_missing(env, path, set);
-}
-
-bool slvi_uv_stays(const float *corners, uint32_t nfaces, int axis) {
-    for (size_t i = 0; i < 4 * (size_t)nfaces; i++)
-        if (corners[2 * i + (size_t)axis] < 0 || corners[2 * i + (size_t)axis] > 1)
-            return false;
-    return true;
 }
 
 slv_result slvi_uv_set_load(const slv_env *env, const char *path, const slv_bake_uv *params,

@@ -31,9 +31,6 @@ typedef struct uv_set {
     int32_t *cells;      /* of a set: which tile lies in a cell, or -1 */
 } uv_set;
 
-/* Makes the first of a face's coordinates NaN if one of them is, or is beyond all reason; returns
- * of how many. */
-uint32_t slvi_uv_check_corners(float *corners, uint32_t nfaces);
 /* How many faces come into each cell, UV_CELLS_V rows of UV_CELLS_U, for slvi_free. */
 slv_result slvi_uv_count_cells(const slv_env *env, const float *corners, uint32_t nfaces,
                                int32_t **out);
@@ -46,9 +43,6 @@ slv_result slvi_uv_tile_name(const slv_env *env, const char *path, int32_t cell,
 slv_result slvi_uv_set_load(const slv_env *env, const char *path, const slv_bake_uv *params,
                             const float *corners, uint32_t nfaces, uv_set *out);
 void slvi_uv_set_free(uv_set *set);
-
-/* Whether no face leaves 0..1 along an axis. */
-bool slvi_uv_stays(const float *corners, uint32_t nfaces, int axis);
 
 /* The tile of a cell, in whose frame (0..1) it then is: `u`, `v` are its lower left corner. NULL:
  * there is none. */

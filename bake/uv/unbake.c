@@ -1,6 +1,7 @@
 /* From a .ptx back to UV images: bands of rows, each pixel looked up where its middle lies on the
  * surface, on over the edges of islands, and the rest filled from what is nearest. */
 #include "source/holes.h"
+#include "uv/corners.h"
 #include "uv/face_normals.h"
 #include "uv/multiplied.h"
 #include "uv/raster.h"
@@ -407,7 +408,8 @@ static slv_result run(unbake *b, const slv_mesh *mesh, const char *path,
     if (result || (result = slv_mesh_adjacency(&b->env, mesh, &b->adjacency)) ||
         (result = slv_mesh_face_texcoords(&b->env, mesh, &b->corners)))
         return result;
-    b->report->without = slvi_uv_check_corners(b->corners, b->nfaces);
+    const uv_lacking lacking = slvi_uv_check_corners(b->corners, b->nfaces);
+    b->report->without = lacking.none + lacking.far;
     if (b->nfaces && b->report->without == b->nfaces)
         return slvi_fail(&b->env, SLV_ERROR_MISMATCH,
                          "%s: the mesh has no texture coordinates (vt) to draw it with", path);

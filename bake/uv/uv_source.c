@@ -1,6 +1,7 @@
 /* The mean of UV images over texels: samples at half a pixel's distance or less, along lines that
  * are straight in the images because faces are bilinear there. */
 #include "uv/uv_source.h"
+#include "uv/corners.h"
 
 #include "base/log.h"
 #include "base/memory.h"
@@ -173,31 +174,6 @@ static slv_result go_round(const slv_env *env, uv_source *s) {
     return result;
 }
 
-/* Of a face over half of the map both ways round are as short, or the wrong one is. */
-static void warn_of_wide(const slv_env *env, const char *path, const uv_source *s) {
-    uint32_t wide = 0, first = 0;
-    for (uint32_t face = 0; face < s->base.nfaces; face++) {
-        const float *corners = slvi_uv_corners_of(s, face);
-        bool is_wide = false;
-        for (int axis = 0; axis < 2 && !isnan(corners[0]); axis++) {
-            float low = corners[axis], high = corners[axis];
-            for (int c = 1; c < 4; c++) {
-                low = fminf(low, corners[2 * c + axis]);
-                high = fmaxf(high, corners[2 * c + axis]);
-            }
-            is_wide |= s->round[axis] && high - low > 0.5f - 1e-5f;
-        }
-        first = is_wide && !wide ? face : first;
-        wide += is_wide;
-    }
-    if (wide)
-        slvi_logf(
-            env, SLV_LOG_WARNING,
-            "%s: %u of %u faces span half of the map or more along what goes round, and may be "
-            "taken the wrong way: the first is face %u",
-            path, wide, s->base.nfaces, first);
-}
-
 slv_result slv_bake_from_uv(const slv_env *env, const slv_mesh *mesh, const char *path,
                             const slv_bake_uv *params, slv_bake_source **out) {
     static const slv_bake_uv none = {0};
@@ -220,7 +196,8 @@ slv_result slv_bake_from_uv(const slv_env *env, const slv_mesh *mesh, const char
     }
     if ((result = slv_mesh_round_texcoords(env, mesh, s->round[0], s->round[1], &s->corners)))
         goto done;
-    if (s->base.nfaces && slvi_uv_check_corners(s->corners, s->base.nfaces) == s->base.nfaces) {
+    const uv_lacking lacking = slvi_uv_check_corners(s->corners, s->base.nfaces);
+    if (s->base.nfaces && lacking.none + lacking.far == s->base.nfaces) {
         result = slvi_fail(env, SLV_ERROR_MISMATCH,
                            "%s: the mesh has no texture coordinates (vt) to look it up with, or "
                            "none that are within 65536",
@@ -229,8 +206,8 @@ slv_result slv_bake_from_uv(const slv_env *env, const slv_mesh *mesh, const char
     }
     if ((s->round[0] || s->round[1]) && (result = go_round(env, s)))
         goto done;
-    if (s->round[0] || s->round[1])
-        warn_of_wide(env, path, s);
+    slvi_uv_warn_of_lacking(env, path, &lacking, s->base.nfaces);
+    slvi_uv_warn_of_wide(env, path, s->corners, s->base.nfaces, s->round);
     const bool along = (s->round[0] || s->round[1]) && !chosen.wrap;
     if (along)
         chosen.wrap = SLV_BAKE_WRAP_REPEAT;

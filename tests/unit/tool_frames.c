@@ -87,6 +87,8 @@ static void refused(void) {
     write_strip("m.10.obj", 1, true);
     CHECK(tool("render base.obj --uv i.exr --view one.json --frames 'm.##.obj' -o r.exr") == 1);
     CHECK_MSG(strstr(tool_out, "m.10.obj: polygon 6 has other vertices"), "%s", tool_out);
+    /* nothing is drawn of those before it */
+    CHECK(access(tool_path("r.0008.exr"), F_OK) != 0);
     CHECK(tool("render base.obj --uv i.exr --frames 'none.##.obj' -o r.exr") == 1);
     CHECK_MSG(strstr(tool_out, "none.##.obj: there is no such file"), "%s", tool_out);
     write_text("m.11.obj", "v 0 0 0\nv 1 0 0\nv 1 1 0\nf 1 2 3\n");
@@ -102,6 +104,29 @@ static void refused(void) {
     write_text("bad.json", "{" LOOK ", \"cameras\": 3}");
     CHECK(tool("render base.obj --uv i.exr --view bad.json -o s.exr") == 1);
     CHECK(access(tool_path("s.exr"), F_OK) != 0 && access(tool_path("s.0001.exr"), F_OK) != 0);
+}
+
+/* Numbers that are not there, and those that are written otherwise, are named; the rest is drawn.
+ */
+static void gaps(void) {
+    static const char *const names[] = {"g.0002.obj", "g.0003.obj", "g.0007.obj",
+                                        "g.0009.obj", "g.4.obj",    "g.05.obj"};
+    for (size_t i = 0; i < sizeof names / sizeof *names; i++)
+        write_strip(names[i], 0.1 * (double)i, false);
+    RUNS(0,
+         "render base.obj --uv i.exr --view one.json --frames 'g.####.obj' --bits 32 -q -o g.exr");
+    HAS("g.####.obj: 4 numbers between 2 and 9 are missing, and have no picture: the first gap is "
+        "4 "
+        "to 6");
+    HAS("2 files have numbers of another width, and are left out: the first is g.05.obj");
+    CHECK(access(tool_path("g.0009.exr"), F_OK) == 0 && access(tool_path("g.0004.exr"), F_OK) != 0);
+    RUNS(0, "render g.0007.obj --uv i.exr --view one.json --bits 32 -q -o own.exr");
+    same("g.0007.exr", "own.exr", 0);
+    RUNS(0, "render base.obj --uv i.exr --view one.json --frames 'm.##.obj' -q -o n.exr");
+    LACKS("missing");
+    LACKS("width");
+    RUNS(1, "render base.obj --uv i.exr --frames 'g.#####.obj' -q -o n.exr");
+    HAS("g.#####.obj: there is no such file (but g.0002.obj is there)");
 }
 
 int main(void) {
@@ -125,6 +150,7 @@ int main(void) {
     moving("reference", "-n 4");
     cameras("render", "--bits 32");
     cameras("reference", "-n 4");
+    gaps();
     refused();
     tool_end();
     return test_end();

@@ -371,6 +371,34 @@ static void limits(void) {
               "%s", tool_out);
 }
 
+/* Faces that nothing of an image can be on are drawn in one colour, and named by each verb. */
+static void lacking(void) {
+    static const char *const verbs[] = {
+        "render some.obj --uv waves.exr --size 16 -q -o y.png",
+        "reference some.obj --uv waves.exr --size 16 -n 4 -q -o y.exr",
+        "bake some.obj --uv waves.exr --size 4 --max-miss 1 -q -o some.ptx",
+        "compare some.ptx --mesh some.obj --uv waves.exr --strategies clamp --quick --frames 1 "
+        "--size 48x48 --reference none -q -o some",
+        "unbake some.ptx u.png --mesh some.obj --size 16 -q"};
+    write_text("some.obj",
+               "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 2 0 0\nv 2 1 0\nv 3 0 0\nv 3 1 0\n"
+               "vt 0 0\nvt .2 0\nvt .2 1\nvt 0 1\nvt 1e30 0\n"
+               "f 1/1 2/2 3/3 4/4\nf 2 5 6 3\nf 5/1 7/5 8/3 6/4\n");
+    for (size_t i = 0; i < sizeof verbs / sizeof *verbs; i++) {
+        CHECK_MSG(tool("%s", verbs[i]) == 0, "%s: %s", verbs[i], tool_out);
+        if (i < 4)
+            CHECK_MSG(strstr(tool_out, "1 of 3 faces have no texture coordinates") &&
+                          strstr(tool_out, "the first is face 1") &&
+                          strstr(tool_out, "1 of 3 faces have texture coordinates (vt) beyond") &&
+                          strstr(tool_out, "the first is face 2"),
+                      "%s: %s", verbs[i], tool_out);
+        else
+            CHECK_MSG(strstr(tool_out, "2 faces have no texture coordinates"), "%s", tool_out);
+    }
+    CHECK(tool("render box.obj --uv waves.exr --size 16 -q -o y.png") == 0);
+    CHECK_MSG(!strstr(tool_out, "texture coordinates"), "%s", tool_out);
+}
+
 static void refused(void) {
     write_text("bare.obj", "v 0 0 0\nv 1 0 0\nv 1 1 0\nf 1 2 3\n");
     CHECK(tool("render bare.obj --uv t.1001.exr -o x.png") == 1);
@@ -460,6 +488,7 @@ int main(void) {
     rounds();
     parts_go_round();
     limits();
+    lacking();
     refused();
     CHECK(tool("render box.obj --uv waves.exr --pass ids -q -o ids.exr") == 0);
     if (samples && *samples)

@@ -178,8 +178,105 @@ static void check_whole(void) {
     HAS("\"wide\": 2"); /* its caps */
 }
 
+/* A tube of `high` rows, its vertices twice where the map ends: those copies are `apart` from the
+ * others along x, and u goes from 0 to `times` around. Each `part` rows have v from 0 to 1. */
+static void write_tube(double size, double apart, double times, int high, int part) {
+    enum { AROUND = 16 };
+    FILE *file = fopen(tool_path("in.obj"), "w");
+    REQUIRE(file);
+    for (int y = 0; y <= high; y++)
+        for (int x = 0; x <= AROUND; x++)
+            fprintf(file, "v %.9g %.9g %.9g\n",
+                    size * sin(TURN * (x % AROUND) / AROUND) + (x == AROUND ? apart : 0),
+                    size * y / high, size * cos(TURN * (x % AROUND) / AROUND));
+    for (int y = 0; y <= part; y++)
+        for (int x = 0; x <= AROUND; x++)
+            fprintf(file, "vt %.9g %.9g\n", times * x / AROUND, (double)y / part);
+    for (int y = 0; y < high; y++)
+        for (int x = 0; x < AROUND; x++) {
+            int a = 1 + y * (AROUND + 1) + x, d = a + AROUND + 1;
+            int s = 1 + y % part * (AROUND + 1) + x, t = s + AROUND + 1;
+            fprintf(file, "f %d/%d %d/%d %d/%d %d/%d\n", a, s, a + 1, s + 1, d + 1, t + 1, d, t);
+        }
+    REQUIRE(fclose(file) == 0);
+}
+
+/* Copies that rounding has moved apart are one, at each size of a mesh; others are named, unless
+ * they are as far away as along an edge. */
+static void check_apart(void) {
+    for (double size = 1e-3; size < 1e5; size *= 100) {
+        for (double apart = 1e-7; apart < 1.5e-5; apart *= 10) {
+            write_tube(size, apart * size, 1, 4, 4);
+            RUNS(0, "wrap in.obj out.obj");
+            HAS("80 vertices of 85, 5 duplicates welded");
+            LACKS("beside another");
+            check_places("apart");
+        }
+        for (double apart = 1e-4; apart < 1.5e-3; apart *= 10) {
+            write_tube(size, apart * size, 1, 4, 4);
+            RUNS(0, "wrap in.obj out.obj");
+            HAS("85 vertices of 85");
+            HAS("5 vertices at open edges are beside another that is too far away to be welded: "
+                "the "
+                "first is 17, ");
+            HAS(" from 1\n");
+        }
+        write_tube(size, 0.05 * size, 1, 4, 4);
+        RUNS(0, "wrap in.obj out.obj");
+        LACKS("beside another");
+    }
+    /* what is fine in a large mesh stays: a tube a millionth as large as what else there is */
+    write_tube(1e-6, 0, 1, 4, 4);
+    FILE *file = fopen(tool_path("in.obj"), "a");
+    REQUIRE(file);
+    fputs("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 86/1 87/2 88/3\n", file);
+    REQUIRE(fclose(file) == 0);
+    RUNS(0, "wrap in.obj out.obj");
+    HAS("83 vertices of 88, 5 duplicates welded");
+}
+
+/* How often the map goes around, whole or not, and which way. */
+static void check_turns(void) {
+    write_tube(1, 0, 3, 4, 4);
+    RUNS(0, "wrap in.obj out.obj");
+    HAS("12 polygons go over the end of u, 0 over that of v");
+    LACKS("single value");
+    write_tube(1, 0, 2.5, 4, 4);
+    RUNS(0, "wrap in.obj out.obj");
+    HAS("80 vertices of 85");
+    HAS("5 vertices have no single value, as at poles and where charts end: the first is 1, of "
+        "polygon 1\n");
+    HAS("5 of these lie where the map ends 2.5 after it begins along u, which is no whole number "
+        "of "
+        "repetitions: the first is 1, of polygon");
+    write_tube(1, 0, 0.9999, 4, 4);
+    RUNS(0, "wrap in.obj out.obj");
+    HAS("5 of these lie where the map ends 0.9999 after it begins along u");
+    write_tube(1, 0, 0.999999, 4, 4);
+    RUNS(0, "wrap in.obj out.obj");
+    HAS("4 polygons go over the end of u, 0 over that of v");
+    LACKS("single value");
+    /* two maps on top of each other: v begins again, and does not go round */
+    write_tube(1, 0, 1, 4, 2);
+    RUNS(0, "wrap in.obj out.obj");
+    HAS("80 vertices of 85");
+    HAS("4 polygons go over the end of u, 0 over that of v");
+    HAS("16 vertices have no single value");
+    LACKS("repetitions");
+    /* coordinates that say nothing */
+    write_tube(1, 0, 1e30, 4, 4);
+    RUNS(0, "wrap in.obj out.obj");
+    HAS("64 polygons have texture coordinates (vt) beyond 65536, which are left as they are: the "
+        "first is 1\n");
+    RUNS(0, "wrap in.obj out.obj --json -q");
+    HAS("\"far\": 64");
+    HAS("\"first_far\": 1");
+}
+
 int main(void) {
     tool_begin();
+    check_apart();
+    check_turns();
     for (size_t i = 0; i < sizeof styles / sizeof *styles; i++) {
         if (styles[i].shared) {
             try_shape("tube", &styles[i], shared_tube);

@@ -8,10 +8,15 @@
 #include <stdlib.h>
 #include <string.h>
 
+#define KEPT_BYTES (UINT64_C(256) << 20)
+
 void frames_free(frames_list *frames) {
     for (uint32_t i = 0; i < frames->count && frames->meshes; i++)
         free(frames->meshes[i]);
+    for (uint32_t i = 0; i < frames->count && frames->positions; i++)
+        free(frames->positions[i]);
     free(frames->meshes);
+    free(frames->positions);
     free(frames->cameras);
     free(frames->numbers);
     *frames = (frames_list){0};
@@ -86,8 +91,27 @@ static bool matches(const char *own, size_t begin, size_t end, const char *name,
     return true;
 }
 
+/* Files whose numbers have another width, and the first of them. */
+typedef struct others {
+    uint32_t count;
+    char *first;
+} others;
+
+static void add_other(const char *own, size_t begin, size_t end, const char *name, others *to) {
+    size_t length = strlen(name), tail = strlen(own + end);
+    if (length <= begin + tail || strncmp(name, own, begin) != 0 ||
+        strcmp(name + length - tail, own + end) != 0 ||
+        strspn(name + begin, "0123456789") < length - begin - tail)
+        return;
+    to->count++;
+    if (to->first && strcmp(name, to->first) >= 0)
+        return;
+    free(to->first);
+    to->first = strdup(name);
+}
+
 static slv_result list_folder(const slv_env *env, const char *pattern, size_t begin, size_t end,
-                              numbered **list, uint32_t *count) {
+                              numbered **list, uint32_t *count, others *rest) {
     const char *slash = strrchr(pattern, '/');
     size_t folder = slash ? (size_t)(slash - pattern) + 1 : 0;
     char path[FRAMES_PATH];
@@ -98,8 +122,10 @@ static slv_result list_folder(const slv_env *env, const char *pattern, size_t be
     slv_result result = SLV_OK;
     for (struct dirent *entry; !result && (entry = readdir(dir));) {
         uint32_t number;
-        if (!matches(pattern + folder, begin - folder, end - folder, entry->d_name, &number))
+        if (!matches(pattern + folder, begin - folder, end - folder, entry->d_name, &number)) {
+            add_other(pattern + folder, begin - folder, end - folder, entry->d_name, rest);
             continue;
+        }
         int length = snprintf(path, sizeof path, "%.*s%s", (int)folder, pattern, entry->d_name);
         numbered *grown =
             *count & (*count + 1) ? *list : realloc(*list, 2 * (*count + 1) * sizeof **list);
@@ -119,18 +145,44 @@ static slv_result list_folder(const slv_env *env, const char *pattern, size_t be
     return result;
 }
 
+/* What may not be meant of frames begin..end-1 of a pattern, which are in the order of their
+ * numbers. */
+static void warn_of_gaps(const char *pattern, const numbered *list, uint32_t count,
+                         const others *others) {
+    uint32_t missing = 0, from = 0, to = 0;
+    for (uint32_t i = 1; i < count; i++) {
+        if (list[i].number == list[i - 1].number + 1)
+            continue;
+        if (!missing) {
+            from = list[i - 1].number + 1;
+            to = list[i].number - 1;
+        }
+        missing += list[i].number - list[i - 1].number - 1;
+    }
+    if (missing)
+        cli_warning("%s: %u numbers between %u and %u are missing, and have no picture: the first "
+                    "gap is %u to %u",
+                    pattern, missing, list[0].number, list[count - 1].number, from, to);
+    if (others->count && others->first)
+        cli_warning("%s: %u files have numbers of another width, and are left out: the first is %s",
+                    pattern, others->count, others->first);
+}
+
 slv_result frames_find(const slv_env *env, const char *pattern, frames_list *out) {
     numbered *list = NULL;
     uint32_t count = 0;
     size_t begin, end;
+    others rest = {0};
     slv_result result = SLV_OK;
     *out = (frames_list){0};
     if (strlen(pattern) >= FRAMES_PATH)
         return output_fail(env, SLV_ERROR_ARGUMENT, "the name of frames is too long");
     if (find_run(pattern, &begin, &end)) {
-        result = list_folder(env, pattern, begin, end, &list, &count);
+        result = list_folder(env, pattern, begin, end, &list, &count, &rest);
         if (!result && !count)
-            result = output_fail(env, SLV_ERROR_IO, "%s: there is no such file", pattern);
+            result = output_fail(env, SLV_ERROR_IO, "%s: there is no such file%s%s%s", pattern,
+                                 rest.first ? " (but " : "", rest.first ? rest.first : "",
+                                 rest.first ? " is there)" : "");
     } else if ((list = malloc(sizeof *list)) && (list->path = strdup(pattern))) {
         list->number = 1;
         count = 1;
@@ -143,6 +195,9 @@ slv_result frames_find(const slv_env *env, const char *pattern, frames_list *out
         if (list[i].number == list[i - 1].number)
             result = output_fail(env, SLV_ERROR_ARGUMENT, "%s and %s have one number",
                                  list[i - 1].path, list[i].path);
+    if (!result)
+        warn_of_gaps(pattern, list, count, &rest);
+    free(rest.first);
     if (!result && !((out->meshes = calloc(count, sizeof *out->meshes)) &&
                      (out->numbers = calloc(count, sizeof *out->numbers))))
         result = no_memory(env);
@@ -161,12 +216,14 @@ slv_result frames_find(const slv_env *env, const char *pattern, frames_list *out
     return result;
 }
 
-slv_result frames_move(const slv_env *env, const char *path, const slv_mesh *mesh,
-                       slv_surface *surface) {
+/* Where a file has the vertices of `mesh`, whose polygons must be the same; for free. */
+static slv_result read_positions(const slv_env *env, const char *path, const slv_mesh *mesh,
+                                 float **out) {
     const slv_mesh_view *view = slv_mesh_get_view(mesh);
     slv_mesh *moved = NULL;
     float *positions = NULL;
     slv_result result = slv_mesh_load(env, path, &moved);
+    *out = NULL;
     if (result)
         return result;
     const slv_mesh_view *other = slv_mesh_get_view(moved);
@@ -188,10 +245,38 @@ slv_result frames_move(const slv_env *env, const char *path, const slv_mesh *mes
     for (size_t i = 0; i < 3 * (size_t)view->nverts && !result; i++)
         positions[i] =
             (float)((double)other->positions[i] + other->origin[i % 3] - view->origin[i % 3]);
-    if (!result)
-        result = slv_surface_move(surface, view->nverts, positions);
-    free(positions);
     slv_mesh_destroy(moved);
+    *out = positions;
+    return result;
+}
+
+slv_result frames_check(const slv_env *env, const slv_mesh *mesh, frames_list *frames) {
+    const uint64_t each = (uint64_t)slv_mesh_get_view(mesh)->nverts * 3 * sizeof(float);
+    uint64_t left = KEPT_BYTES;
+    slv_result result = SLV_OK;
+    frames->positions = calloc(frames->count ? frames->count : 1, sizeof *frames->positions);
+    if (!frames->positions)
+        return no_memory(env);
+    for (uint32_t i = 0; i < frames->count && !result; i++) {
+        float *positions;
+        result = read_positions(env, frames->meshes[i], mesh, &positions);
+        if (result || each > left) {
+            free(positions);
+            continue;
+        }
+        frames->positions[i] = positions;
+        left -= each;
+    }
+    return result;
+}
+
+slv_result frames_move(const slv_env *env, const frames_list *frames, uint32_t index,
+                       const slv_mesh *mesh, slv_surface *surface) {
+    float *kept = frames->positions[index], *read = NULL;
+    slv_result result = kept ? SLV_OK : read_positions(env, frames->meshes[index], mesh, &read);
+    if (!result)
+        result = slv_surface_move(surface, slv_mesh_get_view(mesh)->nverts, kept ? kept : read);
+    free(read);
     return result;
 }
 

@@ -194,7 +194,9 @@ static slv_result list_frames(const slv_env *env, const scene_options *o, const 
     if (o->turntable)
         return frames_turntable(env, camera, low, high, o->turntable, frames);
     if (o->frames)
-        return frames_find(env, o->frames, frames);
+        return frames_find(env, o->frames, frames) || frames_check(env, scene->mesh, frames)
+                   ? SLV_ERROR_MISMATCH
+                   : SLV_OK;
     if (!view->ncameras || !o->numbered || orbit)
         return SLV_OK;
     slv_result result = frames_turntable(env, camera, low, high, view->ncameras, frames);
@@ -332,9 +334,8 @@ slv_result scene_frame_set(const slv_env *env, uint32_t index, scene_shot *shot)
     const frames_list *frames = &shot->scene.frames;
     if (frames->cameras)
         shot->camera = frames->cameras[index];
-    return frames->meshes
-               ? frames_move(env, frames->meshes[index], shot->scene.mesh, shot->scene.surface)
-               : SLV_OK;
+    return frames->meshes ? frames_move(env, frames, index, shot->scene.mesh, shot->scene.surface)
+                          : SLV_OK;
 }
 
 void scene_warn_of_nothing(const char *path) {

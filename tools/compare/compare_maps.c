@@ -5,10 +5,28 @@
 
 #include <math.h>
 
+/* A method for maps without vertices at their ends is of no use where these are still there twice.
+ */
+static slv_result warn_of_copies(const slv_env *env, const slv_mesh *mesh, const char *path) {
+    slv_wrap_report welded;
+    slv_mesh *once = NULL;
+    slv_result result = slv_mesh_wrap(env, mesh, NULL, &welded, &once);
+    if (!result && welded.nwelded)
+        cli_warning(
+            "%s: %u of its vertices lie where others do, as where a map ends: nothing goes "
+            "round there until 'selvage wrap' has joined them (and the texture is baked for "
+            "what it writes)",
+            path, welded.nwelded);
+    slv_mesh_destroy(once);
+    return result;
+}
+
 slv_result compare_load_image(const slv_env *env, const char *path, slv_texture_encoding encoding,
                               slv_wrap_round round, scene_data *scene, report_data *report) {
     const slv_bake_uv how = {.encoding = encoding, .round_u = round & 1, .round_v = round >> 1 & 1};
     slv_result result = slv_bake_from_uv(env, scene->mesh, cli_input(path), &how, &scene->uv);
+    if (!result && round)
+        result = warn_of_copies(env, scene->mesh, report->mesh);
     if (result)
         return result;
     const slv_bake_source_desc *desc = slv_bake_source_get_desc(scene->uv);

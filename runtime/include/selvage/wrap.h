@@ -102,15 +102,31 @@ typedef struct slv_wrap_report {
                           round: the method takes them the wrong way */
     int32_t first_wide;
     uint32_t nmany;     /* vertices without a single value: poles, and ends of charts */
-    int32_t first_many; /* a vertex of the result */
+    int32_t first_many; /* a vertex of the result, of polygon many_poly of the input */
+    int32_t many_poly;
+    uint32_t nclose; /* vertices at open edges beside one of another place, too far from it to
+                        be joined, and much nearer than along edges */
+    int32_t first_close, close_to; /* of the input; these two are `close_apart` apart */
+    float close_apart;
+    uint32_t nends;    /* of nmany, vertices at which a chart meets itself as far from where it
+                          begins as is no whole number: `end_apart`, along u (0) or v (1) */
+    int32_t first_end; /* a vertex of the result, of polygon end_poly of the input */
+    int32_t end_poly, end_axis;
+    float end_apart;
+    uint32_t nfar; /* polygons that have coordinates beyond 65536, which stay as they are */
+    int32_t first_far;
     uint64_t reserved[4];
 } slv_wrap_report;
 
 /* Joins vertices at one place (to within 5e-7 of the longest side of the mesh's box, since other
- * programs compute the ends of a turn apart), makes coordinates with one value a vertex, and drops
- * normals, which belong to vertices that are gone. Positions are the input's own; groups, creases,
- * corners and holes stay. A pole, which has no angle, has the values of the polygons around it, as
- * a vertex that keeps several has. KEEP of a mesh without texture coordinates only joins. */
+ * programs compute the ends of a turn apart; at open edges to within 1e-5 of it and a fiftieth of
+ * the edges there, since they write six digits), makes coordinates with one value a vertex, and
+ * drops normals, which belong to vertices that are gone. Positions are the input's own; groups,
+ * creases, corners and holes stay. A pole, which has no angle, has the values of the polygons
+ * around it, as a vertex that keeps several has. Coordinates go round along an axis if charts that
+ * are joined where they are whole numbers apart lead back to where they began by another way; else
+ * the ends of such charts keep their values. KEEP of a mesh without texture coordinates only joins.
+ */
 SLV_NODISCARD SLV_API slv_result slv_mesh_wrap(const slv_env *env, const slv_mesh *mesh,
                                                const slv_wrap_params *params,
                                                slv_wrap_report *report, slv_mesh **out);

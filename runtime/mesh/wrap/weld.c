@@ -7,33 +7,47 @@
 #include <math.h>
 #include <string.h>
 
-/* Of the longest side of the box: more than what sines and cosines of a whole turn are off by in
- * single precision. */
+/* Of the longest side of the box: what sines and cosines of a whole turn are off by in single
+ * precision, what numbers with six digits behind the point are in small meshes, and what is still
+ * looked at, to be named. */
 #define NEAR 4.8e-7
+#define ROUNDED 1e-5
+#define CLOSE 1e-3
+#define EXACT 1e-12 /* less than any two floats are apart */
+/* Of the edges at a vertex: no more than that is rounding. */
+#define OF_EDGE 0.02
+#define OF_EDGE_CLOSE 0.1
 
-/* The first vertices of places, in cells of a grid that is coarser than what is near, by a hash. */
+/* The first vertices of places, by a hash of cells of grids. Vertices that reach about as far as
+ * each other share a grid, whose cells are few of their edges wide: so that one holds few of them,
+ * whatever else there is in the mesh. */
 typedef struct places {
-    const float *positions;
-    double low[3], near, cell;
+    const float *positions, *reach;
+    double low[3], step; /* step: what vertices of grid 0 reach at most */
+    uint32_t ngrids;
     uint64_t mask;
     int32_t *table; /* -1: empty */
 } places;
 
-static uint64_t slot_of(const places *p, const double cell[3]) {
-    uint64_t hash = 0;
+enum { GRIDS = 16, GROWTH = 8, WIDTH = 4 }; /* EXACT to CLOSE in few steps; of cells */
+
+static uint64_t slot_of(const places *p, uint32_t grid, const double cell[3]) {
+    uint64_t hash = grid;
     for (int c = 0; c < 3; c++)
         hash = (hash ^ (uint64_t)(int64_t)cell[c]) * UINT64_C(0x9E3779B97F4A7C15) + 1;
     return (hash ^ hash >> 29) & p->mask;
 }
 
 /* The first of the vertices near a point that hash to a cell, or -1. */
-static int32_t find_in(const places *p, const float *at, const double cell[3]) {
+static int32_t find_in(const places *p, int32_t vertex, uint64_t slot) {
+    const float *at = p->positions + 3 * (size_t)vertex;
     int32_t first = -1;
-    for (uint64_t s = slot_of(p, cell); p->table[s] >= 0; s = (s + 1) & p->mask) {
+    for (uint64_t s = slot; p->table[s] >= 0; s = (s + 1) & p->mask) {
         const float *other = p->positions + 3 * (size_t)p->table[s];
+        double near = (double)fminf(p->reach[vertex], p->reach[p->table[s]]);
         bool same = true;
         for (int c = 0; c < 3; c++)
-            same &= fabs((double)at[c] - (double)other[c]) <= p->near;
+            same &= fabs((double)at[c] - (double)other[c]) <= near;
         if (same && (first < 0 || p->table[s] < first))
             first = p->table[s];
     }
@@ -43,31 +57,38 @@ static int32_t find_in(const places *p, const float *at, const double cell[3]) {
 /* The first vertex at a place; `vertex` itself, which is then remembered, if it is. */
 static int32_t find_root(places *p, int32_t vertex) {
     const float *at = p->positions + 3 * (size_t)vertex;
-    double low[3], high[3], cell[3];
+    const double reach = (double)p->reach[vertex];
+    double low[3], high[3], cell[3], step = p->step;
+    uint64_t own = 0;
     int32_t first = -1;
-    for (int c = 0; c < 3; c++) {
-        low[c] = floor(((double)at[c] - p->low[c] - p->near) / p->cell);
-        high[c] = floor(((double)at[c] - p->low[c] + p->near) / p->cell);
+    bool placed = false;
+    for (uint32_t grid = 0; grid < p->ngrids; grid++, step *= GROWTH) {
+        double most = fmin(reach, step);
+        for (int c = 0; c < 3; c++) {
+            low[c] = floor(((double)at[c] - p->low[c] - most) / (WIDTH * step));
+            high[c] = floor(((double)at[c] - p->low[c] + most) / (WIDTH * step));
+        }
+        for (cell[2] = low[2]; cell[2] <= high[2]; cell[2]++)
+            for (cell[1] = low[1]; cell[1] <= high[1]; cell[1]++)
+                for (cell[0] = low[0]; cell[0] <= high[0]; cell[0]++) {
+                    int32_t found = find_in(p, vertex, slot_of(p, grid, cell));
+                    first = found >= 0 && (first < 0 || found < first) ? found : first;
+                }
+        if (placed || (reach > step && grid + 1 < p->ngrids))
+            continue;
+        placed = true;
+        for (int c = 0; c < 3; c++)
+            cell[c] = floor(((double)at[c] - p->low[c]) / (WIDTH * step));
+        own = slot_of(p, grid, cell);
     }
-    for (cell[2] = low[2]; cell[2] <= high[2]; cell[2]++)
-        for (cell[1] = low[1]; cell[1] <= high[1]; cell[1]++)
-            for (cell[0] = low[0]; cell[0] <= high[0]; cell[0]++) {
-                int32_t found = find_in(p, at, cell);
-                first = found >= 0 && (first < 0 || found < first) ? found : first;
-            }
     if (first >= 0)
         return first;
-    for (int c = 0; c < 3; c++)
-        cell[c] = floor(((double)at[c] - p->low[c]) / p->cell);
-    uint64_t s = slot_of(p, cell);
-    while (p->table[s] >= 0)
-        s = (s + 1) & p->mask;
-    return p->table[s] = vertex;
+    while (p->table[own] >= 0)
+        own = (own + 1) & p->mask;
+    return p->table[own] = vertex;
 }
 
-/* Per vertex the first one at its place. */
-static slv_result find_roots(const slv_env *env, const slv_mesh_view *view, int32_t *root) {
-    places p = {.positions = view->positions, .mask = 1};
+static double extent_of(const slv_mesh_view *view, double corner[3]) {
     double extent = 0;
     for (int c = 0; c < 3; c++) {
         double low = INFINITY, high = -INFINITY;
@@ -76,11 +97,25 @@ static slv_result find_roots(const slv_env *env, const slv_mesh_view *view, int3
             low = fmin(low, x);
             high = fmax(high, x);
         }
-        p.low[c] = low;
+        corner[c] = low;
         extent = view->nverts ? fmax(extent, high - low) : 0;
     }
-    p.near = extent * NEAR;
-    p.cell = p.near > 0 ? 8 * p.near : 1;
+    return extent;
+}
+
+/* Per vertex the first one within the reach of both. */
+static slv_result find_roots(const slv_env *env, const slv_mesh_view *view, const float *reach,
+                             int32_t *root) {
+    places p = {.positions = view->positions, .reach = reach, .mask = 1};
+    double extent = extent_of(view, p.low), least = INFINITY, most = 0;
+    for (uint32_t v = 0; v < view->nverts; v++) {
+        least = fmin(least, (double)reach[v]);
+        most = fmax(most, (double)reach[v]);
+    }
+    p.step = extent > 0 ? fmax(least, extent * EXACT) : 1;
+    for (double step = p.step; p.ngrids < GRIDS && (!p.ngrids || step < GROWTH * most);
+         step *= GROWTH)
+        p.ngrids++;
     while (p.mask < 2 * (uint64_t)view->nverts)
         p.mask = 2 * p.mask + 1;
     slv_result result = slvi_alloc_plain(env, "vertices", p.mask + 1, sizeof *p.table, &p.table);
@@ -91,6 +126,88 @@ static slv_result find_roots(const slv_env *env, const slv_mesh_view *view, int3
         root[v] = find_root(&p, (int32_t)v);
     slvi_free(p.table);
     return SLV_OK;
+}
+
+/* How far a vertex may be from another to be `one` with it, and to be `close`. At open edges, where
+ * the copies are of a map that ends, that is as far as rounded numbers make it, if edges are much
+ * longer; elsewhere what arithmetic makes of one place. */
+static slv_result find_reach(const slv_env *env, const slv_mesh *mesh, float *one, float *close) {
+    const slv_mesh_view *view = &mesh->view;
+    double corner[3];
+    const double extent = extent_of(view, corner);
+    float *shortest = NULL;
+    uint8_t *open = NULL;
+    slv_mesh_edges edges = {0};
+    slv_result result;
+    if ((result = slvi_alloc(env, "vertices", view->nverts, sizeof *shortest, &shortest)) ||
+        (result = slvi_alloc(env, "vertices", view->nverts, 1, &open)) ||
+        (result = slvi_mesh_edges_create(env, mesh, &edges)))
+        goto done;
+    for (int pass = 0; pass < 2; pass++) {
+        for (uint32_t i = 0; i < edges.count; i++) {
+            const slv_mesh_edge *edge = &edges.edges[i];
+            const int32_t ends[2] = {edge->v0, edge->v1};
+            const float *a = view->positions + 3 * (size_t)edge->v0,
+                        *b = view->positions + 3 * (size_t)edge->v1;
+            float length = hypotf(hypotf(b[0] - a[0], b[1] - a[1]), b[2] - a[2]);
+            for (int k = 0; k < 2; k++) {
+                float *shorter = &shortest[ends[k]], *longest = &close[ends[k]];
+                open[ends[k]] |= edge->count == 1;
+                if (!pass)
+                    *longest = fmaxf(*longest, length);
+                else if (length > one[ends[k]])
+                    *shorter = fminf(*shorter, length);
+            }
+        }
+        for (uint32_t v = 0; v < view->nverts && !pass; v++) {
+            shortest[v] = close[v];
+            one[v] = (float)fmax(extent * EXACT, fmin(extent * NEAR, (double)close[v] * OF_EDGE));
+        }
+    }
+    for (uint32_t v = 0; v < view->nverts; v++) {
+        double edge = (double)shortest[v];
+        if (open[v])
+            one[v] = fmaxf(one[v], (float)fmin(extent * ROUNDED, edge * OF_EDGE));
+        close[v] =
+            open[v] ? fmaxf(one[v], (float)fmin(extent * CLOSE, edge * OF_EDGE_CLOSE)) : one[v];
+    }
+done:
+    slvi_mesh_edges_clear(&edges);
+    slvi_free(shortest);
+    slvi_free(open);
+    return result;
+}
+
+/* Per vertex the first one at its place; those that are beside others are counted. */
+static slv_result find_places(const slv_env *env, const slv_mesh *mesh, int32_t *root,
+                              slv_wrap_report *report) {
+    const slv_mesh_view *view = &mesh->view;
+    float *one = NULL, *close = NULL;
+    int32_t *beside = NULL;
+    slv_result result;
+    if ((result = slvi_alloc(env, "vertices", view->nverts, sizeof *one, &one)) ||
+        (result = slvi_alloc(env, "vertices", view->nverts, sizeof *close, &close)) ||
+        (result = slvi_alloc(env, "vertices", view->nverts, sizeof *beside, &beside)) ||
+        (result = find_reach(env, mesh, one, close)) ||
+        (result = find_roots(env, view, one, root)) ||
+        (result = find_roots(env, view, close, beside)))
+        goto done;
+    for (uint32_t v = 0; v < view->nverts; v++) {
+        int32_t other = beside[v];
+        if (root[v] != (int32_t)v || other == (int32_t)v || root[other] == (int32_t)v)
+            continue;
+        if (report->nclose++)
+            continue;
+        const float *a = view->positions + 3 * (size_t)v, *b = view->positions + 3 * (size_t)other;
+        report->first_close = (int32_t)v;
+        report->close_to = other;
+        report->close_apart = hypotf(hypotf(b[0] - a[0], b[1] - a[1]), b[2] - a[2]);
+    }
+done:
+    slvi_free(one);
+    slvi_free(close);
+    slvi_free(beside);
+    return result;
 }
 
 /* The polygons with `root` in place of vertices, of vertices that follow each other only one. */
@@ -174,10 +291,12 @@ static slv_result join(const slv_env *env, const slv_mesh *mesh, bool wanted,
         (result = slvi_alloc(env, "vertices", view->nverts, sizeof *first, &first)) ||
         (result = slvi_alloc(env, "vertices", view->nverts, 1, &apart)) ||
         (result = slvi_alloc(env, "vertices", view->nverts, 1, &shared)) ||
-        (result = find_roots(env, view, first)))
+        (wanted && (result = find_places(env, mesh, first, report))))
         goto done;
-    for (uint32_t v = 0; v < view->nverts; v++)
+    for (uint32_t v = 0; v < view->nverts; v++) {
+        first[v] = wanted ? first[v] : (int32_t)v;
         shared[first[v]] |= first[v] != (int32_t)v;
+    }
     do {
         report->nkept = 0;
         report->first_kept = -1;
@@ -205,6 +324,7 @@ slv_result slvi_weld_make(const slv_env *env, const slv_mesh *mesh, bool wanted,
     uint64_t nsides = mesh->poly_first[view->npolys];
     slv_result result;
     *out = (slvi_weld){0};
+    report->first_close = -1;
     if ((result = slvi_alloc(env, "vertices", view->nverts, sizeof *out->to, &out->to)) ||
         (result = slvi_alloc(env, "vertices", view->nverts, sizeof *out->from, &out->from)) ||
         (result = slvi_alloc(env, "polygons", view->npolys, sizeof *out->poly, &out->poly)) ||

@@ -1,5 +1,5 @@
 /* Meshes with one texture coordinate a vertex, and what keeps some from having one. */
-#include "mesh/wrap/weld.h"
+#include "mesh/wrap/round.h"
 
 #include "base/log.h"
 #include "base/memory.h"
@@ -8,7 +8,7 @@
 #include <string.h>
 
 #define TURN 6.28318530717958647692
-#define SAME 1e-5f    /* coordinates that are one */
+#define SAME SLVI_WRAP_SAME
 enum { LISTED = 64 }; /* values of a vertex that are compared with another */
 
 static const char *const maps[] = {"keep", "cylinder", "torus", "sphere"};
@@ -29,15 +29,6 @@ bool slv_wrap_map_from_name(const char *name, slv_wrap_map *out) {
         *out = (slv_wrap_map)value;
     return found;
 }
-
-/* Coordinates on their way: one pair a side, and then a list of values for each vertex. */
-typedef struct coordinates {
-    float *at;      /* 2 per side; NaN: none */
-    bool round[2];  /* the axis goes round */
-    float *values;  /* 2 per value */
-    int32_t *index; /* per side its value, or -1 */
-    uint32_t count;
-} coordinates;
 
 static float turn_of(double y, double x) {
     double u = atan2(y, x) / TURN;
@@ -103,7 +94,7 @@ static bool map_point(const frame *f, const float *p, float uv[2]) {
 
 /* Sides at poles have the angle of what is around in their own polygon. */
 static void map_positions(const slv_mesh_view *view, const slvi_weld *w,
-                          const slv_wrap_params *params, coordinates *c) {
+                          const slv_wrap_params *params, slvi_wrap_values *c) {
     const frame f = frame_of(view, w, params);
     uint32_t first = 0;
     c->round[0] = true;
@@ -126,57 +117,71 @@ static void map_positions(const slv_mesh_view *view, const slvi_weld *w,
     }
 }
 
-/* ---- from those that there are ---- */
+/* ---- one value a vertex ---- */
 
-static void take(const slv_mesh_view *view, const slvi_weld *w, coordinates *c) {
+static bool is_same(const float *a, const float *b, const bool round[2]) {
+    for (int axis = 0; axis < 2; axis++)
+        if (!(fabsf(round[axis] ? slv_wrap_step(a[axis], b[axis]) : b[axis] - a[axis]) < SAME))
+            return false;
+    return true;
+}
+
+/* Lists each vertex's values; along what goes round those that are whole numbers apart are one. */
+static void list_values(const slvi_weld *w, slvi_wrap_values *c) {
+    c->count = 0;
+    for (uint32_t v = 0; v < w->nverts; v++)
+        c->head[v] = -1;
+    for (uint32_t s = 0; s < w->nsides; s++) {
+        const float *at = c->at + 2 * (size_t)s;
+        int32_t *end = &c->head[w->verts[s]];
+        c->index[s] = -1;
+        if (isnan(at[0]))
+            continue;
+        for (int tried = 0; *end >= 0 && tried < LISTED; end = &c->next[*end], tried++)
+            if (is_same(c->values + 2 * (size_t)*end, at, c->round)) {
+                c->index[s] = *end;
+                break;
+            }
+        if (c->index[s] >= 0)
+            continue;
+        int32_t made = (int32_t)c->count++;
+        c->next[made] = *end;
+        *end = made;
+        memcpy(c->values + 2 * (size_t)made, at, 2 * sizeof *at);
+        c->index[s] = made;
+    }
+}
+
+/* Into 0..1 along what goes round. */
+static void settle(slvi_wrap_values *c) {
+    for (uint32_t i = 0; i < c->count; i++)
+        for (int axis = 0; axis < 2; axis++) {
+            float *at = &c->values[2 * i + (uint32_t)axis];
+            if (c->round[axis] && fabsf(*at) <= SLVI_WRAP_FARTHEST)
+                *at -= floorf(*at);
+        }
+}
+
+/* Those that the mesh has, and which way they go round. */
+static slv_result take(const slv_env *env, const slv_mesh_view *view, const slvi_weld *w,
+                       slvi_wrap_values *c, slvi_wrap_node **nodes) {
     for (uint32_t s = 0; s < w->nsides; s++) {
         int32_t id = view->poly_texcoords ? view->poly_texcoords[w->side[s]] : -1;
         for (int axis = 0; axis < 2; axis++)
             c->at[2 * (size_t)s + (size_t)axis] =
                 id >= 0 ? view->texcoords[2 * (size_t)id + (size_t)axis] : NAN;
     }
-}
-
-/* ---- one value a vertex ---- */
-
-static bool is_same(const float *a, const float *b) {
-    return fabsf(slv_wrap_step(a[0], b[0])) < SAME && fabsf(slv_wrap_step(a[1], b[1])) < SAME;
-}
-
-/* Lists each vertex's values; those that are whole numbers apart are one, and tell which way the
- * map goes round. */
-static void list_values(const slvi_weld *w, int32_t *head, int32_t *next, coordinates *c) {
-    for (uint32_t v = 0; v < w->nverts; v++)
-        head[v] = -1;
-    for (uint32_t s = 0; s < w->nsides; s++) {
-        const float *at = c->at + 2 * (size_t)s;
-        int32_t *end = &head[w->verts[s]];
-        c->index[s] = -1;
-        if (isnan(at[0]))
-            continue;
-        for (int tried = 0; *end >= 0 && tried < LISTED; end = &next[*end], tried++)
-            if (is_same(c->values + 2 * (size_t)*end, at)) {
-                c->index[s] = *end;
-                for (int axis = 0; axis < 2; axis++)
-                    c->round[axis] |= fabsf(c->values[2 * *end + axis] - at[axis]) > 0.5f;
-                break;
-            }
-        if (c->index[s] >= 0)
-            continue;
-        int32_t made = (int32_t)c->count++;
-        next[made] = *end;
-        *end = made;
-        memcpy(c->values + 2 * (size_t)made, at, 2 * sizeof *at);
-        c->index[s] = made;
-    }
-    for (uint32_t i = 0; i < c->count; i++)
-        for (int axis = 0; axis < 2; axis++)
-            if (c->round[axis])
-                c->values[2 * i + (uint32_t)axis] -= floorf(c->values[2 * i + (uint32_t)axis]);
+    c->round[0] = c->round[1] = true;
+    list_values(w, c);
+    slv_result result = slvi_alloc_plain(env, "texture coordinates", (uint64_t)w->npolys + c->count,
+                                         sizeof **nodes, nodes);
+    if (!result)
+        slvi_wrap_find_round(w, c, *nodes);
+    return result;
 }
 
 /* How far the coordinates of a polygon are apart as the mesh had them. */
-static float span_before(const slvi_weld *w, const coordinates *c, uint32_t p, uint32_t first,
+static float span_before(const slvi_weld *w, const slvi_wrap_values *c, uint32_t p, uint32_t first,
                          int axis) {
     float least = INFINITY, most = -INFINITY;
     for (uint32_t s = first; s < first + (uint32_t)w->sizes[p]; s++) {
@@ -188,15 +193,24 @@ static float span_before(const slvi_weld *w, const coordinates *c, uint32_t p, u
 
 /* Coordinates that the mesh `had` say by themselves how far a polygon reaches: one from 0 to 1 has
  * nothing left of the map where both become one value. */
-static void judge(const slvi_weld *w, bool had, const int32_t *poly_from, const int32_t *head,
-                  const int32_t *next, const coordinates *c, slv_wrap_report *report) {
+static void judge(const slvi_weld *w, bool had, const int32_t *poly_from, const slvi_wrap_values *c,
+                  slv_wrap_report *report) {
     uint32_t first = 0;
-    report->first_many = report->first_wide = -1;
+    report->first_many = report->many_poly = report->first_wide = report->first_far = -1;
     for (uint32_t v = 0; v < w->nverts; v++)
-        if (head[v] >= 0 && next[head[v]] >= 0 && !report->nmany++)
+        if (c->head[v] >= 0 && c->next[c->head[v]] >= 0 && !report->nmany++)
             report->first_many = (int32_t)v;
     for (uint32_t p = 0; p < w->npolys; first += (uint32_t)w->sizes[p++]) {
-        bool wide = false, over[2] = {false, false};
+        bool wide = false, far = false, over[2] = {false, false};
+        for (uint32_t s = first; s < first + (uint32_t)w->sizes[p]; s++) {
+            far |= slvi_wrap_is_far(c->at + 2 * (size_t)s);
+            if (report->many_poly < 0 && w->verts[s] == report->first_many)
+                report->many_poly = poly_from[p];
+        }
+        if (far && !report->nfar++)
+            report->first_far = poly_from[p];
+        if (far)
+            continue;
         for (int axis = 0; axis < 2 && c->index[first] >= 0; axis++) {
             float start = c->values[2 * c->index[first] + axis];
             float low = 0, high = 0, least = start, most = start;
@@ -304,23 +318,28 @@ static slv_result make(const slv_env *env, const slv_mesh *mesh, const slv_wrap_
                        slv_wrap_report *report, slv_mesh **out) {
     slv_mesh_view view = mesh->view;
     slvi_weld w;
-    coordinates c = {0};
+    slvi_wrap_values c = {0};
     rest r = {0};
-    int32_t *head = NULL, *next = NULL;
+    slvi_wrap_node *nodes = NULL;
+    int32_t *user = NULL; /* per value a polygon */
     slv_result result = slvi_weld_make(env, mesh, !params->keep_vertices, report, &w);
     if (result || (result = slvi_alloc(env, "texture coordinates", w.nsides, 8, &c.at)) ||
         (result = slvi_alloc(env, "texture coordinates", w.nsides, 8, &c.values)) ||
         (result = slvi_alloc(env, "texture coordinates", w.nsides, 4, &c.index)) ||
-        (result = slvi_alloc(env, "texture coordinates", w.nverts, 4, &head)) ||
-        (result = slvi_alloc(env, "texture coordinates", w.nsides, 4, &next)) ||
+        (result = slvi_alloc(env, "texture coordinates", w.nverts, 4, &c.head)) ||
+        (result = slvi_alloc(env, "texture coordinates", w.nsides, 4, &c.next)) ||
+        (result = slvi_alloc(env, "texture coordinates", w.nsides, 4, &user)) ||
         (result = rest_make(env, &mesh->view, &w, &view, &r)))
         goto done;
     if (params->map)
         map_positions(&mesh->view, &w, params, &c);
-    else
-        take(&mesh->view, &w, &c);
-    list_values(&w, head, next, &c);
-    judge(&w, !params->map, r.poly_from, head, next, &c, report);
+    else if ((result = take(env, &mesh->view, &w, &c, &nodes)))
+        goto done;
+    list_values(&w, &c);
+    settle(&c);
+    judge(&w, !params->map, r.poly_from, &c, report);
+    if (nodes)
+        slvi_wrap_find_ends(&w, &c, nodes, r.poly_from, user, report);
     view.nverts = w.nverts;
     view.npolys = w.npolys;
     view.poly_sizes = w.sizes;
@@ -336,8 +355,10 @@ done:
     slvi_free(c.at);
     slvi_free(c.values);
     slvi_free(c.index);
-    slvi_free(head);
-    slvi_free(next);
+    slvi_free(c.head);
+    slvi_free(c.next);
+    slvi_free(nodes);
+    slvi_free(user);
     rest_free(&r);
     slvi_weld_free(&w);
     return result;

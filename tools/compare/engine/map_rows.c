@@ -10,6 +10,8 @@
 /* Floats of a vertex: position, normal, and texture coordinates. */
 enum { BARE_BYTES = 6 * sizeof(float), VERTEX_BYTES = 8 * sizeof(float) };
 
+#define SAME 1e-5f /* coordinates that are one, as `selvage wrap` has it */
+
 /* A whole polygon is moved to where its least coordinate is in 0..1: beside the end of the map that
  * is where a program that duplicates vertices has it. */
 static void settle(const slv_mesh_view *view, slv_wrap_round round, float *corners) {
@@ -20,7 +22,7 @@ static void settle(const slv_mesh_view *view, slv_wrap_round round, float *corne
             for (uint32_t i = 0; i < 4 * count; i++)
                 least = fminf(least, corners[2 * i + (uint32_t)axis]);
             for (uint32_t i = 0; i < 4 * count && round >> axis & 1; i++)
-                corners[2 * i + (uint32_t)axis] -= floorf(least);
+                corners[2 * i + (uint32_t)axis] -= floorf(least + SAME);
         }
         corners += (size_t)8 * count;
     }
@@ -29,7 +31,7 @@ static void settle(const slv_mesh_view *view, slv_wrap_round round, float *corne
 /* Coordinates as near as makes no difference are one, also across the end. */
 static float once_of(float value) {
     float rest = value - floorf(value);
-    return rest < 1 - 1e-6f ? rest : 0;
+    return rest < 1 - SAME ? rest : 0;
 }
 
 static void find_cuts(const slv_adjacency *adjacency, slv_wrap_round round,
@@ -79,6 +81,8 @@ void map_coordinates_free(map_coordinates *c) {
 
 /* ---- vertices ---- */
 
+enum { LISTED = 64 }; /* values of a vertex that are compared with another */
+
 typedef struct vertex {
     int32_t position;
     float at[2];
@@ -94,9 +98,14 @@ static int by_vertex(const void *a, const void *b) {
     return 0;
 }
 
-static bool is_same(const vertex *a, const vertex *b) {
-    return a->position == b->position && fabsf(a->at[0] - b->at[0]) < 1e-5f &&
-           fabsf(a->at[1] - b->at[1]) < 1e-5f;
+/* Whether one of the values before `i` at its position is as near as makes no difference. They are
+ * in the order of u, by which those of one u need not be side by side. */
+static bool is_listed(const vertex *list, size_t i) {
+    for (size_t k = i; k-- > 0 && i - k <= LISTED && list[k].position == list[i].position &&
+                       list[i].at[0] - list[k].at[0] < SAME;)
+        if (fabsf(list[i].at[1] - list[k].at[1]) < SAME)
+            return true;
+    return false;
 }
 
 /* Different pairs of a position and coordinates; without any, positions that polygons have. */
@@ -120,7 +129,7 @@ static slv_result count_vertices(const slv_env *env, const slv_mesh_view *view,
     qsort(list, nsides, sizeof *list, by_vertex);
     *out = 0;
     for (size_t i = 0; i < nsides; i++)
-        *out += i == 0 || !is_same(&list[i - 1], &list[i]);
+        *out += !is_listed(list, i);
     free(list);
     return SLV_OK;
 }
