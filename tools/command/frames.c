@@ -148,7 +148,7 @@ static slv_result list_folder(const slv_env *env, const char *pattern, size_t be
 /* What may not be meant of frames begin..end-1 of a pattern, which are in the order of their
  * numbers. */
 static void warn_of_gaps(const char *pattern, const numbered *list, uint32_t count,
-                         const others *others) {
+                         const others *rest) {
     uint32_t missing = 0, from = 0, to = 0;
     for (uint32_t i = 1; i < count; i++) {
         if (list[i].number == list[i - 1].number + 1)
@@ -163,9 +163,9 @@ static void warn_of_gaps(const char *pattern, const numbered *list, uint32_t cou
         cli_warning("%s: %u numbers between %u and %u are missing, and have no picture: the first "
                     "gap is %u to %u",
                     pattern, missing, list[0].number, list[count - 1].number, from, to);
-    if (others->count && others->first)
+    if (rest->count && rest->first)
         cli_warning("%s: %u files have numbers of another width, and are left out: the first is %s",
-                    pattern, others->count, others->first);
+                    pattern, rest->count, rest->first);
 }
 
 slv_result frames_find(const slv_env *env, const char *pattern, frames_list *out) {
