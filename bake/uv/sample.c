@@ -18,14 +18,18 @@ ALWAYS float value_at(const uv_tile *tile, enum storage storage, const float *ta
 
 ALWAYS void decode(const uv_tile *tile, enum storage storage, uint32_t n, size_t at, uint32_t count,
                    uv_pixel *out) {
-    bool has_alpha = n == 2 || n == 4;
+    const bool has_alpha = n == 2 || n == 4;
     for (uint32_t i = 0; i < count; i++, at += n) {
-        uv_pixel pixel = {0, 0, 0, 0};
+        float value[4] = {0, 0, 0, 0};
         for (uint32_t c = 0; c < n; c++)
-            pixel[c] = value_at(tile, storage,
+            value[c] = value_at(tile, storage,
                                 has_alpha && c == n - 1 ? tile->alphas : tile->colors, at + c);
-        for (uint32_t c = 0; has_alpha && tile->straight && c + 1 < n; c++)
-            pixel[c] *= pixel[n - 1];
+        /* made at once: one channel after another goes through memory */
+        uv_pixel pixel = {value[0], value[1], value[2], value[3]};
+        if (n == 4 && tile->straight)
+            pixel *= (uv_pixel){value[3], value[3], value[3], 1};
+        if (n == 2 && tile->straight)
+            pixel *= (uv_pixel){value[1], 1, 1, 1};
         out[i] = pixel;
     }
 }
