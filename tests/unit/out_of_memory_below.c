@@ -97,7 +97,7 @@ static bool loses(const calls_entry *entry) {
            entry->call == call_triangles || entry->call == call_exr ||
            entry->call == call_transfer_from || entry->call == call_streams ||
            entry->call == call_blank || entry->call == call_bake_recipe ||
-           entry->call == call_bake_colors;
+           entry->call == call_bake_colors || entry->call == call_unbake_normals;
 }
 
 /* OpenEXRCore tells want of memory as damage where it packs, libpng as a failure of any kind,
