@@ -142,6 +142,25 @@ static int log2_of(uint32_t scale) {
     return log2;
 }
 
+/* Undo and redo: all that was asked for, or nothing. */
+static slv_result go_back(const slv_env *env, struct session *s) {
+    slv_document *document = slv_session_document(s->session);
+    slv_history_info history;
+    slv_result result = SLV_OK;
+    slv_document_history(document, &history);
+    if (s->undo > history.undos)
+        return output_fail(env, SLV_ERROR_ARGUMENT, "%s: %u to undo, of %u that there are", s->path,
+                           s->undo, history.undos);
+    if (s->redo > history.redos + s->undo)
+        return output_fail(env, SLV_ERROR_ARGUMENT, "%s: %u to redo, of %u that there are", s->path,
+                           s->redo, history.redos + s->undo);
+    for (uint32_t i = 0; !result && i < s->undo; i++)
+        result = slv_document_undo(document);
+    for (uint32_t i = 0; !result && i < s->redo; i++)
+        result = slv_document_redo(document);
+    return result;
+}
+
 static slv_result work(const slv_env *env, struct session *s) {
     const slv_session_params how = {.as_saved = s->as_saved};
     const bool makes = s->new_from || s->replay;
@@ -156,10 +175,8 @@ static slv_result work(const slv_env *env, struct session *s) {
     const char *const inputs[] = {result ? NULL : slv_session_made_of(s->session)};
     if (!result && s->export)
         result = output_check_inputs(env, s->export, inputs, 1);
-    for (uint32_t i = 0; !result && i < s->undo; i++)
-        result = slv_document_undo(slv_session_document(s->session));
-    for (uint32_t i = 0; !result && i < s->redo; i++)
-        result = slv_document_redo(slv_session_document(s->session));
+    if (!result)
+        result = go_back(env, s);
     if (!result && s->script)
         result = run_script(env, s);
     if (!result && s->merge)

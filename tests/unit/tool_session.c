@@ -2,6 +2,8 @@
 #include "kit/mesh_shapes.h"
 #include "kit/tool_kit.h"
 
+#include <selvage/text.h>
+
 static const char box[] = "v 0 0 0\nv 2 0 0\nv 2 1 0\nv 0 1 0\nv 0 0 2\nv 2 0 2\nv 2 1 2\nv 0 1 2\n"
                           "f 4 3 2 1\nf 5 6 7 8\nf 1 2 6 5\nf 2 3 7 6\nf 3 4 8 7\nf 4 1 5 8\n";
 static const char script[] =
@@ -34,6 +36,36 @@ static void check_kept(void) {
     test_remove(tool_path("again.selvage"));
 }
 
+/* A script says of a layer what it cares for. */
+static void check_layers(void) {
+    static const char layers[] = "{\"op\":\"add-layer\",\"name\":\"top\",\"blend\":\"multiply\"}\n"
+                                 "{\"op\":\"set-layer\",\"layer\":3,\"opacity\":0.5}\n";
+    static const struct {
+        const char *line, *says;
+    } wrong[] = {
+        {"{\"op\":\"add-layer\",\"above\":\"x\"}", "above: expected the id of the layer below"},
+        {"{\"op\":\"set-layer\",\"layer\":3,\"blend\":7}", "blend: expected a blend mode"},
+        {"{\"op\":\"set-layer\",\"layer\":3,\"hidden\":1}", "hidden: expected true or false"},
+        {"{\"op\":\"set-layer\",\"opacity\":0}", "layer: expected a layer's id"}};
+    RUNS(0, "session layers.selvage --new in.ptx -q");
+    tool_write_file("l.jsonl", layers, sizeof layers - 1);
+    RUNS(0, "session layers.selvage --script l.jsonl");
+    HAS("3 layers");
+    slv_env env = test_env();
+    char *text = NULL;
+    size_t size;
+    MUST(slv_text_load(&env, tool_path("layers.selvage/journal"), &text, &size));
+    CHECK(strstr(text, "\"name\":\"top\",\"opacity\":1.0,\"blend\":\"multiply\",\"hidden\":false"));
+    CHECK(strstr(text, "\"name\":\"top\",\"opacity\":0.5,\"blend\":\"multiply\",\"hidden\":false"));
+    slv_free(text);
+    for (size_t i = 0; i < sizeof wrong / sizeof *wrong; i++) {
+        tool_write_file("l.jsonl", wrong[i].line, strlen(wrong[i].line));
+        RUNS(1, "session layers.selvage --script l.jsonl");
+        HAS("l.jsonl: line 1: ");
+        HAS(wrong[i].says);
+    }
+}
+
 int main(void) {
     tool_begin();
     tool_write_file("box.obj", box, sizeof box - 1);
@@ -57,7 +89,12 @@ int main(void) {
     RUNS(0, "session s.selvage --undo 0");
     HAS("7 lines");
     RUNS(1, "session s.selvage --undo 1");
-    HAS("nothing to undo");
+    HAS("1 to undo, of 0 that there are");
+    RUNS(1, "session s.selvage --redo 3");
+    HAS("3 to redo, of 0 that there are");
+    RUNS(0, "session s.selvage");
+    HAS("7 lines"); /* nothing was done by halves */
+    check_layers();
     RUNS(0, "session s.selvage --script s.jsonl --save --edits undone.ptx");
     HAS("2 faces appended");
     RUNS(0, "session s.selvage --edits undone.ptx");

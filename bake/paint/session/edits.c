@@ -119,10 +119,36 @@ typedef struct reading {
     slv_result result;
 } reading;
 
+/* What a key is to be. */
 static void wrong(reading *r, const char *key) {
+    static const struct {
+        const char *key, *expected;
+    } all[] = {{"layer", "a layer's id"},
+               {"above", "the id of the layer below it, 0 for the topmost"},
+               {"index", "a place from the lowest layer up, 0 first"},
+               {"copy", "an id that no layer had, or 0"},
+               {"name", "a text of less than 64 bytes"},
+               {"opacity", "a number from 0 to 1"},
+               {"value", "a number from 0 to 1"},
+               {"blend", "a blend mode, as normal or multiply"},
+               {"hidden", "true or false"},
+               {"locked", "true or false"},
+               {"type", "uint8, uint16, half or float"},
+               {"fill", "a number for each channel"},
+               {"faces", "a list of faces"},
+               {"res", "[log2 of width, log2 of height] of each face"},
+               {"file", "the name of a texture beside the journal"},
+               {"op", "an operation of sessions"}};
+    size_t i = 0;
+    while (i + 1 < SLVI_COUNT(all) && strcmp(all[i].key, key) != 0)
+        i++;
     if (!r->result)
-        r->result = slvi_fail(&r->document->env, SLV_ERROR_FORMAT,
-                              "%s: %s is not what it should be", r->name, key);
+        r->result = slvi_fail(&r->document->env, SLV_ERROR_FORMAT, "%s: %s: expected %s", r->name,
+                              key, all[i].expected);
+}
+
+static bool has(const reading *r, const char *key) {
+    return json_object_get(r->edit, key) != NULL;
 }
 
 static uint32_t get_number(reading *r, const char *key) {
@@ -144,14 +170,25 @@ static float get_real(reading *r, const json_t *value, const char *key) {
     return (float)number;
 }
 
+static void get_flag(reading *r, const char *key, bool *flag) {
+    const json_t *value = json_object_get(r->edit, key);
+    if (value && !json_is_boolean(value))
+        wrong(r, key);
+    *flag = value ? json_is_true(value) : *flag;
+}
+
+/* Those that a line says; the others stay. */
 static void get_props(reading *r, slv_layer_props *props) {
-    const char *name = json_string_value(json_object_get(r->edit, "name"));
-    *props =
-        (slv_layer_props){.opacity = get_real(r, json_object_get(r->edit, "opacity"), "opacity"),
-                          .hidden = json_is_true(json_object_get(r->edit, "hidden")),
-                          .locked = json_is_true(json_object_get(r->edit, "locked"))};
-    if (!slv_blend_from_name(json_string_value(json_object_get(r->edit, "blend")), &props->blend))
+    const json_t *blend = json_object_get(r->edit, "blend");
+    if (has(r, "opacity"))
+        props->opacity = get_real(r, json_object_get(r->edit, "opacity"), "opacity");
+    get_flag(r, "hidden", &props->hidden);
+    get_flag(r, "locked", &props->locked);
+    if (blend && !slv_blend_from_name(json_string_value(blend), &props->blend))
         wrong(r, "blend");
+    if (!has(r, "name"))
+        return;
+    const char *name = json_string_value(json_object_get(r->edit, "name"));
     if (!name || strlen(name) >= sizeof props->name)
         wrong(r, "name");
     else
@@ -197,14 +234,16 @@ static slv_res *get_res(reading *r, uint32_t count) {
 }
 
 static void add_layer(reading *r) {
-    slv_layer_props props;
-    slv_layer_params params = {
-        .props = &props, .above = get_number(r, "above"), .id = get_number(r, "layer")};
+    slv_layer_props props = {.opacity = 1};
+    slv_layer_params params = {.props = &props,
+                               .above = has(r, "above") ? get_number(r, "above") : 0,
+                               .id = has(r, "layer") ? get_number(r, "layer") : 0};
     const json_t *fill = json_object_get(r->edit, "fill");
     float texel[SLVI_MOST_CHANNELS] = {0};
     slv_res *res = NULL;
     get_props(r, &props);
-    if (!slv_type_from_name(json_string_value(json_object_get(r->edit, "type")), &params.type))
+    if (has(r, "type") &&
+        !slv_type_from_name(json_string_value(json_object_get(r->edit, "type")), &params.type))
         wrong(r, "type");
     if (fill && json_array_size(fill) != r->document->nchannels)
         wrong(r, "fill");
@@ -237,13 +276,13 @@ static void choose(reading *r) {
 
 static slv_result apply(reading *r, slvi_op_kind kind) {
     slv_document *document = r->document;
-    slv_layer_props props = {0};
+    slv_layer_info info = {0};
     uint32_t id = get_number(r, "layer"), other = 0;
     float value = 0;
     if (kind == SLVI_OP_MOVE || kind == SLVI_OP_DUPLICATE)
         other = get_number(r, kind == SLVI_OP_MOVE ? "index" : "copy");
-    else if (kind == SLVI_OP_SET)
-        get_props(r, &props);
+    else if (kind == SLVI_OP_SET && slv_document_layer(document, id, &info))
+        get_props(r, &info.props);
     else if (kind == SLVI_OP_ADD_MASK)
         value = get_real(r, json_object_get(r->edit, "value"), "value");
     if (r->result)
@@ -258,7 +297,7 @@ static slv_result apply(reading *r, slvi_op_kind kind) {
     case SLVI_OP_MERGE:
         return slv_document_merge_down(document, id);
     case SLVI_OP_SET:
-        return slv_document_set_layer(document, id, &props);
+        return slv_document_set_layer(document, id, &info.props);
     case SLVI_OP_ADD_MASK:
         return slv_document_add_mask(document, id, value);
     default:
