@@ -2,7 +2,7 @@
 #include "kit/mesh_shapes.h"
 #include "kit/tool_kit.h"
 
-#include <selvage/text.h>
+#include <selvage/file.h>
 
 static const char box[] = "v 0 0 0\nv 2 0 0\nv 2 1 0\nv 0 1 0\nv 0 0 2\nv 2 0 2\nv 2 1 2\nv 0 1 2\n"
                           "f 4 3 2 1\nf 5 6 7 8\nf 1 2 6 5\nf 2 3 7 6\nf 3 4 8 7\nf 4 1 5 8\n";
