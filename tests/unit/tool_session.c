@@ -91,9 +91,14 @@ int main(void) {
     RUNS(1, "session s.selvage --undo 1");
     HAS("1 to undo, of 0 that there are");
     RUNS(1, "session s.selvage --redo 3");
-    HAS("3 to redo, of 0 that there are");
+    HAS("3 to redo, of 2 that there are");
     RUNS(0, "session s.selvage");
     HAS("7 lines"); /* nothing was done by halves */
+    /* what was undone can be redone in another process */
+    RUNS(0, "session s.selvage --redo 2 --export redone.ptx");
+    RUNS(0, "diff out.ptx redone.ptx");
+    RUNS(0, "session s.selvage --undo 2");
+    HAS("0 to undo, 2 to redo");
     check_layers();
     RUNS(0, "session s.selvage --script s.jsonl --save --edits undone.ptx");
     HAS("2 faces appended");

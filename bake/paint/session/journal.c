@@ -114,9 +114,8 @@ static bool begins(const slvi_journal_text *text, uint64_t i, const char *with) 
 }
 
 bool slvi_journal_survivors(const slvi_journal_text *text, uint64_t line, uint64_t *live,
-                            uint64_t *count, bool *whole) {
-    uint64_t redo = 0;
-    *count = 0;
+                            uint64_t *count, uint64_t *undone, bool *whole) {
+    *count = *undone = 0;
     *whole = true;
     for (uint64_t i = 0; i < text->count; i++) {
         if (text->lines[i].number <= line)
@@ -130,15 +129,15 @@ bool slvi_journal_survivors(const slvi_journal_text *text, uint64_t line, uint64
             if (!*count)
                 return false;
             --*count;
-            redo++;
+            ++*undone;
         } else if (begins(text, i, "{\"op\":\"redo\"")) {
-            if (!redo)
+            if (!*undone)
                 return false;
             ++*count;
-            redo--;
+            --*undone;
         } else {
             live[(*count)++] = i;
-            redo = 0;
+            *undone = 0;
         }
     }
     return true;

@@ -152,6 +152,21 @@ static slv_result replay(slv_session *session, const slvi_journal_text *text, co
     return result;
 }
 
+/* What could be redone can be again. It is no part of what is there: if it cannot be done, there is
+ * less to redo. */
+static slv_result replay_undone(slv_session *session, const slvi_journal_text *text,
+                                const uint64_t *lines, uint64_t count) {
+    uint64_t done = 0;
+    slv_result result = SLV_OK;
+    session->replaying = session->quiet = true;
+    while (done < count && replay_line(session, text, lines[done]) == SLV_OK)
+        done++;
+    for (session->quiet = false; done && !result; done--)
+        result = slv_document_undo(session->document);
+    session->replaying = false;
+    return result;
+}
+
 /* What is at the journal's end and no whole line: torn off, or kept if there is more behind it. */
 static slv_result cut(slv_session *session, const slvi_journal_text *text) {
     uint64_t torn = session->journal.size - text->end;
@@ -181,11 +196,11 @@ static slv_result sweep(const slv_session *session) {
  * it from its beginning. */
 static slv_result forget(slv_session *session, const slvi_journal_text *text, uint64_t line,
                          uint64_t *live) {
-    uint64_t count = 0;
+    uint64_t count = 0, undone;
     bool whole;
     slv_result result = SLV_OK;
-    if (session->params.unkept || !slvi_journal_survivors(text, line, live, &count, &whole) ||
-        !whole)
+    if (session->params.unkept ||
+        !slvi_journal_survivors(text, line, live, &count, &undone, &whole) || !whole)
         return SLV_OK;
     json_t *undo = json_pack("{s:s}", "op", "undo");
     for (uint64_t i = 0; i < count && !result; i++)
@@ -197,7 +212,8 @@ static slv_result forget(slv_session *session, const slvi_journal_text *text, ui
 /* From the states, newest first, the one to go on from. */
 static slv_result choose(slv_session *session, const slvi_journal_text *text,
                          const uint64_t *states, uint64_t nstates, uint64_t *live) {
-    uint64_t line = 0, count = 0, last = text->count ? text->lines[text->count - 1].number : 0;
+    uint64_t line = 0, count = 0, undone = 0,
+             last = text->count ? text->lines[text->count - 1].number : 0;
     bool whole = true;
     slv_result result = SLV_ERROR_FORMAT;
     for (uint64_t i = 0; i < nstates; i++) {
@@ -209,7 +225,8 @@ static slv_result choose(slv_session *session, const slvi_journal_text *text,
             continue;
         if (i == 0)
             session->saved_line = line;
-        if (session->params.as_saved || slvi_journal_survivors(text, line, live, &count, &whole)) {
+        if (session->params.as_saved ||
+            slvi_journal_survivors(text, line, live, &count, &undone, &whole)) {
             session->floor = states[i];
             break;
         }
@@ -224,10 +241,14 @@ static slv_result choose(slv_session *session, const slvi_journal_text *text,
         if ((result = forget(session, text, line, live)))
             return result;
         whole = text->count == 0 || last <= line;
-        count = 0;
+        count = undone = 0;
     }
-    if ((result = replay(session, text, live, count, &whole)) || whole || session->params.unkept)
+    if ((result = replay(session, text, live, count, &whole)))
         return result;
+    if (whole)
+        return replay_undone(session, text, live + count, undone);
+    if (session->params.unkept)
+        return SLV_OK;
     /* later lines follow on what is there now */
     return slv_session_save(session);
 }

@@ -143,12 +143,12 @@ static slv_result replay_line(const replaying *r, const slvi_journal_text *text,
 static slv_result replay_all(const replaying *r) {
     const slv_session *from = r->from;
     slvi_journal_text text = {0};
-    uint64_t *live = NULL, count = 0;
+    uint64_t *live = NULL, count = 0, undone = 0;
     bool whole = true;
     slv_result result = slvi_journal_scan(&from->journal, &text);
     if (!result)
         result = slvi_alloc(&from->env, "journal", text.count, sizeof *live, &live);
-    if (!result && (!slvi_journal_survivors(&text, 0, live, &count, &whole) || !whole))
+    if (!result && (!slvi_journal_survivors(&text, 0, live, &count, &undone, &whole) || !whole))
         result = slvi_fail(&from->env, SLV_ERROR_FORMAT,
                            "%s: lines are missing, and it cannot be done again from its beginning",
                            from->journal.path);

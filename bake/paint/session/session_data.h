@@ -37,9 +37,10 @@ void slvi_journal_close(slvi_journal *journal);
 slv_result slvi_journal_scan(const slvi_journal *journal, slvi_journal_text *out);
 void slvi_journal_free(slvi_journal_text *text);
 /* Which lines after number `line` were not undone, and how many: false if something from before
- * was. `*whole` says whether no line is missing. `live` has room for all. */
+ * was. Behind those in `live`, which has room for all, are *undone more that could be redone at the
+ * end. `*whole` says whether no line is missing. */
 bool slvi_journal_survivors(const slvi_journal_text *text, uint64_t line, uint64_t *live,
-                            uint64_t *count, bool *whole);
+                            uint64_t *count, uint64_t *undone, bool *whole);
 /* Cuts off what is behind `end`. */
 slv_result slvi_journal_cut(slvi_journal *journal, uint64_t end);
 /* Appends a line, which then is on the disk unless the journal is relaxed; if it cannot be, nothing
