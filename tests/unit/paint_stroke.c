@@ -149,6 +149,34 @@ static void taps_and_mirrors(slv_env *env, const slv_brush *brush) {
     paint_scene_end(&s);
 }
 
+/* On its own mirror a dab is put once, on two of them too; beside one, twice. */
+static void on_the_mirror(slv_env *env, const slv_brush *brush) {
+    static const slv_mirror mirrors[2] = {{{2, 2, 0}, {1, 0, 0}}, {{2, 2, 0}, {0, 1, 0}}};
+    static const struct {
+        double x, y;
+        unsigned dabs;
+    } all[] = {{2, 2, 1}, {2, 0.7, 2}, {0.9, 2, 2}, {1.9, 2, 2}, {1.9, 1.8, 4}};
+    shape p = paint_plane(4, 4);
+    paint_scene s = paint_scene_of(env, &p, SLV_SCHEME_BILINEAR, 5, SLV_TYPE_U8, 3, -1);
+    for (size_t i = 0; i < sizeof all / sizeof *all; i++) {
+        const slv_stroke_params params = {.brush = brush,
+                                          .paint = {.color = {1, 1, 1}, .opacity = 0.5f},
+                                          .radius = RADIUS,
+                                          .mirrors = mirrors,
+                                          .nmirrors = 2};
+        const slv_stroke_sample sample = {.at = paint_below(&s, all[i].x, all[i].y), .pressure = 1};
+        slv_stroke *stroke = NULL;
+        slv_stroke_stats stats;
+        MUST(slv_stroke_begin(s.painter, &s.canvas, &params, &stroke));
+        MUST(slv_stroke_add(stroke, &sample, 1));
+        MUST(slv_stroke_end(stroke, &stats));
+        CHECK_MSG(stats.dabs == all[i].dabs && stats.missed == 0, "%g %g: %u dabs", all[i].x,
+                  all[i].y, (unsigned)stats.dabs);
+        slv_stroke_destroy(stroke);
+    }
+    paint_scene_end(&s);
+}
+
 /* Every file below a folder that ends in .myb; paints a short stroke with it. */
 static void paint_with_all(paint_scene *s, const char *folder, uint32_t *count) {
     DIR *dir = opendir(folder);
@@ -213,6 +241,7 @@ int main(void) {
     MUST(slv_brush_create(&env, &soft, &round));
     rates(&env, round, "round");
     taps_and_mirrors(&env, round);
+    on_the_mirror(&env, round);
     slv_result result = slv_brush_parse(&env, "plain", plain, strlen(plain), &mypaint);
     CHECK(result == SLV_OK || result == SLV_ERROR_UNSUPPORTED);
     if (mypaint) {

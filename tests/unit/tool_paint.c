@@ -246,6 +246,16 @@ static void wrong_scripts(void) {
         {"{\"radius\": 1, \"brush\": {\"hard\": 1}, \"samples\": [[0, 0, 0]]}", "hard"},
         {"{\"radius\": 1, \"camera\": {}, \"samples\": [[0, 0]]}", "size"},
         {"{\"radius\": 1, \"unit\": \"pixels\", \"samples\": [[0, 0, 0]]}", "radius"},
+        {"{\"radius\": 1, \"size\": [9, 9], \"camera\": {\"azimut\": 3}, \"samples\": [[1, 1]]}",
+         "camera: expected world_to_camera"},
+        {"{\"radius\": 1, \"size\": [9, 9], \"camera\": {\"world_to_camera\": [0,0,0,0,0,0,0,0,0,0,"
+         "0,0,0,0,0,1], \"window\": [-1,1,-1,1]}, \"samples\": [[1, 1]]}",
+         "that turn and move"},
+        {"{\"radius\": 1, \"channels\": [0.7, 1.9], \"samples\": [[0, 0, 0]]}", "channels"},
+        {"{\"radius\": 1, \"face\": 1, \"samples\": [[0, 0, 0]]}", "face: expected a fill"},
+        {"{\"radius\": 1, \"mirror\": [{\"point\": [0,0,0], \"normal\": [1,0,0], \"foo\": 1}], "
+         "\"samples\": [[0, 0, 0]]}",
+         "planes with a point"},
         {"{\"radius\": 1e30, \"samples\": [[0, 0, 0]]}", "at most 1e18"},
         {"{\"radius\": 1, \"samples\": [[0, 0, 0, 7]]}", "pressures from 0 to 1"},
         {"{\"radius\": 1, \"samples\": [[0, 0, 0, 1, 0, 2]]}", "tilts from -1 to 1"},

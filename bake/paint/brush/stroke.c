@@ -43,15 +43,34 @@ static void put(slv_stroke *s, const slv_stroke_dab *dab) {
     s->stats.texels += patches.ntexels;
 }
 
+/* Whether a mirrored dab is one that was put already: a round one on its own mirror, of which one
+ * is enough. */
+static bool is_again(const slv_stroke *s, const slv_stroke_dab *dab, float (*centres)[3],
+                     uint32_t *count) {
+    float *own = centres[*count];
+    if (dab->on_screen || dab->laid || dab->dab.aspect > 1 ||
+        !slv_paint_surface_at(slv_painter_get_surface(s->painter), dab->dab.at, own, NULL, NULL))
+        return false;
+    for (uint32_t i = 0; i < *count; i++)
+        if (hypotf(hypotf(own[0] - centres[i][0], own[1] - centres[i][1]),
+                   own[2] - centres[i][2]) <= 1e-3f * dab->dab.radius)
+            return true;
+    ++*count;
+    return false;
+}
+
 /* A dab and its mirrored ones. */
 static void put_all(slv_stroke *s, const slv_stroke_dab *dab) {
+    float centres[1u << SLV_MIRRORS][3];
+    uint32_t count = 0;
+    (void)is_again(s, dab, centres, &count);
     put(s, dab);
     for (unsigned which = 1; which < 1u << s->params.nmirrors; which++) {
         slv_stroke_dab other;
-        if (slvi_mirror_dab(s, which, dab, &other))
-            put(s, &other);
-        else
+        if (!slvi_mirror_dab(s, which, dab, &other))
             s->stats.missed++;
+        else if (!is_again(s, &other, centres, &count))
+            put(s, &other);
     }
 }
 

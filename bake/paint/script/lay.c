@@ -75,20 +75,6 @@ void slvi_script_free_images(slv_script *script) {
     slvi_free(script->images);
 }
 
-/* Whether an object has only keys of a list. */
-static bool knows(json_t *value, const char *const *keys, size_t count) {
-    const char *key;
-    json_t *entry;
-    json_object_foreach(value, key, entry) {
-        size_t i = 0;
-        while (i < count && strcmp(keys[i], key) != 0)
-            i++;
-        if (i == count)
-            return false;
-    }
-    return json_is_object(value);
-}
-
 /* An optional number of an object. */
 static bool get(json_t *value, const char *key, double low, double high, float *out) {
     json_t *entry = json_object_get(value, key);
@@ -116,9 +102,9 @@ slv_result slvi_script_read_stamp(slvi_reading *r, const char *key, json_t *valu
     if (is_none(r, value))
         return SLV_OK;
     *ink = (slv_ink){.kind = SLV_INK_STAMP};
-    if (!file || (json_is_object(value) &&
-                  (!knows(value, known, 3) || !get(value, "angle", -36000, 36000, &ink->angle) ||
-                   !get_flag(value, "legible", &ink->legible))))
+    if (!file || (json_is_object(value) && (!slvi_script_knows(value, known, 3) ||
+                                            !get(value, "angle", -36000, 36000, &ink->angle) ||
+                                            !get_flag(value, "legible", &ink->legible))))
         return wrong(r, key, "the name of an image, or an object with file, angle and legible");
     return image_of(r, file, &ink->image);
 }
@@ -136,7 +122,7 @@ slv_result slvi_script_read_image(slvi_reading *r, const char *key, json_t *valu
     r->line->image_at = at != NULL;
     if (!file || (at && !slvi_script_numbers(at, 2, 2, place)) ||
         (json_is_object(value) &&
-         (!knows(value, known, 4) || !get(value, "width", 1e-3, 1e6, &ink->size) ||
+         (!slvi_script_knows(value, known, 4) || !get(value, "width", 1e-3, 1e6, &ink->size) ||
           !get(value, "angle", -36000, 36000, &ink->angle))))
         return wrong(r, key,
                      "the name of an image, or an object with file, at [x, y], width and angle");
@@ -154,7 +140,7 @@ slv_result slvi_script_read_gradient(slvi_reading *r, const char *key, json_t *v
     *ink = (slv_ink){.kind = SLV_INK_GRADIENT};
     for (int c = 0; c < SLV_PAINT_CHANNELS; c++)
         ink->color[c] = 1;
-    if (!knows(value, known, 4) ||
+    if (!slvi_script_knows(value, known, 4) ||
         !slvi_script_numbers(json_object_get(value, "from"), 3, 3, ink->from) ||
         !slvi_script_numbers(json_object_get(value, "to"), 3, 3, ink->to) ||
         !slvi_script_numbers(color, 1, SLV_PAINT_CHANNELS, ink->color) ||
@@ -215,7 +201,7 @@ slv_result slvi_script_read_where(slvi_reading *r, const char *key, json_t *valu
     r->line->facing = r->line->masked = false;
     if (json_is_null(value))
         return SLV_OK;
-    if (!knows(value, known, 8) || !get(value, "degrees", 1e-3, 180, &mask->degrees) ||
+    if (!slvi_script_knows(value, known, 8) || !get(value, "degrees", 1e-3, 180, &mask->degrees) ||
         !get(value, "channel", 0, 65535, &number) || !get_flag(value, "facing", &r->line->facing) ||
         !get_flag(value, "mask", &of_mask) || !get_flag(value, "inverse", &mask->inverse) ||
         (faces && !read_faces(r, faces)) ||
@@ -255,7 +241,7 @@ slv_result slvi_script_read_symmetry(slvi_reading *r, const char *key, json_t *v
     r->line->lay.symmetry = NULL;
     if (json_is_null(value))
         return SLV_OK;
-    bool fine = knows(value, known, 3);
+    bool fine = slvi_script_knows(value, known, 3);
     if (pair) {
         for (size_t i = 0; fine && i < 2; i++) {
             json_t *one = json_array_get(pair, i);

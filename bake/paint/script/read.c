@@ -79,7 +79,8 @@ static slv_result read_lock(slvi_reading *r, const char *key, json_t *value) {
 
 static slv_result read_channels(slvi_reading *r, const char *key, json_t *value) {
     float range[2];
-    if (!slvi_script_numbers(value, 2, 2, range) || !(range[0] >= 0 && range[0] < 65536) ||
+    if (!slvi_script_numbers(value, 2, 2, range) || !json_is_integer(json_array_get(value, 0)) ||
+        !json_is_integer(json_array_get(value, 1)) || !(range[0] >= 0 && range[0] < 65536) ||
         !(range[1] >= 0 && range[1] <= SLV_PAINT_CHANNELS))
         return slvi_script_wrong(r, key, "the first channel and how many, 1 to 8");
     if (range[0] + range[1] > (float)r->script->nchannels || range[0] >= r->script->nchannels)
@@ -123,13 +124,15 @@ static slv_result read_blur(slvi_reading *r, const char *key, json_t *value) {
 }
 
 static slv_result read_mirror(slvi_reading *r, const char *key, json_t *value) {
+    static const char *const known[] = {"point", "normal"};
     slvi_line *line = r->line;
     size_t count = json_array_size(value);
-    if (!json_is_array(value) || count > SLV_MIRRORS)
+    if ((!json_is_array(value) && !json_is_null(value)) || count > SLV_MIRRORS)
         return slvi_script_wrong(r, key, "up to 3 planes");
     for (size_t i = 0; i < count; i++) {
         json_t *plane = json_array_get(value, i);
-        if (!slvi_script_numbers(json_object_get(plane, "point"), 3, 3, line->mirrors[i].point) ||
+        if (!slvi_script_knows(plane, known, SLVI_COUNT(known)) ||
+            !slvi_script_numbers(json_object_get(plane, "point"), 3, 3, line->mirrors[i].point) ||
             !slvi_script_numbers(json_object_get(plane, "normal"), 3, 3, line->mirrors[i].normal))
             return slvi_script_wrong(r, key,
                                      "planes with a point and a normal, three numbers each");
@@ -212,23 +215,46 @@ static const struct {
             {"where", slvi_script_read_where},
             {"symmetry", slvi_script_read_symmetry}};
 
+/* Whether a camera has three directions, and a window of some size. */
+static bool sees(const slv_camera *c) {
+    const float *m = c->world_to_camera;
+    double volume = 0;
+    for (int i = 0; i < 3; i++) {
+        int j = (i + 1) % 3, k = (i + 2) % 3;
+        volume += (double)m[i] *
+                  ((double)m[4 + j] * (double)m[8 + k] - (double)m[4 + k] * (double)m[8 + j]);
+    }
+    return fabs(volume) > 0 && isfinite(volume) && c->window[0] != c->window[1] &&
+           c->window[2] != c->window[3];
+}
+
 /* A matrix and a window, as in slv_camera; or an orbit around the surface. */
 static slv_result make_camera(const slvi_reading *r) {
     slv_stroke_params *s = &r->line->stroke;
     json_t *camera = r->line->camera, *matrix = json_object_get(camera, "world_to_camera");
     float azimuth = 30, elevation = 20, fov = 35, low[3], high[3];
+    static const char *const by_matrix[] = {"world_to_camera", "window", "perspective"},
+                             *const by_orbit[] = {"azimuth", "elevation", "fov"};
     s->in_picture = true;
+    if (!(matrix ? slvi_script_knows(camera, by_matrix, SLVI_COUNT(by_matrix))
+                 : slvi_script_knows(camera, by_orbit, SLVI_COUNT(by_orbit))))
+        return slvi_script_wrong(r, "camera",
+                                 "world_to_camera, window and perspective, or azimuth, elevation "
+                                 "and fov");
     if (!s->width || !s->height)
         return slvi_script_wrong(r, "camera", "a size of the picture beside it");
     if (matrix) {
         json_t *perspective = json_object_get(camera, "perspective");
         s->camera.perspective = json_is_true(perspective);
-        return slvi_script_numbers(matrix, 16, 16, s->camera.world_to_camera) &&
+        return (!perspective || json_is_boolean(perspective)) &&
+                       slvi_script_numbers(matrix, 16, 16, s->camera.world_to_camera) &&
                        slvi_script_numbers(json_object_get(camera, "window"), 4, 4,
-                                           s->camera.window)
+                                           s->camera.window) &&
+                       sees(&s->camera)
                    ? SLV_OK
                    : slvi_script_wrong(r, "camera",
-                                       "world_to_camera of 16 numbers and window of 4");
+                                       "world_to_camera of 16 numbers that turn and move, window "
+                                       "of 4 with an area, and perspective true or false");
     }
     const struct {
         const char *key;
@@ -277,6 +303,8 @@ slv_result slvi_script_read(slv_script *script, uint64_t number, json_t *root, s
         return result;
     if (out->samples && out->op != SLVI_SCRIPT_STROKE)
         return slvi_script_wrong(&r, "samples", "a stroke, which has \"op\": \"stroke\" or none");
+    if (json_object_get(root, "face") && out->op == SLVI_SCRIPT_STROKE)
+        return slvi_script_wrong(&r, "face", "a fill, which has \"op\": \"fill\"");
     if (out->op == SLVI_SCRIPT_STROKE && out->stroke.project && !out->stroke.in_picture)
         return slvi_script_wrong(&r, "project", "a camera and a size of the picture beside it");
     if (out->op == SLVI_SCRIPT_FILL && out->face < 0)

@@ -78,6 +78,8 @@ slv_result slvi_script_wrong(const slvi_reading *r, const char *key, const char 
 bool slvi_script_number(json_t *value, double low, double high, float *out);
 /* As many numbers as `least` to `most`. */
 bool slvi_script_numbers(json_t *value, size_t least, size_t most, float *out);
+/* Whether an object has only keys of a list. */
+bool slvi_script_knows(json_t *value, const char *const *keys, size_t count);
 /* How paint is laid. */
 slv_result slvi_script_read_stamp(slvi_reading *r, const char *key, json_t *value);
 slv_result slvi_script_read_image(slvi_reading *r, const char *key, json_t *value);
