@@ -73,7 +73,7 @@ float covered_part(float a) {
 
 void main() {
     vec3 n = eye_normal / max(length(eye_normal), 1e-20), there = covered_normal / max(length(covered_normal), 1e-20);
-    n = mix(n, there, clamp(length(n - there) * 20.0 - 1.0, 0.0, 1.0));
+    n = mix(n, there, clamp(length(n - there) * 30.0 - 1.0, 0.0, 1.0));
     n /= max(length(n), 1e-20);
     vec3 i = perspective != 0 ? normalize(eye_position) : vec3(0.0, 0.0, -1.0);
     float ka = ambient_diffuse.x, kd = ambient_diffuse.y;
