@@ -1,36 +1,12 @@
-/* Half floats to floats and back, rounded to nearest even. */
+/* Half floats to floats and back, rounded half up in magnitude. */
+#include "base/half.h"
+
 #include <selvage/half.h>
 
-#include <math.h>
-#include <string.h>
-
-static float float_of(uint32_t bits) {
-    float value;
-    memcpy(&value, &bits, sizeof value);
-    return value;
-}
-
 float slv_half_to_float(uint16_t half) {
-    uint32_t sign = (uint32_t)(half & 0x8000u) << 16;
-    uint32_t exponent = (half >> 10) & 0x1f, mantissa = half & 0x3ffu;
-    if (exponent == 31)
-        return float_of(sign | 0x7f800000u | mantissa << 13);
-    if (exponent)
-        return float_of(sign | (exponent + 112) << 23 | mantissa << 13);
-    float magnitude = (float)mantissa * 0x1p-24f;
-    return sign ? -magnitude : magnitude;
+    return slvi_half_to_float(half);
 }
 
 uint16_t slv_half_from_float(float value) {
-    uint32_t bits;
-    memcpy(&bits, &value, sizeof bits);
-    uint32_t sign = bits >> 16 & 0x8000u, magnitude = bits & 0x7fffffffu;
-    if (magnitude == 0)
-        return 0;
-    if (magnitude >= 0x7f800000u) /* infinity, NaN: keep the top mantissa bits */
-        return (uint16_t)(sign | 0x7c00u | (magnitude >> 13 & 0x3ffu));
-    if (magnitude < 0x38800000u) /* below 2^-14 */
-        return (uint16_t)(sign | (uint32_t)(fabs((double)value) * 0x1p24 + 0.5));
-    uint32_t rounded = (magnitude - 0x38000000u + 0x1000u) >> 13;
-    return (uint16_t)(sign | (rounded < 0x7c00u ? rounded : 0x7c00u));
+    return slvi_half_from_float(value);
 }

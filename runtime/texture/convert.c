@@ -1,7 +1,7 @@
 /* Values of the four types as floats, and back. */
+#include "base/half.h"
 #include "base/names.h"
 
-#include <selvage/half.h>
 #include <selvage/texture.h>
 
 #include <string.h>
@@ -101,19 +101,19 @@ void slv_type_from_float(slv_type type, const float *values, size_t count, void 
     case SLV_TYPE_U8: {
         uint8_t *to = out;
         for (size_t i = 0; i < count; i++)
-            to[i] = (uint8_t)clamp_to(values[i], 255.0f);
+            to[i] = (uint8_t)(int32_t)clamp_to(values[i], 255.0f);
         break;
     }
     case SLV_TYPE_U16: {
         uint16_t *to = out;
         for (size_t i = 0; i < count; i++)
-            to[i] = (uint16_t)clamp_to(values[i], 65535.0f);
+            to[i] = (uint16_t)(int32_t)clamp_to(values[i], 65535.0f);
         break;
     }
     case SLV_TYPE_HALF: {
         uint16_t *to = out;
         for (size_t i = 0; i < count; i++)
-            to[i] = slv_half_from_float(values[i]);
+            to[i] = slvi_half_from_float(values[i]);
         break;
     }
     case SLV_TYPE_FLOAT:

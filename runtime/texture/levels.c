@@ -1,10 +1,9 @@
 /* Every level of every face, each a mean of the one above. */
+#include "base/half.h"
 #include "base/log.h"
 #include "base/memory.h"
 #include "texture/reduce.h"
 #include "texture/texture_data.h"
-
-#include <selvage/half.h>
 
 #include <assert.h>
 #include <string.h>
@@ -39,10 +38,10 @@
 #define U16_4(a, b, c, d) INT4(uint16_t, a, b, c, d)
 #define FLOAT_2(a, b) (0.5f * ((a) + (b)))
 #define FLOAT_4(a, b, c, d) (0.25f * (((a) + (b)) + ((c) + (d))))
-#define HALF_2(a, b) slv_half_from_float(FLOAT_2(slv_half_to_float(a), slv_half_to_float(b)))
+#define HALF_2(a, b) slvi_half_from_float(FLOAT_2(slvi_half_to_float(a), slvi_half_to_float(b)))
 #define HALF_4(a, b, c, d)                                                                         \
-    slv_half_from_float(FLOAT_4(slv_half_to_float(a), slv_half_to_float(b), slv_half_to_float(c),  \
-                                slv_half_to_float(d)))
+    slvi_half_from_float(FLOAT_4(slvi_half_to_float(a), slvi_half_to_float(b),                     \
+                                 slvi_half_to_float(c), slvi_half_to_float(d)))
 
 DEFINE_MEANS(u8, uint8_t, U8_2, U8_4)
 DEFINE_MEANS(u16, uint16_t, U16_2, U16_4)

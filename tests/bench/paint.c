@@ -1,12 +1,19 @@
-/* bench_paint [--threads N] [--faces N] [--smoke]
+/* bench_paint [--threads N] [--faces N] [--strokes N] [--smoke]
  *
  * Dabs on meshes of 10 thousand, 100 thousand and a million faces (or of N): one that covers 100
- * thousand texels, and one of two thousand; from the dab to the texels of a store. Medians, wall
- * time, and the processor's where others use the machine. And what is allocated a dab once it goes
- * on. */
+ * thousand texels, and one of two thousand. First from the dab to the texels of a store; then the
+ * whole way, from the dab on a layer of a document to what the GPU holds (levels, borders, corners;
+ * the software driver's threads count), on faces that were painted before and on faces that had one
+ * value; and its undo. Then strokes of a session, the last of N (10 thousand) beside the tenth on.
+ * Medians of the processor's time, since others may use the machine. And what is allocated a dab
+ * once it goes on. */
 #include "kit/bench_kit.h"
 
-#include <selvage/canvas.h>
+#include <selvage/document.h>
+#include <selvage/gl_live.h>
+#include <selvage/gl_strategy.h>
+#include <selvage/lay.h>
+#include <selvage/session.h>
 #include <selvage/threads.h>
 
 #include <stdatomic.h>
@@ -23,6 +30,10 @@ static void *count_allocation(void *user, size_t bytes) {
 static void release(void *user, void *memory) {
     (void)user;
     free(memory);
+}
+
+static double now(void) {
+    return 1e3 * bench_seconds(CLOCK_PROCESS_CPUTIME_ID);
 }
 
 /* side x side quads of a gentle wave, one unit each. */
@@ -56,99 +67,323 @@ static slv_mesh *make_mesh(const slv_env *env, uint32_t side) {
     return mesh;
 }
 
-typedef struct timing {
-    double wall, processor, texels, allocated;
-} timing;
+typedef struct scene {
+    const slv_env *env;
+    slv_gl *gl;
+    uint32_t side;
+    slv_painter *painter;
+    const slv_adjacency *adjacency;
+    slv_res *res;
+    float radius;
+} scene;
 
-/* Dabs of a radius in random places; 2^log2 texels along a face's side. */
-static timing time_dabs(slv_painter *painter, slv_texture *texture, uint32_t side, float radius,
-                        uint32_t count) {
-    enum { MOST = 512 };
-    static double wall[MOST], processor[MOST];
-    const slv_canvas canvas = slv_texture_as_canvas(texture);
-    const slv_res *res = slv_texture_get_desc(texture)->res;
-    const slv_paint paint = {.color = {0.8f, 0.2f, 0.1f}, .opacity = 0.2f};
-    uint32_t state = 7, warm = count / 2;
-    timing out = {0};
+/* The i-th of the places, which are the same each time; of the faces' middle part. */
+static slv_dab dab_at(const scene *s, uint32_t i, float wider) {
+    uint32_t state = 7 + 7919 * i;
+    for (int k = 0; k < 8; k++)
+        bench_random(&state);
+    uint32_t x = (uint32_t)((float)s->side * (0.2f + 0.6f * bench_random_unit(&state))),
+             y = (uint32_t)((float)s->side * (0.2f + 0.6f * bench_random_unit(&state)));
+    float u = bench_random_unit(&state), v = bench_random_unit(&state);
+    return (slv_dab){
+        .at = {(int32_t)(y * s->side + x), u, v}, .radius = wider * s->radius, .hardness = 0.6f};
+}
+
+static slv_patches put_dab(const scene *s, const slv_res *res, const slv_canvas *canvas, uint32_t i,
+                           float wider) {
+    /* another one each time, or what lies in many ends as one value */
+    const slv_paint paint = {.color = {0.8f, 0.2f, (float)(i % 7) / 7}, .opacity = 0.2f};
+    const slv_dab dab = dab_at(s, i, wider);
+    slv_patches patches;
+    bench_stop(slv_painter_cover(s->painter, res, &dab, &patches));
+    bench_stop(slv_painter_apply(s->painter, canvas, &patches, &paint));
+    return patches;
+}
+
+enum { MOST = 64 };
+
+/* From the dab to a store. */
+static void time_store(const scene *s, uint32_t count) {
+    static double times[MOST];
+    slv_texture *texture = NULL;
+    const slv_texture_desc desc = {.nfaces = s->side * s->side,
+                                   .type = SLV_TYPE_U16,
+                                   .nchannels = 4,
+                                   .alpha_channel = 3,
+                                   .res = s->res};
+    double texels = 0;
+    uint32_t faces = 0;
     unsigned long before = 0;
-    for (uint32_t i = 0; i < warm + count; i++) {
+    bench_stop(slv_texture_create(s->env, &desc, &texture));
+    const slv_canvas canvas = slv_texture_as_canvas(texture);
+    for (uint32_t i = 0; i < 2 * count; i++) {
         /* the same places again: faces that were constant have room by then */
-        if (i % warm == 0)
-            state = 7;
-        uint32_t x = (uint32_t)((float)side * (0.2f + 0.6f * bench_random_unit(&state))),
-                 y = (uint32_t)((float)side * (0.2f + 0.6f * bench_random_unit(&state)));
-        const slv_dab dab = {
-            .at = {(int32_t)(y * side + x), bench_random_unit(&state), bench_random_unit(&state)},
-            .radius = radius,
-            .hardness = 0.6f};
-        slv_patches patches;
-        if (i == warm)
+        if (i == count)
             before = atomic_load(&allocations);
-        double w = bench_seconds(CLOCK_MONOTONIC), p = bench_seconds(CLOCK_PROCESS_CPUTIME_ID);
-        bench_stop(slv_painter_cover(painter, res, &dab, &patches));
-        bench_stop(slv_painter_apply(painter, &canvas, &patches, &paint));
-        if (i < warm)
+        double begin = now();
+        slv_patches patches = put_dab(s, desc.res, &canvas, i % count, 1);
+        if (i < count)
             continue;
-        wall[i - warm] = bench_seconds(CLOCK_MONOTONIC) - w;
-        processor[i - warm] = bench_seconds(CLOCK_PROCESS_CPUTIME_ID) - p;
+        times[i - count] = now() - begin;
+        faces += patches.count;
         for (uint32_t k = 0; k < patches.count; k++) {
             size_t n = (size_t)patches.list[k].rect.width * patches.list[k].rect.height;
             for (size_t t = 0; t < n; t++)
-                out.texels += patches.list[k].coverage[t] > 0;
+                texels += patches.list[k].coverage[t] > 0;
         }
     }
-    out.texels /= count;
-    out.allocated = (double)(atomic_load(&allocations) - before) / count;
-    out.wall = 1e3 * bench_median(wall, count);
-    out.processor = 1e3 * bench_median(processor, count);
-    return out;
+    printf("  %ux%u texels a face, radius %.2f faces: %.0f texels on %u faces\n", 1u << s->res->u,
+           1u << s->res->v, (double)s->radius, texels / count, faces / count);
+    printf("    to a store                  %8.3f ms, %.2f allocations\n",
+           bench_median(times, count), (double)(atomic_load(&allocations) - before) / count);
+    fflush(stdout);
+    slv_texture_destroy(texture);
 }
 
-static void run(slv_env *env, uint32_t faces, bool smoke) {
+/* What is allocated for dabs with an image, a mask of faces and of an angle, and a symmetry, once
+ * places have been painted. */
+static void count_laid(const scene *s) {
+    static float pixels[3 * 16 * 16];
+    const slv_image image = {.width = 16, .height = 16, .nchannels = 3, .pixels = pixels};
+    const uint32_t faces[2] = {0, s->side}, nfaces = s->side * s->side;
+    const unsigned edges[2] = {2, 0};
+    const slv_paint paint = {.opacity = 0.2f};
+    uint8_t *masked = malloc(nfaces);
+    slv_symmetry *symmetry = NULL;
+    slv_texture *texture = NULL;
+    const slv_texture_desc desc = {.nfaces = nfaces,
+                                   .type = SLV_TYPE_HALF,
+                                   .nchannels = 3,
+                                   .alpha_channel = -1,
+                                   .res = s->res};
+    unsigned long before = 0;
+    if (!masked)
+        bench_stop(SLV_ERROR_MEMORY);
+    memset(masked, 1, nfaces);
+    for (uint32_t i = 0; i < 3 * 16 * 16; i++)
+        pixels[i] = (float)(i * 7 % 16) / 16;
+    bench_stop(slv_texture_create(s->env, &desc, &texture));
+    bench_stop(slv_symmetry_create(s->env, s->adjacency, faces, edges, &symmetry, NULL));
+    const slv_canvas canvas = slv_texture_as_canvas(texture);
+    const slv_lay lay = {.ink = {.kind = SLV_INK_STAMP, .image = &image},
+                         .mask = {.faces = masked, .towards = {0, 0, 1}, .degrees = 60},
+                         .symmetry = symmetry};
+    for (uint32_t i = 0; i < 16; i++) {
+        slv_dab dab = dab_at(s, i % 8, 1);
+        slv_patches patches;
+        dab.unfold = true;
+        if (i == 8)
+            before = atomic_load(&allocations);
+        bench_stop(slv_painter_cover(s->painter, desc.res, &dab, &patches));
+        bench_stop(slv_painter_lay(s->painter, &canvas, &patches, &paint, &lay, &dab, NULL));
+    }
+    printf("    stamped, masked, mirrored: %.2f allocations\n",
+           (double)(atomic_load(&allocations) - before) / 8);
+    slv_texture_destroy(texture);
+    slv_symmetry_destroy(symmetry);
+    free(masked);
+}
+
+/* A document of two layers, and what the GPU has of it. */
+typedef struct way {
+    const scene *s;
+    slv_document *document;
+    slv_canvas canvas[2];
+    slv_gl_texture *texture;
+    void (*finish)(void);
+} way;
+
+enum { DAB, FLATTEN, UPDATE, ALL, STEPS };
+
+static way begin_way(const scene *s) {
+    way w = {.s = s, .finish = slv_gl_get_function(s->gl, "glFinish")};
+    const slv_strategy *const list[] = {slv_strategy_find("borders")};
+    const slv_gl_texture_params params = {.strategies = list, .nstrategies = 1, .live = true};
+    const slv_document_params flat = {.flat = {.nfaces = s->side * s->side,
+                                               .type = SLV_TYPE_U8,
+                                               .nchannels = 3,
+                                               .alpha_channel = SLV_NO_ALPHA,
+                                               .res = s->res}};
+    bench_stop(slv_document_create(s->env, &flat, s->adjacency, &w.document));
+    for (int i = 0; i < 2; i++) {
+        uint32_t layer;
+        bench_stop(slv_document_add_layer(w.document, NULL, &layer));
+        bench_stop(slv_document_canvas(w.document, layer, false, &w.canvas[i]));
+    }
+    bench_stop(slv_document_flatten(w.document));
+    bench_stop(slv_gl_texture_create(s->gl, s->env, slv_document_texture(w.document), s->adjacency,
+                                     &params, &w.texture));
+    return w;
+}
+
+/* What follows a change of layers, until the driver has it; adds up in times[..][i]. */
+static void show(const way *w, double times[STEPS][MOST], uint32_t i) {
+    double begin = now();
+    bench_stop(slv_document_flatten(w->document));
+    times[FLATTEN][i] = now() - begin;
+    begin = now();
+    bench_stop(slv_gl_texture_update(w->texture, w->s->env, NULL));
+    w->finish();
+    times[UPDATE][i] = now() - begin;
+    times[ALL][i] = times[DAB][i] + times[FLATTEN][i] + times[UPDATE][i];
+}
+
+static void print_times(const char *what, double times[STEPS][MOST], uint32_t count) {
+    double median[STEPS];
+    for (int k = 0; k < STEPS; k++)
+        median[k] = bench_median(times[k], count);
+    printf("    %-27s %8.3f ms: %.3f, flattened %.3f, to the GPU %.3f", what, median[ALL],
+           median[DAB], median[FLATTEN], median[UPDATE]);
+}
+
+/* A dab to the GPU on a layer: which of the two, where it is new and where others were before. */
+static void time_way(const scene *s, uint32_t count) {
+    static double first[STEPS][MOST], again[STEPS][MOST], undo[STEPS][MOST];
+    way w = begin_way(s);
+    const slv_res *res = slv_document_get_desc(w.document)->res;
+    unsigned long before, allocated = 0;
+    for (uint32_t i = 0; i < count; i++) {
+        double begin = now();
+        bench_stop(slv_document_begin(w.document, "dab"));
+        put_dab(s, res, &w.canvas[0], i, 1.2f);
+        bench_stop(slv_document_end(w.document));
+        first[DAB][i] = now() - begin;
+        show(&w, first, i);
+    }
+    for (uint32_t i = 0; i < count; i++) {
+        double begin = now();
+        bench_stop(slv_document_begin(w.document, "dab"));
+        put_dab(s, res, &w.canvas[1], i, 1);
+        again[DAB][i] = now() - begin;
+        show(&w, again, i);
+        before = atomic_load(&allocations); /* a stroke goes on there */
+        put_dab(s, res, &w.canvas[1], i, 1);
+        bench_stop(slv_document_flatten(w.document));
+        bench_stop(slv_gl_texture_update(w.texture, s->env, NULL));
+        allocated += atomic_load(&allocations) - before;
+        bench_stop(slv_document_end(w.document));
+        begin = now();
+        bench_stop(slv_document_undo(w.document));
+        undo[DAB][i] = now() - begin;
+        show(&w, undo, i);
+    }
+    print_times("on blank faces", first, count);
+    print_times("\n    on a layer over others", again, count);
+    printf(", %.2f allocations\n", (double)allocated / count);
+    print_times("undo", undo, count);
+    printf("\n");
+    fflush(stdout);
+    slv_gl_texture_destroy(w.texture);
+    slv_document_destroy(w.document);
+}
+
+static void run(const slv_env *env, slv_gl *gl, uint32_t faces, bool smoke) {
     static const struct {
-        int log2;
+        int8_t log2;
         float radius;
     } dabs[] = {{5, 5.58f}, {5, 0.79f}, {2, 44.6f}};
-    uint32_t side = (uint32_t)sqrt((double)faces);
+    scene s = {.env = env, .gl = gl, .side = (uint32_t)sqrt((double)faces)};
     double begin = bench_seconds(CLOCK_MONOTONIC);
-    slv_mesh *mesh = make_mesh(env, side);
+    slv_mesh *mesh = make_mesh(env, s.side);
     slv_paint_surface *surface = NULL;
-    slv_painter *painter = NULL;
     bench_stop(slv_paint_surface_create(env, mesh, NULL, &surface));
-    bench_stop(slv_painter_create(env, surface, &painter));
-    printf("%u faces: surface made in %.1f s\n", side * side,
+    bench_stop(slv_painter_create(env, surface, &s.painter));
+    s.adjacency = slv_paint_surface_adjacency(surface);
+    printf("%u faces: surface made in %.1f s\n", s.side * s.side,
            bench_seconds(CLOCK_MONOTONIC) - begin);
+    if (!(s.res = malloc(sizeof *s.res * s.side * s.side)))
+        bench_stop(SLV_ERROR_MEMORY);
     for (size_t d = 0; d < sizeof dabs / sizeof *dabs; d++) {
-        slv_res *res = malloc(sizeof *res * side * side);
-        slv_texture *texture = NULL;
-        if (!res)
-            bench_stop(SLV_ERROR_MEMORY);
-        for (uint32_t i = 0; i < side * side; i++)
-            res[i] = (slv_res){(int8_t)dabs[d].log2, (int8_t)dabs[d].log2};
-        const slv_texture_desc desc = {.nfaces = side * side,
-                                       .type = SLV_TYPE_U16,
-                                       .nchannels = 4,
-                                       .alpha_channel = 3,
-                                       .res = res};
-        bench_stop(slv_texture_create(env, &desc, &texture));
-        timing t = time_dabs(painter, texture, side, dabs[d].radius, smoke ? 4 : 64);
-        printf("  %3dx%-3d texels a face, radius %5.2f faces: %9.0f texels, %7.3f ms (processor "
-               "%7.3f ms), %.2f allocations\n",
-               1 << dabs[d].log2, 1 << dabs[d].log2, (double)dabs[d].radius, t.texels, t.wall,
-               t.processor, t.allocated);
-        fflush(stdout);
-        slv_texture_destroy(texture);
-        free(res);
+        for (uint32_t i = 0; i < s.side * s.side; i++)
+            s.res[i] = (slv_res){dabs[d].log2, dabs[d].log2};
+        s.radius = dabs[d].radius;
+        time_store(&s, smoke ? 2 : MOST);
+        if (d == 0)
+            count_laid(&s);
+        time_way(&s, smoke ? 2 : MOST / 2);
     }
-    slv_painter_destroy(painter);
+    free(s.res);
+    slv_painter_destroy(s.painter);
     slv_paint_surface_destroy(surface);
     slv_mesh_destroy(mesh);
+}
+
+/* A stroke of a session, as a window makes it: told in samples, shown, and in the journal. */
+static double time_stroke(slv_session *session, uint32_t i, uint32_t side) {
+    static const char line[] = "{\"radius\":0.79,\"color\":[0.8,0.3,0.2],\"opacity\":0.3}";
+    uint32_t state = 7 + 7919 * i, face;
+    for (int k = 0; k < 8; k++)
+        bench_random(&state);
+    face = (uint32_t)((float)(side * side) * bench_random_unit(&state));
+    double begin = now();
+    bench_stop(slv_session_stroke_begin(session, 2, false, NULL, line, sizeof line - 1));
+    for (int k = 0; k < 3; k++) {
+        const slv_stroke_sample sample = {
+            .at = {(int32_t)face, 0.2f + 0.3f * (float)k, 0.5f}, .pressure = 1, .time = 0.01 * k};
+        bench_stop(slv_session_stroke_add(session, &sample, 1));
+        bench_stop(slv_document_flatten(slv_session_document(session)));
+    }
+    bench_stop(slv_session_stroke_end(session, NULL));
+    bench_stop(slv_document_flatten(slv_session_document(session)));
+    return now() - begin;
+}
+
+/* Whether strokes take longer the more there were; the undo of the last ones, too. */
+static void run_strokes(const slv_env *env, uint32_t side, uint32_t count) {
+    enum { AROUND = 200 };
+    static double early[AROUND], late[AROUND], undo[AROUND];
+    const uint32_t nfaces = side * side, some = count / 4 < AROUND ? count / 4 : AROUND;
+    char folder[64], path[96], remove[96];
+    slv_res *res = malloc(sizeof *res * nfaces);
+    slv_mesh *mesh = make_mesh(env, side);
+    slv_texture *texture = NULL;
+    slv_session *session = NULL;
+    const slv_session_params params = {.relaxed = true}; /* the disk is nobody's processor */
+    snprintf(folder, sizeof folder, "/tmp/" BENCH_NAME "_XXXXXX");
+    if (!res || !mkdtemp(folder))
+        bench_stop(SLV_ERROR_IO);
+    snprintf(path, sizeof path, "%s/strokes.selvage", folder);
+    for (uint32_t i = 0; i < nfaces; i++)
+        res[i] = (slv_res){5, 5};
+    const slv_texture_desc desc = {
+        .nfaces = nfaces, .type = SLV_TYPE_U8, .nchannels = 3, .alpha_channel = -1, .res = res};
+    bench_stop(slv_texture_create(env, &desc, &texture));
+    bench_stop(slv_session_create_from(env, path, mesh, texture, &params, &session));
+    for (uint32_t i = 0; i < 10; i++)
+        time_stroke(session, i, side);
+    for (uint32_t i = 10; i < count; i++) {
+        /* the same places early and late, so that it is the same work */
+        uint32_t place = i + some >= count ? i + some - count : i - 10;
+        double time = time_stroke(session, 1000000 + place, side);
+        if (i < 10 + some)
+            early[i - 10] = time;
+        else if (i + some >= count)
+            late[i + some - count] = time;
+    }
+    for (uint32_t i = 0; i < some; i++) {
+        double begin = now();
+        bench_stop(slv_document_undo(slv_session_document(session)));
+        bench_stop(slv_document_flatten(slv_session_document(session)));
+        undo[i] = now() - begin;
+    }
+    double first = bench_median(early, some), last = bench_median(late, some);
+    printf("strokes of a session of %u faces, %u each: from the 10th on %.3f ms, the last of %u "
+           "%.3f ms: %.2f times; undo of those %.3f ms\n",
+           nfaces, some, first, count, last, last / first, bench_median(undo, some));
+    slv_session_destroy(session);
+    slv_texture_destroy(texture);
+    slv_mesh_destroy(mesh);
+    free(res);
+    snprintf(remove, sizeof remove, "rm -rf %s", folder);
+    if (system(remove) != 0)
+        bench_stop(SLV_ERROR_IO);
 }
 
 int main(int argc, char **argv) {
     slv_env env = {.log = bench_log, .allocate = count_allocation, .release = release};
     slv_threads *threads = NULL;
-    uint32_t faces = 0;
+    slv_gl *gl = NULL;
+    uint32_t faces = 0, strokes = 10000;
     bool smoke = false;
     for (int i = 1; i < argc; i++) {
         if (strcmp(argv[i], "--smoke") == 0)
@@ -157,21 +392,30 @@ int main(int argc, char **argv) {
             env.threads = (uint32_t)strtoul(argv[++i], NULL, 10);
         else if (strcmp(argv[i], "--faces") == 0 && i + 1 < argc)
             faces = (uint32_t)strtoul(argv[++i], NULL, 10);
+        else if (strcmp(argv[i], "--strokes") == 0 && i + 1 < argc)
+            strokes = (uint32_t)strtoul(argv[++i], NULL, 10);
         else
-            return fprintf(stderr, "usage: " BENCH_NAME " [--threads N] [--faces N] [--smoke]\n"),
+            return fprintf(stderr, "usage: " BENCH_NAME
+                                   " [--threads N] [--faces N] [--strokes N] [--smoke]\n"),
                    2;
     }
     bench_stop(slv_threads_create(&env, &threads));
     slv_threads_use(threads, &env);
-    printf("%ld processors, %u threads\n", sysconf(_SC_NPROCESSORS_ONLN), env.threads);
+    bench_stop(slv_gl_create(&env, SLV_GL_AUTO, &gl));
+    printf("%ld processors, %u threads; milliseconds of processor time\n",
+           sysconf(_SC_NPROCESSORS_ONLN), env.threads);
     if (smoke) {
-        run(&env, 400, true);
+        run(&env, gl, 400, true);
+        run_strokes(&env, 10, 24);
     } else if (faces) {
-        run(&env, faces, false);
+        run(&env, gl, faces, false);
+        run_strokes(&env, (uint32_t)sqrt((double)faces), strokes);
     } else {
         for (uint32_t n = 10000; n <= 1000000; n *= 10)
-            run(&env, n, false);
+            run(&env, gl, n, false);
+        run_strokes(&env, 100, strokes);
     }
+    slv_gl_destroy(gl);
     slv_threads_destroy(threads);
     return 0;
 }

@@ -2,7 +2,6 @@
 #include "canvas/lay_data.h"
 
 #include "base/log.h"
-#include "base/memory.h"
 
 slv_result slv_painter_lay(slv_painter *painter, const slv_canvas *canvas,
                            const slv_patches *patches, const slv_paint *paint, const slv_lay *lay,
@@ -24,9 +23,10 @@ slv_result slv_painter_lay(slv_painter *painter, const slv_canvas *canvas,
     if (w.desc.nfaces != painter->surface->nfaces)
         return slvi_fail(&painter->env, SLV_ERROR_MISMATCH, "canvas: %u faces on a surface of %u",
                          (unsigned)w.desc.nfaces, (unsigned)painter->surface->nfaces);
-    if ((result =
-             slvi_alloc(&painter->env, "painter", patches->count, sizeof *w.starts, &w.starts)))
+    if ((result = slvi_painter_room(painter, patches->count, sizeof *painter->starts,
+                                    &painter->starts, &painter->start_room)))
         return result;
+    w.starts = painter->starts;
     for (uint32_t i = 0; i < patches->count; i++) {
         w.starts[i] = texels;
         texels += (uint64_t)patches->list[i].rect.width * patches->list[i].rect.height;
@@ -39,6 +39,5 @@ slv_result slv_painter_lay(slv_painter *painter, const slv_canvas *canvas,
     if (!result)
         result = lay->blur > 0 ? slv_painter_blur(painter, canvas, &all, lay->blur, paint->opacity)
                                : slvi_painter_apply(painter, canvas, &all, paint, colors);
-    slvi_free(w.starts);
     return result;
 }

@@ -26,6 +26,7 @@ struct slvi_mirrored {
     uint64_t coverage_room, color_room;
     uint32_t *from; /* per face: one more than its patch, in `round` */
     uint32_t *rounds, round;
+    uint32_t *index; /* per face: one more than the patch that is mirrored, 0 between dabs */
 };
 
 /* The images of the faces beyond the edges of a face and of its own image, if they meet alike. */
@@ -117,6 +118,7 @@ static void end_mirrored(struct slvi_mirrored *m) {
     slvi_free(m->colors);
     slvi_free(m->from);
     slvi_free(m->rounds);
+    slvi_free(m->index);
     slvi_free(m);
 }
 
@@ -129,7 +131,9 @@ static slv_result begin_mirrored(slv_painter *p) {
         return result;
     if ((result = slvi_alloc(&p->env, "symmetry", p->surface->nfaces, sizeof *m->from, &m->from)) ||
         (result =
-             slvi_alloc(&p->env, "symmetry", p->surface->nfaces, sizeof *m->rounds, &m->rounds))) {
+             slvi_alloc(&p->env, "symmetry", p->surface->nfaces, sizeof *m->rounds, &m->rounds)) ||
+        (result =
+             slvi_alloc(&p->env, "symmetry", p->surface->nfaces, sizeof *m->index, &m->index))) {
         end_mirrored(m);
         return result;
     }
@@ -244,20 +248,19 @@ static void fill(const slvi_laying *w, const slv_patch *patch, const uint32_t *i
 slv_result slvi_lay_mirror(slvi_laying *w, slv_patches *out, float **colors) {
     slv_painter *p = w->p;
     const slv_symmetry *s = w->lay->symmetry;
-    uint32_t *index = NULL;
     *out = (slv_patches){0};
     if (s->nfaces != w->desc.nfaces)
         return slvi_fail(&p->env, SLV_ERROR_MISMATCH, "symmetry: of %u faces, for %u",
                          (unsigned)s->nfaces, (unsigned)w->desc.nfaces);
     slv_result result = begin_mirrored(p);
-    if (result || (result = slvi_alloc(&p->env, "symmetry", s->nfaces, sizeof *index, &index)))
+    if (result)
         return result;
     struct slvi_mirrored *m = p->mirrored;
     m->round++;
     for (uint32_t i = 0; i < w->patches->count && !result; i++) {
         const slv_patch *patch = &w->patches->list[i];
         const image to = s->images[patch->face];
-        index[patch->face] = i + 1;
+        m->index[patch->face] = i + 1;
         result = add(w, patch->face, patch->rect, out);
         if (!result && to.face != SLVI_NONE)
             result = add(w, to.face, mirror_rect(w, patch, to.face), out);
@@ -275,12 +278,13 @@ slv_result slvi_lay_mirror(slvi_laying *w, slv_patches *out, float **colors) {
     uint64_t at = 0;
     for (uint32_t i = 0; i < out->count && !result; i++) {
         m->list[i].coverage = m->coverage + at;
-        fill(w, &m->list[i], index, m->coverage + at,
+        fill(w, &m->list[i], m->index, m->coverage + at,
              w->colors ? m->colors + at * SLV_PAINT_CHANNELS : NULL);
         at += (uint64_t)m->list[i].rect.width * m->list[i].rect.height;
     }
     out->list = m->list;
     *colors = w->colors ? m->colors : NULL;
-    slvi_free(index);
+    for (uint32_t i = 0; i < w->patches->count; i++)
+        m->index[w->patches->list[i].face] = 0;
     return result;
 }

@@ -47,6 +47,7 @@ void slv_painter_destroy(slv_painter *painter) {
     if (painter->mirrored)
         painter->end_mirrored(painter->mirrored);
     slvi_free(painter->colors);
+    slvi_free(painter->starts);
     slvi_free(painter->vertices);
     slvi_free(painter->tri_round);
     slvi_free(painter->queue.list);

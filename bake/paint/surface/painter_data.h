@@ -67,6 +67,8 @@ struct slv_painter {
     uint64_t sum_room;
     float *colors; /* SLV_PAINT_CHANNELS for each texel of all patches */
     uint64_t color_room;
+    uint64_t *starts; /* where the texels of each patch that is laid begin */
+    uint64_t start_room;
     struct slvi_mirrored *mirrored; /* canvas/symmetry.c */
     void (*end_mirrored)(struct slvi_mirrored *mirrored);
     struct slvi_blur *blur; /* of the canvas that was blurred last, or NULL; and what ends it */

@@ -289,7 +289,14 @@ static void fill_corner(const build *b, const slv_border_edge edges[4], uint32_t
                 if (x > 1 || y > 1)
                     fill_beyond(b, paths, own, own_x + step_x * x, own_y + step_y * y);
     }
-    if (!slvi_border_vertex_value(&b->view, b->face, b->level, corner, m, d)) {
+    const slv_corner *opposite =
+        slvi_border_opposite(b->view.levels, b->view.adjacency, b->face, corner);
+    if (opposite) {
+        int32_t x, y;
+        slvi_res_corner_texel(b->res, opposite->corner, &x, &y);
+        slvi_border_fetch(&b->view, (uint32_t)opposite->face, b->level, (uint32_t)x, (uint32_t)y,
+                          d);
+    } else if (!slvi_border_vertex_value(&b->view, b->face, b->level, corner, m, d)) {
         slvi_border_across(&b->view, starts, 0, across[0]);
         slvi_border_across(&b->view, ends, (1u << ends->exponent) - 1, across[1]);
         for (uint32_t c = 0; c < b->view.count; c++)

@@ -112,6 +112,11 @@ void slvi_border_across(const slv_border_view *view, const slv_border_edge *edge
 bool slvi_border_vertex_value(const slv_border_view *view, uint32_t face, uint32_t level,
                               uint32_t corner, float *out, float *opposite);
 
+/* Around a corner at which four squares of one resolution meet, the opposite one, whose texel is
+ * the border's there at every level: most corners are such. NULL at others. */
+const slv_corner *slvi_border_opposite(const slv_levels *levels, const slv_adjacency *adjacency,
+                                       uint32_t face, uint32_t corner);
+
 /* Whether levels can meet around a vertex: false where oblong resolutions contradict each other, so
  * that going once around it from level to level ends at another one. */
 bool slvi_border_vertex_fits(const slv_border_view *view, uint32_t face, uint32_t corner);

@@ -27,6 +27,14 @@ static slv_result read_rim(const void *made, uint32_t item, uint32_t level, floa
                                  NULL);
 }
 
+static bool copies(const void *made, uint32_t item) {
+    const slv_form_faces *faces = made;
+    bool all = true;
+    for (uint32_t corner = 0; corner < 4; corner++)
+        all = all && slvi_border_opposite(faces->levels, faces->adjacency, item, corner);
+    return all;
+}
+
 /* Only the innermost border can leave the range of a type, so one texel of border is enough to
  * know. */
 static slv_result leaves_range(const void *made, uint32_t item, bool *out) {
@@ -77,6 +85,7 @@ const slv_form *slv_form_borders(void) {
         .items = slvi_form_faces_items,
         .read = read_level,
         .read_rim = read_rim,
+        .copies = copies,
         .leaves_range = leaves_range,
         .stale = stale,
         .needs = needs,

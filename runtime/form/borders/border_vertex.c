@@ -296,6 +296,23 @@ bool slvi_border_vertex_value(const slv_border_view *view, uint32_t face, uint32
     return opposite && find_opposite(view, &levels, level, position, opposite);
 }
 
+const slv_corner *slvi_border_opposite(const slv_levels *levels, const slv_adjacency *adjacency,
+                                       uint32_t face, uint32_t corner) {
+    uint32_t position;
+    slv_ring ring = slv_adjacency_ring(adjacency, (int32_t)face, corner, &position);
+    slv_res own = levels->res[face];
+    bool part = slv_adjacency_is_subface(adjacency, (int32_t)face);
+    if (!ring.closed || ring.count != 4 || own.u != own.v || levels->vectors)
+        return NULL;
+    for (uint32_t i = 1; i < 4; i++) {
+        int32_t other = ring.corners[(position + i) & 3].face;
+        slv_res res = levels->res[other];
+        if (res.u != own.u || res.v != own.u || slv_adjacency_is_subface(adjacency, other) != part)
+            return NULL;
+    }
+    return &ring.corners[(position + 2) & 3];
+}
+
 bool slvi_border_vertex_fits(const slv_border_view *view, uint32_t face, uint32_t corner) {
     uint32_t position;
     return ring_levels_at(view, face, 0, corner, &position).by_edges;

@@ -149,7 +149,7 @@ static slv_result update_all(struct update *update) {
     resize_faces(update);
     for (uint32_t i = 0; !result && i < texture->nstores; i++)
         result = update_store(update, &texture->stores[i]);
-    if (!result)
+    if (!result && texture->nreaches)
         result = list_stale(live, slv_form_borders(), live->around, &live->faces);
     for (uint32_t i = 0; !result && i < texture->nreaches; i++) {
         slv_gl_reach_row *row = &texture->reaches[i];

@@ -1,10 +1,9 @@
 /* Formats of texels, and the conversion of texels to them. */
 #include "gl/store/format.h"
 
+#include "base/half.h"
 #include "base/log.h"
 #include "base/srgb.h"
-
-#include <selvage/half.h>
 
 #include <string.h>
 
@@ -63,14 +62,14 @@ slv_gl_format slvi_gl_format_srgb(const slv_gl *gl, const uint8_t *srgb,
 
 void slvi_gl_srgb_fill(uint8_t *srgb) {
     for (uint32_t i = 0; i < SLVI_GL_SRGB; i++)
-        srgb[i] = (uint8_t)(255 * slvi_srgb_from_linear(slv_half_to_float((uint16_t)i)) + 0.5f);
+        srgb[i] = (uint8_t)(255 * slvi_srgb_from_linear(slvi_half_to_float((uint16_t)i)) + 0.5f);
 }
 
 /* Alpha, the fourth component, is never encoded. */
 static void encode_texel(const slv_gl_format *format, const float *texel, uint8_t *out) {
     for (uint32_t c = 0; c < format->nsource; c++) {
         float value = texel[c] > 0 ? texel[c] < 1 ? texel[c] : 1 : 0;
-        out[c] = c < 3 ? format->srgb[slv_half_from_float(value)] : (uint8_t)(255 * value + 0.5f);
+        out[c] = c < 3 ? format->srgb[slvi_half_from_float(value)] : (uint8_t)(255 * value + 0.5f);
     }
 }
 
@@ -115,16 +114,29 @@ void slvi_gl_convert(const slv_gl_format *format, const void *texels, uint32_t n
     }
 }
 
+/* Above 1 up to infinity is 1; negative ones are black. */
+static uint16_t of_unit(uint16_t half) {
+    return half <= 0x3c00 ? half : half <= 0x7c00 ? 0x3c00 : 0;
+}
+
 void slvi_gl_convert_half(const slv_gl_format *format, const uint16_t *texels, uint32_t nchannels,
                           size_t count, uint8_t *out) {
     uint32_t colours = format->nsource < 3 ? format->nsource : 3;
+    if (colours == 3 && format->nsource == 3 && format->coverage) { /* by far the most common */
+        for (texels += format->first; count; count--, texels += nchannels, out += 4) {
+            for (uint32_t c = 0; c < 3; c++)
+                out[c] = format->srgb[of_unit(texels[c])];
+            out[3] = 255;
+        }
+        return;
+    }
     for (size_t i = 0; i < count; i++, texels += nchannels, out += format->texel_bytes) {
         const uint16_t *from = texels + format->first;
         memset(out, 0, format->texel_bytes);
-        for (uint32_t c = 0; c < colours; c++) /* above 1 up to infinity; negative ones are black */
-            out[c] = format->srgb[from[c] <= 0x3c00 ? from[c] : from[c] <= 0x7c00 ? 0x3c00 : 0];
+        for (uint32_t c = 0; c < colours; c++)
+            out[c] = format->srgb[of_unit(from[c])];
         if (format->nsource == 4) {
-            float alpha = slv_half_to_float(from[3]);
+            float alpha = slvi_half_to_float(from[3]);
             alpha = alpha > 0 ? alpha < 1 ? alpha : 1 : 0;
             out[3] = (uint8_t)(255 * alpha + 0.5f);
         }

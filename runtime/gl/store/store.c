@@ -115,7 +115,7 @@ slv_result slvi_gl_store_is_wide(const slv_gl_source *source, const slv_gl_store
                                  uint32_t item, bool *out) {
     const slv_form *form = store->pools.form;
     *out = false;
-    if (!form->leaves_range)
+    if (!form->leaves_range || (form->copies && form->copies(store->made, item)))
         return SLV_OK;
     /* colours that were decoded become 8 bits again */
     return source->srgb && store->pools.format.type == SLV_TYPE_U8

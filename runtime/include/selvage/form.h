@@ -55,6 +55,9 @@ typedef struct slv_form {
      * item can be another. */
     slv_result (*read_rim)(const void *made, uint32_t item, uint32_t level, float *scratch,
                            slv_form_texels *out);
+    /* Whether all that lies around an item's own texels are copies of others' texels: then none of
+     * its values leaves a range that these are in. May say no where it is so. NULL: not known. */
+    bool (*copies)(const void *made, uint32_t item);
     /* Whether any value of an item leaves the range of the texture's type; NULL if none can. */
     slv_result (*leaves_range)(const void *made, uint32_t item, bool *out);
     /* Calls `visit` once for each item of which any level may be another if texels of the rectangle
