@@ -232,14 +232,16 @@ struct share {
     const slv_lookup *lookups;
     float (*out)[ROOM];
     size_t count;
+    slv_result result; /* looked at when the thread has ended: the kit counts on one thread */
 };
 
 static void *sample_share(void *user) {
     struct share *share = user;
     slv_sampler *sampler;
-    if (slv_sampler_create(share->cache, &all_params[2], &sampler))
+    if ((share->result = slv_sampler_create(share->cache, &all_params[2], &sampler)))
         return NULL;
-    CHECK(!slv_sample_batch(sampler, share->lookups, share->count, share->out[0], ROOM, NULL));
+    share->result =
+        slv_sample_batch(sampler, share->lookups, share->count, share->out[0], ROOM, NULL);
     slv_sampler_destroy(sampler);
     return NULL;
 }
@@ -262,11 +264,13 @@ static void test_thread_counts(void) {
         }
         for (size_t i = 0; i < count; i++) {
             size_t first = COUNT * i / count, end = COUNT * (i + 1) / count;
-            shares[i] = (struct share){cache, all + first, out[turn] + first, end - first};
+            shares[i] = (struct share){cache, all + first, out[turn] + first, end - first, SLV_OK};
             REQUIRE(pthread_create(&threads[i], NULL, sample_share, &shares[i]) == 0);
         }
-        for (size_t i = 0; i < count; i++)
+        for (size_t i = 0; i < count; i++) {
             pthread_join(threads[i], NULL);
+            CHECK(shares[i].result == SLV_OK);
+        }
         slv_cache_destroy(cache);
     }
     CHECK(memcmp(out[0], out[1], sizeof out[0]) == 0);
