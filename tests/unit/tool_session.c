@@ -48,6 +48,10 @@ static void check_layers(void) {
         {"{\"op\":\"set-layer\",\"layer\":3,\"hidden\":1}", "hidden: expected true or false"},
         {"{\"op\":\"set-layer\",\"opacity\":0}", "layer: expected a layer's id"}};
     RUNS(0, "session layers.selvage --new in.ptx -q");
+    tool_write_file("layers.selvage/journal", "{}\n{}\n", 6);
+    RUNS(0, "session layers.selvage");
+    HAS("layers.selvage/journal: is damaged after line 0");
+    HAS("kept in layers.selvage/journal-damaged");
     tool_write_file("l.jsonl", layers, sizeof layers - 1);
     RUNS(0, "session layers.selvage --script l.jsonl");
     HAS("3 layers");

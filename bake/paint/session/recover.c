@@ -178,6 +178,11 @@ static slv_result cut(slv_session *session, const slvi_journal_text *text) {
     if (torn > 1 && memchr(text->text + text->end, '\n', torn - 1) &&
         !(result = slvi_session_path(&session->env, session->path, "journal-damaged", &path)))
         result = slvi_output_write(&session->env, path, text->text + text->end, torn);
+    if (!result && path)
+        slvi_logf(&session->env, SLV_LOG_WARNING,
+                  "%s: is damaged after line %" PRIu64
+                  ": what came then is not done again, and kept in %s",
+                  session->journal.path, text->count, path);
     slvi_free(path);
     return result ? result : slvi_journal_cut(&session->journal, text->end);
 }
