@@ -12,7 +12,7 @@ enum { VERTEX_BYTES = 32 }; /* of position, normal and texture coordinates in fl
 struct wrap_options {
     const char *paths[2];
     int map, axis;
-    bool keep, json, progress, quiet;
+    bool axis_given, keep, json, progress, quiet;
 };
 
 static void print_limits(const slv_wrap_report *r) {
@@ -130,7 +130,7 @@ int verb_wrap(int argc, char **argv) {
          "(keep)",
          "keep|cylinder|torus|sphere", 0, 0, NULL},
         {"--axis", CLI_CHOICE, &o.axis, "what new ones go around, through the middle (y)", "x|y|z",
-         0, 0, NULL},
+         0, 0, &o.axis_given},
         {"--keep-vertices", CLI_FLAG, &o.keep, "weld nothing", NULL, 0, 0, NULL},
         CLI_JSON(&o.json),
         CLI_PROGRESS(&o.progress),
@@ -150,6 +150,9 @@ int verb_wrap(int argc, char **argv) {
     int code = cli_parse(&command, argc, argv);
     if (code >= 0)
         return code;
+    if (o.axis_given && o.map == 0)
+        return cli_usage(&command,
+                         "--axis: the mesh's own coordinates have none; --map is missing");
     if (!cli_ends_with(o.paths[1], ".obj"))
         return cli_usage(&command, "%s: the name of what is written must end in .obj", o.paths[1]);
     return run_wrap(&o);

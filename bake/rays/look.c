@@ -29,7 +29,10 @@ void slvi_ray_normal(const ray_scene *s, uint32_t triangle, const float weights[
         return;
     }
     for (int c = 0; c < 3; c++) {
-        memcpy(own, s->normals + 3 * (size_t)corners[c], sizeof own);
+        const float *given = s->own_normals ? s->own_normals + 9 * (size_t)triangle + 3 * c : NULL;
+        if (!given || slvi_dot(given, given) <= 0)
+            given = s->normals + 3 * (size_t)corners[c];
+        memcpy(own, given, sizeof own);
         slvi_normalise(own);
         for (int k = 0; k < 3; k++)
             out[k] += w[c] * own[k];

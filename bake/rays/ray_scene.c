@@ -116,6 +116,15 @@ static void add_normal(ray_scene *s, const uint32_t *triangle) {
     }
 }
 
+/* The mesh's own normal at a polygon's corner, if it has one. */
+static void own_normal(const slv_mesh_view *view, size_t corner, float out[3]) {
+    int32_t at = view->poly_normals[corner];
+    for (int k = 0; at >= 0 && k < 3; k++)
+        out[k] = view->normals[3 * (size_t)at + (size_t)k];
+    if (at >= 0 && !(isfinite(out[0]) && isfinite(out[1]) && isfinite(out[2])))
+        out[0] = out[1] = out[2] = 0;
+}
+
 slv_result slvi_ray_scene_of_polygons(const slv_env *env, const slv_mesh *mesh,
                                       const double origin[3], ray_scene *out) {
     const slv_mesh_view *view = slv_mesh_get_view(mesh);
@@ -126,8 +135,11 @@ slv_result slvi_ray_scene_of_polygons(const slv_env *env, const slv_mesh *mesh,
     for (uint32_t poly = 0; poly < view->npolys; poly++)
         ntriangles += (uint64_t)view->poly_sizes[poly] - 2;
     slv_result result = reserve(env, view->nverts, ntriangles, out);
-    if (result || (result = slvi_alloc(env, "rays: normals", (uint64_t)view->nverts + 1,
-                                       3 * sizeof *out->normals, &out->normals)))
+    if (result ||
+        (result = slvi_alloc(env, "rays: normals", (uint64_t)view->nverts + 1,
+                             3 * sizeof *out->normals, &out->normals)) ||
+        (view->poly_normals && (result = slvi_alloc(env, "rays: normals", ntriangles + 1,
+                                                    9 * sizeof(float), &out->own_normals))))
         return result;
     for (uint32_t i = 0; i < 3 * view->nverts; i++)
         out->points[i] = (float)((double)view->positions[i] + view->origin[i % 3] - origin[i % 3]);
@@ -143,6 +155,9 @@ slv_result slvi_ray_scene_of_polygons(const slv_env *env, const slv_mesh *mesh,
             to[1] = (uint32_t)verts[k];
             to[2] = (uint32_t)verts[k + 1];
             add_normal(out, to);
+            for (int c = 0; out->own_normals && c < 3; c++)
+                own_normal(view, (size_t)(verts - view->poly_verts) + (size_t)(c ? k + c - 1 : 0),
+                           out->own_normals + 3 * (to - out->triangles) + 3 * c);
         }
     }
     out->ntriangles = (uint64_t)(to - out->triangles) / 3;
@@ -156,6 +171,7 @@ void slvi_ray_scene_free(ray_scene *scene) {
         rtcReleaseDevice(scene->device);
     slvi_free(scene->points);
     slvi_free(scene->normals);
+    slvi_free(scene->own_normals);
     slvi_free(scene->triangles);
 }
 

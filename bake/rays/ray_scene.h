@@ -15,6 +15,7 @@ typedef struct ray_scene {
     RTCScene scene;
     float *points;       /* 3 a vertex, and one to spare, which Embree reads */
     float *normals;      /* 3 a vertex, or NULL */
+    float *own_normals;  /* of the mesh itself, 9 a triangle, zeros where it has none; or NULL */
     uint32_t *triangles; /* 3 vertices each */
     uint64_t nvertices, ntriangles;
     float low[3], high[3];
@@ -23,8 +24,8 @@ typedef struct ray_scene {
 /* The limit surface as a tessellation has it. */
 slv_result slvi_ray_scene_of_surface(const slv_env *env, const slv_tessellation *tessellation,
                                      ray_scene *out);
-/* The polygons of a mesh as they stand, holes left out, relative to `origin`; with the normals of
- * vertices, each the mean of its polygons' by their angles there. */
+/* The polygons of a mesh as they stand, holes left out, relative to `origin`; with the mesh's own
+ * normals, and where it has none the vertices', each the mean of its polygons' by their angles. */
 slv_result slvi_ray_scene_of_polygons(const slv_env *env, const slv_mesh *mesh,
                                       const double origin[3], ray_scene *out);
 void slvi_ray_scene_free(ray_scene *scene);

@@ -170,7 +170,7 @@ static slv_result reserve(const slv_env *env, uint32_t count, uv_set *set) {
 
 static void warn_of_repeats(const slv_env *env, const char *path, const float *corners,
                             uint32_t nfaces, uv_set *set) {
-    float low[2] = {0, 0}, high[2] = {1, 1};
+    float low[2] = {INFINITY, INFINITY}, high[2] = {-INFINITY, -INFINITY};
     for (uint32_t face = 0; face < nfaces; face++) {
         float own_low[2], own_high[2];
         if (isnan(corners[8 * (size_t)face]))

@@ -299,6 +299,25 @@ static slv_result make_image(unbake *b, const char *path) {
     return result;
 }
 
+/* Faces that no tile can show whole. */
+static void tell_outside(const unbake *b, const char *path) {
+    uint32_t count = 0, first = 0;
+    for (uint32_t face = 0; face < b->nfaces; face++) {
+        const float *c = b->corners + 8 * (size_t)face;
+        bool outside = false;
+        for (int i = 0; i < 8 && !isnan(c[0]); i++)
+            outside |= c[i] < 0 || c[i] > (float)(i % 2 ? UV_CELLS_V : UV_CELLS_U);
+        if (outside && !count++)
+            first = face;
+    }
+    if (count)
+        slvi_logf(
+            &b->env, SLV_LOG_WARNING,
+            "%s: %u faces, the first %u, lie where no tile is (u below 0 or above %d, v below "
+            "0 or above %d), and are not, or not whole, in any",
+            path, count, first, UV_CELLS_U, UV_CELLS_V);
+}
+
 static slv_result make_images(unbake *b, const char *path) {
     const char *mark = strstr(path, SLV_BAKE_UDIM);
     int32_t *count = NULL;
@@ -319,6 +338,8 @@ static slv_result make_images(unbake *b, const char *path) {
                            "%s: no face has texture coordinates where tiles are (u 0 to 10, v from "
                            "0)",
                            path);
+    if (!result)
+        tell_outside(b, path);
     slvi_steps_begin(&b->steps, b->params->progress, (uint64_t)needed * b->params->height);
     for (int32_t cell = 0; !result && cell < UV_CELLS_U * UV_CELLS_V; cell++) {
         char name[NAME_ROOM];

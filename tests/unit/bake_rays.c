@@ -462,6 +462,41 @@ static void interrupts(void) {
     end(&s);
 }
 
+/* A detailed mesh says its normals itself, flat ones of a cube here; without, they are smooth. */
+static void own_normals(void) {
+    static const char corners[] = "v -1 -1 -1\nv 1 -1 -1\nv 1 1 -1\nv -1 1 -1\n"
+                                  "v -1 -1 1\nv 1 -1 1\nv 1 1 1\nv -1 1 1\n",
+                      flat[] = "vn 0 0 -1\nvn 0 0 1\nvn 0 -1 0\nvn 1 0 0\nvn 0 1 0\nvn -1 0 0\n";
+    static const int faces[6][4] = {{4, 3, 2, 1}, {5, 6, 7, 8}, {1, 2, 6, 5},
+                                    {2, 3, 7, 6}, {3, 4, 8, 7}, {4, 1, 5, 8}};
+    static const float want[6][3] = {{0, 0, -1}, {0, 0, 1}, {0, -1, 0},
+                                     {1, 0, 0},  {0, 1, 0}, {-1, 0, 0}};
+    for (int given = 0; given < 2; given++) {
+        char cube[1024];
+        size_t size = (size_t)snprintf(cube, sizeof cube, "%s%s", corners, flat);
+        for (int f = 0; f < 6; f++) {
+            size += (size_t)snprintf(cube + size, sizeof cube - size, "f");
+            for (int c = 0; c < 4; c++)
+                size += (size_t)snprintf(cube + size, sizeof cube - size, given ? " %d//%d" : " %d",
+                                         faces[f][c], f + 1);
+            size += (size_t)snprintf(cube + size, sizeof cube - size, "\n");
+        }
+        tool_write_file("cube.obj", cube, size);
+        RUNS(0, "bake cube.obj --detail cube.obj --detail-kind object-normal --scheme bilinear "
+                "--size 4 --type float --reductions plain -o cube.ptx -q");
+        slv_ptx *ptx = tool_open("cube.ptx");
+        for (uint32_t face = 0; face < 6; face++) {
+            float texels[4 * 4 * 3], most = 0;
+            MUST(slv_ptx_read_face(ptx, face, (slv_res){2, 2}, texels));
+            for (int i = 0; i < 4 * 4 * 3; i++)
+                most = fmaxf(most, fabsf(texels[i] - want[face][i % 3]));
+            CHECK_MSG(given ? most < 1e-5f : most > 0.3f, "%d: face %u is %g off", given, face,
+                      (double)most);
+        }
+        slv_ptx_close(ptx);
+    }
+}
+
 static void files(void) {
     begin();
     add_ball(3, 0, 0, 0, 1, false);
@@ -493,6 +528,7 @@ int main(void) {
     misses();
     surface_values();
     interrupts();
+    own_normals();
     files();
     tool_end();
     return test_end();

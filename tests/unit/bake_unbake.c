@@ -133,6 +133,7 @@ static void tiles(void) {
     HAS("tile 1002: 32x32, 1 faces");
     RUNS(0, "unbake strip.ptx --mesh strip.obj -o 'b.<UDIM>.exr'");
     HAS("2 images of 32x32");
+    LACKS("no tile is");
     for (int tile = 1001; tile <= 1002; tile++) {
         char name[32];
         snprintf(name, sizeof name, "b.%d.exr", tile);
@@ -145,6 +146,17 @@ static void tiles(void) {
         }
         slv_image_free(&back);
     }
+}
+
+/* What no tile can show is told. */
+static void beyond_tiles(void) {
+    static const char strip[] = "v 0 0 0\nv 1 0 0\nv 2 0 0\nv 0 1 0\nv 1 1 0\nv 2 1 0\n"
+                                "vt 9 0\nvt 10 0\nvt 10.5 0\nvt 9 1\nvt 10 1\nvt 10.5 1\n"
+                                "f 1/1 2/2 5/5 4/4\nf 2/2 3/3 6/6 5/5\n";
+    tool_write_file("beyond.obj", strip, sizeof strip - 1);
+    RUNS(0, "bake beyond.obj --pattern checker --size 8 -o beyond.ptx");
+    RUNS(0, "unbake beyond.ptx --mesh beyond.obj -o 'c.<UDIM>.exr'");
+    HAS("1 faces, the first 1, lie where no tile is");
 }
 
 /* Transparent colours count for nothing, there and back. */
@@ -244,6 +256,7 @@ int main(void) {
     values();
     seams();
     tiles();
+    beyond_tiles();
     alpha();
     same_and_refused();
     if (samples)

@@ -113,6 +113,8 @@ static void refusals(void) {
     strcat(deep, "}");
     refused(deep, "nested deeper");
     RUNS(2, "bake m.obj --recipe bad.json --pattern noise -o none.ptx");
+    RUNS(2, "bake m.obj --recipe bad.json --wrap none -o none.ptx");
+    HAS("--wrap: a recipe says it in its source");
 }
 
 /* Options are a recipe: printed, and run, it makes the same file. */

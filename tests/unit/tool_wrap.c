@@ -287,6 +287,8 @@ int main(void) {
         try_shape("cylinder", &styles[i], cylinder);
     }
     check_whole();
+    RUNS(2, "wrap in.obj out.obj --axis z");
+    HAS("--map is missing");
     tool_end();
     return test_end();
 }

@@ -11,6 +11,32 @@
 #include <string.h>
 #include <sys/stat.h>
 
+/* Options of sources that the source there is does not have. */
+static int check_source(const cli_command *command, const bake_options *o) {
+    const bool images = o->uv || o->vertex_color || o->texture || o->points;
+    const struct {
+        const char *option, *of;
+        bool given, taken;
+    } all[] = {{"--texture-encoding", "--uv, --texture, --vertex-color or --points",
+                o->encoding_given, images},
+               {"--wrap", "--uv", o->wrap_given, o->uv != NULL},
+               {"--round", "--uv, as it is of texture coordinates", o->round_given, o->uv != NULL},
+               {"--distance", "--rays, --points or --from", o->distance > 0,
+                o->rays_given || o->points || o->from},
+               {"--front", "--detail or --from", o->front_given, o->detail || o->from},
+               {"--back", "--detail or --from", o->back_given, o->detail || o->from},
+               {"--samples", "--rays or --detail", o->samples != 0, o->rays_given || o->detail},
+               {"--seed", "--rays or --pattern", o->seed != 0, o->rays_given || o->pattern_given},
+               {"--frequency", "--pattern", o->frequency != 0, o->pattern_given},
+               {"--detail-kind", "--detail MESH", o->detail_kind_given, o->detail != NULL}};
+    for (size_t i = 0; i < sizeof all / sizeof *all; i++)
+        if (all[i].given && o->recipe)
+            return cli_usage(command, "%s: a recipe says it in its source", all[i].option);
+        else if (all[i].given && !all[i].taken)
+            return cli_usage(command, "%s: goes with %s", all[i].option, all[i].of);
+    return -1;
+}
+
 static int check(const cli_command *command, const bake_options *o) {
     slv_res res;
     int sources = (o->uv != NULL) + o->vertex_color + (o->points != NULL) + (o->texture != NULL) +
@@ -29,8 +55,8 @@ static int check(const cli_command *command, const bake_options *o) {
         return cli_usage(command, "--uv IMAGE, --texture IN.ptx, --vertex-color, --points CLOUD, "
                                   "--rays, --detail MESH, --surface, --pattern or --recipe: one of "
                                   "them says what is baked");
-    if (o->detail_kind_given && !o->detail)
-        return cli_usage(command, "--detail-kind: --detail MESH is missing");
+    if (check_source(command, o) >= 0)
+        return EXIT_USAGE;
     if ((o->front_given && !(o->front > 0)) || (o->back_given && !(o->back > 0)) ||
         !(o->distance >= 0))
         return cli_usage(command, "--front, --back and --distance: expected more than 0");
@@ -47,6 +73,10 @@ static int check(const cli_command *command, const bake_options *o) {
         return cli_usage(command, "--size %ux%u: expected powers of two", o->size[0], o->size[1]);
     if (!value_resolution(o->min, &res) || (o->max_given && !value_resolution(o->max, &res)))
         return cli_usage(command, "--min-size and --max-size: expected powers of two");
+    for (int k = 0; k < 2; k++)
+        if ((o->max_given && o->min[k] > o->max[k]) || (o->size_given && o->min[k] > o->size[k]) ||
+            (o->size_given && o->max_given && o->size[k] > o->max[k]))
+            return cli_usage(command, "--min-size, --size and --max-size contradict each other");
     if ((o->density_given && !(o->density > 0)) || (o->match_given && !(o->match > 0)) ||
         (o->error_given && !(o->error > 0)))
         return cli_usage(command, "--density, --match and --error: expected more than 0");
@@ -58,8 +88,6 @@ static int check(const cli_command *command, const bake_options *o) {
         return ptx_name_usage(command, o->miss_map);
     if (!o->uv && !o->texture && !o->recipe && o->match_given)
         return cli_usage(command, "--match: only images and textures have a resolution to match");
-    if (o->round_given && !o->uv)
-        return cli_usage(command, "--round is of texture coordinates: it takes --uv");
     if (o->no_reductions && o->reductions_given)
         return cli_usage(command, "--reductions and --no-reductions contradict each other");
     return -1;

@@ -38,8 +38,8 @@ static void print_result(const bake_options *o, const slv_bake_job *job,
     if (measures(job))
         printf("  within %.4g of the source at samples, %.4g between them\n", (double)report->error,
                (double)report->error_bound);
-    if (report->faces_over)
-        printf("  %llu faces are not within %g even with a texel for each pixel\n",
+    if (report->faces_over && job->max_error > 0)
+        printf("  %llu faces are not within %g even at the largest size that they may have\n",
                (unsigned long long)report->faces_over, (double)job->max_error);
     for (uint32_t i = 0; i < ntiles; i++)
         if (tiles[i].number && tiles[i].width)
