@@ -10,7 +10,8 @@
 
 #include <math.h>
 
-enum { MOST_LOG2 = 12, TEXELS = 1 << 22 };
+/* Of a source without a resolution: as many texels, or what they cost, in all. */
+enum { MOST_LOG2 = 12, TEXELS = 1 << 22, RAYS = 1 << 27 };
 
 typedef struct texels {
     const slv_bake_source *source;
@@ -79,8 +80,9 @@ slv_result slvi_carry_texels_of(const slv_env *env, const slv_mesh *mesh,
                                 const slv_bake_source *source, slv_source *out) {
     static const slv_source_fns fns = {
         .describe = describe, .face = face_of, .read = read_texels, .close = close_texels};
+    const uint32_t fit = RAYS / (source->cost ? source->cost : 1);
     /* two a side, so that what goes across a face shows */
-    const slv_blank_params even = {.max_texels = TEXELS, .min_res = {1, 1}};
+    const slv_blank_params even = {.max_texels = fit < TEXELS ? fit : TEXELS, .min_res = {1, 1}};
     texels *t = NULL;
     slv_result result = slvi_alloc(env, "bake: texels", 1, sizeof *t, &t);
     *out = (slv_source){0};

@@ -373,12 +373,13 @@ static void limits(void) {
 
 /* Faces that nothing of an image can be on are drawn in one colour, and named by each verb. */
 static void lacking(void) {
-    static const char *const verbs[] = {
+    static const char compare[] =
+        "compare some.ptx --mesh some.obj --uv waves.exr --strategies clamp --quick --frames 1 "
+        "--size 48x48 --reference none -q -o some";
+    const char *const verbs[] = {
         "render some.obj --uv waves.exr --size 16 -q -o y.png",
         "reference some.obj --uv waves.exr --size 16 -n 4 -q -o y.exr",
-        "bake some.obj --uv waves.exr --size 4 --max-miss 1 -q -o some.ptx",
-        "compare some.ptx --mesh some.obj --uv waves.exr --strategies clamp --quick --frames 1 "
-        "--size 48x48 --reference none -q -o some",
+        "bake some.obj --uv waves.exr --size 4 --max-miss 1 -q -o some.ptx", compare,
         "unbake some.ptx u.png --mesh some.obj --size 16 -q"};
     write_text("some.obj",
                "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 2 0 0\nv 2 1 0\nv 3 0 0\nv 3 1 0\n"

@@ -196,11 +196,11 @@ typedef struct slv_bake_carry {
  * nearest place of the other's limit surface, or the nearest along the normal, that faces the same
  * way. It is looked up as in slv_transfer: interpolated between the other's texels, across its
  * edges too, or the mean of those that a texel covers; a source that has no resolution of its own
- * is taken at 4 Mi texels in all. Faces that the other has too, by their corners, are taken as they
- * are, unless along rays. Texels that have nothing within reach are SLV_BAKE_TOO_FAR, NO_HIT, or
- * BACK_FACING where only the wrong side of something is there; those where the other has no value
- * miss as it does. Vectors in faces' own frames are not turned. Takes `of`, also if it fails; keeps
- * `surface`, neither mesh. */
+ * is taken at 4 Mi texels in all, or as many as 2^27 rays go for. Faces that the other has too, by
+ * their corners, are taken as they are, unless along rays. Texels that have nothing within reach
+ * are SLV_BAKE_TOO_FAR, NO_HIT, or BACK_FACING where only the wrong side of something is there;
+ * those where the other has no value miss as it does. Vectors in faces' own frames are not turned.
+ * Takes `of`, also if it fails; keeps `surface`, neither mesh. */
 SLV_NODISCARD SLV_API slv_result slv_bake_from_mesh(const slv_env *env, const slv_mesh *mesh,
                                                     const slv_surface *surface,
                                                     const slv_mesh *other, slv_bake_source *of,
