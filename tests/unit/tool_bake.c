@@ -104,11 +104,17 @@ static void refused(void) {
     RUNS(2, "bake quad.obj --uv rgb.png -o none.ptx --match 0");
     RUNS(2, "bake quad.obj --uv rgb.png -o none.ptx --size 4 --match 2");
     RUNS(2, "bake quad.obj --uv rgb.png -o none.ptx --max-miss 2");
-    static const char *const without[] = {
-        "--uv rgb.png --samples 8",          "--uv rgb.png --distance 2",   "--uv rgb.png --seed 3",
-        "--uv rgb.png --frequency 5",        "--uv rgb.png --front 1",      "--uv rgb.png --back 1",
-        "--uv rgb.png --detail-kind face-vector", "--rays ao --wrap none",       "--rays ao --round u",
-        "--rays ao --texture-encoding data", "--surface normal --samples 9"};
+    static const char *const without[] = {"--uv rgb.png --samples 8",
+                                          "--uv rgb.png --distance 2",
+                                          "--uv rgb.png --seed 3",
+                                          "--uv rgb.png --frequency 5",
+                                          "--uv rgb.png --front 1",
+                                          "--uv rgb.png --back 1",
+                                          "--uv rgb.png --detail-kind face-vector",
+                                          "--rays ao --wrap none",
+                                          "--rays ao --round u",
+                                          "--rays ao --texture-encoding data",
+                                          "--surface normal --samples 9"};
     for (size_t i = 0; i < sizeof without / sizeof *without; i++) {
         RUNS(2, "bake quad.obj %s --size 8 -o none.ptx", without[i]);
         HAS(": goes with --");
