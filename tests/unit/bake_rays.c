@@ -506,6 +506,12 @@ static void files(void) {
     HAS("uint8");
     RUNS(0, "bake model.obj --rays ao --samples 16 --size 8 -o four.ptx --threads 4 --quiet");
     CHECK(uv_same_files("one.ptx", "four.ptx"));
+    /* on another mesh: each of its texels is made once, not for each that looks at it */
+    RUNS(0, "bake model.obj --from model.obj --by rays --rays ao --samples 1 --size 2 -o one.ptx "
+            "--threads 1 --max-miss 1");
+    RUNS(0, "bake model.obj --from model.obj --by rays --rays ao --samples 1 --size 2 -o four.ptx "
+            "--threads 4 --max-miss 1");
+    CHECK(uv_same_files("one.ptx", "four.ptx"));
     RUNS(0, "bake model.obj --surface position --size 4 -o p.ptx --json");
     HAS("\"type\": \"float\"");
     HAS("\"encoding\": \"data\"");

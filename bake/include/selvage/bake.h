@@ -196,7 +196,7 @@ typedef struct slv_bake_carry {
  * nearest place of the other's limit surface, or the nearest along the normal, that faces the same
  * way. It is looked up as in slv_transfer: interpolated between the other's texels, across its
  * edges too, or the mean of those that a texel covers; a source that has no resolution of its own
- * is taken at 4 Mi texels in all, or as many as 2^27 rays go for. Faces that the other has too, by
+ * is taken at 4 Mi texels in all, or as many as 2^26 rays go for. Faces that the other has too, by
  * their corners, are taken as they are, unless along rays. Texels that have nothing within reach
  * are SLV_BAKE_TOO_FAR, NO_HIT, or BACK_FACING where only the wrong side of something is there;
  * those where the other has no value miss as it does. Vectors in faces' own frames are not turned.
