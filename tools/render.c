@@ -47,11 +47,11 @@ struct drawing {
 
 static slv_result add_picture(const slv_env *env, struct drawing *d, const char *path,
                               const slv_image *image, bool empty, double seconds) {
+    if (!d->render->json)
+        return SLV_OK;
     json_t *triangles = d->renderer
                             ? json_integer((json_int_t)slv_gl_renderer_triangles(d->renderer))
                             : json_null();
-    if (!d->render->json)
-        return SLV_OK;
     if (!d->pictures ||
         json_array_append_new(
             d->pictures,
