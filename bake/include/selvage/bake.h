@@ -263,7 +263,8 @@ SLV_NODISCARD SLV_API slv_result slv_bake_from_rays(const slv_env *env, const sl
 
 typedef enum slv_bake_detail_kind {
     SLV_BAKE_DISPLACEMENT = 0, /* signed distance along the unit normal of the limit, mesh units */
-    SLV_BAKE_OBJECT_NORMAL,    /* the detailed mesh's smooth normal along the axes of the mesh */
+    SLV_BAKE_OBJECT_NORMAL,    /* the detailed mesh's own normal, or a smooth one, along the mesh's
+                                  axes */
     SLV_BAKE_FACE_NORMAL, /* the same in the face's own frame, as SLV_DISPLACE_TANGENT has it: along
                              growing u, along normal x that, and along the normal */
     SLV_BAKE_OBJECT_VECTOR, /* from the limit to the nearest place of the detailed mesh that faces

@@ -61,7 +61,8 @@ typedef struct slv_stroke_params {
      * outlives the stroke. NULL: none. Its blur does not count. A stamp is as large as a dab's
      * square; the source of a clone is for the first dab, and goes along with the others. */
     const slv_lay *lay;
-    const slv_mirror *mirrors; /* nmirrors of them, at most SLV_MIRRORS; copied */
+    /* nmirrors of them, at most SLV_MIRRORS; copied. A round dab that is its own mirror is one. */
+    const slv_mirror *mirrors;
     uint32_t nmirrors;
     /* May be NULL. Is told each dab before it is applied; a failure ends the stroke. */
     slv_result (*each)(void *user, const slv_stroke_dab *dab);
