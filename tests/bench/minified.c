@@ -105,18 +105,8 @@ static void report_torus(slv_gl *gl, int log2, bool json) {
 int main(int argc, char **argv) {
     bool json = false, smoke = false;
     const char *path = NULL;
-    for (int i = 1; i < argc; i++) {
-        if (!strcmp(argv[i], "--json")) {
-            json = true;
-        } else if (!strcmp(argv[i], "--smoke")) {
-            smoke = true;
-        } else if (argv[i][0] != '-' && !path) {
-            path = argv[i];
-        } else {
-            fprintf(stderr, "usage: bench_minified [FILE.ptx] [--json] [--smoke]\n");
-            return 2;
-        }
-    }
+    if (!bench_arguments(argc, argv, "FILE.ptx", &path, &json, &smoke))
+        return 2;
     slv_gl *gl = NULL;
     bench_stop(slv_gl_create(&env, SLV_GL_AUTO, &gl));
     if (!json)

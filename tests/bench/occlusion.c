@@ -85,18 +85,8 @@ static slv_mesh *bumpy_torus(const slv_env *env) {
 int main(int argc, char **argv) {
     bool json = false, smoke = false;
     const char *path = NULL;
-    for (int i = 1; i < argc; i++) {
-        if (!strcmp(argv[i], "--json")) {
-            json = true;
-        } else if (!strcmp(argv[i], "--smoke")) {
-            smoke = true;
-        } else if (argv[i][0] != '-' && !path) {
-            path = argv[i];
-        } else {
-            fprintf(stderr, "usage: bench_occlusion [MESH.obj] [--json] [--smoke]\n");
-            return 2;
-        }
-    }
+    if (!bench_arguments(argc, argv, "MESH.obj", &path, &json, &smoke))
+        return 2;
     const slv_env env = {.log = bench_log, .threads = 1};
     void *found = dlsym(RTLD_NEXT, "rtcOccluded1");
     memcpy(&kept.embree, &found, sizeof found);

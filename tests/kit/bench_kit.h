@@ -8,6 +8,7 @@
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
 #include <time.h>
 #include <unistd.h>
 
@@ -139,6 +140,24 @@ static inline void bench_res(uint32_t nfaces, int log2, bool mixed, slv_res *out
         int8_t own = (int8_t)(log2 - (mixed ? (int)(state >> 24) % 3 : 0));
         out[i] = (slv_res){own, own};
     }
+}
+
+/* One file at most, and two flags; says what is expected where there is anything else. */
+static inline bool bench_arguments(int argc, char **argv, const char *file, const char **path,
+                                   bool *json, bool *smoke) {
+    for (int i = 1; i < argc; i++) {
+        if (strcmp(argv[i], "--json") == 0) {
+            *json = true;
+        } else if (strcmp(argv[i], "--smoke") == 0) {
+            *smoke = true;
+        } else if (argv[i][0] != '-' && !*path) {
+            *path = argv[i];
+        } else {
+            fprintf(stderr, "usage: %s [%s] [--json] [--smoke]\n", argv[0], file);
+            return false;
+        }
+    }
+    return true;
 }
 
 #endif

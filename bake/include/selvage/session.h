@@ -84,7 +84,8 @@ SLV_NODISCARD SLV_API slv_result slv_session_run(slv_session *session, uint32_t 
  * samples, which are told as they come and show in the document at once. `end` puts the line, with
  * all samples, into the journal, by which running it gives the same texels. One at a time; until it
  * has ended nothing else can be done to the document. After a failure nothing of it is left, and it
- * has ended; so has one whose session is destroyed. `stats` may be NULL. */
+ * has ended; so has one whose session is destroyed. Pressures, tilts and times beyond their ranges
+ * (stroke.h) are cut to them. `stats` may be NULL. */
 SLV_NODISCARD SLV_API slv_result slv_session_stroke_begin(slv_session *session, uint32_t layer,
                                                           bool mask, const char *folder,
                                                           const char *line, size_t size);
