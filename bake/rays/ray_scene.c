@@ -8,19 +8,7 @@
 #include <math.h>
 #include <string.h>
 
-#define FARTHEST 1e18f /* Embree ends the process where squares overflow a float */
-
-static slv_result embree_result(const slv_env *env, RTCDevice device) {
-    enum RTCError error = rtcGetDeviceError(device);
-    if (device && error == RTC_ERROR_NONE)
-        return SLV_OK;
-    if (error == RTC_ERROR_OUT_OF_MEMORY)
-        return slvi_fail(env, SLV_ERROR_MEMORY, "rays: Embree has no memory");
-    return slvi_fail(env, SLV_ERROR_UNSUPPORTED, "rays: Embree fails with its error %d",
-                     (int)error);
-}
-
-static slv_result bound(const slv_env *env, ray_scene *s) {
+static slv_result commit(const slv_env *env, ray_scene *s) {
     for (int k = 0; k < 3; k++) {
         s->low[k] = FLT_MAX;
         s->high[k] = -FLT_MAX;
@@ -28,37 +16,17 @@ static slv_result bound(const slv_env *env, ray_scene *s) {
             s->low[k] = fminf(s->low[k], s->points[3 * i + (uint64_t)k]);
             s->high[k] = fmaxf(s->high[k], s->points[3 * i + (uint64_t)k]);
         }
-        if (s->nvertices && !(s->low[k] > -FARTHEST && s->high[k] < FARTHEST))
-            return slvi_fail(env, SLV_ERROR_LIMIT,
-                             "rays: the surface goes from %g to %g along axis %d, and rays reach "
-                             "%g at most",
-                             (double)s->low[k], (double)s->high[k], k, (double)FARTHEST);
     }
-    return SLV_OK;
-}
-
-static slv_result commit(const slv_env *env, ray_scene *s) {
-    slv_result result = bound(env, s);
-    if (result)
-        return result;
-    /* One thread builds the tree, so that which of two triangles a ray along their edge hits does
-     * not depend on how many there are. */
-    if (!(s->device = rtcNewDevice("threads=1")))
-        return embree_result(env, NULL);
-    s->scene = rtcNewScene(s->device);
-    rtcSetSceneFlags(s->scene, RTC_SCENE_FLAG_ROBUST);
-    if (s->ntriangles) {
-        RTCGeometry geometry = rtcNewGeometry(s->device, RTC_GEOMETRY_TYPE_TRIANGLE);
-        rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3,
-                                   s->points, 0, 3 * sizeof *s->points, s->nvertices);
-        rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3,
-                                   s->triangles, 0, 3 * sizeof *s->triangles, s->ntriangles);
-        rtcCommitGeometry(geometry);
-        rtcAttachGeometry(s->scene, geometry);
-        rtcReleaseGeometry(geometry);
-    }
-    rtcCommitScene(s->scene);
-    return embree_result(env, s->device);
+    embree_faces faces = {.what = "rays",
+                          .type = RTC_GEOMETRY_TYPE_TRIANGLE,
+                          .points = s->points,
+                          .stride = 3 * sizeof *s->points,
+                          .npoints = s->nvertices,
+                          .corners = s->triangles,
+                          .count = s->ntriangles,
+                          .low = s->low,
+                          .high = s->high};
+    return embree_build(env, &faces, &s->device, &s->scene);
 }
 
 static slv_result reserve(const slv_env *env, uint64_t nvertices, uint64_t ntriangles,
@@ -165,10 +133,7 @@ slv_result slvi_ray_scene_of_polygons(const slv_env *env, const slv_mesh *mesh,
 }
 
 void slvi_ray_scene_free(ray_scene *scene) {
-    if (scene->scene)
-        rtcReleaseScene(scene->scene);
-    if (scene->device)
-        rtcReleaseDevice(scene->device);
+    embree_release(scene->device, scene->scene);
     slvi_free(scene->points);
     slvi_free(scene->normals);
     slvi_free(scene->own_normals);
@@ -177,14 +142,7 @@ void slvi_ray_scene_free(ray_scene *scene) {
 
 bool slvi_ray_is_blocked(const ray_scene *scene, const float origin[3], const float direction[3],
                          float distance) {
-    struct RTCRay ray = {.org_x = origin[0],
-                         .org_y = origin[1],
-                         .org_z = origin[2],
-                         .dir_x = direction[0],
-                         .dir_y = direction[1],
-                         .dir_z = direction[2],
-                         .tfar = distance,
-                         .mask = UINT32_MAX};
+    struct RTCRay ray = embree_ray(origin, direction, distance);
 #if SLV_EMBREE_VERSION >= 4
     rtcOccluded1(scene->scene, &ray, NULL);
 #else
@@ -197,32 +155,15 @@ bool slvi_ray_is_blocked(const ray_scene *scene, const float origin[3], const fl
 
 float slvi_ray_cast(const ray_scene *scene, const float origin[3], const float direction[3],
                     float distance, uint32_t *triangle, float weights[2]) {
-    struct RTCRayHit ray;
-    memset(&ray, 0, sizeof ray);
-    ray.ray.org_x = origin[0];
-    ray.ray.org_y = origin[1];
-    ray.ray.org_z = origin[2];
-    ray.ray.dir_x = direction[0];
-    ray.ray.dir_y = direction[1];
-    ray.ray.dir_z = direction[2];
-    ray.ray.tfar = distance;
-    ray.ray.mask = UINT32_MAX;
-    ray.hit.geomID = RTC_INVALID_GEOMETRY_ID;
-    ray.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
-#if SLV_EMBREE_VERSION >= 4
-    rtcIntersect1(scene->scene, &ray, NULL);
-#else
-    struct RTCIntersectContext context;
-    rtcInitIntersectContext(&context);
-    rtcIntersect1(scene->scene, &context, &ray);
-#endif
-    if (ray.hit.geomID == RTC_INVALID_GEOMETRY_ID)
+    struct RTCRay ray = embree_ray(origin, direction, distance);
+    struct RTCHit hit;
+    if (!embree_hit(scene->scene, &ray, &hit))
         return INFINITY;
     if (triangle)
-        *triangle = ray.hit.primID;
+        *triangle = hit.primID;
     if (weights) {
-        weights[0] = ray.hit.u;
-        weights[1] = ray.hit.v;
+        weights[0] = hit.u;
+        weights[1] = hit.v;
     }
-    return ray.ray.tfar;
+    return ray.tfar;
 }

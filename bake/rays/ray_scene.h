@@ -2,13 +2,9 @@
 #ifndef SLV_BAKE_RAY_SCENE_H
 #define SLV_BAKE_RAY_SCENE_H
 
-#include <selvage/tessellation.h>
+#include "rays/embree.h"
 
-#if SLV_EMBREE_VERSION >= 4
-#include <embree4/rtcore.h>
-#else
-#include <embree3/rtcore.h>
-#endif
+#include <selvage/tessellation.h>
 
 typedef struct ray_scene {
     RTCDevice device;

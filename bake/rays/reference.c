@@ -7,16 +7,6 @@
 #include <math.h>
 #include <string.h>
 
-static slv_result embree_result(const slv_env *env, RTCDevice device) {
-    enum RTCError error = rtcGetDeviceError(device);
-    if (device && error == RTC_ERROR_NONE)
-        return SLV_OK;
-    if (error == RTC_ERROR_OUT_OF_MEMORY)
-        return slvi_fail(env, SLV_ERROR_MEMORY, "reference: Embree has no memory");
-    return slvi_fail(env, SLV_ERROR_UNSUPPORTED, "reference: Embree fails with its error %d",
-                     (int)error);
-}
-
 static slv_result make_quads(slv_reference *r, uint64_t *count) {
     const slv_tessellation *mesh = &r->mesh;
     uint64_t n = 0;
@@ -40,44 +30,23 @@ static slv_result make_quads(slv_reference *r, uint64_t *count) {
     return result;
 }
 
-static slv_result check_bounds(const slv_reference *r) {
-    for (int k = 0; k < 3 && r->mesh.first[r->mesh.nfaces]; k++)
-        if (!(r->mesh.bounds_min[k] > -REFERENCE_FARTHEST &&
-              r->mesh.bounds_max[k] < REFERENCE_FARTHEST))
-            return slvi_fail(&r->env, SLV_ERROR_LIMIT,
-                             "reference: the surface goes from %g to %g along axis %d, and rays "
-                             "reach %g at most",
-                             (double)r->mesh.bounds_min[k], (double)r->mesh.bounds_max[k], k,
-                             (double)REFERENCE_FARTHEST);
-    return SLV_OK;
-}
-
 static slv_result make_scene(slv_reference *r) {
     uint64_t nquads;
-    slv_result result = check_bounds(r);
-    if (result || (result = make_quads(r, &nquads)))
+    slv_result result = make_quads(r, &nquads);
+    if (result)
         return result;
     for (int k = 0; k < 3 && nquads; k++)
         r->step += fabsf(r->mesh.bounds_max[k] - r->mesh.bounds_min[k]);
-    /* One thread builds the tree, so that which of two quads a ray along their edge hits does not
-     * depend on how many there are. */
-    if (!(r->device = rtcNewDevice("threads=1")))
-        return embree_result(&r->env, NULL);
-    r->scene = rtcNewScene(r->device);
-    rtcSetSceneFlags(r->scene, RTC_SCENE_FLAG_ROBUST);
-    if (nquads) {
-        RTCGeometry geometry = rtcNewGeometry(r->device, RTC_GEOMETRY_TYPE_QUAD);
-        rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3,
-                                   r->mesh.vertices, 0, sizeof *r->mesh.vertices,
-                                   r->mesh.first[r->mesh.nfaces]);
-        rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT4, r->quads,
-                                   0, 4 * sizeof *r->quads, nquads);
-        rtcCommitGeometry(geometry);
-        rtcAttachGeometry(r->scene, geometry);
-        rtcReleaseGeometry(geometry);
-    }
-    rtcCommitScene(r->scene);
-    return embree_result(&r->env, r->device);
+    embree_faces faces = {.what = "reference",
+                          .type = RTC_GEOMETRY_TYPE_QUAD,
+                          .points = nquads ? r->mesh.vertices->position : NULL,
+                          .stride = sizeof *r->mesh.vertices,
+                          .npoints = r->mesh.first[r->mesh.nfaces],
+                          .corners = r->quads,
+                          .count = nquads,
+                          .low = r->mesh.bounds_min,
+                          .high = r->mesh.bounds_max};
+    return embree_build(&r->env, &faces, &r->device, &r->scene);
 }
 
 /* The surface as it is divided, and the tree of its quads. */
@@ -92,10 +61,7 @@ static slv_result make_geometry(slv_reference *r, const slv_env *env, const slv_
 }
 
 static void free_geometry(slv_reference *r) {
-    if (r->scene)
-        rtcReleaseScene(r->scene);
-    if (r->device)
-        rtcReleaseDevice(r->device);
+    embree_release(r->device, r->scene);
     slv_tessellation_free(&r->mesh);
     slvi_free(r->quads);
 }

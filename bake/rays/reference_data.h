@@ -2,15 +2,10 @@
 #ifndef SLV_BAKE_REFERENCE_DATA_H
 #define SLV_BAKE_REFERENCE_DATA_H
 
+#include "rays/embree.h"
 #include "rays/reference_texels.h"
 
 #include <selvage/reference.h>
-
-#if SLV_EMBREE_VERSION >= 4
-#include <embree4/rtcore.h>
-#else
-#include <embree3/rtcore.h>
-#endif
 
 /* Quads on the vertices of the tessellation, (x+1,y) (x+1,y+1) (x,y+1) (x,y) for cell (x,y): Embree
  * splits a quad between its second and fourth vertex, which is where the renderer splits it. */
@@ -43,9 +38,6 @@ typedef struct reference_eye {
     float window[4], nearest;
     float normal_matrix[9];
 } reference_eye;
-
-/* Embree ends the process at coordinates, of triangles or rays, whose squares overflow a float. */
-#define REFERENCE_FARTHEST 1e18f
 
 /* Says what is wrong with a camera: it cannot be inverted, its window is empty, or its rays begin
  * or go too far away. */

@@ -15,10 +15,10 @@ static bool is_in_reach(const reference_eye *e) {
     for (int k = 0; k < 3; k++) {
         double across = x * fabs((double)e->x[k]) + y * fabs((double)e->y[k]);
         double along = fabs((double)e->z[k]) * (1 + fabs((double)e->nearest));
-        if (!(across + along + fabs((double)e->origin[k]) < (double)REFERENCE_FARTHEST))
+        if (!(across + along + fabs((double)e->origin[k]) < (double)EMBREE_FARTHEST))
             return false;
     }
-    return fabsf(e->nearest) < REFERENCE_FARTHEST;
+    return fabsf(e->nearest) < EMBREE_FARTHEST;
 }
 
 slv_result slvi_reference_eye_make(const slv_env *env, const slv_reference *reference,
@@ -61,6 +61,6 @@ slv_result slvi_reference_eye_make(const slv_env *env, const slv_reference *refe
     if (!is_in_reach(out))
         return slvi_fail(env, SLV_ERROR_LIMIT,
                          "reference: the camera's rays begin or go further than %g away",
-                         (double)REFERENCE_FARTHEST);
+                         (double)EMBREE_FARTHEST);
     return SLV_OK;
 }

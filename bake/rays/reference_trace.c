@@ -24,16 +24,6 @@ typedef struct triangle {
     uint32_t face;
 } triangle;
 
-static void intersect(const slv_reference *reference, struct RTCRayHit *ray) {
-#if SLV_EMBREE_VERSION >= 4
-    rtcIntersect1(reference->scene, ray, NULL);
-#else
-    struct RTCIntersectContext context;
-    rtcInitIntersectContext(&context);
-    rtcIntersect1(reference->scene, &context, ray);
-#endif
-}
-
 static triangle find_triangle(const slv_reference *reference, const struct RTCHit *hit) {
     static const unsigned halves[2][3] = {{0, 1, 3}, {2, 3, 1}};
     const slv_tessellation *mesh = &reference->mesh;
@@ -85,32 +75,22 @@ static void ray_through(const trace *t, float x, float y, float origin[3], float
 
 static slv_reference_hit trace_pixel(const trace *t, uint32_t x, uint32_t y) {
     slv_reference_hit hit = {.face = -1};
-    struct RTCRayHit ray;
+    struct RTCRay ray;
+    struct RTCHit met;
     float origin[3], direction[3];
     double here[3], beside[2][3];
     ray_through(t, (float)x + 0.5f, (float)y + 0.5f, origin, direction);
-    memset(&ray, 0, sizeof ray);
-    ray.ray.org_x = origin[0];
-    ray.ray.org_y = origin[1];
-    ray.ray.org_z = origin[2];
-    ray.ray.dir_x = direction[0];
-    ray.ray.dir_y = direction[1];
-    ray.ray.dir_z = direction[2];
-    ray.ray.tnear = t->eye.perspective ? t->eye.nearest : 0;
-    ray.ray.tfar = INFINITY;
-    ray.ray.mask = UINT32_MAX;
-    ray.hit.geomID = RTC_INVALID_GEOMETRY_ID;
-    ray.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
-    intersect(t->reference, &ray);
-    if (ray.hit.geomID == RTC_INVALID_GEOMETRY_ID)
+    ray = embree_ray(origin, direction, INFINITY);
+    ray.tnear = t->eye.perspective ? t->eye.nearest : 0;
+    if (!embree_hit(t->reference->scene, &ray, &met))
         return hit;
-    triangle under = find_triangle(t->reference, &ray.hit);
+    triangle under = find_triangle(t->reference, &met);
     if (!meet(&under, origin, direction, here))
         return hit;
     hit.face = (int32_t)under.face;
     hit.u = reference_clamp((float)here[0], 1.0f);
     hit.v = reference_clamp((float)here[1], 1.0f);
-    hit.depth = ray.ray.tfar;
+    hit.depth = ray.tfar;
     for (int k = 0; k < 2; k++) {
         ray_through(t, (float)x + (k ? 0.5f : 1.5f), (float)y + (k ? 1.5f : 0.5f), origin,
                     direction);

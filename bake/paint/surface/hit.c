@@ -1,32 +1,14 @@
 /* Rays at the painted surface, by Embree, and the rays of a camera. */
+#include "rays/embree.h"
 #include "surface/surface_data.h"
 
-#include "base/log.h"
 #include "base/memory.h"
-
-#include <string.h>
-
-#if SLV_EMBREE_VERSION >= 4
-#include <embree4/rtcore.h>
-#else
-#include <embree3/rtcore.h>
-#endif
 
 struct slvi_rays {
     RTCDevice device;
     RTCScene scene;
     uint32_t *quads;
 };
-
-static slv_result embree_result(const slv_env *env, RTCDevice device) {
-    enum RTCError error = rtcGetDeviceError(device);
-    if (device && error == RTC_ERROR_NONE)
-        return SLV_OK;
-    if (error == RTC_ERROR_OUT_OF_MEMORY)
-        return slvi_fail(env, SLV_ERROR_MEMORY, "paint surface: Embree has no memory");
-    return slvi_fail(env, SLV_ERROR_UNSUPPORTED, "paint surface: Embree fails with its error %d",
-                     (int)error);
-}
 
 static slv_result make(const slv_paint_surface *s, struct slvi_rays *rays) {
     slv_result result = slvi_alloc(&s->env, "rays", s->ncells, 4 * 4, &rays->quads);
@@ -35,35 +17,22 @@ static slv_result make(const slv_paint_surface *s, struct slvi_rays *rays) {
     /* Embree splits a quad between its second and fourth vertex. */
     for (size_t i = 0; i < 4 * (size_t)s->ncells; i++)
         rays->quads[i] = s->cells[i / 4].corners[(i + 1) & 3];
-    if (!(rays->device = rtcNewDevice("threads=1")))
-        return embree_result(&s->env, NULL);
-    rays->scene = rtcNewScene(rays->device);
-    rtcSetSceneFlags(rays->scene, RTC_SCENE_FLAG_ROBUST);
-    if (s->ncells) {
-        RTCGeometry geometry = rtcNewGeometry(rays->device, RTC_GEOMETRY_TYPE_QUAD);
-        /* Embree reads 16 bytes of a vertex, and the last one has 12: it keeps a copy. */
-        float *to = rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3,
-                                            3 * sizeof(float), s->nverts);
-        if (to)
-            memcpy(to, s->positions, 3 * sizeof(float) * s->nverts);
-        rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT4,
-                                   rays->quads, 0, 4 * 4, s->ncells);
-        rtcCommitGeometry(geometry);
-        rtcAttachGeometry(rays->scene, geometry);
-        rtcReleaseGeometry(geometry);
-    }
-    rtcCommitScene(rays->scene);
-    return embree_result(&s->env, rays->device);
+    /* What follows the last vertex need not be readable: Embree keeps a copy. */
+    embree_faces faces = {.what = "paint surface",
+                          .type = RTC_GEOMETRY_TYPE_QUAD,
+                          .points = s->positions,
+                          .stride = 3 * sizeof *s->positions,
+                          .npoints = s->nverts,
+                          .corners = rays->quads,
+                          .count = s->ncells,
+                          .low = s->low,
+                          .high = s->high,
+                          .copied = true};
+    return embree_build(&s->env, &faces, &rays->device, &rays->scene);
 }
 
 slv_result slvi_rays_create(const slv_paint_surface *s, struct slvi_rays **out) {
     struct slvi_rays *rays = NULL;
-    for (int k = 0; k < 3 && s->ncells; k++)
-        if (!(s->low[k] > -SLVI_FARTHEST && s->high[k] < SLVI_FARTHEST))
-            return slvi_fail(&s->env, SLV_ERROR_LIMIT,
-                             "paint surface: it goes from %g to %g along axis %d, and rays reach "
-                             "%g at most",
-                             (double)s->low[k], (double)s->high[k], k, (double)SLVI_FARTHEST);
     slv_result result = slvi_alloc(&s->env, "rays", 1, sizeof *rays, &rays);
     if (!result && (result = make(s, rays))) {
         slvi_rays_destroy(rays);
@@ -76,49 +45,29 @@ slv_result slvi_rays_create(const slv_paint_surface *s, struct slvi_rays **out) 
 void slvi_rays_destroy(struct slvi_rays *rays) {
     if (!rays)
         return;
-    if (rays->scene)
-        rtcReleaseScene(rays->scene);
-    if (rays->device)
-        rtcReleaseDevice(rays->device);
+    embree_release(rays->device, rays->scene);
     slvi_free(rays->quads);
     slvi_free(rays);
 }
 
 static bool is_in_reach(const float v[3]) {
-    return fabsf(v[0]) < SLVI_FARTHEST && fabsf(v[1]) < SLVI_FARTHEST &&
-           fabsf(v[2]) < SLVI_FARTHEST;
+    return fabsf(v[0]) < EMBREE_FARTHEST && fabsf(v[1]) < EMBREE_FARTHEST &&
+           fabsf(v[2]) < EMBREE_FARTHEST;
 }
 
 bool slv_paint_surface_hit(const slv_paint_surface *surface, const float origin[3],
                            const float direction[3], slv_paint_hit *out) {
-    struct RTCRayHit ray;
     if (!is_in_reach(origin) || !is_in_reach(direction))
         return false;
-    memset(&ray, 0, sizeof ray);
-    ray.ray.org_x = origin[0];
-    ray.ray.org_y = origin[1];
-    ray.ray.org_z = origin[2];
-    ray.ray.dir_x = direction[0];
-    ray.ray.dir_y = direction[1];
-    ray.ray.dir_z = direction[2];
-    ray.ray.tfar = INFINITY;
-    ray.ray.mask = UINT32_MAX;
-    ray.hit.geomID = RTC_INVALID_GEOMETRY_ID;
-    ray.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
-#if SLV_EMBREE_VERSION >= 4
-    rtcIntersect1(surface->rays->scene, &ray, NULL);
-#else
-    struct RTCIntersectContext context;
-    rtcInitIntersectContext(&context);
-    rtcIntersect1(surface->rays->scene, &context, &ray);
-#endif
-    if (ray.hit.geomID == RTC_INVALID_GEOMETRY_ID)
+    struct RTCRay ray = embree_ray(origin, direction, INFINITY);
+    struct RTCHit hit;
+    if (!embree_hit(surface->rays->scene, &ray, &hit))
         return false;
     /* of a quad that begins at corner 1, v runs from there to corner 0 and u to corner 2 */
-    double x = 1 - (double)ray.hit.v, y = (double)ray.hit.u;
-    uint32_t tri = 2 * ray.hit.primID + (y > x);
+    double x = 1 - (double)hit.v, y = (double)hit.u;
+    uint32_t tri = 2 * hit.primID + (y > x);
     out->point = slvi_surface_point_of(surface, tri, x, y);
-    out->distance = ray.ray.tfar;
+    out->distance = ray.tfar;
     return slv_paint_surface_at(surface, out->point, out->position, NULL, NULL);
 }
 

@@ -9,8 +9,6 @@
 #include <math.h>
 
 #define SLVI_NONE UINT32_MAX
-/* Embree ends the process at coordinates whose squares overflow a float. */
-#define SLVI_FARTHEST 1e18f
 
 struct slvi_rays; /* hit.c */
 
