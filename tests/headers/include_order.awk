@@ -102,7 +102,7 @@ function check_inside(path,   from, to, mine, fine) {
     to = ranked(parent(path))
     mine = ranked(from)
     if (to != "") fine = mine == "" || mine == to || rank[top, mine] > rank[top, to]
-    else fine = mine == "" && (path !~ /\// || first(path) == first(from))
+    else fine = (top, path) in open_to || mine == "" && (path !~ /\// || first(path) == first(from))
     if (!fine) report(top (from == "" ? "" : "/" from) " may not know this header")
 }
 
