@@ -65,8 +65,8 @@ key() { # ACTION KEY: presses it, and waits for the action's end
 }
 refined() { wait_for '"refined":true' $(($(count_of '"refined":true') + 1)); }
 
-field() { # NAME: of the last line of the area
-    grep '"event":"area"' "$log" | tail -n 1 | sed "s/.*\"$1\":\([-0-9.]*\).*/\1/"
+field() { # NAME [WIDGET]: of the last line of the area, or of another part of the window
+    grep "\"event\":\"${2:-area}\"" "$log" | tail -n 1 | sed "s/.*\"$1\":\([-0-9.]*\).*/\1/"
 }
 
 start_studio() { # ARGUMENTS...

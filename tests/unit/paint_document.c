@@ -114,6 +114,10 @@ static void low_opacities_add_up(void) {
     slv_history_info info;
     slv_document_history(d, &info);
     CHECK(info.undos == 2 && strcmp(info.undo_name, "coats") == 0);
+    MUST(slv_document_undo(d));
+    CHECK(strcmp(slv_document_history_name(d, 0), "add layer") == 0);
+    CHECK(strcmp(slv_document_history_name(d, 1), "coats") == 0); /* to be redone */
+    CHECK(!slv_document_history_name(d, 2));
     slv_document_destroy(d);
     paint_scene_end(&s);
 }

@@ -31,6 +31,9 @@ static slv_session *create(const char *name) {
     MUST(slv_texture_create(&env, &desc, &texture));
     MUST(slv_texture_set_constant(texture, 2, (const uint8_t[3]){200, 100, 50}));
     MUST(slv_session_create_from(&env, in_folder(name), mesh, texture, &params, &session));
+    slv_history_info info;
+    slv_document_history(slv_session_document(session), &info);
+    CHECK_MSG(!info.undos, "what a session was made of can be undone");
     slv_texture_destroy(texture);
     slv_mesh_destroy(mesh);
     shape_clear(&cube);

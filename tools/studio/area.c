@@ -76,8 +76,11 @@ static void adapt(studio_app *app, double seconds) {
 static gboolean follow(gpointer user) {
     studio_app *app = user;
     app->follow = 0;
-    if (!app->closing)
+    if (!app->closing) {
         studio_panel_inspector_sync(app);
+        studio_log_place(app, "history", app->history);
+        studio_log_place(app, "swatches", app->swatch_list);
+    }
     return G_SOURCE_REMOVE;
 }
 
@@ -211,14 +214,10 @@ static void unrealize(GtkWidget *widget, gpointer user) {
 
 static void resized(GtkGLArea *area, int width, int height, gpointer user) {
     studio_app *app = user;
+    (void)width;
+    (void)height;
     app->stale = true;
-    double x = 0, y = 0, nx, ny; /* of the window as the display knows it, frame included */
-    gtk_widget_translate_coordinates(GTK_WIDGET(area), GTK_WIDGET(app->window), 0, 0, &x, &y);
-    gtk_native_get_surface_transform(GTK_NATIVE(app->window), &nx, &ny);
-    x += nx;
-    y += ny;
-    studio_log(app, "\"event\":\"area\",\"x\":%.0f,\"y\":%.0f,\"width\":%d,\"height\":%d", x, y,
-               width, height);
+    studio_log_place(app, "area", GTK_WIDGET(area));
 }
 
 /* ---- the pointer ---- */

@@ -50,8 +50,26 @@ static void find_in(studio_brushes *brushes, const char *folder, int depth) {
         closedir(stream);
 }
 
+/* Those of the older version first, which all libraries of MyPaint's know. */
 static int by_name(const void *a, const void *b) {
-    return strcmp(((const studio_brush *)a)->name, ((const studio_brush *)b)->name);
+    const studio_brush *x = a, *y = b;
+    int names = strcmp(x->name, y->name);
+    return names ? names : strcmp(x->path, y->path);
+}
+
+/* Of one name the first: both versions may be installed. */
+static void drop_repeated(studio_brushes *brushes) {
+    uint32_t kept = 1;
+    for (uint32_t i = 1; i < brushes->count; i++) {
+        studio_brush *brush = &brushes->list[i];
+        if (strcmp(brush->name, brushes->list[kept - 1].name) != 0) {
+            brushes->list[kept++] = *brush;
+        } else {
+            free(brush->name);
+            free(brush->path);
+        }
+    }
+    brushes->count = kept;
 }
 
 void studio_brushes_find(studio_brushes *brushes) {
@@ -67,6 +85,7 @@ void studio_brushes_find(studio_brushes *brushes) {
             find_in(brushes, path, 0);
         }
     qsort(brushes->list + 1, brushes->count - 1, sizeof *brushes->list, by_name);
+    drop_repeated(brushes);
 }
 
 void studio_brushes_free(studio_brushes *brushes) {
@@ -76,6 +95,26 @@ void studio_brushes_free(studio_brushes *brushes) {
     }
     free(brushes->list);
     *brushes = (studio_brushes){0};
+}
+
+void studio_swatches_default(studio_swatch list[STUDIO_SWATCHES]) {
+    static const studio_swatch some[] = {"#000000", "#ffffff", "#808080", "#cc261a",
+                                         "#e6a117", "#3f9142", "#2a6fbb", "#7a4b2a"};
+    memset(list, 0, STUDIO_SWATCHES * sizeof *list);
+    memcpy(list, some, sizeof some);
+}
+
+void studio_swatches_add(studio_swatch list[STUDIO_SWATCHES], const float color[3]) {
+    studio_swatch added;
+    int at = 0;
+    unsigned byte[3];
+    for (int c = 0; c < 3; c++)
+        byte[c] = (unsigned)(fminf(fmaxf(color[c], 0), 1) * 255 + 0.5f);
+    snprintf(added, sizeof added, "#%02x%02x%02x", byte[0] & 255, byte[1] & 255, byte[2] & 255);
+    while (at < STUDIO_SWATCHES - 1 && *list[at] && strcmp(list[at], added) != 0)
+        at++;
+    memmove(list + 1, list, (size_t)at * sizeof *list);
+    memcpy(list[0], added, sizeof added);
 }
 
 studio_paint studio_paint_default(void) {

@@ -29,6 +29,15 @@ typedef struct studio_paint {
     float pressure_radius, pressure_opacity;
 } studio_paint;
 
+/* Colours to come back to, "#rrggbb" as they are on the screen, the one that was kept last first;
+ * empty beyond them. */
+enum { STUDIO_SWATCHES = 16 };
+typedef char studio_swatch[8];
+/* A few to begin with. */
+void studio_swatches_default(studio_swatch list[STUDIO_SWATCHES]);
+/* One that is there already comes to the front; the last goes if there are too many. */
+void studio_swatches_add(studio_swatch list[STUDIO_SWATCHES], const float color[3]);
+
 studio_paint studio_paint_default(void);
 /* The line without its samples, which are places in a picture; for free(). NULL: no memory. */
 char *studio_paint_line(const studio_paint *paint, const studio_document *document,

@@ -11,6 +11,7 @@ typedef const char *(*studio_state)(const studio_app *app);
 
 void studio_do_undo(studio_app *app, const char *target);
 void studio_do_redo(studio_app *app, const char *target);
+void studio_do_history(studio_app *app, const char *target);
 void studio_do_layer_add(studio_app *app, const char *target);
 void studio_do_layer_duplicate(studio_app *app, const char *target);
 void studio_do_layer_remove(studio_app *app, const char *target);
@@ -34,6 +35,8 @@ void studio_do_select_face(studio_app *app, const char *target);
 void studio_do_fill_face(studio_app *app, const char *target);
 void studio_set_tool(studio_app *app, const char *target);
 void studio_do_pick_color(studio_app *app, const char *target);
+void studio_do_color(studio_app *app, const char *target);
+void studio_do_swatch_add(studio_app *app, const char *target);
 void studio_do_brush_larger(studio_app *app, const char *target);
 void studio_do_brush_smaller(studio_app *app, const char *target);
 void studio_do_mirror(studio_app *app, const char *target);

@@ -44,6 +44,22 @@ void studio_do_redo(studio_app *app, const char *target) {
     step(app, true);
 }
 
+/* To where so many entries of the history are done. */
+void studio_do_history(studio_app *app, const char *target) {
+    slv_document *layers = studio_document_layers(&app->document);
+    slv_history_info info = {0};
+    uint32_t wanted = (uint32_t)strtoul(target, NULL, 10);
+    slv_result result = SLV_OK;
+    if (!layers)
+        return;
+    slv_document_history(layers, &info);
+    for (uint32_t i = info.undos; i > wanted && !result; i--)
+        result = slv_document_undo(layers);
+    for (uint32_t i = info.undos; i < wanted && i < info.undos + info.redos && !result; i++)
+        result = slv_document_redo(layers);
+    edited(app, result);
+}
+
 /* ---- layers ---- */
 
 /* That is painted on; false: there is none. */
@@ -359,6 +375,20 @@ void studio_do_pick_color(studio_app *app, const char *target) {
     studio_paint_color(&app->document, texel, false, app->paint.color);
     app->tool = STUDIO_PAINT;
     (void)layers_of(app);
+}
+
+void studio_do_color(studio_app *app, const char *target) {
+    GdkRGBA rgba;
+    if (!gdk_rgba_parse(&rgba, target))
+        return;
+    app->paint.color[0] = rgba.red;
+    app->paint.color[1] = rgba.green;
+    app->paint.color[2] = rgba.blue;
+}
+
+void studio_do_swatch_add(studio_app *app, const char *target) {
+    (void)target;
+    studio_swatches_add(app->swatches, app->paint.color);
 }
 
 void studio_do_brush_larger(studio_app *app, const char *target) {

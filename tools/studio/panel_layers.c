@@ -1,4 +1,4 @@
-/* The layers, the topmost first, and what can be undone. */
+/* The layers, the topmost first. */
 #include "studio/studio.h"
 
 #include <stdlib.h>
@@ -71,9 +71,7 @@ static GtkWidget *make_buttons(void) {
                    {"list-remove-symbolic", "win.layer-remove", "Remove the layer"},
                    {"go-up-symbolic", "win.layer-raise", "Raise the layer"},
                    {"go-down-symbolic", "win.layer-lower", "Lower the layer"},
-                   {"edit-copy-symbolic", "win.layer-duplicate", "Duplicate the layer"},
-                   {"edit-undo-symbolic", "win.undo", "Undo"},
-                   {"edit-redo-symbolic", "win.redo", "Redo"}};
+                   {"edit-copy-symbolic", "win.layer-duplicate", "Duplicate the layer"}};
     GtkWidget *box = gtk_box_new(GTK_ORIENTATION_HORIZONTAL, 0);
     gtk_widget_add_css_class(box, "linked");
     for (size_t i = 0; i < sizeof buttons / sizeof *buttons; i++) {
@@ -101,30 +99,13 @@ GtkWidget *studio_panel_layers(studio_app *app) {
     gtk_box_append(GTK_BOX(head), app->layer_blend);
     gtk_box_append(GTK_BOX(head), app->layer_opacity);
     app->layers = gtk_list_box_new();
-    app->history = gtk_label_new("");
-    gtk_label_set_xalign(GTK_LABEL(app->history), 0);
-    gtk_label_set_wrap(GTK_LABEL(app->history), TRUE);
     gtk_box_append(GTK_BOX(box), make_buttons());
     gtk_box_append(GTK_BOX(box), head);
     gtk_box_append(GTK_BOX(box), app->layers);
-    gtk_box_append(GTK_BOX(box), app->history);
     g_signal_connect(app->layers, "row-selected", G_CALLBACK(chosen), app);
     g_signal_connect(app->layer_opacity, "value-changed", G_CALLBACK(faded), app);
     g_signal_connect(app->layer_blend, "notify::selected", G_CALLBACK(blended), app);
     return box;
-}
-
-static void show_history(studio_app *app, slv_document *layers) {
-    slv_history_info info;
-    slv_session_info session;
-    char text[256];
-    slv_document_history(layers, &info);
-    slv_session_get_info(app->document.session, &session);
-    snprintf(text, sizeof text, "%u to undo%s%s, %u to redo\n%s", info.undos,
-             info.undos ? ": " : "", info.undos && info.undo_name ? info.undo_name : "", info.redos,
-             studio_document_is_unsaved(&app->document) ? "Kept in the journal, not saved yet"
-                                                        : "Saved");
-    gtk_label_set_text(GTK_LABEL(app->history), text);
 }
 
 /* Rows are made anew where the layers are others: whoever edits a name keeps its row. */
@@ -150,8 +131,6 @@ void studio_panel_layers_sync(studio_app *app) {
     bool same = same_rows(app, now, sizeof now);
     while (!same && (child = gtk_widget_get_first_child(app->layers)))
         gtk_list_box_remove(GTK_LIST_BOX(app->layers), child);
-    gtk_label_set_text(GTK_LABEL(app->history),
-                       app->document.texture ? "Nothing has been changed" : "");
     uint32_t count = layers ? slv_document_layer_count(layers) : 0;
     for (uint32_t i = count; i--;) {
         if (!slv_document_layer(layers, slv_document_layer_at(layers, i), &info))
@@ -171,6 +150,4 @@ void studio_panel_layers_sync(studio_app *app) {
     g_object_set_data_full(G_OBJECT(app->layers), "rows", g_strdup(now), g_free);
     gtk_widget_set_sensitive(app->layer_opacity, layers != NULL);
     gtk_widget_set_sensitive(app->layer_blend, layers != NULL);
-    if (layers)
-        show_history(app, layers);
 }

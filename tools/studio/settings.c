@@ -35,6 +35,14 @@ void studio_settings_load(studio_app *app) {
             app->recent[i] = g_strdup(recent[i]);
         g_strfreev(recent);
         show_recent(app);
+        char **swatches = g_key_file_get_string_list(file, "studio", "swatches", &count, NULL);
+        for (gsize i = swatches ? MIN(count, STUDIO_SWATCHES) : 0; i--;) {
+            GdkRGBA rgba;
+            if (gdk_rgba_parse(&rgba, swatches[i]))
+                studio_swatches_add(app->swatches,
+                                    (const float[3]){rgba.red, rgba.green, rgba.blue});
+        }
+        g_strfreev(swatches);
         app->dark = g_key_file_get_boolean(file, "studio", "dark", NULL);
         app->paint.radius = number_of(file, "radius", 0.5f, 500, app->paint.radius);
         app->paint.opacity = number_of(file, "opacity", 0, 1, app->paint.opacity);
@@ -60,6 +68,13 @@ void studio_settings_save(studio_app *app) {
         count++;
     gtk_window_get_default_size(app->window, &width, &height);
     g_key_file_set_string_list(file, "studio", "recent", (const char *const *)app->recent, count);
+    const char *swatches[STUDIO_SWATCHES];
+    gsize kept = 0;
+    while (kept < STUDIO_SWATCHES && *app->swatches[kept]) {
+        swatches[kept] = app->swatches[kept];
+        kept++;
+    }
+    g_key_file_set_string_list(file, "studio", "swatches", swatches, kept);
     g_key_file_set_boolean(file, "studio", "dark", app->dark);
     g_key_file_set_double(file, "studio", "radius", (double)app->paint.radius);
     g_key_file_set_double(file, "studio", "opacity", (double)app->paint.opacity);

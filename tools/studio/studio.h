@@ -38,10 +38,12 @@ typedef struct studio_app {
     GtkWindow *window;
     GtkGLArea *area;
     GtkStack *stack;
-    GtkWidget *bar, *bar_text, *page_text, *status, *inspector, *live, *layers, *history,
-        *brushes_list;
+    GtkWidget *bar, *bar_text, *page_text, *status, *inspector, *live, *layers, *saved, *history,
+        *brushes_list, *swatch_list;
     GtkWidget *bar_button, *layer_blend, *layer_opacity;
     const char *bar_action; /* what its button does */
+    uint32_t history_first; /* how many things its first row has done */
+    guint history_scroll;   /* an idle moment in which it is scrolled */
     GtkWidget *sliders[4], *color_button;
     GMenu *recent_menu;
 
@@ -50,6 +52,7 @@ typedef struct studio_app {
     studio_look look;
     studio_paint paint;
     studio_brushes brushes;
+    studio_swatch swatches[STUDIO_SWATCHES];
     studio_tool tool;
     studio_camera bookmarks[STUDIO_BOOKMARKS];
     bool bookmarked[STUDIO_BOOKMARKS];
@@ -104,6 +107,8 @@ bool studio_failed(studio_app *app, slv_result result);
  * NULL. */
 void studio_page(studio_app *app, const char *page, const char *text);
 void studio_log(studio_app *app, const char *format, ...) G_GNUC_PRINTF(2, 3);
+/* Where a widget is in the window as the display knows it, frame included. */
+void studio_log_place(studio_app *app, const char *name, GtkWidget *widget);
 
 /* area.c */
 GtkWidget *studio_area_create(studio_app *app);
@@ -126,6 +131,10 @@ GtkWidget *studio_panel_brush(studio_app *app);
 void studio_panel_brush_sync(studio_app *app);
 GtkWidget *studio_panel_layers(studio_app *app);
 void studio_panel_layers_sync(studio_app *app);
+GtkWidget *studio_panel_history(studio_app *app);
+void studio_panel_history_sync(studio_app *app);
+GtkWidget *studio_panel_swatches(studio_app *app);
+void studio_panel_swatches_sync(studio_app *app);
 GtkWidget *studio_panel_inspector(studio_app *app);
 void studio_panel_inspector_sync(studio_app *app);
 

@@ -19,6 +19,14 @@ void studio_log(studio_app *app, const char *format, ...) {
     va_end(args);
 }
 
+void studio_log_place(studio_app *app, const char *name, GtkWidget *widget) {
+    double x = 0, y = 0, nx, ny;
+    gtk_widget_translate_coordinates(widget, GTK_WIDGET(app->window), 0, 0, &x, &y);
+    gtk_native_get_surface_transform(GTK_NATIVE(app->window), &nx, &ny);
+    studio_log(app, "\"event\":\"%s\",\"x\":%.0f,\"y\":%.0f,\"width\":%d,\"height\":%d", name,
+               x + nx, y + ny, gtk_widget_get_width(widget), gtk_widget_get_height(widget));
+}
+
 void studio_say(studio_app *app, const char *text, const char *button, const char *action) {
     app->bar_action = action;
     gtk_label_set_text(GTK_LABEL(app->bar_text), text ? text : "");
@@ -225,7 +233,9 @@ void studio_sync(studio_app *app) {
     show_title(app);
     studio_actions_sync(app);
     studio_panel_brush_sync(app);
+    studio_panel_swatches_sync(app);
     studio_panel_layers_sync(app);
+    studio_panel_history_sync(app);
     studio_panel_inspector_sync(app);
     app->syncing = false;
 }
@@ -284,7 +294,9 @@ static GtkWidget *make_panels(studio_app *app) {
     GtkWidget *box = gtk_box_new(GTK_ORIENTATION_VERTICAL, 6),
               *scrolled = gtk_scrolled_window_new();
     gtk_box_append(GTK_BOX(box), studio_panel_brush(app));
+    gtk_box_append(GTK_BOX(box), studio_panel_swatches(app));
     gtk_box_append(GTK_BOX(box), studio_panel_layers(app));
+    gtk_box_append(GTK_BOX(box), studio_panel_history(app));
     gtk_box_append(GTK_BOX(box), studio_panel_inspector(app));
     gtk_widget_set_margin_start(box, 8);
     gtk_widget_set_margin_end(box, 8);

@@ -168,6 +168,9 @@ typedef struct slv_history_info {
     uint64_t reserved[4];
 } slv_history_info;
 SLV_API void slv_document_history(const slv_document *document, slv_history_info *out);
+/* The names of its entries, the oldest first: as many as can be undone, then those that can be
+ * redone; NULL beyond them. Owned by the document, until the next change. */
+SLV_API const char *slv_document_history_name(const slv_document *document, uint32_t index);
 
 /* ---- flattened ---- */
 

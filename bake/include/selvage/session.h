@@ -48,7 +48,8 @@ SLV_NODISCARD SLV_API slv_result slv_session_create(const slv_env *env, const ch
                                                     const slv_session_params *params,
                                                     slv_session **out);
 /* The same with a texture's texels as the lowest layer, `base`, an empty layer above it, and saved.
- * Of `params` (may be NULL) document.flat does not count: it is the texture's. */
+ * Nothing of that can be undone. Of `params` (may be NULL) document.flat does not count: it is the
+ * texture's. */
 SLV_NODISCARD SLV_API slv_result slv_session_create_from(const slv_env *env, const char *path,
                                                          const slv_mesh *mesh,
                                                          const slv_texture *texture,

@@ -277,6 +277,11 @@ slv_result slv_document_redo(slv_document *document) {
     return step(document, true);
 }
 
+const char *slv_document_history_name(const slv_document *document, uint32_t index) {
+    const slvi_history *history = &document->history;
+    return index < history->count ? entry_at(history, index)->name : NULL;
+}
+
 void slv_document_history(const slv_document *document, slv_history_info *out) {
     const slvi_history *history = &document->history;
     *out = (slv_history_info){.undos = (uint32_t)history->done,

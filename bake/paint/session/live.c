@@ -46,7 +46,8 @@ slv_result slv_session_stroke_begin(slv_session *session, uint32_t layer, bool m
     slv_result result = slvi_session_line(session, folder, line, size, &root);
     if (result)
         return result;
-    if (!(result = slvi_edit_begin(session->document, "stroke", &session->live.edit))) {
+    if (!(result =
+              slvi_edit_begin(session->document, slvi_session_name(root), &session->live.edit))) {
         session->running = true;
         if ((result = begin(session, layer, mask, root)))
             result = end(session, result);

@@ -55,7 +55,7 @@ static slv_result replay_edit(slv_session *session, json_t *edit) {
     slvi_edit part;
     if (op && strcmp(op, "stroke") != 0 && strcmp(op, "fill") != 0)
         return slvi_edit_apply(document, session->journal.path, edit, session->path);
-    slv_result result = slvi_edit_begin(document, "stroke", &part);
+    slv_result result = slvi_edit_begin(document, slvi_session_name(edit), &part);
     if (result)
         return result;
     if (layer < 0 || layer > UINT32_MAX)

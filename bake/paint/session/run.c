@@ -266,6 +266,13 @@ static slv_result keep_files(slv_session *session, const char *folder, json_t *l
     return result;
 }
 
+const char *slvi_session_name(const json_t *line) {
+    const char *op = json_string_value(json_object_get(line, "op"));
+    return op && strcmp(op, "fill") == 0                  ? "fill"
+           : json_is_true(json_object_get(line, "erase")) ? "erase"
+                                                          : "stroke";
+}
+
 slv_result slvi_session_keep(slv_session *session, uint32_t layer, bool mask, json_t *line) {
     json_object_set_new(line, "layer", json_integer(layer));
     if (mask)
@@ -275,7 +282,7 @@ slv_result slvi_session_keep(slv_session *session, uint32_t layer, bool mask, js
 
 static slv_result run_line(slv_session *session, uint32_t layer, bool mask, json_t *line) {
     slvi_edit edit;
-    slv_result result = slvi_edit_begin(session->document, "stroke", &edit);
+    slv_result result = slvi_edit_begin(session->document, slvi_session_name(line), &edit);
     if (result)
         return result;
     session->running = true;

@@ -5,6 +5,7 @@
 #include "base/log.h"
 #include "base/memory.h"
 #include "base/output.h"
+#include "history/history.h"
 
 #include <errno.h>
 #include <stdio.h>
@@ -151,8 +152,10 @@ slv_result slv_session_create_from(const slv_env *env, const char *path, const s
         slv_session_destroy(*out);
         *out = NULL;
         slvi_beside_remove_folder(path); /* nobody has it yet */
+        return result;
     }
-    return result;
+    slvi_history_forget(document); /* undoing begins with what is done to the texture */
+    return SLV_OK;
 }
 
 void slv_session_destroy(slv_session *session) {

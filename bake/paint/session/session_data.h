@@ -119,6 +119,8 @@ slv_result slvi_session_new_document(slv_session *session);
  * brushes are in the session. */
 slv_result slvi_session_line(slv_session *session, const char *folder, const char *line,
                              size_t size, json_t **out);
+/* What the history calls a line: stroke, erase or fill. */
+const char *slvi_session_name(const json_t *line);
 /* The line for the journal. */
 slv_result slvi_session_keep(slv_session *session, uint32_t layer, bool mask, json_t *line);
 /* Adds what a script has done to what is known of the session's strokes. */

@@ -1,0 +1,40 @@
+#!/bin/sh
+# What lies beside the picture: colours that are kept, and the history as a list. panels.sh BIN ASSETS
+. "$(dirname "$0")/kit.sh"
+
+"$bin/selvage" new "$2/cube.obj" "$here/cube.ptx" --size 16 -q
+start_display
+start_studio --size 320x640 "$here/cube.ptx"
+take_window
+wait_for '"event":"swatches"'
+click_at() { # WORDS X Y
+    does "$1" mousemove "$2" "$3" click 1
+}
+
+# a colour of the list, then the brush's own is kept as the first of them
+click_at '"event":"done","name":"color"' $(($(field x swatches) + 10)) $(($(field y swatches) + 12))
+key tool b
+drag '"event":"stroke"' 1 -60 0 15 5 8
+journal=$(ls "$here"/state/selvage/unfinished/*/journal)
+tail -n 1 "$journal" | grep -q '"color":\[0.0,0.0,0.0\]' || fail "the first colour of the list is not black"
+key tool e
+drag '"event":"stroke"' 1 -20 0 5 5 4
+key tool g
+click_at '"event":"done","name":"fill-face"' $middle_x $middle_y
+key swatch-add a
+
+# the list's first row is what was opened; its last one is all that was done
+lines=$(wc -l <"$journal")
+click_at '"event":"done","name":"history"' $(($(field x history) + 20)) $(($(field y history) + 8))
+[ "$(tail -n "+$((lines + 1))" "$journal" | grep -c '"op":"undo"')" = 3 ] || fail "the first row does not undo all"
+key history End
+[ "$(grep -c '"op":"redo"' "$journal")" = 3 ] || fail "the last row does not bring all back"
+key history Up
+[ "$(grep -c '"op":"undo"' "$journal")" = 4 ] || fail "the row above undoes another number of things"
+
+# kept for the next time
+does '"event":"question"' key ctrl+q
+answer alt+n 1
+ends
+grep -q '^swatches=#000000;#ffffff;' "$here/config/selvage/studio.ini" || fail "the colours are not kept"
+silent
