@@ -1,11 +1,11 @@
 /* Tables that are longer than a storage block may be: lookups are the same bits whatever the limit,
  * and values that faces share around a vertex are there once. The limit is a made-up one. */
-#include "kit/border_kit.h"
+#include "kit/change_kit.h"
 #include "kit/strategy_kit.h"
 
 #include "gl/context/api.h"
 
-#include <selvage/gl_texture.h>
+#include <selvage/gl_live.h>
 
 static slv_gl *gl;
 
@@ -60,6 +60,31 @@ static void check_limits(const kit *k) {
     }
 }
 
+/* What is changed of a texture whose tables are in parts goes to the part that has it. */
+static void check_updates(kit *k, uint64_t *random) {
+    static float updated[4 * NPOINTS], fresh[4 * NPOINTS];
+    static const char *const names[] = {"traverse", "htex"};
+    slv_env env = test_env();
+    uint64_t unlimited = gl->max_storage;
+    for (int s = 0; s < 2; s++) {
+        const slv_strategy *strategy = kit_strategy(names[s]);
+        slv_gl_texture_params params = {KIT_ONLY(strategy), .live = true};
+        slv_gl_texture *texture = NULL;
+        gl->max_storage = 8192;
+        REQUIRE(slv_gl_texture_create(gl, &env, k->texture, k->adjacency, &params, &texture) ==
+                SLV_OK);
+        for (int i = 0; i < 60; i++)
+            kit_change(k, test_random(random) % k->nfaces, 1, random);
+        REQUIRE(slv_gl_texture_update(texture, &env, NULL) == SLV_OK);
+        REQUIRE(slv_gl_texture_lookup(texture, &env, strategy, NPOINTS, faces, uv, dx, dy,
+                                      updated) == SLV_OK);
+        slv_gl_texture_destroy(texture);
+        look_up(k, strategy, fresh);
+        gl->max_storage = unlimited;
+        CHECK_MSG(memcmp(updated, fresh, sizeof fresh) == 0, "%s", strategy->name);
+    }
+}
+
 /* A limit below what one chunk takes is said before anything is drawn. */
 static void check_refusal(const kit *k) {
     slv_env env = test_env();
@@ -111,6 +136,7 @@ int main(void) {
     random_points(&k, &random);
     check_limits(&k);
     check_refusal(&k);
+    check_updates(&k, &random);
     kit_free(&k);
     check_sharing(&random);
     slv_gl_destroy(gl);

@@ -15,6 +15,7 @@
 #define AT_ONCE (UINT64_C(32) << 20) /* bytes in one call of the driver's */
 #define IN_STEPS (UINT64_C(1) << 18) /* the same where a call is to end soon */
 #define MOST_SECONDS 0.02
+#define CLEARED (UINT64_C(1) << 20) /* bytes that a software driver clears in next to no time */
 
 slv_result slvi_gl_making_begin(slv_gl_texture *texture) {
     slv_result result =
@@ -60,8 +61,9 @@ static GLuint make_sampler(const slv_gl_texture *texture, const slv_strategy *st
 
 /* How far one call may go. */
 struct bounds {
-    uint64_t bytes, end; /* making->done to stop at */
-    double until;        /* 0: as long as it takes */
+    uint64_t bytes, begun, end; /* making->done at first, and to stop at */
+    double until;               /* 0: as long as it takes */
+    bool over;                  /* what was made, or is to be, is for a call of its own */
 };
 
 static double now(void) {
@@ -71,7 +73,14 @@ static double now(void) {
 }
 
 static bool is_over(const slv_gl_making *making, const struct bounds *bounds) {
-    return making->done >= bounds->end || (bounds->until > 0 && now() >= bounds->until);
+    return bounds->over || making->done >= bounds->end ||
+           (bounds->until > 0 && now() >= bounds->until);
+}
+
+/* Whether so many bytes on the GPU are made in this call; large ones are all that a call does. */
+static bool may_make(const slv_gl_making *making, uint64_t bytes, struct bounds *bounds) {
+    bounds->over = bounds->until > 0 && bytes > CLEARED;
+    return !bounds->over || making->done == bounds->begun;
 }
 
 /* The share of the store's steps that a pool stands for. */
@@ -87,7 +96,7 @@ static slv_result count_pool(const slv_gl_texture *texture, const slv_gl_pools *
 
 /* Some layers of the level that comes next. */
 static slv_result upload_layers(slv_gl_texture *texture, slv_gl_store *store,
-                                const struct bounds *bounds) {
+                                struct bounds *bounds) {
     slv_gl_making *making = texture->making;
     slv_gl_pool *pool = &store->pools.pools[making->pool];
     const slv_gl_source *source = &texture->live->source;
@@ -95,8 +104,12 @@ static slv_result upload_layers(slv_gl_texture *texture, slv_gl_store *store,
     uint64_t each = slvi_gl_layers_bytes(&store->pools, &layers);
     uint64_t left = bounds->end - making->done, most = left < bounds->bytes ? left : bounds->bytes;
     slv_result result = SLV_OK;
-    if (!pool->texture && (result = slvi_gl_store_make_pool(source, store, pool)))
-        return result;
+    if (!pool->texture) {
+        bool may =
+            may_make(making, slvi_gl_layer_bytes(&store->pools, pool) * pool->capacity, bounds);
+        if (!may || (result = slvi_gl_store_make_pool(source, store, pool)) || bounds->over)
+            return result;
+    }
     most = most / each ? most / each : 1;
     layers.count = pool->nlayers - making->layer;
     layers.count = layers.count < most ? layers.count : (uint32_t)most;
@@ -117,7 +130,7 @@ static slv_result upload_layers(slv_gl_texture *texture, slv_gl_store *store,
     return count_pool(texture, &store->pools, pool);
 }
 
-static slv_result upload_texels(slv_gl_texture *texture, const struct bounds *bounds) {
+static slv_result upload_texels(slv_gl_texture *texture, struct bounds *bounds) {
     slv_gl_making *making = texture->making;
     slv_result result = SLV_OK;
     while (!result && making->store < texture->nstores && !is_over(making, bounds)) {
@@ -136,15 +149,17 @@ static slv_result upload_texels(slv_gl_texture *texture, const struct bounds *bo
 }
 
 /* A part of the last table. */
-static slv_result upload_table(slv_gl_texture *texture, const struct bounds *bounds) {
+static slv_result upload_table(slv_gl_texture *texture, struct bounds *bounds) {
     slv_gl_making *making = texture->making;
     slv_gl_table *table = &making->tables.tables[making->tables.count - 1];
     uint64_t left = table->bytes - making->filled, most = bounds->end - making->done;
     slv_result result = SLV_OK;
     most = most < bounds->bytes ? most : bounds->bytes;
     most = left < most ? left : most;
-    if (!making->buffer && (result = slvi_gl_buffer(texture->gl, &texture->env, table->what, NULL,
-                                                    table->bytes, &making->buffer)))
+    if (!making->buffer && (!may_make(making, table->bytes, bounds) ||
+                            (result = slvi_gl_buffer(texture->gl, &texture->env, table->what, NULL,
+                                                     table->bytes, &making->buffer)) ||
+                            bounds->over))
         return result;
     if (most)
         texture->gl->api.NamedBufferSubData(making->buffer, (GLintptr)making->filled,
@@ -165,10 +180,11 @@ static slv_result upload_table(slv_gl_texture *texture, const struct bounds *bou
 slv_result slvi_gl_making_upload(slv_gl_texture *texture, uint64_t max_bytes) {
     slv_gl_making *making = texture->making;
     bool unbounded = max_bytes == UINT64_MAX;
-    struct bounds bounds = {unbounded ? AT_ONCE : IN_STEPS,
-                            max_bytes < UINT64_MAX - making->done ? making->done + max_bytes
-                                                                  : UINT64_MAX,
-                            unbounded ? 0 : now() + MOST_SECONDS};
+    struct bounds bounds = {.bytes = unbounded ? AT_ONCE : IN_STEPS,
+                            .begun = making->done,
+                            .end = max_bytes < UINT64_MAX - making->done ? making->done + max_bytes
+                                                                         : UINT64_MAX,
+                            .until = unbounded ? 0 : now() + MOST_SECONDS};
     slv_result result = upload_texels(texture, &bounds);
     while (!result && making->store == texture->nstores && making->tables.count &&
            !is_over(making, &bounds))

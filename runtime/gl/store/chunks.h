@@ -1,4 +1,4 @@
-/* Tables with a row for each face that are longer than a shader can be shown at once. */
+/* Tables with a row for each face that are longer than a shader is shown at once. */
 #ifndef SLV_GL_CHUNKS_H
 #define SLV_GL_CHUNKS_H
 

@@ -12,8 +12,8 @@
 
 enum {
     SKIP_SHIFT = 27, /* in `where` */
-    ALIGNMENT = 16,  /* values: what any driver lets a range of a buffer begin at */
-    LEAST_CHUNK = 5, /* log2 of the same in faces, 8 bytes each */
+    LEAST_CHUNK =
+        5, /* log2 of faces, 8 bytes each: any driver lets a range of a buffer begin there */
     MOST_VALUES = SLV_GL_LEVELS + 1
 };
 
@@ -71,7 +71,7 @@ static void number_ring(const struct list_job *job, slv_gl_chunks chunks, slv_ri
 /* Numbers all values; false if a part has more than fit. */
 static bool number_values(const struct list_job *job, slv_gl_chunks chunks, slv_gl_corners *out) {
     uint32_t nfaces = slv_levels_get_desc(job->source->levels)->nfaces;
-    uint64_t most = job->source->gl->max_storage / (4 * sizeof(float));
+    uint64_t most = slvi_gl_parts_limit(job->source->gl) / (4 * sizeof(float));
     most = most < 1u << SKIP_SHIFT ? most : 1u << SKIP_SHIFT;
     memset(out->where, 0xff, (size_t)nfaces * 4 * sizeof *out->where);
     memset(out->first, 0, (chunks.count + 1) * sizeof *out->first);
@@ -89,8 +89,7 @@ static bool number_values(const struct list_job *job, slv_gl_chunks chunks, slv_
     for (uint32_t chunk = 0; chunk < chunks.count; chunk++) {
         if (out->first[chunk + 1] > most)
             return false;
-        out->first[chunk + 1] +=
-            out->first[chunk] + (ALIGNMENT - out->first[chunk + 1] % ALIGNMENT) % ALIGNMENT;
+        out->first[chunk + 1] += out->first[chunk];
     }
     return true;
 }
@@ -98,7 +97,7 @@ static bool number_values(const struct list_job *job, slv_gl_chunks chunks, slv_
 slv_result slvi_gl_corners_list(const slv_gl_source *source, uint64_t row, slv_gl_chunks *chunks,
                                 slv_gl_corners *out) {
     uint32_t nfaces = slv_levels_get_desc(source->levels)->nfaces, log2 = 32;
-    uint64_t ncorners = 4 * (uint64_t)nfaces;
+    uint64_t ncorners = 4 * (uint64_t)nfaces, limit = slvi_gl_parts_limit(source->gl);
     struct list_job job = {.source = source};
     bool fits = false;
     slv_result result;
@@ -107,8 +106,7 @@ slv_result slvi_gl_corners_list(const slv_gl_source *source, uint64_t row, slv_g
              slvi_alloc(source->env, "corner table", ncorners, sizeof *out->where, &out->where)) ||
         (result = slvi_parallel_for(source->env, ncorners, 4096, find_shares, &job)))
         goto done;
-    while (log2 > LEAST_CHUNK &&
-           (log2 == 32 ? nfaces : UINT64_C(1) << log2) * row > source->gl->max_storage)
+    while (log2 > LEAST_CHUNK && (log2 == 32 ? nfaces : UINT64_C(1) << log2) * row > limit)
         log2 = log2 == 32 ? 31 : log2 - 1;
     for (; !result && !fits && log2 >= LEAST_CHUNK; log2--) {
         *chunks = slv_gl_chunks_of(nfaces, log2);
@@ -122,8 +120,8 @@ slv_result slvi_gl_corners_list(const slv_gl_source *source, uint64_t row, slv_g
     }
     if (!result && !fits)
         result = slvi_fail(source->env, SLV_ERROR_LIMIT,
-                           "the corner table does not fit the driver's limit of %llu bytes",
-                           (unsigned long long)source->gl->max_storage);
+                           "the corner table does not fit the limit of %llu bytes",
+                           (unsigned long long)limit);
 done:
     slvi_free(job.shares);
     return result;
@@ -157,9 +155,9 @@ static uint32_t list_values(const slv_gl_source *source, slv_gl_chunks chunks,
     return done;
 }
 
-static uint64_t first_value(const slv_gl_corners *corners, slv_gl_chunks chunks, uint32_t id) {
-    return corners->first[slv_gl_chunk_of(chunks, id / 4)] +
-           (corners->where[id] & ((1u << SKIP_SHIFT) - 1));
+/* The number of a corner's first value in its part. */
+static uint32_t first_value(const slv_gl_corners *corners, uint32_t id) {
+    return corners->where[id] & ((1u << SKIP_SHIFT) - 1);
 }
 
 struct fill_job {
@@ -185,7 +183,8 @@ static slv_result fill(void *user, uint64_t first, uint64_t end) {
         if (k < position) /* that one does it */
             continue;
         uint32_t count = list_values(source, job->chunks, job->corners, id, texel, values);
-        memcpy(job->values + 4 * first_value(job->corners, job->chunks, id), values,
+        uint64_t part = job->corners->first[slv_gl_chunk_of(job->chunks, id / 4)];
+        memcpy(job->values + 4 * (part + first_value(job->corners, id)), values,
                4 * count * sizeof *values);
     }
     slvi_free(texel);
@@ -202,7 +201,7 @@ slv_result slvi_gl_corners_fill(const slv_gl_source *source, slv_gl_chunks chunk
 /* The parameters say what is read, where it goes, and for which faces. */
 slv_result slvi_gl_corners_refresh(const slv_gl_source *source, slv_gl_chunks chunks,
                                    const slv_gl_corners *corners, const uint32_t *faces,
-                                   uint32_t count, GLuint buffer) {
+                                   uint32_t count, const slv_gl_part *parts) {
     float *texel = NULL, values[4 * MOST_VALUES];
     size_t size = 4 * sizeof *values;
     slv_result result =
@@ -211,8 +210,8 @@ slv_result slvi_gl_corners_refresh(const slv_gl_source *source, slv_gl_chunks ch
     for (uint32_t i = 0; !result && i < 4 * count; i++) {
         uint32_t id = 4 * faces[i / 4] + i % 4;
         uint32_t nvalues = list_values(source, chunks, corners, id, texel, values);
-        source->gl->api.NamedBufferSubData(buffer,
-                                           (GLintptr)(first_value(corners, chunks, id) * size),
+        source->gl->api.NamedBufferSubData(parts[slv_gl_chunk_of(chunks, id / 4)].values,
+                                           (GLintptr)(first_value(corners, id) * size),
                                            (GLsizeiptr)(nvalues * size), values);
     }
     slvi_free(texel);

@@ -2,8 +2,7 @@
 #ifndef SLV_GL_CORNERS_H
 #define SLV_GL_CORNERS_H
 
-#include "gl/store/chunks.h"
-#include "gl/store/source.h"
+#include "gl/store/parts.h"
 
 /* Values of four floats in lists, one or two to a ring of faces; where a table is looked at in
  * parts, one for each part that has faces of the ring. */
@@ -23,7 +22,7 @@ slv_result slvi_gl_corners_fill(const slv_gl_source *source, slv_gl_chunks chunk
 /* Computes and uploads those around some faces. */
 slv_result slvi_gl_corners_refresh(const slv_gl_source *source, slv_gl_chunks chunks,
                                    const slv_gl_corners *corners, const uint32_t *faces,
-                                   uint32_t count, GLuint buffer);
+                                   uint32_t count, const slv_gl_part *parts);
 void slvi_gl_corners_free(slv_gl_corners *corners);
 
 #endif

@@ -139,7 +139,7 @@ slv_result slvi_gl_links_refresh(const slv_gl_source *source, const slv_gl_pools
     (void)pools;
     (void)made;
     return slvi_gl_corners_refresh(source, reach->chunks, &reach->corners, faces, count,
-                                   reach->values);
+                                   reach->parts);
 }
 
 static slv_result upload_links(const slv_gl_source *source, const slv_gl_pools *layers,
@@ -154,17 +154,15 @@ static slv_result upload_links(const slv_gl_source *source, const slv_gl_pools *
         memcpy(rows[f].corners, out->corners.where + 4 * (size_t)f, sizeof rows[f].corners);
     }
     if (!result)
-        result = slvi_gl_long_table(source, "link table", rows, nfaces * row, &out->ways);
-    slvi_free(rows);
-    if (!result)
         result = slvi_alloc(source->env, "corner table", nvalues, 4 * sizeof *values, &values);
     if (!result)
         result = slvi_gl_corners_fill(source, out->chunks, &out->corners, values);
     if (!result)
-        result = slvi_gl_long_table(source, "corner table", values, nvalues * 4 * sizeof *values,
-                                    &out->values);
+        result = slvi_gl_parts_make(source, out->chunks,
+                                    &(slv_gl_part_rows){rows, row, values, out->corners.first},
+                                    &out->parts);
     out->bytes = nfaces * row + nvalues * 4 * sizeof *values;
-    out->way_bytes = (uint32_t)row;
+    slvi_free(rows);
     slvi_free(values);
     return result;
 }

@@ -63,11 +63,10 @@ slv_result slvi_gl_reach_refresh(const slv_gl_source *source, slv_gl_reach_kind 
 }
 
 void slvi_gl_reach_free(const slv_gl *gl, slv_gl_reach *reach) {
+    slvi_gl_parts_free(gl, reach->chunks, reach->parts);
     slvi_gl_batches_free(&reach->batches);
     slvi_gl_corners_free(&reach->corners);
     slvi_gl_marks_end(&reach->at_hand);
-    slvi_gl_delete(gl->api.DeleteBuffers, &reach->ways);
-    slvi_gl_delete(gl->api.DeleteBuffers, &reach->values);
     memset(reach, 0, sizeof *reach);
 }
 

@@ -10,8 +10,7 @@
 typedef struct slv_gl_reach {
     slv_gl_batches batches;
     slv_gl_chunks chunks;   /* which draws are shown which rows of tables */
-    GLuint ways, values;    /* 0: none. Bound at SLV_GL_FIRST_STORAGE + 1 and + 3 */
-    uint32_t way_bytes;     /* of a row of `ways` */
+    slv_gl_part *parts;     /* one for each chunk; NULL: there are no tables but that of faces */
     uint64_t bytes;         /* of all tables */
     slv_gl_corners corners; /* where values are; which corner has which for `live` only */
     slv_gl_marks at_hand;   /* of htex: corners that are being changed */

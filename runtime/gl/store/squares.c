@@ -26,7 +26,7 @@ static uint32_t corner_of(const slv_htex_face *face, uint32_t k) {
 static slv_result list_corners(const slv_gl_source *source, const slv_htex *htex,
                                slv_gl_chunks chunks, uint32_t *part_of, slv_gl_corners *out) {
     uint32_t nfaces = slv_levels_get_desc(source->levels)->nfaces, chunk = 0, *number = NULL;
-    uint64_t most = source->gl->max_storage / 16, filled = 0;
+    uint64_t most = slvi_gl_parts_limit(source->gl) / 16, filled = 0;
     slv_result result = slvi_alloc(source->env, "corner table", slv_htex_value_count(htex),
                                    sizeof *number, &number);
     most = most < 1u << 27 ? most : 1u << 27;
@@ -34,7 +34,7 @@ static slv_result list_corners(const slv_gl_source *source, const slv_htex *htex
     for (uint32_t f = 0; !result && f < nfaces; f++) {
         slv_htex_face face = slv_htex_get_face(htex, f);
         if (chunk != slv_gl_chunk_of(chunks, f)) {
-            out->first[++chunk] = filled = (filled + 15) / 16 * 16;
+            out->first[++chunk] = filled;
         }
         for (uint32_t k = 0; k < CORNERS; k++) {
             uint32_t corner = corner_of(&face, k), first, log2;
@@ -49,7 +49,7 @@ static slv_result list_corners(const slv_gl_source *source, const slv_htex *htex
         if (filled - out->first[chunk] > most)
             result = SLV_ERROR_LIMIT;
     }
-    out->first[chunk + 1] = (filled + 15) / 16 * 16;
+    out->first[chunk + 1] = filled;
     slvi_free(number);
     return result;
 }
@@ -59,7 +59,7 @@ static slv_result choose_chunks(const slv_gl_source *source, const slv_htex *hte
                                 slv_gl_reach *out) {
     const slv_env *env = source->env;
     uint32_t nfaces = slv_levels_get_desc(source->levels)->nfaces, log2 = 32, *part_of = NULL;
-    uint64_t row = sizeof(struct square_row);
+    uint64_t row = sizeof(struct square_row), limit = slvi_gl_parts_limit(source->gl);
     slv_gl_corners *corners = &out->corners;
     slv_result result;
     if ((result = slvi_alloc(env, "corner table", (uint64_t)nfaces * CORNERS,
@@ -67,8 +67,8 @@ static slv_result choose_chunks(const slv_gl_source *source, const slv_htex *hte
         (result = slvi_alloc(env, "corner table", slv_htex_value_count(htex), sizeof *part_of,
                              &part_of)))
         goto done;
-    if (nfaces * row > source->gl->max_storage)
-        for (log2 = 31; log2 > 5 && row << log2 > source->gl->max_storage;)
+    if (nfaces * row > limit)
+        for (log2 = 31; log2 > 5 && row << log2 > limit;)
             log2--;
     for (bool again = true; !result && again;) {
         out->chunks = slv_gl_chunks_of(nfaces, log2);
@@ -87,10 +87,8 @@ static slv_result choose_chunks(const slv_gl_source *source, const slv_htex *hte
         }
     }
     if (result == SLV_ERROR_LIMIT)
-        result = slvi_fail(env, result,
-                           "the corner table does not fit the driver's limit of %llu "
-                           "bytes",
-                           (unsigned long long)source->gl->max_storage);
+        result = slvi_fail(env, result, "the corner table does not fit the limit of %llu bytes",
+                           (unsigned long long)limit);
 done:
     slvi_free(part_of);
     return result;
@@ -149,11 +147,8 @@ static slv_result upload_squares(const slv_gl_source *source, const slv_htex *ht
             corner_values(source, htex, corner_of(&face, k), values + 4 * first_value(out, f, k));
     }
     out->bytes = desc->nfaces * row + nvalues * 4 * sizeof *values;
-    out->way_bytes = (uint32_t)row;
-    if (!(result =
-              slvi_gl_long_table(source, "table of squares", rows, desc->nfaces * row, &out->ways)))
-        result = slvi_gl_long_table(source, "corner table", values, nvalues * 4 * sizeof *values,
-                                    &out->values);
+    slv_gl_part_rows from = {rows, row, values, out->corners.first};
+    result = slvi_gl_parts_make(source, out->chunks, &from, &out->parts);
 done:
     slvi_free(rows);
     slvi_free(values);
@@ -207,6 +202,7 @@ static void send_corners(const slv_gl_source *source, const slv_htex *htex, uint
                          slv_gl_reach *reach) {
     slv_htex_face face = slv_htex_get_face(htex, f);
     float values[4 * (SLV_GL_LEVELS + 1)];
+    uint32_t chunk = slv_gl_chunk_of(reach->chunks, f);
     for (uint32_t k = 0; k < CORNERS; k++) {
         uint64_t first = first_value(reach, f, k);
         uint32_t sent = reach->at_hand.count;
@@ -214,7 +210,9 @@ static void send_corners(const slv_gl_source *source, const slv_htex *htex, uint
         if (reach->at_hand.count == sent)
             continue;
         uint32_t count = corner_values(source, htex, corner_of(&face, k), values);
-        source->gl->api.NamedBufferSubData(reach->values, (GLintptr)(first * 4 * sizeof *values),
+        first -= reach->corners.first[chunk];
+        source->gl->api.NamedBufferSubData(reach->parts[chunk].values,
+                                           (GLintptr)(first * 4 * sizeof *values),
                                            (GLsizeiptr)(count * 4 * sizeof *values), values);
     }
 }

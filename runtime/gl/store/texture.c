@@ -101,21 +101,14 @@ static uint32_t units_of(const slv_gl_texture *texture, const slv_gl_slot *slot)
 static void bind_tables(const slv_gl_texture *texture, const slv_gl_slot *slot, uint32_t chunk) {
     const slv_gl_store *store = &texture->stores[slot->store];
     const slv_gl_reach *reach = reach_of(texture, slot);
-    const GLuint tables[4] = {store->table, reach->ways, store->rects, reach->values};
+    const slv_gl_part none = {0}, *part = reach->parts ? &reach->parts[chunk] : &none;
+    const GLuint tables[4] = {store->table, part->ways, store->rects, part->values};
     uint64_t face = chunk ? (uint64_t)chunk << reach->chunks.log2 : 0, end = texture->nfaces;
-    GLintptr at[4] = {0};
-    GLsizeiptr size[4] = {0};
     if (reach->chunks.count > 1 && chunk + 1 < reach->chunks.count)
         end = (uint64_t)(chunk + 1) << reach->chunks.log2;
-    at[0] = (GLintptr)(8 * face);
-    size[0] = (GLsizeiptr)(8 * (end - face));
-    at[1] = (GLintptr)(reach->way_bytes * face);
-    size[1] = (GLsizeiptr)(reach->way_bytes * (end - face));
-    size[2] = (GLsizeiptr)store->rect_bytes;
-    if (reach->corners.first) {
-        at[3] = (GLintptr)(16 * reach->corners.first[chunk]);
-        size[3] = (GLsizeiptr)(16 * reach->corners.first[chunk + 1]) - at[3];
-    }
+    const GLintptr at[4] = {(GLintptr)(8 * face)};
+    const GLsizeiptr size[4] = {(GLsizeiptr)(8 * (end - face)), (GLsizeiptr)part->way_bytes,
+                                (GLsizeiptr)store->rect_bytes, (GLsizeiptr)part->value_bytes};
     for (uint32_t first = 0; first < 4; first++) {
         uint32_t last = first;
         while (last < 4 && tables[last] && size[last])
