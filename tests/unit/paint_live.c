@@ -33,7 +33,7 @@ static slv_session *create(const char *name) {
     MUST(slv_session_create_from(&env, in_folder(name), mesh, texture, &params, &session));
     slv_history_info info;
     slv_document_history(slv_session_document(session), &info);
-    CHECK_MSG(!info.undos, "what a session was made of can be undone");
+    CHECK_MSG(!info.undos && !info.lost, "what a session was made of can be undone");
     slv_texture_destroy(texture);
     slv_mesh_destroy(mesh);
     shape_clear(&cube);

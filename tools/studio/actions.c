@@ -34,8 +34,12 @@ static const row rows[] = {
     {"Edit", "Fill", "tool", "fill", "g", studio_set_tool, studio_get_tool, true},
     {"Edit", "Pick a Colour", "tool", "pick", "i", studio_set_tool, studio_get_tool, true},
     {"Edit", "Select Faces", "tool", "select", "s", studio_set_tool, studio_get_tool, true},
+    {"Edit", "Place the Stencil", "tool", "stencil", "y", studio_set_tool, studio_get_tool, true},
+    {"Edit", "Resolution Brush", "tool", "texels", "r", studio_set_tool, studio_get_tool, true},
     {"Edit", "Select No Faces", "select-none", NULL, "<Control><Shift>a", studio_do_select_none,
      NULL, true},
+    {"Edit", "Stencil…", "stencil", NULL, "<Control>y", studio_do_stencil, NULL, true},
+    {"Edit", "No Stencil", "stencil-none", NULL, "<Shift>y", studio_do_stencil_none, NULL, true},
     {"Edit", "Double the Face's Texels", "texels-more", NULL, "<Control>plus <Control>equal",
      studio_do_texels_more, NULL, true},
     {"Edit", "Halve the Face's Texels", "texels-fewer", NULL, "<Control>minus",
@@ -141,7 +145,11 @@ static const row rows[] = {
     /* without a place in the menus: from lists, tools and messages */
     {NULL, "Fill a face", "fill-face", "", NULL, studio_do_fill_face, NULL, true},
     {NULL, "Select a face", "select-face", "", NULL, studio_do_select_face, NULL, true},
+    {NULL, "Twice the texels of faces", "faces-finer", "", NULL, studio_do_faces_finer, NULL, true},
+    {NULL, "Half the texels of faces", "faces-coarser", "", NULL, studio_do_faces_coarser, NULL,
+     true},
     {NULL, "Pick a colour", "pick-color", NULL, NULL, studio_do_pick_color, NULL, true},
+    {NULL, "Paint through an image", "stencil-path", "", NULL, studio_do_stencil_path, NULL, true},
     {NULL, "Take a colour", "color", "", NULL, studio_do_color, NULL, false},
     {NULL, "Go to a place of the history", "history", "", NULL, studio_do_history, NULL, true},
     {NULL, "Choose a layer", "layer", "", NULL, studio_set_layer, NULL, true},
@@ -181,7 +189,7 @@ static const row *find(const char *name) {
 /* A stroke or a question is ended first. */
 void studio_actions_run(studio_app *app, const char *name, const char *target) {
     const row *found = find(name);
-    if (!found || app->loading || app->drag == STUDIO_DRAG_STROKE ||
+    if (!found || app->loading || app->drag == STUDIO_DRAG_STROKE || app->touched ||
         (found->needs && !app->document.texture))
         return;
     studio_log(app, "\"event\":\"action\",\"name\":\"%s\",\"target\":\"%s\"", name,

@@ -91,7 +91,8 @@ static void follow_soon(studio_app *app) {
 
 /* A ring as large as the brush. */
 static void put_cursor(const studio_app *app, studio_shot *shot) {
-    bool paints = app->tool == STUDIO_PAINT || app->tool == STUDIO_ERASE;
+    bool paints =
+        app->tool == STUDIO_PAINT || app->tool == STUDIO_ERASE || app->tool == STUDIO_TEXELS;
     if (!paints || !app->pointer_inside || app->screenshot)
         return;
     shot->cursor[0] = (float)app->x;
@@ -114,6 +115,9 @@ static gboolean render(GtkGLArea *area, GdkGLContext *context, gpointer user) {
     shot.camera = studio_area_camera(app, &shot.width, &shot.height);
     shot.coarse = is_moving(app);
     put_cursor(app, &shot);
+    shot.stencil = app->paint.stencil.path && !app->screenshot ? &app->paint.stencil : NULL;
+    g_autofree uint8_t *meant = studio_texels_meant(app);
+    shot.meant = meant;
     if (!app->stale && app->refined && !app->screenshot) {
         shot.again = true;
         studio_failed(app, studio_picture_draw(app->picture, &app->document, &shot, &app->stats));
@@ -379,8 +383,11 @@ static gboolean press(studio_app *app, GdkEvent *event) {
     app->x = (double)sample->x;
     app->y = (double)sample->y;
     bool turns = app->tool == STUDIO_VIEW || (state & GDK_ALT_MASK);
+    bool places = app->tool == STUDIO_STENCIL && app->paint.stencil.path && !turns;
     if (button == 1 && on_divider(app, app->x))
         app->drag = STUDIO_DRAG_DIVIDER;
+    else if (button == 1 && places)
+        app->drag = state & GDK_SHIFT_MASK ? STUDIO_DRAG_STENCIL_TURN : STUDIO_DRAG_STENCIL;
     else if (button == 2 || (button == 1 && turns && (state & GDK_SHIFT_MASK)))
         app->drag = button == 2 && !(state & GDK_SHIFT_MASK) && !turns ? STUDIO_DRAG_ORBIT
                                                                        : STUDIO_DRAG_PAN;
@@ -390,6 +397,8 @@ static gboolean press(studio_app *app, GdkEvent *event) {
         app->drag = STUDIO_DRAG_ORBIT;
     else if (button == 1 && (app->tool == STUDIO_PAINT || app->tool == STUDIO_ERASE))
         studio_area_pen(app, STUDIO_PEN_DOWN, sample, 1, is_eraser(event));
+    else if (button == 1 && app->tool == STUDIO_TEXELS)
+        studio_texels_begin(app, (state & GDK_SHIFT_MASK) || is_eraser(event));
     else if (button == 1)
         click(app, app->x, app->y);
     return TRUE;
@@ -409,6 +418,18 @@ static void drag_view(studio_app *app, double dx, double dy) {
     studio_area_redraw(app, true);
 }
 
+/* Nothing but what goes over the picture is another then. */
+static void drag_stencil(studio_app *app, double dx, double dy) {
+    studio_stencil *stencil = &app->paint.stencil;
+    if (app->drag == STUDIO_DRAG_STENCIL_TURN) {
+        stencil->angle = fmodf(stencil->angle + 0.5f * (float)dx, 360);
+    } else {
+        stencil->at[0] += (float)dx;
+        stencil->at[1] += (float)dy;
+    }
+    gtk_gl_area_queue_render(app->area);
+}
+
 static gboolean motion(studio_app *app, GdkEvent *event) {
     enum { MOST = 1024 };
     static slv_stroke_sample samples[MOST];
@@ -426,6 +447,14 @@ static gboolean motion(studio_app *app, GdkEvent *event) {
     if (app->drag == STUDIO_DRAG_STROKE) {
         studio_log(app, "\"event\":\"samples\",\"count\":%u", count);
         studio_area_pen(app, STUDIO_PEN_MOVE, samples, count, false);
+    } else if (app->drag == STUDIO_DRAG_TEXELS) {
+        for (uint32_t i = 0; i < count && app->drag == STUDIO_DRAG_TEXELS; i++) {
+            app->x = (double)samples[i].x;
+            app->y = (double)samples[i].y;
+            studio_texels_touch(app);
+        }
+    } else if (app->drag == STUDIO_DRAG_STENCIL || app->drag == STUDIO_DRAG_STENCIL_TURN) {
+        drag_stencil(app, dx, dy);
     } else if (app->drag != STUDIO_DRAG_NONE) {
         drag_view(app, dx, dy);
     } else {
@@ -438,6 +467,8 @@ static gboolean motion(studio_app *app, GdkEvent *event) {
 static gboolean release(studio_app *app) {
     if (app->drag == STUDIO_DRAG_STROKE)
         studio_area_pen(app, STUDIO_PEN_UP, NULL, 0, false);
+    else if (app->touched)
+        studio_texels_end(app);
     else if (app->drag != STUDIO_DRAG_NONE)
         studio_log(app, "\"event\":\"view\",\"azimuth\":%.3f,\"elevation\":%.3f,\"distance\":%.5g",
                    (double)app->camera.azimuth, (double)app->camera.elevation,
@@ -454,7 +485,13 @@ static gboolean scroll(studio_app *app, GdkEvent *event) {
         gdk_scroll_event_get_deltas(event, &dx, &dy);
     else
         dy = direction == GDK_SCROLL_UP ? -1 : direction == GDK_SCROLL_DOWN ? 1 : 0;
-    studio_camera_zoom(&app->camera, powf(1.1f, (float)-dy));
+    const float factor = powf(1.1f, (float)-dy);
+    if (app->tool == STUDIO_STENCIL && app->paint.stencil.path) {
+        app->paint.stencil.width = fminf(fmaxf(app->paint.stencil.width * factor, 4), 1e5f);
+        gtk_gl_area_queue_render(app->area);
+        return TRUE;
+    }
+    studio_camera_zoom(&app->camera, factor);
     studio_area_redraw(app, true);
     return TRUE;
 }

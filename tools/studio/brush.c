@@ -183,6 +183,13 @@ char *studio_paint_line(const studio_paint *paint, const studio_document *d,
                                   numbers(camera->world_to_camera, 16), "window",
                                   numbers(camera->window, 4), "perspective", camera->perspective));
     json_object_set_new(line, "project", json_boolean(paint->project));
+    const studio_stencil *stencil = &paint->stencil;
+    if (stencil->path)
+        json_object_set_new(line, "image",
+                            json_pack("{s:s, s:[f, f], s:f, s:f}", "file", stencil->path, "at",
+                                      (double)(0.5f * (float)width + stencil->at[0]),
+                                      (double)(0.5f * (float)height + stencil->at[1]), "width",
+                                      (double)stencil->width, "angle", (double)stencil->angle));
     if (paint->mirror) {
         float x = (d->scene.bounds_min[0] + d->scene.bounds_max[0]) / 2;
         json_object_set_new(line, "mirror",

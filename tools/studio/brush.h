@@ -4,6 +4,7 @@
 #define SELVAGE_STUDIO_BRUSH_H
 
 #include "studio/document.h"
+#include "studio/look.h"
 
 typedef struct studio_brush {
     char *name; /* as it is shown */
@@ -27,6 +28,7 @@ typedef struct studio_paint {
     bool erase, lock_alpha, project;
     bool mirror; /* on the plane x = the middle of the surface */
     float pressure_radius, pressure_opacity;
+    studio_stencil stencil;
 } studio_paint;
 
 /* Colours to come back to, "#rrggbb" as they are on the screen, the one that was kept last first;

@@ -261,44 +261,76 @@ static int8_t other_size(int8_t size, int by) {
 }
 
 /* Of the document, and of the layer that is painted on: more texels of one alone would not show. */
-static void resize(studio_app *app, int by) {
-    slv_paint_hit hit;
+static void resize(studio_app *app, uint32_t count, const uint32_t *faces, int by) {
     slv_layer_info info;
     uint32_t index;
-    slv_document *layers = face_under(app, &hit) ? layers_of(app) : NULL;
-    if (!layers || !layer_now(app, &info, &index))
+    slv_document *layers = layers_of(app);
+    if (!count || !layers || !layer_now(app, &info, &index))
+        return;
+    slv_res *res = g_new(slv_res, count), *own = g_new(slv_res, count);
+    for (uint32_t i = 0; i < count; i++) {
+        const slv_res flat = slv_document_get_desc(layers)->res[faces[i]],
+                      layer = info.res[faces[i]];
+        res[i] = (slv_res){other_size(flat.u, by), other_size(flat.v, by)};
+        own[i] = (slv_res){other_size(layer.u, by), other_size(layer.v, by)};
+    }
+    slv_result result = SLV_OK;
+    if (slv_document_resize_bytes(layers, 0, count, faces, res) > slv_memory_available()) {
+        studio_say(app, "There is not enough memory for that many texels.", NULL, NULL);
+    } else if (!(result = slv_document_begin(layers, "texels"))) {
+        if (!(result = slv_document_resize(layers, 0, count, faces, res)) && !info.props.locked)
+            result = slv_document_resize(layers, info.id, count, faces, own);
+        if (result)
+            slv_document_cancel(layers);
+        else
+            result = slv_document_end(layers);
+    }
+    g_free(res);
+    g_free(own);
+    edited(app, result);
+}
+
+static void resize_under(studio_app *app, int by) {
+    slv_paint_hit hit;
+    if (!face_under(app, &hit))
         return;
     const uint32_t face = (uint32_t)hit.point.face;
-    const slv_res flat = slv_document_get_desc(layers)->res[face], own = info.res[face];
-    const slv_res res = {other_size(flat.u, by), other_size(flat.v, by)},
-                  layer = {other_size(own.u, by), other_size(own.v, by)};
-    uint64_t bytes = slv_document_resize_bytes(layers, 0, 1, &face, &res);
-    if (bytes > slv_memory_available()) {
-        studio_say(app, "There is not enough memory for that many texels.", NULL, NULL);
-        return;
+    resize(app, 1, &face, by);
+}
+
+/* By so many steps, all faces of a list of numbers. */
+static void resize_listed(studio_app *app, const char *target, int by) {
+    slv_document *layers = layers_of(app);
+    const uint32_t nfaces = layers ? slv_document_get_desc(layers)->nfaces : 0;
+    GArray *faces = g_array_new(FALSE, FALSE, sizeof(uint32_t));
+    uint32_t last = 0;
+    for (char *end; *target; target = end) {
+        const uint32_t face = (uint32_t)strtoul(target, &end, 10);
+        if (end == target || face >= nfaces || (faces->len && face <= last))
+            break;
+        g_array_append_val(faces, face);
+        last = face;
     }
-    slv_result result = slv_document_begin(layers, "texels");
-    if (result) {
-        edited(app, result);
-        return;
-    }
-    if (!(result = slv_document_resize(layers, 0, 1, &face, &res)) && !info.props.locked)
-        result = slv_document_resize(layers, info.id, 1, &face, &layer);
-    if (result)
-        slv_document_cancel(layers);
-    else
-        result = slv_document_end(layers);
-    edited(app, result);
+    resize(app, faces->len, (const uint32_t *)(const void *)faces->data, by);
+    g_array_free(faces, TRUE);
 }
 
 void studio_do_texels_more(studio_app *app, const char *target) {
     (void)target;
-    resize(app, 1);
+    resize_under(app, 1);
 }
 
 void studio_do_texels_fewer(studio_app *app, const char *target) {
     (void)target;
-    resize(app, -1);
+    resize_under(app, -1);
+}
+
+void studio_do_faces_finer(studio_app *app, const char *target) {
+    resize_listed(app, target, 1);
+}
+
+void studio_do_faces_coarser(studio_app *app, const char *target) {
+    resize_listed(app, target, -1);
 }
 
 void studio_do_select_none(studio_app *app, const char *target) {
@@ -347,6 +379,7 @@ void studio_set_tool(studio_app *app, const char *target) {
     for (int i = 0; i < STUDIO_TOOLS; i++)
         if (strcmp(studio_tool_names[i], target) == 0)
             app->tool = (studio_tool)i;
+    studio_say(app, NULL, NULL, NULL); /* what was said is of what was done before */
     if (app->tool != STUDIO_VIEW && app->tool != STUDIO_PICK)
         (void)layers_of(app); /* so that the first stroke need not wait for it */
 }

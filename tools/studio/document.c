@@ -331,3 +331,27 @@ bool studio_document_pick(studio_document *d, const slv_camera *camera, uint32_t
            slv_paint_surface_ray(surface, camera, width, height, x, y, origin, direction) &&
            slv_paint_surface_hit(surface, origin, direction, out);
 }
+
+/* Asked for few texels: which faces there are is all that is wanted. */
+slv_result studio_document_cover(studio_document *d, const slv_screen_dab *dab, uint8_t *touched) {
+    enum { SIZE = 3 };
+    const slv_document *layers = slv_session_document(d->session);
+    const uint32_t nfaces = slv_document_get_desc(layers)->nfaces;
+    slv_res *res = malloc(nfaces * sizeof *res + 1);
+    slv_painter *painter;
+    slv_patches patches;
+    slv_result result = res ? slv_session_painter(d->session, &painter) : SLV_ERROR_MEMORY;
+    for (uint32_t f = 0; res && f < nfaces; f++)
+        res[f] = (slv_res){SIZE, SIZE};
+    if (!result)
+        result = slv_painter_cover_screen(painter, res, dab, &patches);
+    for (uint32_t i = 0; !result && i < patches.count; i++) {
+        const slv_patch *patch = &patches.list[i];
+        const uint32_t ntexels = patch->rect.width * patch->rect.height;
+        for (uint32_t t = 0; t < ntexels; t++)
+            if (patch->coverage[t] > 0 && slv_document_selected(layers, patch->face))
+                touched[patch->face] = 1;
+    }
+    free(res);
+    return result;
+}

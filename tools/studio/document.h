@@ -73,4 +73,9 @@ const slv_adjacency *studio_document_adjacency(const studio_document *document);
 bool studio_document_pick(studio_document *document, const slv_camera *camera, uint32_t width,
                           uint32_t height, float x, float y, slv_paint_hit *out);
 
+/* The faces that a disc of a picture covers, of those that are
+ * selected: bytes of `touched`, one for each face, become 1. There must be a session. */
+slv_result studio_document_cover(studio_document *document, const slv_screen_dab *dab,
+                                 uint8_t *touched);
+
 #endif

@@ -53,4 +53,12 @@ extern const char *const studio_overlay_names[STUDIO_OVERLAYS];
 
 studio_look studio_look_default(void);
 
+/* An image before the picture, which is painted through. */
+typedef struct studio_stencil {
+    char *path;          /* NULL: there is none */
+    float at[2];         /* its middle, in pixels from the picture's */
+    float width, aspect; /* pixels; width / height */
+    float angle;         /* degrees clockwise */
+} studio_stencil;
+
 #endif

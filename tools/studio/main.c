@@ -85,6 +85,7 @@ int main(int argc, char **argv) {
     studio_document_close(&app.document);
     studio_document_end(&app.document);
     studio_brushes_free(&app.brushes);
+    g_free(app.paint.stencil.path);
     g_free(app.report_path);
     g_free(app.screenshot);
     for (int i = 0; i < STUDIO_RECENT; i++)

@@ -7,15 +7,13 @@
 #include <math.h>
 #include <stddef.h>
 #include <stdlib.h>
-#include <string.h>
 
 struct studio_overlay_pass {
     slv_tessellation mesh;
     GLuint program, array, vertices, indices, table, depth;
     GLsizei count;
     uint32_t width, height;
-    uint64_t serial;
-    slv_res *res; /* as they are in the table */
+    uint32_t *info; /* what is in the table */
 };
 
 static const char vertex_text[] = "#version 450 core\n"
@@ -36,9 +34,7 @@ static const char fragment_text[] =
     "layout(location = 0) in vec2 at;\n"
     "layout(location = 1) flat in int id;\n"
     "layout(location = 1) uniform ivec4 show; // seams, wires, resolution, segments\n"
-    "layout(std430, binding = 0) readonly buffer faces { uint info[]; }; // log2 of u and v, a "
-    "bit\n"
-    "// for each edge across which texels have another size, and one where there is nothing\n"
+    "layout(std430, binding = 0) readonly buffer faces { uint info[]; }; // as face_info has it\n"
     "layout(location = 0) out vec4 color;\n"
     "vec3 hue(float h) {\n"
     "    return clamp(abs(fract(h + vec3(0.0, 2.0, 1.0) / 3.0) * 6.0 - 3.0) - 1.0, 0.0, 1.0);\n"
@@ -48,7 +44,7 @@ static const char fragment_text[] =
     "    vec2 width = max(fwidth(at), vec2(1e-9));\n"
     "    vec4 edges = vec4(at.y / width.y, (1.0 - at.x) / width.x, (1.0 - at.y) / width.y,\n"
     "                      at.x / width.x);\n"
-    "    color = vec4(0.0);\n"
+    "    color = (face >> 24 & 1u) != 0u ? vec4(0.0, 0.0, 0.0, 0.7) : vec4(0.0);\n"
     "    if (show.z != 0)\n"
     "        color = vec4(hue(float((face & 255u) + (face >> 8 & 255u)) / 18.0), 0.7);\n"
     "    if (show.y != 0) {\n"
@@ -75,7 +71,7 @@ void studio_overlay_destroy(studio_overlay_pass *p) {
     glDeleteBuffers(3, buffers);
     glDeleteRenderbuffers(1, &p->depth);
     slv_tessellation_free(&p->mesh);
-    free(p->res);
+    free(p->info);
     free(p);
 }
 
@@ -112,9 +108,9 @@ static slv_result make(const studio_document *d, uint32_t segments, studio_overl
         for (uint32_t f = 0; f < p->mesh.nfaces; f++)
             count += slv_tessellation_indices(&p->mesh, f, NULL);
         indices = count < INT32_MAX ? malloc(count * sizeof *indices + 1) : NULL;
-        p->res = calloc((size_t)p->mesh.nfaces + 1, sizeof *p->res);
+        p->info = calloc((size_t)p->mesh.nfaces + 1, sizeof *p->info);
     }
-    if (result || !indices || !p->res ||
+    if (result || !indices || !p->info ||
         !(p->program = studio_program(&d->env, vertex_text, fragment_text))) {
         free(indices);
         studio_overlay_destroy(p);
@@ -138,33 +134,37 @@ static slv_result make(const studio_document *d, uint32_t segments, studio_overl
     return SLV_OK;
 }
 
+/* log2 of the width and height of a face, a bit for each edge across which texels have another
+ * size, one for each where there is nothing, and one where it is to be darker. */
+static uint32_t face_info(const slv_res *res, const slv_face_adjacency *adjacency, uint32_t f) {
+    uint32_t info = (uint32_t)res[f].u | (uint32_t)res[f].v << 8;
+    for (uint32_t e = 0; e < 4; e++) {
+        int32_t other = adjacency[f].face[e];
+        uint32_t turned = (e ^ adjacency[f].edge[e]) & 1;
+        bool differs =
+            other >= 0 && (turned ? res[other].u != res[f].v || res[other].v != res[f].u
+                                  : res[other].u != res[f].u || res[other].v != res[f].v);
+        info |= (uint32_t)differs << (16 + e) | (uint32_t)(other < 0) << (20 + e);
+    }
+    return info;
+}
+
 /* What the faces are now. */
-static slv_result fill_table(studio_overlay_pass *p, const studio_document *d) {
+static void fill_table(studio_overlay_pass *p, const studio_document *d, const uint8_t *meant) {
     const slv_res *res = slv_texture_get_desc(d->texture)->res;
     const slv_face_adjacency *adjacency = slv_adjacency_faces(studio_document_adjacency(d));
-    uint32_t n = p->mesh.nfaces;
-    if (p->table && memcmp(p->res, res, n * sizeof *res) == 0)
-        return SLV_OK;
-    uint32_t *info = malloc((size_t)n * sizeof *info + 1);
-    if (!info)
-        return SLV_ERROR_MEMORY;
-    memcpy(p->res, res, n * sizeof *res);
+    const uint32_t n = p->mesh.nfaces;
+    bool same = p->table != 0;
     for (uint32_t f = 0; f < n; f++) {
-        info[f] = (uint32_t)res[f].u | (uint32_t)res[f].v << 8;
-        for (uint32_t e = 0; e < 4; e++) {
-            int32_t other = adjacency[f].face[e];
-            uint32_t turned = (e ^ adjacency[f].edge[e]) & 1;
-            bool differs =
-                other >= 0 && (turned ? res[other].u != res[f].v || res[other].v != res[f].u
-                                      : res[other].u != res[f].u || res[other].v != res[f].v);
-            info[f] |= (uint32_t)differs << (16 + e) | (uint32_t)(other < 0) << (20 + e);
-        }
+        uint32_t now = face_info(res, adjacency, f) | (uint32_t)(meant && !meant[f]) << 24;
+        same = same && p->info[f] == now;
+        p->info[f] = now;
     }
+    if (same)
+        return;
     glDeleteBuffers(1, &p->table);
     glCreateBuffers(1, &p->table);
-    glNamedBufferStorage(p->table, (GLsizeiptr)(n * sizeof *info), info, 0);
-    free(info);
-    return SLV_OK;
+    glNamedBufferStorage(p->table, (GLsizeiptr)(n * sizeof *p->info), p->info, 0);
 }
 
 /* Column-major: window and depths of the surface, as the renderer has them. */
@@ -210,8 +210,9 @@ slv_result studio_overlay_draw(studio_overlay_pass **pass, const studio_document
     static const float far_away = 1;
     slv_result result = *pass ? SLV_OK : make(d, segments, pass);
     studio_overlay_pass *p = *pass;
-    if (result || (result = fill_table(p, d)))
+    if (result)
         return result;
+    fill_table(p, d, shot->meant);
     need_depth(p, width, height);
     set_camera(p, &shot->camera);
     glProgramUniform4i(p->program, 1, look->seams, look->wires,

@@ -36,6 +36,8 @@ struct studio_picture {
     GLuint program, array, targets[2], framebuffers[2];
     uint32_t width, height; /* of the targets */
     uint32_t screen[2];     /* of what was drawn last */
+    GLuint stencil;
+    char *stencil_path; /* of the image that is in it */
 };
 
 /* ---- the context's functions ---- */
@@ -82,6 +84,9 @@ static const char fragment_text[] =
     "layout(location = 1) uniform vec4 numbers; // divider, gain, exposure, -\n"
     "layout(location = 2) uniform vec2 size;\n"
     "layout(location = 3) uniform vec3 cursor; // where, and how far around\n"
+    "layout(binding = 2) uniform sampler2D stencil;\n"
+    "layout(location = 4) uniform vec4 before; // where the stencil is, its width, and turned how\n"
+    "layout(location = 5) uniform float aspect;\n"
     "layout(location = 0) out vec4 color;\n"
     "vec3 map(float t) { // from dark blue to yellow, evenly\n"
     "    t = clamp(t, 0.0, 1.0);\n"
@@ -108,6 +113,14 @@ static const char fragment_text[] =
     "        a.rgb = encode(a.rgb);\n"
     "    if (mode.x == 1 && abs(gl_FragCoord.x - numbers.x * size.x) < 1.0)\n"
     "        a.rgb = vec3(1.0);\n"
+    "    if (before.z > 0.0) {\n"
+    "        vec2 p = (gl_FragCoord.xy - before.xy) * vec2(1.0, -1.0);\n"
+    "        float s = sin(before.w), c = cos(before.w);\n"
+    "        vec2 at = vec2(c * p.x + s * p.y, c * p.y - s * p.x) * vec2(1.0, aspect) / before.z;\n"
+    "        vec4 over = textureLod(stencil, at + 0.5, 0.0);\n"
+    "        if (all(lessThan(abs(at), vec2(0.5))))\n"
+    "            a.rgb = mix(a.rgb, over.rgb, 0.5 * over.a);\n"
+    "    }\n"
     "    float off = abs(distance(gl_FragCoord.xy, cursor.xy) - cursor.z);\n"
     "    if (cursor.z > 0.0 && off < 1.5)\n"
     "        a.rgb = vec3(off < 0.75 ? 1.0 : 0.0);\n"
@@ -209,8 +222,10 @@ void studio_picture_destroy(studio_picture *p) {
         free_targets(p);
         glDeleteProgram(p->program);
         glDeleteVertexArrays(1, &p->array);
+        glDeleteTextures(1, &p->stencil);
     }
     slv_gl_destroy(p->gl);
+    free(p->stencil_path);
     free(p);
 }
 
@@ -332,6 +347,65 @@ static slv_result draw_one(studio_picture *p, const studio_document *d, const st
     return SLV_OK;
 }
 
+/* The stencil's image, as it is on the screen. */
+static slv_result need_stencil(studio_picture *p, const studio_stencil *stencil) {
+    slv_image image = {0};
+    GLint most = 0;
+    if (p->stencil_path && strcmp(p->stencil_path, stencil->path) == 0)
+        return SLV_OK;
+    slv_result result = slv_image_load(&p->env, stencil->path, &image);
+    if (result)
+        return result;
+    const size_t npixels = (size_t)image.width * image.height;
+    const uint32_t n = image.nchannels;
+    uint8_t *pixels = malloc(4 * npixels + 1);
+    char *path = strdup(stencil->path);
+    glGetIntegerv(GL_MAX_TEXTURE_SIZE, &most);
+    if (image.width > (uint32_t)most || image.height > (uint32_t)most)
+        result = output_fail(&p->env, SLV_ERROR_LIMIT, "%s: more than %d pixels wide or high",
+                             stencil->path, most);
+    else if (!pixels || !path)
+        result = output_fail(&p->env, SLV_ERROR_MEMORY, "%s: no memory", stencil->path);
+    for (size_t i = 0; !result && i < npixels; i++)
+        for (uint32_t c = 0; c < 4; c++) {
+            const float *from = image.pixels + i * n;
+            float value = c == 3 ? (n == 2 || n == 4 ? from[n - 1] : 1) : from[n < 3 ? 0 : c];
+            pixels[4 * i + c] = (uint8_t)(fminf(fmaxf(value, 0), 1) * 255 + 0.5f);
+        }
+    if (!result) {
+        glDeleteTextures(1, &p->stencil);
+        glCreateTextures(GL_TEXTURE_2D, 1, &p->stencil);
+        glTextureStorage2D(p->stencil, 1, GL_RGBA8, (GLsizei)image.width, (GLsizei)image.height);
+        glTextureParameteri(p->stencil, GL_TEXTURE_WRAP_S, GL_CLAMP_TO_EDGE);
+        glTextureParameteri(p->stencil, GL_TEXTURE_WRAP_T, GL_CLAMP_TO_EDGE);
+        glTextureParameteri(p->stencil, GL_TEXTURE_MIN_FILTER, GL_LINEAR);
+        glBindBuffer(GL_PIXEL_UNPACK_BUFFER, 0);
+        glPixelStorei(GL_UNPACK_ALIGNMENT, 1);
+        glPixelStorei(GL_UNPACK_ROW_LENGTH, 0);
+        glTextureSubImage2D(p->stencil, 0, 0, 0, (GLsizei)image.width, (GLsizei)image.height,
+                            GL_RGBA, GL_UNSIGNED_BYTE, pixels);
+        free(p->stencil_path);
+        p->stencil_path = path;
+        path = NULL;
+    }
+    free(path);
+    free(pixels);
+    slv_image_free(&image);
+    return result;
+}
+
+static void put_stencil(const studio_picture *p, const studio_shot *shot) {
+    const studio_stencil *s = shot->stencil;
+    static const studio_stencil none = {.aspect = 1};
+    s = s ? s : &none;
+    glBindTextures(2, 1, &p->stencil);
+    glBindSampler(2, 0);
+    glProgramUniform4f(p->program, 4, 0.5f * (float)shot->width + s->at[0],
+                       0.5f * (float)shot->height - s->at[1], s->width,
+                       s->angle * 3.14159265f / 180);
+    glProgramUniform1f(p->program, 5, s->aspect);
+}
+
 static void to_screen(const studio_picture *p, const studio_shot *shot, GLuint framebuffer,
                       bool two) {
     const studio_look *look = &shot->look;
@@ -355,6 +429,7 @@ static void to_screen(const studio_picture *p, const studio_shot *shot, GLuint f
     glProgramUniform2f(p->program, 2, (float)shot->width, (float)shot->height);
     glProgramUniform3f(p->program, 3, shot->cursor[0], (float)shot->height - shot->cursor[1],
                        shot->cursor[2]);
+    put_stencil(p, shot);
     glDrawArrays(GL_TRIANGLES, 0, 3);
     glBindVertexArray(0);
     glUseProgram(0);
@@ -374,6 +449,10 @@ slv_result studio_picture_draw(studio_picture *p, studio_document *d, const stud
         p->mesh = studio_document_mesh(d);
         p->serial = d->serial;
     }
+    if (shot->stencil && (result = need_stencil(p, shot->stencil))) {
+        snprintf(d->message, STUDIO_MESSAGE, "%s", p->message);
+        return result;
+    }
     if (shot->again && p->renderer && p->screen[0] == shot->width && p->screen[1] == shot->height) {
         to_screen(p, shot, (GLuint)framebuffer, two);
         return SLV_OK;
@@ -387,7 +466,7 @@ slv_result studio_picture_draw(studio_picture *p, studio_document *d, const stud
         (result = draw_one(p, d, shot, look->strategy, 0, stats)) ||
         (two && (result = draw_one(p, d, shot, look->other, 1, stats))))
         goto done;
-    if (look->seams || look->wires || look->overlay == STUDIO_OVERLAY_RESOLUTION)
+    if (look->seams || look->wires || look->overlay == STUDIO_OVERLAY_RESOLUTION || shot->meant)
         result = studio_overlay_draw(&p->overlay, d, shot, p->segments, p->framebuffers, two);
     stats->segments = p->segments;
     stats->triangles = slv_gl_renderer_triangles(p->renderer);

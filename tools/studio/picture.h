@@ -19,12 +19,14 @@ const slv_gl_info *studio_picture_info(const studio_picture *picture);
 typedef struct studio_shot {
     studio_look look;
     slv_camera camera;
-    uint32_t width, height; /* of the screen */
-    float scale;            /* what is drawn is so much smaller, 0..1 */
-    bool coarse;            /* one sample a pixel */
-    float background[4];    /* linear */
-    float cursor[3];        /* of the brush: where, and its radius; 0: none */
-    bool again;             /* nothing but the cursor is another than in the picture before */
+    uint32_t width, height;        /* of the screen */
+    float scale;                   /* what is drawn is so much smaller, 0..1 */
+    bool coarse;                   /* one sample a pixel */
+    float background[4];           /* linear */
+    float cursor[3];               /* of the brush: where, and its radius; 0: none */
+    const studio_stencil *stencil; /* NULL: none */
+    const uint8_t *meant;          /* of each face, 0: it is darker; NULL: none is */
+    bool again; /* nothing but the cursor is another than in the picture before */
 } studio_shot;
 
 typedef struct studio_picture_stats {

@@ -15,8 +15,10 @@ typedef enum studio_tool {
     STUDIO_PAINT,
     STUDIO_ERASE,
     STUDIO_FILL,
-    STUDIO_PICK,   /* takes up a colour */
-    STUDIO_SELECT, /* faces that take paint */
+    STUDIO_PICK,    /* takes up a colour */
+    STUDIO_SELECT,  /* faces that take paint */
+    STUDIO_STENCIL, /* moves the image that is painted through */
+    STUDIO_TEXELS,  /* more texels, or fewer, where the brush goes */
     STUDIO_TOOLS
 } studio_tool;
 extern const char *const studio_tool_names[STUDIO_TOOLS];
@@ -28,7 +30,10 @@ typedef enum studio_drag {
     STUDIO_DRAG_PAN,
     STUDIO_DRAG_ZOOM,
     STUDIO_DRAG_DIVIDER,
-    STUDIO_DRAG_STROKE
+    STUDIO_DRAG_STENCIL,
+    STUDIO_DRAG_STENCIL_TURN,
+    STUDIO_DRAG_STROKE,
+    STUDIO_DRAG_TEXELS
 } studio_drag;
 
 enum { STUDIO_BOOKMARKS = 4, STUDIO_RECENT = 8 };
@@ -68,6 +73,8 @@ typedef struct studio_app {
     bool framed; /* the camera fits what is open */
 
     studio_drag drag;
+    uint8_t *touched;        /* of each face, whether a drag of the resolution brush was there */
+    bool fewer;              /* that drag takes texels away */
     double x, y, start_time; /* of the pointer, in pixels of the area */
     float pressure, tilt[2];
     bool pointer_inside;
@@ -121,6 +128,15 @@ slv_camera studio_area_camera(const studio_app *app, uint32_t *width, uint32_t *
 typedef enum studio_pen { STUDIO_PEN_DOWN, STUDIO_PEN_MOVE, STUDIO_PEN_UP } studio_pen;
 void studio_area_pen(studio_app *app, studio_pen what, const slv_stroke_sample *samples,
                      uint32_t count, bool eraser);
+
+/* texels.c */
+/* A drag of the resolution brush begins where the pointer is, goes there, and ends: then it is one
+ * entry of the history. */
+void studio_texels_begin(studio_app *app, bool fewer);
+void studio_texels_touch(studio_app *app);
+void studio_texels_end(studio_app *app);
+/* The faces that something is meant for, a byte for each, for g_free; NULL: all. */
+uint8_t *studio_texels_meant(const studio_app *app);
 
 /* pen.c */
 /* Plays the log of a pen, line by line as the file or pipe gives them. */

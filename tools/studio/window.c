@@ -268,15 +268,17 @@ static GtkWidget *make_loading(void) {
 
 /* The tools, which a new user looks for first. */
 static GtkWidget *make_tools(void) {
-    static const char *const words[STUDIO_TOOLS] = {"View", "Paint", "Erase",
-                                                    "Fill", "Pick",  "Select"};
+    static const char *const words[STUDIO_TOOLS] = {"View", "Paint",  "Erase",   "Fill",
+                                                    "Pick", "Select", "Stencil", "Texels"};
     static const char *const tips[STUDIO_TOOLS] = {
         "Turn the view: drag; Shift pans, the wheel zooms (V)",
         "Paint with the brush (B)",
         "Take paint away (E)",
         "Fill a face (G)",
         "Take up a colour from the surface (I)",
-        "Choose the faces that take paint (S)"};
+        "Choose the faces that take paint (S)",
+        "Place the image that is painted through: drag moves it, Shift turns, the wheel sizes (Y)",
+        "Give faces twice as many texels each way, with Shift half as many (R)"};
     GtkWidget *box = gtk_box_new(GTK_ORIENTATION_HORIZONTAL, 0);
     gtk_widget_add_css_class(box, "linked");
     for (int i = 0; i < STUDIO_TOOLS; i++) {

@@ -82,9 +82,11 @@ static void drop_oldest(slvi_history *history) {
 }
 
 void slvi_history_forget(slv_document *document) {
+    const uint64_t lost = document->history.lost;
     drop_redos(&document->history, 0);
     while (document->history.done)
         drop_oldest(&document->history);
+    document->history.lost = lost; /* for the limits, that is */
 }
 
 /* The oldest go to the disk, then away; where there is nothing to undo, the last to be redone. */

@@ -1,0 +1,57 @@
+#!/bin/sh
+# What else is painted with: the resolution brush, and an image before the picture. paint_with.sh BIN ASSETS
+. "$(dirname "$0")/kit.sh"
+
+"$bin/selvage" new "$2/cube.obj" "$here/cube.ptx" --size 16 -q
+"$bin/selvage" render "$here/cube.ptx" "$here/image.png" --size 80x40 -q
+start_display
+start_studio --size 400x300 "$here/cube.ptx"
+take_window
+
+# what the session holds now, as a texture: of a copy, since the window has the session itself
+export_to() { # PATH
+    rm -rf "$here/copy.selvage"
+    cp -r "$here"/state/selvage/unfinished/cube*.selvage "$here/copy.selvage"
+    "$bin/selvage" session "$here/copy.selvage" --export "$1" -q
+}
+faces_of() { # SIZE: how many there are
+    export_to "$here/now.ptx"
+    "$bin/selvage" info "$here/now.ptx" --faces | grep -c "^ *[0-9]*  *$1 x $1 " || true
+}
+
+# the resolution brush: a drag over faces is one entry of the history, and more texels where it was
+key tool r
+drag '"event":"done","name":"faces-finer"' 1 -40 10 10 0 8
+finer=$(grep '"name":"faces-finer"' "$log" | head -n 1 | sed 's/.*"target":"\([0-9 ]*\) ".*/\1/' | wc -w)
+[ "$finer" -gt 1 ] || fail "the brush touched $finer faces"
+[ "$(faces_of 32)" = "$finer" ] || fail "other faces than $finer have more texels"
+does '"event":"done","name":"faces-coarser"' keydown shift mousemove "$middle_x" $((middle_y - 40)) mousedown 1 mouseup 1 keyup shift
+[ "$(faces_of 8)" -gt 0 ] || fail "no face has fewer texels"
+key undo ctrl+z
+key undo ctrl+z
+[ "$(faces_of 16)" = 6 ] || fail "undoing twice does not bring the sizes back"
+
+# an image before the picture: beside it nothing is painted, through it its colours are
+does '"event":"chooser"' key ctrl+y
+choose '"event":"done","name":"stencil-path"' "$here/image.png"
+drag '"event":"view"' 1 0 0 0 50 4 # below where the stroke goes
+key tool b
+drag '"event":"stroke"' 1 -60 -100 15 0 8
+export_to "$here/beside.ptx"
+"$bin/selvage" diff "$here/cube.ptx" "$here/beside.ptx" >/dev/null || fail "beside the image something was painted"
+key tool y
+drag '"event":"view"' 1 0 0 0 -50 4
+key tool b
+drag '"event":"stroke"' 1 -60 0 15 0 8
+tail -n 1 "$here"/state/selvage/unfinished/*/journal | grep -q '"image":{"file":"image-[0-9a-f]*-image.png","at":\[' ||
+    fail "the image is not in the journal"
+export_to "$here/through.ptx"
+"$bin/selvage" diff "$here/cube.ptx" "$here/through.ptx" >/dev/null && fail "through the image nothing was painted"
+key stencil-none shift+y
+drag '"event":"stroke"' 1 -60 20 15 0 8
+tail -n 1 "$here"/state/selvage/unfinished/*/journal | grep -q '"image"' && fail "the image is still there"
+[ -z "${SELVAGE_STUDIO_SHOT:-}" ] || import -window root "$SELVAGE_STUDIO_SHOT"
+kill -9 "$studio"
+wait "$studio" 2>/dev/null || true
+studio=
+silent
