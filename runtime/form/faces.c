@@ -51,7 +51,9 @@ uint32_t slvi_form_faces_items(const void *made, uint32_t face, uint32_t out[SLV
     return 1;
 }
 
-slv_result slvi_form_check_rect(const slv_form_faces *faces, uint32_t face, const slv_rect *rect) {
+slv_result slvi_form_check(const slv_form_faces *faces, const slv_form_change *change) {
+    uint32_t face = change->face;
+    const slv_rect *rect = &change->rect;
     if (face >= faces->desc->nfaces)
         return slvi_fail(&faces->env, SLV_ERROR_ARGUMENT, "form: there is no face %u", face);
     if (!slvi_rect_is_within(*rect, faces->desc->res[face]))
@@ -61,15 +63,17 @@ slv_result slvi_form_check_rect(const slv_form_faces *faces, uint32_t face, cons
     return SLV_OK;
 }
 
+enum { KEY_BITS = 36 }; /* a slot's key; the turn is above */
+
 /* Whether a key was new. */
 static bool mark(slv_face_set *set, uint64_t key) {
-    uint64_t at = key * UINT64_C(0x9e3779b97f4a7c15) >> 20;
+    uint64_t at = key * UINT64_C(0x9e3779b97f4a7c15) >> 20, own = set->turn << KEY_BITS | key;
     for (;; at++) {
         uint64_t *slot = &set->slots[at & (set->nslots - 1)];
-        if (*slot == key)
+        if (*slot == own)
             return false;
-        if (!*slot) {
-            *slot = key;
+        if (*slot >> KEY_BITS != set->turn) {
+            *slot = own;
             set->nused++;
             return true;
         }
@@ -83,14 +87,52 @@ static slv_result make_room(const slv_env *env, slv_face_set *set) {
         return SLV_OK;
     wider.nslots = set->nslots ? 4 * set->nslots : 256;
     wider.nused = 0;
+    wider.turn = 1;
     if ((result = slvi_alloc(env, "faces around", wider.nslots, sizeof *wider.slots, &wider.slots)))
         return result;
     for (uint64_t i = 0; i < set->nslots; i++)
-        if (set->slots[i])
-            mark(&wider, set->slots[i]);
+        if (set->slots[i] >> KEY_BITS == set->turn)
+            mark(&wider, set->slots[i] & ((UINT64_C(1) << KEY_BITS) - 1));
     slvi_free(set->slots);
     *set = wider;
     return SLV_OK;
+}
+
+void slvi_face_set_clear(slv_face_set *set) {
+    set->count = 0;
+    set->nused = 0;
+    set->t_corner = false;
+    if (++set->turn >> (64 - KEY_BITS)) { /* the first turns come again */
+        memset(set->slots, 0, set->nslots * sizeof *set->slots);
+        set->turn = 1;
+    }
+}
+
+slv_result slvi_form_sets_of(const slv_env *env, slv_form_room *room, slvi_form_sets **out) {
+    slv_result result = SLV_OK;
+    if (!room->memory)
+        result = slvi_alloc(env, "faces around", 1, sizeof **out, &room->memory);
+    if (result)
+        return result;
+    *out = room->memory;
+    slvi_face_set_clear(&(*out)->around);
+    slvi_face_set_clear(&(*out)->items);
+    return SLV_OK;
+}
+
+static void free_set(slv_face_set *set) {
+    slvi_free(set->faces);
+    slvi_free(set->slots);
+}
+
+void slv_form_room_end(slv_form_room *room) {
+    slvi_form_sets *sets = room->memory;
+    if (sets) {
+        free_set(&sets->around);
+        free_set(&sets->items);
+    }
+    slvi_free(sets);
+    room->memory = NULL;
 }
 
 slv_result slvi_face_set_add(const slv_env *env, slv_face_set *set, uint32_t face) {
@@ -156,12 +198,6 @@ slv_result slvi_face_set_grow(const slv_env *env, const slv_adjacency *adjacency
     return SLV_OK;
 }
 
-void slvi_face_set_free(slv_face_set *set) {
-    slvi_free(set->faces);
-    slvi_free(set->slots);
-    memset(set, 0, sizeof *set);
-}
-
 static int exponent(slv_res res, unsigned edge) {
     return edge & 1 ? res.v : res.u;
 }
@@ -188,16 +224,18 @@ static bool is_simple(const slv_form_faces *faces, uint32_t face) {
     return true;
 }
 
-slv_result slvi_form_faces_around(const slv_form_faces *faces, uint32_t face, const slv_rect *rect,
-                                  bool samples, slv_face_set *out) {
+slv_result slvi_form_faces_around(const slv_form_faces *faces, const slv_form_change *changes,
+                                  uint32_t count, bool samples, slv_face_set *out) {
     const slv_env *env = &faces->env;
-    slv_result result;
-    if ((result = slvi_form_check_rect(faces, face, rect)) ||
-        (result = slvi_face_set_add(env, out, face)) ||
-        (result = slvi_face_set_grow(env, faces->adjacency, 0, out)))
+    slv_result result = SLV_OK;
+    for (uint32_t i = 0; !result && i < count; i++)
+        if (!(result = slvi_form_check(faces, &changes[i])))
+            result = slvi_face_set_add(env, out, changes[i].face);
+    uint32_t changed = out->count;
+    if (result || (result = slvi_face_set_grow(env, faces->adjacency, 0, out)))
         return result;
     uint32_t meeting = out->count, kept = meeting;
-    if ((result = slvi_face_set_grow(env, faces->adjacency, 1, out)))
+    if ((result = slvi_face_set_grow(env, faces->adjacency, changed, out)))
         return result;
     /* past such a vertex an edge-aligned sample lies on a line between two others */
     if (samples && out->t_corner &&
@@ -210,13 +248,15 @@ slv_result slvi_form_faces_around(const slv_form_faces *faces, uint32_t face, co
     return SLV_OK;
 }
 
-slv_result slvi_form_faces_stale(const slv_form_faces *faces, uint32_t face, const slv_rect *rect,
-                                 bool samples, slv_visit_item visit, void *user) {
-    slv_face_set set = {0};
-    slv_result result = slvi_form_faces_around(faces, face, rect, samples, &set);
-    for (uint32_t i = 0; !result && i < set.count; i++)
-        result = visit(user, set.faces[i]);
-    slvi_face_set_free(&set);
+slv_result slvi_form_faces_stale(const slv_form_faces *faces, const slv_form_change *changes,
+                                 uint32_t count, bool samples, slv_form_room *room,
+                                 slv_visit_item visit, void *user) {
+    slvi_form_sets *sets;
+    slv_result result = slvi_form_sets_of(&faces->env, room, &sets);
+    if (!result)
+        result = slvi_form_faces_around(faces, changes, count, samples, &sets->around);
+    for (uint32_t i = 0; !result && i < sets->around.count; i++)
+        result = visit(user, sets->around.faces[i]);
     return result;
 }
 

@@ -109,44 +109,59 @@ static void decode_texels(const void *user, const void *from, uint64_t count, vo
     }
 }
 
+struct decode_rect {
+    struct decoding decoding;
+    slv_rect rect;
+    const unsigned char *from; /* its first texel */
+    bool constant;
+    size_t pitch, size, to_size;
+};
+
+static void decode_rect(void *user, void *texels, size_t pitch) {
+    const struct decode_rect *job = user;
+    unsigned char *to = texels;
+    for (uint32_t y = 0; y < job->rect.height; y++, to += pitch * job->to_size) {
+        const unsigned char *from = job->from + (job->constant ? 0 : y * job->pitch * job->size);
+        decode_texels(&job->decoding, from, job->constant ? 1 : job->rect.width, to);
+        if (job->constant)
+            slvi_fill_texels(to, to, job->to_size, job->rect.width);
+    }
+}
+
 slv_result slv_texture_decode_rect(const slv_env *env, const slv_texture *texture, uint32_t face,
                                    slv_rect rect, slv_texture *decoded) {
     const slv_texture_desc *desc = slv_texture_get_desc(texture),
                            *to_desc = slv_texture_get_desc(decoded);
-    struct decoding d;
-    void *texels = NULL;
     if (face >= desc->nfaces || !slvi_rect_is_within(rect, desc->res[face]))
         return slvi_fail(env, SLV_ERROR_ARGUMENT, "decoding: face %u has no such texels", face);
     slv_res old = to_desc->res[face], res = desc->res[face];
     bool resized = old.u != res.u || old.v != res.v;
-    if (resized)
-        rect = (slv_rect){0, 0, 1u << res.u, 1u << res.v};
-    bool constant = slv_texture_is_constant(texture, face);
-    uint64_t count = constant && !resized ? 1 : (uint64_t)rect.width * rect.height;
-    size_t size = desc->nchannels * slv_type_size(desc->type),
-           to_size = to_desc->nchannels * slv_type_size(to_desc->type);
-    slv_result result = slvi_alloc_plain(env, "decoded texels", count, to_size, &texels);
+    struct decode_rect job = {.rect = rect,
+                              .constant = slv_texture_is_constant(texture, face),
+                              .pitch = (size_t)1 << res.u,
+                              .size = desc->nchannels * slv_type_size(desc->type),
+                              .to_size = to_desc->nchannels * slv_type_size(to_desc->type)};
+    begin_decoding(desc, to_desc->encoding != SLV_TEXTURE_DATA, &job.decoding);
+    if (!resized && !job.constant) {
+        job.from = (const unsigned char *)slv_texture_texels(texture, face) +
+                   (rect.y * job.pitch + rect.x) * job.size;
+        return slv_texture_fill_rect(decoded, face, rect, decode_rect, &job);
+    }
+    float few[16];
+    void *texels = NULL;
+    job.from = slv_texture_texels(texture, face);
+    if (!resized && job.to_size <= sizeof few) {
+        decode_texels(&job.decoding, job.from, 1, few);
+        return slv_texture_set_constant(decoded, face, few);
+    }
+    job.rect = resized ? (slv_rect){0, 0, 1u << res.u, 1u << res.v} : (slv_rect){0, 0, 1, 1};
+    slv_result result = slvi_alloc_plain(
+        env, "decoded texels", (uint64_t)job.rect.width * job.rect.height, job.to_size, &texels);
     if (result)
         return result;
-    begin_decoding(desc, to_desc->encoding != SLV_TEXTURE_DATA, &d);
-    const unsigned char *from = slv_texture_texels(texture, face);
-    unsigned char *to = texels;
-    if (constant) {
-        decode_texels(&d, from, 1, texels);
-        slvi_fill_texels(texels, texels, to_size, count);
-    } else {
-        from += (((size_t)rect.y << desc->res[face].u) + rect.x) * size;
-        for (uint32_t y = 0; y < rect.height; y++, to += rect.width * to_size) {
-            decode_texels(&d, from, rect.width, to);
-            from += size << desc->res[face].u;
-        }
-    }
-    if (resized)
-        result = slv_texture_set_resolution(decoded, face, res, texels);
-    else if (constant)
-        result = slv_texture_set_constant(decoded, face, texels);
-    else
-        result = slv_texture_set_rect(decoded, face, rect, texels);
+    decode_rect(&job, texels, job.rect.width);
+    result = resized ? slv_texture_set_resolution(decoded, face, res, texels)
+                     : slv_texture_set_constant(decoded, face, texels);
     slvi_free(texels);
     return result;
 }

@@ -148,10 +148,17 @@ uint64_t slv_texture_bytes(const slv_texture *texture) {
     return texture->bytes;
 }
 
+static slv_result check_number(const slv_texture *texture, uint32_t face) {
+    return face < texture->desc.nfaces
+               ? SLV_OK
+               : slvi_fail(&texture->env, SLV_ERROR_ARGUMENT, "texture: face %u of %u",
+                           (unsigned)face, (unsigned)texture->desc.nfaces);
+}
+
 static slv_result check_face(const slv_texture *texture, uint32_t face, const void *texels) {
-    if (face >= texture->desc.nfaces)
-        return slvi_fail(&texture->env, SLV_ERROR_ARGUMENT, "texture: face %u of %u",
-                         (unsigned)face, (unsigned)texture->desc.nfaces);
+    slv_result result = check_number(texture, face);
+    if (result)
+        return result;
     if (!texels)
         return slvi_fail(&texture->env, SLV_ERROR_ARGUMENT, "texture: face %u: no texels",
                          (unsigned)face);
@@ -231,18 +238,23 @@ slv_result slv_texture_set_face(slv_texture *texture, uint32_t face, const void 
 }
 
 /* Whether a rectangle that was set made all texels of its face the same. */
-static bool became_constant(const slv_texture *texture, uint32_t face, slv_rect rect,
-                            const void *texels) {
-    size_t size = texture->texel_size;
+static bool became_constant(const slv_texture *texture, uint32_t face, slv_rect rect) {
+    size_t size = texture->texel_size, pitch = size << texture->res[face].u;
+    const unsigned char *texels = texture->texels[face],
+                        *from = texels + rect.y * pitch + rect.x * size;
     /* most rectangles, and most faces that have one of a single colour, are told by these */
-    return slvi_texels_equal(texels, size, (uint64_t)rect.width * rect.height) &&
-           memcmp(texture->texels[face], texels, size) == 0 &&
-           slvi_texels_equal(texture->texels[face], size, slv_res_texels(texture->res[face]));
+    if (memcmp(texels, from, size) != 0)
+        return false;
+    for (uint32_t y = 0; y < rect.height; y++)
+        if (memcmp(from + y * pitch, from, size) != 0 ||
+            !slvi_texels_equal(from + y * pitch, size, rect.width))
+            return false;
+    return slvi_texels_equal(texels, size, slv_res_texels(texture->res[face]));
 }
 
-slv_result slv_texture_set_rect(slv_texture *texture, uint32_t face, slv_rect rect,
-                                const void *texels) {
-    slv_result result = check_face(texture, face, texels);
+slv_result slv_texture_fill_rect(slv_texture *texture, uint32_t face, slv_rect rect,
+                                 slv_fill_rect fill, void *user) {
+    slv_result result = check_number(texture, face);
     if (result)
         return result;
     slv_res res = texture->res[face];
@@ -259,14 +271,40 @@ slv_result slv_texture_set_rect(slv_texture *texture, uint32_t face, slv_rect re
         slvi_fill_texels(texture->texels[face], texture->constants + face * size, size,
                          slv_res_texels(res));
     }
-    for (uint32_t y = 0; y < rect.height; y++)
-        memcpy(texture->texels[face] + (((size_t)(rect.y + y) << res.u) + rect.x) * size,
-               (const unsigned char *)texels + (size_t)y * rect.width * size, rect.width * size);
-    bool constant = became_constant(texture, face, rect, texels);
+    fill(user, texture->texels[face] + (((size_t)rect.y << res.u) + rect.x) * size,
+         (size_t)1 << res.u);
+    bool constant = became_constant(texture, face, rect);
     if (constant)
-        make_constant(texture, face, texels);
+        make_constant(texture, face, texture->texels[face]);
     note_change(texture, face, rect, constant || was_constant);
     return SLV_OK;
+}
+
+struct copy {
+    const unsigned char *texels;
+    size_t size, row, rows; /* bytes of a texel, of a row, and how many rows */
+};
+
+static void copy_rect(void *user, void *texels, size_t pitch) {
+    const struct copy *copy = user;
+    for (size_t y = 0; y < copy->rows; y++)
+        memcpy((unsigned char *)texels + y * pitch * copy->size, copy->texels + y * copy->row,
+               copy->row);
+}
+
+slv_result slv_texture_set_rect(slv_texture *texture, uint32_t face, slv_rect rect,
+                                const void *texels) {
+    struct copy copy = {texels, texture->texel_size, rect.width * texture->texel_size, rect.height};
+    slv_result result = check_face(texture, face, texels);
+    if (result)
+        return result;
+    if (!texture->texels[face] && slvi_rect_is_within(rect, texture->res[face]) &&
+        memcmp(texels, texture->constants + face * copy.size, copy.size) == 0 &&
+        slvi_texels_equal(texels, copy.size, (uint64_t)rect.width * rect.height)) {
+        note_change(texture, face, rect, true); /* and it needs no room */
+        return SLV_OK;
+    }
+    return slv_texture_fill_rect(texture, face, rect, copy_rect, &copy);
 }
 
 slv_result slv_texture_set_constant(slv_texture *texture, uint32_t face, const void *texel) {

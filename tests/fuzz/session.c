@@ -1,28 +1,43 @@
 /* A session whose journal has lines of any bytes, with numbers and checksums that fit; or, after a
- * first byte that is 's', whose state is any bytes with a checksum that fits. What opens is saved,
- * and then opens again without its journal. */
+ * first byte that is 's', whose state is any bytes with a checksum that fits; or, after a 'd',
+ * whose session.json is any bytes. What opens is saved, and then opens again without its journal.
+ */
 #include "kit/fuzz_kit.h"
 
 #include <selvage/session.h>
 
 enum { FACES = 2, MOST_LINES = 16 };
 
-static char folder[64], path[96], journal_path[128], state_path[128];
-static char *first_state;
-static size_t first_size;
+static char folder[64], path[96], journal_path[128], state_path[128], about_path[128];
+
+/* What the session was made with. */
+typedef struct kept {
+    char *bytes;
+    size_t size;
+} kept;
+static kept first_state, first_about;
 
 static void drop_folder(void) {
     char line[128];
     snprintf(line, sizeof line, "rm -rf %s", folder);
     if (system(line) != 0)
         abort();
-    free(first_state);
+    free(first_state.bytes);
+    free(first_about.bytes);
 }
 
 static void put_file(const char *name, const void *data, size_t size) {
     FILE *file = fopen(name, "wb");
     FUZZ_REQUIRE(file && (!size || fwrite(data, size, 1, file) == 1) && fclose(file) == 0, "%s",
                  name);
+}
+
+static kept keep_file(const char *name) {
+    FILE *file = fopen(name, "rb");
+    kept out = {malloc(4096), 0};
+    out.size = file ? fread(out.bytes, 1, 4096, file) : 0;
+    FUZZ_REQUIRE(out.size > 16 && fclose(file) == 0, "no %s", name);
+    return out;
 }
 
 /* A session on two squares that meet, made once. */
@@ -47,15 +62,14 @@ static void make_session(void) {
     snprintf(path, sizeof path, "%s/s.selvage", folder);
     snprintf(journal_path, sizeof journal_path, "%s/journal", path);
     snprintf(state_path, sizeof state_path, "%s/state-1", path);
+    snprintf(about_path, sizeof about_path, "%s/session.json", path);
     FUZZ_REQUIRE(!slv_mesh_create(&env, &view, &mesh) &&
                      !slv_session_create(&env, path, mesh, &params, &session),
                  "no session: %s", fuzz_last);
     slv_session_destroy(session);
     slv_mesh_destroy(mesh);
-    FILE *file = fopen(state_path, "rb");
-    first_state = malloc(4096);
-    first_size = file ? fread(first_state, 1, 4096, file) : 0;
-    FUZZ_REQUIRE(first_size > 16 && fclose(file) == 0, "no state");
+    first_state = keep_file(state_path);
+    first_about = keep_file(about_path);
     atexit(drop_folder);
 }
 
@@ -112,24 +126,28 @@ static void try_session(void) {
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size) {
     char line[160];
-    if (!first_state)
+    char kind = size && (data[0] == 's' || data[0] == 'd') ? (char)data[0] : 'j';
+    if (!first_state.bytes)
         make_session();
     for (int k = 1; k < 8; k++) {
         snprintf(line, sizeof line, "%s/state-%d", path, k);
         unlink(line);
     }
-    if (size && data[0] == 's') {
+    if (kind == 's') {
         uint8_t *state = malloc(size + 3);
         uint32_t crc = crc_of(data + 1, size - 1);
         memcpy(state, data + 1, size - 1);
         memcpy(state + size - 1, &crc, sizeof crc);
         put_file(state_path, state, size + 3);
-        put_file(journal_path, "", 0);
         free(state);
     } else {
-        put_file(state_path, first_state, first_size);
-        put_journal((const char *)data, size);
+        put_file(state_path, first_state.bytes, first_state.size);
     }
+    if (kind == 'd')
+        put_file(about_path, data + 1, size - 1);
+    else
+        put_file(about_path, first_about.bytes, first_about.size);
+    put_journal((const char *)data, kind == 'j' ? size : 0);
     try_session();
     return 0;
 }

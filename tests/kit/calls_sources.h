@@ -18,6 +18,13 @@ static slv_result visit_rect(void *user, uint32_t face, slv_rect rect) {
     return SLV_OK;
 }
 
+/* Of 3 x 3 texels of a byte. */
+static void fill_rect(void *user, void *texels, size_t pitch) {
+    (void)user;
+    for (size_t i = 0; i < 9; i++)
+        ((uint8_t *)texels)[i / 3 * pitch + i % 3] = (uint8_t)i;
+}
+
 /* Texels of face 0 (16 x 16) and of its reductions, and what a writer of sources calls. */
 static slv_result read_source(const slv_env *env, const slv_source *source) {
     static float out[16 * 16 * 4];
@@ -151,6 +158,7 @@ static slv_result call_store_rects(const slv_env *env) {
         !(result = slv_texture_premultiply(env, texture, SLV_TEXTURE_SRGB, &multiplied)) &&
         !(result = slv_levels_create_over(env, texture, &levels)) &&
         !(result = slv_texture_set_rect(texture, 0, rect, texels)) &&
+        !(result = slv_texture_fill_rect(texture, 0, rect, fill_rect, NULL)) &&
         !(result = slv_texture_changed(texture, 1, visit_rect, NULL)) &&
         !(result = slv_texture_decode_rect(env, texture, 0, rect, light)) &&
         !(result = slv_levels_update(levels, texture, 0, rect)) &&

@@ -62,11 +62,15 @@ static slv_result mean_read(const void *made, uint32_t item, uint32_t level, flo
     return SLV_OK;
 }
 
-static slv_result mean_stale(const void *made, uint32_t face, const slv_rect *rect,
-                             slv_visit_item visit, void *user) {
+static slv_result mean_stale(const void *made, const slv_form_change *changes, uint32_t count,
+                             slv_form_room *room, slv_visit_item visit, void *user) {
+    slv_result result = SLV_OK;
     (void)made;
-    (void)rect;
-    return visit(user, face);
+    (void)room;
+    for (uint32_t i = 0; !result && i < count; i++)
+        if (!i || changes[i].face != changes[i - 1].face)
+            result = visit(user, changes[i].face);
+    return result;
 }
 
 static const slv_form mean_form = {

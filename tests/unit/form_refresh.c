@@ -16,6 +16,9 @@ struct follower {
     uint64_t seen;
     uint32_t items[MOST_ITEMS], count;
     bool listed[MOST_ITEMS];
+    slv_form_change changes[MOST_ITEMS];
+    uint32_t nchanges;
+    slv_form_room room;
 };
 
 static slv_result follow(void *user, uint32_t face, slv_rect rect) {
@@ -32,9 +35,11 @@ static slv_result list_item(void *user, uint32_t item) {
     return SLV_OK;
 }
 
-static slv_result list_items(void *user, uint32_t face, slv_rect rect) {
+static slv_result list_change(void *user, uint32_t face, slv_rect rect) {
     struct follower *f = user;
-    return f->form->stale(f->made, face, &rect, list_item, f);
+    REQUIRE(f->nchanges < MOST_ITEMS);
+    f->changes[f->nchanges++] = (slv_form_change){face, rect};
+    return SLV_OK;
 }
 
 static void update(struct follower *f) {
@@ -42,7 +47,9 @@ static void update(struct follower *f) {
     f->count = 0;
     memset(f->listed, 0, sizeof f->listed);
     REQUIRE(slv_texture_changed(texture, f->seen, follow, f) == SLV_OK);
-    REQUIRE(slv_texture_changed(texture, f->seen, list_items, f) == SLV_OK);
+    f->nchanges = 0;
+    REQUIRE(slv_texture_changed(texture, f->seen, list_change, f) == SLV_OK);
+    REQUIRE(f->form->stale(f->made, f->changes, f->nchanges, &f->room, list_item, f) == SLV_OK);
     if (f->form->refresh)
         REQUIRE(f->form->refresh(f->made, f->items, f->count) == SLV_OK);
     f->seen = slv_texture_version(texture);
@@ -130,6 +137,7 @@ static void check(const slv_form *form, uint32_t which, bool over, uint64_t *ran
         form->destroy(fresh);
         slv_levels_destroy(levels);
     }
+    slv_form_room_end(&f.room);
     form->destroy(f.made);
     slv_levels_destroy(f.levels);
     kit_free(&k);
@@ -155,6 +163,7 @@ static void check_memory(const slv_form *form) {
         REQUIRE(slv_texture_set_resolution(k.texture, 0, res, texels) == SLV_OK);
         update(&f);
     }
+    slv_form_room_end(&f.room);
     form->destroy(f.made);
     slv_levels_destroy(f.levels);
     kit_free(&k);

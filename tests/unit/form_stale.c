@@ -73,9 +73,11 @@ static uint32_t check_change(const kit *k, const slv_form *form, const void *mad
     slv_env env = test_env();
     slv_levels *levels = change(k, face, rect, random);
     struct stale stale = {0};
+    slv_form_room room = {0};
     void *after = NULL;
     uint32_t changed = 0;
-    REQUIRE(form->stale(made, face, rect, visit, &stale) == SLV_OK);
+    REQUIRE(form->stale(made, &(slv_form_change){face, *rect}, 1, &room, visit, &stale) == SLV_OK);
+    slv_form_room_end(&room);
     REQUIRE(form->create(&env, levels, k->adjacency, border, &after) == SLV_OK);
     for (uint32_t item = 0; item < form->count(made); item++) {
         bool same = same_item(k, form, made, after, item, border);
@@ -164,6 +166,7 @@ static void check_refused(const slv_form *form) {
     static const slv_rect wrong[] = {{0, 0, 0, 1},  {0, 0, 1, 0},  {16, 0, 1, 1},
                                      {0, 15, 1, 2}, {1, 0, 16, 1}, {1, 1, UINT32_MAX, 1}};
     uint64_t random = 3;
+    slv_form_room room = {0};
     kit k;
     void *made = NULL;
     slv_env env = test_env();
@@ -173,10 +176,13 @@ static void check_refused(const slv_form *form) {
     REQUIRE(form->create(&env, k.levels, k.adjacency, 1, &made) == SLV_OK);
     for (size_t i = 0; i < sizeof wrong / sizeof *wrong; i++) {
         struct stale stale = {0};
-        CHECK(form->stale(made, 0, &wrong[i], visit, &stale) == SLV_ERROR_ARGUMENT);
+        const slv_form_change change = {0, wrong[i]};
+        CHECK(form->stale(made, &change, 1, &room, visit, &stale) == SLV_ERROR_ARGUMENT);
         CHECK(stale.count == 0);
     }
-    CHECK(form->stale(made, 6, &(slv_rect){0, 0, 1, 1}, visit, NULL) == SLV_ERROR_ARGUMENT);
+    const slv_form_change missing = {6, {0, 0, 1, 1}};
+    CHECK(form->stale(made, &missing, 1, &room, visit, NULL) == SLV_ERROR_ARGUMENT);
+    slv_form_room_end(&room);
     form->destroy(made);
     form->destroy(NULL);
     kit_free(&k);

@@ -4,6 +4,7 @@
 #include "base/parallel.h"
 
 #include <selvage/half.h>
+#include <selvage/source.h>
 #include <selvage/texture.h>
 
 static void test_types(void) {
@@ -276,10 +277,63 @@ static void test_levels(slv_type type, uint32_t nchannels) {
     slv_levels_destroy(levels[1]);
 }
 
+struct random_fill {
+    const uint16_t *texels;
+    slv_rect rect;
+};
+
+static void put_texels(void *user, void *texels, size_t pitch) {
+    const struct random_fill *fill = user;
+    for (uint32_t i = 0; i < fill->rect.width * fill->rect.height; i++)
+        memcpy((uint16_t *)texels + 2 * (i / fill->rect.width * pitch + i % fill->rect.width),
+               fill->texels + 2 * (size_t)i, 4);
+}
+
+/* Rectangles that are filled in place are those that are set, constant faces and all. */
+static void test_filling(void) {
+    static uint16_t texels[2 * 64];
+    slv_env env = test_env();
+    slv_res res[2] = {{3, 3}, {1, 2}};
+    slv_texture_desc desc = {2, SLV_TYPE_U16, 2, 1, res, SLV_TEXTURE_AUTO};
+    slv_texture *set = NULL, *filled = NULL;
+    uint64_t random = 3;
+    uint32_t constant = 0;
+    REQUIRE(slv_texture_create(&env, &desc, &set) == SLV_OK);
+    REQUIRE(slv_texture_create(&env, &desc, &filled) == SLV_OK);
+    for (int n = 0; n < 2000; n++) {
+        uint32_t face = test_random(&random) % 2, few = 1 + test_random(&random) % 2;
+        slv_rect rect = {test_random(&random) & ((1u << res[face].u) - 1),
+                         test_random(&random) & ((1u << res[face].v) - 1), 0, 0};
+        rect.width = 1 + test_random(&random) % ((1u << res[face].u) - rect.x);
+        rect.height = 1 + test_random(&random) % ((1u << res[face].v) - rect.y);
+        if (test_random(&random) % 4 == 0)
+            rect = (slv_rect){0, 0, 1u << res[face].u, 1u << res[face].v};
+        for (uint32_t i = 0; i < 2 * rect.width * rect.height; i++)
+            texels[i] = (uint16_t)(test_random(&random) % few);
+        struct random_fill fill = {texels, rect};
+        REQUIRE(slv_texture_set_rect(set, face, rect, texels) == SLV_OK);
+        REQUIRE(slv_texture_fill_rect(filled, face, rect, put_texels, &fill) == SLV_OK);
+        bool is = slv_texture_is_constant(set, face);
+        constant += is;
+        CHECK(slv_texture_is_constant(filled, face) == is);
+        CHECK(memcmp(slv_texture_texels(set, face), slv_texture_texels(filled, face),
+                     is ? 4 : (size_t)4 << (res[face].u + res[face].v)) == 0);
+    }
+    CHECK(constant > 100 && constant < 1900);
+    CHECK(slv_texture_version(set) == slv_texture_version(filled));
+    CHECK(slv_texture_fill_rect(filled, 1, (slv_rect){1, 0, 2, 1}, put_texels, NULL) ==
+          SLV_ERROR_ARGUMENT);
+    CHECK(slv_texture_fill_rect(filled, 2, (slv_rect){0, 0, 1, 1}, put_texels, NULL) ==
+          SLV_ERROR_ARGUMENT);
+    slv_texture_destroy(set);
+    slv_texture_destroy(filled);
+}
+
 int main(void) {
     test_types();
     test_resolutions();
     test_store();
+    test_filling();
     test_refusals();
     for (int type = 0; type < 4; type++) {
         test_levels((slv_type)type, 1);

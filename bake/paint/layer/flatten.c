@@ -2,7 +2,6 @@
 #include "canvas/blend.h"
 #include "layer/document_data.h"
 
-#include "base/memory.h"
 #include "base/parallel.h"
 
 #include <string.h>
@@ -24,8 +23,8 @@ void slvi_layer_over(const slv_document *document, const slvi_layer *layer, uint
 }
 
 /* A piece of a face, flat, without what layers have beyond the document's channels. */
-static void flatten_piece(const slv_document *document, uint32_t face, slv_rect rect, void *out,
-                          size_t pitch) {
+static void flatten_piece(const slv_document *document, uint32_t face, slv_rect rect,
+                          unsigned char *out, size_t pitch) {
     uint32_t n = document->nchannels, kept = document->flat.nchannels;
     float texels[SLVI_BLOCK_SIDE * SLVI_BLOCK_SIDE * SLVI_MOST_CHANNELS];
     size_t count = (size_t)rect.width * rect.height,
@@ -39,33 +38,45 @@ static void flatten_piece(const slv_document *document, uint32_t face, slv_rect 
         memmove(texels + i * kept, texels + i * n, kept * sizeof *texels);
     for (uint32_t y = 0; y < rect.height; y++)
         slv_type_from_float(document->flat.type, texels + (size_t)y * rect.width * kept,
-                            (size_t)rect.width * kept, (unsigned char *)out + y * pitch * size);
+                            (size_t)rect.width * kept, out + y * pitch * size);
+}
+
+struct part {
+    const slv_document *document;
+    uint32_t face;
+};
+
+static void flatten_part(void *user, void *texels, size_t pitch) {
+    const struct part *part = user;
+    const slv_document *document = part->document;
+    size_t size = slv_type_size(document->flat.type) * document->flat.nchannels;
+    slv_rect rect = document->dirty[part->face];
+    for (uint32_t y = 0; y < rect.height; y += SLVI_BLOCK_SIDE)
+        for (uint32_t x = 0; x < rect.width; x += SLVI_BLOCK_SIDE) {
+            uint32_t width = rect.width - x, height = rect.height - y;
+            slv_rect piece = {rect.x + x, rect.y + y,
+                              width < SLVI_BLOCK_SIDE ? width : SLVI_BLOCK_SIDE,
+                              height < SLVI_BLOCK_SIDE ? height : SLVI_BLOCK_SIDE};
+            flatten_piece(document, part->face, piece,
+                          (unsigned char *)texels + (y * pitch + x) * size, pitch);
+        }
 }
 
 static slv_result flatten_some(void *user, uint64_t first, uint64_t end) {
-    slv_document *document = user;
-    size_t size = slv_type_size(document->flat.type) * document->flat.nchannels;
+    const slv_document *document = user;
+    unsigned char texels[SLVI_BLOCK_SIDE * SLVI_BLOCK_SIDE * SLVI_MOST_CHANNELS * sizeof(float)];
     slv_result result = SLV_OK;
     for (uint64_t i = first; !result && i < end; i++) {
-        uint32_t face = document->dirty_faces[i];
-        slv_rect rect = document->dirty[face];
-        unsigned char *texels = NULL;
-        if ((result = slvi_alloc_plain(&document->env, "document",
-                                       (uint64_t)rect.width * rect.height, size, &texels)))
-            return result;
-        for (uint32_t y = 0; y < rect.height; y += SLVI_BLOCK_SIDE)
-            for (uint32_t x = 0; x < rect.width; x += SLVI_BLOCK_SIDE) {
-                uint32_t width = rect.width - x, height = rect.height - y;
-                slv_rect piece = {rect.x + x, rect.y + y,
-                                  width < SLVI_BLOCK_SIDE ? width : SLVI_BLOCK_SIDE,
-                                  height < SLVI_BLOCK_SIDE ? height : SLVI_BLOCK_SIDE};
-                flatten_piece(document, face, piece, texels + ((size_t)y * rect.width + x) * size,
-                              rect.width);
-            }
-        bool whole = rect.width >> document->res[face].u && rect.height >> document->res[face].v;
-        result = whole ? slv_texture_set_face(document->texture, face, texels)
-                       : slv_texture_set_rect(document->texture, face, rect, texels);
-        slvi_free(texels);
+        struct part part = {document, document->dirty_faces[i]};
+        slv_rect rect = document->dirty[part.face];
+        /* many at a dab's rim stay of one value, and need no room */
+        if (slv_texture_is_constant(document->texture, part.face) &&
+            rect.width <= SLVI_BLOCK_SIDE && rect.height <= SLVI_BLOCK_SIDE) {
+            flatten_piece(document, part.face, rect, texels, rect.width);
+            result = slv_texture_set_rect(document->texture, part.face, rect, texels);
+        } else {
+            result = slv_texture_fill_rect(document->texture, part.face, rect, flatten_part, &part);
+        }
     }
     return result;
 }
@@ -86,20 +97,14 @@ static slv_result remake(slv_document *document) {
 }
 
 slv_result slv_document_flatten(slv_document *document) {
-    slv_env env, shared = document->env;
-    slv_parallel_log *log = NULL;
     slv_result result = SLV_OK;
     if ((!document->texture || document->remake) && (result = remake(document)))
         return result;
     if (!document->ndirty)
         return SLV_OK;
-    if ((result = slvi_parallel_env_begin(&shared, &log, &env)))
-        return result;
-    document->env = env;
-    result = slvi_parallel_for(&shared, document->ndirty, 1 + document->ndirty / 64, flatten_some,
-                               document);
-    document->env = shared;
-    slvi_parallel_env_end(log);
+    /* the texture logs one line at a time, and nothing else there does */
+    result = slvi_parallel_for(&document->env, document->ndirty, 1 + document->ndirty / 64,
+                               flatten_some, document);
     while (!result && document->ndirty)
         document->dirty[document->dirty_faces[--document->ndirty]] = (slv_rect){0};
     return result;

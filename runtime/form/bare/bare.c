@@ -9,10 +9,17 @@ static slv_result read_level(const void *made, uint32_t item, uint32_t level, fl
     return SLV_OK;
 }
 
-static slv_result stale(const void *made, uint32_t face, const slv_rect *rect, slv_visit_item visit,
-                        void *user) {
-    slv_result result = slvi_form_check_rect(made, face, rect);
-    return result ? result : visit(user, face);
+static slv_result stale(const void *made, const slv_form_change *changes, uint32_t count,
+                        slv_form_room *room, slv_visit_item visit, void *user) {
+    const slv_form_faces *faces = made;
+    slvi_form_sets *sets;
+    slv_result result = slvi_form_sets_of(&faces->env, room, &sets);
+    for (uint32_t i = 0; !result && i < count; i++)
+        if (!(result = slvi_form_check(faces, &changes[i])))
+            result = slvi_face_set_add(&faces->env, &sets->around, changes[i].face);
+    for (uint32_t i = 0; !result && i < sets->around.count; i++)
+        result = visit(user, sets->around.faces[i]);
+    return result;
 }
 
 const slv_form *slv_form_bare(void) {

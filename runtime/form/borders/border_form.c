@@ -2,7 +2,6 @@
  * it. */
 #include "form/faces.h"
 
-#include "base/memory.h"
 #include "form/borders/border_data.h"
 
 #include <selvage/border.h>
@@ -37,38 +36,33 @@ static bool copies(const void *made, uint32_t item) {
 
 /* Only the innermost border can leave the range of a type, so one texel of border is enough to
  * know. */
-static slv_result leaves_range(const void *made, uint32_t item, bool *out) {
+static slv_result leaves_range(const void *made, uint32_t item, float *scratch, bool *out) {
     const slv_form_faces *faces = made;
     slv_res res = faces->desc->res[item];
-    uint64_t texels = ((UINT64_C(1) << res.u) + 2) * ((UINT64_C(1) << res.v) + 2);
-    float *scratch = NULL;
     slv_result result = SLV_OK;
     *out = false;
     if (faces->desc->type == SLV_TYPE_FLOAT)
         return SLV_OK;
-    result = slvi_alloc_plain(&faces->env, "border", texels * faces->desc->nchannels,
-                              sizeof *scratch, &scratch);
     for (uint32_t level = 0; !result && !*out && level < slv_res_level_count(res); level++)
         result =
             slvi_border_build_rim(faces->levels, faces->adjacency, item, level,
                                   (slv_form_extent){.border_u = 1, .border_v = 1}, scratch, out);
-    slvi_free(scratch);
     return result;
 }
 
-static slv_result needs(const void *made, uint32_t item, slv_visit_item visit, void *user) {
-    const slv_form_faces *faces = made;
-    slv_face_set set = {0};
-    slv_result result = slvi_face_set_add(&faces->env, &set, item);
-    if (!result)
-        result = slvi_form_faces_need(faces, false, &set, visit, user);
-    slvi_face_set_free(&set);
-    return result;
-}
-
-static slv_result stale(const void *made, uint32_t face, const slv_rect *rect, slv_visit_item visit,
+static slv_result needs(const void *made, uint32_t item, slv_form_room *room, slv_visit_item visit,
                         void *user) {
-    return slvi_form_faces_stale(made, face, rect, false, visit, user);
+    const slv_form_faces *faces = made;
+    slvi_form_sets *sets;
+    slv_result result = slvi_form_sets_of(&faces->env, room, &sets);
+    if (!result && !(result = slvi_face_set_add(&faces->env, &sets->around, item)))
+        result = slvi_form_faces_need(faces, false, &sets->around, visit, user);
+    return result;
+}
+
+static slv_result stale(const void *made, const slv_form_change *changes, uint32_t count,
+                        slv_form_room *room, slv_visit_item visit, void *user) {
+    return slvi_form_faces_stale(made, changes, count, false, room, visit, user);
 }
 
 const slv_form *slv_form_borders(void) {

@@ -42,19 +42,19 @@ static slv_result read_level(const void *made, uint32_t item, uint32_t level, fl
     return SLV_OK;
 }
 
-static slv_result needs(const void *made, uint32_t item, slv_visit_item visit, void *user) {
+static slv_result needs(const void *made, uint32_t item, slv_form_room *room, slv_visit_item visit,
+                        void *user) {
     const slv_form_faces *faces = &((const struct aligned_faces *)made)->faces;
-    slv_face_set set = {0};
-    slv_result result = slvi_face_set_add(&faces->env, &set, item);
-    if (!result)
-        result = slvi_form_faces_need(faces, true, &set, visit, user);
-    slvi_face_set_free(&set);
+    slvi_form_sets *sets;
+    slv_result result = slvi_form_sets_of(&faces->env, room, &sets);
+    if (!result && !(result = slvi_face_set_add(&faces->env, &sets->around, item)))
+        result = slvi_form_faces_need(faces, true, &sets->around, visit, user);
     return result;
 }
 
-static slv_result stale(const void *made, uint32_t face, const slv_rect *rect, slv_visit_item visit,
-                        void *user) {
-    return slvi_form_faces_stale(made, face, rect, true, visit, user);
+static slv_result stale(const void *made, const slv_form_change *changes, uint32_t count,
+                        slv_form_room *room, slv_visit_item visit, void *user) {
+    return slvi_form_faces_stale(made, changes, count, true, room, visit, user);
 }
 
 static slv_result refresh(void *made, const uint32_t *items, uint32_t count) {

@@ -132,32 +132,36 @@ static slv_result add_squares(const struct squares *form, uint32_t face, const s
     return result;
 }
 
-static slv_result stale(const void *made, uint32_t face, const slv_rect *rect, slv_visit_item visit,
-                        void *user) {
+static slv_result stale(const void *made, const slv_form_change *changes, uint32_t nchanges,
+                        slv_form_room *room, slv_visit_item visit, void *user) {
     const struct squares *form = made;
-    slv_face_set around = {0}, squares = {0};
-    slv_result result = slvi_form_faces_around(&form->faces, face, rect, false, &around);
-    bool inside = !result && is_inside(&form->faces, &around, face, rect);
-    if (inside)
-        result = add_squares(form, face, rect, &squares);
-    for (uint32_t i = 0; !result && !inside && i < around.count; i++)
-        result = add_squares(form, around.faces[i], NULL, &squares);
-    for (uint32_t i = 0; !result && i < squares.count; i++)
-        result = visit(user, squares.faces[i]);
-    slvi_face_set_free(&around);
-    slvi_face_set_free(&squares);
+    slvi_form_sets *sets;
+    slv_result result = slvi_form_sets_of(&form->faces.env, room, &sets);
+    for (uint32_t n = 0; !result && n < nchanges; n++) {
+        const slv_form_change *change = &changes[n];
+        slvi_face_set_clear(&sets->around);
+        result = slvi_form_faces_around(&form->faces, change, 1, false, &sets->around);
+        bool inside =
+            !result && is_inside(&form->faces, &sets->around, change->face, &change->rect);
+        if (inside)
+            result = add_squares(form, change->face, &change->rect, &sets->items);
+        for (uint32_t i = 0; !result && !inside && i < sets->around.count; i++)
+            result = add_squares(form, sets->around.faces[i], NULL, &sets->items);
+    }
+    for (uint32_t i = 0; !result && i < sets->items.count; i++)
+        result = visit(user, sets->items.faces[i]);
     return result;
 }
 
-static slv_result needs(const void *made, uint32_t item, slv_visit_item visit, void *user) {
+static slv_result needs(const void *made, uint32_t item, slv_form_room *room, slv_visit_item visit,
+                        void *user) {
     const struct squares *form = made;
-    slv_face_set set = {0};
-    slv_result result = SLV_OK;
+    slvi_form_sets *sets;
+    slv_result result = slvi_form_sets_of(&form->faces.env, room, &sets);
     for (uint32_t i = 0; !result && i < SIDES && form->sides[item][i] != NONE; i++)
-        result = slvi_face_set_add(&form->faces.env, &set, form->sides[item][i]);
+        result = slvi_face_set_add(&form->faces.env, &sets->around, form->sides[item][i]);
     if (!result)
-        result = slvi_form_faces_need(&form->faces, false, &set, visit, user);
-    slvi_face_set_free(&set);
+        result = slvi_form_faces_need(&form->faces, false, &sets->around, visit, user);
     return result;
 }
 

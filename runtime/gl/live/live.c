@@ -80,6 +80,7 @@ void slvi_gl_live_destroy(slv_gl_live *live) {
         return;
     slv_form_borders()->destroy(live->around);
     slvi_gl_marks_end(&live->faces);
+    slv_form_room_end(&live->room_of_forms);
     slvi_gl_staging_free(&live->staging);
     slvi_free(live->changes);
     slv_levels_destroy(live->levels);
@@ -99,12 +100,12 @@ static slv_result list_change(void *user, uint32_t face, slv_rect rect) {
             return result;
         live->capacity = capacity;
     }
-    live->changes[live->nchanges++] = (slv_gl_change){face, rect};
+    live->changes[live->nchanges++] = (slv_form_change){face, rect};
     return SLV_OK;
 }
 
 /* Whether a change of float texels makes them too large for lookups as they are. */
-static bool becomes_large(const slv_gl_live *live, const slv_gl_change *change) {
+static bool becomes_large(const slv_gl_live *live, const slv_form_change *change) {
     const slv_texture *light = light_of(live);
     const slv_texture_desc *desc = slv_texture_get_desc(light);
     if (desc->type != SLV_TYPE_FLOAT)
@@ -128,7 +129,7 @@ slv_result slvi_gl_live_follow(slv_gl_live *live, const slv_env *env, bool *rene
         return result;
     *renew = live->scaled && live->nchanges;
     for (uint32_t i = 0; !result && !*renew && i < live->nchanges; i++) {
-        const slv_gl_change *change = &live->changes[i];
+        const slv_form_change *change = &live->changes[i];
         if (live->copy)
             result =
                 slv_texture_decode_rect(env, live->texture, change->face, change->rect, live->copy);

@@ -6,12 +6,6 @@
 #include "gl/store/marks.h"
 #include "gl/store/upload.h"
 
-/* A change of texels. */
-typedef struct slv_gl_change {
-    uint32_t face;
-    slv_rect rect;
-} slv_gl_change;
-
 /* What a texture is made of. */
 typedef struct slv_gl_given {
     const slv_texture *texture;
@@ -32,10 +26,11 @@ typedef struct slv_gl_live {
     uint64_t room;  /* bytes by which arrays may grow in an update */
     uint64_t seen;  /* the version that the GPU has */
     bool half_done; /* an update failed midway: the next one makes all anew */
-    slv_gl_change *changes;
+    slv_form_change *changes;
     uint32_t nchanges, capacity;
     void *around;       /* made of slv_form_borders: which faces depend on which */
     slv_gl_marks faces; /* that depend on those changed */
+    slv_form_room room_of_forms;
     slv_gl_staging staging;
 } slv_gl_live;
 

@@ -144,14 +144,17 @@ static slv_result reserve_squares(struct reservation *r, const slv_texture_desc 
     const slv_form *form = r->store->pools.form;
     const slv_adjacency *adjacency = r->source->adjacency;
     slv_res old = slv_levels_get_desc(r->source->levels)->res[face];
-    slv_rect all = {0, 0, 1u << old.u, 1u << old.v};
     uint32_t items[SLV_FORM_ITEMS], count = form->items(r->store->made, face, items);
+    slv_form_room room = {0};
+    slv_form_change change = {face, {0, 0, 1u << old.u, 1u << old.v}};
     slv_result result = SLV_OK;
     int8_t side = side_for(res);
     r->from = r->to = (slv_res){side, side};
     if (slv_adjacency_is_subface(adjacency, (int32_t)face)) {
         r->to.u = ++r->to.v; /* its squares are larger, and so may those around it be */
-        return form->stale(r->store->made, face, &all, reserve_square, r);
+        result = form->stale(r->store->made, &change, 1, &room, reserve_square, r);
+        slv_form_room_end(&room);
+        return result;
     }
     for (uint32_t edge = 0; !result && r->fits && edge < count; edge++) {
         slv_neighbour across[2];

@@ -22,13 +22,10 @@ static slv_result mark(void *user, uint32_t item) {
 }
 
 /* Lists the items of a form that depend on what was changed. */
-static slv_result list_stale(const slv_gl_live *live, const slv_form *form, const void *made,
+static slv_result list_stale(slv_gl_live *live, const slv_form *form, const void *made,
                              slv_gl_marks *out) {
-    slv_result result = SLV_OK;
     slvi_gl_marks_clear(out);
-    for (uint32_t i = 0; !result && i < live->nchanges; i++)
-        result = form->stale(made, live->changes[i].face, &live->changes[i].rect, mark, out);
-    return result;
+    return form->stale(made, live->changes, live->nchanges, &live->room_of_forms, mark, out);
 }
 
 /* What of a level is another after a change of level 0 of an item that has nothing else in it. */
@@ -38,22 +35,60 @@ static slv_rect part_of_level(slv_rect rect, uint32_t level) {
     return (slv_rect){x, y, (end_x >> level) - x + 1, (end_y >> level) - y + 1};
 }
 
-static slv_result upload(struct update *update, slv_gl_store *store, uint32_t item,
-                         const slv_rect *rect) {
-    const slv_gl_source *source = &update->live->source;
+/* A rectangle of an item that has nothing but its own texels. */
+static slv_result upload_part(struct update *update, slv_gl_store *store, uint32_t item,
+                              slv_rect rect) {
     const slv_gl_pools *pools = &store->pools;
     uint32_t nlevels = pools->pools[pools->pool_of[item]].nlevels;
     slv_result result = SLV_OK;
-    bool rim = !rect && pools->form->read_rim && !store->whole.is_listed[item];
-    for (uint32_t level = 0; !result && rim && level < nlevels; level++)
-        result = slvi_gl_upload_rim(source, pools, store->made, item, level, &update->live->staging,
-                                    &update->done.bytes);
-    for (uint32_t level = 0; !result && !rim && level < nlevels; level++) {
-        slv_rect part = rect ? part_of_level(*rect, level) : (slv_rect){0};
-        result = slvi_gl_upload_rect(source, pools, store->made, item, level, rect ? &part : NULL,
+    for (uint32_t level = 0; !result && level < nlevels; level++) {
+        slv_rect part = part_of_level(rect, level);
+        result = slvi_gl_upload_rect(&update->live->source, pools, store->made, item, level, &part,
                                      &update->live->staging, &update->done.bytes);
     }
     return result;
+}
+
+static slv_result upload_rim(struct update *update, slv_gl_store *store, uint32_t item) {
+    const slv_gl_pools *pools = &store->pools;
+    uint32_t nlevels = pools->pools[pools->pool_of[item]].nlevels;
+    slv_result result = SLV_OK;
+    for (uint32_t level = 0; !result && level < nlevels; level++)
+        result = slvi_gl_upload_rim(&update->live->source, pools, store->made, item, level,
+                                    &update->live->staging, &update->done.bytes);
+    return result;
+}
+
+/* Whether all of an item is to be uploaded. */
+static bool goes_whole(const struct update *update, const slv_gl_store *store, uint32_t item) {
+    const slv_gl_pools *pools = &store->pools;
+    return store->stale.is_listed[item] &&
+           (store->whole.is_listed[item] ||
+            (pools->form != slv_form_bare() &&
+             !slvi_gl_has_rim(&update->live->source, pools, store->made, item)));
+}
+
+/* Such an item, with those that go whole and are in the layers after its own; nothing, if it goes
+ * with the one before. */
+static slv_result upload_whole(struct update *update, slv_gl_store *store, uint32_t item) {
+    const slv_gl_source *source = &update->live->source;
+    const slv_gl_pools *pools = &store->pools;
+    const slv_gl_pool *pool = &pools->pools[pools->pool_of[item]];
+    uint32_t first = pools->layer_of[item], end = first + 1;
+    slv_result result = SLV_OK;
+    if (pools->format.block) {
+        for (uint32_t level = 0; !result && level < pool->nlevels; level++)
+            result = slvi_gl_upload_rect(source, pools, store->made, item, level, NULL,
+                                         &update->live->staging, &update->done.bytes);
+        return result;
+    }
+    uint32_t longest = slvi_gl_longest_run(pools, pool);
+    if (first % longest && goes_whole(update, store, pool->items[first - 1]))
+        return SLV_OK;
+    while (end < pool->nlayers && end % longest && goes_whole(update, store, pool->items[end]))
+        end++;
+    return slvi_gl_upload_run(source, pools, store->made, pool, first, end - first,
+                              &update->live->staging, &update->done.bytes);
 }
 
 /* Moves an item that has another resolution, or needs another type, than before. */
@@ -62,13 +97,14 @@ static slv_result move(struct update *update, slv_gl_store *store, uint32_t item
     uint32_t fillers[2], items[SLV_FORM_ITEMS];
     slv_res res;
     bool waits, wide = false, blocks = store->pools.format.block;
-    slv_result result = slvi_gl_store_is_wide(source, store, item, &wide);
+    slv_result result = slvi_gl_store_is_wide(source, store, item, &update->live->staging, &wide);
     if (result)
         return result;
     if (wide != store->wide[item])
         *(blocks ? &store->nclipped : &store->nwide) += wide ? 1u : UINT32_MAX;
     store->wide[item] = wide;
-    if ((result = slvi_gl_item_res(source, store->pools.form, store->made, item, &res)) ||
+    if ((result = slvi_gl_item_res(source, store->pools.form, store->made, item,
+                                   &update->live->room_of_forms, &res)) ||
         !slvi_gl_move_needed(store, item, res))
         return result;
     if ((result =
@@ -91,10 +127,18 @@ static slv_result move(struct update *update, slv_gl_store *store, uint32_t item
     return SLV_OK;
 }
 
+/* Whether there is no rectangle of a face to be uploaded apart. */
+static bool is_all(const slv_gl_live *live, const slv_form_change *change) {
+    slv_res res = slv_levels_get_desc(live->levels)->res[change->face];
+    return slvi_gl_is_constant(&live->source, change->face) ||
+           (change->rect.width >> res.u && change->rect.height >> res.v);
+}
+
 static slv_result update_store(struct update *update, slv_gl_store *store) {
-    const slv_gl_live *live = update->live;
+    slv_gl_live *live = update->live;
     const slv_form *form = store->pools.form;
     slv_gl_marks *stale = &store->stale;
+    bool bare = form == slv_form_bare(); /* the rectangles are known */
     slv_result result;
     if ((result = list_stale(live, form, store->made, stale)))
         return result;
@@ -102,23 +146,24 @@ static slv_result update_store(struct update *update, slv_gl_store *store) {
         slvi_gl_marks_add(stale, store->waiting.listed[i]);
     slvi_gl_marks_clear(&store->waiting);
     slvi_gl_marks_clear(&store->whole);
-    for (uint32_t i = 0; form->read_rim && i < live->nchanges; i++) /* items are faces */
-        slvi_gl_marks_add(&store->whole, live->changes[i].face);
+    for (uint32_t i = 0; i < live->nchanges; i++)
+        if (form->read_rim || (bare && is_all(live, &live->changes[i]))) /* items are faces */
+            slvi_gl_marks_add(&store->whole, live->changes[i].face);
     update->done.items += stale->count;
     if (form->refresh && (result = form->refresh(store->made, stale->listed, stale->count)))
         return result;
     for (uint32_t i = 0, n = stale->count; !result && i < n; i++)
         result = move(update, store, stale->listed[i]);
-    if (!result && form == slv_form_bare() && !store->moved) { /* the rectangles are known */
-        for (uint32_t i = 0; !result && i < live->nchanges; i++) {
-            const slv_gl_change *change = &live->changes[i];
-            bool constant = slvi_gl_is_constant(&live->source, change->face);
-            result = upload(update, store, change->face, constant ? NULL : &change->rect);
-        }
-        return result;
+    for (uint32_t i = 0; !result && i < stale->count; i++) {
+        uint32_t item = stale->listed[i];
+        if (goes_whole(update, store, item))
+            result = upload_whole(update, store, item);
+        else if (!bare)
+            result = upload_rim(update, store, item);
     }
-    for (uint32_t i = 0; !result && i < stale->count; i++)
-        result = upload(update, store, stale->listed[i], NULL);
+    for (uint32_t i = 0; !result && bare && i < live->nchanges; i++)
+        if (!goes_whole(update, store, live->changes[i].face))
+            result = upload_part(update, store, live->changes[i].face, live->changes[i].rect);
     return result || !store->moved ? result : slvi_gl_move_end(&live->source, store);
 }
 
@@ -149,7 +194,10 @@ static slv_result update_all(struct update *update) {
     resize_faces(update);
     for (uint32_t i = 0; !result && i < texture->nstores; i++)
         result = update_store(update, &texture->stores[i]);
-    if (!result && texture->nreaches)
+    bool values = false;
+    for (uint32_t i = 0; i < texture->nreaches; i++)
+        values |= slvi_gl_reach_has_values(texture->reaches[i].kind);
+    if (!result && values)
         result = list_stale(live, slv_form_borders(), live->around, &live->faces);
     for (uint32_t i = 0; !result && i < texture->nreaches; i++) {
         slv_gl_reach_row *row = &texture->reaches[i];

@@ -200,25 +200,27 @@ slv_result slvi_gl_corners_fill(const slv_gl_source *source, slv_gl_chunks chunk
 
 /* The parameters say what is read, where it goes, and for which faces. */
 slv_result slvi_gl_corners_refresh(const slv_gl_source *source, slv_gl_chunks chunks,
-                                   const slv_gl_corners *corners, const uint32_t *faces,
-                                   uint32_t count, const slv_gl_part *parts) {
-    float *texel = NULL, values[4 * MOST_VALUES];
+                                   slv_gl_corners *corners, const uint32_t *faces, uint32_t count,
+                                   const slv_gl_part *parts) {
+    float values[4 * MOST_VALUES];
     size_t size = 4 * sizeof *values;
-    slv_result result =
-        slvi_alloc_plain(source->env, "corner", slv_levels_get_desc(source->levels)->nchannels,
-                         sizeof *texel, &texel);
+    slv_result result = SLV_OK;
+    if (!corners->texel)
+        result =
+            slvi_alloc_plain(source->env, "corner", slv_levels_get_desc(source->levels)->nchannels,
+                             sizeof *corners->texel, &corners->texel);
     for (uint32_t i = 0; !result && i < 4 * count; i++) {
         uint32_t id = 4 * faces[i / 4] + i % 4;
-        uint32_t nvalues = list_values(source, chunks, corners, id, texel, values);
+        uint32_t nvalues = list_values(source, chunks, corners, id, corners->texel, values);
         source->gl->api.NamedBufferSubData(parts[slv_gl_chunk_of(chunks, id / 4)].values,
                                            (GLintptr)(first_value(corners, id) * size),
                                            (GLsizeiptr)(nvalues * size), values);
     }
-    slvi_free(texel);
     return result;
 }
 
 void slvi_gl_corners_free(slv_gl_corners *corners) {
+    slvi_free(corners->texel);
     slvi_free(corners->where);
     slvi_free(corners->first);
     memset(corners, 0, sizeof *corners);

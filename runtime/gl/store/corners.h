@@ -10,6 +10,7 @@ typedef struct slv_gl_corners {
     uint32_t *where; /* per face and corner, as shaders read it: number of the list's first value in
                         its part, and in the upper 5 bits how many levels share it */
     uint64_t *first; /* per part: number of its first value, and one past the last part */
+    float *texel;    /* a value that is computed after a change; NULL before the first */
 } slv_gl_corners;
 
 /* Lays the values out; *chunks gets as many parts as the driver's limits need, no row of any table
@@ -21,8 +22,8 @@ slv_result slvi_gl_corners_fill(const slv_gl_source *source, slv_gl_chunks chunk
                                 const slv_gl_corners *corners, float *values);
 /* Computes and uploads those around some faces. */
 slv_result slvi_gl_corners_refresh(const slv_gl_source *source, slv_gl_chunks chunks,
-                                   const slv_gl_corners *corners, const uint32_t *faces,
-                                   uint32_t count, const slv_gl_part *parts);
+                                   slv_gl_corners *corners, const uint32_t *faces, uint32_t count,
+                                   const slv_gl_part *parts);
 void slvi_gl_corners_free(slv_gl_corners *corners);
 
 #endif

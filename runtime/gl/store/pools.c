@@ -82,7 +82,7 @@ static slv_result is_alike(void *user, uint32_t face) {
 }
 
 slv_result slvi_gl_item_res(const slv_gl_source *source, const slv_form *form, const void *made,
-                            uint32_t item, slv_res *out) {
+                            uint32_t item, slv_form_room *room, slv_res *out) {
     const slv_res one = {0, 0};
     struct alike alike = {.source = source};
     bool single = form == slv_form_bare() && slvi_gl_is_constant(source, item);
@@ -90,7 +90,7 @@ slv_result slvi_gl_item_res(const slv_gl_source *source, const slv_form *form, c
     /* one vector is another pair of numbers in the next face's frame */
     if (!single && form->needs && source->light && !source->bare_only &&
         !source->params.edge_filter) {
-        result = form->needs(made, item, is_alike, &alike);
+        result = form->needs(made, item, room, is_alike, &alike);
         single = !result && alike.any;
         result = result == SLV_ERROR_CANCELLED ? SLV_OK : result;
     }

@@ -74,7 +74,7 @@ void slvi_gl_pools_free(slv_gl_pools *pools);
 
 /* The class that an item belongs in: one texel, if all that it is made of has one value. */
 slv_result slvi_gl_item_res(const slv_gl_source *source, const slv_form *form, const void *made,
-                            uint32_t item, slv_res *out);
+                            uint32_t item, slv_form_room *room, slv_res *out);
 /* Which level of its form an item has at a level of its pool: the last, if it has one texel. */
 static inline uint32_t slvi_gl_stored_level(const slv_gl_pools *pools, const void *made,
                                             uint32_t item, uint32_t level) {

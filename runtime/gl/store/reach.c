@@ -54,6 +54,10 @@ slv_result slvi_gl_reach_build(const slv_gl_source *source, slv_gl_reach_kind ki
     return result;
 }
 
+bool slvi_gl_reach_has_values(slv_gl_reach_kind kind) {
+    return kinds[kind].refresh != NULL;
+}
+
 /* The parameters say what is read, of what, and what becomes of it. */
 slv_result slvi_gl_reach_refresh(const slv_gl_source *source, slv_gl_reach_kind kind,
                                  const slv_gl_pools *pools, const void *made, const uint32_t *faces,

@@ -23,6 +23,8 @@ slv_result slvi_gl_reach_build(const slv_gl_source *source, slv_gl_reach_kind ki
 slv_result slvi_gl_reach_refresh(const slv_gl_source *source, slv_gl_reach_kind kind,
                                  const slv_gl_pools *pools, const void *made, const uint32_t *faces,
                                  uint32_t count, slv_gl_reach *reach);
+/* Whether it has such values. */
+bool slvi_gl_reach_has_values(slv_gl_reach_kind kind);
 void slvi_gl_reach_free(const slv_gl *gl, slv_gl_reach *reach);
 
 /* The most pools that a batch binds. */

@@ -23,10 +23,12 @@ struct sizes {
 
 static slv_result find_sizes(void *user, uint64_t first, uint64_t end) {
     const struct sizes *sizes = user;
+    slv_form_room room = {0};
     slv_result result = SLV_OK;
     for (uint64_t i = first; !result && i < end; i++)
-        result =
-            slvi_gl_item_res(sizes->source, sizes->form, sizes->made, (uint32_t)i, &sizes->res[i]);
+        result = slvi_gl_item_res(sizes->source, sizes->form, sizes->made, (uint32_t)i, &room,
+                                  &sizes->res[i]);
+    slv_form_room_end(&room);
     return result;
 }
 
@@ -79,19 +81,15 @@ static bool leaves(const float *values, size_t count) {
 /* Whether a value of an item lies outside of 0..1, which is the range of 8 bits whatever the range
  * of the colours that were decoded for them. */
 static slv_result leaves_bytes(const slv_gl_source *source, const slv_gl_store *store,
-                               uint32_t item, bool *out) {
+                               uint32_t item, float *scratch, bool *out) {
     const slv_form *form = store->pools.form;
     uint32_t border = slvi_gl_border(&source->params),
              nchannels = slv_levels_get_desc(source->levels)->nchannels;
     slv_res res = form->res(store->made, item);
-    slv_form_extent extent = slv_form_level_extent(form, res, 0, border);
-    float *scratch = NULL;
-    slv_result result =
-        slvi_alloc_plain(&source->shared, "border", (uint64_t)extent.width * extent.height,
-                         nchannels * sizeof *scratch, &scratch);
+    slv_result result = SLV_OK;
     for (uint32_t level = 0; !result && !*out && level < slv_res_level_count(res); level++) {
         slv_form_texels texels;
-        extent = slv_form_level_extent(form, res, level, border);
+        slv_form_extent extent = slv_form_level_extent(form, res, level, border);
         result = form->read_rim ? form->read_rim(store->made, item, level, scratch, &texels)
                                 : form->read(store->made, item, level, scratch, &texels);
         if (result || texels.type != SLV_TYPE_FLOAT)
@@ -107,30 +105,41 @@ static slv_result leaves_bytes(const slv_gl_source *source, const slv_gl_store *
                 *out |= leaves(row + (size_t)(extent.width - u) * nchannels, (size_t)u * nchannels);
         }
     }
-    slvi_free(scratch);
     return result;
 }
 
 slv_result slvi_gl_store_is_wide(const slv_gl_source *source, const slv_gl_store *store,
-                                 uint32_t item, bool *out) {
+                                 uint32_t item, slv_gl_staging *staging, bool *out) {
     const slv_form *form = store->pools.form;
     *out = false;
     if (!form->leaves_range || (form->copies && form->copies(store->made, item)))
         return SLV_OK;
+    slv_form_extent extent = slv_form_level_extent(form, form->res(store->made, item), 0,
+                                                   slvi_gl_border(&source->params));
+    uint32_t width = extent.width - 2 * extent.border_u + 2,
+             height = extent.height - 2 * extent.border_v + 2;
+    width = width > extent.width ? width : extent.width;
+    height = height > extent.height ? height : extent.height;
+    slv_result result = slvi_gl_staging_scratch(
+        source, (uint64_t)width * height * slv_levels_get_desc(source->levels)->nchannels, staging);
+    if (result)
+        return result;
     /* colours that were decoded become 8 bits again */
     return source->srgb && store->pools.format.type == SLV_TYPE_U8
-               ? leaves_bytes(source, store, item, out)
-               : form->leaves_range(store->made, item, out);
+               ? leaves_bytes(source, store, item, staging->scratch, out)
+               : form->leaves_range(store->made, item, staging->scratch, out);
 }
 
 static slv_result find_wide(void *user, uint64_t first, uint64_t end) {
     struct widen_job *job = user;
+    slv_gl_staging staging = {0};
     slv_result result = SLV_OK;
     for (uint64_t item = first; !result && item < end; item++) {
         bool wide = false;
-        result = slvi_gl_store_is_wide(job->source, job->store, (uint32_t)item, &wide);
+        result = slvi_gl_store_is_wide(job->source, job->store, (uint32_t)item, &staging, &wide);
         job->wide[item] = wide;
     }
+    slvi_gl_staging_free(&staging);
     return result;
 }
 

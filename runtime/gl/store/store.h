@@ -5,6 +5,7 @@
 #include "gl/store/compress.h"
 #include "gl/store/marks.h"
 #include "gl/store/pools.h"
+#include "gl/store/upload.h"
 
 typedef struct slv_gl_store {
     slv_gl_pools pools;
@@ -27,9 +28,10 @@ typedef struct slv_gl_store {
  * made of the source, which the store takes, also if it fails. `out` stays where it is. */
 slv_result slvi_gl_store_prepare(const slv_gl_source *source, const slv_form *form, void *made,
                                  slv_gl_packing packing, bool coverage, slv_gl_store *out);
-/* Whether an item needs a wider type than the texture's, as it is now. */
+/* Whether an item needs a wider type than the texture's, as it is now; works in the staging
+ * memory. */
 slv_result slvi_gl_store_is_wide(const slv_gl_source *source, const slv_gl_store *store,
-                                 uint32_t item, bool *out);
+                                 uint32_t item, slv_gl_staging *staging, bool *out);
 /* Makes the array of a pool. */
 slv_result slvi_gl_store_make_pool(const slv_gl_source *source, slv_gl_store *store,
                                    slv_gl_pool *pool);

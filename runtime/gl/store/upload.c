@@ -37,21 +37,30 @@ static slv_result read_level(const struct origin *from, uint32_t item, uint32_t 
     return result;
 }
 
+/* Texels of another type than the format's, by way of floats. */
+static void convert_widened(const struct origin *from, slv_type type, const void *texels,
+                            size_t count, unsigned char *out) {
+    enum { VALUES = 512 };
+    float floats[VALUES];
+    uint32_t nchannels = slv_levels_get_desc(from->source->levels)->nchannels;
+    size_t texel = nchannels * slv_type_size(type), most = VALUES / nchannels;
+    for (size_t at = 0, n; at < count; at += n) {
+        n = count - at < most ? count - at : most;
+        slv_type_to_float(type, (const unsigned char *)texels + at * texel, n * nchannels, floats);
+        slvi_gl_convert_float(from->format, floats, nchannels, n,
+                              out + at * from->format->texel_bytes);
+    }
+}
+
 /* Converts a rectangle of a level; rows of `out` are `pitch` texels apart. */
-static slv_result convert(const struct origin *from, const struct level *level, slv_rect rect,
-                          unsigned char *out, size_t pitch) {
+static void convert(const struct origin *from, const struct level *level, slv_rect rect,
+                    unsigned char *out, size_t pitch) {
     const slv_gl_format *format = from->format;
     const slv_texture_desc *desc = slv_levels_get_desc(from->source->levels);
     const slv_form_texels read = level->read;
     const slv_form_extent extent = level->extent;
-    slv_result result;
-    float *floats = NULL;
     bool encoded = read.type == SLV_TYPE_HALF && format->srgb;
     bool widened = !encoded && read.type != format->type && read.type != SLV_TYPE_FLOAT;
-    size_t values = (size_t)rect.width * desc->nchannels;
-    if (widened && (result = slvi_alloc_plain(&from->source->shared, "level", values,
-                                              sizeof *floats, &floats)))
-        return result;
     size_t texel = desc->nchannels * slv_type_size(read.type), row = extent.width * texel;
     bool whole = rect.width == extent.width && rect.width == pitch && !widened;
     uint32_t runs = whole ? 1 : rect.height;
@@ -61,16 +70,14 @@ static slv_result convert(const struct origin *from, const struct level *level, 
             (const unsigned char *)read.texels + (rect.y + y) * row + rect.x * texel;
         unsigned char *to = out + y * pitch * format->texel_bytes;
         if (widened)
-            slv_type_to_float(read.type, texels, values, floats);
-        if (encoded)
+            convert_widened(from, read.type, texels, count, to);
+        else if (encoded)
             slvi_gl_convert_half(format, texels, desc->nchannels, count, to);
         else if (read.type == format->type)
             slvi_gl_convert(format, texels, desc->nchannels, count, to);
         else
-            slvi_gl_convert_float(format, widened ? floats : texels, desc->nchannels, count, to);
+            slvi_gl_convert_float(format, texels, desc->nchannels, count, to);
     }
-    slvi_free(floats);
-    return SLV_OK;
 }
 
 /* The four strips that the border, or the samples on edges, of a level take. */
@@ -92,17 +99,17 @@ static slv_result fill_around(const struct origin *from, uint32_t face, uint32_t
     slv_result result = read_level(from, face, number, true, scratch, &level);
     cut_rim(from->pools->form, level.extent, strips);
     for (uint32_t i = 0; !result && i < 4; i++)
-        result =
-            convert(from, &level, strips[i],
-                    out + (strips[i].y * pitch + strips[i].x) * from->format->texel_bytes, pitch);
+        convert(from, &level, strips[i],
+                out + (strips[i].y * pitch + strips[i].x) * from->format->texel_bytes, pitch);
     own.extent = (slv_form_extent){.width = level.extent.width - 2 * level.extent.border_u,
                                    .height = level.extent.height - 2 * level.extent.border_v};
     own.read = (slv_form_texels){slv_levels_texels(levels, face, number),
                                  slv_levels_get_desc(levels)->type};
     size_t at = level.extent.border_v * pitch + level.extent.border_u;
-    return result ? result
-                  : convert(from, &own, (slv_rect){0, 0, own.extent.width, own.extent.height},
-                            out + at * from->format->texel_bytes, pitch);
+    if (!result)
+        convert(from, &own, (slv_rect){0, 0, own.extent.width, own.extent.height},
+                out + at * from->format->texel_bytes, pitch);
+    return result;
 }
 
 static slv_result fill_level(const struct origin *from, uint32_t item, uint32_t number,
@@ -116,7 +123,9 @@ static slv_result fill_level(const struct origin *from, uint32_t item, uint32_t 
         rect.height == level.extent.height)
         return fill_around(from, item, number, scratch, out, pitch);
     slv_result result = read_level(from, item, number, false, scratch, &level);
-    return result ? result : convert(from, &level, rect, out, pitch);
+    if (!result)
+        convert(from, &level, rect, out, pitch);
+    return result;
 }
 
 struct fill_job {
@@ -236,34 +245,57 @@ uint64_t slvi_gl_layers_bytes(const slv_gl_pools *pools, const slv_gl_layers *la
     return slvi_gl_place_bytes(&place);
 }
 
+/* The filling of layers in a row at a level that OpenGL knows of, to staging memory. */
+static slv_result begin_fill(const slv_gl_source *source, const slv_gl_pools *pools,
+                             const void *made, const slv_gl_layers *layers, slv_gl_staging *staging,
+                             struct fill_job *out) {
+    slv_gl_place place = whole_layer(pools, layers->pool, layers->level);
+    *out = (struct fill_job){.from = {source, pools, made, place.format},
+                             .place = place,
+                             .first_layer = layers->first,
+                             .level = layers->level};
+    out->place.layer = layers->first;
+    out->layer_size = (uint64_t)place.width * place.height * place.format->texel_bytes;
+    slv_result result = make_room(source->env, out->layer_size * layers->count, staging);
+    out->staging = staging->memory;
+    if (!result && pools->packing == SLV_GL_PAGES)
+        memset(out->staging, 0, out->layer_size * layers->count);
+    return result;
+}
+
 slv_result slvi_gl_upload_layers(const slv_gl_source *source, const slv_gl_pools *pools,
                                  const void *made, const slv_gl_layers *layers,
                                  slv_gl_staging *staging, slv_gl_block_error *error) {
-    slv_gl_place place = whole_layer(pools, layers->pool, layers->level);
     uint32_t count = layers->count;
-    struct fill_job job = {.from = {source, pools, made, place.format},
-                           .place = place,
-                           .first_layer = layers->first,
-                           .level = layers->level};
-    job.place.layer = layers->first;
-    job.layer_size = (uint64_t)place.width * place.height * place.format->texel_bytes;
-    slv_result result = make_room(source->env, job.layer_size * count, staging);
+    struct fill_job job;
+    slv_result result = begin_fill(source, pools, made, layers, staging, &job);
+    bool blocks = job.place.format->block;
     if (result)
         return result;
-    job.staging = staging->memory;
-    if (pools->packing == SLV_GL_PAGES)
-        memset(job.staging, 0, job.layer_size * count);
-    if (place.format->block)
+    if (blocks)
         result = begin_blocks(count, &job);
     if (!result)
         result =
             slvi_parallel_for(source->env, count, count > 512 ? 64 : count / 8 + 1, fill, &job);
     if (!result)
-        slvi_gl_place_send(source->gl, &job.place, count,
-                           place.format->block ? job.blocks : job.staging);
-    for (uint32_t i = 0; !result && place.format->block && i < count; i++)
+        slvi_gl_place_send(source->gl, &job.place, count, blocks ? job.blocks : job.staging);
+    for (uint32_t i = 0; !result && blocks && i < count; i++)
         slvi_gl_block_error_add(error, &job.errors[i]);
     end_blocks(&job);
+    return result;
+}
+
+slv_result slvi_gl_staging_scratch(const slv_gl_source *source, uint64_t values,
+                                   slv_gl_staging *staging) {
+    if (values <= staging->nscratch)
+        return SLV_OK;
+    slvi_free(staging->scratch);
+    staging->scratch = NULL;
+    staging->nscratch = 0;
+    slv_result result = slvi_alloc_plain(&source->shared, "level", values, sizeof *staging->scratch,
+                                         &staging->scratch);
+    if (!result)
+        staging->nscratch = values;
     return result;
 }
 
@@ -272,15 +304,33 @@ static slv_result make_scratch(const struct origin *from, const slv_gl_place *pl
                                slv_gl_staging *staging) {
     uint64_t values = (uint64_t)place->width * place->height *
                       slv_levels_get_desc(from->source->levels)->nchannels;
-    if (!from->pools->form->computed || values <= staging->nscratch)
-        return SLV_OK;
-    slvi_free(staging->scratch);
-    staging->scratch = NULL;
-    staging->nscratch = 0;
-    slv_result result = slvi_alloc_plain(from->source->env, "level", values,
-                                         sizeof *staging->scratch, &staging->scratch);
-    if (!result)
-        staging->nscratch = values;
+    return from->pools->form->computed ? slvi_gl_staging_scratch(from->source, values, staging)
+                                       : SLV_OK;
+}
+
+uint32_t slvi_gl_longest_run(const slv_gl_pools *pools, const slv_gl_pool *pool) {
+    enum { RUN_BYTES = 1 << 18 }; /* which a processor's caches hold */
+    uint64_t layer = slvi_gl_layer_bytes(pools, pool);
+    return layer < RUN_BYTES ? (uint32_t)(RUN_BYTES / layer) : 1;
+}
+
+slv_result slvi_gl_upload_run(const slv_gl_source *source, const slv_gl_pools *pools,
+                              const void *made, const slv_gl_pool *pool, uint32_t first,
+                              uint32_t count, slv_gl_staging *staging, uint64_t *sent) {
+    slv_result result = SLV_OK;
+    for (uint32_t level = 0; !result && level < slv_gl_pool_levels(pools, pool); level++) {
+        const slv_gl_layers layers = {pool, level, first, count};
+        struct fill_job job;
+        if ((result = begin_fill(source, pools, made, &layers, staging, &job)) ||
+            (result = make_scratch(&job.from, &job.place, staging)))
+            return result;
+        for (uint32_t layer = 0; !result && layer < count; layer++)
+            result = fill_layer(&job, layer, staging->scratch);
+        if (result)
+            return result;
+        slvi_gl_place_send(source->gl, &job.place, count, job.staging);
+        *sent += slvi_gl_place_bytes(&job.place) * count;
+    }
     return result;
 }
 
@@ -332,6 +382,21 @@ slv_result slvi_gl_upload_rect(const slv_gl_source *source, const slv_gl_pools *
 
 enum { LEAST_INSIDE = 256 }; /* texels that are left out only where there are more */
 
+static bool is_large(const slv_form *form, slv_form_extent extent) {
+    uint32_t x = extent.border_u + form->samples, width = extent.width;
+    uint32_t y = extent.border_v + form->samples, height = extent.height;
+    return width > 2 * x && height > 2 * y && (width - 2 * x) * (height - 2 * y) > LEAST_INSIDE;
+}
+
+bool slvi_gl_has_rim(const slv_gl_source *source, const slv_gl_pools *pools, const void *made,
+                     uint32_t item) {
+    const slv_form *form = pools->form;
+    return form->read_rim && !pools->format.block &&
+           is_large(form, slv_form_level_extent(form, form->res(made, item),
+                                                slvi_gl_stored_level(pools, made, item, 0),
+                                                slvi_gl_border(&source->params)));
+}
+
 /* The outermost texels of a level of an item, for what is in between is as it was. */
 slv_result slvi_gl_upload_rim(const slv_gl_source *source, const slv_gl_pools *pools,
                               const void *made, uint32_t item, uint32_t number,
@@ -344,10 +409,8 @@ slv_result slvi_gl_upload_rim(const slv_gl_source *source, const slv_gl_pools *p
                                                    slvi_gl_border(&source->params));
     uint32_t x = extent.border_u + pools->form->samples, width = extent.width;
     uint32_t y = extent.border_v + pools->form->samples, height = extent.height;
-    bool large =
-        width > 2 * x && height > 2 * y && (width - 2 * x) * (height - 2 * y) > LEAST_INSIDE;
     slv_rect strips[4];
-    if (!pools->form->read_rim || place.format->block || !large)
+    if (!is_large(pools->form, extent))
         return slvi_gl_upload_rect(source, pools, made, item, number, NULL, staging, sent);
     cut_rim(pools->form, extent, strips);
     uint64_t most = (uint64_t)(width > height ? width : height) * (x > y ? x : y);
@@ -355,12 +418,11 @@ slv_result slvi_gl_upload_rim(const slv_gl_source *source, const slv_gl_pools *p
     if (result || (result = make_scratch(&from, &place, staging)) ||
         (result = read_level(&from, item, number, true, staging->scratch, &level)))
         return result;
-    for (uint32_t i = 0; !result && i < 4; i++) {
+    for (uint32_t i = 0; i < 4; i++) {
         slv_gl_place part = slvi_gl_place_part(&place, strips[i]);
-        if ((result = convert(&from, &level, strips[i], staging->memory, strips[i].width)))
-            break;
+        convert(&from, &level, strips[i], staging->memory, strips[i].width);
         slvi_gl_place_send(source->gl, &part, 1, staging->memory);
         *sent += slvi_gl_place_bytes(&part);
     }
-    return result;
+    return SLV_OK;
 }

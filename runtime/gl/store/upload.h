@@ -13,6 +13,9 @@ typedef struct slv_gl_staging {
     uint64_t nscratch;
 } slv_gl_staging;
 void slvi_gl_staging_free(slv_gl_staging *staging);
+/* Room for that many values in `scratch`. */
+slv_result slvi_gl_staging_scratch(const slv_gl_source *source, uint64_t values,
+                                   slv_gl_staging *staging);
 
 /* A level (of pages: all that there is) of some layers of a pool. */
 typedef struct slv_gl_layers {
@@ -27,6 +30,18 @@ uint64_t slvi_gl_layers_bytes(const slv_gl_pools *pools, const slv_gl_layers *la
 slv_result slvi_gl_upload_layers(const slv_gl_source *source, const slv_gl_pools *pools,
                                  const void *made, const slv_gl_layers *layers,
                                  slv_gl_staging *staging, slv_gl_block_error *error);
+
+/* All levels of items of which nothing is compressed, whose layers lie in a row: in as few calls as
+ * there are levels that OpenGL knows of, however many items. On this thread. Of how many the
+ * staging memory stays small. *sent grows by the bytes handed to the driver. */
+slv_result slvi_gl_upload_run(const slv_gl_source *source, const slv_gl_pools *pools,
+                              const void *made, const slv_gl_pool *pool, uint32_t first,
+                              uint32_t count, slv_gl_staging *staging, uint64_t *sent);
+uint32_t slvi_gl_longest_run(const slv_gl_pools *pools, const slv_gl_pool *pool);
+
+/* Whether an item has so much inside that its rim is worth being uploaded apart. */
+bool slvi_gl_has_rim(const slv_gl_source *source, const slv_gl_pools *pools, const void *made,
+                     uint32_t item);
 
 /* Fills and uploads a rectangle of the texels that a level of one item has where it lies; NULL: all
  * of them. On this thread. *sent grows by the bytes handed to the driver. */

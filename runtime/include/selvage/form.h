@@ -27,6 +27,19 @@ typedef struct slv_form_texels {
 
 typedef slv_result (*slv_visit_item)(void *user, uint32_t item);
 
+/* Texels of a face's level 0 that are others than before. */
+typedef struct slv_form_change {
+    uint32_t face;
+    slv_rect rect;
+} slv_form_change;
+
+/* Memory that `stale` and `needs` work in, so that calls one after the other allocate nothing.
+ * Begins as zeroes, and goes from form to form; of one thread at a time. */
+typedef struct slv_form_room {
+    void *memory;
+} slv_form_room;
+SLV_API void slv_form_room_end(slv_form_room *room);
+
 /* The functions of a form. What `create` makes is immutable but for `refresh`, so that the
  * others may be called by many threads at once; it refers to the levels and the adjacency, which
  * must outlive it. */
@@ -58,12 +71,13 @@ typedef struct slv_form {
     /* Whether all that lies around an item's own texels are copies of others' texels: then none of
      * its values leaves a range that these are in. May say no where it is so. NULL: not known. */
     bool (*copies)(const void *made, uint32_t item);
-    /* Whether any value of an item leaves the range of the texture's type; NULL if none can. */
-    slv_result (*leaves_range)(const void *made, uint32_t item, bool *out);
-    /* Calls `visit` once for each item of which any level may be another if texels of the rectangle
-     * of a face's level 0 are. Stops at what `visit` returns other than SLV_OK. */
-    slv_result (*stale)(const void *made, uint32_t face, const slv_rect *rect, slv_visit_item visit,
-                        void *user);
+    /* Whether any value of an item leaves the range of the texture's type; NULL if none can.
+     * `scratch` is as for `read`, and holds at least a texel of border around level 0. */
+    slv_result (*leaves_range)(const void *made, uint32_t item, float *scratch, bool *out);
+    /* Calls `visit` once for each item of which any level may be another after the changes, of
+     * which a face may have several. Stops at what `visit` returns other than SLV_OK. */
+    slv_result (*stale)(const void *made, const slv_form_change *changes, uint32_t count,
+                        slv_form_room *room, slv_visit_item visit, void *user);
     /* Makes `count` items anew from the levels, which were changed (slv_levels_update): all that
      * `stale` visits for the changes, once each; `res` of them may be another afterwards, where
      * faces have got other resolutions. Nobody else may use the form meanwhile. NULL if nothing is
@@ -72,7 +86,8 @@ typedef struct slv_form {
     /* Visits all faces of whose texels an item can have something, and maybe others around them:
      * where they have one value, all levels of the item have it. NULL: that is not known. Stops at
      * what `visit` returns other than SLV_OK. */
-    slv_result (*needs)(const void *made, uint32_t item, slv_visit_item visit, void *user);
+    slv_result (*needs)(const void *made, uint32_t item, slv_form_room *room, slv_visit_item visit,
+                        void *user);
 } slv_form;
 
 /* The extent of a level of an item; `border` is what `create` was given. */

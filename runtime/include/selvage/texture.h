@@ -105,6 +105,13 @@ SLV_NODISCARD SLV_API slv_result slv_texture_set_constant(slv_texture *texture, 
 SLV_NODISCARD SLV_API slv_result slv_texture_set_rect(slv_texture *texture, uint32_t face,
                                                       slv_rect rect, const void *texels);
 
+/* The same, with texels that `fill` puts where they are to be: all of the rectangle's, the first at
+ * `texels`, rows `pitch` texels apart. */
+typedef void (*slv_fill_rect)(void *user, void *texels, size_t pitch);
+SLV_NODISCARD SLV_API slv_result slv_texture_fill_rect(slv_texture *texture, uint32_t face,
+                                                       slv_rect rect, slv_fill_rect fill,
+                                                       void *user);
+
 /* Gives a face another resolution, and all its texels from a tightly packed array. Nobody else may
  * use the texture meanwhile, and it must not be open as a source (source.h), whose faces keep their
  * resolution; a texture on the GPU follows (gl_live.h). If it fails the face is as it was. */
