@@ -365,6 +365,7 @@ int verb_render(int argc, char **argv) {
         return code;
     r.scene.raw = r.raw;
     r.quiet |= r.json;
+    r.scene.quiet = r.quiet;
     const char *problem = options_problem(&r);
     if (problem)
         return cli_usage(&command, "%s", problem);

@@ -67,6 +67,21 @@ static void moving(const char *verb, const char *how) {
     same("q1.exr", "p.0009.exr", 0);
 }
 
+/* Long sequences take a while to read before there is a first picture. */
+static void told_of(const char *verb, const char *how) {
+    for (int i = 1; i <= 12; i++) {
+        char name[32];
+        snprintf(name, sizeof name, "many.%02d.obj", i);
+        write_strip(name, 0.1 * i, false);
+    }
+    CHECK(tool("%s base.obj --uv i.exr --size 8 --frames 'many.##.obj' -q --progress %s -o w.exr",
+               verb, how) == 0);
+    CHECK_MSG(strstr(tool_out, "reading meshes: 50%"), "%s", tool_out);
+    CHECK(tool("%s base.obj --uv i.exr --size 8 --frames 'many.##.obj' -q %s -o w.exr", verb,
+               how) == 0);
+    CHECK_MSG(!strstr(tool_out, "reading"), "%s", tool_out);
+}
+
 static void cameras(const char *verb, const char *how) {
     write_text("two.json", "{" LOOK ", \"cameras\": [{" FRONT "}, {" SIDE "}]}");
     write_text("side.json", "{" LOOK ", " SIDE "}");
@@ -148,6 +163,8 @@ int main(void) {
     write_strip("m.x1.obj", 1, true); /* no number */
     moving("render", "--bits 32");
     moving("reference", "-n 4");
+    told_of("render", "--bits 32");
+    told_of("reference", "-n 4");
     cameras("render", "--bits 32");
     cameras("reference", "-n 4");
     gaps();

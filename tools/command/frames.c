@@ -250,15 +250,19 @@ static slv_result read_positions(const slv_env *env, const char *path, const slv
     return result;
 }
 
-slv_result frames_check(const slv_env *env, const slv_mesh *mesh, frames_list *frames) {
+slv_result frames_check(const slv_env *env, const slv_mesh *mesh, frames_list *frames, bool forced,
+                        bool quiet) {
     const uint64_t each = (uint64_t)slv_mesh_get_view(mesh)->nverts * 3 * sizeof(float);
     uint64_t left = KEPT_BYTES;
     slv_result result = SLV_OK;
     frames->positions = calloc(frames->count ? frames->count : 1, sizeof *frames->positions);
     if (!frames->positions)
         return no_memory(env);
+    cli_progress progress = cli_progress_fleeting("reading meshes", forced, quiet);
+    progress.total = frames->count ? frames->count : 1;
     for (uint32_t i = 0; i < frames->count && !result; i++) {
         float *positions;
+        cli_progress_update(&progress, i);
         result = read_positions(env, frames->meshes[i], mesh, &positions);
         if (result || each > left) {
             free(positions);
@@ -267,6 +271,7 @@ slv_result frames_check(const slv_env *env, const slv_mesh *mesh, frames_list *f
         frames->positions[i] = positions;
         left -= each;
     }
+    cli_progress_end(&progress);
     return result;
 }
 

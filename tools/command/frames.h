@@ -27,8 +27,9 @@ slv_result frames_turntable(const slv_env *env, const slv_camera *camera, const 
  * the width of their numbers keeps out. */
 slv_result frames_find(const slv_env *env, const char *pattern, frames_list *out);
 /* Reads the files, each of which must have the polygons of `mesh`; keeps where their vertices are,
- * of as many as 256 MiB hold. */
-slv_result frames_check(const slv_env *env, const slv_mesh *mesh, frames_list *frames);
+ * of as many as 256 MiB hold. The last two are those of cli_progress_fleeting. */
+slv_result frames_check(const slv_env *env, const slv_mesh *mesh, frames_list *frames, bool forced,
+                        bool quiet);
 /* Moves a surface of `mesh` to where file `index` has its vertices. */
 slv_result frames_move(const slv_env *env, const frames_list *frames, uint32_t index,
                        const slv_mesh *mesh, slv_surface *surface);

@@ -120,7 +120,7 @@ typedef struct scene_options {
     const char *uv;     /* an image for the mesh that the verb's argument is then */
     int scheme, boundary, shading, adjacency, encoding; /* encoding: slv_texture_encoding */
     bool scheme_given, boundary_given, shading_given, size_given, orbit_given, fov_given, progress,
-        salvage;
+        quiet, salvage;
     uint32_t size[2], tess, threads;
     float azimuth, elevation, fov, background[4];
     displace_options displace;

@@ -194,7 +194,8 @@ static slv_result list_frames(const slv_env *env, const scene_options *o, const 
     if (o->turntable)
         return frames_turntable(env, camera, low, high, o->turntable, frames);
     if (o->frames)
-        return frames_find(env, o->frames, frames) || frames_check(env, scene->mesh, frames)
+        return frames_find(env, o->frames, frames) ||
+                       frames_check(env, scene->mesh, frames, o->progress, o->quiet)
                    ? SLV_ERROR_MISMATCH
                    : SLV_OK;
     if (!view->ncameras || !o->numbered || orbit)

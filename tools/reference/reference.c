@@ -346,5 +346,6 @@ int verb_reference(int argc, char **argv) {
         (r.error && slv_image_format_of_name(r.error) != SLV_IMAGE_EXR))
         return cli_usage(&command, "%s: the picture's name must end in .exr",
                          slv_image_format_of_name(path) == SLV_IMAGE_EXR ? r.error : path);
+    r.scene.quiet = r.quiet || r.json;
     return run(&command, &r, path);
 }
