@@ -40,7 +40,7 @@ int main(int argc, char **argv) {
         rgb[i] = bench_random_unit(&random);
     GLuint texture = wrap_texture(rgb, SIDE, SIDE), programs[WAYS];
     char *include = wrap_include();
-    wrap_target target = wrap_target_make(size, 4);
+    wrap_target target = wrap_target_make(gl, size, 4);
     for (int w = 0; w < WAYS; w++)
         programs[w] = wrap_program(include, defines[w]);
     bool software = slv_gl_get_info(gl)->software;

@@ -55,6 +55,7 @@ enum { WRAP_AROUND = 32, WRAP_ACROSS = 20 };
     X(PFNGLNAMEDFRAMEBUFFERRENDERBUFFERPROC, NamedFramebufferRenderbuffer)                         \
     X(PFNGLNAMEDRENDERBUFFERSTORAGEMULTISAMPLEPROC, NamedRenderbufferStorageMultisample)           \
     X(PFNGLPROGRAMUNIFORM1FPROC, ProgramUniform1f)                                                 \
+    X(PFNGLPROGRAMUNIFORM2FPROC, ProgramUniform2f)                                                 \
     X(PFNGLPROGRAMUNIFORMMATRIX4FVPROC, ProgramUniformMatrix4fv)                                   \
     X(PFNGLREADPIXELSPROC, ReadPixels)                                                             \
     X(PFNGLSHADERSOURCEPROC, ShaderSource)                                                         \
@@ -162,10 +163,12 @@ static inline void wrap_free(wrap_mesh *m) {
 typedef struct wrap_buffers {
     GLuint buffers[3], array;
     GLsizei count;
+    bool torus;
+    float turn; /* of its coordinates against the texture, which TURNED programs take back */
 } wrap_buffers;
 
 static inline wrap_buffers wrap_upload(const wrap_mesh *m) {
-    wrap_buffers b = {.count = (GLsizei)(6 * m->nquads)};
+    wrap_buffers b = {.count = (GLsizei)(6 * m->nquads), .torus = m->torus};
     wrap_api.CreateBuffers(3, b.buffers);
     wrap_api.CreateVertexArrays(1, &b.array);
     wrap_api.NamedBufferStorage(b.buffers[0], m->nverts * 3 * (GLsizeiptr)sizeof(float),
@@ -217,26 +220,32 @@ static const char wrap_fragment[] =
     "layout(binding = 0) uniform sampler2D map;\n"
     "layout(location = 1) uniform float times;\n"
     "layout(location = 2) uniform float taps;\n"
+    "layout(location = 3) uniform vec2 turn;\n"
     "in vec2 plain_uv;\n"
     "in vec4 round_uv;\n"
     "in vec3 place;\n"
     "layout(location = 0) out vec4 color;\n"
+    "#ifdef TURNED\n"
+    "#define PLACE(at) ((at)-turn)\n"
+    "#else\n"
+    "#define PLACE(at) (at)\n"
+    "#endif\n"
     /* the footprint as a row of short ones, which software drivers lack */
     "vec4 look(vec2 at, vec2 dx, vec2 dy) {\n"
     "    if (taps <= 1.0)\n"
-    "        return textureGrad(map, at, dx, dy);\n"
+    "        return textureGrad(map, PLACE(at), dx, dy);\n"
     "    vec2 size = vec2(textureSize(map, 0));\n"
     "    float px = length(dx * size), py = length(dy * size), longest = max(px, py);\n"
     "    float n = clamp(longest / max(min(px, py), 1e-12), 1.0, taps);\n"
     "    vec2 axis = (px > py ? dx : dy) * (1.0 - 1.0 / n);\n" /* at a tie either is as good */
     "    vec4 sum = vec4(0.0);\n"
     "    for (float k = 1.0; k <= taps; k++)\n"
-    "        sum += textureLod(map, at + axis * (k / (taps + 1.0) - 0.5),\n"
+    "        sum += textureLod(map, PLACE(at + axis * (k / (taps + 1.0) - 0.5)),\n"
     "                          log2(longest / n));\n"
     "    return sum / taps;\n"
     "}\n"
     "vec4 look(vec2 at) {\n"
-    "    return taps <= 1.0 ? texture(map, at) : look(at, dFdx(at), dFdy(at));\n"
+    "    return taps <= 1.0 ? texture(map, PLACE(at)) : look(at, dFdx(at), dFdy(at));\n"
     "}\n"
     "void main() {\n"
     "#ifdef PLAIN\n"
@@ -314,10 +323,14 @@ static inline GLuint wrap_texture(const float *rgb, uint32_t width, uint32_t hei
 typedef struct wrap_target {
     GLuint framebuffers[2], renderbuffers[3];
     GLsizei size, msaa;
+    uint32_t parts; /* pictures, since the driver has too few samples for one */
 } wrap_target;
 
-static inline wrap_target wrap_target_make(uint32_t size, uint32_t msaa) {
-    wrap_target t = {.size = (GLsizei)size, .msaa = msaa > 1 ? (GLsizei)msaa : 0};
+static inline wrap_target wrap_target_make(const slv_gl *gl, uint32_t size, uint32_t msaa) {
+    uint32_t most = slv_gl_get_info(gl)->max_msaa, each = msaa < most ? msaa : most;
+    wrap_target t = {.size = (GLsizei)size,
+                     .msaa = each > 1 ? (GLsizei)each : 0,
+                     .parts = each > 1 ? msaa / each : msaa};
     wrap_api.CreateFramebuffers(2, t.framebuffers);
     wrap_api.CreateRenderbuffers(3, t.renderbuffers);
     for (int i = 0; i < 3; i++)
@@ -381,6 +394,7 @@ static inline void wrap_draw(const wrap_target *t, GLuint program, GLuint textur
     wrap_api.ClearNamedFramebufferfv(t->framebuffers[0], GL_DEPTH, 0, &far_away);
     wrap_api.ProgramUniformMatrix4fv(program, 0, 1, GL_FALSE, matrix);
     wrap_api.ProgramUniform1f(program, 1, times);
+    wrap_api.ProgramUniform2f(program, 3, mesh->turn, mesh->torus ? mesh->turn : 0);
     wrap_api.UseProgram(program);
     wrap_api.BindTextureUnit(0, texture);
     wrap_api.BindVertexArray(mesh->array);
@@ -403,6 +417,28 @@ static inline void wrap_read(const wrap_target *t, float *rgba) {
     for (GLsizei y = 0; y < t->size; y++)
         wrap_api.ReadPixels(0, y, t->size, 1, GL_RGBA, GL_FLOAT,
                             rgba + (size_t)(t->size - 1 - y) * row);
+}
+
+/* Drawn and read; the mean of several pictures, apart by less than their samples are, where the
+ * driver has fewer samples. */
+static inline void wrap_picture(const wrap_target *t, GLuint program, GLuint texture,
+                                const wrap_buffers *mesh, const slv_camera *camera, float times,
+                                float *rgba) {
+    size_t count = 4 * (size_t)t->size * (size_t)t->size;
+    float *part = wrap_room(count, sizeof *part);
+    memset(rgba, 0, count * sizeof *rgba);
+    for (uint32_t k = 0; k < t->parts; k++) {
+        slv_camera moved = *camera;
+        float along = (2 * (float)k + 1 - (float)t->parts) / (8 * (float)t->parts);
+        for (int i = 0; i < 4; i++)
+            moved.window[i] +=
+                along * (camera->window[i | 1] - camera->window[i & 2]) / (float)t->size;
+        wrap_draw(t, program, texture, mesh, &moved, times);
+        wrap_read(t, part);
+        for (size_t i = 0; i < count; i++)
+            rgba[i] += part[i] / (float)t->parts;
+    }
+    free(part);
 }
 
 #endif
