@@ -1,50 +1,64 @@
 /* A pattern in space as a source: the mean over a grid of samples on the limit surface, which is
  * flat enough within a texel for places in it to follow from its corners. */
-#include "procedural/pattern.h"
+#include "procedural/row.h"
 #include "source/source.h"
 
 #include "base/memory.h"
+#include "base/processor.h"
 
+#include <float.h>
 #include <math.h>
 #include <string.h>
 
-enum { SIDE = 2, EACH = SIDE * SIDE, AT_ONCE = 1024 }; /* samples a texel; texels of a row */
+enum { SIDE = 2, EACH = SIDE * SIDE }; /* samples a texel, where they are taken one by one */
 
 typedef struct pattern_source {
     slv_bake_source base;
     const slv_surface *surface;
     slv_procedural pattern;
+    slvi_octave octaves[SLVI_MAX_OCTAVES];
+    slvi_pattern_means *means; /* for this processor */
 } pattern_source;
 
-/* Positions of the corners of a row of texels: two rows, of which the upper becomes the lower. */
-typedef struct corners {
-    slv_surface_point points[AT_ONCE + 1];
-    float positions[2][AT_ONCE + 1][3];
-    float at[3][AT_ONCE], values[AT_ONCE], sums[AT_ONCE]; /* of samples at one place of a texel */
-} corners;
+typedef struct pattern_work {
+    slv_surface_point points[SLVI_ROW_TEXELS + 1];
+    float positions[SLVI_ROW_TEXELS + 1][3];
+    slvi_pattern_rows rows;
+} pattern_work;
 
-static slv_result find_row(const pattern_source *s, uint32_t face, slv_res res, uint32_t x,
-                           uint32_t y, uint32_t width, corners *c, uint32_t row) {
+/* The corners below row y of texels. */
+static slv_result find_corners(const pattern_source *s, uint32_t face, slv_res res, uint32_t x,
+                               uint32_t y, uint32_t width, pattern_work *work, unsigned which) {
     for (uint32_t i = 0; i <= width; i++)
-        c->points[i] = (slv_surface_point){(int32_t)face, (float)(x + i) / (float)(1u << res.u),
-                                           (float)y / (float)(1u << res.v)};
-    const slv_surface_arrays arrays = {.positions = c->positions[row][0]};
-    return slv_surface_evaluate(s->surface, width + 1, c->points, &arrays);
+        work->points[i] = (slv_surface_point){(int32_t)face, (float)(x + i) / (float)(1u << res.u),
+                                              (float)y / (float)(1u << res.v)};
+    const slv_surface_arrays arrays = {.positions = work->positions[0]};
+    slv_result result = slv_surface_evaluate(s->surface, width + 1, work->points, &arrays);
+    for (int axis = 0; axis < 3 && !result; axis++) {
+        float *to = work->rows.corners[which][axis];
+        for (uint32_t i = 0; i <= width; i++)
+            to[i] = slvi_pattern_place(&s->pattern, work->positions[i][axis], axis);
+        for (uint32_t i = width + 1; i < width + SLVI_ROW_AT_ONCE; i++)
+            to[i] = to[width];
+    }
+    for (uint32_t i = 0; i < s->pattern.octaves; i++)
+        work->rows.has_noise[i][which] = false;
+    return result;
 }
 
-static void texel_mean(const pattern_source *s, uint32_t face, const corners *c, uint32_t i,
-                       uint32_t lower, float *out) {
+static void texel_mean(const pattern_source *s, uint32_t face, const slvi_pattern_rows *rows,
+                       uint32_t i, unsigned lower, float *out) {
     uint32_t n = s->base.desc.nchannels;
-    const float(*low)[3] = c->positions[lower] + i, (*high)[3] = c->positions[!lower] + i;
-    float sum[4] = {0}, rgba[4], at[3];
+    float sum[4] = {0}, rgba[4], p[3];
     for (uint32_t k = 0; k < EACH; k++) {
         float u = ((float)(k % SIDE) + 0.5f) / SIDE, v = ((float)(k / SIDE) + 0.5f) / SIDE;
         for (int axis = 0; axis < 3; axis++) {
-            float below = low[0][axis] + (low[1][axis] - low[0][axis]) * u;
-            float above = high[0][axis] + (high[1][axis] - high[0][axis]) * u;
-            at[axis] = below + (above - below) * v;
+            const float *low = rows->corners[lower][axis] + i,
+                        *high = rows->corners[!lower][axis] + i;
+            const float below = SLVI_MIX(low[0], low[1], u), above = SLVI_MIX(high[0], high[1], u);
+            p[axis] = SLVI_MIX(below, above, v);
         }
-        slvi_pattern_evaluate(&s->pattern, (int32_t)face, at, rgba);
+        slvi_pattern_at(&s->pattern, (int32_t)face, p, rgba);
         for (int channel = 0; channel < 4; channel++)
             sum[channel] += rgba[channel] * (channel < 3 && n == 4 ? rgba[3] : 1);
     }
@@ -61,63 +75,70 @@ static bool is_linear(const pattern_source *s) {
            pattern != SLV_PATTERN_POSITION;
 }
 
-/* A row of texels of such a pattern: all samples of one of the SIDE x SIDE places at a time. */
-static void linear_row(const pattern_source *s, uint32_t face, corners *c, uint32_t width,
-                       uint32_t lower, float *out) {
+static void linear_row(const pattern_source *s, uint32_t face, slvi_pattern_rows *rows,
+                       uint32_t width, unsigned lower, float *out) {
     static const float unused[3];
     uint32_t n = s->base.desc.nchannels;
-    float *const at[3] = {c->at[0], c->at[1], c->at[2]}, rgba[4];
-    memset(c->sums, 0, width * sizeof *c->sums);
-    for (uint32_t k = 0; k < EACH; k++) {
-        float u = ((float)(k % SIDE) + 0.5f) / SIDE, v = ((float)(k / SIDE) + 0.5f) / SIDE;
-        for (uint32_t i = 0; i < width; i++) {
-            float(*low)[3] = c->positions[lower] + i, (*high)[3] = c->positions[!lower] + i;
-            for (int axis = 0; axis < 3; axis++) {
-                float below = low[0][axis] + (low[1][axis] - low[0][axis]) * u;
-                float above = high[0][axis] + (high[1][axis] - high[0][axis]) * u;
-                c->at[axis][i] = below + (above - below) * v;
+    float dark[4], light[4];
+    slvi_pattern_color(&s->pattern, (int32_t)face, unused, 0, dark);
+    slvi_pattern_color(&s->pattern, (int32_t)face, unused, 1, light);
+    s->means(&s->pattern, s->octaves, rows, lower, width);
+    for (uint32_t i = 0; i < width; i++, out += n)
+        for (uint32_t c = 0; c < n; c++)
+            out[c] = SLVI_MIX(dark[c], light[c], rows->means[i]);
+}
+
+static void find_senseless(uint32_t n, size_t count, float *values, uint8_t *misses) {
+    bool all = true;
+    for (size_t i = 0; i < count * n; i++)
+        all &= fabsf(values[i]) <= FLT_MAX;
+    for (size_t i = 0; i < count && !all; i++)
+        for (uint32_t c = 0; c < n; c++)
+            if (!isfinite(values[i * n + c])) {
+                memset(values + i * n, 0, n * sizeof *values);
+                misses[i] = SLV_BAKE_NAN;
             }
-        }
-        slvi_pattern_values(&s->pattern, width, at, c->values);
-        for (uint32_t i = 0; i < width; i++)
-            c->sums[i] += c->values[i];
-    }
-    for (uint32_t i = 0; i < width; i++, out += n) {
-        slvi_pattern_color(&s->pattern, (int32_t)face, unused, c->sums[i] / EACH, rgba);
-        memcpy(out, rgba, n * sizeof *out);
-    }
 }
 
 static slv_result evaluate(const slv_bake_source *source, const slv_env *env, uint32_t face,
                            slv_res res, slv_rect rect, float *values, uint8_t *misses) {
     const pattern_source *s = (const pattern_source *)source;
     uint32_t n = s->base.desc.nchannels;
-    corners *c = NULL;
-    slv_result result = slvi_alloc_plain(env, "bake: samples", 1, sizeof *c, &c);
-    for (uint32_t x = 0; x < rect.width && !result; x += AT_ONCE) {
-        uint32_t width = rect.width - x < AT_ONCE ? rect.width - x : AT_ONCE, lower = 0;
-        result = find_row(s, face, res, rect.x + x, rect.y, width, c, lower);
+    pattern_work *work = NULL;
+    slv_result result = slvi_alloc_plain(env, "bake: samples", 1, sizeof *work, &work);
+    for (uint32_t x = 0; x < rect.width && !result; x += SLVI_ROW_TEXELS) {
+        uint32_t width = rect.width - x < SLVI_ROW_TEXELS ? rect.width - x : SLVI_ROW_TEXELS;
+        unsigned lower = 0;
+        result = find_corners(s, face, res, rect.x + x, rect.y, width, work, lower);
         for (uint32_t y = 0; y < rect.height && !result; y++, lower = !lower) {
-            result = find_row(s, face, res, rect.x + x, rect.y + y + 1, width, c, !lower);
+            result = find_corners(s, face, res, rect.x + x, rect.y + y + 1, width, work, !lower);
             float *row = values + ((size_t)y * rect.width + x) * n;
             if (!result && is_linear(s))
-                linear_row(s, face, c, width, lower, row);
+                linear_row(s, face, &work->rows, width, lower, row);
             for (uint32_t i = 0; i < width && !result && !is_linear(s); i++)
-                texel_mean(s, face, c, i, lower, row + (size_t)i * n);
+                texel_mean(s, face, &work->rows, i, lower, row + (size_t)i * n);
         }
     }
-    slvi_free(c);
-    for (size_t i = 0; i < (size_t)rect.width * rect.height && !result; i++)
-        for (uint32_t channel = 0; channel < n; channel++)
-            if (!isfinite(values[i * n + channel])) {
-                memset(values + i * n, 0, n * sizeof *values);
-                misses[i] = SLV_BAKE_NAN;
-            }
+    slvi_free(work);
+    if (!result)
+        find_senseless(n, (size_t)rect.width * rect.height, values, misses);
     return result;
 }
 
 static void destroy(slv_bake_source *source) {
     slvi_free(source);
+}
+
+static slvi_pattern_means *best_means(void) {
+#define CANDIDATE(KIND) {slvi_has_##KIND, slvi_pattern_means_##KIND},
+    static const struct {
+        bool (*runs)(void);
+        slvi_pattern_means *means;
+    } candidates[] = {SLVI_ROW_PROCESSORS(CANDIDATE)};
+    size_t i = 0;
+    while (!candidates[i].runs())
+        i++;
+    return candidates[i].means;
 }
 
 slv_result slv_bake_from_pattern(const slv_env *env, const slv_surface *surface,
@@ -130,6 +151,9 @@ slv_result slv_bake_from_pattern(const slv_env *env, const slv_surface *surface,
         return result;
     s->surface = surface;
     s->pattern = slvi_pattern_resolve(pattern);
+    for (uint32_t i = 0; i < s->pattern.octaves; i++)
+        s->octaves[i] = slvi_pattern_octave(s->pattern.seed, i);
+    s->means = best_means();
     bool alpha = s->pattern.color0[3] != 1 || s->pattern.color1[3] != 1;
     s->base = (slv_bake_source){
         .fns = &fns,

@@ -3,6 +3,7 @@
 
 #include "base/log.h"
 #include "base/memory.h"
+#include "base/processor.h"
 
 #define NAME(FILTER, TEXT, CODE) [FILTER] = TEXT,
 static const char *const names[SLV_FILTER_COUNT] = {SLVI_FILTER_KINDS(NAME)};
@@ -29,19 +30,8 @@ static kernel_cubic make_cubic(float sharpness) {
     };
 }
 
-#ifdef SLV_HAVE_AVX2
-static bool has_avx2(void) {
-    /* no processor has these without F16C, which not all compilers can ask for */
-    return __builtin_cpu_supports("avx2") && __builtin_cpu_supports("bmi2");
-}
-#endif
-
-static bool has_portable(void) {
-    return true;
-}
-
 static const lookup_functions *best_functions(void) {
-#define CANDIDATE(KIND) {has_##KIND, slvi_lookup_##KIND},
+#define CANDIDATE(KIND) {slvi_has_##KIND, slvi_lookup_##KIND},
     static const struct {
         bool (*runs)(void);
         const lookup_functions *functions;

@@ -87,6 +87,17 @@ int main(int argc, char **argv) {
         const char *name;
         uint32_t channels;
     } images[] = {{"bake.png", 3}, {"bake4.png", 4}, {"bake.exr", 3}};
+    /* a face of 64 x 64 texels is two units of the pattern long */
+    static const struct {
+        const char *name;
+        slv_procedural pattern;
+    } patterns[] = {
+        {"stripes", {.frequency = 2}},
+        {"stripes, bent", {.frequency = 2, .warp = 0.5f}},
+        {"cubes", {.pattern = SLV_PATTERN_CHECKER, .frequency = 2}},
+        {"noise, 1 octave", {.pattern = SLV_PATTERN_NOISE, .frequency = 2, .octaves = 1}},
+        {"noise, 4 octaves", {.pattern = SLV_PATTERN_NOISE, .frequency = 2}},
+    };
     bool smoke = argc > 1 && strcmp(argv[1], "--smoke") == 0;
     uint32_t side = smoke ? 128 : 2048;
     char folder[] = "/tmp/selvage_bench_XXXXXX", path[300], out[300], what[100], line[400];
@@ -117,14 +128,16 @@ int main(int argc, char **argv) {
         slv_bake_source_destroy(source);
         slv_bake_source_destroy(turned);
     }
-    const slv_procedural stripes = {.frequency = 2};
     slv_surface *surface = NULL;
     slv_bake_source *source = NULL;
     bench_stop(slv_surface_create(&env, mesh, NULL, &surface));
-    bench_stop(slv_bake_from_pattern(&env, surface, &stripes, &source));
-    bench_report(false, "stripes", "Mtexel/s a core",
-                 time_values(&env, source, SIDE * SIDE, (slv_res){smoke ? 2 : 6, smoke ? 2 : 6}));
-    slv_bake_source_destroy(source);
+    for (size_t i = 0; i < sizeof patterns / sizeof *patterns; i++) {
+        const int8_t log2 = smoke ? 2 : 6;
+        bench_stop(slv_bake_from_pattern(&env, surface, &patterns[i].pattern, &source));
+        bench_report(false, patterns[i].name, "Mtexel/s a core",
+                     time_values(&env, source, SIDE * SIDE, (slv_res){log2, log2}));
+        slv_bake_source_destroy(source);
+    }
     const slv_bake_rays rays = {.samples = 64};
     bench_stop(slv_bake_from_rays(&env, mesh, surface, &rays, &source));
     bench_report(false, "ambient occlusion of a plane", "Mray/s a core",

@@ -45,7 +45,7 @@ void combine(const float w[4], const float points[4][3], float out[3]) {
             w[0] * points[0][c] + w[1] * points[1][c] + w[2] * points[2][c] + w[3] * points[3][c];
 }
 
-void evaluate_regular(Prepared &face, float u, float v, Point &out) {
+void evaluate_regular(Prepared &face, float u, float v, bool derivatives, Point &out) {
     float w[4], d[4];
     if (face.row_v != v) {
         bspline(v, w, d);
@@ -59,6 +59,8 @@ void evaluate_regular(Prepared &face, float u, float v, Point &out) {
     }
     bspline(u, w, d);
     combine(w, face.row, out.position);
+    if (!derivatives)
+        return;
     combine(d, face.row, out.du);
     combine(w, face.row_dv, out.dv);
 }
@@ -117,7 +119,7 @@ void evaluate_point(Prepared &face, float u, float v, bool derivatives, Point &o
         evaluate_bilinear(face, u, v, out);
         break;
     case Kind::regular:
-        evaluate_regular(face, u, v, out);
+        evaluate_regular(face, u, v, derivatives, out);
         break;
     case Kind::irregular:
         evaluate_irregular(face, u, v, derivatives, out);
@@ -208,8 +210,8 @@ void prepare_face(const slv_surface &s, int32_t id, Prepared &out) {
 }
 
 void put(float *array, size_t i, const float value[3]) {
-    if (array)
-        std::copy(value, value + 3, array + 3 * i);
+    for (size_t c = 0; array && c < 3; c++) /* std::copy would call memmove */
+        array[3 * i + c] = value[c];
 }
 
 void evaluate_into(Prepared &face, float u, float v, const slv_surface_arrays &out, size_t i) {
