@@ -16,6 +16,12 @@ layout(location = 0) out vec4 color;
 #ifndef SURFACE_ALPHA
 #define SURFACE_ALPHA 0
 #endif
+#ifndef SURFACE_BIASED
+#define SURFACE_BIASED 0
+#endif
+#if SURFACE_BIASED
+layout(location = 7) uniform float stretch; // of footprints, by which lookups take another level
+#endif
 #if SURFACE_ALPHA == 1
 layout(location = 6) uniform ivec4 fragment_room; // width, the first row, and how many fragments there is room for
 
@@ -78,7 +84,11 @@ void main() {
     vec3 i = perspective != 0 ? normalize(eye_position) : vec3(0.0, 0.0, -1.0);
     float ka = ambient_diffuse.x, kd = ambient_diffuse.y;
     float facing = -dot(n, i);
+#if SURFACE_BIASED
+    vec4 c = slv_sample_grad(surface_face, surface_uv, dFdx(surface_uv) * stretch, dFdy(surface_uv) * stretch);
+#else
     vec4 c = slv_sample(surface_face, surface_uv);
+#endif
 #if SURFACE_ALPHA == 0
     c.a = 1.0;
 #else
@@ -100,7 +110,11 @@ void main() {
         vec3 base = mix(vec3(0.8), hue(float(h & 1023u) / 1024.0), 0.6);
         c.rgb = base * (abs(facing) * kd + ka) * (max(d.x, d.y) > 0.48 ? 0.6 : 1.0) * c.a;
     } else if (shading == 4) {
-        float level = slv_level(surface_face, dFdx(surface_uv), dFdy(surface_uv));
+        vec2 dx = dFdx(surface_uv), dy = dFdy(surface_uv);
+#if SURFACE_BIASED
+        dx *= stretch, dy *= stretch;
+#endif
+        float level = slv_level(surface_face, dx, dy);
         c.rgb = hue(min(level / 9.0, 1.0) * 0.7) * (abs(facing) * kd + ka) * c.a;
     }
 #if SURFACE_ALPHA == 1

@@ -102,6 +102,35 @@ static float largest_difference(const float *a, const float *b, size_t count) {
     return largest;
 }
 
+/* How much pixels differ from those at their left, summed up. */
+static double contrast_of(slv_gl_renderer *renderer, slv_gl_texture *texture, slv_frame frame,
+                          const slv_strategy *strategy, float bias) {
+    frame.level_bias = bias;
+    frame.shading = SLV_SHADE_UNLIT;
+    slv_image image = draw(renderer, texture, frame, strategy);
+    double sum = 0;
+    for (uint32_t i = 4; i < image.width * image.height * 4; i++)
+        if (i % 4 == 0 && image.pixels[i + 3] > 0 && image.pixels[i - 1] > 0)
+            sum += fabs((double)image.pixels[i] - (double)image.pixels[i - 4]);
+    slv_image_free(&image);
+    return sum;
+}
+
+/* The coarser the levels, the smoother the picture, with every strategy. */
+static void check_bias(slv_gl_renderer *renderer, slv_gl_texture *texture, slv_frame frame,
+                       const slv_strategy *strategy) {
+    static const float biases[] = {0, 1, 2, 12};
+    double before = INFINITY, first = 0;
+    for (int i = 0; i < 4; i++) {
+        double contrast = contrast_of(renderer, texture, frame, strategy, biases[i]);
+        CHECK_MSG(contrast < before, "%s: a bias of %g levels: %g after %g", strategy->name,
+                  (double)biases[i], contrast, before);
+        before = contrast;
+        first = i ? first : contrast;
+    }
+    CHECK_MSG(before < 0.5 * first, "%s: %g of %g left", strategy->name, before, first);
+}
+
 /* From close by, from above, and along the ground. */
 static const float views[][4] = {{30, 60, 6, 1}, {200, 80, 50, 1}, {45, 3, 25, 1}};
 
@@ -142,6 +171,13 @@ static void check_pictures(const kit *k, slv_gl_texture *const textures[2], cons
             slv_image_free(&clamp);
         }
     }
+    const slv_frame near = {
+        .width = 96,
+        .height = 64,
+        .camera = slv_camera_orbit(stats.bounds_min, stats.bounds_max, 30, 60, 6, 1.5f)};
+    for (uint32_t s = 0; s < slv_strategy_count(); s++)
+        if (!test_skip(s + k->nfaces, 8))
+            check_bias(renderer, textures[0], near, slv_strategy_at(s));
     CHECK_MSG(visible > 0.05f, "%s: clamp is only %g off: there are no seams to see", name,
               (double)visible);
     slv_gl_renderer_destroy(renderer);

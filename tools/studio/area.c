@@ -59,8 +59,12 @@ static void write_screenshot(studio_app *app) {
         result = slv_image_save(&app->document.env, path, &image,
                                 &(slv_image_params){.encoding = SLV_ENCODE_RAW});
     slv_image_free(&image);
-    if (!studio_failed(app, result))
+    if (studio_failed(app, result)) {
+        studio_turntable_stop(app);
+    } else {
         studio_log(app, "\"event\":\"screenshot\"");
+        studio_turntable_next(app);
+    }
     g_free(path);
 }
 
@@ -113,6 +117,9 @@ static gboolean render(GtkGLArea *area, GdkGLContext *context, gpointer user) {
     app->dirty = false;
     frame_if_new(app);
     shot.camera = studio_area_camera(app, &shot.width, &shot.height);
+    if (app->turntable.count) /* of another place, in the window as it is now */
+        memcpy(shot.camera.world_to_camera, app->turntable.cameras[app->turned].world_to_camera,
+               sizeof shot.camera.world_to_camera);
     shot.coarse = is_moving(app);
     put_cursor(app, &shot);
     shot.stencil = app->paint.stencil.path && !app->screenshot ? &app->paint.stencil : NULL;

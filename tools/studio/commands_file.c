@@ -173,8 +173,10 @@ void studio_do_export(studio_app *app, const char *target) {
 /* ---- views and pictures ---- */
 
 static void load_view(studio_app *app, const char *path) {
-    if (!studio_failed(app, studio_view_load(app, path)))
-        studio_area_redraw(app, false);
+    if (studio_failed(app, studio_view_load(app, path)))
+        return;
+    studio_log(app, "\"event\":\"view-opened\"");
+    studio_area_redraw(app, false);
 }
 
 void studio_do_open_view(studio_app *app, const char *target) {
@@ -185,7 +187,8 @@ void studio_do_open_view(studio_app *app, const char *target) {
 }
 
 static void save_view(studio_app *app, const char *path) {
-    studio_failed(app, studio_view_save(app, path));
+    if (!studio_failed(app, studio_view_save(app, path)))
+        studio_log(app, "\"event\":\"view-saved\"");
 }
 
 void studio_do_save_view(studio_app *app, const char *target) {
@@ -202,7 +205,7 @@ static void shoot(studio_app *app, const char *path) {
 }
 
 void studio_do_screenshot_to(studio_app *app, const char *target) {
-    g_free(app->screenshot);
+    studio_turntable_stop(app);
     app->screenshot = g_strdup(target);
     studio_area_redraw(app, false);
 }
@@ -213,6 +216,28 @@ void studio_do_screenshot(studio_app *app, const char *target) {
     studio_choose_file(app, "Save a picture of the view", GTK_FILE_CHOOSER_ACTION_SAVE, name,
                        shoot);
     g_free(name);
+}
+
+static void turn(studio_app *app, const char *path) {
+    studio_actions_run(app, "turntable-to", path);
+}
+
+void studio_do_turntable_to(studio_app *app, const char *target) {
+    studio_failed(app, studio_turntable_begin(app, target));
+}
+
+void studio_do_turntable(studio_app *app, const char *target) {
+    char *name = suggestion(app, "-####.png");
+    (void)target;
+    studio_choose_file(app, "Save pictures from all around, numbered", GTK_FILE_CHOOSER_ACTION_SAVE,
+                       name, turn);
+    g_free(name);
+}
+
+void studio_do_turntable_cancel(studio_app *app, const char *target) {
+    (void)target;
+    studio_turntable_stop(app);
+    studio_area_redraw(app, false);
 }
 
 /* ---- help ---- */

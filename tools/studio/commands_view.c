@@ -186,6 +186,30 @@ const char *studio_get_msaa(const studio_app *app) {
     return app->look.msaa > 4 ? "8" : app->look.msaa > 1 ? "4" : "1";
 }
 
+static void set_bias(studio_app *app, float by) {
+    char text[64];
+    app->look.level_bias = CLAMP(app->look.level_bias + by, -8, 8);
+    snprintf(text, sizeof text, "Lookups take levels %+.1f from their own.",
+             (double)app->look.level_bias);
+    studio_say(app, app->look.level_bias != 0 ? text : NULL, "Reset", "bias-none");
+    changed(app);
+}
+
+void studio_do_bias_up(studio_app *app, const char *target) {
+    (void)target;
+    set_bias(app, 0.5f);
+}
+
+void studio_do_bias_down(studio_app *app, const char *target) {
+    (void)target;
+    set_bias(app, -0.5f);
+}
+
+void studio_do_bias_none(studio_app *app, const char *target) {
+    (void)target;
+    set_bias(app, -app->look.level_bias);
+}
+
 void studio_do_dark(studio_app *app, const char *target) {
     (void)target;
     app->dark = !app->dark;

@@ -42,6 +42,7 @@ typedef struct studio_look {
     float exposure;   /* stops */
     uint32_t channel; /* 0: colours; else that one, counted from 1 */
     uint32_t msaa, anisotropy;
+    float level_bias;  /* of slv_frame */
     uint32_t segments; /* along an edge; 0: by the size of faces */
     float light;       /* degrees that the light is turned from the eye, to the right */
 } studio_look;

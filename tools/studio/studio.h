@@ -4,6 +4,7 @@
 #ifndef SELVAGE_STUDIO_STUDIO_H
 #define SELVAGE_STUDIO_STUDIO_H
 
+#include "command/frames.h"
 #include "studio/brush.h"
 #include "studio/camera.h"
 #include "studio/picture.h"
@@ -91,7 +92,10 @@ typedef struct studio_app {
     FILE *log;           /* lines of what happens; NULL: nobody asked */
     GSubprocess *report; /* that is being made; NULL: none */
     char *report_path;
-    char *screenshot; /* to be written after the next fine picture */
+    char *screenshot;      /* to be written after the next fine picture */
+    frames_list turntable; /* that is being written; no cameras: none is */
+    uint32_t turned;       /* so many of its pictures are */
+    char *turntable_path;
 } studio_app;
 
 /* actions.c */
@@ -137,6 +141,12 @@ void studio_texels_touch(studio_app *app);
 void studio_texels_end(studio_app *app);
 /* The faces that something is meant for, a byte for each, for g_free; NULL: all. */
 uint8_t *studio_texels_meant(const studio_app *app);
+
+/* turntable.c */
+/* Pictures from all around, one after the other: each begins when the one before is written. */
+slv_result studio_turntable_begin(studio_app *app, const char *path);
+void studio_turntable_next(studio_app *app);
+void studio_turntable_stop(studio_app *app);
 
 /* pen.c */
 /* Plays the log of a pen, line by line as the file or pipe gives them. */

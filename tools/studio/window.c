@@ -78,7 +78,8 @@ static GtkWidget *make_bar(studio_app *app) {
     gtk_label_set_selectable(GTK_LABEL(app->bar_text), FALSE);
     gtk_widget_set_hexpand(app->bar_text, TRUE);
     gtk_widget_set_tooltip_text(close, "Close the message");
-    gtk_widget_add_css_class(box, "message");
+    gtk_widget_add_css_class(box, "background");
+    gtk_widget_set_valign(box, GTK_ALIGN_START);
     gtk_box_append(GTK_BOX(box), app->bar_text);
     gtk_box_append(GTK_BOX(box), app->bar_button);
     gtk_box_append(GTK_BOX(box), close);
@@ -148,6 +149,7 @@ static void loaded(GObject *source, GAsyncResult *task, gpointer user) {
     (void)source;
     app->loading = false;
     if (!app->closing && !o->result) {
+        studio_turntable_stop(app);
         studio_area_forget(app);
         studio_document_close(&app->document);
         studio_document_end(&app->document);
@@ -336,8 +338,7 @@ static void make_pages(studio_app *app) {
 
 void studio_window_create(studio_app *app) {
     GtkWidget *header = gtk_header_bar_new(), *all = gtk_box_new(GTK_ORIENTATION_VERTICAL, 0),
-              *middle = gtk_box_new(GTK_ORIENTATION_HORIZONTAL, 0),
-              *left = gtk_box_new(GTK_ORIENTATION_VERTICAL, 0);
+              *middle = gtk_box_new(GTK_ORIENTATION_HORIZONTAL, 0), *left = gtk_overlay_new();
     GtkDropTarget *drop = gtk_drop_target_new(GDK_TYPE_FILE_LIST, GDK_ACTION_COPY);
     app->window = GTK_WINDOW(gtk_application_window_new(app->application));
     make_pages(app);
@@ -350,8 +351,9 @@ void studio_window_create(studio_app *app) {
     GtkWidget *bar = gtk_popover_menu_bar_new_from_model(menu);
     gtk_header_bar_pack_start(GTK_HEADER_BAR(header), make_tools());
     gtk_window_set_titlebar(app->window, header);
-    gtk_box_append(GTK_BOX(left), make_bar(app));
-    gtk_box_append(GTK_BOX(left), GTK_WIDGET(app->stack));
+    /* over the picture, which keeps its size when something is said */
+    gtk_overlay_set_child(GTK_OVERLAY(left), GTK_WIDGET(app->stack));
+    gtk_overlay_add_overlay(GTK_OVERLAY(left), make_bar(app));
     gtk_box_append(GTK_BOX(middle), left);
     gtk_box_append(GTK_BOX(middle), make_panels(app));
     app->status = gtk_label_new("");

@@ -9,6 +9,7 @@
 
 #include <selvage/gl_renderer.h>
 
+#include <math.h>
 #include <stddef.h>
 #include <stdio.h>
 #include <string.h>
@@ -205,12 +206,13 @@ static uint32_t storage_of(const struct subject *subject) {
 static slv_result surface_program(slv_gl_renderer *renderer, const slv_env *env,
                                   const slv_frame *frame, const struct subject *subject,
                                   const char *lookups, GLuint *out) {
-    char head[128], *text = NULL;
+    char head[192], *text = NULL;
     int length = snprintf(head, sizeof head,
                           "#define SURFACE_ALPHA %d\n#define SURFACE_MSAA %u\n"
-                          "#define SURFACE_STORAGE %u\n#define SURFACE_IMAGES %d\n",
+                          "#define SURFACE_STORAGE %u\n#define SURFACE_IMAGES %d\n"
+                          "#define SURFACE_BIASED %d\n",
                           (int)frame->alpha, frame->alpha ? frame->msaa : 1, storage_of(subject),
-                          subject->images != NULL);
+                          subject->images != NULL, frame->level_bias != 0 && !subject->images);
     size_t size = strlen(lookups) + 1;
     slv_result result;
     for (uint32_t i = 0; i < renderer->nprograms; i++) {
@@ -351,6 +353,8 @@ static void set_frame(const slv_gl_renderer *renderer, const slv_frame *frame, G
     api->ProgramUniform1i(program, 3, (GLint)frame->shading);
     api->ProgramUniform1i(program, 4, frame->camera.perspective);
     api->ProgramUniform2f(program, 5, frame->ka, frame->kd);
+    if (frame->level_bias != 0)
+        api->ProgramUniform1f(program, 7, exp2f(frame->level_bias));
 }
 
 static void draw_batches(const slv_gl_renderer *renderer, slv_gl_texture *texture,

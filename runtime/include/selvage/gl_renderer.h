@@ -20,6 +20,8 @@ typedef struct slv_frame {
     float ka, kd;         /* both zero means 0.2 and 0.8 */
     float background[4];  /* linear RGBA, colour multiplied by alpha */
     bool float_target;    /* render to 32-bit float instead of half */
+    float level_bias;     /* added to the level of each lookup: footprints are 2^bias times as long.
+                             Of textures; images do without it. */
     slv_alpha_mode alpha; /* but for SLV_ALPHA_IGNORE the colours of the texture must be multiplied
                              by alpha (slv_texture_premultiply) */
     uint64_t reserved[4];

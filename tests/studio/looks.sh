@@ -1,0 +1,56 @@
+#!/bin/sh
+# What the window shows is what the command draws of the same view, within a tolerance; view files go out and in again; overlays,
+# other levels and turntables are other pictures. looks.sh BIN ASSETS
+. "$(dirname "$0")/kit.sh"
+
+"$bin/selvage" bake "$2/cube.obj" "$here/cube.ptx" --pattern checker --frequency 4 -q
+start_display
+start_studio --size 320x200 "$here/cube.ptx"
+take_window
+
+take() { # NAME
+    does '"event":"chooser"' key F12
+    choose '"event":"screenshot"' "$here/$1.png"
+}
+# How far two pictures are apart, root mean square, is less than so many thousandths of the range (lt), or more (gt).
+apart() { # A B lt|gt THOUSANDTHS
+    measured=$(compare -metric RMSE "$here/$1.png" "$here/$2.png" "$here/apart.png" 2>&1 | sed 's/.*(\(.*\)).*/\1/' || true)
+    echo "$1 and $2 are $measured apart"
+    awk -v d="$measured" -v most="$4" -v how="$3" 'BEGIN { exit !(how == "lt" ? 1000 * d < most : 1000 * d > most) }' ||
+        fail "$1 and $2 are $measured apart"
+}
+render() { # NAME: of the view file
+    "$bin/selvage" render "$here/cube.ptx" "$here/$1.png" --view "$here/view.json" --background 0.03,0.03,0.035 -q
+}
+
+drag '"event":"view"' 1 0 0 12 3 6
+take window
+does '"event":"chooser"' key F9
+choose '"event":"view-saved"' "$here/view.json"
+render command
+apart window command lt 8
+
+key bias-up greater
+key bias-up greater
+key bias-up greater
+take biased
+apart window biased gt 20
+for i in 1 2 3; do key bias-down less; done
+
+# a view file brings the view back; on the way there are pictures from all around
+key frame f
+key face-front KP_1
+does '"event":"chooser"' key F8
+choose '"event":"view-opened"' "$here/view.json"
+does '"event":"chooser"' key shift+F12
+choose '"event":"turntable"' "$here/turn-##.png"
+[ "$(ls "$here" | grep -c '^turn-[0-9][0-9].png$')" = 36 ] || fail "there are not 36 pictures"
+apart window turn-01 lt 1
+if [ -n "${SELVAGE_TEST_EFFORT:-}" ]; then
+    "$bin/selvage" render "$here/cube.ptx" "$here/command-##.png" --view "$here/view.json" --background 0.03,0.03,0.035 --turntable 36 -q
+    apart turn-10 command-10 lt 8
+fi
+[ -z "${SELVAGE_STUDIO_SHOT:-}" ] || import -window root "$SELVAGE_STUDIO_SHOT"
+xdotool key ctrl+q
+ends
+silent
