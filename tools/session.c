@@ -3,6 +3,7 @@
 #include "command/output.h"
 #include "command/ptx_name.h"
 #include "command/scene.h"
+#include "command/seams.h"
 #include "verbs.h"
 
 #include <selvage/session.h>
@@ -12,12 +13,14 @@
 #include <string.h>
 
 struct session {
-    const char *path, *new_from, *replay, *script, *merge, *export, *edits;
-    bool save, as_saved, json, progress, quiet;
+    const char *path, *new_from, *replay, *script, *merge, *export, *edits, *between;
+    bool certify, save, as_saved, json, progress, quiet;
     uint32_t layer, undo, redo, scale, threads, edited, merged;
     int scheme;
     slv_session *session;
     line_log log;
+    uint32_t pair[2]; /* of --between */
+    json_t *seams;    /* with --certify and --json: what is said of them */
 };
 
 /* A session for the mesh in a .ptx, whose texels are its lowest layer. */
@@ -37,16 +40,80 @@ static slv_result make(const slv_env *env, struct session *s) {
     return result;
 }
 
+/* Says a certificate, or puts it down. */
+static slv_result tell_seams(const slv_env *env, struct session *s, const char *of,
+                             const slv_seam_certificate *seams) {
+    if (!s->json && !s->quiet)
+        seams_print(of, seams);
+    if (s->json && json_array_append_new(s->seams, json_pack("{s:s, s:o}", "of", of, "seams",
+                                                             seams_json(seams))) != 0)
+        return output_fail(env, SLV_ERROR_MEMORY, "%s: no memory for what is to be printed",
+                           s->path);
+    return SLV_OK;
+}
+
+/* Of all layers together. */
+static slv_result certify_result(const slv_env *env, struct session *s, const char *when) {
+    slv_document *document = slv_session_document(s->session);
+    slv_seam_certificate seams;
+    slv_result result = slv_document_flatten(document);
+    if (result)
+        return result;
+    const slv_canvas canvas = slv_texture_as_canvas(slv_document_texture(document));
+    if ((result = slv_seam_certify(env, &canvas, slv_session_adjacency(s->session), &seams)))
+        return result;
+    return tell_seams(env, s, when, &seams);
+}
+
+/* Of each layer by itself, and of the two that are asked for. */
+static slv_result certify_layers(const slv_env *env, struct session *s) {
+    const slv_adjacency *adjacency = slv_session_adjacency(s->session);
+    slv_document *document = slv_session_document(s->session);
+    slv_canvas canvas, other;
+    slv_seam_certificate seams;
+    char when[64];
+    slv_result result = SLV_OK;
+    for (uint32_t i = 0; i < slv_document_layer_count(document) && !result; i++) {
+        uint32_t id = slv_document_layer_at(document, i);
+        snprintf(when, sizeof when, "of layer %u", (unsigned)id);
+        if (!(result = slv_document_canvas(document, id, false, &canvas)) &&
+            !(result = slv_seam_certify(env, &canvas, adjacency, &seams)))
+            result = tell_seams(env, s, when, &seams);
+    }
+    if (result || !s->between)
+        return result;
+    snprintf(when, sizeof when, "between layers %u and %u", (unsigned)s->pair[0],
+             (unsigned)s->pair[1]);
+    if (!(result = slv_document_canvas(document, s->pair[0], false, &canvas)) &&
+        !(result = slv_document_canvas(document, s->pair[1], false, &other)) &&
+        !(result = slv_seam_certify_two(env, &canvas, &other, adjacency, &seams)))
+        result = tell_seams(env, s, when, &seams);
+    return result;
+}
+
 /* Each line of the script is an entry of the history; it ends with the first that is wrong. */
+static slv_result certify_line(const slv_env *env, struct session *s, uint64_t *lines) {
+    slv_session_info info;
+    char when[48];
+    slv_session_get_info(s->session, &info);
+    if (info.lines == *lines)
+        return SLV_OK; /* it has changed nothing */
+    *lines = info.lines;
+    snprintf(when, sizeof when, "after line %llu", (unsigned long long)s->log.line);
+    return certify_result(env, s, when);
+}
+
 static slv_result run_script(const slv_env *env, struct session *s) {
     slv_document *document = slv_session_document(s->session);
     uint32_t count = slv_document_layer_count(document);
     uint32_t layer = s->layer ? s->layer : count ? slv_document_layer_at(document, count - 1) : 0;
     char *text = NULL, folder[4096];
     size_t size = 0;
+    slv_session_info info;
     slv_result result = slv_text_load(env, cli_input(s->script), &text, &size);
     if (result)
         return result;
+    slv_session_get_info(s->session, &info);
     snprintf(folder, sizeof folder, "%s", s->script);
     char *slash = strrchr(folder, '/');
     if (slash)
@@ -58,6 +125,8 @@ static slv_result run_script(const slv_env *env, struct session *s) {
         s->log.line++;
         result =
             slv_session_run(s->session, layer, false, slash ? folder : NULL, text + at, length);
+        if (!result && s->certify)
+            result = certify_line(env, s, &info.lines);
         at += length + 1;
         if (!result && !cli_progress_report(&progress, at < size ? at : size, size))
             result = output_fail(env, SLV_ERROR_CANCELLED, "stopped");
@@ -88,13 +157,14 @@ static json_t *session_json(const struct session *s, const slv_session_info *inf
             json_decref(layers);
             return NULL;
         }
-    return json_pack(
-        "{s:i, s:o, s:I, s:I, s:I, s:I, s:I, s:I, s:I, s:I, s:I, s:o}", "schema", 1, "path",
-        output_json_name(s->path), "faces", (json_int_t)slv_document_get_desc(document)->nfaces,
-        "lines", (json_int_t)info->lines, "unsaved", (json_int_t)info->unsaved, "recovered",
-        (json_int_t)info->recovered, "torn_bytes", (json_int_t)info->torn_bytes, "undos",
-        (json_int_t)history->undos, "redos", (json_int_t)history->redos, "exported_faces",
-        (json_int_t)s->edited, "merged_faces", (json_int_t)s->merged, "layers", layers);
+    return json_pack("{s:i, s:o, s:I, s:I, s:I, s:I, s:I, s:I, s:I, s:I, s:I, s:O, s:o}", "schema",
+                     1, "path", output_json_name(s->path), "faces",
+                     (json_int_t)slv_document_get_desc(document)->nfaces, "lines",
+                     (json_int_t)info->lines, "unsaved", (json_int_t)info->unsaved, "recovered",
+                     (json_int_t)info->recovered, "torn_bytes", (json_int_t)info->torn_bytes,
+                     "undos", (json_int_t)history->undos, "redos", (json_int_t)history->redos,
+                     "exported_faces", (json_int_t)s->edited, "merged_faces", (json_int_t)s->merged,
+                     "seams", s->seams, "layers", layers);
 }
 
 static void print_session(const struct session *s, const slv_session_info *info,
@@ -175,12 +245,16 @@ static slv_result work(const slv_env *env, struct session *s) {
     const char *const inputs[] = {result ? NULL : slv_session_made_of(s->session)};
     if (!result && s->export)
         result = output_check_inputs(env, s->export, inputs, 1);
+    if (!result && s->certify)
+        result = certify_result(env, s, "before");
     if (!result)
         result = go_back(env, s);
     if (!result && s->script)
         result = run_script(env, s);
     if (!result && s->merge)
         result = merge(env, s);
+    if (!result && s->certify && !(result = certify_result(env, s, "after")))
+        result = certify_layers(env, s);
     if (!result && s->save)
         result = slv_session_save(s->session);
     if (!result && s->export)
@@ -198,6 +272,7 @@ static int run_session(struct session *s) {
     int code = EXIT_FAILED;
     if (s->export && (output_check(&env, s->export, inputs, 5) || output_try(&env, s->export)))
         return code;
+    s->seams = json_array();
     if (!work(&env, s)) {
         code = EXIT_OK;
         slv_session_get_info(s->session, &info);
@@ -207,8 +282,15 @@ static int run_session(struct session *s) {
         else if (!s->json && !s->quiet)
             print_session(s, &info, &history);
     }
+    json_decref(s->seams);
     slv_session_destroy(s->session);
     return code;
+}
+
+static bool read_pair(const char *text, uint32_t pair[2]) {
+    int length = 0;
+    return sscanf(text, "%9" SCNu32 ",%9" SCNu32 "%n", &pair[0], &pair[1], &length) == 2 &&
+           !text[length];
 }
 
 int verb_session(int argc, char **argv) {
@@ -235,6 +317,11 @@ int verb_session(int argc, char **argv) {
          NULL},
         {"--edits", CLI_TEXT, &s.edits, "append what a .ptx has otherwise to it", "FILE.ptx", 0, 0,
          NULL},
+        {"--certify", CLI_FLAG, &s.certify,
+         "say how seams are: before and after, after each line, and of each layer", NULL, 0, 0,
+         NULL},
+        {"--between", CLI_TEXT, &s.between,
+         "with --certify: and how well two layers fit to each other", "ID,ID", 0, 0, NULL},
         {"--as-saved", CLI_FLAG, &s.as_saved, "forget what was done since it was saved", NULL, 0, 0,
          NULL},
         SCENE_SCHEME(&s.scheme, NULL),
@@ -252,6 +339,7 @@ int verb_session(int argc, char **argv) {
         .examples = "  selvage session cow.selvage --new cow.ptx\n"
                     "  selvage session cow.selvage --script strokes.jsonl --save\n"
                     "  selvage session cow.selvage --undo 1 --export painted.ptx\n"
+                    "  selvage session cow.selvage --certify --between 1,2\n"
                     "  selvage session large.selvage --replay cow.selvage --scale 2\n",
         CLI_TAKES(options, 1, 1, &s.path, &narguments)};
     int code = cli_parse(&command, argc, argv);
@@ -262,6 +350,9 @@ int verb_session(int argc, char **argv) {
     if (s.scale && (!s.replay || (s.scale & (s.scale - 1))))
         return cli_usage(&command,
                          s.replay ? "--scale: expected a power of two" : "--scale is of --replay");
+    if (s.between && (!s.certify || !read_pair(s.between, s.pair)))
+        return cli_usage(&command, s.certify ? "--between: expected the ids of two layers, as 1,2"
+                                             : "--between is of --certify");
     if (s.export && !ptx_name_is_safe(s.export))
         return ptx_name_usage(&command, s.export);
     return run_session(&s);

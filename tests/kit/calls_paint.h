@@ -151,6 +151,9 @@ static slv_result call_fill(const slv_env *env) {
         !(result = slv_painter_fill(easel.painter, &easel.canvas, selected, &paint, NULL)) &&
         !(result = slv_painter_cover(easel.painter, res, &dab, &patches)) &&
         !(result = slv_painter_blur(easel.painter, &easel.canvas, &patches, 0.2f, 1)))
+        result = slv_seam_certify_two(env, &easel.canvas, &easel.canvas,
+                                      slv_paint_surface_adjacency(easel.surface), &seams);
+    if (!result)
         result = slv_seam_certify(env, &easel.canvas, slv_paint_surface_adjacency(easel.surface),
                                   &seams);
     easel_end(&easel);

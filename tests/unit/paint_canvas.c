@@ -194,6 +194,36 @@ static void fills_and_seams(const slv_env *env) {
     paint_scene_end(&s);
 }
 
+/* Two canvases fit to each other as well as what each has at the edges; and what nobody sees is no
+ * seam. */
+static void seams_of_two(const slv_env *env) {
+    shape c[3] = {shape_cube(), shape_cube(), shape_cube()};
+    paint_scene s = paint_scene_of(env, &c[0], SLV_SCHEME_BILINEAR, 4, SLV_TYPE_FLOAT, 4, 3),
+                t = paint_scene_of(env, &c[1], SLV_SCHEME_BILINEAR, 5, SLV_TYPE_FLOAT, 4, 3),
+                u = paint_scene_of(env, &c[2], SLV_SCHEME_BILINEAR, 3, SLV_TYPE_FLOAT, 3, -1);
+    const slv_adjacency *adjacency = slv_paint_surface_adjacency(s.surface);
+    const float grey[4] = {0.5f, 0.5f, 0.5f, 1}, light[4] = {0.75f, 0.5f, 0.5f, 1},
+                hidden[4] = {1, 1, 1, 0}, nothing[4] = {0};
+    slv_seam_certificate seams, back;
+    for (uint32_t f = 0; f < 6; f++) {
+        MUST(slv_texture_set_constant(s.texture, f, grey));
+        MUST(slv_texture_set_constant(t.texture, f, f == 3 ? light : grey));
+    }
+    MUST(slv_seam_certify_two(env, &s.canvas, &t.canvas, adjacency, &seams));
+    MUST(slv_seam_certify_two(env, &t.canvas, &s.canvas, adjacency, &back));
+    CHECK(fabs(seams.largest - 0.25) < 1e-6 && seams.channel == 0 && seams.places == 24 * 32);
+    CHECK(back.largest == seams.largest && back.places == seams.places);
+    CHECK(fabs(seams.mean - 0.25 * 4 / 24 / 4) < 1e-6);
+    for (uint32_t f = 0; f < 6; f++)
+        MUST(slv_texture_set_constant(t.texture, f, f % 2 ? hidden : nothing));
+    MUST(slv_seam_certify(env, &t.canvas, adjacency, &seams));
+    CHECK(seams.largest == 0);
+    CHECK(slv_seam_certify_two(env, &s.canvas, &u.canvas, adjacency, &seams) == SLV_ERROR_MISMATCH);
+    paint_scene_end(&s);
+    paint_scene_end(&t);
+    paint_scene_end(&u);
+}
+
 /* A step of paint right along an edge is no step once it was blurred, and means stay. */
 static void blurs(const slv_env *env) {
     shape p = paint_plane(2, 2);
@@ -309,6 +339,7 @@ int main(void) {
     once(&env);
     threads();
     fills_and_seams(&env);
+    seams_of_two(&env);
     blurs(&env);
     seen(&env);
     refused(&env);

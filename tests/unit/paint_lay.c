@@ -3,6 +3,7 @@
 #include "kit/paint_kit.h"
 
 #include <selvage/lay.h>
+#include <selvage/script.h>
 
 static const slv_paint paint = {.color = {0, 0, 0}, .opacity = 1};
 
@@ -356,6 +357,58 @@ static void flood(const slv_env *env) {
     paint_scene_end(&s);
 }
 
+static void run_line(paint_scene *s, const char *line, slv_script_stats *stats) {
+    slv_script *script = NULL;
+    MUST(slv_script_create(s->painter, &s->canvas, NULL, &script));
+    MUST(slv_script_run(script, 1, line, strlen(line)));
+    slv_script_get_stats(script, stats);
+    slv_script_destroy(script);
+}
+
+static float value_at(const paint_scene *s, double x, double y) {
+    float got;
+    fetch(s, paint_below(s, x, y), &got);
+    return got;
+}
+
+/* Fills go to the other sides of planes as strokes do, each texel once; and a mask that leaves
+ * nothing of a face leaves it untouched. */
+static void mirrored_fills(const slv_env *env) {
+#define ACROSS "\"mirror\":[{\"point\":[2,2,0],\"normal\":[1,0,0]}],"
+    slv_script_stats stats;
+    paint_scene s = plane(env, 1, SLV_NO_ALPHA);
+    run_line(&s, "{\"op\":\"fill\"," ACROSS "\"face\":0,\"color\":[1],\"opacity\":0.5}", &stats);
+    CHECK(stats.faces == 2 && stats.texels == 2 * 256 && stats.missed == 0);
+    CHECK(value_at(&s, 0.5, 0.5) == 0.5f && value_at(&s, 3.5, 0.5) == 0.5f);
+    CHECK(value_at(&s, 1.5, 0.5) == 0 && value_at(&s, 0.5, 3.5) == 0);
+    /* all of one colour, from both sides: once */
+    run_line(&s,
+             "{\"op\":\"fill\"," ACROSS "\"face\":1,\"select\":\"color\",\"color\":[0.8],"
+             "\"opacity\":0.5}",
+             &stats);
+    CHECK(stats.faces == 14 && stats.texels == 14 * 256);
+    CHECK(fabsf(value_at(&s, 1.5, 0.5) - 0.4f) < 1e-6f && value_at(&s, 0.5, 0.5) == 0.5f);
+    run_line(&s,
+             "{\"op\":\"fill\"," ACROSS
+             "\"face\":0,\"select\":\"connected\",\"color\":[1],\"opacity\":0.5}",
+             &stats);
+    CHECK(stats.faces == 16 && fabsf(value_at(&s, 3.5, 0.5) - 0.75f) < 1e-6f);
+    /* what one has the other has too, if it is of another colour */
+    run_line(&s, "{\"op\":\"fill\",\"face\":3,\"color\":[0],\"opacity\":1}", &stats);
+    run_line(&s,
+             "{\"op\":\"fill\"," ACROSS "\"face\":0,\"select\":\"color\",\"color\":[1],"
+             "\"opacity\":1}",
+             &stats);
+    CHECK(stats.faces == 2 && value_at(&s, 0.5, 0.5) == 1 && value_at(&s, 3.5, 0.5) == 1);
+    run_line(&s,
+             "{\"op\":\"fill\",\"where\":{\"faces\":[]},\"face\":0,\"select\":\"connected\","
+             "\"color\":[0]}",
+             &stats);
+    CHECK(stats.faces == 0 && value_at(&s, 0.5, 0.5) == 1);
+    paint_scene_end(&s);
+#undef ACROSS
+}
+
 int main(void) {
     slv_env env = test_env();
     stencil(&env);
@@ -368,5 +421,6 @@ int main(void) {
     masks(&env);
     symmetry(&env);
     flood(&env);
+    mirrored_fills(&env);
     return test_end();
 }

@@ -70,6 +70,30 @@ static void check_layers(void) {
     }
 }
 
+/* Seams of a session: of what it shows, of each layer, and of two of them. */
+static void check_seams(void) {
+    static const char line[] = "{\"op\":\"fill\",\"face\":3,\"color\":[1,0,0]}\n# no entry\n"
+                               "{\"op\":\"fill\",\"face\":3,\"color\":[0,0,0]}\n";
+    RUNS(0, "session seams.selvage --new in.ptx --scheme bilinear --certify");
+    HAS("seams before: at most 0 apart");
+    HAS("seams of layer 1: at most 0 apart");
+    tool_write_file("l.jsonl", line, sizeof line - 1);
+    RUNS(0, "session seams.selvage --script l.jsonl --certify --between 1,2");
+    HAS("seams after line 1: at most 0.");
+    HAS("seams after line 3: at most 0.");
+    LACKS("line 2");
+    HAS("seams of layer 1: at most 0 apart");
+    HAS("seams of layer 2: at most 1 apart");
+    HAS("seams between layers 1 and 2: at most");
+    RUNS(0, "session seams.selvage --certify --between 2,1 --json");
+    HAS("\"of\": \"between layers 2 and 1\"");
+    RUNS(1, "session seams.selvage --certify --between 2,7");
+    HAS("7");
+    RUNS(2, "session seams.selvage --between 2,1");
+    RUNS(2, "session seams.selvage --certify --between 2");
+    RUNS(2, "session seams.selvage --certify --between 2,1,3");
+}
+
 int main(void) {
     tool_begin();
     tool_write_file("box.obj", box, sizeof box - 1);
@@ -77,6 +101,7 @@ int main(void) {
     tool_write_file("wrong.jsonl", "{\"op\":\"fill\",\"face\":2}\n{\"op\":\"fill\",\"face\":99}\n",
                     47);
     RUNS(0, "new box.obj in.ptx --size 16 --scheme bilinear");
+    check_seams();
     RUNS(0, "session s.selvage --new in.ptx --scheme bilinear");
     HAS("6 faces, 2 layers, 3 lines, 0 since it was saved");
     RUNS(1, "session s.selvage --new in.ptx");

@@ -2,6 +2,7 @@
 #include "paint/paint.h"
 #include "command/output.h"
 #include "command/ptx_name.h"
+#include "command/seams.h"
 #include "verbs.h"
 
 #include <stdlib.h>
@@ -36,20 +37,6 @@ static void tell_unknown(void *user, const char *brush, const char *setting) {
         cli_warning("%s: %s is not known, and left out", brush, setting);
 }
 
-static void print_certificate(const char *when, const slv_seam_certificate *c) {
-    printf("  seams %s: at most %.4g apart (%.3g/255), %.3g in the mean", when, c->largest,
-           255 * c->largest, c->mean);
-    if (c->face >= 0)
-        printf("; the most at face %d edge %u, %.3f along it", (int)c->face, c->edge, (double)c->t);
-    printf(", %llu places\n", (unsigned long long)c->places);
-}
-
-static json_t *certificate_json(const slv_seam_certificate *c) {
-    return json_pack("{s:o, s:o, s:I, s:I, s:i}", "largest", output_json_number(c->largest), "mean",
-                     output_json_number(c->mean), "places", (json_int_t)c->places, "face",
-                     (json_int_t)c->face, "edge", c->edge);
-}
-
 /* What a line has left: its picture and its certificate, if they are asked for. */
 static slv_result look(const slv_env *env, struct paint *p, uint64_t number) {
     slv_script_stats stats;
@@ -63,10 +50,10 @@ static slv_result look(const slv_env *env, struct paint *p, uint64_t number) {
         return result;
     snprintf(when, sizeof when, "after line %llu", (unsigned long long)number);
     if (!p->json && !p->quiet)
-        print_certificate(when, &p->after);
+        seams_print(when, &p->after);
     if (p->json &&
         json_array_append_new(p->lines, json_pack("{s:I, s:o}", "line", (json_int_t)number, "seams",
-                                                  certificate_json(&p->after))) != 0)
+                                                  seams_json(&p->after))) != 0)
         result = output_fail(env, SLV_ERROR_MEMORY, "%s: no memory for what is to be printed",
                              p->paths[1]);
     return result;
@@ -114,8 +101,8 @@ static void print_result(const struct paint *p) {
         printf("  %llu dabs found no surface\n", (unsigned long long)s->missed);
     if (p->record)
         printf("  %u pictures\n", p->pictures.next);
-    print_certificate("before", &p->before);
-    print_certificate("after", &p->after);
+    seams_print("before", &p->before);
+    seams_print("after", &p->after);
     for (uint32_t face = 0; p->faces && face < nfaces; face++)
         if (easel_touched(&p->easel, face))
             printf("  face %u\n", face);
@@ -136,7 +123,7 @@ static json_t *paint_json(const struct paint *p) {
                      "dabs", (json_int_t)s->dabs, "missed", (json_int_t)s->missed, "texels",
                      (json_int_t)s->texels, "faces", (json_int_t)nfaces, "touched", faces,
                      "pictures", (json_int_t)p->pictures.next, "lines", p->lines, "seams_before",
-                     certificate_json(&p->before), "seams_after", certificate_json(&p->after));
+                     seams_json(&p->before), "seams_after", seams_json(&p->after));
 }
 
 /* Whether all that is to be written can be, before the work. */

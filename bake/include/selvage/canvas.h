@@ -102,7 +102,8 @@ SLV_NODISCARD SLV_API slv_result slv_painter_fill(slv_painter *painter, const sl
 /* How well a canvas holds together. At each texel centre along each shared edge (of the side that
  * has more of them) both sides say what is on the edge: something between their outermost
  * texels there and what these and the ones behind them lead to. Where these two ranges overlap the
- * sides agree; else they differ by what is between. */
+ * sides agree; else they differ by what is between. Where there is alpha, colours count by as much
+ * of them as is there: what nobody sees is no seam. */
 typedef struct slv_seam_certificate {
     double largest, mean; /* of all places and channels */
     uint64_t places;      /* along edges */
@@ -115,6 +116,13 @@ typedef struct slv_seam_certificate {
 SLV_NODISCARD SLV_API slv_result slv_seam_certify(const slv_env *env, const slv_canvas *canvas,
                                                   const slv_adjacency *adjacency,
                                                   slv_seam_certificate *out);
+/* How well two canvases of one mesh fit to each other, as layers (slv_document_canvas) or textures
+ * of two sessions: of each shared edge one side as the first has it, the other as the second, and
+ * the other way round. Their faces may have other resolutions; channels and alpha are the same. */
+SLV_NODISCARD SLV_API slv_result slv_seam_certify_two(const slv_env *env, const slv_canvas *a,
+                                                      const slv_canvas *b,
+                                                      const slv_adjacency *adjacency,
+                                                      slv_seam_certificate *out);
 
 #ifdef __cplusplus
 }

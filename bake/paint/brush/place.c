@@ -1,5 +1,6 @@
 /* From a brush's plane to the surface: pixels along rays, and unrolled paths along straight walks.
  */
+#include "brush/mirror.h"
 #include "brush/stroke_data.h"
 #include "surface/painter_data.h"
 
@@ -171,79 +172,6 @@ bool slvi_place_dab(slv_stroke *s, const slvi_plane_dab *dab, slv_stroke_dab *ou
     return length > 0;
 }
 
-static void reflect(const slv_mirror *m, float v[3], bool is_point) {
-    double n = 0, d = 0;
-    for (int k = 0; k < 3; k++) {
-        n += (double)m->normal[k] * (double)m->normal[k];
-        d += (double)m->normal[k] * ((double)v[k] - (is_point ? (double)m->point[k] : 0));
-    }
-    for (int k = 0; k < 3; k++)
-        v[k] = (float)((double)v[k] - 2 * d / n * (double)m->normal[k]);
-}
-
-/* A camera that sees the reflected world as the other one sees the world: its matrix takes the
- * reflection first. */
-static void reflect_camera(const slv_mirror *m, slv_camera *camera) {
-    float *w = camera->world_to_camera;
-    double n = 0, at = 0;
-    for (int k = 0; k < 3; k++) {
-        n += (double)m->normal[k] * (double)m->normal[k];
-        at += (double)m->normal[k] * (double)m->point[k];
-    }
-    for (int row = 0; row < 3; row++) {
-        double along = 0;
-        for (int k = 0; k < 3; k++)
-            along += (double)w[4 * row + k] * (double)m->normal[k];
-        for (int k = 0; k < 3; k++)
-            w[4 * row + k] = (float)((double)w[4 * row + k] - 2 * along / n * (double)m->normal[k]);
-        w[4 * row + 3] = (float)((double)w[4 * row + 3] + 2 * along * at / n);
-    }
-}
-
-/* The point of the surface on the other side of the mirrors, within so far of it. */
-static bool mirror_point(const slv_stroke *s, unsigned which, slv_surface_point *at, float reach,
-                         float axis[3]) {
-    const slv_paint_surface *surface = slv_painter_get_surface(s->painter);
-    float p[3], normal[3], direction[3];
-    slv_paint_hit hit;
-    if (!slv_paint_surface_at(surface, *at, p, normal, NULL))
-        return false;
-    for (unsigned i = 0; i < s->params.nmirrors; i++)
-        if (which >> i & 1) {
-            reflect(&s->mirrors[i], p, true);
-            reflect(&s->mirrors[i], normal, false);
-            reflect(&s->mirrors[i], axis, false);
-        }
-    for (int k = 0; k < 3; k++) { /* from as far above, so far down again and as far below */
-        p[k] += reach * normal[k];
-        direction[k] = -reach * normal[k];
-    }
-    if (!slv_paint_surface_hit(surface, p, direction, &hit) || !(hit.distance <= 2))
-        return false;
-    *at = hit.point;
-    return true;
-}
-
-/* Ink and mask as the mirrors show them. */
-static bool mirror_lay(const slv_stroke *s, unsigned which, bool turned, slv_stroke_dab *dab) {
-    slv_ink *ink = &dab->lay.ink;
-    slv_mask *mask = &dab->lay.mask;
-    if (mask->facing)
-        dab->facing = *mask->facing;
-    for (unsigned i = 0; i < s->params.nmirrors; i++)
-        if (which >> i & 1) {
-            reflect_camera(&s->mirrors[i], &ink->camera);
-            reflect_camera(&s->mirrors[i], &dab->facing);
-            reflect(&s->mirrors[i], ink->from, true);
-            reflect(&s->mirrors[i], ink->to, true);
-            reflect(&s->mirrors[i], mask->towards, false);
-        }
-    mask->facing = mask->facing ? &dab->facing : NULL;
-    ink->flip = turned && !ink->legible;
-    return ink->kind != SLV_INK_CLONE ||
-           mirror_point(s, which, &ink->source, dab->dab.radius, ink->axis);
-}
-
 bool slvi_place_source(slv_stroke *s, slv_stroke_dab *dab) {
     const slv_paint_surface *surface = slv_painter_get_surface(s->painter);
     slv_ink *ink = &dab->lay.ink;
@@ -274,25 +202,21 @@ bool slvi_place_source(slv_stroke *s, slv_stroke_dab *dab) {
 
 bool slvi_mirror_dab(const slv_stroke *s, unsigned which, const slv_stroke_dab *dab,
                      slv_stroke_dab *out) {
-    const slv_paint_surface *surface = slv_painter_get_surface(s->painter);
+    const slvi_mirrors mirrors = {slv_painter_get_surface(s->painter), s->mirrors,
+                                  s->params.nmirrors};
     float axis[3] = {0};
-    bool turned = false;
     *out = *dab;
-    for (unsigned i = 0; i < s->params.nmirrors; i++)
-        if (which >> i & 1) {
-            reflect_camera(&s->mirrors[i], &out->screen.camera);
-            turned = !turned;
-        }
-    if (dab->laid && !mirror_lay(s, which, turned, out))
+    slvi_mirror_camera(&mirrors, which, &out->screen.camera);
+    if (dab->laid && !slvi_mirror_lay(&mirrors, which, dab->dab.radius, &out->lay, &out->facing))
         return false;
     if (dab->on_screen)
         return true;
-    slv_paint_surface_at(surface, dab->dab.at, NULL, NULL, axis);
+    slv_paint_surface_at(mirrors.surface, dab->dab.at, NULL, NULL, axis);
     if (dab->dab.axis[0] != 0 || dab->dab.axis[1] != 0 || dab->dab.axis[2] != 0)
         memcpy(axis, dab->dab.axis, sizeof axis);
-    if (!mirror_point(s, which, &out->dab.at, dab->dab.radius, axis))
+    if (!slvi_mirror_point(&mirrors, which, dab->dab.radius, &out->dab.at, axis))
         return false;
     memcpy(out->dab.axis, axis, sizeof axis);
-    out->dab.angle = turned ? -dab->dab.angle : dab->dab.angle;
+    out->dab.angle = slvi_mirror_turns(which) ? -dab->dab.angle : dab->dab.angle;
     return true;
 }

@@ -40,7 +40,12 @@ static slv_result read_side(const slv_env *env, side *s, uint32_t face, unsigned
         s->have = count;
     }
     s->texels = s->room;
-    return s->canvas->fns->read(s->canvas->user, face, s->rect, s->texels);
+    slv_result result = s->canvas->fns->read(s->canvas->user, face, s->rect, s->texels);
+    uint32_t n = s->desc->nchannels;
+    for (uint64_t i = 0; !result && s->desc->alpha_channel >= 0 && i < count; i++)
+        if (i % n != (uint32_t)s->desc->alpha_channel)
+            s->texels[i] *= s->texels[i - i % n + (uint32_t)s->desc->alpha_channel];
+    return result;
 }
 
 static double texel_at(const side *s, int32_t j, int32_t depth, uint32_t channel) {
@@ -99,18 +104,12 @@ static void compare(const side *a, const side *b, const slv_neighbour *link,
     }
 }
 
-slv_result slv_seam_certify(const slv_env *env, const slv_canvas *canvas,
-                            const slv_adjacency *adjacency, slv_seam_certificate *out) {
-    slv_canvas_desc desc;
-    double sum = 0;
-    *out = (slv_seam_certificate){.face = -1};
-    slv_result result = canvas->fns->describe(canvas->user, &desc);
-    side a = {.canvas = canvas, .desc = &desc}, b = a;
-    if (!result && desc.nfaces != slv_adjacency_face_count(adjacency))
-        return slvi_fail(env, SLV_ERROR_MISMATCH,
-                         "seam certificate: %u faces, and neighbours of %u", (unsigned)desc.nfaces,
-                         (unsigned)slv_adjacency_face_count(adjacency));
-    for (uint32_t face = 0; face < desc.nfaces && !result; face++)
+/* All edges, the near side of `a` and the far one of `b`. */
+static slv_result certify_sides(const slv_env *env, side *a, side *b,
+                                const slv_adjacency *adjacency, slv_seam_certificate *out,
+                                double *sum) {
+    slv_result result = SLV_OK;
+    for (uint32_t face = 0; face < a->desc->nfaces && !result; face++)
         for (unsigned edge = 0; edge < 4 && !result; edge++) {
             slv_neighbour list[2];
             uint32_t count = slv_adjacency_neighbours(adjacency, (int32_t)face, edge, list);
@@ -121,16 +120,53 @@ slv_result slv_seam_certify(const slv_env *env, const slv_canvas *canvas,
                 if (list[k].scale < 0.75f ||
                     (list[k].scale < 1.5f && (to < face || (to == face && list[k].edge < edge))))
                     continue;
-                if (!read && (result = read_side(env, &a, face, edge)))
+                if (!read && (result = read_side(env, a, face, edge)))
                     break;
                 read = true;
-                if (!(result = read_side(env, &b, to, list[k].edge)))
-                    compare(&a, &b, &list[k], out, &sum);
+                if (!(result = read_side(env, b, to, list[k].edge)))
+                    compare(a, b, &list[k], out, sum);
             }
         }
+    return result;
+}
+
+static slv_result check(const slv_env *env, const slv_canvas_desc *a, const slv_canvas_desc *b,
+                        const slv_adjacency *adjacency) {
+    uint32_t nfaces = slv_adjacency_face_count(adjacency);
+    if (a->nfaces != nfaces || b->nfaces != nfaces)
+        return slvi_fail(env, SLV_ERROR_MISMATCH,
+                         "seam certificate: %u faces, and neighbours of %u",
+                         (unsigned)(a->nfaces != nfaces ? a->nfaces : b->nfaces), (unsigned)nfaces);
+    if (a->nchannels != b->nchannels || a->alpha_channel != b->alpha_channel)
+        return slvi_fail(env, SLV_ERROR_MISMATCH,
+                         "seam certificate: %u channels, alpha %d, beside %u, alpha %d",
+                         (unsigned)a->nchannels, (int)a->alpha_channel, (unsigned)b->nchannels,
+                         (int)b->alpha_channel);
+    return SLV_OK;
+}
+
+slv_result slv_seam_certify(const slv_env *env, const slv_canvas *canvas,
+                            const slv_adjacency *adjacency, slv_seam_certificate *out) {
+    return slv_seam_certify_two(env, canvas, canvas, adjacency, out);
+}
+
+slv_result slv_seam_certify_two(const slv_env *env, const slv_canvas *a, const slv_canvas *b,
+                                const slv_adjacency *adjacency, slv_seam_certificate *out) {
+    slv_canvas_desc descs[2];
+    double sum = 0;
+    bool same = a->user == b->user && a->fns == b->fns;
+    *out = (slv_seam_certificate){.face = -1};
+    side one = {.canvas = a, .desc = &descs[0]}, other = {.canvas = b, .desc = &descs[1]};
+    slv_result result = a->fns->describe(a->user, &descs[0]);
+    if (result || (result = b->fns->describe(b->user, &descs[1])) ||
+        (result = check(env, &descs[0], &descs[1], adjacency)))
+        return result;
+    result = certify_sides(env, &one, &other, adjacency, out, &sum);
+    if (!result && !same)
+        result = certify_sides(env, &other, &one, adjacency, out, &sum);
     if (out->places)
-        out->mean = sum / ((double)out->places * desc.nchannels);
-    slvi_free(a.room);
-    slvi_free(b.room);
+        out->mean = sum / ((double)out->places * descs[0].nchannels);
+    slvi_free(one.room);
+    slvi_free(other.room);
     return result;
 }

@@ -7,6 +7,8 @@
 
 #include <string.h>
 
+enum { TAKEN = 2 };
+
 typedef struct texel {
     uint32_t face, x, y;
 } texel;
@@ -16,8 +18,11 @@ typedef struct flood {
     const slv_canvas *canvas;
     slv_canvas_desc desc;
     float tolerance, color[64];
-    uint8_t **alike; /* per face, once it was reached: 1 alike, 2 taken */
-    float *texels;   /* of one face */
+    uint8_t *
+        *alike; /* per face, once it was reached: 1 alike, from TAKEN on taken from that seed */
+    uint32_t *turns; /* per face: the seed that was last looked at with, from 1 on */
+    uint32_t seed;
+    float *texels; /* of one face */
     uint64_t texel_room;
     texel *stack;
     uint64_t count, room, taken;
@@ -29,18 +34,20 @@ static slv_result reach(flood *f, uint32_t face) {
     const slv_rect all = {0, 0, 1u << res.u, 1u << res.v};
     uint64_t count = (uint64_t)all.width * all.height, n = f->desc.nchannels;
     slv_result result;
-    if (f->alike[face])
+    if (f->turns[face] == f->seed + 1)
         return SLV_OK;
     if ((result =
              slvi_painter_room(f->p, count * n, sizeof *f->texels, &f->texels, &f->texel_room)) ||
         (result = f->canvas->fns->read(f->canvas->user, face, all, f->texels)) ||
-        (result = slvi_alloc(&f->p->env, "fill", count, 1, &f->alike[face])))
+        (!f->alike[face] && (result = slvi_alloc(&f->p->env, "fill", count, 1, &f->alike[face]))))
         return result;
+    f->turns[face] = f->seed + 1;
     for (uint64_t i = 0; i < count; i++) {
         bool same = true;
         for (uint64_t c = 0; c < n; c++)
             same &= fabsf(f->texels[i * n + c] - f->color[c]) <= f->tolerance;
-        f->alike[face][i] = same;
+        if (f->alike[face][i] < TAKEN)
+            f->alike[face][i] = same;
     }
     return SLV_OK;
 }
@@ -52,7 +59,7 @@ static slv_result take(flood *f, uint32_t face, uint32_t x, uint32_t y) {
         return result;
     if ((result = slvi_painter_room(f->p, f->count + 1, sizeof *f->stack, &f->stack, &f->room)))
         return result;
-    *alike = 2;
+    *alike = (uint8_t)(TAKEN + f->seed);
     f->taken++;
     f->stack[f->count++] = (texel){face, x, y};
     return SLV_OK;
@@ -112,8 +119,9 @@ static slv_result spread(flood *f) {
     return result;
 }
 
-/* A patch of each face with the texels that were taken. */
-static slv_result gather(flood *f, slv_patches *out) {
+/* A patch of each face with the texels that were taken from a seed. */
+static slv_result gather(flood *f, uint32_t seed, slv_patches *out) {
+    const uint8_t taken = (uint8_t)(TAKEN + seed);
     slv_painter *p = f->p;
     slv_result result = SLV_OK;
     uint64_t at = 0, total = 0;
@@ -124,7 +132,7 @@ static slv_result gather(flood *f, slv_patches *out) {
     for (uint32_t face = 0; face < f->desc.nfaces && !result; face++) {
         slv_res res = f->desc.res[face];
         uint64_t count = UINT64_C(1) << (res.u + res.v), room = p->patch_room;
-        if (!f->alike[face] || !memchr(f->alike[face], 2, count))
+        if (!f->alike[face] || !memchr(f->alike[face], taken, count))
             continue;
         if ((result = slvi_painter_room(p, (uint64_t)out->count + 1, sizeof *p->patches,
                                         &p->patches, &room)) ||
@@ -132,7 +140,7 @@ static slv_result gather(flood *f, slv_patches *out) {
                                         &p->patch_room)))
             break;
         for (uint64_t i = 0; i < count; i++)
-            p->coverage[at + i] = f->alike[face][i] == 2;
+            p->coverage[at + i] = f->alike[face][i] == taken;
         p->patches[out->count++] = (slv_patch){face,
                                                {0, 0, 1u << res.u, 1u << res.v},
                                                p->coverage + at,
@@ -144,44 +152,72 @@ static slv_result gather(flood *f, slv_patches *out) {
     return result;
 }
 
-slv_result slv_painter_flood(slv_painter *painter, const slv_canvas *canvas, slv_surface_point at,
-                             float tolerance, const slv_paint *paint, const slv_lay *lay,
-                             uint64_t *texels) {
-    static const slv_lay plain = {0};
-    flood f = {.p = painter, .canvas = canvas, .tolerance = tolerance};
-    slv_patches patches = {0};
-    slv_result result = canvas->fns->describe(canvas->user, &f.desc);
-    if (texels)
-        *texels = 0;
-    if (!result && (f.desc.nfaces != painter->surface->nfaces || f.desc.nchannels > 64))
-        result =
-            slvi_fail(&painter->env, SLV_ERROR_MISMATCH,
-                      "fill: %u faces of %u channels, on a surface of %u", (unsigned)f.desc.nfaces,
-                      (unsigned)f.desc.nchannels, (unsigned)painter->surface->nfaces);
-    if (!result && (at.face < 0 || (uint32_t)at.face >= f.desc.nfaces ||
-                    !painter->surface->segments[at.face] || !(at.u >= 0 && at.u <= 1) ||
-                    !(at.v >= 0 && at.v <= 1) || !(tolerance >= 0)))
-        result =
-            slvi_fail(&painter->env, SLV_ERROR_ARGUMENT, "fill: face %d, %g %g, a tolerance of %g",
-                      (int)at.face, (double)at.u, (double)at.v, (double)tolerance);
-    if (result ||
-        (result = slvi_alloc(&painter->env, "fill", f.desc.nfaces, sizeof *f.alike, &f.alike)))
+static slv_result check(const flood *f, slv_surface_point at) {
+    const slv_painter *p = f->p;
+    if (f->desc.nfaces != p->surface->nfaces || f->desc.nchannels > 64)
+        return slvi_fail(
+            &p->env, SLV_ERROR_MISMATCH, "fill: %u faces of %u channels, on a surface of %u",
+            (unsigned)f->desc.nfaces, (unsigned)f->desc.nchannels, (unsigned)p->surface->nfaces);
+    if (at.face < 0 || (uint32_t)at.face >= f->desc.nfaces || !p->surface->segments[at.face] ||
+        !(at.u >= 0 && at.u <= 1) || !(at.v >= 0 && at.v <= 1) || !(f->tolerance >= 0))
+        return slvi_fail(&p->env, SLV_ERROR_ARGUMENT, "fill: face %d, %g %g, a tolerance of %g",
+                         (int)at.face, (double)at.u, (double)at.v, (double)f->tolerance);
+    return SLV_OK;
+}
+
+/* All that hangs together with a seed, and is of its colour, but for what others took. */
+static slv_result grow(flood *f, slv_surface_point at) {
+    slv_result result = check(f, at);
+    if (result)
         return result;
-    slv_res res = f.desc.res[at.face];
+    slv_res res = f->desc.res[at.face];
     uint32_t face = (uint32_t)at.face, x = (uint32_t)ldexpf(at.u, res.u),
              y = (uint32_t)ldexpf(at.v, res.v);
     x -= x == 1u << res.u;
     y -= y == 1u << res.v;
-    result = canvas->fns->read(canvas->user, face, (slv_rect){x, y, 1, 1}, f.color);
-    if (!result && !(result = take(&f, face, x, y)) && !(result = spread(&f)) &&
-        !(result = gather(&f, &patches)))
-        result = slv_painter_lay(painter, canvas, &patches, paint, lay ? lay : &plain, NULL, NULL);
-    if (texels && !result)
+    result = f->canvas->fns->read(f->canvas->user, face, (slv_rect){x, y, 1, 1}, f->color);
+    if (!result && !(result = take(f, face, x, y)))
+        result = spread(f);
+    return result;
+}
+
+slv_result slvi_painter_flood(slv_painter *painter, const slv_canvas *canvas,
+                              const slvi_seed *seeds, uint32_t count, float tolerance,
+                              const slv_paint *paint, uint64_t *texels) {
+    flood f = {.p = painter, .canvas = canvas, .tolerance = tolerance};
+    slv_result result = canvas->fns->describe(canvas->user, &f.desc);
+    *texels = 0;
+    if (result || (result = check(&f, seeds[0].at)) ||
+        (result = slvi_alloc(&painter->env, "fill", f.desc.nfaces, sizeof *f.alike, &f.alike)) ||
+        (result = slvi_alloc(&painter->env, "fill", f.desc.nfaces, sizeof *f.turns, &f.turns)))
+        goto done;
+    for (; f.seed < count && !result; f.seed++) /* all before any of it is painted */
+        result = grow(&f, seeds[f.seed].at);
+    for (uint32_t i = 0; i < count && !result; i++) {
+        slv_patches patches = {0};
+        if (!(result = gather(&f, i, &patches)))
+            result = slv_painter_lay(painter, canvas, &patches, paint, seeds[i].lay, NULL, NULL);
+    }
+    if (!result)
         *texels = f.taken;
-    for (uint32_t i = 0; i < f.desc.nfaces; i++)
+done:
+    for (uint32_t i = 0; f.alike && i < f.desc.nfaces; i++)
         slvi_free(f.alike[i]);
     slvi_free(f.alike);
+    slvi_free(f.turns);
     slvi_free(f.texels);
     slvi_free(f.stack);
+    return result;
+}
+
+slv_result slv_painter_flood(slv_painter *painter, const slv_canvas *canvas, slv_surface_point at,
+                             float tolerance, const slv_paint *paint, const slv_lay *lay,
+                             uint64_t *texels) {
+    static const slv_lay plain = {0};
+    const slvi_seed seed = {at, lay ? lay : &plain};
+    uint64_t count;
+    slv_result result = slvi_painter_flood(painter, canvas, &seed, 1, tolerance, paint, &count);
+    if (texels)
+        *texels = count;
     return result;
 }

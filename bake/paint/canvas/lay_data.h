@@ -18,6 +18,16 @@ slv_result slvi_painter_watch(slv_painter *p, const slv_canvas *canvas,
 slv_result slvi_painter_look_up(const slv_painter *p, uint32_t count, const slv_surface_point *at,
                                 float width, float *out);
 
+/* slv_painter_flood from several places, each paint laid its own way; a texel is the first's that
+ * takes it. */
+typedef struct slvi_seed {
+    slv_surface_point at;
+    const slv_lay *lay;
+} slvi_seed;
+slv_result slvi_painter_flood(slv_painter *painter, const slv_canvas *canvas,
+                              const slvi_seed *seeds, uint32_t count, float tolerance,
+                              const slv_paint *paint, uint64_t *texels);
+
 /* What is laid, and what its patches are of. */
 typedef struct slvi_laying {
     slv_painter *p;

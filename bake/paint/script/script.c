@@ -14,12 +14,21 @@ static slv_result describe(void *user, slv_canvas_desc *out) {
     return s->inner.fns->describe(s->inner.user, out);
 }
 
+static bool is_covered(const slv_patch *patch) {
+    size_t count = (size_t)patch->rect.width * patch->rect.height, i = 0;
+    while (i < count && !(patch->coverage[i] > 0))
+        i++;
+    return i < count;
+}
+
 static slv_result begin(void *user, const slv_patches *patches) {
     slv_script *s = user;
     slv_result result = s->inner.fns->begin ? s->inner.fns->begin(s->inner.user, patches) : SLV_OK;
     for (uint32_t i = 0; i < patches->count && !result; i++) {
         uint8_t *touched = &s->touched[patches->list[i].face];
-        s->stats.faces += !*touched;
+        if (*touched || !is_covered(&patches->list[i])) /* a mask may have left nothing */
+            continue;
+        s->stats.faces++;
         *touched = 1;
     }
     return result;
@@ -105,19 +114,12 @@ bool slv_script_touched(const slv_script *script, uint32_t face) {
     return face < script->nfaces && script->touched[face];
 }
 
-/* Whether paint is more than a colour. */
-static bool is_laid(const slv_lay *lay) {
-    const slv_mask *mask = &lay->mask;
-    return lay->ink.kind || lay->symmetry || mask->faces || mask->degrees > 0 || mask->facing ||
-           mask->canvas;
-}
-
 /* Samples come later. The brush is the script's. */
 static slv_result begin_stroke(slv_script *s, uint64_t number, slvi_line *line, slv_stroke **out) {
     slv_result result = SLV_OK;
     *out = NULL;
     line->stroke.mirrors = line->mirrors;
-    line->stroke.lay = is_laid(&line->lay) ? &line->lay : NULL;
+    line->stroke.lay = slvi_script_is_laid(&line->lay) ? &line->lay : NULL;
     if (!line->stroke.brush) {
         json_t *standard = json_object();
         result = slvi_script_brush_of(s, number, standard, &line->stroke.brush);
@@ -170,31 +172,6 @@ static slv_result run_stroke(slv_script *s, uint64_t number, slvi_line *line) {
     return result;
 }
 
-static slv_result run_fill(slv_script *s, const slvi_line *line) {
-    const slv_lay *lay = is_laid(&line->lay) ? &line->lay : NULL;
-    slv_canvas_desc desc;
-    uint64_t texels = 0;
-    slv_result result;
-    if (line->by_color) {
-        const slv_surface_point at = {(int32_t)line->face, line->at[0], line->at[1]};
-        result = slv_painter_flood(s->painter, &s->canvas, at, line->tolerance, &line->stroke.paint,
-                                   lay, &texels);
-        s->stats.texels += texels;
-        return result;
-    }
-    memset(s->selected, 0, s->nfaces);
-    result = slv_painter_select(s->painter, (uint32_t)line->face, line->select, line->degrees,
-                                s->selected);
-    if (!result)
-        result = slv_painter_fill_with(s->painter, &s->canvas, s->selected, &line->stroke.paint,
-                                       lay, NULL);
-    if (!result && !(result = describe(s, &desc)))
-        for (uint32_t f = 0; f < s->nfaces; f++)
-            if (s->selected[f])
-                s->stats.texels += UINT64_C(1) << (desc.res[f].u + desc.res[f].v);
-    return result;
-}
-
 /* What a line has set stays, with the faces of its mask. */
 static void keep_set(slv_script *s, const slvi_line *line) {
     s->set = *line;
@@ -226,7 +203,7 @@ slv_result slv_script_run(slv_script *script, uint64_t number, const char *line,
         if (all.op == SLVI_SCRIPT_SET)
             keep_set(script, &all);
         else
-            result = all.op == SLVI_SCRIPT_FILL ? run_fill(script, &all)
+            result = all.op == SLVI_SCRIPT_FILL ? slvi_script_fill(script, &all)
                                                 : run_stroke(script, number, &all);
         script->stats.operations += !result && all.op != SLVI_SCRIPT_SET;
     }

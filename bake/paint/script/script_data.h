@@ -73,6 +73,10 @@ struct slv_script {
 slv_result slvi_script_read(slv_script *script, uint64_t number, json_t *root, slvi_line *out);
 /* Begins the stroke of a line that has no samples. The script outlives it. */
 slv_result slvi_script_stroke(slv_script *script, uint64_t number, json_t *root, slv_stroke **out);
+/* Whether paint is more than a colour. */
+bool slvi_script_is_laid(const slv_lay *lay);
+/* Does the fill of a line. */
+slv_result slvi_script_fill(slv_script *script, const slvi_line *line);
 /* One error line: what a key should be. */
 slv_result slvi_script_wrong(const slvi_reading *r, const char *key, const char *expected);
 bool slvi_script_number(json_t *value, double low, double high, float *out);
