@@ -17,7 +17,7 @@ struct render {
     scene_options scene;
     const char *out;
     int strategy, context, pass;
-    bool raw, quiet, json, compress;
+    bool raw, quiet, json, compress, even_levels;
     uint32_t msaa, aniso, bits;
 };
 
@@ -141,6 +141,7 @@ static slv_result begin(const slv_env *env, struct drawing *d) {
     slv_gl_texture_params upload = {.strategies = &strategy,
                                     .nstrategies = 1,
                                     .anisotropy = r->aniso,
+                                    .even_levels = r->even_levels,
                                     .compression = r->compress ? SLV_GL_COMPRESSION_BLOCKS
                                                                : SLV_GL_COMPRESSION_NONE,
                                     .encoding = (slv_texture_encoding)r->scene.encoding,
@@ -296,15 +297,16 @@ static const char *options_problem(const struct render *r) {
     const char *problem = scene_options_problem(&r->scene);
     if (problem)
         return problem;
-    if (r->scene.uv && r->compress)
-        return "--compress is of per-face textures, not of --uv";
+    if (r->scene.uv && (r->compress || r->even_levels))
+        return r->compress ? "--compress is of per-face textures, not of --uv"
+                           : "--even-levels is of per-face textures, not of --uv";
     if (r->scene.latlong && r->pass)
         return "--pass ids is of a surface, not of --latlong";
     return r->msaa & (r->msaa - 1) ? "--msaa: expected 1, 2, 4 or 8" : NULL;
 }
 
 int verb_render(int argc, char **argv) {
-    enum { OWN = 20 };
+    enum { OWN = 21 };
     struct render r = {.scene = scene_options_default(), .msaa = 4, .aniso = 1};
     r.scene.numbered = true;
     char strategies[SCENE_STRATEGIES_SIZE], how[80], buffer[512];
@@ -321,6 +323,9 @@ int verb_render(int argc, char **argv) {
         {"--msaa", CLI_UINT, &r.msaa,
          "samples per pixel: 1, 2, 4, 8, as far as the driver goes (4)", NULL, 1, 64, NULL},
         SCENE_ANISO(&r.aniso, "anisotropy, 1 (trilinear) to 16 (1)"),
+        {"--even-levels", CLI_FLAG, &r.even_levels,
+         "no seams between oblong faces seen from afar; one with few --aniso taps is blurred", NULL,
+         0, 0, NULL},
         {"--compress", CLI_FLAG, &r.compress,
          "8-bit textures: keep blocks on the GPU (BC1 and its kin)", NULL, 0, 0, NULL},
         {"--raw", CLI_FLAG, &r.raw,

@@ -27,6 +27,10 @@ uint32_t slvi_form_faces_count(const void *made);
 slv_res slvi_form_faces_res(const void *made, uint32_t item);
 uint32_t slvi_form_faces_items(const void *made, uint32_t face, uint32_t out[SLV_FORM_ITEMS]);
 
+/* slv_form_level_extent, of a form that was made of even levels or not. */
+slv_form_extent slvi_form_extent(const slv_form *form, slv_res res, uint32_t level, uint32_t border,
+                                 bool even);
+
 /* A set of faces that grows outward. Begins as zeroes. */
 typedef struct slv_face_set {
     uint32_t *faces;

@@ -39,6 +39,12 @@ slv_res slv_res_level(slv_res res, uint32_t level) {
     return out;
 }
 
+slv_res slv_res_even_level(slv_res res, uint32_t level) {
+    int side = (res.u > res.v ? res.u : res.v) - (int)level;
+    side = side > 0 ? side : 0;
+    return (slv_res){res.u < side ? res.u : (int8_t)side, res.v < side ? res.v : (int8_t)side};
+}
+
 int slv_res_log2(uint64_t texels) {
     for (int log2 = 0; log2 <= SLV_MAX_LOG2_RES; log2++)
         if (texels == UINT64_C(1) << log2)

@@ -50,43 +50,47 @@ DEFINE_MEANS(float, float, FLOAT_2, FLOAT_4)
 
 typedef void (*mean_fn)(const void *from, size_t step, size_t count, size_t nchannels, void *to);
 
-/* Fills a rectangle of a level from the level above. */
-static void reduce(const slv_levels *levels, slv_res from_res, const unsigned char *from,
-                   slv_rect rect, unsigned char *to) {
+/* Fills a rectangle of a level from the level above, which has twice as many texels along one axis
+ * or both. */
+static void reduce(const slv_levels *levels, slv_res from_res, slv_res to_res,
+                   const unsigned char *from, slv_rect rect, unsigned char *to) {
     static const mean_fn pairs[] = {u8_pairs, u16_pairs, half_pairs, float_pairs};
     static const mean_fn quads[] = {u8_quads, u16_quads, half_quads, float_quads};
     size_t nchannels = levels->desc.nchannels, size = levels->texel_size;
-    size_t width = (size_t)1 << from_res.u, height = (size_t)1 << from_res.v;
+    size_t row = nchannels << from_res.u;
+    bool u = to_res.u < from_res.u, v = to_res.v < from_res.v;
     slv_type type = levels->desc.type;
-    /* A single row or column is a run of pairs either way. */
-    if (height == 1 || width == 1) {
-        size_t first = height == 1 ? rect.x : rect.y;
-        pairs[type](from + 2 * first * size, nchannels, (size_t)rect.width * rect.height, nchannels,
-                    to + first * size);
-        return;
+    for (size_t y = rect.y; y < (size_t)rect.y + rect.height; y++) {
+        const unsigned char *at = from + (((y << v) << from_res.u) + ((size_t)rect.x << u)) * size;
+        unsigned char *out = to + ((y << to_res.u) + rect.x) * size;
+        if (u && v)
+            quads[type](at, row, rect.width, nchannels, out);
+        else if (u)
+            pairs[type](at, nchannels, rect.width, nchannels, out);
+        else /* two rows are a pair of texels with very many channels */
+            pairs[type](at, row, 1, rect.width * nchannels, out);
     }
-    for (size_t y = rect.y; y < (size_t)rect.y + rect.height; y++)
-        quads[type](from + (2 * y * width + 2 * (size_t)rect.x) * size, width * nchannels,
-                    rect.width, nchannels, to + (y * (width / 2) + rect.x) * size);
 }
 
 /* The texels of the next level that depend on a rectangle of one. */
-static slv_rect halved(slv_rect rect) {
-    uint32_t x = rect.x / 2, y = rect.y / 2;
-    return (slv_rect){x, y, (rect.x + rect.width - 1) / 2 - x + 1,
-                      (rect.y + rect.height - 1) / 2 - y + 1};
+static slv_rect reduced(slv_rect rect, slv_res from, slv_res to) {
+    bool u = to.u < from.u, v = to.v < from.v;
+    uint32_t x = rect.x >> u, y = rect.y >> v;
+    return (slv_rect){x, y, ((rect.x + rect.width - 1) >> u) - x + 1,
+                      ((rect.y + rect.height - 1) >> v) - y + 1};
 }
 
 static slv_rect whole(slv_res res) {
     return (slv_rect){0, 0, 1u << res.u, 1u << res.v};
 }
 
-static size_t texels_in(slv_res res, slvi_level_room room) {
+static size_t texels_in(const slv_levels *levels, uint32_t face, slvi_level_room room) {
+    slv_res res = levels->res[face];
     size_t full = slv_res_texels(res), rest = 0;
     if (room == SLVI_ROOM_RUN)
         return full;
     for (uint32_t level = 1; level < slv_res_level_count(res); level++)
-        rest += slv_res_texels(slv_res_level(res, level));
+        rest += slv_res_texels(slvi_level_res(levels, face, level));
     return room == SLVI_ROOM_ALL ? full + rest : rest;
 }
 
@@ -109,7 +113,7 @@ static void point(const slv_levels *levels, const slv_texture *texture, uint32_t
         }
         at[level] = next;
         if (!constant)
-            next += slv_res_texels(slv_res_level(levels->res[face], level)) * levels->texel_size;
+            next += slv_res_texels(slvi_level_res(levels, face, level)) * levels->texel_size;
     }
 }
 
@@ -129,8 +133,10 @@ static void fill_face(const slv_levels *levels, const slv_texture *texture, uint
         memcpy(at[0] + first, texels + first, rect.width * size);
     }
     for (uint32_t level = 1; level < slv_res_level_count(res); level++) {
-        rect = halved(rect);
-        reduce(levels, slv_res_level(res, level - 1), at[level - 1], rect, at[level]);
+        slv_res above = slvi_level_res(levels, face, level - 1);
+        slv_res below = slvi_level_res(levels, face, level);
+        rect = reduced(rect, above, below);
+        reduce(levels, above, below, at[level - 1], rect, at[level]);
     }
 }
 
@@ -152,7 +158,7 @@ static slv_result lay_out(slv_levels *levels, const slv_texture *texture, uint64
     *bytes = 0;
     for (uint32_t face = 0; face < levels->desc.nfaces; face++) {
         slvi_level_room room = needed(levels, texture, face);
-        uint64_t texels = texels_in(levels->res[face], room);
+        uint64_t texels = texels_in(levels, face, room);
         levels->first[face] = next;
         levels->room[face] = (uint8_t)room;
         levels->most[face] = (uint8_t)slv_res_level_count(levels->res[face]);
@@ -169,12 +175,12 @@ static void point_all(const slv_levels *levels, const slv_texture *texture) {
     unsigned char *next = levels->texels;
     for (uint32_t face = 0; face < levels->desc.nfaces; face++) {
         levels->own[face] = next;
-        next += texels_in(levels->res[face], levels->room[face]) * levels->texel_size;
+        next += texels_in(levels, face, levels->room[face]) * levels->texel_size;
         point(levels, texture, face);
     }
 }
 
-static slv_result create(const slv_env *env, const slv_texture *texture, bool borrowed,
+static slv_result create(const slv_env *env, const slv_texture *texture, bool borrowed, bool even,
                          slv_levels **out) {
     slv_levels *levels = NULL;
     *out = NULL;
@@ -187,6 +193,7 @@ static slv_result create(const slv_env *env, const slv_texture *texture, bool bo
     levels->desc = *desc;
     levels->texel_size = slv_type_size(desc->type) * desc->nchannels;
     levels->borrowed = borrowed;
+    levels->even = even;
     uint64_t nlevels = 0, bytes = 0, n = desc->nfaces;
     for (uint32_t face = 0; face < desc->nfaces; face++)
         nlevels += slv_res_level_count(desc->res[face]);
@@ -262,8 +269,8 @@ slv_result slv_levels_update(slv_levels *levels, const slv_texture *texture, uin
     resized = levels->room[face] == SLVI_ROOM_NONE;
     if (room > levels->room[face]) {
         unsigned char *own = NULL;
-        result = slvi_alloc_plain(&levels->env, "levels of a face",
-                                  texels_in(levels->res[face], room), levels->texel_size, &own);
+        result = slvi_alloc_plain(&levels->env, "levels of a face", texels_in(levels, face, room),
+                                  levels->texel_size, &own);
         if (result)
             return result;
         if (!is_first_room(levels, face))
@@ -281,13 +288,13 @@ slv_result slv_levels_update(slv_levels *levels, const slv_texture *texture, uin
 }
 
 static slv_result create_within(const slv_env *env, const slv_texture *texture, bool borrowed,
-                                slv_levels **out) {
+                                bool even, slv_levels **out) {
     slv_env own = slvi_budget_begin(env);
-    return slvi_budget_end(&own, create(&own, texture, borrowed, out));
+    return slvi_budget_end(&own, create(&own, texture, borrowed, even, out));
 }
 
 slv_result slv_levels_create(const slv_env *env, const slv_texture *texture, slv_levels **out) {
-    return create_within(env, texture, false, out);
+    return create_within(env, texture, false, false, out);
 }
 
 void slv_levels_set_edge_filter(slv_levels *levels, slv_edge_filter filter) {
@@ -296,7 +303,12 @@ void slv_levels_set_edge_filter(slv_levels *levels, slv_edge_filter filter) {
 
 slv_result slv_levels_create_over(const slv_env *env, const slv_texture *texture,
                                   slv_levels **out) {
-    return create_within(env, texture, true, out);
+    return create_within(env, texture, true, false, out);
+}
+
+slv_result slv_levels_create_even(const slv_env *env, const slv_texture *texture,
+                                  slv_levels **out) {
+    return create_within(env, texture, true, true, out);
 }
 
 void slv_levels_destroy(slv_levels *levels) {

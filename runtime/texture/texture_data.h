@@ -37,6 +37,7 @@ struct slv_levels {
     uint64_t nbytes; /* of `texels` */
     bool borrowed;   /* level 0 of faces that are not constant is the texture's */
     bool vectors;    /* the first two channels are a vector in each face's own frame */
+    bool even;       /* see slv_res_even_level */
     bool fixed;      /* filled from outside (levels.h): without `own`, never updated */
     uint8_t *kind;   /* of each face: SLVI_LEVELS_...; NULL: nothing special */
     uint8_t *room;   /* of each face: slvi_level_room */
@@ -63,6 +64,15 @@ slv_result slvi_texture_visit_changes(const slv_texture *texture, uint64_t since
 
 static inline size_t slv_res_texels(slv_res res) {
     return (size_t)1 << (res.u + res.v);
+}
+
+/* The resolution of a level, even ones or not. */
+static inline slv_res slvi_res_level(slv_res res, uint32_t level, bool even) {
+    return even ? slv_res_even_level(res, level) : slv_res_level(res, level);
+}
+
+static inline slv_res slvi_level_res(const slv_levels *levels, uint32_t face, uint32_t level) {
+    return slvi_res_level(levels->res[face], level, levels->even);
 }
 
 /* Whether a rectangle has texels, all of which are among those of a resolution. */

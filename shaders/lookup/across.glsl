@@ -17,11 +17,13 @@ slv_site slv_across(uint there, int edge, int adjacent, float scale, float end, 
     f.dx = across * f.dx;
     f.dy = across * f.dy;
     f.axis = across * f.axis;
-    float texels = max(length(f.dx * size), length(f.dy * size)) / float(f.taps);
+    vec2 measure = slv_measure(size);
+    float texels = max(length(f.dx * measure), length(f.dy * measure)) / float(f.taps);
     f.level = log2(max(texels, 1e-12));
     uv = across * (uv - slv_edge_origin(edge)) + slv_edge_origin(adjacent) + along;
-    vec3 edge_wise = (adjacent & 1) == 0 ? vec3(uv.x, f.axis.x, size.x) : vec3(uv.y, f.axis.y, size.y);
-    float reach = slv_spread(f) * abs(edge_wise.y) + 0.5 * max(texels, 1.0) / edge_wise.z;
+    vec2 texel = slv_texel_length(size, max(texels, 1.0));
+    vec3 edge_wise = (adjacent & 1) == 0 ? vec3(uv.x, f.axis.x, texel.x) : vec3(uv.y, f.axis.y, texel.y);
+    float reach = slv_spread(f) * abs(edge_wise.y) + 0.5 * edge_wise.z;
     return slv_site(int(there >> 26 & 15u), float(there & 0xffffu), uv, f, abs(edge_wise.x - 0.5) > 0.5001 ? 2.0 : min(reach / scale, 1.0),
                     (there >> 30 & 1u) != 0u, size, -turns);
 }

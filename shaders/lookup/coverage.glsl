@@ -47,43 +47,93 @@ float slv_constant(bool constant, vec2 size, inout vec2 uv, inout slv_footprint 
 }
 #endif
 
+#if SLV_EVEN
+// The levels at hand halve both sides of an oblong face. So a tap in an even level is a row of lookups along the longer side, at the
+// level whose texels are as long along the shorter one: a row of n texels next to each other fades at an edge as one texel of n
+// times the length does.
+struct slv_rows {
+    int fine, coarse; // lookups in the row of either level
+    float part;       // of the coarser one
+    float level;      // of a square, between levels
+    vec2 size;
+};
+
+slv_rows slv_rows_of(vec2 size, slv_footprint f) {
+    float coarsest = log2(max(size.x, size.y)), level = clamp(f.level, 0.0, coarsest), oblong = abs(log2(size.x / size.y));
+    float part = level - floor(level);
+    if (oblong < 0.5)
+        return slv_rows(1, 0, 0.0, level, size);
+    return slv_rows(int(exp2(min(floor(level), oblong)) + 0.5), part > 0.0 ? int(exp2(min(floor(level) + 1.0, oblong)) + 0.5) : 0,
+                    part, floor(level), size);
+}
+
+// Lookup i of a tap: where it is from the tap's place, and at which level. Returns its weight.
+float slv_row_lookup(slv_rows rows, int i, out vec2 offset, out float level) {
+    offset = vec2(0.0);
+    level = rows.level;
+    if (rows.size.x == rows.size.y)
+        return 1.0;
+    bool fine = i < rows.fine;
+    int count = fine ? rows.fine : rows.coarse, k = fine ? i : i - rows.fine;
+    level = max(rows.level + (fine ? 0.0 : 1.0) - abs(log2(rows.size.x / rows.size.y)), 0.0);
+    float step = exp2(level) / max(rows.size.x, rows.size.y);
+    offset = (float(k) - 0.5 * float(count - 1)) * (rows.size.x > rows.size.y ? vec2(step, 0.0) : vec2(0.0, step));
+    return (fine ? 1.0 - rows.part : rows.part) / float(count);
+}
+#endif
+
 // A whole footprint, from one lookup where the sampler makes the taps.
-#if SLV_TAPS
-#define SLV_GATHER(lookup, p, f)                                                                   \
-    slv_tap sum = slv_tap(vec4(0.0), 0.0);                                                         \
+#if SLV_EVEN
+#define SLV_GATHER(sum, lookup, p, f, size)                                                        \
+    slv_rows rows = slv_rows_of(size, f);                                                          \
+    slv_footprint at = f;                                                                          \
+    sum = slv_tap(vec4(0.0), 0.0);                                                                 \
+    int k = 1;                                                                                     \
+    do {                                                                                           \
+        int i = 0;                                                                                 \
+        do {                                                                                       \
+            vec2 offset;                                                                           \
+            float weight = slv_row_lookup(rows, i, offset, at.level);                              \
+            vec3 place = p + vec3(offset + slv_tap_offset(f, k), 0.0);                             \
+            slv_add(sum, slv_scaled(lookup(place, at), weight));                                   \
+        } while (++i < rows.fine + rows.coarse);                                                   \
+    } while (++k <= f.taps);                                                                       \
+    sum = slv_scaled(sum, 1.0 / float(f.taps))
+#elif SLV_TAPS
+#define SLV_GATHER(sum, lookup, p, f, size)                                                        \
+    sum = slv_tap(vec4(0.0), 0.0);                                                                 \
     int k = 1;                                                                                     \
     do {                                                                                           \
         slv_add(sum, lookup(p + vec3(slv_tap_offset(f, k), 0.0), f));                              \
     } while (++k <= f.taps);                                                                       \
-    return slv_tap(sum.color / float(f.taps), sum.coverage / float(f.taps))
+    sum = slv_tap(sum.color / float(f.taps), sum.coverage / float(f.taps))
 #else
-#define SLV_GATHER(lookup, p, f) return lookup(p, f)
+#define SLV_GATHER(sum, lookup, p, f, size) sum = lookup(p, f)
 #endif
 
-slv_tap slv_own_taps(int face, vec2 uv, slv_footprint f) {
+slv_tap slv_own_taps(int face, vec2 size, vec2 uv, slv_footprint f) {
     vec3 p = vec3(uv, float(slv_store[SLV_ROW(face)].x >> 16));
 #define SLV_OWN_LOOKUP(p, f) SLV_LOOKUP(0, p, f)
+    slv_tap tap;
+    SLV_GATHER(tap, SLV_OWN_LOOKUP, p, f, size);
 #if SLV_ANISOTROPY > 1 && !SLV_TAPS
-    slv_tap tap = SLV_OWN_LOOKUP(p, f);
     if (tap.coverage < 1e-3) {
         // a sampler's row of taps need not have one in the centre, and all can miss a face that is smaller than their distance
         f.dx = f.dy = f.axis / float(f.taps);
         f.dy = vec2(-f.dy.y, f.dy.x);
         tap = SLV_OWN_LOOKUP(p, f);
     }
-    return tap;
-#else
-    SLV_GATHER(SLV_OWN_LOOKUP, p, f);
 #endif
+    return tap;
 }
 
 slv_tap slv_own(int face, vec2 uv, slv_footprint f) {
 #if SLV_CONSTANTS
     bool constant = (slv_store[SLV_ROW(face)].y >> 20 & 1u) != 0u;
     float covered = slv_constant(constant, slv_face_size(face), uv, f);
-    return slv_scaled(slv_own_taps(face, uv, f), covered);
+    return slv_scaled(slv_own_taps(face, constant ? vec2(1.0) : slv_face_size(face), uv, f), covered);
 #else
-    return slv_own_taps(face, uv, f);
+    return slv_own_taps(face, slv_face_size(face), uv, f);
 #endif
 }
 

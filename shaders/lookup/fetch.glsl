@@ -31,15 +31,8 @@ slv_tap slv_fetch_site(slv_site site) {
     do {
         int pool = readFirstInvocationARB(site.pool);
         if (pool == site.pool) {
-#if SLV_TAPS
-            int k = 1;
-            do {
-                slv_add(sum, SLV_LOOKUP(pool, p + vec3(slv_tap_offset(site.f, k), 0.0), site.f));
-            } while (++k <= site.f.taps);
-            sum = slv_tap(sum.color / float(site.f.taps), sum.coverage / float(site.f.taps));
-#else
-            sum = SLV_LOOKUP(pool, p, site.f);
-#endif
+#define SLV_VECTOR_LOOKUP(p, f) SLV_LOOKUP(pool, p, f)
+            SLV_GATHER(sum, SLV_VECTOR_LOOKUP, p, site.f, site.size);
             waiting = false;
         }
     } while (waiting);
@@ -98,13 +91,16 @@ slv_tap slv_fetch_one(int pool, vec3 p, slv_footprint f) {
 slv_tap slv_fetch_site(slv_site site) {
     vec3 p = vec3(site.uv, site.layer);
 #define SLV_POOL_LOOKUP(p, f) slv_fetch_one(site.pool, p, f)
-    SLV_GATHER(SLV_POOL_LOOKUP, p, site.f);
+    slv_tap sum;
+    SLV_GATHER(sum, SLV_POOL_LOOKUP, p, site.f, site.size);
+    return sum;
 }
 #endif
 
 slv_tap slv_fetch(slv_site site) {
 #if SLV_CONSTANTS
     float covered = slv_constant(site.constant, site.size, site.uv, site.f);
+    site.size = site.constant ? vec2(1.0) : site.size;
     slv_tap tap = slv_scaled(slv_fetch_site(site), covered);
 #else
     slv_tap tap = slv_fetch_site(site);

@@ -18,9 +18,35 @@ vec2 slv_inside(vec2 uv) {
     return mix(vec2(0.0), min(uv, 1.0), greaterThanEqual(uv, vec2(0.0)));
 }
 
+// What lengths of a face are multiplied by to measure them in texels, of which some level has one to a unit.
+vec2 slv_measure(vec2 size) {
+#if SLV_EVEN
+    return vec2(max(size.x, size.y)); // even levels halve the longer side first, until a face is square
+#else
+    return size;
+#endif
+}
+// How many texels a level has.
+vec2 slv_level_size(vec2 size, float level) {
+    vec2 texels = slv_measure(size) * exp2(-level);
+#if SLV_EVEN
+    texels = min(texels, size);
+#endif
+    return max(texels, 1.0);
+}
+// How long those are that `scale` of the finest are as long as, which is 1 or more.
+vec2 slv_texel_length(vec2 size, float scale) {
+#if SLV_EVEN
+    return max(scale / slv_measure(size), 1.0 / size);
+#else
+    return scale / size;
+#endif
+}
+
 slv_footprint slv_footprint_of(vec2 size, vec2 dx, vec2 dy) {
     dx = slv_bounded(dx);
     dy = slv_bounded(dy);
+    size = slv_measure(size);
     float px = length(dx * size), py = length(dy * size);
     float longest = max(px, py), shortest = min(px, py);
     int taps = int(clamp(ceil(longest / max(shortest, 1e-12)), 1.0, float(SLV_ANISOTROPY)));
@@ -67,6 +93,6 @@ float slv_within_level(vec2 texels, bvec4 edges, vec2 uv, slv_footprint f) {
 // The same between levels, of a face of a size.
 float slv_within(vec2 size, bvec4 edges, vec2 uv, slv_footprint f) {
     float coarsest = log2(max(size.x, size.y)), level = clamp(f.level, 0.0, coarsest), fine = floor(level);
-    return mix(slv_within_level(max(size * exp2(-fine), 1.0), edges, uv, f),
-               slv_within_level(max(size * exp2(-min(fine + 1.0, coarsest)), 1.0), edges, uv, f), level - fine);
+    return mix(slv_within_level(slv_level_size(size, fine), edges, uv, f),
+               slv_within_level(slv_level_size(size, min(fine + 1.0, coarsest)), edges, uv, f), level - fine);
 }

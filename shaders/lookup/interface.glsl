@@ -25,6 +25,7 @@
 //                       stands at the top
 //   SLV_EXPLICIT        1 where there are no derivatives: slv_sample is left out, for vertex and compute shaders
 //   SLV_SCALED          1 if texels are stored divided by SLV_SCALE, because sums of such large floats would overflow
+//   SLV_EVEN            1 if levels are even: as long in u as in v, of which footprint.glsl tells
 //   SLV_CONSTANTS       1 if there may be faces of one value, which have one texel whatever their size
 //   SLV_BLACK           1 if the texture is black beyond its boundary: what the strategy defines is then renamed, and beyond.glsl
 //                       takes away what lies there

@@ -11,14 +11,14 @@ struct slv_reach {
 
 // How far from its centre a footprint averages.
 vec2 slv_extent(vec2 size, slv_footprint f) {
-    return slv_spread(f) * abs(f.axis) + 0.5 * exp2(ceil(max(f.level, 0.0))) / size;
+    return slv_spread(f) * abs(f.axis) + 0.5 * slv_texel_length(size, exp2(ceil(max(f.level, 0.0))));
 }
 
 bvec4 slv_reached_edges(vec2 size, vec2 uv, slv_footprint f) {
 #if SLV_TAPS || SLV_ANISOTROPY == 1
     vec2 reach = 1.002 * slv_extent(size, f);
 #else
-    vec2 reach = 0.5 * abs(f.axis) + exp2(ceil(max(f.level, 0.0))) / size;
+    vec2 reach = 0.5 * abs(f.axis) + slv_texel_length(size, exp2(ceil(max(f.level, 0.0))));
 #endif
     bvec2 low = lessThan(uv, reach), high = greaterThan(uv, 1.0 - reach);
     return bvec4(low.y, high.x, high.y, low.x);

@@ -151,11 +151,12 @@ static slv_result call_store_rects(const slv_env *env) {
     const slv_rect rect = {1, 1, 3, 3}, all = {0, 0, 2, 4};
     const slv_res other = {1, 2};
     slv_texture *texture = NULL, *light = NULL, *multiplied = NULL;
-    slv_levels *levels = NULL;
+    slv_levels *levels = NULL, *even = NULL;
     slv_result result = slv_texture_create(env, &desc, &texture);
     if (!result && !(result = slv_texture_set_constant(texture, 0, "a")) &&
         !(result = slv_texture_decode(env, texture, SLV_TEXTURE_SRGB, &light)) &&
         !(result = slv_texture_premultiply(env, texture, SLV_TEXTURE_SRGB, &multiplied)) &&
+        !(result = slv_levels_create_even(env, texture, &even)) &&
         !(result = slv_levels_create_over(env, texture, &levels)) &&
         !(result = slv_texture_set_rect(texture, 0, rect, texels)) &&
         !(result = slv_texture_fill_rect(texture, 0, rect, fill_rect, NULL)) &&
@@ -168,6 +169,7 @@ static slv_result call_store_rects(const slv_env *env) {
     slv_texture_destroy(light);
     slv_texture_destroy(multiplied);
     slv_levels_destroy(levels);
+    slv_levels_destroy(even);
     slv_texture_destroy(texture);
     return result;
 }

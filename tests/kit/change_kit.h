@@ -4,6 +4,9 @@
 
 #include "kit/border_kit.h"
 
+#include <selvage/edge_aligned.h>
+#include <selvage/form.h>
+
 enum { KIT_MESHES = 10 };
 
 static inline void kit_any_mesh(kit *k, uint32_t which, uint64_t *random) {
@@ -24,6 +27,26 @@ static inline void kit_any_resolutions(kit *k, uint32_t which, uint64_t *random)
         kit_mixed(k, 4, random);
     for (uint32_t face = 0; which == 2 && face < k->nfaces; face++)
         k->res[face].v = (int8_t)(test_random(random) % 5);
+}
+
+/* Levels, even or plain ones, their resolutions, and forms that can be made of even ones. */
+static inline slv_levels *kit_levels(const kit *k, bool even) {
+    slv_env env = test_env();
+    slv_levels *levels = NULL;
+    REQUIRE(!(even ? slv_levels_create_even(&env, k->texture, &levels)
+                   : slv_levels_create(&env, k->texture, &levels)));
+    return levels;
+}
+static inline slv_res kit_level_res(slv_res res, uint32_t level, bool even) {
+    return even ? slv_res_even_level(res, level) : slv_res_level(res, level);
+}
+static inline slv_form_extent kit_extent(const slv_form *form, slv_res res, uint32_t level,
+                                         uint32_t border, bool even) {
+    return even ? slv_form_even_extent(form, res, level, border)
+                : slv_form_level_extent(form, res, level, border);
+}
+static inline bool kit_takes_even(const slv_form *form) {
+    return form == slv_form_borders() || form == slv_form_edge_aligned();
 }
 
 static inline slv_rect kit_rect(slv_res res, uint64_t *random) {

@@ -88,7 +88,8 @@ static void check(uint32_t which, bool lookups, uint64_t *random) {
     bool blocks = getenv("SELVAGE_TEST_BLOCKS") || which % 5 == 0;
     slv_gl_texture_params params = {KIT_ONLY(strategy), .anisotropy = 1 + test_random(random) % 3,
                                     .pool_layers = 1 + test_random(random) % 64,
-                                    .encoding = encodings[test_random(random) % 2]};
+                                    .encoding = encodings[test_random(random) % 2],
+                                    .even_levels = test_random(random) % 2 != 0};
     kit k;
     kit_any_mesh(&k, test_random(random) % KIT_MESHES, random);
     kit_any_resolutions(&k, test_random(random) % 3, random);

@@ -92,7 +92,7 @@ static slv_result call_blocks(const slv_env *env) {
 /* What follows changes of its texels. */
 static slv_result call_live(const slv_env *env) {
     static uint8_t texels[16 * 3];
-    const slv_gl_texture_params params = {.live = true};
+    const slv_gl_texture_params params = {.live = true, .even_levels = true};
     const slv_strategy *borders = slv_strategy_find("borders");
     slv_gl_texture *texture = NULL;
     uint64_t bytes;

@@ -11,6 +11,9 @@ struct stale {
     bool seen[MOST_ITEMS];
 };
 
+/* What forms are made of: even levels or not. */
+static bool even;
+
 static slv_result visit(void *user, uint32_t item) {
     struct stale *stale = user;
     REQUIRE(item < MOST_ITEMS);
@@ -22,8 +25,6 @@ static slv_result visit(void *user, uint32_t item) {
 
 /* The levels of the texture with other texels in a rectangle of a face. */
 static slv_levels *change(const kit *k, uint32_t face, const slv_rect *rect, uint64_t *random) {
-    slv_env env = test_env();
-    slv_levels *levels = NULL;
     slv_res res = k->res[face];
     size_t texel = slv_type_size(k->type) * k->nchannels, row = texel << res.u;
     unsigned char *texels = malloc(row << res.v);
@@ -42,7 +43,7 @@ static slv_levels *change(const kit *k, uint32_t face, const slv_rect *rect, uin
         }
     }
     REQUIRE(slv_texture_set_face(k->texture, face, texels) == SLV_OK);
-    REQUIRE(slv_levels_create(&env, k->texture, &levels) == SLV_OK);
+    slv_levels *levels = kit_levels(k, even);
     REQUIRE(slv_texture_set_face(k->texture, face, before) == SLV_OK);
     free(texels);
     free(before);
@@ -54,7 +55,7 @@ static bool same_item(const kit *k, const slv_form *form, const void *a, const v
     static float scratch[2][64 * 64 * 4];
     slv_res res = form->res(a, item);
     for (uint32_t level = 0; level < slv_res_level_count(res); level++) {
-        slv_form_extent extent = slv_form_level_extent(form, res, level, border);
+        slv_form_extent extent = kit_extent(form, res, level, border, even);
         size_t count = (size_t)extent.width * extent.height * k->nchannels;
         slv_form_texels texels[2];
         REQUIRE(count <= sizeof scratch[0] / sizeof scratch[0][0]);
@@ -103,15 +104,19 @@ static void check_random(const slv_form *form) {
         kit_any_mesh(&k, i % 10, &random);
         kit_any_resolutions(&k, i / 10 % 3, &random);
         kit_noise(&k, types[i / 30 % 4], 1 + i % 3, &random);
-        REQUIRE(form->create(&env, k.levels, k.adjacency, border, &made) == SLV_OK);
+        even = i % 4 == 3 && kit_takes_even(form);
+        slv_levels *levels = kit_levels(&k, even);
+        REQUIRE(form->create(&env, levels, k.adjacency, border, &made) == SLV_OK);
         for (int n = 0; n < 4; n++) {
             uint32_t face = test_random(&random) % k.nfaces;
             slv_rect rect = kit_rect(k.res[face], &random);
             check_change(&k, form, made, border, face, &rect, &random);
         }
         form->destroy(made);
+        slv_levels_destroy(levels);
         kit_free(&k);
     }
+    even = false;
 }
 
 /* On a mesh of 240 faces and more only those around the changed one are stale. */

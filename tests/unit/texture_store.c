@@ -52,6 +52,13 @@ static void test_resolutions(void) {
             past = slv_res_level(res, 40);
     CHECK(one.u == 2 && one.v == 0);
     CHECK(last.u == 0 && last.v == 0 && past.u == 0 && past.v == 0);
+    const slv_res even[7] = {{5, 2}, {4, 2}, {3, 2}, {2, 2}, {1, 1}, {0, 0}, {0, 0}};
+    for (uint32_t level = 0; level < 7; level++) {
+        slv_res lying = slv_res_even_level(res, level),
+                standing = slv_res_even_level((slv_res){2, 5}, level);
+        CHECK(lying.u == even[level].u && lying.v == even[level].v);
+        CHECK(standing.u == even[level].v && standing.v == even[level].u);
+    }
 }
 
 static void test_store(void) {
@@ -165,14 +172,18 @@ static double unit(slv_type type, const void *texels, size_t index) {
     return one > 0 ? round((double)value * one) : (double)value;
 }
 
-static void check_chain(const slv_levels *levels, uint32_t face) {
+static slv_res level_res(slv_res res, uint32_t level, bool even) {
+    return even ? slv_res_even_level(res, level) : slv_res_level(res, level);
+}
+
+static void check_chain(const slv_levels *levels, uint32_t face, bool even) {
     const slv_texture_desc *desc = slv_levels_get_desc(levels);
     slv_res res = desc->res[face];
     bool integers = desc->type == SLV_TYPE_U8 || desc->type == SLV_TYPE_U16;
     size_t nch = desc->nchannels;
     CHECK(slv_levels_count(levels, face) == slv_res_level_count(res));
     for (uint32_t level = 1; level < slv_levels_count(levels, face); level++) {
-        slv_res above = slv_res_level(res, level - 1), here = slv_res_level(res, level);
+        slv_res above = level_res(res, level - 1, even), here = level_res(res, level, even);
         const void *from = slv_levels_texels(levels, face, level - 1);
         const void *to = slv_levels_texels(levels, face, level);
         size_t sx = above.u > here.u, sy = above.v > here.v;
@@ -243,6 +254,26 @@ static void check_over(const slv_texture *texture, const slv_levels *expected) {
     slv_levels_destroy(over);
 }
 
+/* Even levels, also after changes of some texels. */
+static void check_even(slv_texture *texture) {
+    const slv_texture_desc *desc = slv_texture_get_desc(texture);
+    size_t texel = slv_type_size(desc->type) * desc->nchannels;
+    unsigned char *zeroes = calloc(1024, texel);
+    slv_env env = test_env();
+    slv_levels *even = NULL;
+    REQUIRE(zeroes && slv_levels_create_even(&env, texture, &even) == SLV_OK);
+    for (uint32_t face = 0; face < desc->nfaces; face++) {
+        slv_res res = desc->res[face];
+        slv_rect rect = {1u << res.u >> 1, 1u << res.v >> 2, 1, 1u << res.v >> (res.v > 1)};
+        check_chain(even, face, true);
+        CHECK(slv_texture_set_rect(texture, face, rect, zeroes) == SLV_OK);
+        CHECK(slv_levels_update(even, texture, face, rect) == SLV_OK);
+        check_chain(even, face, true);
+    }
+    slv_levels_destroy(even);
+    free(zeroes);
+}
+
 static void test_levels(slv_type type, uint32_t nchannels) {
     enum { FACES = 60 };
     slv_res res[FACES];
@@ -262,10 +293,11 @@ static void test_levels(slv_type type, uint32_t nchannels) {
         result = slv_levels_create(&env, texture, &levels[i]);
         REQUIRE(result == SLV_OK);
         check_over(texture, levels[i]);
+        check_even(texture);
         slv_texture_destroy(texture);
     }
     for (uint32_t face = 0; face < FACES; face++) {
-        check_chain(levels[0], face);
+        check_chain(levels[0], face, false);
         for (uint32_t level = 0; level < slv_levels_count(levels[0], face); level++) {
             slv_res at = slv_res_level(res[face], level);
             size_t size = (slv_type_size(type) * nchannels) << (at.u + at.v);

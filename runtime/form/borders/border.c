@@ -66,7 +66,7 @@ static void copy_run(const build *b, const unsigned char *from, ptrdiff_t from_s
 static void copy_strip(const build *b, uint32_t edge, int32_t depth, uint32_t j0, uint32_t j1,
                        uint32_t from_face, uint32_t from_level, uint32_t from_edge,
                        int32_t from_depth, uint32_t from_j, int sign) {
-    slv_res res = slv_res_level(b->view.levels->res[from_face], from_level);
+    slv_res res = slvi_level_res(b->view.levels, from_face, from_level);
     int32_t x, y, from_x, from_y;
     slvi_res_edge_texel(b->res, edge, (int32_t)j0, -depth, &x, &y);
     slvi_res_edge_texel(res, from_edge, (int32_t)from_j, from_depth, &from_x, &from_y);
@@ -83,7 +83,7 @@ static void copy_strip(const build *b, uint32_t edge, int32_t depth, uint32_t j0
 
 /* Bilinear inside a level, clamped to its outermost texel centres. */
 static void sample(const build *b, uint32_t face, uint32_t level, float u, float v, float *out) {
-    slv_res res = slv_res_level(b->view.levels->res[face], level);
+    slv_res res = slvi_level_res(b->view.levels, face, level);
     slvi_bilinear at = slvi_bilinear_centred(res, u, v);
     float texel[4][SLV_BORDER_CHANNELS];
     const float *mixed[4] = {texel[0]};
@@ -341,7 +341,7 @@ static slv_result build_level(const slv_levels *levels, const slv_adjacency *adj
     if (face >= desc->nfaces || level >= slv_levels_count(levels, face))
         return slvi_fail(&levels->env, SLV_ERROR_ARGUMENT, "border: face %u of %u has no level %u",
                          (unsigned)face, (unsigned)desc->nfaces, (unsigned)level);
-    slv_res res = slv_res_level(desc->res[face], level);
+    slv_res res = slvi_level_res(levels, face, level);
     uint32_t width = 1u << res.u, height = 1u << res.v;
     if (bu < 1 || bv < 1 || bu > width || bv > height)
         return slvi_fail(&levels->env, SLV_ERROR_ARGUMENT,

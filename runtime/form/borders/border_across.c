@@ -4,7 +4,7 @@
 
 void slvi_border_function_begin(const slv_border_view *view, const slv_border_link *link,
                                 slv_border_function *out) {
-    out->edge = slvi_border_edge_at(view, (uint32_t)link->to.face, 0, link->to.edge);
+    out->edge = slvi_border_edge_at(view, (uint32_t)link->to.face, link->level, link->to.edge);
     out->index[0] = out->index[1] = -2;
 }
 
@@ -17,11 +17,11 @@ static void knot(const slv_border_view *view, slv_border_function *function, uin
     function->index[slot] = k;
     if (k < 0 || k == n) {
         uint32_t corner = k < 0 ? edge->edge : slvi_edge_next(edge->edge);
-        slvi_border_vertex_value(view, edge->face, 0, corner, value, NULL);
+        slvi_border_vertex_value(view, edge->face, edge->level, corner, value, NULL);
         return;
     }
     float own[SLV_BORDER_CHANNELS], across[SLV_BORDER_CHANNELS];
-    slvi_border_fetch_row(view, edge->face, 0, edge->res, edge->edge, (uint32_t)k, own);
+    slvi_border_fetch_row(view, edge->face, edge->level, edge->res, edge->edge, (uint32_t)k, own);
     slvi_border_across(view, edge, (uint32_t)k, across);
     for (uint32_t c = 0; c < view->count; c++)
         value[c] = 0.5f * (own[c] + across[c]);

@@ -34,9 +34,9 @@ static inline void slvi_border_turn(const slv_border_view *view, unsigned turns,
         slvi_edge_turn_vector(turns, &raw[0], &raw[1]);
 }
 
-/* How a face at some level meets a neighbour. EXACT: at a level with as long texels. COARSER: at
- * its level 0, whose texels are longer. FINER: the face's edge is a single texel and the neighbour
- * a sub-face of half its length. */
+/* How a face at some level meets a neighbour. EXACT: at a level with as long texels. COARSER: its
+ * texels are longer, at level 0 or, of even levels, at one whose other side is as near as it gets.
+ * FINER: the face's edge is a single texel and the neighbour a sub-face of half its length. */
 typedef enum slv_border_relation {
     SLV_BORDER_EXACT,
     SLV_BORDER_COARSER,
@@ -87,7 +87,7 @@ const slv_border_link *slvi_border_link_at(const slv_border_edge *edge, uint32_t
 /* Walks along a coarser neighbour's edge function E: the knots are its texel centres and its ends.
  */
 typedef struct slv_border_function {
-    slv_border_edge edge; /* the coarser face's, at level 0 */
+    slv_border_edge edge; /* the coarser face's */
     int32_t index[2];     /* which knots the two values are of; -2 is none yet */
     float value[2][SLV_BORDER_CHANNELS];
 } slv_border_function;

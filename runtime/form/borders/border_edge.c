@@ -20,7 +20,7 @@ bool slvi_border_view_next(slv_border_view *view) {
 void slvi_border_fetch(const slv_border_view *view, uint32_t face, uint32_t level, uint32_t x,
                        uint32_t y, float *out) {
     const slv_levels *levels = view->levels;
-    slv_res res = slv_res_level(levels->res[face], level);
+    slv_res res = slvi_level_res(levels, face, level);
     const unsigned char *texels = slv_levels_texels(levels, face, level);
     size_t value = (((size_t)y << res.u) + x) * levels->desc.nchannels + view->first;
     if (levels->kind && levels->kind[face] & SLVI_LEVELS_SINGLE)
@@ -50,6 +50,22 @@ static int clamp_int(int value, int low, int high) {
     return value < low ? low : value > high ? high : value;
 }
 
+/* Even levels meet where their texels are as long, and where they are not, as near to that as the
+ * shorter side's texels along the edge allow. Level 0 meets the finest, so that what is magnified
+ * on both sides agrees. */
+static void meet_even(const slv_border_view *view, const slv_border_edge *edge, int halvings,
+                      slv_border_link *link) {
+    slv_res own = view->levels->res[edge->face], res = view->levels->res[link->to.face];
+    int own_side = own.u > own.v ? own.u : own.v, side = res.u > res.v ? res.u : res.v;
+    int along = slvi_res_along(res, link->to.edge), want = (int)edge->exponent - halvings;
+    int coarsest = side - clamp_int(want, 0, along), finest = want < along ? coarsest : 0;
+    int level = side - (own_side - (int)edge->level - halvings);
+    link->relation = want > along ? SLV_BORDER_COARSER
+                     : want < 0   ? SLV_BORDER_FINER
+                                  : SLV_BORDER_EXACT;
+    link->level = (uint32_t)(edge->level ? clamp_int(level, finest, coarsest) : finest);
+}
+
 static void meet(const slv_border_view *view, const slv_border_edge *edge, slv_border_link *link) {
     const slv_neighbour *to = &link->to;
     slv_res res = view->levels->res[to->face];
@@ -61,7 +77,9 @@ static void meet(const slv_border_view *view, const slv_border_edge *edge, slv_b
     link->slope = map_along(edge, to, 1.0f) - link->offset;
     link->level = 0;
     link->relation = SLV_BORDER_EXACT;
-    if (want_along > along) {
+    if (view->levels->even) {
+        meet_even(view, edge, halvings, link);
+    } else if (want_along > along) {
         link->relation = SLV_BORDER_COARSER;
     } else if (want_along > 0) {
         link->level = (uint32_t)(along - want_along);
@@ -73,7 +91,7 @@ static void meet(const slv_border_view *view, const slv_border_edge *edge, slv_b
         int last = along > across ? along : across;
         link->level = (uint32_t)clamp_int(across - want_across, along, last);
     }
-    link->res = slv_res_level(res, link->level);
+    link->res = slvi_res_level(res, link->level, view->levels->even);
     link->aligned =
         link->relation == SLV_BORDER_EXACT && slvi_res_across(link->res, to->edge) == want_across;
 }
@@ -81,7 +99,7 @@ static void meet(const slv_border_view *view, const slv_border_edge *edge, slv_b
 slv_border_edge slvi_border_edge_at(const slv_border_view *view, uint32_t face, uint32_t level,
                                     uint32_t edge) {
     slv_border_edge out = {.face = face, .level = level, .edge = edge};
-    out.res = slv_res_level(view->levels->res[face], level);
+    out.res = slvi_level_res(view->levels, face, level);
     out.exponent = (uint32_t)slvi_res_along(out.res, edge);
     slv_neighbour neighbours[2];
     out.nlinks = slv_adjacency_neighbours(view->adjacency, (int32_t)face, edge, neighbours);

@@ -9,8 +9,8 @@
 static slv_result read_level(const void *made, uint32_t item, uint32_t level, float *scratch,
                              slv_form_texels *out) {
     const slv_form_faces *faces = made;
-    slv_form_extent extent =
-        slv_form_level_extent(slv_form_borders(), faces->desc->res[item], level, faces->border);
+    slv_form_extent extent = slvi_form_extent(slv_form_borders(), faces->desc->res[item], level,
+                                              faces->border, faces->levels->even);
     *out = (slv_form_texels){scratch, SLV_TYPE_FLOAT};
     return slv_border_build(faces->levels, faces->adjacency, item, level, extent.border_u,
                             extent.border_v, scratch, NULL);
@@ -19,8 +19,8 @@ static slv_result read_level(const void *made, uint32_t item, uint32_t level, fl
 static slv_result read_rim(const void *made, uint32_t item, uint32_t level, float *scratch,
                            slv_form_texels *out) {
     const slv_form_faces *faces = made;
-    slv_form_extent extent =
-        slv_form_level_extent(slv_form_borders(), faces->desc->res[item], level, faces->border);
+    slv_form_extent extent = slvi_form_extent(slv_form_borders(), faces->desc->res[item], level,
+                                              faces->border, faces->levels->even);
     *out = (slv_form_texels){scratch, SLV_TYPE_FLOAT};
     return slvi_border_build_rim(faces->levels, faces->adjacency, item, level, extent, scratch,
                                  NULL);

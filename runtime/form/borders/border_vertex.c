@@ -31,7 +31,9 @@ static slv_res res_of(const slv_border_view *view, int32_t face) {
 
 static int32_t density(const slv_border_view *view, int32_t face) {
     slv_res res = res_of(view, face);
-    return res.u + res.v + (slv_adjacency_is_subface(view->adjacency, face) ? 2 : 0);
+    int side = res.u > res.v ? res.u : res.v; /* even levels of one density have it along both */
+    return (view->levels->even ? 2 * side : res.u + res.v) +
+           (slv_adjacency_is_subface(view->adjacency, face) ? 2 : 0);
 }
 
 /* What to add to one face's offset for that of the next across a shared edge. */
@@ -93,7 +95,7 @@ static bool place_quad(const slv_border_view *view, ring_levels *levels, int32_t
 
 static ring_levels ring_levels_at(const slv_border_view *view, uint32_t face, uint32_t level,
                                   uint32_t corner, uint32_t *position) {
-    ring_levels out = {.by_edges = true, .quad = SLV_BOUNDARY};
+    ring_levels out = {.by_edges = !view->levels->even, .quad = SLV_BOUNDARY};
     out.ring = slv_adjacency_ring(view->adjacency, (int32_t)face, corner, position);
     out.position = *position;
     out.stride = (out.ring.count + MOST_AROUND - 1) / MOST_AROUND;
@@ -142,7 +144,7 @@ static uint32_t meeting_level(const slv_border_view *view, const ring_levels *le
 
 static void fetch_corner(const slv_border_view *view, uint32_t face, uint32_t level,
                          uint32_t corner, float *out) {
-    slv_res res = slv_res_level(res_of(view, (int32_t)face), level);
+    slv_res res = slvi_level_res(view->levels, face, level);
     int32_t x, y;
     slvi_res_corner_texel(res, corner, &x, &y);
     slvi_border_fetch(view, face, level, (uint32_t)x, (uint32_t)y, out);

@@ -15,6 +15,7 @@ struct slv_edge_aligned {
     slv_parallel_log *log;
     slv_texture_desc desc;
     slv_res *res;
+    bool even; /* of even levels */
     size_t texel_size;
     size_t *first; /* per face: its first level in `at` */
     uint8_t *most; /* levels that it has places for there */
@@ -70,7 +71,7 @@ static void fill_edges(const slv_levels *levels, const slv_adjacency *adjacency,
 
 void slvi_edge_aligned_fill(const slv_levels *levels, const slv_adjacency *adjacency, bool rounded,
                             uint32_t face, uint32_t level, float *out) {
-    slv_res res = slv_res_level(levels->res[face], level);
+    slv_res res = slvi_level_res(levels, face, level);
     fill_interior(levels, face, level, res, out);
     fill_edges(levels, adjacency, rounded, face, level, res, out);
 }
@@ -111,7 +112,8 @@ static void fill_face(const struct fill *fill, uint32_t face, float *scratch) {
     slv_edge_aligned *aligned = fill->aligned;
     unsigned char *const *at = aligned->at + aligned->first[face];
     for (uint32_t level = 0; level < slv_res_level_count(aligned->res[face]); level++) {
-        uint64_t count = slv_edge_aligned_count(slv_res_level(aligned->res[face], level));
+        uint64_t count =
+            slv_edge_aligned_count(slvi_res_level(aligned->res[face], level, aligned->even));
         slvi_edge_aligned_fill(fill->levels, fill->adjacency, true, face, level, scratch);
         slv_type_from_float(aligned->desc.type, scratch, (size_t)count * aligned->desc.nchannels,
                             at[level]);
@@ -133,8 +135,8 @@ static slv_result fill_faces(void *user, uint64_t first, uint64_t end) {
 static uint64_t face_bytes(const slv_edge_aligned *aligned, uint32_t face) {
     uint64_t bytes = 0;
     for (uint32_t level = 0; level < slv_res_level_count(aligned->res[face]); level++)
-        bytes +=
-            slv_edge_aligned_count(slv_res_level(aligned->res[face], level)) * aligned->texel_size;
+        bytes += slv_edge_aligned_count(slvi_res_level(aligned->res[face], level, aligned->even)) *
+                 aligned->texel_size;
     return bytes;
 }
 
@@ -155,8 +157,8 @@ static slv_result count_bytes(slv_edge_aligned *aligned) {
 static unsigned char *point(slv_edge_aligned *aligned, uint32_t face, unsigned char *next) {
     for (uint32_t level = 0; level < slv_res_level_count(aligned->res[face]); level++) {
         aligned->at[aligned->first[face] + level] = next;
-        next +=
-            slv_edge_aligned_count(slv_res_level(aligned->res[face], level)) * aligned->texel_size;
+        next += slv_edge_aligned_count(slvi_res_level(aligned->res[face], level, aligned->even)) *
+                aligned->texel_size;
     }
     return next;
 }
@@ -245,6 +247,7 @@ static slv_result create(const slv_env *env, const slv_levels *levels,
         return result;
     aligned->desc = *desc;
     aligned->texel_size = levels->texel_size;
+    aligned->even = levels->even;
     for (uint32_t face = 0; face < desc->nfaces; face++)
         nlevels += slv_res_level_count(desc->res[face]);
     if ((result = slvi_parallel_env_begin(env, &aligned->log, &aligned->env)) ||
@@ -310,7 +313,7 @@ const void *slv_edge_aligned_samples(const slv_edge_aligned *aligned, uint32_t f
 void slv_edge_aligned_lookup(const slv_edge_aligned *aligned, uint32_t face, uint32_t level,
                              float u, float v, float *out) {
     const unsigned char *samples = slv_edge_aligned_samples(aligned, face, level);
-    slv_res res = slv_res_level(aligned->res[face], level);
+    slv_res res = slvi_res_level(aligned->res[face], level, aligned->even);
     slv_type type = aligned->desc.type;
     size_t value_size = slv_type_size(type), texel = aligned->texel_size;
     slvi_bilinear at = slvi_bilinear_edge_aligned(res, u, v);
@@ -328,7 +331,7 @@ slv_result slv_edge_aligned_centred(const slv_edge_aligned *aligned, uint32_t fa
         return slvi_fail(&aligned->env, SLV_ERROR_ARGUMENT,
                          "edge-aligned: face %u of %u has no level %u", (unsigned)face,
                          (unsigned)aligned->desc.nfaces, (unsigned)level);
-    slv_res res = slv_res_level(aligned->res[face], level);
+    slv_res res = slvi_res_level(aligned->res[face], level, aligned->even);
     size_t n = aligned->desc.nchannels, width = (size_t)1 << res.u, height = (size_t)1 << res.v;
     size_t pitch = (width + 1) * aligned->texel_size;
     const unsigned char *from = slv_edge_aligned_samples(aligned, face, level);

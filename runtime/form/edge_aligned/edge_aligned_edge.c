@@ -123,7 +123,8 @@ static void fill_met(const slv_border_view *view, const slv_border_edge *edge,
 static void fill_between(const slv_border_view *view, bool rounded, const slv_border_edge *edge,
                          const slv_border_link *link, uint32_t k0, uint32_t k1, float *to,
                          ptrdiff_t step) {
-    slv_border_edge coarse = slvi_border_edge_at(view, (uint32_t)link->to.face, 0, link->to.edge);
+    slv_border_edge coarse =
+        slvi_border_edge_at(view, (uint32_t)link->to.face, link->level, link->to.edge);
     float n = (float)(1u << edge->exponent), coarse_n = (float)(1u << coarse.exponent);
     float ends[2][SLV_BORDER_CHANNELS], value[SLV_BORDER_CHANNELS];
     uint32_t low = UINT32_MAX;

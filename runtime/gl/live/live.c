@@ -38,6 +38,9 @@ static slv_result make_levels(const slv_env *env, const slv_gl_texture_params *p
     }
     if (!(result = slv_levels_create_over(env, light_of(live), &live->levels)))
         slv_levels_set_edge_filter(live->levels, params->edge_filter);
+    if (!result && params->even_levels &&
+        !(result = slv_levels_create_even(env, light_of(live), &live->even)))
+        slv_levels_set_edge_filter(live->even, params->edge_filter);
     return result;
 }
 
@@ -65,6 +68,7 @@ slv_result slvi_gl_live_create(slv_gl *gl, const slv_env *env, const slv_gl_give
             ? SLV_TYPE_U8
             : slv_texture_get_desc(params->edge_filter ? light_of(live) : live->texture)->type;
     live->source.levels = live->levels;
+    live->source.even = live->even;
     live->source.light = given->decoded ? NULL : light_of(live);
     live->source.bare_only = given->resident;
     live->source.srgb = live->srgb;
@@ -84,6 +88,7 @@ void slvi_gl_live_destroy(slv_gl_live *live) {
     slvi_gl_staging_free(&live->staging);
     slvi_free(live->changes);
     slv_levels_destroy(live->levels);
+    slv_levels_destroy(live->even);
     slv_texture_destroy(live->copy);
     slvi_free(live->srgb);
     slvi_parallel_env_end(live->log);
@@ -135,6 +140,8 @@ slv_result slvi_gl_live_follow(slv_gl_live *live, const slv_env *env, bool *rene
                 slv_texture_decode_rect(env, live->texture, change->face, change->rect, live->copy);
         if (!result && !(*renew = becomes_large(live, change)))
             result = slv_levels_update(live->levels, light_of(live), change->face, change->rect);
+        if (!result && !*renew && live->even)
+            result = slv_levels_update(live->even, light_of(live), change->face, change->rect);
     }
     return result;
 }

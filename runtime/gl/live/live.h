@@ -19,13 +19,13 @@ typedef struct slv_gl_live {
     slv_parallel_log *log;
     const slv_texture *texture; /* the host's */
     bool decoded;
-    slv_texture *copy; /* its light, where it is encoded or its values are too large */
-    slv_levels *levels;
-    uint8_t *srgb;  /* see slvi_gl_srgb_fill; NULL where nothing is encoded */
-    bool scaled;    /* see slvi_gl_scale_down */
-    uint64_t room;  /* bytes by which arrays may grow in an update */
-    uint64_t seen;  /* the version that the GPU has */
-    bool half_done; /* an update failed midway: the next one makes all anew */
+    slv_texture *copy;         /* its light, where it is encoded or its values are too large */
+    slv_levels *levels, *even; /* even: NULL unless asked for */
+    uint8_t *srgb;             /* see slvi_gl_srgb_fill; NULL where nothing is encoded */
+    bool scaled;               /* see slvi_gl_scale_down */
+    uint64_t room;             /* bytes by which arrays may grow in an update */
+    uint64_t seen;             /* the version that the GPU has */
+    bool half_done;            /* an update failed midway: the next one makes all anew */
     slv_form_change *changes;
     uint32_t nchanges, capacity;
     void *around;       /* made of slv_form_borders: which faces depend on which */

@@ -25,11 +25,16 @@ struct list_job {
     uint8_t *shares;
 };
 
+/* What values at vertices are of. */
+static const slv_levels *levels_of(const slv_gl_source *source) {
+    return source->even ? source->even : source->levels;
+}
+
 static slv_result find_shares(void *user, uint64_t first, uint64_t end) {
     const struct list_job *job = user;
     for (uint64_t i = first; i < end; i++) {
         slv_vertex_share share = slv_border_vertex_share(
-            job->source->levels, job->source->adjacency, (uint32_t)(i / 4), i % 4);
+            levels_of(job->source), job->source->adjacency, (uint32_t)(i / 4), i % 4);
         job->shares[i] = (uint8_t)((share.skip < 31 ? share.skip : 31) |
                                    (share.half ? SHARE_HALF : 0) | (share.alone ? SHARE_ALONE : 0));
     }
@@ -148,7 +153,7 @@ static uint32_t list_values(const slv_gl_source *source, slv_gl_chunks chunks,
         uint32_t last = slv_levels_count(source->levels, face) - 1;
         for (; done < count; done++) {
             uint32_t level = skip + done < last ? skip + done : last;
-            slv_border_vertex(source->levels, source->adjacency, face, level, other % 4, texel);
+            slv_border_vertex(levels_of(source), source->adjacency, face, level, other % 4, texel);
             slvi_gl_table_value(&source->params, texel, out + 4 * done);
         }
     }

@@ -176,8 +176,8 @@ static slv_result prepare_store(const slv_gl_source *source, slv_gl_texture *tex
     const slv_form *form = strategy->form();
     uint32_t store = texture->nstores;
     void *made = NULL;
-    slv_result result = form->create(&source->shared, source->levels, source->adjacency,
-                                     slvi_gl_border(&source->params), &made);
+    slv_result result = form->create(&source->shared, slvi_gl_levels_of(source, form),
+                                     source->adjacency, slvi_gl_border(&source->params), &made);
     if (!result)
         result = slvi_gl_store_prepare(source, form, made, strategy->packing,
                                        needs_coverage(texture, strategy), &texture->stores[store]);

@@ -53,6 +53,8 @@ static slv_result write_variant(const slv_gl_texture *texture, const slv_gl_slot
         return result;
     /* alpha is a texel's own only where there are four channels */
     float scale = texture->scaled ? SLV_GL_SCALE : 1;
+    bool even = params->even_levels && (slot->strategy->reach == SLV_GL_REACH_NEIGHBOURS ||
+                                        slvi_gl_is_even(params, slot->strategy->form()));
     bool turns = params->edge_filter == SLV_EDGE_FILTER_TANVEC && params->first_channel == 0 &&
                  params->nchannels > 1;
     snprintf(*out, size,
@@ -60,14 +62,15 @@ static slv_result write_variant(const slv_gl_texture *texture, const slv_gl_slot
              "#define SLV_SPLIT_COVERAGE %d\n#define SLV_ANISOTROPY %u\n#define SLV_BORDER %u\n"
              "#define SLV_TAPS %d\n#define SLV_VECTORS %d\n#define SLV_FIRST_UNIT %u\n#define "
              "SLV_FIRST_STORAGE %u\n#define SLV_CHUNK %u\n#define SLV_EXPLICIT %d\n#define "
-             "SLV_CONSTANTS %d\n#define SLV_BLACK %d\n#define SLV_OWN_ALPHA %d\n#define SLV_SCALED "
+             "SLV_EVEN %d\n#define SLV_CONSTANTS %d\n#define SLV_BLACK %d\n#define SLV_OWN_ALPHA "
+             "%d\n#define SLV_SCALED "
              "%d\n#define SLV_TURNS %d\n#define SLV_SCALE "
              "vec4(vec3(%.1f), "
              "%.1f)\n%s\n",
              slv_gl_variant_pools(variant), variant & 1, slot->split_coverage, params->anisotropy,
-             params->border, slvi_gl_taps_in_shader(texture), in_vectors(texture),
+             params->border, even || slvi_gl_taps_in_shader(texture), in_vectors(texture),
              params->first_unit, params->first_storage, chunk_of(texture, slot),
-             params->explicit_only, texture->constants, slvi_gl_is_black(params),
+             params->explicit_only, even, texture->constants, slvi_gl_is_black(params),
              slvi_gl_is_black(params) && slvi_gl_own_alpha(params), texture->scaled, turns,
              (double)scale, (double)(slvi_gl_own_alpha(params) ? scale : 1), slot->lookups);
     return SLV_OK;

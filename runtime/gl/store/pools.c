@@ -5,6 +5,9 @@
 #include "base/memory.h"
 #include "gl/store/compress.h"
 
+#include <selvage/border.h>
+#include <selvage/edge_aligned.h>
+
 #include <string.h>
 
 #define ARRAY_BYTES (UINT64_C(512) << 20) /* software drivers refuse textures above 1 GiB */
@@ -28,12 +31,28 @@ uint32_t slvi_gl_border(const slv_gl_texture_params *params) {
     return whole_blocks(params->border, params->compression == SLV_GL_COMPRESSION_BLOCKS);
 }
 
+bool slvi_gl_is_even(const slv_gl_texture_params *params, const slv_form *form) {
+    return params->even_levels && (form == slv_form_borders() || form == slv_form_edge_aligned());
+}
+
+const slv_levels *slvi_gl_levels_of(const slv_gl_source *source, const slv_form *form) {
+    return slvi_gl_is_even(&source->params, form) ? source->even : source->levels;
+}
+
+slv_form_extent slvi_gl_extent(const slv_gl_source *source, const slv_form *form, slv_res res,
+                               uint32_t level) {
+    uint32_t border = slvi_gl_border(&source->params);
+    return slvi_gl_is_even(&source->params, form) ? slv_form_even_extent(form, res, level, border)
+                                                  : slv_form_level_extent(form, res, level, border);
+}
+
 /* Lays all levels of a size class out in a page, side by side. */
-static void pack_levels(const slv_form *form, uint32_t border, bool blocks, slv_gl_pool *pool) {
+static void pack_levels(const slv_gl_source *source, const slv_form *form, bool blocks,
+                        slv_gl_pool *pool) {
     uint32_t x = 0, y = 0, shelf = 0;
     pool->width = 0;
     for (uint32_t level = 0; level < pool->nlevels; level++) {
-        slv_form_extent extent = slv_form_level_extent(form, pool->res, level, border);
+        slv_form_extent extent = slvi_gl_extent(source, form, pool->res, level);
         slv_gl_rect *rect = &pool->rects[level];
         rect->bu = extent.border_u;
         rect->bv = extent.border_v;
@@ -120,8 +139,7 @@ static slv_result lay_out_class(const slv_gl_source *source, const slv_gl_pools 
     pool->width = 1u << pool->res.u;
     pool->height = 1u << pool->res.v;
     if (pools->packing == SLV_GL_PAGES)
-        pack_levels(pools->form, slvi_gl_border(params), slv_gl_pool_format(pools, pool)->block,
-                    pool);
+        pack_levels(source, pools->form, slv_gl_pool_format(pools, pool)->block, pool);
     if (pool->width > limit || pool->height > limit)
         return slvi_fail(
             source->env, SLV_ERROR_LIMIT,

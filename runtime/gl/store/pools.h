@@ -90,6 +90,15 @@ static inline const slv_gl_format *slv_gl_pool_format(const slv_gl_pools *pools,
 /* The border that forms are asked for. */
 uint32_t slvi_gl_border(const slv_gl_texture_params *params);
 
+/* Whether a form is made of even levels where there are any: the library's that have something of
+ * the neighbours in each level. Those of bare faces are levels of OpenGL's, which halves both
+ * sides. */
+bool slvi_gl_is_even(const slv_gl_texture_params *params, const slv_form *form);
+const slv_levels *slvi_gl_levels_of(const slv_gl_source *source, const slv_form *form);
+/* slv_form_level_extent of what is made of them. */
+slv_form_extent slvi_gl_extent(const slv_gl_source *source, const slv_form *form, slv_res res,
+                               uint32_t level);
+
 /* Levels that OpenGL knows of: one of a page. */
 static inline uint32_t slv_gl_pool_levels(const slv_gl_pools *pools, const slv_gl_pool *pool) {
     return pools->packing == SLV_GL_PAGES ? 1 : pool->nlevels;

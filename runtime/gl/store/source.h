@@ -26,6 +26,7 @@ typedef struct slv_gl_source {
     slv_gl *gl;
     slv_type type;            /* of the texture */
     const slv_levels *levels; /* of its colours, decoded */
+    const slv_levels *even;   /* likewise, even ones: NULL unless asked for */
     const slv_texture *light; /* what the levels are of: faces of one value take one texel of forms
                                  that have faces as they are. NULL: they take as many as others */
     bool bare_only;           /* likewise, but for the bare form */

@@ -83,13 +83,12 @@ static bool leaves(const float *values, size_t count) {
 static slv_result leaves_bytes(const slv_gl_source *source, const slv_gl_store *store,
                                uint32_t item, float *scratch, bool *out) {
     const slv_form *form = store->pools.form;
-    uint32_t border = slvi_gl_border(&source->params),
-             nchannels = slv_levels_get_desc(source->levels)->nchannels;
+    uint32_t nchannels = slv_levels_get_desc(source->levels)->nchannels;
     slv_res res = form->res(store->made, item);
     slv_result result = SLV_OK;
     for (uint32_t level = 0; !result && !*out && level < slv_res_level_count(res); level++) {
         slv_form_texels texels;
-        slv_form_extent extent = slv_form_level_extent(form, res, level, border);
+        slv_form_extent extent = slvi_gl_extent(source, form, res, level);
         result = form->read_rim ? form->read_rim(store->made, item, level, scratch, &texels)
                                 : form->read(store->made, item, level, scratch, &texels);
         if (result || texels.type != SLV_TYPE_FLOAT)
@@ -114,8 +113,7 @@ slv_result slvi_gl_store_is_wide(const slv_gl_source *source, const slv_gl_store
     *out = false;
     if (!form->leaves_range || (form->copies && form->copies(store->made, item)))
         return SLV_OK;
-    slv_form_extent extent = slv_form_level_extent(form, form->res(store->made, item), 0,
-                                                   slvi_gl_border(&source->params));
+    slv_form_extent extent = slvi_gl_extent(source, form, form->res(store->made, item), 0);
     uint32_t width = extent.width - 2 * extent.border_u + 2,
              height = extent.height - 2 * extent.border_v + 2;
     width = width > extent.width ? width : extent.width;

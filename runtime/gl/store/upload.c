@@ -26,8 +26,7 @@ static slv_result read_level(const struct origin *from, uint32_t item, uint32_t 
                              float *scratch, struct level *out) {
     const slv_form *form = from->pools->form;
     const slv_texture_desc *desc = slv_levels_get_desc(from->source->levels);
-    out->extent = slv_form_level_extent(form, form->res(from->made, item), level,
-                                        slvi_gl_border(&from->source->params));
+    out->extent = slvi_gl_extent(from->source, form, form->res(from->made, item), level);
     slv_result result = rim ? form->read_rim(from->made, item, level, scratch, &out->read)
                             : form->read(from->made, item, level, scratch, &out->read);
     if (!result && out->read.type != desc->type && out->read.type != SLV_TYPE_FLOAT)
@@ -93,7 +92,7 @@ static void cut_rim(const slv_form *form, slv_form_extent extent, slv_rect out[4
 /* All of a level of a face: what is around its own texels, and these without a detour. */
 static slv_result fill_around(const struct origin *from, uint32_t face, uint32_t number,
                               float *scratch, unsigned char *out, size_t pitch) {
-    const slv_levels *levels = from->source->levels;
+    const slv_levels *levels = slvi_gl_levels_of(from->source, from->pools->form);
     struct level level, own;
     slv_rect strips[4];
     slv_result result = read_level(from, face, number, true, scratch, &level);
@@ -117,8 +116,7 @@ static slv_result fill_level(const struct origin *from, uint32_t item, uint32_t 
     const slv_form *form = from->pools->form;
     struct level level;
     number = slvi_gl_stored_level(from->pools, from->made, item, number);
-    level.extent = slv_form_level_extent(form, form->res(from->made, item), number,
-                                         slvi_gl_border(&from->source->params));
+    level.extent = slvi_gl_extent(from->source, form, form->res(from->made, item), number);
     if (form->read_rim && form->borders && rect.width == level.extent.width &&
         rect.height == level.extent.height)
         return fill_around(from, item, number, scratch, out, pitch);
@@ -392,9 +390,8 @@ bool slvi_gl_has_rim(const slv_gl_source *source, const slv_gl_pools *pools, con
                      uint32_t item) {
     const slv_form *form = pools->form;
     return form->read_rim && !pools->format.block &&
-           is_large(form, slv_form_level_extent(form, form->res(made, item),
-                                                slvi_gl_stored_level(pools, made, item, 0),
-                                                slvi_gl_border(&source->params)));
+           is_large(form, slvi_gl_extent(source, form, form->res(made, item),
+                                         slvi_gl_stored_level(pools, made, item, 0)));
 }
 
 /* The outermost texels of a level of an item, for what is in between is as it was. */
@@ -404,9 +401,8 @@ slv_result slvi_gl_upload_rim(const slv_gl_source *source, const slv_gl_pools *p
     slv_gl_place place = slvi_gl_place(pools, item, number);
     struct origin from = {source, pools, made, place.format};
     struct level level;
-    slv_form_extent extent = slv_form_level_extent(pools->form, pools->form->res(made, item),
-                                                   slvi_gl_stored_level(pools, made, item, number),
-                                                   slvi_gl_border(&source->params));
+    slv_form_extent extent = slvi_gl_extent(source, pools->form, pools->form->res(made, item),
+                                            slvi_gl_stored_level(pools, made, item, number));
     uint32_t x = extent.border_u + pools->form->samples, width = extent.width;
     uint32_t y = extent.border_v + pools->form->samples, height = extent.height;
     slv_rect strips[4];

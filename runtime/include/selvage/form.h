@@ -93,6 +93,10 @@ typedef struct slv_form {
 /* The extent of a level of an item; `border` is what `create` was given. */
 SLV_API slv_form_extent slv_form_level_extent(const slv_form *form, slv_res res, uint32_t level,
                                               uint32_t border);
+/* The same of a form that was made of even levels (slv_levels_create_even), for which borders and
+ * edge-aligned are ready. */
+SLV_API slv_form_extent slv_form_even_extent(const slv_form *form, slv_res res, uint32_t level,
+                                             uint32_t border);
 
 /* The forms of the library. slv_form_at is NULL past the last, slv_form_find if there is none of
  * that name. */

@@ -105,6 +105,14 @@ typedef struct slv_gl_texture_params {
        what crosses an edge is turned, as lookups on the CPU do it. Integers become half (8 bit) or
        float then, which have a sign. traverse and hybrid need both channels shown. */
     slv_edge_filter edge_filter;
+    /* Levels whose texels are as long in u as in v, as far as the face has texels so short: the
+     * longer side of an oblong face is halved first, until the face is square, and lookups choose
+     * levels by the length of their footprint in (u,v). Both sides of an edge then average over the
+     * same, whatever their shapes. Footprints that are longer in one of u and v than in the other
+     * are blurred along the other one, as far as there are no taps (anisotropy) for it; oblong
+     * faces take several lookups with traverse and hybrid. Squares are looked up as ever, and so
+     * are all faces with the other strategies. Taps are then made by shaders. */
+    bool even_levels;
     uint64_t reserved[2];
 } slv_gl_texture_params;
 

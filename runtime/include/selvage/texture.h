@@ -60,6 +60,11 @@ SLV_API int slv_res_log2(uint64_t texels);
 SLV_API slv_res slv_res_level(slv_res res, uint32_t level);
 /* 1 + the larger of the two: how many levels that chain has, the last being 1x1. */
 SLV_API uint32_t slv_res_level_count(slv_res res);
+/* The same of even levels, of which there are as many: the longer side is halved alone until both
+ * are one, and then both. Their texels are as long in u as in v, as far as the face has texels so
+ * short, which is what faces of any shapes can have in common along an edge. Those of a square are
+ * the plain ones. */
+SLV_API slv_res slv_res_even_level(slv_res res, uint32_t level);
 
 /* Reads `count` values as floats, integers divided by their maximum; and back: integers are clamped
  * to 0..1 and rounded to nearest (NaN becomes 0), halves as slv_half_from_float. */
@@ -163,6 +168,10 @@ SLV_NODISCARD SLV_API slv_result slv_levels_create(const slv_env *env, const slv
 /* The same without a copy of level 0, which is most of it: of faces that are not constant it is the
  * texture's own, so the texture must neither change nor go before the levels do. */
 SLV_NODISCARD SLV_API slv_result slv_levels_create_over(const slv_env *env,
+                                                        const slv_texture *texture,
+                                                        slv_levels **out);
+/* The same of even levels (slv_res_even_level), for forms that are made of them. */
+SLV_NODISCARD SLV_API slv_result slv_levels_create_even(const slv_env *env,
                                                         const slv_texture *texture,
                                                         slv_levels **out);
 /* After texels of a rectangle of a face were changed, or the face became constant or ceased to be:
