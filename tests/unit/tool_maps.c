@@ -76,6 +76,24 @@ static json_t *load_maps(const char *path) {
     return maps;
 }
 
+static double outlines(const json_t *errors) {
+    return number(json_object_get(errors, "outline"), "pixels");
+}
+
+/* Maps are held against the same frames of the orbit as strategies are. */
+static void check_frames(const char *path) {
+    json_error_t error;
+    json_t *root = json_load_file(tool_path(path), 0, &error);
+    REQUIRE(root);
+    const json_t *strategy = json_array_get(json_object_get(root, "strategies"), 0),
+                 *rate = json_array_get(json_object_get(strategy, "rates"), 0),
+                 *row = json_array_get(json_object_get(json_object_get(root, "maps"), "rows"), 0);
+    double there = outlines(json_object_get(json_object_get(rate, "errors"), "raycast")),
+           here = outlines(json_object_get(row, "errors"));
+    CHECK_MSG(here > 0 && here == there, "%g pixels of outlines, %g of strategies", here, there);
+    json_decref(root);
+}
+
 /* What is stored: of rows in the order of the report. */
 typedef struct stored {
     const char *name;
@@ -170,10 +188,12 @@ static void rounds(void) {
                "tube.ptx") == 0);
     CHECK(tool("bake torus.obj --uv waves.png --round both --scheme bilinear --size 32 -q -o "
                "torus.ptx") == 0);
-    CHECK_MSG(tool(COMPARE "--round u --azimuth 0 --orbit 40 -o rep", "tube", "tube") == 0, "%s",
-              tool_out);
+    CHECK_MSG(tool(COMPARE "--round u --azimuth 0 --orbit 40 --frames 3 -o rep", "tube", "tube") ==
+                  0,
+              "%s", tool_out);
     CHECK(strstr(tool_out, "beside maps") && strstr(tool_out, "uv-wrapped"));
     CHECK_MSG(!strstr(tool_out, "away from"), "%s", tool_out);
+    check_frames("rep/report.json");
     json_t *maps = load_maps("rep/report.json");
     check_stored(maps, tube, 5);
     check_errors(maps, 0.15);

@@ -117,15 +117,17 @@ static void finish(totals *t, double *ratios) {
         report->reference.estimate[s] = sqrt(t->squares[s] / report->reference.frames);
 }
 
-/* Which frames have references: all of cameras, and of the orbit `wanted`, the middle ones of equal
- * stretches. */
-static bool is_referenced(const report_data *report, uint32_t index, uint32_t wanted) {
-    if (index >= report->frames)
-        return report->reference.first < REPORT_SOURCES;
+bool experiment_is_middle(uint32_t index, uint32_t frames, uint32_t wanted) {
     for (uint64_t k = 0; k < wanted; k++)
-        if ((2 * k + 1) * report->frames / (2 * (uint64_t)wanted) == index)
+        if ((2 * k + 1) * frames / (2 * (uint64_t)wanted) == index)
             return true;
     return false;
+}
+
+/* Which frames have references: all of cameras, and of the orbit `wanted`. */
+static bool is_referenced(const report_data *report, uint32_t index, uint32_t wanted) {
+    return index < report->frames ? experiment_is_middle(index, report->frames, wanted)
+                                  : report->reference.first < REPORT_SOURCES;
 }
 
 static void free_images(moment *m) {

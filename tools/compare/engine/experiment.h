@@ -67,6 +67,8 @@ slv_result experiment_aim(experiment *e, const slv_camera *camera);
  * be NULL) is their time together. The size, shading and camera are those of `frame`. */
 slv_result experiment_draw(experiment *e, const slv_frame *frame, const report_rate *rate,
                            slv_image *image, double *ms);
+/* Whether frame `index` is the middle one of any of `wanted` equal stretches of `frames`. */
+bool experiment_is_middle(uint32_t index, uint32_t frames, uint32_t wanted);
 slv_frame experiment_frame_at(const experiment *e, double t, const slv_strategy *strategy);
 
 /* Draws and measures all frames, writing each into the state file `path` when it is done; with

@@ -226,10 +226,10 @@ slv_result experiment_compare_maps(experiment *e, const slv_uv_images *images,
         result = experiment_begin(e, run.maps->frames);
     for (uint32_t k = 0; k < run.maps->nrows && !result; k++)
         result = draw_row(&run, &first, k, NULL, NULL); /* which compiles shaders */
-    const uint64_t n = run.maps->frames, all = e->report->reference.frames,
+    const uint32_t n = run.maps->frames, all = e->report->reference.frames,
                    wanted = all < n ? all : n;
     for (uint32_t i = 0; i < n && !result; i++)
-        if (!(result = measure_moment(&run, i, i * wanted / n != (i + 1) * wanted / n)))
+        if (!(result = measure_moment(&run, i, experiment_is_middle(i, n, wanted))))
             result = experiment_step(e);
     if (!result && !(result = finish(&run)))
         result = draw_pictures(&run);
