@@ -19,7 +19,7 @@ static void print_limits(const slv_wrap_report *r) {
     if (r->nkept)
         printf(
             "  %u vertices stay beside others at their place, since an edge would have more than "
-            "two sides: the first is %d\n",
+            "two sides, or two that run the same way: the first is %d\n",
             r->nkept, r->first_kept + 1);
     if (r->ncollapsed)
         printf("  %u polygons had no three vertices left, and are gone: the first was %d\n",
@@ -42,6 +42,10 @@ static void print_limits(const slv_wrap_report *r) {
         printf("  %u polygons have texture coordinates (vt) beyond 65536, which are left as they "
                "are: the first is %d\n",
                r->nfar, r->first_far + 1);
+    if (r->nbare)
+        printf("  %u polygons have no texture coordinates (vt), which --map makes: the first is "
+               "%d\n",
+               r->nbare, r->first_bare + 1);
     if (r->nclose)
         printf("  %u vertices at open edges are beside another that is too far away to be welded: "
                "the first is %d, %.2g from %d\n",
@@ -73,6 +77,8 @@ static json_t *report_json(const struct wrap_options *o, const slv_wrap_report *
         {"first_end", r->nends ? r->first_end + 1 : 0},
         {"far", r->nfar},
         {"first_far", r->nfar ? r->first_far + 1 : 0},
+        {"bare", r->nbare},
+        {"first_bare", r->nbare ? r->first_bare + 1 : 0},
     };
     json_t *json = json_pack("{s:i, s:o}", "schema", 1, "path", output_json_name(o->paths[1]));
     for (size_t i = 0; i < sizeof numbers / sizeof *numbers && json; i++)

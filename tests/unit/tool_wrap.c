@@ -273,6 +273,48 @@ static void check_turns(void) {
     HAS("\"first_far\": 1");
 }
 
+/* A band of quads; every other one without texture coordinates, or turned over where it closes. */
+static void write_band(bool bare, bool turned) {
+    enum { N = 8 };
+    FILE *file = fopen(tool_path("in.obj"), "w");
+    REQUIRE(file);
+    for (int i = 0; i <= N; i++)
+        for (int k = 0; k < 2; k++) {
+            double a = 6.283185307179586 * (i % N) / N, w = k - 0.5;
+            double half = turned ? 3.141592653589793 * i / N : 0;
+            double r = 2 + w * sin(half);
+            fprintf(file, "v %.6f %.6f %.6f\nvt %g %d\n", r * sin(a), w * cos(half), r * cos(a),
+                    (double)i / N, k);
+        }
+    for (int i = 0; i < N; i++) {
+        const int corners[4] = {2 * i + 1, 2 * i + 3, 2 * i + 4, 2 * i + 2};
+        fputs("f", file);
+        for (int k = 0; k < 4; k++)
+            if (bare && i % 2)
+                fprintf(file, " %d", corners[k]);
+            else
+                fprintf(file, " %d/%d", corners[k], corners[k]);
+        fputs("\n", file);
+    }
+    REQUIRE(fclose(file) == 0);
+}
+
+static void check_bands(void) {
+    write_band(true, false);
+    RUNS(0, "wrap in.obj out.obj");
+    HAS("16 vertices of 18");
+    HAS("4 polygons have no texture coordinates (vt), which --map makes: the first is 2");
+    RUNS(0, "wrap in.obj out.obj --json");
+    HAS("\"first_bare\": 2");
+    RUNS(0, "wrap in.obj out.obj --map cylinder");
+    HAS("1 polygons go over the end of u");
+    LACKS("no texture coordinates");
+    write_band(false, true);
+    RUNS(0, "wrap in.obj out.obj");
+    HAS("2 vertices stay beside others at their place, since an edge would have more than two "
+        "sides, or two that run the same way: the first is 17");
+}
+
 int main(void) {
     tool_begin();
     check_apart();
@@ -287,6 +329,7 @@ int main(void) {
         try_shape("cylinder", &styles[i], cylinder);
     }
     check_whole();
+    check_bands();
     RUNS(2, "wrap in.obj out.obj --axis z");
     HAS("--map is missing");
     tool_end();

@@ -115,6 +115,8 @@ typedef struct slv_wrap_report {
     float end_apart;
     uint32_t nfar; /* polygons that have coordinates beyond 65536, which stay as they are */
     int32_t first_far;
+    uint32_t nbare; /* with KEEP, polygons that have no texture coordinates at some corner */
+    int32_t first_bare;
     uint64_t reserved[4];
 } slv_wrap_report;
 

@@ -197,16 +197,20 @@ static void judge(const slvi_weld *w, bool had, const int32_t *poly_from, const 
                   slv_wrap_report *report) {
     uint32_t first = 0;
     report->first_many = report->many_poly = report->first_wide = report->first_far = -1;
+    report->first_bare = -1;
     for (uint32_t v = 0; v < w->nverts; v++)
         if (c->head[v] >= 0 && c->next[c->head[v]] >= 0 && !report->nmany++)
             report->first_many = (int32_t)v;
     for (uint32_t p = 0; p < w->npolys; first += (uint32_t)w->sizes[p++]) {
-        bool wide = false, far = false, over[2] = {false, false};
+        bool wide = false, far = false, bare = false, over[2] = {false, false};
         for (uint32_t s = first; s < first + (uint32_t)w->sizes[p]; s++) {
             far |= slvi_wrap_is_far(c->at + 2 * (size_t)s);
+            bare |= c->index[s] < 0;
             if (report->many_poly < 0 && w->verts[s] == report->first_many)
                 report->many_poly = poly_from[p];
         }
+        if (bare && !report->nbare++)
+            report->first_bare = poly_from[p];
         if (far && !report->nfar++)
             report->first_far = poly_from[p];
         if (far)
