@@ -166,9 +166,13 @@ static void tell(const struct drawing *d, const slv_frame *frame, const char *pa
     const char *renderer = slv_gl_get_info(d->gl)->renderer;
     const uint32_t msaa = frame->msaa ? frame->msaa : 1, aniso = d->render->aniso;
     if (d->images) {
-        printf("%s: %u x %u, %u image(s) by texture coordinates, %ux MSAA, %ux anisotropy, %.1f MB "
+        const slv_uv_images *images = &d->shot.scene.images;
+        uint32_t there = 0; /* of a set, some tiles may not be */
+        for (uint32_t i = 0; i < images->ntiles; i++)
+            there += images->tiles[i].width > 0;
+        printf("%s: %u x %u, %u image%s by texture coordinates, %ux MSAA, %ux anisotropy, %.1f MB "
                "on the GPU, %s\n",
-               path, frame->width, frame->height, d->shot.scene.images.ntiles, msaa, aniso,
+               path, frame->width, frame->height, there, there == 1 ? "" : "s", msaa, aniso,
                (double)slv_gl_images_bytes(d->images) / 1e6, renderer);
         return;
     }

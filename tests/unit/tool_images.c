@@ -163,6 +163,7 @@ static void tiles(void) {
     CHECK(tool("render row.obj --uv 't.<UDIM>.exr' --view row.json --bits 32 -o gl.exr") == 0);
     CHECK_MSG(strstr(tool_out, "1003") && !strstr(strstr(tool_out, "1003") + 1, "1003"), "%s",
               tool_out);
+    CHECK_MSG(strstr(tool_out, " 3 images by texture coordinates"), "%s", tool_out);
     check_tiles("gl.exr");
     CHECK(tool("reference row.obj --uv 't.<UDIM>.exr' --view row.json -q -o rays.exr") == 0);
     check_tiles("rays.exr");
