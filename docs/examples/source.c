@@ -72,7 +72,11 @@ static slv_result changed(void *user, uint64_t since, slv_visit_rect visit, void
 }
 
 /* Without `close`: the checkers are the caller's own. */
-static const slv_source_fns checkers_fns = {describe, find_face, read_rect, version, changed, NULL};
+static const slv_source_fns checkers_fns = {.describe = describe,
+                                            .face = find_face,
+                                            .read = read_rect,
+                                            .version = version,
+                                            .changed = changed};
 
 #ifndef EXAMPLE_WITHOUT_MAIN /* the library's tests look at this source too */
 int main(void) {

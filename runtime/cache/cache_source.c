@@ -210,7 +210,12 @@ static void close_source(void *user) {
     slvi_free(source);
 }
 
-static const slv_source_fns cache_fns = {describe, face, read_rect, version, changed, close_source};
+static const slv_source_fns cache_fns = {.describe = describe,
+                                         .face = face,
+                                         .read = read_rect,
+                                         .version = version,
+                                         .changed = changed,
+                                         .close = close_source};
 
 /* Under the lock: what the source will say of itself. */
 static slv_result fill(cached_source *source, cache_file *file) {

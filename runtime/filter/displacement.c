@@ -151,10 +151,11 @@ slv_result slv_displacement_open(slv_cache *cache, slv_file_id file,
         result = rewire(env, p.adjacency, made);
     if (result || (result = slv_sampler_create(made->cache, &made->filter, &tried)) ||
         (result = read_sizes(env, made))) {
-        slv_displacement failed = {p.space, NULL, NULL, made};
+        slv_displacement failed = {.space = p.space, .user = made};
         slv_displacement_close(&failed);
     } else {
-        *out = (slv_displacement){p.space, evaluate, detail, made};
+        *out = (slv_displacement){
+            .space = p.space, .evaluate = evaluate, .detail = detail, .user = made};
     }
     slv_sampler_destroy(tried);
     return result;
@@ -167,5 +168,5 @@ void slv_displacement_close(slv_displacement *displacement) {
         slvi_free(from->log2);
     }
     slvi_free(from);
-    *displacement = (slv_displacement){SLV_DISPLACE_NORMAL, NULL, NULL, NULL};
+    *displacement = (slv_displacement){.space = SLV_DISPLACE_NORMAL};
 }

@@ -65,8 +65,12 @@ static void close_rewired(void *user) {
     slvi_free(source);
 }
 
-static const slv_source_fns rewired_fns = {describe, face,    read_rect,
-                                           version,  changed, close_rewired};
+static const slv_source_fns rewired_fns = {.describe = describe,
+                                           .face = face,
+                                           .read = read_rect,
+                                           .version = version,
+                                           .changed = changed,
+                                           .close = close_rewired};
 
 /* All texels of triangles. */
 static slv_result read_triangles(rewired *to, const slv_source_desc *from) {

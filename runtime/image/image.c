@@ -3,10 +3,16 @@
 
 #include "base/log.h"
 #include "base/memory.h"
+#include "base/names.h"
 #include "base/output.h"
 #include "image/image_file.h"
 
 #include <string.h>
+
+const char *slv_image_format_name(slv_image_format format) {
+    static const char *const names[] = {"none", "png", "exr"};
+    return slvi_name_of(names, SLVI_COUNT(names), (int)format);
+}
 
 slv_image_format slv_image_format_of_name(const char *path) {
     if (slvi_name_ends(path, ".png"))

@@ -69,8 +69,12 @@ static void close_source(void *user) {
     slvi_free(source);
 }
 
-static const slv_source_fns decoded_fns = {describe, face,    read_rect,
-                                           version,  changed, close_source};
+static const slv_source_fns decoded_fns = {.describe = describe,
+                                           .face = face,
+                                           .read = read_rect,
+                                           .version = version,
+                                           .changed = changed,
+                                           .close = close_source};
 
 slv_result slv_source_decode(const slv_env *env, slv_source *inner, slv_texture_encoding encoding,
                              slv_source *out) {

@@ -141,8 +141,12 @@ static void close_source(void *user) {
     slvi_free(source);
 }
 
-static const slv_source_fns texture_fns = {describe, face,    read_rect,
-                                           version,  changed, close_source};
+static const slv_source_fns texture_fns = {.describe = describe,
+                                           .face = face,
+                                           .read = read_rect,
+                                           .version = version,
+                                           .changed = changed,
+                                           .close = close_source};
 
 slv_result slv_texture_as_source(const slv_env *env, const slv_texture *texture,
                                  const slv_adjacency *adjacency,

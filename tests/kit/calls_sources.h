@@ -226,7 +226,7 @@ static slv_result call_folders(const slv_env *env) {
 /* A surface moved by a file, as it stands or with other neighbours. */
 static slv_result call_displaced_by(const slv_env *env, const slv_adjacency *adjacency) {
     const slv_displacement_params moved = {.adjacency = adjacency};
-    slv_displacement displacement = {SLV_DISPLACE_NORMAL, NULL, NULL, NULL};
+    slv_displacement displacement = {.space = SLV_DISPLACE_NORMAL};
     const float low[3] = {0, 0, 0}, high[3] = {3, 1, 1};
     const slv_camera camera = slv_camera_orbit(low, high, 20, 30, 30, 1);
     const slv_tessellation_params params = {

@@ -205,8 +205,12 @@ static void live_close(void *user) {
     atomic_fetch_add(&((live *)user)->closed, 1);
 }
 
-static const slv_source_fns live_fns = {live_describe, live_face,    live_read,
-                                        live_version,  live_changed, live_close};
+static const slv_source_fns live_fns = {.describe = live_describe,
+                                        .face = live_face,
+                                        .read = live_read,
+                                        .version = live_version,
+                                        .changed = live_changed,
+                                        .close = live_close};
 
 typedef struct looker {
     live *live;

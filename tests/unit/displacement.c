@@ -264,7 +264,7 @@ static void check_formula(slv_displacement_space space, const float constant[3],
         .nverts = 4, .positions = positions, .npolys = 1, .poly_sizes = &size, .poly_verts = verts};
     const slv_surface_params bilinear = {.scheme = SLV_SCHEME_BILINEAR};
     formula f = {.space = space};
-    const slv_displacement displacement = {space, evaluate, NULL, &f};
+    const slv_displacement displacement = {.space = space, .evaluate = evaluate, .user = &f};
     const slv_tessellation_params params = {.segments = 128, .displacement = &displacement};
     slv_mesh *mesh = NULL;
     slv_adjacency *adjacency = NULL;
@@ -345,7 +345,7 @@ static void check_slopes(void) {
     slv_surface *surface = NULL;
     slv_tessellation t;
     const slv_surface_params bilinear = {.scheme = SLV_SCHEME_BILINEAR};
-    const slv_displacement moved = {SLV_DISPLACE_NORMAL, wave, NULL, NULL};
+    const slv_displacement moved = {.space = SLV_DISPLACE_NORMAL, .evaluate = wave};
     const slv_tessellation_params params = {.segments = 8, .displacement = &moved};
     MUST(slv_mesh_adjacency(&env, mesh, &adjacency));
     MUST(slv_surface_create(&env, mesh, &bilinear, &surface));

@@ -6,14 +6,17 @@
 #include <selvage/camera.h>
 #include <selvage/exchange.h>
 #include <selvage/filter.h>
+#include <selvage/gl_strategy.h>
 #include <selvage/gl_texture.h>
 #include <selvage/image.h>
+#include <selvage/lay.h>
 #include <selvage/ptx_check.h>
 #include <selvage/reference.h>
 #include <selvage/stroke.h>
 #include <selvage/surface.h>
 #include <selvage/tessellation.h>
 #include <selvage/transfer.h>
+#include <selvage/wrap.h>
 
 /* Checks the words of the values 0..LAST; `back` is an expression that is true if `name` leads back
  * to `i`. */
@@ -51,6 +54,7 @@ DEFINE_LEADS_BACK(slv_select, slv_select_from_name)
 DEFINE_LEADS_BACK(slv_size_unit, slv_size_unit_from_name)
 DEFINE_LEADS_BACK(slv_pixel_filter, slv_pixel_filter_from_name)
 DEFINE_LEADS_BACK(slv_gl_backend, slv_gl_backend_from_name)
+DEFINE_LEADS_BACK(slv_wrap_map, slv_wrap_map_from_name)
 
 static void check_results(void) {
     for (int i = 0; i <= (int)SLV_ERROR_CANCELLED; i++) {
@@ -97,6 +101,21 @@ int main(void) {
                 i == SLV_GL_HOST || leads_back_slv_gl_backend(name, i));
     CHECK_NAMES(slv_gl_branching, SLV_GL_BRANCHING_VECTORS, slv_gl_branching_name, true);
     CHECK_NAMES(slv_gl_compression, SLV_GL_COMPRESSION_BLOCKS, slv_gl_compression_name, true);
+    CHECK_NAMES(slv_gl_taps, SLV_GL_TAPS_SHADER, slv_gl_taps_name, true);
+    CHECK_NAMES(slv_gl_packing, SLV_GL_PAGES, slv_gl_packing_name, true);
+    CHECK_NAMES(slv_gl_wrapping, SLV_GL_WRAP_MIRROR, slv_gl_wrapping_name, true);
+    CHECK_NAMES(slv_gl_reach_kind, SLV_GL_REACH_COUNT - 1, slv_gl_reach_kind_name, true);
+    CHECK_NAMES(slv_image_format, SLV_IMAGE_EXR, slv_image_format_name, true);
+    CHECK_NAMES(slv_ptx_seams, SLV_PTX_SEAMS_ALL, slv_ptx_seams_name, true);
+    CHECK_NAMES(slv_wrap_map, SLV_WRAP_SPHERE, slv_wrap_map_name, leads_back_slv_wrap_map(name, i));
+    CHECK_NAMES(slv_wrap_round, SLV_WRAP_ROUND_BOTH, slv_wrap_round_name, true);
+    CHECK_NAMES(slv_ink_kind, SLV_INK_CLONE, slv_ink_kind_name, true);
+    CHECK_NAMES(slv_bake_miss, SLV_BAKE_NAN, slv_bake_miss_name, true);
+    CHECK_NAMES(slv_bake_wrap, SLV_BAKE_WRAP_NONE, slv_bake_wrap_name, true);
+    CHECK_NAMES(slv_bake_surface_kind, SLV_BAKE_CURVATURE, slv_bake_surface_kind_name, true);
+    CHECK_NAMES(slv_bake_rays_kind, SLV_BAKE_THICKNESS, slv_bake_rays_kind_name, true);
+    CHECK_NAMES(slv_bake_detail_kind, SLV_BAKE_FACE_VECTOR, slv_bake_detail_kind_name, true);
+    CHECK_NAMES(slv_unbake_normals, SLV_UNBAKE_FACE_NORMALS, slv_unbake_normals_name, true);
     slv_scheme scheme = SLV_SCHEME_BILINEAR; /* by its whole name, too */
     CHECK(slv_scheme_from_name("catmull-clark", &scheme) && scheme == SLV_SCHEME_CATMARK);
     slv_gl_backend host;

@@ -40,8 +40,6 @@ SLV_API void slv_brush_destroy(slv_brush *brush);
 SLV_API uint32_t slv_brush_unknown(const slv_brush *brush, const char *const **names);
 /* The radius that a file gives it, in pixels; of round brushes 20. */
 SLV_API float slv_brush_radius(const slv_brush *brush);
-/* The colour that a file gives it, as hue, saturation and value make RGB; false of round ones. */
-SLV_API bool slv_brush_color(const slv_brush *brush, float rgb[3]);
 
 #ifdef __cplusplus
 }

@@ -32,6 +32,7 @@ typedef struct slv_canvas_fns {
      * them */
     slv_result (*read)(void *user, uint32_t face, slv_rect rect, float *out);
     slv_result (*write)(void *user, uint32_t face, slv_rect rect, const float *texels);
+    uint64_t reserved[4];
 } slv_canvas_fns;
 
 /* Copied as it is; `fns` outlives it. */

@@ -61,6 +61,7 @@ typedef struct slv_layer_props {
     slv_blend blend;
     bool hidden;
     bool locked; /* cannot be painted on, merged into, or resized */
+    uint64_t reserved[4];
 } slv_layer_props;
 
 /* Zero means default, but for opacity (in `props`, which NULL makes 1, visible, normal). */

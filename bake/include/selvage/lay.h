@@ -20,6 +20,7 @@ typedef enum slv_ink_kind {
     SLV_INK_STAMP,     /* an image that is as large as the dab, and lies where it does */
     SLV_INK_CLONE      /* what the canvas has around another place */
 } slv_ink_kind;
+SLV_API const char *slv_ink_kind_name(slv_ink_kind kind); /* plain, gradient, image, stamp, clone */
 
 /* Images give colours as the texture stores them; where they have alpha, coverage is multiplied by
  * it, and it is 0 beside them. One of RGB on a canvas of one colour counts by its luminosity. Their

@@ -40,6 +40,7 @@ typedef struct slv_stroke_dab {
     bool laid; /* `lay` counts, but for its blur */
     slv_lay lay;
     slv_camera facing; /* room for the mask's camera where it is mirrored */
+    uint64_t reserved[4];
 } slv_stroke_dab;
 
 /* Zero means default, but for brush, paint and radius. */

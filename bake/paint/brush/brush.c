@@ -34,11 +34,6 @@ float slv_brush_radius(const slv_brush *brush) {
     return brush->radius;
 }
 
-bool slv_brush_color(const slv_brush *brush, float rgb[3]) {
-    memcpy(rgb, brush->rgb, sizeof brush->rgb);
-    return brush->is_file;
-}
-
 slv_result slv_brush_create(const slv_env *env, const slv_brush_params *params, slv_brush **out) {
     slv_brush *brush = NULL;
     const slv_brush_params none = {0};
@@ -181,7 +176,6 @@ static slv_result read_file(slv_brush *brush, const char *name, const char *text
 slv_result slv_brush_parse(const slv_env *env, const char *name, const char *text, size_t size,
                            slv_brush **out) {
     slv_brush *brush = NULL;
-    float hsv[3];
     *out = NULL;
     if (!slvi_mypaint_settings())
         return slvi_fail(env, SLV_ERROR_UNSUPPORTED,
@@ -199,8 +193,6 @@ slv_result slv_brush_parse(const slv_env *env, const char *name, const char *tex
         return result;
     }
     brush->radius = slvi_mypaint_radius(brush);
-    slvi_mypaint_hsv(brush, hsv);
-    slvi_hsv_to_rgb(hsv, brush->rgb);
     *out = brush;
     return SLV_OK;
 }

@@ -21,7 +21,7 @@ struct slv_brush {
     uint32_t ncurves;
     char **unknown;
     uint32_t nunknown;
-    float radius, rgb[3];
+    float radius;
 };
 
 /* Settings of libmypaint by name, -1 for none; and what they are kept within. */
@@ -30,7 +30,6 @@ int slvi_mypaint_setting(const char *name);
 int slvi_mypaint_input(const char *name);
 void slvi_mypaint_range(int setting, float *low, float *base, float *high);
 float slvi_mypaint_radius(const slv_brush *brush);
-void slvi_mypaint_hsv(const slv_brush *brush, float hsv[3]);
 
 /* A dab in the plane. The angle is in degrees from x towards y. */
 typedef struct slvi_plane_dab {
@@ -54,7 +53,6 @@ void slvi_mypaint_move(slvi_mypaint *engine, double x, double y, float pressure,
                        float tilt_y, double seconds);
 void slvi_mypaint_end(slvi_mypaint *engine);
 
-void slvi_hsv_to_rgb(const float hsv[3], float rgb[3]);
 void slvi_rgb_to_hsv(const float rgb[3], float hsv[3]);
 
 #endif

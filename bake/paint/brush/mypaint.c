@@ -55,12 +55,6 @@ float slvi_mypaint_radius(const slv_brush *brush) {
     return r < 0.2f ? 0.2f : r > 1000 ? 1000 : r;
 }
 
-void slvi_mypaint_hsv(const slv_brush *brush, float hsv[3]) {
-    hsv[0] = brush->base[MYPAINT_BRUSH_SETTING_COLOR_H];
-    hsv[1] = brush->base[MYPAINT_BRUSH_SETTING_COLOR_S];
-    hsv[2] = brush->base[MYPAINT_BRUSH_SETTING_COLOR_V];
-}
-
 /* What is not within 0..1 is cut off, as libmypaint's own surfaces do. */
 static float share(float value) {
     return fminf(fmaxf(value, 0), 1);
@@ -182,11 +176,6 @@ void slvi_mypaint_range(int setting, float *low, float *base, float *high) {
 
 float slvi_mypaint_radius(const slv_brush *brush) {
     return brush->radius;
-}
-
-void slvi_mypaint_hsv(const slv_brush *brush, float hsv[3]) {
-    (void)brush;
-    memset(hsv, 0, 3 * sizeof *hsv);
 }
 
 slv_result slvi_mypaint_begin(const slv_brush *brush, const float rgb[3], const slvi_plane *plane,

@@ -60,7 +60,8 @@ static slv_result read_rect(void *user, uint32_t face, slv_res res, slv_rect rec
     return slv_source_reduce(&b->env, &source, face, res, rect, out);
 }
 
-static const slv_source_fns source_fns = {describe, get_face, read_rect, NULL, NULL, NULL};
+static const slv_source_fns source_fns = {
+    .describe = describe, .face = get_face, .read = read_rect};
 
 static void destroy_blur(struct slvi_blur *blur) {
     if (!blur)

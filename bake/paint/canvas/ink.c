@@ -2,11 +2,17 @@
 #include "canvas/lay_data.h"
 
 #include "base/log.h"
+#include "base/names.h"
 
 #include <string.h>
 
 /* Image pixels that are averaged along an axis, at most. */
 enum { MOST_TAPS = 8 };
+
+const char *slv_ink_kind_name(slv_ink_kind kind) {
+    static const char *const names[] = {"plain", "gradient", "image", "stamp", "clone"};
+    return slvi_name_of(names, SLVI_COUNT(names), (int)kind);
+}
 
 /* Red, green, blue and alpha of an image between its pixels' middles; nothing is beside it. Pixels
  * from its upper left corner. Colours are multiplied by alpha. */

@@ -52,6 +52,7 @@ static slv_result write_rect(void *user, uint32_t face, slv_rect rect, const flo
 }
 
 slv_canvas slv_texture_as_canvas(slv_texture *texture) {
-    static const slv_canvas_fns fns = {describe, NULL, read_rect, write_rect};
+    static const slv_canvas_fns fns = {
+        .describe = describe, .read = read_rect, .write = write_rect};
     return (slv_canvas){&fns, texture};
 }

@@ -153,7 +153,8 @@ static slv_result write_rect(void *user, uint32_t face, slv_rect rect, const flo
 }
 
 slv_result slv_document_canvas(slv_document *document, uint32_t id, bool mask, slv_canvas *out) {
-    static const slv_canvas_fns fns = {describe, begin, read_rect, write_rect};
+    static const slv_canvas_fns fns = {
+        .describe = describe, .begin = begin, .read = read_rect, .write = write_rect};
     slvi_handle *handle = document->handles;
     slv_result result = SLV_OK;
     while (handle && (handle->id != id || handle->mask != mask))

@@ -55,7 +55,8 @@ static void set_defaults(slvi_line *set) {
 
 slv_result slv_script_create(slv_painter *painter, const slv_canvas *canvas,
                              const slv_script_params *params, slv_script **out) {
-    static const slv_canvas_fns fns = {describe, begin, read_rect, write_rect};
+    static const slv_canvas_fns fns = {
+        .describe = describe, .begin = begin, .read = read_rect, .write = write_rect};
     const slv_script_params none = {0};
     const slv_env *env = slvi_painter_env(painter);
     slv_canvas_desc desc;

@@ -1,5 +1,7 @@
-/* The strategies of strategy.h as a table. */
+/* The strategies of strategy.h as a table, and words for what they choose among. */
 #include "gl/strategy/strategy.h"
+
+#include "base/names.h"
 
 #include <string.h>
 
@@ -23,4 +25,19 @@ const slv_strategy *slv_strategy_find(const char *name) {
 
 const slv_strategy *slv_strategy_default(void) {
     return &slvi_strategy_traverse;
+}
+
+const char *slv_gl_packing_name(slv_gl_packing packing) {
+    static const char *const names[] = {"layers", "pages"};
+    return slvi_name_of(names, SLVI_COUNT(names), (int)packing);
+}
+
+const char *slv_gl_wrapping_name(slv_gl_wrapping wrapping) {
+    static const char *const names[] = {"clamp", "zero", "mirror"};
+    return slvi_name_of(names, SLVI_COUNT(names), (int)wrapping);
+}
+
+const char *slv_gl_reach_kind_name(slv_gl_reach_kind kind) {
+    static const char *const names[] = {"own", "neighbours", "squares"};
+    return slvi_name_of(names, SLVI_COUNT(names), (int)kind);
 }

@@ -88,6 +88,7 @@ typedef struct slv_form {
      * what `visit` returns other than SLV_OK. */
     slv_result (*needs)(const void *made, uint32_t item, slv_form_room *room, slv_visit_item visit,
                         void *user);
+    uint64_t reserved[4];
 } slv_form;
 
 /* The extent of a level of an item; `border` is what `create` was given. */

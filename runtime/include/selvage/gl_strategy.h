@@ -17,6 +17,7 @@ typedef enum slv_gl_packing {
     SLV_GL_PAGES       /* all levels of an item side by side in one layer: needed by forms with
                           borders or samples, possible for lookups that never leave a level */
 } slv_gl_packing;
+SLV_API const char *slv_gl_packing_name(slv_gl_packing packing); /* layers, pages */
 
 /* What a lookup finds beyond a layer. */
 typedef enum slv_gl_wrapping {
@@ -24,6 +25,7 @@ typedef enum slv_gl_wrapping {
     SLV_GL_WRAP_ZERO,      /* zero, in the coverage too */
     SLV_GL_WRAP_MIRROR
 } slv_gl_wrapping;
+SLV_API const char *slv_gl_wrapping_name(slv_gl_wrapping wrapping); /* clamp, zero, mirror */
 
 /* What a draw has to bind for its faces. */
 typedef enum slv_gl_reach_kind {
@@ -33,6 +35,7 @@ typedef enum slv_gl_reach_kind {
     SLV_GL_REACH_SQUARES,    /* the squares of htex, and the values of corners */
     SLV_GL_REACH_COUNT
 } slv_gl_reach_kind;
+SLV_API const char *slv_gl_reach_kind_name(slv_gl_reach_kind kind); /* own, neighbours, squares */
 
 /* Zero means default; `name`, `form` and one of `file` and `glsl` are needed. */
 typedef struct slv_strategy {
@@ -44,12 +47,14 @@ typedef struct slv_strategy {
     slv_gl_reach_kind reach;
     bool coverage;   /* lookups divide by how much filter weight fell inside */
     bool own_taps;   /* lookups take the taps of a long footprint themselves on every driver */
-    bool resampled;  /* texels are not the texture's own: what is drawn is slightly blurred */
+    bool resampled;  /* inside a face, too, what is drawn is not the texture's own texels, filtered
+                        as samplers do it: of a resampled form it is slightly blurred */
     bool comparison; /* of use in comparisons only: drawn where it is asked for by name */
     /* The GLSL: of a file in shaders/, or itself. A line #include "NAME" stands for a part of
      * shaders/; "lookup/interface.glsl" says what a strategy finds and defines, and
      * "lookup/footprint.glsl" has the rest of that. */
     const char *file, *glsl;
+    uint64_t reserved[4];
 } slv_strategy;
 
 /* The strategies of the library. slv_strategy_at is NULL past the last, slv_strategy_find if there

@@ -52,6 +52,7 @@ typedef enum slv_image_format {
     SLV_IMAGE_PNG,
     SLV_IMAGE_EXR
 } slv_image_format;
+SLV_API const char *slv_image_format_name(slv_image_format format); /* none, png, exr */
 SLV_API slv_image_format slv_image_format_of_name(const char *path);
 
 /* Writes what slv_image_format_of_name says. Atomic: beside, then rename. */

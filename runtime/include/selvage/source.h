@@ -71,6 +71,7 @@ typedef struct slv_source_fns {
     /* Releases what belongs to the source; nothing else is called after it. NULL: there is nothing
      * to release. */
     void (*close)(void *user);
+    uint64_t reserved[4];
 } slv_source_fns;
 
 /* A source, copied as it is: who is handed one and says that it takes it closes it. `fns` outlives
@@ -126,6 +127,7 @@ typedef struct slv_texture_source_params {
     const char *name; /* for messages; NULL means "texture" */
     slv_border_mode border_u, border_v;
     slv_edge_filter edge_filter;
+    uint64_t reserved[4];
 } slv_texture_source_params;
 
 /* A store as a source; it, and `adjacency`, must outlive it. NULL for an adjacency means that no

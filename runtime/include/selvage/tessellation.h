@@ -53,6 +53,7 @@ typedef struct slv_displacement {
     /* How many segments along its edges show all that there is on a face; NULL: nobody knows. */
     uint32_t (*detail)(void *user, int32_t face);
     void *user;
+    uint64_t reserved[4];
 } slv_displacement;
 
 /* Moves the flat faces of a cube (slv_mesh_create_cube, SLV_SCHEME_BILINEAR) onto the unit sphere
