@@ -1,6 +1,8 @@
 /* Faces into UV images: for each pixel near a face, where on the face it is. */
 #include "uv/raster.h"
 
+#include "adjacency/edge.h"
+
 #include <math.h>
 #include <string.h>
 
@@ -67,10 +69,9 @@ static bool invert(const quad *q, const double p[2], double *u, double *v) {
 
 /* The nearest point of the four sides. */
 static double nearest(const quad *q, const double p[2], double *u, double *v) {
-    static const double us[4] = {0, 1, 1, 0}, vs[4] = {0, 0, 1, 1};
     double best = INFINITY;
-    for (int k = 0; k < 4; k++) {
-        int n = (k + 1) % 4;
+    for (unsigned k = 0; k < 4; k++) {
+        unsigned n = slvi_edge_next(k);
         double side[2] = {q->at[n][0] - q->at[k][0], q->at[n][1] - q->at[k][1]};
         double away[2] = {p[0] - q->at[k][0], p[1] - q->at[k][1]};
         double square = side[0] * side[0] + side[1] * side[1];
@@ -79,8 +80,8 @@ static double nearest(const quad *q, const double p[2], double *u, double *v) {
         double distance = hypot(away[0] - t * side[0], away[1] - t * side[1]);
         if (distance < best) {
             best = distance;
-            *u = us[k] + (us[n] - us[k]) * t;
-            *v = vs[k] + (vs[n] - vs[k]) * t;
+            *u = slvi_corner_u(k) + (slvi_corner_u(n) - slvi_corner_u(k)) * t;
+            *v = slvi_corner_v(k) + (slvi_corner_v(n) - slvi_corner_v(k)) * t;
         }
     }
     return best;

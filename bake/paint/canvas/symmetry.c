@@ -4,6 +4,7 @@
 
 #include "base/log.h"
 #include "base/memory.h"
+#include "texture/bilinear.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -96,18 +97,16 @@ void slv_symmetry_destroy(slv_symmetry *symmetry) {
 }
 
 bool slv_symmetry_apply(const slv_symmetry *symmetry, slv_surface_point *point) {
-    static const float corners[4][2] = {{0, 0}, {1, 0}, {1, 1}, {0, 1}};
     if (point->face < 0 || (uint32_t)point->face >= symmetry->nfaces ||
         symmetry->images[point->face].face == SLVI_NONE)
         return false;
     const image to = symmetry->images[point->face];
     float u = point->u, v = point->v;
-    const float weights[4] = {(1 - u) * (1 - v), u * (1 - v), u * v, (1 - u) * v};
     *point = (slv_surface_point){(int32_t)to.face, 0, 0};
     for (unsigned k = 0; k < 4; k++) {
-        const float *corner = corners[(to.turn - k) & 3];
-        point->u += weights[k] * corner[0];
-        point->v += weights[k] * corner[1];
+        float share = slvi_bilinear_share(u, v, slvi_corner_u(k) | slvi_corner_v(k) << 1);
+        point->u += share * (float)slvi_corner_u(to.turn - k);
+        point->v += share * (float)slvi_corner_v(to.turn - k);
     }
     return true;
 }

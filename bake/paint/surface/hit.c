@@ -16,7 +16,7 @@ static slv_result make(const slv_paint_surface *s, struct slvi_rays *rays) {
         return result;
     /* Embree splits a quad between its second and fourth vertex. */
     for (size_t i = 0; i < 4 * (size_t)s->ncells; i++)
-        rays->quads[i] = s->cells[i / 4].corners[(i + 1) & 3];
+        rays->quads[i] = s->cells[i / 4].corners[slvi_edge_next((unsigned)i)];
     /* What follows the last vertex need not be readable: Embree keeps a copy. */
     embree_faces faces = {.what = "paint surface",
                           .type = RTC_GEOMETRY_TYPE_QUAD,

@@ -154,7 +154,7 @@ static void measure_cell(slv_paint_surface *s, uint32_t cell) {
     for (unsigned k = 0; k < 5; k++)
         s->cells[cell].lengths[k] =
             (float)slvi_distance(s->positions + 3 * (size_t)c[k & 3],
-                                 s->positions + 3 * (size_t)c[k < 4 ? (k + 1) & 3 : 2]);
+                                 s->positions + 3 * (size_t)c[k < 4 ? slvi_edge_next(k) : 2]);
 }
 
 static void measure(slv_paint_surface *s, uint32_t face) {
