@@ -1,13 +1,14 @@
 /* A file of a cache as a source: rectangles out of blocks. */
 #include "cache/cache_data.h"
 
+#include "base/idle.h"
 #include "base/log.h"
 #include "base/memory.h"
 #include "texture/reduce.h"
 
 typedef struct idle_thread {
+    slvi_idle_link link;
     cache_thread thread;
-    struct idle_thread *next;
 } idle_thread;
 
 typedef struct cached_source {
@@ -15,8 +16,7 @@ typedef struct cached_source {
     slv_file_id file;
     char *name;
     slv_source_desc desc;
-    pthread_mutex_t lock;
-    idle_thread *idle;
+    slvi_idle idle;
 } cached_source;
 
 static const slv_source_fns cache_fns;
@@ -28,11 +28,7 @@ static slv_result describe(void *user, slv_source_desc *out) {
 }
 
 static slv_result take_thread(cached_source *source, idle_thread **out) {
-    pthread_mutex_lock(&source->lock);
-    idle_thread *thread = source->idle;
-    if (thread)
-        source->idle = thread->next;
-    pthread_mutex_unlock(&source->lock);
+    idle_thread *thread = slvi_idle_take(&source->idle);
     *out = thread;
     if (thread)
         return SLV_OK;
@@ -42,13 +38,6 @@ static slv_result take_thread(cached_source *source, idle_thread **out) {
         slvi_cache_thread_begin(source->cache, &thread->thread);
     *out = thread;
     return result;
-}
-
-static void give_thread(cached_source *source, idle_thread *thread) {
-    pthread_mutex_lock(&source->lock);
-    thread->next = source->idle;
-    source->idle = thread;
-    pthread_mutex_unlock(&source->lock);
 }
 
 /* Pins, and finds the tables; if there are none, it is not pinned. */
@@ -87,7 +76,7 @@ static slv_result face(void *user, uint32_t index, slv_source_face *out) {
         }
         cache_unpin(&thread->thread);
     }
-    give_thread(source, thread);
+    slvi_idle_give(&source->idle, thread);
     return result;
 }
 
@@ -162,7 +151,7 @@ static slv_result read_rect(void *user, uint32_t index, slv_res res, slv_rect re
         result = read_pinned(&thread->thread, tables, index, res, rect, out, &again);
         cache_unpin(&thread->thread);
     }
-    give_thread(source, thread);
+    slvi_idle_give(&source->idle, thread);
     return result;
 }
 
@@ -199,13 +188,11 @@ static slv_result changed(void *user, uint64_t since, slv_visit_rect visit, void
 
 static void close_source(void *user) {
     cached_source *source = user;
-    while (source->idle) {
-        idle_thread *thread = source->idle;
-        source->idle = thread->next;
+    for (idle_thread *thread; (thread = slvi_idle_take(&source->idle));) {
         slvi_cache_thread_end(&thread->thread);
         slvi_free(thread);
     }
-    pthread_mutex_destroy(&source->lock);
+    slvi_idle_end(&source->idle);
     slvi_free(source->name);
     slvi_free(source);
 }
@@ -253,7 +240,7 @@ slv_result slv_cache_as_source(slv_cache *cache, slv_file_id id, slv_source *out
         return result;
     source->cache = cache;
     source->file = id;
-    pthread_mutex_init(&source->lock, NULL);
+    slvi_idle_begin(&source->idle);
     pthread_mutex_lock(&cache->lock);
     cache_file *file = slvi_cache_find_file(cache, id);
     result = file ? fill(source, file) : slvi_cache_no_such_file(cache, id);

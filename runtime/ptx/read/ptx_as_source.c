@@ -1,5 +1,6 @@
 /* A .ptx file as a source: any rectangle, out of tiles, by readers that are kept for whoever comes
  * next. */
+#include "base/idle.h"
 #include "base/log.h"
 #include "base/memory.h"
 #include "ptx/format/ptx_file.h"
@@ -8,15 +9,14 @@
 #define TILE_BYTES 65536
 
 typedef struct ptx_idle_reader {
+    slvi_idle_link link;
     slv_ptx_reader *reader;
-    struct ptx_idle_reader *next;
 } ptx_idle_reader;
 
 typedef struct ptx_as_source {
     slv_env env;
     const slv_ptx *ptx;
-    pthread_mutex_t lock;
-    ptx_idle_reader *idle;
+    slvi_idle idle;
 } ptx_as_source;
 
 static const slv_source_fns ptx_fns;
@@ -43,11 +43,7 @@ static slv_result face(void *user, uint32_t index, slv_source_face *out) {
 
 /* Whoever read last, so that what it unpacked may serve again. */
 static slv_result take_reader(ptx_as_source *source, ptx_idle_reader **out) {
-    pthread_mutex_lock(&source->lock);
-    ptx_idle_reader *reader = source->idle;
-    if (reader)
-        source->idle = reader->next;
-    pthread_mutex_unlock(&source->lock);
+    ptx_idle_reader *reader = slvi_idle_take(&source->idle);
     *out = reader;
     if (reader)
         return SLV_OK;
@@ -60,13 +56,6 @@ static slv_result take_reader(ptx_as_source *source, ptx_idle_reader **out) {
     }
     *out = reader;
     return SLV_OK;
-}
-
-static void give_reader(ptx_as_source *source, ptx_idle_reader *reader) {
-    pthread_mutex_lock(&source->lock);
-    reader->next = source->idle;
-    source->idle = reader;
-    pthread_mutex_unlock(&source->lock);
 }
 
 /* Whether a rectangle is a tile that the file can be asked for, and of what size. */
@@ -123,19 +112,17 @@ static slv_result read_rect(void *user, uint32_t index, slv_res res, slv_rect re
         result = slv_ptx_reader_read_tile(reader->reader, index, res, size, rect.x, rect.y, out);
     else
         result = read_parts(source, reader->reader, index, res, rect, out);
-    give_reader(source, reader);
+    slvi_idle_give(&source->idle, reader);
     return result;
 }
 
 static void close_source(void *user) {
     ptx_as_source *source = user;
-    while (source->idle) {
-        ptx_idle_reader *reader = source->idle;
-        source->idle = reader->next;
+    for (ptx_idle_reader *reader; (reader = slvi_idle_take(&source->idle));) {
         slv_ptx_reader_destroy(reader->reader);
         slvi_free(reader);
     }
-    pthread_mutex_destroy(&source->lock);
+    slvi_idle_end(&source->idle);
     slvi_free(source);
 }
 
@@ -151,7 +138,7 @@ slv_result slv_ptx_as_source(const slv_env *env, const slv_ptx *ptx, slv_source 
         return result;
     source->env = slvi_env_or_default(env);
     source->ptx = ptx;
-    pthread_mutex_init(&source->lock, NULL);
+    slvi_idle_begin(&source->idle);
     *out = (slv_source){&ptx_fns, source};
     return SLV_OK;
 }

@@ -4,11 +4,7 @@
 #include "base/log.h"
 
 slv_result slvi_ptx_writer_take(slv_ptx_writer *writer, const slv_env *env, ptx_packer **out) {
-    pthread_mutex_lock(&writer->lock);
-    ptx_packer *packer = writer->idle;
-    if (packer)
-        writer->idle = packer->next;
-    pthread_mutex_unlock(&writer->lock);
+    ptx_packer *packer = slvi_idle_take(&writer->packers);
     *out = packer;
     if (packer) {
         packer->env = env;
@@ -36,10 +32,6 @@ slv_result slvi_ptx_writer_take(slv_ptx_writer *writer, const slv_env *env, ptx_
 }
 
 void slvi_ptx_writer_give(slv_ptx_writer *writer, ptx_packer *packer) {
-    if (!packer)
-        return;
-    pthread_mutex_lock(&writer->lock);
-    packer->next = writer->idle;
-    writer->idle = packer;
-    pthread_mutex_unlock(&writer->lock);
+    if (packer)
+        slvi_idle_give(&writer->packers, packer);
 }

@@ -6,6 +6,7 @@
 
 #include "ptx/format/ptx_file.h"
 
+#include "base/idle.h"
 #include "base/memory.h"
 #include "base/progress.h"
 
@@ -41,7 +42,7 @@ size_t slvi_ptx_deflate(struct ptx_deflater *deflater, const uint8_t *in, size_t
 
 /* What one thread needs to pack faces. */
 typedef struct ptx_packer {
-    struct ptx_packer *next; /* of those that are idle */
+    slvi_idle_link link;
     const slv_env *env;
     const char *path;
     struct libdeflate_compressor *deflater;
@@ -125,8 +126,8 @@ struct slv_ptx_writer {
     slvi_steps steps; /* a step is a face packed here, or one put into the finished file */
     ptx_spill spill;
     ptx_seams seams;
-    pthread_mutex_t lock;
-    ptx_packer *idle;
+    pthread_mutex_t lock; /* of seams.size */
+    slvi_idle packers;
     ptx_kept_meta *meta;
     uint32_t nmeta, meta_capacity;
     slv_ptx_face *links; /* adjacency and flags in place of those given with faces, or NULL */

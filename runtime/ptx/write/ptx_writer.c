@@ -114,6 +114,7 @@ static slv_result begin(const slv_env *env, const char *path, const slv_ptx_writ
     writer->pixel_size = params->nchannels * slv_type_size(params->type);
     atomic_init(&writer->failed, false);
     pthread_mutex_init(&writer->lock, NULL);
+    slvi_idle_begin(&writer->packers);
     slvi_steps_begin(&writer->steps, params->progress, nfaces);
     if ((result = slvi_parallel_env_begin(env, &writer->log, &writer->env)))
         goto done;
@@ -171,11 +172,9 @@ slv_result slv_ptx_writer_create(const slv_env *env, const char *path,
 void slv_ptx_writer_destroy(slv_ptx_writer *writer) {
     if (!writer)
         return;
-    while (writer->idle) {
-        ptx_packer *packer = writer->idle;
-        writer->idle = packer->next;
+    for (ptx_packer *packer; (packer = slvi_idle_take(&writer->packers));)
         slvi_ptx_packer_free(packer);
-    }
+    slvi_idle_end(&writer->packers);
     slvi_ptx_spill_end(&writer->spill);
     slvi_ptx_seams_end(writer);
     for (uint32_t level = 0; level < PTX_MAX_STORED_LEVELS; level++)
