@@ -49,19 +49,6 @@ struct result {
     uint64_t resident, peak; /* bytes */
 };
 
-/* A line such as VmRSS of what the operating system says, in bytes. */
-static uint64_t status_bytes(const char *name) {
-    FILE *file = fopen("/proc/self/status", "r");
-    char line[256];
-    unsigned long long kib = 0;
-    while (file && fgets(line, sizeof line, file))
-        if (strncmp(line, name, strlen(name)) == 0)
-            sscanf(line + strlen(name), ": %llu", &kib);
-    if (file)
-        fclose(file);
-    return kib << 10;
-}
-
 /* Slopes along u and v that depend on the face, whole steps of 1/255 a few texels apart, so that
  * files are small but no face is constant: every filter gives the plane, to the rounding of texels.
  */
@@ -216,7 +203,7 @@ static void measure(const struct options *o, const char *const *paths, uint32_t 
     slv_cache *cache;
     slv_file_id *ids = calloc(files, sizeof *ids);
     memset(out, 0, sizeof *out);
-    uint64_t before = status_bytes("VmRSS");
+    uint64_t before = bench_status_bytes("VmRSS");
     /* so that the peak is that of this cache */
     FILE *reset = fopen("/proc/self/clear_refs", "w");
     if (reset) {
@@ -248,8 +235,8 @@ static void measure(const struct options *o, const char *const *paths, uint32_t 
     out->stats.evictions -= first.evictions;
     out->stats.reloaded -= first.reloaded;
     out->stats.bytes_read -= first.bytes_read;
-    out->resident = status_bytes("VmRSS");
-    out->peak = status_bytes("VmHWM");
+    out->resident = bench_status_bytes("VmRSS");
+    out->peak = bench_status_bytes("VmHWM");
     out->resident -= out->resident < before ? out->resident : before;
     out->peak -= out->peak < before ? out->peak : before;
     slv_cache_destroy(cache);

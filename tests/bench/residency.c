@@ -38,18 +38,6 @@ struct scene {
     float *corners;
 };
 
-static uint64_t status_bytes(const char *name) {
-    FILE *file = fopen("/proc/self/status", "r");
-    char line[256];
-    unsigned long long kib = 0;
-    while (file && fgets(line, sizeof line, file))
-        if (strncmp(line, name, strlen(name)) == 0)
-            sscanf(line + strlen(name), ": %llu", &kib);
-    if (file)
-        fclose(file);
-    return kib << 10;
-}
-
 /* Bytes that this thread has asked the operating system for. */
 static uint64_t thread_reads(void) {
     char path[64], line[64];
@@ -166,7 +154,7 @@ static bool step(slv_gl_residency *residency, const slv_env *env, const slv_came
     if (peaks->ntimes < MOST_FRAMES)
         peaks->times[peaks->ntimes++] = 1e3 * (bench_seconds(CLOCK_THREAD_CPUTIME_ID) - start);
     peaks->reads += thread_reads() - reads - (reads - once);
-    resident = status_bytes("VmRSS");
+    resident = bench_status_bytes("VmRSS");
     peaks->gpu = state.gpu_bytes > peaks->gpu ? state.gpu_bytes : peaks->gpu;
     peaks->host = state.host_bytes > peaks->host ? state.host_bytes : peaks->host;
     peaks->resident = resident > peaks->resident ? resident : peaks->resident;
@@ -197,7 +185,7 @@ static void fly(slv_gl *gl, const slv_env *env, const struct options *o) {
     static struct peaks peaks;
     slv_cache *cache = NULL;
     struct scene s = make_scene(env, o->size, o->log2);
-    uint64_t before = status_bytes("VmRSS");
+    uint64_t before = bench_status_bytes("VmRSS");
     double start = bench_seconds(CLOCK_MONOTONIC);
     slv_gl_residency *residency = open_scene(gl, env, &s, o, &cache);
     printf("%u faces of %u x %u: %llu MiB of texels; %s within %llu MiB of the GPU's memory and "

@@ -51,20 +51,24 @@ static inline void paint_scene_end(paint_scene *s) {
     slv_mesh_destroy(s->mesh);
 }
 
-/* n x n quads of the plane from 0 to `size`, each beginning at another of its corners. */
-static inline shape paint_plane(int n, float size) {
+/* nx x ny quads of the plane from 0; with `turn` 1 each begins at another of its corners. */
+static inline shape paint_rectangle(int nx, int ny, float width, float height, int turn) {
     shape s = {0};
-    for (int j = 0; j <= n; j++)
-        for (int i = 0; i <= n; i++)
-            shape_vertex(&s, size * (float)i / (float)n, size * (float)j / (float)n, 0);
-    for (int j = 0; j < n; j++)
-        for (int i = 0; i < n; i++) {
-            int32_t a = j * (n + 1) + i, q[4] = {a, a + 1, a + n + 2, a + n + 1}, t[4];
+    for (int j = 0; j <= ny; j++)
+        for (int i = 0; i <= nx; i++)
+            shape_vertex(&s, width * (float)i / (float)nx, height * (float)j / (float)ny, 0);
+    for (int j = 0; j < ny; j++)
+        for (int i = 0; i < nx; i++) {
+            int32_t a = j * (nx + 1) + i, q[4] = {a, a + 1, a + nx + 2, a + nx + 1}, t[4];
             for (int k = 0; k < 4; k++)
-                t[k] = q[(k + i + 2 * j + i * j) & 3];
+                t[k] = q[(k + turn * (i + 2 * j + i * j)) & 3];
             shape_polygon(&s, 4, t);
         }
     return s;
+}
+
+static inline shape paint_plane(int n, float size) {
+    return paint_rectangle(n, n, size, size, 1);
 }
 
 /* The place of a plane that lies below a point. */

@@ -2,6 +2,7 @@
 #ifndef SLV_TOOL_KIT_H
 #define SLV_TOOL_KIT_H
 
+#include "kit/folder_kit.h"
 #include "kit/ptx_kit.h"
 
 #include "verbs.h"
@@ -11,17 +12,14 @@
 #include <stdarg.h>
 #include <sys/wait.h>
 
-static char tool_folder[256];
 static char tool_out[65536]; /* what the last run printed, both streams */
 
 static inline void tool_begin(void) {
-    snprintf(tool_folder, sizeof tool_folder, "%s/selvage_tool_XXXXXX", test_parent());
-    REQUIRE(mkdtemp(tool_folder));
+    test_folder_begin();
 }
 
 static inline void tool_end(void) {
-    test_remove(tool_folder);
-    CHECK(access(tool_folder, F_OK) != 0);
+    test_folder_end();
 }
 
 /* The words of a command line, quotes removed, into `line`'s own bytes. Returns how many, or -1 if
@@ -62,7 +60,7 @@ static inline pid_t tool_fork(char *words[], int count, FILE **out) {
         dup2(ends[1], STDERR_FILENO);
         close(ends[1]);
         words[0] = "selvage";
-        exit(chdir(tool_folder) == 0 ? command_main(count + 1, words) : 127);
+        exit(chdir(test_folder) == 0 ? command_main(count + 1, words) : 127);
     }
     close(ends[1]);
     *out = fdopen(ends[0], "r");
@@ -83,7 +81,7 @@ static inline int tool(const char *format, ...) {
     va_start(args, format);
     vsnprintf(arguments, sizeof arguments, format, args);
     va_end(args);
-    snprintf(line, sizeof line, "cd '%s' && '%s/selvage' 2>&1 %s", tool_folder, bin ? bin : "bin",
+    snprintf(line, sizeof line, "cd '%s' && '%s/selvage' 2>&1 %s", test_folder, bin ? bin : "bin",
              arguments);
     int count = tool_words(arguments, words + 1, ROOM);
     pid_t child = count < 0 ? 0 : tool_fork(words, count, &out);
@@ -110,13 +108,8 @@ static inline int tool(const char *format, ...) {
         CHECK_MSG(code_ == (code), "exit code %d, expected %d:\n%s", code_, code, tool_out);       \
     } while (0)
 
-/* A path in the folder; four are valid at a time. */
 static inline const char *tool_path(const char *name) {
-    static char paths[4][1024];
-    static int turn;
-    char *path = paths[turn = (turn + 1) % 4];
-    snprintf(path, sizeof paths[0], "%s/%s", tool_folder, name);
-    return path;
+    return test_path(name);
 }
 
 static inline slv_ptx *tool_open(const char *name) {

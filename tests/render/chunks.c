@@ -1,6 +1,7 @@
 /* Tables that are longer than a storage block may be: lookups are the same bits whatever the limit,
  * and values that faces share around a vertex are there once. The limit is a made-up one. */
 #include "kit/change_kit.h"
+#include "kit/lookup_kit.h"
 #include "kit/strategy_kit.h"
 
 #include "gl/context/api.h"
@@ -8,24 +9,6 @@
 #include <selvage/gl_live.h>
 
 static slv_gl *gl;
-
-enum { NPOINTS = 4096 };
-
-static int32_t faces[NPOINTS];
-static float uv[2 * NPOINTS], dx[2 * NPOINTS], dy[2 * NPOINTS];
-
-static void random_points(const kit *k, uint64_t *random) {
-    for (int i = 0; i < NPOINTS; i++) {
-        float texels = exp2f((float)(test_random(random) % 1000) / 100 - 4);
-        faces[i] = (int32_t)(test_random(random) % k->nfaces);
-        slv_res res = k->res[faces[i]];
-        for (int c = 0; c < 2; c++) /* often on an edge or in a corner */
-            uv[2 * i + c] = test_random(random) % 3 ? (float)(test_random(random) % 1025) / 1024
-                                                    : (float)(test_random(random) % 2);
-        dx[2 * i] = texels / (float)(1u << res.u);
-        dy[2 * i + 1] = texels / (float)(1u << res.v);
-    }
-}
 
 static uint32_t look_up(const kit *k, const slv_strategy *strategy, float *out) {
     slv_env env = test_env();

@@ -2,31 +2,12 @@
  * 1x1 up: the numbers that a lookup returns must not depend on how faces are spread over arrays and
  * batches. */
 #include "kit/border_kit.h"
+#include "kit/lookup_kit.h"
 #include "kit/strategy_kit.h"
 
 #include <selvage/gl_texture.h>
 
 static slv_gl *gl;
-
-enum { NPOINTS = 4096 };
-
-static int32_t faces[NPOINTS];
-static float uv[2 * NPOINTS], dx[2 * NPOINTS], dy[2 * NPOINTS];
-
-static void random_points(const kit *k, uint64_t *random) {
-    for (int i = 0; i < NPOINTS; i++) {
-        float texels = exp2f((float)(test_random(random) % 1000) / 100 - 4);
-        slv_res res;
-        faces[i] = (int32_t)(test_random(random) % k->nfaces);
-        res = k->res[faces[i]];
-        for (int c = 0; c < 2; c++)
-            uv[2 * i + c] = (float)(test_random(random) % 1025) / 1024;
-        dx[2 * i] = texels / (float)(1u << res.u);
-        dx[2 * i + 1] = 0;
-        dy[2 * i] = 0;
-        dy[2 * i + 1] = texels / (float)(1u << res.v);
-    }
-}
 
 static void look_up(const kit *k, const slv_gl_texture_params *params, const slv_strategy *strategy,
                     float *out, uint32_t *batches) {

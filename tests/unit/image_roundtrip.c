@@ -1,5 +1,5 @@
 /* Images written, read back and compared, and what is said of those that cannot be. */
-#include "kit/test.h"
+#include "kit/folder_kit.h"
 
 #include <selvage/half.h>
 #include <selvage/image.h>
@@ -9,19 +9,10 @@
 #include <unistd.h>
 
 static uint64_t seed = 3;
-static char folder[512];
-
-static const char *in_folder(const char *name) {
-    static char paths[2][1024];
-    static int turn;
-    char *path = paths[turn ^= 1];
-    snprintf(path, sizeof paths[0], "%s/%s", folder, name);
-    return path;
-}
 
 static int files_in_folder(void) {
     int count = 0;
-    DIR *dir = opendir(folder);
+    DIR *dir = opendir(test_folder);
     struct dirent *entry;
     while (dir && (entry = readdir(dir)))
         count += entry->d_name[0] != '.';
@@ -69,7 +60,7 @@ static void png_round_trip(uint32_t width, uint32_t height, uint32_t n, uint32_t
     slv_image image = random_image(width, height, n, 1.1f), back;
     struct rows rows = {0};
     slv_image_params params = {.encoding = encoding, .bits = bits, .progress = {count_rows, &rows}};
-    const char *path = in_folder("x.PNG");
+    const char *path = test_path("x.PNG");
     REQUIRE(slv_image_save(&env, path, &image, &params) == SLV_OK);
     CHECK(rows.done == height && rows.calls == height);
     params.progress.report = NULL;
@@ -99,7 +90,7 @@ static void exr_round_trip(uint32_t width, uint32_t height, uint32_t n, uint32_t
     slv_image_params params = {
         .encoding = SLV_ENCODE_SRGB, .bits = bits, .progress = {count_rows, &rows}};
     image.pixels[0] = -2.5f;
-    const char *path = in_folder("x.exr");
+    const char *path = test_path("x.exr");
     REQUIRE(slv_image_save(&env, path, &image, &params) == SLV_OK);
     CHECK(rows.done == height && rows.calls > 0);
     REQUIRE(slv_image_load(&env, path, &back) == SLV_OK);
@@ -121,7 +112,7 @@ static void exr_round_trip(uint32_t width, uint32_t height, uint32_t n, uint32_t
 static void exr_of_any_length(void) {
     slv_env env = test_env();
     uint64_t random = 9;
-    const char *path = in_folder("length.exr");
+    const char *path = test_path("length.exr");
     for (int round = 0; round < 1500; round++) {
         uint32_t width = 1u << test_random(&random) % 6, height = 1u << test_random(&random) % 6;
         uint32_t values = 1u << test_random(&random) % 11;
@@ -142,7 +133,7 @@ static void exr_of_any_length(void) {
 
 static slv_result load_bytes(const void *bytes, size_t size, slv_image *out) {
     slv_env env = test_env();
-    const char *path = in_folder("bytes");
+    const char *path = test_path("bytes");
     FILE *stream = fopen(path, "wb");
     size_t written = stream ? fwrite(bytes, 1, size, stream) : 0;
     REQUIRE(stream && written == size);
@@ -187,7 +178,7 @@ static void spoilt(const char *name, uint32_t bits) {
     slv_env env = test_env();
     slv_image image = random_image(19, 37, 4, 1.0f), back;
     slv_image_params params = {.encoding = SLV_ENCODE_RAW, .bits = bits};
-    const char *path = in_folder(name);
+    const char *path = test_path(name);
     REQUIRE(slv_image_save(&env, path, &image, &params) == SLV_OK);
     slv_image_free(&image);
     FILE *stream = fopen(path, "rb");
@@ -213,9 +204,9 @@ static void refusals(void) {
     slv_env env = test_env();
     slv_image image = random_image(2, 2, 3, 1.0f), back;
     slv_image_params params = {.encoding = SLV_ENCODE_SRGB, .bits = 12};
-    CHECK(slv_image_save(&env, in_folder("x.png"), &image, &params) == SLV_ERROR_ARGUMENT);
-    CHECK(slv_image_save(&env, in_folder("x.exr"), &image, &params) == SLV_ERROR_ARGUMENT);
-    CHECK(slv_image_save(&env, in_folder("x.jpg"), &image, NULL) == SLV_ERROR_UNSUPPORTED);
+    CHECK(slv_image_save(&env, test_path("x.png"), &image, &params) == SLV_ERROR_ARGUMENT);
+    CHECK(slv_image_save(&env, test_path("x.exr"), &image, &params) == SLV_ERROR_ARGUMENT);
+    CHECK(slv_image_save(&env, test_path("x.jpg"), &image, NULL) == SLV_ERROR_UNSUPPORTED);
     CHECK(strstr(test_last_log, "x.jpg"));
     CHECK(slv_image_save(&env, "/nowhere/x.exr", &image, NULL) == SLV_ERROR_IO);
     CHECK(strstr(test_last_log, "/nowhere/x.exr"));
@@ -231,9 +222,7 @@ static void refusals(void) {
 }
 
 int main(void) {
-    snprintf(folder, sizeof folder, "%s/selvage-XXXXXX", test_parent());
-    const char *made = mkdtemp(folder);
-    REQUIRE(made != NULL);
+    test_folder_begin();
     for (uint32_t n = 1; n <= 4; n++) {
         for (uint32_t bits = 8; bits <= 16; bits += 8) {
             png_round_trip(7, 5, n, bits, SLV_ENCODE_SRGB);
@@ -249,7 +238,7 @@ int main(void) {
     spoilt("s.png", 8);
     spoilt("s.exr", 16);
     refusals();
-    CHECK_MSG(files_in_folder() == 0, "something was left in %s", folder);
-    rmdir(folder);
+    CHECK_MSG(files_in_folder() == 0, "something was left in %s", test_folder);
+    test_folder_end();
     return test_end();
 }

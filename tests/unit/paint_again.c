@@ -2,20 +2,11 @@
  * the journal after a kill; and undoing all of it gives those that there were at first. In its long
  * form 10,000 dabs. */
 #include "kit/document_kit.h"
+#include "kit/folder_kit.h"
 
 #include <selvage/session.h>
 
 #include <unistd.h>
-
-static char folder[160];
-
-static const char *in_folder(const char *name) {
-    static char paths[4][256];
-    static int next;
-    char *path = paths[next++ & 3];
-    snprintf(path, sizeof paths[0], "%s/%s", folder, name);
-    return path;
-}
 
 /* A cube of faces that have a picture, and differ in size: a large dab is worth several threads. */
 static slv_session *create(const char *name, uint32_t threads) {
@@ -39,7 +30,7 @@ static slv_session *create(const char *name, uint32_t threads) {
         MUST(slv_texture_set_face(texture, face, texels));
         free(texels);
     }
-    MUST(slv_session_create_from(&env, in_folder(name), mesh, texture, &params, &session));
+    MUST(slv_session_create_from(&env, test_path(name), mesh, texture, &params, &session));
     slv_texture_destroy(texture);
     slv_mesh_destroy(mesh);
     shape_clear(&cube);
@@ -101,7 +92,8 @@ static uint32_t undos_of(slv_session *session) {
 /* Whether two files, without how sessions are called in them, are the same bytes. */
 static bool same_file(const char *name, const char *a, const char *b) {
     char line[700];
-    snprintf(line, sizeof line, "cmp -s %s/%s/%s %s/%s/%s", folder, a, name, folder, b, name);
+    snprintf(line, sizeof line, "cmp -s %s/%s/%s %s/%s/%s", test_folder, a, name, test_folder, b,
+             name);
     return system(line) == 0;
 }
 
@@ -109,10 +101,8 @@ int main(void) {
     const uint64_t dabs = test_brief() ? 400 : 10000;
     const slv_session_params relaxed = {.relaxed = true};
     slv_env env = test_env();
-    char line[256];
     uint32_t lines, again;
-    snprintf(folder, sizeof folder, "%s/selvage-again-XXXXXX", test_parent());
-    REQUIRE(mkdtemp(folder));
+    test_folder_begin();
     slv_session *one = create("one.selvage", 1), *many = create("many.selvage", 4);
     const uint64_t begin = document_state(slv_session_document(one));
     const uint32_t before = undos_of(one);
@@ -127,7 +117,7 @@ int main(void) {
     CHECK(paint(many, dabs, &again) == end);
     CHECK(same_file("journal", "one.selvage", "second.selvage"));
     slv_session_destroy(many); /* as if it had been killed: nothing was saved */
-    MUST(slv_session_open(&env, in_folder("second.selvage"), &relaxed, &many));
+    MUST(slv_session_open(&env, test_path("second.selvage"), &relaxed, &many));
     CHECK(paint(many, 0, &again) == end && undos_of(many) == entries);
     for (int k = 0; k < 2; k++) { /* from the journal, and as it was painted */
         slv_document *document = slv_session_document(k ? one : many);
@@ -140,7 +130,6 @@ int main(void) {
     }
     slv_session_destroy(one);
     slv_session_destroy(many);
-    snprintf(line, sizeof line, "rm -rf %s", folder);
-    REQUIRE(system(line) == 0);
+    test_folder_end();
     return test_end();
 }

@@ -1,7 +1,7 @@
 /* Dabs on surfaces: what several faces hold is what one flat face of the same texels holds,
  * whatever edges, corners and resolutions lie between, and nothing is covered twice or through a
  * plate. */
-#include "kit/mesh_shapes.h"
+#include "kit/paint_kit.h"
 
 #include <selvage/canvas.h>
 
@@ -66,22 +66,6 @@ static float value_at(const slv_patches *patches, uint32_t face, uint32_t x, uin
     return 0;
 }
 
-/* nx x ny quads of the plane, each beginning at one of its corners. */
-static shape plane(int nx, int ny, float width, float height, int turn) {
-    shape s = {0};
-    for (int j = 0; j <= ny; j++)
-        for (int i = 0; i <= nx; i++)
-            shape_vertex(&s, width * (float)i / (float)nx, height * (float)j / (float)ny, 0);
-    for (int j = 0; j < ny; j++)
-        for (int i = 0; i < nx; i++) {
-            int32_t a = j * (nx + 1) + i, q[4] = {a, a + 1, a + nx + 2, a + nx + 1}, t[4];
-            for (int k = 0; k < 4; k++)
-                t[k] = q[(k + turn * (i + 2 * j + i * j)) & 3];
-            shape_polygon(&s, 4, t);
-        }
-    return s;
-}
-
 /* What a dab is `x` along and `y` across its axes from its middle: the profile of slv_dab, the rim
  * no narrower than `texel`. */
 static double profile(const slv_dab *dab, double x, double y, double texel) {
@@ -143,7 +127,7 @@ static void planes_of_many_faces(void) {
         float hardness, aspect, angle;
     } brushes[] = {{0.5f, 1, 0}, {0.1f, 1, 0}, {0.8f, 3, 30}, {1, 1, 0}};
     for (int turn = 0; turn < 2; turn++) {
-        shape many = plane(4, 4, 4, 4, turn);
+        shape many = paint_rectangle(4, 4, 4, 4, turn);
         scene s = scene_of(&many, SLV_SCHEME_BILINEAR, 6);
         note_pairs(&s);
         for (uint32_t i = 0; i < s.nfaces; i += 3) { /* 1:1 to 1:16, and not square */

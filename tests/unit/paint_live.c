@@ -1,20 +1,11 @@
 /* Strokes that are made while they show, journals as scripts, and sessions that move. */
 #include "kit/document_kit.h"
+#include "kit/folder_kit.h"
 
 #include <selvage/session.h>
 
 #include <sys/stat.h>
 #include <unistd.h>
-
-static char folder[160];
-
-static const char *in_folder(const char *name) {
-    static char paths[4][256];
-    static int next;
-    char *path = paths[next++ & 3];
-    snprintf(path, sizeof paths[0], "%s/%s", folder, name);
-    return path;
-}
 
 /* A cube with grey texels, made from a texture. */
 static slv_session *create(const char *name) {
@@ -30,7 +21,7 @@ static slv_session *create(const char *name) {
     const slv_texture_desc desc = {6, SLV_TYPE_U8, 3, SLV_NO_ALPHA, res, 0};
     MUST(slv_texture_create(&env, &desc, &texture));
     MUST(slv_texture_set_constant(texture, 2, (const uint8_t[3]){200, 100, 50}));
-    MUST(slv_session_create_from(&env, in_folder(name), mesh, texture, &params, &session));
+    MUST(slv_session_create_from(&env, test_path(name), mesh, texture, &params, &session));
     slv_history_info info;
     slv_document_history(slv_session_document(session), &info);
     CHECK_MSG(!info.undos && !info.lost, "what a session was made of can be undone");
@@ -117,7 +108,7 @@ static void shows_at_once(void) {
     MUST(slv_session_stroke_add(session, &place, 1));
     slv_session_destroy(session); /* as if it had not begun */
     slv_env env = test_env();
-    MUST(slv_session_open(&env, in_folder("a.selvage"), NULL, &session));
+    MUST(slv_session_open(&env, test_path("a.selvage"), NULL, &session));
     CHECK(state_of(session) == before);
     slv_session_destroy(session);
 }
@@ -150,17 +141,17 @@ static void journal_is_script(void) {
     MUST(slv_document_end(document));
     stroke(session, 8);
     all = state_of(session);
-    FILE *file = fopen(in_folder("b.selvage/journal"), "rb");
+    FILE *file = fopen(test_path("b.selvage/journal"), "rb");
     REQUIRE(file);
     for (int i = 0; fgets(line, sizeof line, file); i++)
         if (i >= 3) /* what made the session */
-            MUST(slv_session_run(other, 1, false, in_folder("b.selvage"), line, strlen(line)));
+            MUST(slv_session_run(other, 1, false, test_path("b.selvage"), line, strlen(line)));
     fclose(file);
     CHECK(state_of(other) == all);
     slv_session_destroy(other);
     slv_session_destroy(session);
     slv_env env = test_env();
-    MUST(slv_session_open(&env, in_folder("b.selvage"), NULL, &session));
+    MUST(slv_session_open(&env, test_path("b.selvage"), NULL, &session));
     CHECK(state_of(session) == all);
     CHECK(slv_session_run(session, 1, false, NULL, "{\"op\":\"undone\"}", 15) == SLV_ERROR_FORMAT);
     CHECK(slv_session_run(session, 1, false, NULL, "{\"op\":\"group\",\"edits\":[{},{}]}", 30) !=
@@ -180,42 +171,39 @@ static void moves(void) {
     uint64_t before = state_of(session), painted;
     stroke(session, 4);
     painted = state_of(session);
-    CHECK(slv_session_save_as(session, in_folder("b.selvage")) == SLV_ERROR_IO);
-    CHECK(strcmp(slv_session_path(session), in_folder("d.selvage")) == 0);
-    CHECK(slv_session_save_as(session, in_folder("none/e.selvage")) == SLV_ERROR_IO);
-    MUST(slv_session_save_as(session, in_folder("e.selvage")));
-    CHECK(strcmp(slv_session_path(session), in_folder("e.selvage")) == 0);
+    CHECK(slv_session_save_as(session, test_path("b.selvage")) == SLV_ERROR_IO);
+    CHECK(strcmp(slv_session_path(session), test_path("d.selvage")) == 0);
+    CHECK(slv_session_save_as(session, test_path("none/e.selvage")) == SLV_ERROR_IO);
+    MUST(slv_session_save_as(session, test_path("e.selvage")));
+    CHECK(strcmp(slv_session_path(session), test_path("e.selvage")) == 0);
     slv_session_get_info(session, &info);
     CHECK(info.unsaved == 0);
-    CHECK(slv_session_open(&env, in_folder("e.selvage"), NULL, &old) == SLV_ERROR_IO);
-    MUST(slv_session_open(&env, in_folder("d.selvage"), NULL, &old));
+    CHECK(slv_session_open(&env, test_path("e.selvage"), NULL, &old) == SLV_ERROR_IO);
+    MUST(slv_session_open(&env, test_path("d.selvage"), NULL, &old));
     CHECK(state_of(old) == painted);
     MUST(slv_document_undo(slv_session_document(old)));
     slv_session_destroy(old);
     MUST(slv_document_undo(document)); /* beyond what was saved */
     CHECK(state_of(session) == before);
     slv_session_destroy(session);
-    MUST(slv_session_open(&env, in_folder("e.selvage"), NULL, &session));
+    MUST(slv_session_open(&env, test_path("e.selvage"), NULL, &session));
     CHECK(state_of(session) == before);
     CHECK(slv_session_scheme(session) == SLV_SCHEME_BILINEAR);
-    CHECK(slv_session_remove(&env, in_folder("e.selvage")) == SLV_ERROR_IO); /* is open */
-    CHECK(slv_session_remove(&env, folder) == SLV_ERROR_IO);
+    CHECK(slv_session_remove(&env, test_path("e.selvage")) == SLV_ERROR_IO); /* is open */
+    CHECK(slv_session_remove(&env, test_folder) == SLV_ERROR_IO);
     slv_session_destroy(session);
-    CHECK(slv_session_is(in_folder("e.selvage")));
-    MUST(slv_session_remove(&env, in_folder("e.selvage")));
-    CHECK(stat(in_folder("e.selvage"), &status) != 0);
-    CHECK(stat(in_folder("e.selvage.0.selvage"), &status) != 0);
-    CHECK(stat(in_folder("none"), &status) != 0);
+    CHECK(slv_session_is(test_path("e.selvage")));
+    MUST(slv_session_remove(&env, test_path("e.selvage")));
+    CHECK(stat(test_path("e.selvage"), &status) != 0);
+    CHECK(stat(test_path("e.selvage.0.selvage"), &status) != 0);
+    CHECK(stat(test_path("none"), &status) != 0);
 }
 
 int main(void) {
-    char line[256];
-    snprintf(folder, sizeof folder, "%s/selvage-live-XXXXXX", test_parent());
-    REQUIRE(mkdtemp(folder));
+    test_folder_begin();
     shows_at_once();
     journal_is_script();
     moves();
-    snprintf(line, sizeof line, "rm -rf %s", folder);
-    REQUIRE(system(line) == 0);
+    test_folder_end();
     return test_end();
 }

@@ -1,5 +1,6 @@
 /* Sessions: what was done is there again after a kill, a cut at any byte, a full disk. */
 #include "kit/document_kit.h"
+#include "kit/folder_kit.h"
 
 #include <selvage/ptx.h>
 #include <selvage/session.h>
@@ -10,19 +11,9 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-static char folder[160];
-
-static const char *in_folder(const char *name) {
-    static char paths[4][256];
-    static int next;
-    char *path = paths[next++ & 3];
-    snprintf(path, sizeof paths[0], "%s/%s", folder, name);
-    return path;
-}
-
 static void run(const char *command) {
-    char line[256];
-    snprintf(line, sizeof line, "cd %s && %s", folder, command);
+    char line[512];
+    snprintf(line, sizeof line, "cd %s && %s", test_folder, command);
     REQUIRE(system(line) == 0);
 }
 
@@ -37,7 +28,7 @@ static slv_session *create(const char *name, int log2) {
                                  .document.background = (const float[3]){1, 1, 1},
                                  .scheme = SLV_SCHEME_BILINEAR};
     slv_session *session = NULL;
-    MUST(slv_session_create(&env, in_folder(name), mesh, &params, &session));
+    MUST(slv_session_create(&env, test_path(name), mesh, &params, &session));
     slv_mesh_destroy(mesh);
     shape_clear(&cube);
     return session;
@@ -46,7 +37,7 @@ static slv_session *create(const char *name, int log2) {
 static slv_session *reopen(const char *name) {
     slv_env env = test_env();
     slv_session *session = NULL;
-    MUST(slv_session_open(&env, in_folder(name), NULL, &session));
+    MUST(slv_session_open(&env, test_path(name), NULL, &session));
     return session;
 }
 
@@ -114,7 +105,7 @@ static void comes_back(void) {
     CHECK(state_of(session) == states[ACTS]);
     slv_session_get_info(session, &info);
     CHECK(info.lines == ACTS && info.unsaved == ACTS && !info.torn_bytes && info.recovered == 34);
-    CHECK(slv_session_open(&env, in_folder("reference.selvage"), NULL, &other) == SLV_ERROR_IO);
+    CHECK(slv_session_open(&env, test_path("reference.selvage"), NULL, &other) == SLV_ERROR_IO);
     CHECK(strstr(test_last_log, "another process") != NULL);
     MUST(slv_session_save(session));
     slv_session_destroy(session);
@@ -138,7 +129,7 @@ static void comes_back(void) {
     slv_document_history(slv_session_document(session), &history);
     CHECK(history.undos == 3);
     slv_session_destroy(session);
-    MUST(slv_session_open(&env, in_folder("undone.selvage"),
+    MUST(slv_session_open(&env, test_path("undone.selvage"),
                           &(slv_session_params){.as_saved = true}, &session));
     CHECK(state_of(session) == states[5]);
     slv_session_destroy(session);
@@ -186,13 +177,13 @@ static void cuts(void) {
         ends[i + 1] = (size_t)info.journal_bytes;
     }
     slv_session_destroy(session);
-    char *journal = load(in_folder("cut.selvage/journal"), &size);
+    char *journal = load(test_path("cut.selvage/journal"), &size);
     CHECK(size == ends[8]);
     for (size_t cut = 0, whole = 0; cut <= size; cut++) {
         whole += whole < 8 && cut >= ends[whole + 1];
         if (test_effort(1) == 1 && cut > ends[1] && cut % 29 && cut - ends[whole] > 1)
             continue;
-        put(in_folder("cut.selvage/journal"), journal, cut);
+        put(test_path("cut.selvage/journal"), journal, cut);
         session = reopen("cut.selvage");
         CHECK_MSG(state_of(session) == there[whole], "cut at byte %zu of %zu", cut, size);
         if (cut % 5 == 0 && whole) { /* it goes on from there */
@@ -206,11 +197,11 @@ static void cuts(void) {
     }
     /* a byte that is another in the middle: what is whole before it counts, the rest is kept */
     journal[ends[4] + 9] ^= 1;
-    put(in_folder("cut.selvage/journal"), journal, size);
+    put(test_path("cut.selvage/journal"), journal, size);
     session = reopen("cut.selvage");
     CHECK(state_of(session) == there[4]);
     slv_session_destroy(session);
-    CHECK(access(in_folder("cut.selvage/journal-damaged"), F_OK) == 0);
+    CHECK(access(test_path("cut.selvage/journal-damaged"), F_OK) == 0);
     free(journal);
 }
 
@@ -226,7 +217,7 @@ static void paint_until_killed(int tell) {
         if (i % 10 == 3) /* so that there is something to undo where others go on */
             MUST(slv_session_save(session));
         if (i % 4 == 3)
-            MUST(slv_session_export(session, in_folder("kill.ptx")));
+            MUST(slv_session_export(session, test_path("kill.ptx")));
     }
     slv_session_destroy(session);
     _exit(0);
@@ -271,10 +262,10 @@ static void kills(void) {
         }
     }
     run("! ls kill.selvage | grep '\\.selvage$'");
-    if (access(in_folder("kill.ptx"), F_OK) == 0) {
+    if (access(test_path("kill.ptx"), F_OK) == 0) {
         slv_env env = test_env();
         slv_ptx *ptx = NULL;
-        CHECK(!slv_ptx_open(&env, in_folder("kill.ptx"), &ptx));
+        CHECK(!slv_ptx_open(&env, test_path("kill.ptx"), &ptx));
         slv_ptx_close(ptx);
     }
 }
@@ -313,13 +304,13 @@ static void exports(void) {
     uint32_t faces;
     for (uint32_t i = 0; i < 3; i++)
         MUST(act(session, i));
-    MUST(slv_session_export(session, in_folder("out.ptx")));
-    MUST(slv_session_export_edits(session, in_folder("out.ptx"), &faces));
+    MUST(slv_session_export(session, test_path("out.ptx")));
+    MUST(slv_session_export_edits(session, test_path("out.ptx"), &faces));
     CHECK(faces == 0);
     MUST(line_of(session, 1, "{\"op\":\"fill\",\"face\":5,\"color\":[0,0,0]}"));
-    MUST(slv_session_export_edits(session, in_folder("out.ptx"), &faces));
+    MUST(slv_session_export_edits(session, test_path("out.ptx"), &faces));
     CHECK(faces == 1);
-    MUST(slv_ptx_open(&env, in_folder("out.ptx"), &ptx));
+    MUST(slv_ptx_open(&env, test_path("out.ptx"), &ptx));
     MUST(slv_ptx_load_texture(&env, ptx, &texture));
     MUST(slv_document_flatten(slv_session_document(session)));
     CHECK(document_texture_hash(texture) ==
@@ -367,9 +358,7 @@ static void merges(void) {
 }
 
 int main(void) {
-    char line[256];
-    snprintf(folder, sizeof folder, "%s/selvage_session_XXXXXX", test_parent());
-    REQUIRE(mkdtemp(folder));
+    test_folder_begin();
     find_states();
     comes_back();
     cuts();
@@ -377,7 +366,6 @@ int main(void) {
     full_disk();
     exports();
     merges();
-    snprintf(line, sizeof line, "rm -rf %s", folder);
-    REQUIRE(system(line) == 0);
+    test_folder_end();
     return test_end();
 }

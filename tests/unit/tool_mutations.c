@@ -191,7 +191,7 @@ static const char *describe(void) {
 
 static void keep(void) {
     char kept[400];
-    snprintf(kept, sizeof kept, "%s-mutation-%u.ptx", tool_folder, progress->mutation);
+    snprintf(kept, sizeof kept, "%s-mutation-%u.ptx", test_folder, progress->mutation);
     if (link(in, kept) == 0)
         fprintf(stderr, "kept as %s\n", kept);
 }
@@ -285,7 +285,7 @@ int main(void) {
     REQUIRE(progress != MAP_FAILED);
     tool_begin();
     load_samples();
-    snprintf(place, sizeof place, "%s/here", tool_folder);
+    snprintf(place, sizeof place, "%s/here", test_folder);
     snprintf(in, sizeof in, "%s/in.ptx", place);
     snprintf(out, sizeof out, "%s/out.ptx", place);
     snprintf(words[0], sizeof words[0], "%s.out", place);

@@ -89,7 +89,7 @@ static int run(const trouble *t, const char *format, ...) {
         dup2(ends[1], STDERR_FILENO);
         close(ends[0]);
         close(ends[1]);
-        if (chdir(tool_folder) != 0)
+        if (chdir(test_folder) != 0)
             _exit(127);
         enter(t);
         exit(command_main(count + 1, words));
@@ -360,7 +360,7 @@ static void check_report(void) {
 int main(void) {
     slv_env env = test_env();
     tool_begin();
-    REQUIRE(chmod(tool_folder, 0777) == 0);
+    REQUIRE(chmod(test_folder, 0777) == 0);
     tool_write_noise("in.ptx", SLV_TYPE_U8, 3, SLV_NO_ALPHA, 1);
     tool_write_noise("other.ptx", SLV_TYPE_U8, 3, SLV_NO_ALPHA, 2);
     slv_mesh *mesh = grid_mesh(3, 2, true);

@@ -345,7 +345,7 @@ static void check_streams(void) {
              "'%s/cube_u16_rgba.ptx' <to >from & exec 3>to 4<from; echo '%s' >&3; read one <&4; "
              "echo 'point 0 0 0 1 0 0 1 0 0 0 0 0 0 0' >&3; read two <&4; exec 3>&-; wait; "
              "echo \\$one, \\$two >both.txt\"",
-             tool_folder, bin ? bin : "bin", data_folder(), CUBE_QUERY);
+             test_folder, bin ? bin : "bin", data_folder(), CUBE_QUERY);
     CHECK(system(line) == 0);
     char *text = read_text(tool_path("both.txt"));
     CHECK_MSG(strncmp(text, CUBE_QUERY " -> 0.", strlen(CUBE_QUERY) + 6) == 0 &&
@@ -357,7 +357,7 @@ static void check_streams(void) {
     HAS("cannot write the answer: No space left on device");
     snprintf(line, sizeof line,
              "cd '%s' && sleep 3 | timeout 1 '%s/selvage' sample '%s/cube_u16_rgba.ptx' -o stopped",
-             tool_folder, bin ? bin : "bin", data_folder());
+             test_folder, bin ? bin : "bin", data_folder());
     CHECK(system(line) != 0);
     CHECK(access(tool_path("stopped"), F_OK) != 0 && access(tool_path("stopped.tmp"), F_OK) != 0);
 }
