@@ -93,8 +93,8 @@ SLV_API const char *slv_log_level_name(slv_log_level level);
  * `allocate` returns memory aligned as malloc's, or NULL if there is none; `release` takes it back.
  * Both or neither are set. They are called from any thread, several at once, and may outlive the
  * call: an object is released by the hooks that it was made with. What the libraries below allocate
- * (OpenSubdiv, OpenEXR, libdeflate, Embree, jansson, OpenGL) and the address space that a
- * cache reserves does not come from them.
+ * (OpenSubdiv, with surfaces around it, OpenEXR, libdeflate, Embree, jansson, OpenGL) and the
+ * address space that a cache reserves does not come from them.
  *
  * `execute` runs task(argument, i) for each i of 0..count-1, in any order and on any threads, and
  * returns when all are done; slv_threads_create makes one. Without it threads are started for each
