@@ -1,12 +1,13 @@
 /* Textures that live: CPU time of one changed rectangle, for each strategy, on few faces and on
- * many; and the calls that upload the texture bit by bit, with `--making`. */
+ * many; and the calls that upload the texture bit by bit, with `--making`, and `--mixed` where each
+ * face has one of 16 resolutions at random. */
 #include "kit/bench_kit.h"
 
 #include <selvage/gl_live.h>
 
 #include <string.h>
 
-enum { ROUNDS = 40, SIDE = 6 };
+enum { ROUNDS = 100, SIDE = 6 };
 
 typedef struct scene {
     uint32_t nfaces;
@@ -14,7 +15,7 @@ typedef struct scene {
     slv_adjacency *adjacency;
 } scene;
 
-static scene make_scene(const slv_env *env, uint32_t nfaces, int side) {
+static scene make_scene(const slv_env *env, uint32_t nfaces, int side, bool mixed) {
     scene s = {.nfaces = nfaces};
     slv_res *res = calloc(nfaces, sizeof *res);
     slv_face_adjacency *faces = calloc(nfaces, sizeof *faces);
@@ -27,6 +28,10 @@ static scene make_scene(const slv_env *env, uint32_t nfaces, int side) {
         columns++;
     for (uint32_t f = 0; f < nfaces; f++) {
         res[f] = (slv_res){(int8_t)side, (int8_t)side};
+        if (mixed) {
+            res[f].u = (int8_t)(bench_random(&random) >> 16 & 3);
+            res[f].v = (int8_t)(bench_random(&random) >> 16 & 3);
+        }
         faces[f] = bench_grid_adjacency(f, columns, nfaces);
     }
     slv_texture_desc desc = {.nfaces = nfaces,
@@ -47,32 +52,45 @@ static scene make_scene(const slv_env *env, uint32_t nfaces, int side) {
     return s;
 }
 
-/* The middle CPU time of an update in ms; *creation is that of making the texture. */
-static double measure(slv_gl *gl, const slv_env *env, const scene *s, const slv_strategy *strategy,
-                      slv_texture_encoding encoding, int side, double *creation) {
+/* A texture on the GPU that follows one of the scenes. */
+typedef struct follower {
+    slv_gl_texture *made;
+    double creation, times[ROUNDS]; /* ms of CPU */
+} follower;
+
+static void follow(slv_gl *gl, const slv_env *env, const scene *s, const slv_strategy *strategy,
+                   slv_texture_encoding encoding, follower *out) {
     const slv_strategy *const list[] = {strategy};
     slv_gl_texture_params params = {
         .strategies = list, .nstrategies = 1, .live = true, .encoding = encoding};
-    slv_gl_texture *made = NULL;
+    double start = bench_seconds(CLOCK_PROCESS_CPUTIME_ID);
+    bench_stop(slv_gl_texture_create(gl, env, s->texture, s->adjacency, &params, &out->made));
+    out->creation = 1e3 * (bench_seconds(CLOCK_PROCESS_CPUTIME_ID) - start);
+}
+
+/* The CPU time of an update of another face, in ms. */
+static double update(const slv_env *env, const scene *s, const follower *f, int side,
+                     uint32_t *random) {
     static unsigned char texels[3 << 2 * SIDE];
-    static double times[ROUNDS];
+    uint32_t face = (uint32_t)((uint64_t)bench_random(random) * s->nfaces >> 32);
+    slv_rect all = {0, 0, 1u << side, 1u << side};
+    for (size_t k = 0; k < (size_t)3 << 2 * side; k++)
+        texels[k] = (unsigned char)bench_random(random);
+    bench_stop(slv_texture_set_rect(s->texture, face, all, texels));
+    double start = bench_seconds(CLOCK_PROCESS_CPUTIME_ID);
+    bench_stop(slv_gl_texture_update(f->made, env, NULL));
+    return 1e3 * (bench_seconds(CLOCK_PROCESS_CPUTIME_ID) - start);
+}
+
+/* Updates few faces and many by turns, so that what else the machine does slows both. */
+static void compare(const slv_env *env, const scene scenes[2], follower followers[2], int side) {
     uint32_t random = 11;
-    *creation = bench_seconds(CLOCK_PROCESS_CPUTIME_ID);
-    bench_stop(slv_gl_texture_create(gl, env, s->texture, s->adjacency, &params, &made));
-    *creation = 1e3 * (bench_seconds(CLOCK_PROCESS_CPUTIME_ID) - *creation);
-    for (uint32_t i = 0; i < ROUNDS + 2; i++) {
-        uint32_t face = (uint32_t)((uint64_t)bench_random(&random) * s->nfaces >> 32);
-        for (size_t k = 0; k < (size_t)3 << 2 * side; k++)
-            texels[k] = (unsigned char)bench_random(&random);
-        bench_stop(slv_texture_set_rect(s->texture, face, (slv_rect){0, 0, 1u << side, 1u << side},
-                                        texels));
-        double start = bench_seconds(CLOCK_PROCESS_CPUTIME_ID);
-        bench_stop(slv_gl_texture_update(made, env, NULL));
-        if (i >= 2) /* the first make what later ones need */
-            times[i - 2] = 1e3 * (bench_seconds(CLOCK_PROCESS_CPUTIME_ID) - start);
-    }
-    slv_gl_texture_destroy(made);
-    return bench_median(times, ROUNDS);
+    for (uint32_t i = 0; i < ROUNDS + 2; i++)
+        for (uint32_t k = 0; k < 2; k++) {
+            double ms = update(env, &scenes[k], &followers[k], side, &random);
+            if (i >= 2) /* the first make what later ones need */
+                followers[k].times[i - 2] = ms;
+        }
 }
 
 /* Uploads with a budget of 16 MiB a call, and prints how long the calls were. */
@@ -96,8 +114,10 @@ static void show_making(slv_gl *gl, const slv_env *env, const scene *s,
             at = upload.total ? (double)upload.done / (double)upload.total : 1;
         }
     }
-    printf("%-14s %.2f s to prepare, %.2f s in %u calls, the longest %.1f ms at %.1f %%\n",
-           strategy->name, prepared, total, calls, 1e3 * longest, 100 * at);
+    printf(
+        "%-14s %.2f s to prepare, %.2f s in %u calls, the longest %.1f ms at %.1f %%; %u draws\n",
+        strategy->name, prepared, total, calls, 1e3 * longest, 100 * at,
+        slv_gl_texture_batch_count(made, strategy));
     fflush(stdout);
     slv_gl_texture_destroy(made);
 }
@@ -106,9 +126,10 @@ static bool is_left_out(const slv_strategy *strategy, const char *only) {
     return strategy->comparison || (only && strcmp(only, strategy->name) != 0);
 }
 
-/* `--making [FACES [STRATEGY]]`: faces of 8 x 8 texels. */
-static int run_making(slv_gl *gl, const slv_env *env, uint32_t nfaces, const char *only) {
-    scene s = make_scene(env, nfaces, 3);
+/* `--making [FACES [STRATEGY]]`: faces of 8 x 8 texels, or fewer. */
+static int run_making(slv_gl *gl, const slv_env *env, uint32_t nfaces, const char *only,
+                      bool mixed) {
+    scene s = make_scene(env, nfaces, 3, mixed);
     for (uint32_t i = 0; i < slv_strategy_count(); i++)
         if (!is_left_out(slv_strategy_at(i), only))
             show_making(gl, env, &s, slv_strategy_at(i));
@@ -128,11 +149,12 @@ int main(int argc, char **argv) {
     slv_gl *gl = NULL;
     scene scenes[2];
     bench_stop(slv_gl_create(&env, SLV_GL_AUTO, &gl));
-    if (argc > 1 && strcmp(argv[1], "--making") == 0)
+    bool mixed = argc > 1 && strcmp(argv[1], "--mixed") == 0;
+    if (mixed || (argc > 1 && strcmp(argv[1], "--making") == 0))
         return run_making(gl, &env, argc > 2 ? (uint32_t)atoi(argv[2]) : 1000000,
-                          argc > 3 ? argv[3] : NULL);
+                          argc > 3 ? argv[3] : NULL, mixed);
     for (uint32_t k = 0; k < 2; k++)
-        scenes[k] = make_scene(&env, counts[k], side);
+        scenes[k] = make_scene(&env, counts[k], side, false);
     printf("a rectangle of %u x %u texels, ms of CPU; in brackets making the texture\n", 1u << side,
            1u << side);
     for (uint32_t i = 0; i < slv_strategy_count(); i++) {
@@ -141,12 +163,18 @@ int main(int argc, char **argv) {
             continue;
         for (uint32_t e = 0; e < 2; e++) {
             slv_texture_encoding encoding = e ? SLV_TEXTURE_SRGB : SLV_TEXTURE_DATA;
-            double creation[2], few, many;
-            few = measure(gl, &env, &scenes[0], strategy, encoding, side, &creation[0]);
-            many = measure(gl, &env, &scenes[1], strategy, encoding, side, &creation[1]);
+            follower followers[2];
+            double ms[2];
+            for (uint32_t k = 0; k < 2; k++)
+                follow(gl, &env, &scenes[k], strategy, encoding, &followers[k]);
+            compare(&env, scenes, followers, side);
+            for (uint32_t k = 0; k < 2; k++) {
+                slv_gl_texture_destroy(followers[k].made);
+                ms[k] = bench_median(followers[k].times, ROUNDS);
+            }
             printf("%-14s %-5s %8.3f on %u faces (%.0f), %8.3f on %u (%.0f): %.2f times\n",
-                   strategy->name, slv_texture_encoding_name(encoding), few, counts[0], creation[0],
-                   many, counts[1], creation[1], many / few);
+                   strategy->name, slv_texture_encoding_name(encoding), ms[0], counts[0],
+                   followers[0].creation, ms[1], counts[1], followers[1].creation, ms[1] / ms[0]);
             fflush(stdout);
         }
     }

@@ -210,7 +210,7 @@ static slv_result update_all(struct update *update) {
             continue;
         }
         result = slvi_gl_reach_refresh(&live->source, row->kind, &store->pools, store->made,
-                                       live->faces.listed, live->faces.count, &row->reach);
+                                       &live->faces, &row->reach);
     }
     for (uint32_t i = 0; !result && i < texture->nstores; i++)
         texture->stores[i].moved = false;

@@ -203,9 +203,21 @@ slv_result slvi_gl_corners_fill(const slv_gl_source *source, slv_gl_chunks chunk
     return slvi_parallel_for(&source->shared, ncorners, 1024, fill, &job);
 }
 
-/* The parameters say what is read, where it goes, and for which faces. */
+/* Whether an earlier corner of its ring, of one of these faces, has the same list: that one does
+ * it. */
+static bool is_done(const slv_gl_source *source, slv_gl_chunks chunks,
+                    const slv_gl_corners *corners, const slv_gl_marks *faces, uint32_t id) {
+    uint32_t position;
+    slv_ring ring = slv_adjacency_ring(source->adjacency, (int32_t)(id / 4), id % 4, &position);
+    for (uint32_t k = 0; k < position; k++)
+        if (faces->is_listed[ring.corners[k].face] &&
+            same_list(corners, chunks, id, corner_id(ring.corners[k])))
+            return true;
+    return false;
+}
+
 slv_result slvi_gl_corners_refresh(const slv_gl_source *source, slv_gl_chunks chunks,
-                                   slv_gl_corners *corners, const uint32_t *faces, uint32_t count,
+                                   slv_gl_corners *corners, const slv_gl_marks *faces,
                                    const slv_gl_part *parts) {
     float values[4 * MOST_VALUES];
     size_t size = 4 * sizeof *values;
@@ -214,8 +226,10 @@ slv_result slvi_gl_corners_refresh(const slv_gl_source *source, slv_gl_chunks ch
         result =
             slvi_alloc_plain(source->env, "corner", slv_levels_get_desc(source->levels)->nchannels,
                              sizeof *corners->texel, &corners->texel);
-    for (uint32_t i = 0; !result && i < 4 * count; i++) {
-        uint32_t id = 4 * faces[i / 4] + i % 4;
+    for (uint32_t i = 0; !result && i < 4 * faces->count; i++) {
+        uint32_t id = 4 * faces->listed[i / 4] + i % 4;
+        if (is_done(source, chunks, corners, faces, id))
+            continue;
         uint32_t nvalues = list_values(source, chunks, corners, id, corners->texel, values);
         source->gl->api.NamedBufferSubData(parts[slv_gl_chunk_of(chunks, id / 4)].values,
                                            (GLintptr)(first_value(corners, id) * size),

@@ -2,6 +2,7 @@
 #ifndef SLV_GL_CORNERS_H
 #define SLV_GL_CORNERS_H
 
+#include "gl/store/marks.h"
 #include "gl/store/parts.h"
 
 /* Values of four floats in lists, one or two to a ring of faces; where a table is looked at in
@@ -22,7 +23,7 @@ slv_result slvi_gl_corners_fill(const slv_gl_source *source, slv_gl_chunks chunk
                                 const slv_gl_corners *corners, float *values);
 /* Computes and uploads those around some faces. */
 slv_result slvi_gl_corners_refresh(const slv_gl_source *source, slv_gl_chunks chunks,
-                                   slv_gl_corners *corners, const uint32_t *faces, uint32_t count,
+                                   slv_gl_corners *corners, const slv_gl_marks *faces,
                                    const slv_gl_part *parts);
 void slvi_gl_corners_free(slv_gl_corners *corners);
 

@@ -134,12 +134,10 @@ static void fill_link_row(const slv_gl_source *source, const slv_gl_pools *layer
 }
 
 slv_result slvi_gl_links_refresh(const slv_gl_source *source, const slv_gl_pools *pools,
-                                 const void *made, const uint32_t *faces, uint32_t count,
-                                 slv_gl_reach *reach) {
+                                 const void *made, const slv_gl_marks *faces, slv_gl_reach *reach) {
     (void)pools;
     (void)made;
-    return slvi_gl_corners_refresh(source, reach->chunks, &reach->corners, faces, count,
-                                   reach->parts);
+    return slvi_gl_corners_refresh(source, reach->chunks, &reach->corners, faces, reach->parts);
 }
 
 static slv_result upload_links(const slv_gl_source *source, const slv_gl_pools *layers,

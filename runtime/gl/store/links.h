@@ -9,7 +9,6 @@ slv_result slvi_gl_reach_neighbours(const slv_gl_source *source, const slv_gl_po
                                     const void *made, slv_gl_reach *out);
 /* The values at the corners of some faces anew. */
 slv_result slvi_gl_links_refresh(const slv_gl_source *source, const slv_gl_pools *pools,
-                                 const void *made, const uint32_t *faces, uint32_t count,
-                                 slv_gl_reach *reach);
+                                 const void *made, const slv_gl_marks *faces, slv_gl_reach *reach);
 
 #endif

@@ -23,7 +23,7 @@ static const struct reach_row {
                         slv_gl_reach *out);
     /* after a change; NULL: there are no values of corners */
     slv_result (*refresh)(const slv_gl_source *source, const slv_gl_pools *pools, const void *made,
-                          const uint32_t *faces, uint32_t count, slv_gl_reach *reach);
+                          const slv_gl_marks *faces, slv_gl_reach *reach);
     uint32_t items;       /* that a face needs */
     uint32_t least_pools; /* of a batch, however few a host asks for */
 } kinds[SLV_GL_REACH_COUNT] = {
@@ -58,12 +58,10 @@ bool slvi_gl_reach_has_values(slv_gl_reach_kind kind) {
     return kinds[kind].refresh != NULL;
 }
 
-/* The parameters say what is read, of what, and what becomes of it. */
 slv_result slvi_gl_reach_refresh(const slv_gl_source *source, slv_gl_reach_kind kind,
-                                 const slv_gl_pools *pools, const void *made, const uint32_t *faces,
-                                 uint32_t count, slv_gl_reach *reach) {
-    return kinds[kind].refresh ? kinds[kind].refresh(source, pools, made, faces, count, reach)
-                               : SLV_OK;
+                                 const slv_gl_pools *pools, const void *made,
+                                 const slv_gl_marks *faces, slv_gl_reach *reach) {
+    return kinds[kind].refresh ? kinds[kind].refresh(source, pools, made, faces, reach) : SLV_OK;
 }
 
 void slvi_gl_reach_free(const slv_gl *gl, slv_gl_reach *reach) {

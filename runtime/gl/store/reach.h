@@ -21,8 +21,8 @@ slv_result slvi_gl_reach_build(const slv_gl_source *source, slv_gl_reach_kind ki
                                const slv_gl_pools *pools, const void *made, slv_gl_reach *out);
 /* After a change: the values at the corners of some faces, those whose borders may be others. */
 slv_result slvi_gl_reach_refresh(const slv_gl_source *source, slv_gl_reach_kind kind,
-                                 const slv_gl_pools *pools, const void *made, const uint32_t *faces,
-                                 uint32_t count, slv_gl_reach *reach);
+                                 const slv_gl_pools *pools, const void *made,
+                                 const slv_gl_marks *faces, slv_gl_reach *reach);
 /* Whether it has such values. */
 bool slvi_gl_reach_has_values(slv_gl_reach_kind kind);
 void slvi_gl_reach_free(const slv_gl *gl, slv_gl_reach *reach);

@@ -218,15 +218,16 @@ static void send_corners(const slv_gl_source *source, const slv_htex *htex, uint
 }
 
 slv_result slvi_gl_squares_refresh(const slv_gl_source *source, const slv_gl_pools *pools,
-                                   const void *made, const uint32_t *faces, uint32_t count,
+                                   const void *made, const slv_gl_marks *faces,
                                    slv_gl_reach *reach) {
     const slv_htex *htex = slv_form_get_htex(pools->form, made);
     slvi_gl_marks_clear(&reach->at_hand);
-    for (uint32_t i = 0; i < count; i++) {
-        send_corners(source, htex, faces[i], reach);
+    for (uint32_t i = 0; i < faces->count; i++) {
+        uint32_t face = faces->listed[i];
+        send_corners(source, htex, face, reach);
         for (unsigned e = 0; e < 4; e++) {
             slv_neighbour to[2];
-            uint32_t n = slv_adjacency_neighbours(source->adjacency, (int32_t)faces[i], e, to);
+            uint32_t n = slv_adjacency_neighbours(source->adjacency, (int32_t)face, e, to);
             while (n-- > 0)
                 send_corners(source, htex, (uint32_t)to[n].face, reach);
         }

@@ -13,7 +13,7 @@ slv_result slvi_gl_reach_squares(const slv_gl_source *source, const slv_gl_pools
                                  const void *made, slv_gl_reach *out);
 /* The values at the corners of some faces, and of those across their edges, anew. */
 slv_result slvi_gl_squares_refresh(const slv_gl_source *source, const slv_gl_pools *pools,
-                                   const void *made, const uint32_t *faces, uint32_t count,
+                                   const void *made, const slv_gl_marks *faces,
                                    slv_gl_reach *reach);
 
 #endif
