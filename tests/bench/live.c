@@ -7,7 +7,7 @@
 
 #include <string.h>
 
-enum { ROUNDS = 100, SIDE = 6 };
+enum { ROUNDS = 100, SIDE = 6, CACHES = 64 << 20 };
 
 typedef struct scene {
     uint32_t nfaces;
@@ -82,15 +82,28 @@ static double update(const slv_env *env, const scene *s, const follower *f, int 
     return 1e3 * (bench_seconds(CLOCK_PROCESS_CPUTIME_ID) - start);
 }
 
-/* Updates few faces and many by turns, so that what else the machine does slows both. */
-static void compare(const slv_env *env, const scene scenes[2], follower followers[2], int side) {
-    uint32_t random = 11;
+/* Leaves nothing of the scenes in the processor's caches. */
+static void empty_caches(void) {
+    static volatile unsigned char other[CACHES];
+    for (size_t i = 0; i < CACHES; i += 64)
+        other[i]++;
+}
+
+/* The middle times of updating few faces and many by turns, so that what else the machine does
+ * slows both; `cold` where caches are emptied before each change. */
+static void compare(const slv_env *env, const scene scenes[2], follower followers[2], int side,
+                    bool cold, double ms[2]) {
+    uint32_t random = cold ? 13 : 11;
     for (uint32_t i = 0; i < ROUNDS + 2; i++)
         for (uint32_t k = 0; k < 2; k++) {
-            double ms = update(env, &scenes[k], &followers[k], side, &random);
+            if (cold)
+                empty_caches();
+            double took = update(env, &scenes[k], &followers[k], side, &random);
             if (i >= 2) /* the first make what later ones need */
-                followers[k].times[i - 2] = ms;
+                followers[k].times[i - 2] = took;
         }
+    for (uint32_t k = 0; k < 2; k++)
+        ms[k] = bench_median(followers[k].times, ROUNDS);
 }
 
 /* Uploads with a budget of 16 MiB a call, and prints how long the calls were. */
@@ -164,17 +177,18 @@ int main(int argc, char **argv) {
         for (uint32_t e = 0; e < 2; e++) {
             slv_texture_encoding encoding = e ? SLV_TEXTURE_SRGB : SLV_TEXTURE_DATA;
             follower followers[2];
-            double ms[2];
+            double ms[2], cold[2];
             for (uint32_t k = 0; k < 2; k++)
                 follow(gl, &env, &scenes[k], strategy, encoding, &followers[k]);
-            compare(&env, scenes, followers, side);
-            for (uint32_t k = 0; k < 2; k++) {
-                slv_gl_texture_destroy(followers[k].made);
-                ms[k] = bench_median(followers[k].times, ROUNDS);
-            }
-            printf("%-14s %-5s %8.3f on %u faces (%.0f), %8.3f on %u (%.0f): %.2f times\n",
+            compare(&env, scenes, followers, side, false, ms);
+            compare(&env, scenes, followers, side, true, cold);
+            printf("%-14s %-5s %8.3f on %u faces (%.0f), %8.3f on %u (%.0f): %.2f times; caches "
+                   "empty %.3f, %.3f: %.2f times\n",
                    strategy->name, slv_texture_encoding_name(encoding), ms[0], counts[0],
-                   followers[0].creation, ms[1], counts[1], followers[1].creation, ms[1] / ms[0]);
+                   followers[0].creation, ms[1], counts[1], followers[1].creation, ms[1] / ms[0],
+                   cold[0], cold[1], cold[1] / cold[0]);
+            for (uint32_t k = 0; k < 2; k++)
+                slv_gl_texture_destroy(followers[k].made);
             fflush(stdout);
         }
     }

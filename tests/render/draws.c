@@ -144,7 +144,30 @@ static void count_frame(slv_gl *gl, slv_gl_renderer *renderer, slv_gl_texture *t
               strategy->name, (unsigned long long)draws, (unsigned long long)calls);
 }
 
-static void check(slv_gl *gl) {
+/* A frame is timed within a host's own query of elapsed time, as on a driver that has a clock of
+ * the GPU's. */
+static void check_timed(slv_gl *host, slv_gl *gl, slv_gl_renderer *renderer,
+                        slv_gl_texture *texture) {
+    PFNGLBEGINQUERYPROC begin = (PFNGLBEGINQUERYPROC)get_real(host, "glBeginQuery");
+    PFNGLENDQUERYPROC end = (PFNGLENDQUERYPROC)get_real(host, "glEndQuery");
+    slv_env env = test_env();
+    slv_frame frame = {.width = 64, .height = 64, .strategy = kit_strategy("clamp")};
+    const float low[3] = {0, 0, -1}, high[3] = {COLUMNS, ROWS, 1};
+    bool software = gl->info.software;
+    double seconds = -1;
+    GLuint query = 0;
+    frame.camera = slv_camera_orbit(low, high, 30, 20, 35, 1);
+    gl->info.software = false;
+    real.CreateQueries(GL_TIME_ELAPSED, 1, &query);
+    begin(GL_TIME_ELAPSED, query);
+    CHECK(slv_gl_renderer_draw(renderer, &env, texture, &frame, NULL, &seconds) == SLV_OK);
+    end(GL_TIME_ELAPSED);
+    CHECK(real.GetError() == GL_NO_ERROR && seconds >= 0 && seconds < 3600);
+    real.DeleteQueries(1, &query);
+    gl->info.software = software;
+}
+
+static void check(slv_gl *host, slv_gl *gl) {
     uint64_t random = 3;
     slv_env env = counting_env();
     shape s = shape_grid(COLUMNS, ROWS, false, false);
@@ -177,6 +200,7 @@ static void check(slv_gl *gl) {
     REQUIRE(result == SLV_OK);
     for (uint32_t k = 0; k < params.nstrategies; k++)
         count_frame(gl, renderer, texture, list[k]);
+    check_timed(host, gl, renderer, texture);
     slv_gl_texture_destroy(texture);
     slv_gl_renderer_destroy(renderer);
     slv_surface_destroy(surface);
@@ -195,7 +219,7 @@ int main(void) {
     load(&real, get_real, context);
     result = slv_gl_wrap(&env, get_proc, context, &gl);
     REQUIRE(result == SLV_OK);
-    check(gl);
+    check(context, gl);
     slv_gl_destroy(gl);
     slv_gl_destroy(context);
     return test_end();

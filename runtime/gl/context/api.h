@@ -112,8 +112,7 @@
     X(PFNGLDRAWELEMENTSPROC, DrawElements)                                                         \
     X(PFNGLCREATEQUERIESPROC, CreateQueries)                                                       \
     X(PFNGLDELETEQUERIESPROC, DeleteQueries)                                                       \
-    X(PFNGLBEGINQUERYPROC, BeginQuery)                                                             \
-    X(PFNGLENDQUERYPROC, EndQuery)                                                                 \
+    X(PFNGLQUERYCOUNTERPROC, QueryCounter)                                                         \
     X(PFNGLGETQUERYOBJECTUI64VPROC, GetQueryObjectui64v)
 
 typedef struct slv_gl_api {

@@ -125,8 +125,6 @@ static slv_result upload_layers(slv_gl_texture *texture, slv_gl_store *store,
         return SLV_OK;
     making->level = 0;
     making->pool++;
-    if ((result = slvi_gl_check(texture->gl, &texture->env, "texture upload")))
-        return result;
     return count_pool(texture, &store->pools, pool);
 }
 
@@ -139,6 +137,10 @@ static slv_result upload_texels(slv_gl_texture *texture, struct bounds *bounds) 
             result = upload_layers(texture, store, bounds);
             continue;
         }
+        /* giving back what a form made of a million faces takes its time too */
+        bounds->over = bounds->until > 0 && making->done > bounds->begun;
+        if (bounds->over)
+            break;
         making->store++;
         making->pool = 0;
         making->layers = 0;
@@ -189,7 +191,7 @@ slv_result slvi_gl_making_upload(slv_gl_texture *texture, uint64_t max_bytes) {
     while (!result && making->store == texture->nstores && making->tables.count &&
            !is_over(making, &bounds))
         result = upload_table(texture, &bounds);
-    return result;
+    return result ? result : slvi_gl_check(texture->gl, &texture->env, "texture upload");
 }
 
 slv_result slvi_gl_making_end(slv_gl_texture *texture) {

@@ -185,13 +185,10 @@ slv_result slvi_gl_store_make_pool(const slv_gl_source *source, slv_gl_store *st
     const slv_gl_pools *pools = &store->pools;
     const slv_gl_format *format = slv_gl_pool_format(pools, pool);
     uint32_t nlevels = slv_gl_pool_levels(pools, pool);
-    slv_result result = SLV_OK;
     api->CreateTextures(GL_TEXTURE_2D_ARRAY, 1, &pool->texture);
     api->TextureStorage3D(pool->texture, (GLsizei)nlevels, format->internal, (GLsizei)pool->width,
                           (GLsizei)pool->height, (GLsizei)pool->capacity);
     api->TextureParameteriv(pool->texture, GL_TEXTURE_SWIZZLE_RGBA, format->swizzle);
-    if ((result = slvi_gl_check(source->gl, source->env, "array texture")))
-        return result;
     store->bytes += slvi_gl_layer_bytes(pools, pool) * pool->capacity;
     return store->coverage && format->own_alpha
                ? make_coverage(source, pool, &store->coverage_bytes)

@@ -32,7 +32,7 @@ slv_result slvi_gl_store_prepare(const slv_gl_source *source, const slv_form *fo
  * memory. */
 slv_result slvi_gl_store_is_wide(const slv_gl_source *source, const slv_gl_store *store,
                                  uint32_t item, slv_gl_staging *staging, bool *out);
-/* Makes the array of a pool. */
+/* Makes the array of a pool; what the driver says to that is still to be asked. */
 slv_result slvi_gl_store_make_pool(const slv_gl_source *source, slv_gl_store *store,
                                    slv_gl_pool *pool);
 /* Gives back what only following changes takes. */
