@@ -4,9 +4,9 @@
  * thousand texels, and one of two thousand. First from the dab to the texels of a store; then the
  * whole way, from the dab on a layer of a document to what the GPU holds (levels, borders, corners;
  * the software driver's threads count), on faces that were painted before and on faces that had one
- * value; and its undo. Then strokes of a session, the last of N (10 thousand) beside the tenth on.
- * Medians of the processor's time, since others may use the machine. And what is allocated a dab
- * once it goes on. */
+ * value; and its undo. Then strokes of two sessions in turns: the last of N (10 thousand) beside
+ * the tenth on. Medians of the processor's time, since others may use the machine. And what is
+ * allocated a dab once it goes on. */
 #include "kit/bench_kit.h"
 
 #include <selvage/document.h>
@@ -328,49 +328,65 @@ static double time_stroke(slv_session *session, uint32_t i, uint32_t side) {
     return now() - begin;
 }
 
-/* Whether strokes take longer the more there were; the undo of the last ones, too. */
+/* Saved and opened again, so that nothing is left to undo. */
+static slv_result reopen(const slv_env *env, const char *path, const slv_session_params *params,
+                         slv_session **session) {
+    slv_result result = slv_session_save(*session);
+    slv_session_destroy(*session);
+    *session = NULL;
+    return result ? result : slv_session_open(env, path, params, session);
+}
+
+/* Whether strokes take longer the more there were: in turns in a session of few and in one of very
+ * many, so that whatever else the machine does meets both; the undo of the last ones, too. Both
+ * have the same texels, or it would be the processor's caches that are compared. */
 static void run_strokes(const slv_env *env, uint32_t side, uint32_t count) {
-    enum { AROUND = 200 };
-    static double early[AROUND], late[AROUND], undo[AROUND];
+    enum { AROUND = 400, FEW = 10, PLACES = 1000000 };
+    static double times[2][AROUND], undo[AROUND];
     const uint32_t nfaces = side * side, some = count / 4 < AROUND ? count / 4 : AROUND;
     char folder[64], path[96], remove[96];
     slv_res *res = malloc(sizeof *res * nfaces);
     slv_mesh *mesh = make_mesh(env, side);
     slv_texture *texture = NULL;
-    slv_session *session = NULL;
+    slv_session *sessions[2] = {NULL};
     const slv_session_params params = {.relaxed = true}; /* the disk is nobody's processor */
     snprintf(folder, sizeof folder, "/tmp/" BENCH_NAME "_XXXXXX");
     if (!res || !mkdtemp(folder))
         bench_stop(SLV_ERROR_IO);
-    snprintf(path, sizeof path, "%s/strokes.selvage", folder);
     for (uint32_t i = 0; i < nfaces; i++)
         res[i] = (slv_res){5, 5};
     const slv_texture_desc desc = {
         .nfaces = nfaces, .type = SLV_TYPE_U8, .nchannels = 3, .alpha_channel = -1, .res = res};
     bench_stop(slv_texture_create(env, &desc, &texture));
-    bench_stop(slv_session_create_from(env, path, mesh, texture, &params, &session));
-    for (uint32_t i = 0; i < 10; i++)
-        time_stroke(session, i, side);
-    for (uint32_t i = 10; i < count; i++) {
-        /* the same places early and late, so that it is the same work */
-        uint32_t place = i + some >= count ? i + some - count : i - 10;
-        double time = time_stroke(session, 1000000 + place, side);
-        if (i < 10 + some)
-            early[i - 10] = time;
-        else if (i + some >= count)
-            late[i + some - count] = time;
+    for (int k = 0; k < 2; k++) {
+        snprintf(path, sizeof path, "%s/%d.selvage", folder, k);
+        bench_stop(slv_session_create_from(env, path, mesh, texture, &params, &sessions[k]));
+        for (uint32_t i = 0; i < some; i++)
+            time_stroke(sessions[k], PLACES + i, side);
+        for (uint32_t i = 0; i < count - 2 * some; i++)
+            time_stroke(sessions[k], i, side);
+        if (k == 0) { /* the texels are the same, the history has FEW */
+            bench_stop(reopen(env, path, &params, &sessions[k]));
+            for (uint32_t i = 0; i < FEW; i++)
+                time_stroke(sessions[k], i, side);
+        }
+    }
+    for (uint32_t i = 0; i < 2 * some; i++) {
+        uint32_t which = (i + i / 2) % 2; /* either first */
+        times[which][i / 2] = time_stroke(sessions[which], PLACES + i / 2, side);
     }
     for (uint32_t i = 0; i < some; i++) {
         double begin = now();
-        bench_stop(slv_document_undo(slv_session_document(session)));
-        bench_stop(slv_document_flatten(slv_session_document(session)));
+        bench_stop(slv_document_undo(slv_session_document(sessions[1])));
+        bench_stop(slv_document_flatten(slv_session_document(sessions[1])));
         undo[i] = now() - begin;
     }
-    double first = bench_median(early, some), last = bench_median(late, some);
-    printf("strokes of a session of %u faces, %u each: from the 10th on %.3f ms, the last of %u "
-           "%.3f ms: %.2f times; undo of those %.3f ms\n",
-           nfaces, some, first, count, last, last / first, bench_median(undo, some));
-    slv_session_destroy(session);
+    double first = bench_median(times[0], some), last = bench_median(times[1], some);
+    printf("strokes of a session of %u faces, %u in turns: from the %uth on %.3f ms, the last of "
+           "%u %.3f ms: %.2f times; undo of those %.3f ms\n",
+           nfaces, some, FEW, first, count, last, last / first, bench_median(undo, some));
+    for (int k = 0; k < 2; k++)
+        slv_session_destroy(sessions[k]);
     slv_texture_destroy(texture);
     slv_mesh_destroy(mesh);
     free(res);

@@ -45,25 +45,47 @@ static bool find_room(const slvi_history *history, uint64_t size, uint64_t *at) 
     return size <= history->tail;
 }
 
-/* What fails is no error of a call: the caller warns of it. */
-static bool put(int file, const void *data, size_t size, uint64_t *at) {
+/* What is on its way to the file: blocks are small, and a call of the system for each takes longer
+ * than they do. */
+typedef struct writing {
+    int file;
+    uint64_t at;
+    size_t held;
+    bool fine; /* what fails is no error of a call: the caller warns of it */
+    unsigned char room[1 << 15];
+} writing;
+
+static void flush(writing *w) {
     static const slv_env silent = {0};
-    bool fine = !slvi_write_at(&silent, "history", file, data, size, *at);
-    *at += size;
-    return fine;
+    w->fine = w->fine && !slvi_write_at(&silent, "history", w->file, w->room, w->held, w->at);
+    w->at += w->held;
+    w->held = 0;
 }
 
-static bool put_block(int file, const slvi_block *block, uint64_t *at) {
+static void put(writing *w, const void *data, size_t size) {
+    for (const unsigned char *from = data; size;) {
+        size_t left = sizeof w->room - w->held, n = size < left ? size : left;
+        memcpy(w->room + w->held, from, n);
+        w->held += n;
+        from += n;
+        size -= n;
+        if (w->held == sizeof w->room)
+            flush(w);
+    }
+}
+
+static void put_block(writing *w, const slvi_block *block) {
     uint32_t bytes = block ? block->bytes : 0;
-    return put(file, &bytes, sizeof bytes, at) && (!block || put(file, block->texels, bytes, at));
+    put(w, &bytes, sizeof bytes);
+    if (block)
+        put(w, block->texels, bytes);
 }
 
-static bool put_table(int file, const slvi_table *table, uint64_t *at) {
+static void put_table(writing *w, const slvi_table *table) {
     uint32_t count = table ? table->count : 0;
-    bool fine = put(file, &count, sizeof count, at);
-    for (uint32_t i = 0; fine && i < count; i++)
-        fine = put_block(file, table->blocks[i], at);
-    return fine;
+    put(w, &count, sizeof count);
+    for (uint32_t i = 0; i < count; i++)
+        put_block(w, table->blocks[i]);
 }
 
 static uint64_t size_of(const slvi_entry *entry) {
@@ -101,21 +123,27 @@ static bool is_kept(const slvi_change *change) {
 
 slv_result slvi_spill(slv_document *document, slvi_entry *entry) {
     slvi_history *history = &document->history;
-    uint64_t size = size_of(entry), at;
-    if (open_file(document) || !find_room(history, size, &at))
+    uint64_t size = size_of(entry), begin;
+    writing w;
+    if (open_file(document) || !find_room(history, size, &begin))
         return SLV_ERROR_IO;
-    uint64_t begin = at;
-    bool fine = true;
-    for (uint32_t k = 0; fine && k < entry->nchanges; k++) {
+    w.file = history->file;
+    w.fine = true;
+    w.held = 0;
+    w.at = begin;
+    for (uint32_t k = 0; k < entry->nchanges; k++) {
         const slvi_change *c = &entry->changes[k];
-        for (uint64_t i = 0; fine && c->blocks && i < c->count; i++)
-            fine = put(history->file, &c->blocks[i], sizeof *c->blocks, &at) &&
-                   put_block(history->file, c->blocks[i].block, &at);
-        for (uint64_t i = 0; fine && c->faces && i < c->count; i++)
-            fine = put(history->file, &c->faces[i], sizeof *c->faces, &at) &&
-                   put_table(history->file, c->faces[i].table, &at);
+        for (uint64_t i = 0; c->blocks && i < c->count; i++) {
+            put(&w, &c->blocks[i], sizeof *c->blocks);
+            put_block(&w, c->blocks[i].block);
+        }
+        for (uint64_t i = 0; c->faces && i < c->count; i++) {
+            put(&w, &c->faces[i], sizeof *c->faces);
+            put_table(&w, c->faces[i].table);
+        }
     }
-    if (!fine) {
+    flush(&w);
+    if (!w.fine) {
         slvi_logf(&document->env, SLV_LOG_WARNING, "history: old entries are lost: %s",
                   strerror(errno));
         return SLV_ERROR_IO;
@@ -125,7 +153,7 @@ slv_result slvi_spill(slv_document *document, slvi_entry *entry) {
     entry->at = begin;
     entry->size = size;
     entry->spilled = true;
-    history->head = at;
+    history->head = w.at;
     history->disk += size;
     for (uint32_t k = 0; k < entry->nchanges; k++)
         if (!is_kept(&entry->changes[k]))
