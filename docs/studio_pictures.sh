@@ -7,12 +7,13 @@ here_docs=$(cd "$(dirname "$0")" && pwd)
 take() { # NAME
     xdotool mousemove 5 5
     refined_now
-    import -window "$window" -colors 128 "$here_docs/images/$1.png"
+    import -window "$window" +dither -colors 128 "$here_docs/images/$1.png"
 }
-# The last picture is a refined one of what was done last.
+# The last picture is a refined one of what was done last, and is on the display: panels follow it then.
 refined_now() {
     tries=0
-    until awk '/"event":"(done|stroke|view)"/ { r = 0 } /"event":"frame"/ { r = /"refined":true/ } END { exit !r }' "$log"; do
+    until awk '/"event":"(done|stroke|view)"/ { r = 0 } /"event":"frame"/ { r = /"refined":true/ }
+               /"event":"history"/ && r { r = 2 } END { exit r != 2 }' "$log"; do
         tries=$((tries + 1))
         [ $tries -lt 1200 ] || fail "no refined picture"
         sleep 0.05
@@ -20,8 +21,8 @@ refined_now() {
 }
 
 "$bin/selvage-assets" "$here/demo" >/dev/null
-start_display 1000x640
-start_studio --size 660x420 "$here/demo/scene_faces.ptx"
+start_display 1000x860
+start_studio --size 660x640 "$here/demo/scene_faces.ptx"
 take_window
 for i in 1 2 3 4 5 6; do xdotool mousemove $middle_x $((middle_y + 20)) click 4; done
 key strategy 1

@@ -1,9 +1,11 @@
 #!/bin/sh
-# A monkey: keys and drags by chance, the same for the same SELVAGE_MONKEY_SEED (1), so many as SELVAGE_MONKEY_STEPS (60) says.
-# No crash, no OpenGL error, nothing on the terminal, and no memory that grows without end. monkey.sh BIN ASSETS
+# A monkey: keys and drags by chance, the same for the same SELVAGE_MONKEY_SEED (1), so many as SELVAGE_MONKEY_STEPS (60) says, or for
+# SELVAGE_MONKEY_SECONDS. What took longest is said. No crash, no OpenGL error, nothing on the terminal, and no memory that grows without end. monkey.sh BIN ASSETS
 . "$(dirname "$0")/kit.sh"
 
+seconds=${SELVAGE_MONKEY_SECONDS:-0}
 steps=${SELVAGE_MONKEY_STEPS:-60}
+[ "$seconds" = 0 ] || steps=1000000
 "$bin/selvage" new "$2/cube.obj" "$here/cube.ptx" --size 16 -q
 start_display
 start_studio --size 320x200 "$here/cube.ptx"
@@ -11,7 +13,8 @@ take_window
 
 # what would leave the window, and what opens another, is not among them
 keys="1 2 3 4 5 6 7 8 bar d k Escape t v b e g i s f o c l w u x p period comma bracketleft bracketright ctrl+z ctrl+z
-ctrl+shift+z ctrl+shift+n ctrl+j ctrl+m ctrl+Up ctrl+Down ctrl+h ctrl+plus ctrl+minus ctrl+k ctrl+Delete F5 shift+F5 j"
+ctrl+shift+z ctrl+shift+n ctrl+j ctrl+m ctrl+Up ctrl+Down ctrl+h ctrl+plus ctrl+minus ctrl+k ctrl+Delete F5 shift+F5 j
+r a y greater less ctrl+minus ctrl+minus ctrl+minus"
 awk -v seed="${SELVAGE_MONKEY_SEED:-1}" -v steps="$steps" -v keys="$keys" -v x="$middle_x" -v y="$middle_y" '
 function below(n) { state = (state * 1103515245 + 12345) % 2147483648; return int(state / 65536) % n }
 BEGIN {
@@ -32,6 +35,7 @@ BEGIN {
 memory() { awk '/^VmRSS/ { print $2 }' "/proc/$studio/status"; }
 n=0
 half=0
+began=$(date +%s)
 while read -r line; do
     # shellcheck disable=SC2086
     xdotool $line
@@ -39,13 +43,21 @@ while read -r line; do
     if [ $((n % 20)) = 0 ]; then # it keeps up: what it is asked for is done
         xdotool key Escape
         key compare Escape
-        [ $n -lt $((steps / 2)) ] || [ $half != 0 ] || half=$(memory)
+        passed=$(($(date +%s) - began))
+        [ $n -lt $((steps / 2)) ] && { [ "$seconds" = 0 ] || [ $passed -lt $((seconds / 2)) ]; } || [ $half != 0 ] || half=$(memory)
+        [ "$seconds" = 0 ] || [ $passed -lt "$seconds" ] || break
     fi
     kill -0 "$studio" 2>/dev/null || fail "the studio has ended at step $n: $line"
 done <"$here/script"
 key tool v
 now=$(memory)
 echo "$n steps, $half kB at half of them, $now kB now"
+# from an action to its end, and a picture
+awk '{ match($0, /"t":[0-9.]*/); t = substr($0, RSTART + 4, RLENGTH - 4) }
+    /"event":"action"/ { began = t; match($0, /"name":"[a-z-]*"/); name = substr($0, RSTART + 8, RLENGTH - 9) }
+    /"event":"done"/ && t - began > most { most = t - began; longest = name }
+    match($0, /"ms":[0-9.]*/) { ms = substr($0, RSTART + 5, RLENGTH - 5); if (ms + 0 > picture + 0) picture = ms }
+    END { printf "longest: %s %.3f s, a picture %.3f s\n", longest, most, picture / 1000 }' "$log"
 [ "$half" = 0 ] || [ "$now" -lt $((half + half / 2 + 65536)) ] || fail "memory has grown from $half to $now kB"
 ! grep -q 'gl-error' "$log" || fail "OpenGL has reported errors"
 does '"event":"question"' key ctrl+q

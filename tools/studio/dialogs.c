@@ -49,19 +49,27 @@ static void chosen(GtkNativeDialog *dialog, int response, gpointer user) {
     g_free(q);
 }
 
+/* Where the last file was, or else where the program was started: a list of recent files, which
+ * choosers begin with, is empty at first. */
+static void begin_in_folder(studio_app *app, GtkFileChooser *chooser, const char *name) {
+    const char *last = name ? name : app->document.path ? app->document.path : app->recent[0];
+    char *folder = last ? g_path_get_dirname(last) : g_get_current_dir();
+    GFile *file = g_file_new_for_path(folder);
+    gtk_file_chooser_set_current_folder(chooser, file, NULL);
+    g_object_unref(file);
+    g_free(folder);
+}
+
 void studio_choose_file(studio_app *app, const char *title, GtkFileChooserAction action,
                         const char *name, studio_path_fn done) {
     question *q = g_new0(question, 1);
     GtkFileChooserNative *dialog =
         gtk_file_chooser_native_new(title, app->window, action, NULL, NULL);
     *q = (question){.app = app, .path = done};
+    begin_in_folder(app, GTK_FILE_CHOOSER(dialog), name);
     if (name && action == GTK_FILE_CHOOSER_ACTION_SAVE) {
-        char *folder = g_path_get_dirname(name), *base = g_path_get_basename(name);
-        GFile *file = g_file_new_for_path(folder);
-        gtk_file_chooser_set_current_folder(GTK_FILE_CHOOSER(dialog), file, NULL);
+        char *base = g_path_get_basename(name);
         gtk_file_chooser_set_current_name(GTK_FILE_CHOOSER(dialog), base);
-        g_object_unref(file);
-        g_free(folder);
         g_free(base);
     }
     g_signal_connect(dialog, "response", G_CALLBACK(chosen), q);

@@ -2,6 +2,9 @@
 #include "studio/studio.h"
 
 #include <math.h>
+#include <string.h>
+
+enum { MOST_LOG2 = 14 }; /* texels of a face whose statistics are shown */
 
 GtkWidget *studio_panel_inspector(studio_app *app) {
     GtkWidget *box = gtk_box_new(GTK_ORIENTATION_VERTICAL, 6);
@@ -30,6 +33,31 @@ static void put_texel(GString *text, const slv_texture *texture, const slv_paint
     g_free(texel);
 }
 
+/* Least, mean and greatest value of each channel, of faces that can be gone over while the pointer
+ * moves. */
+static void put_statistics(GString *text, const slv_texture *texture, uint32_t face) {
+    const slv_texture_desc *desc = slv_texture_get_desc(texture);
+    const slv_res res = desc->res[face];
+    const uint32_t w = 1u << res.u, h = 1u << res.v, n = desc->nchannels;
+    if (slv_texture_is_constant(texture, face) || res.u + res.v > MOST_LOG2)
+        return;
+    float *texel = g_new0(float, n);
+    double *sums = g_new0(double, 3 * (size_t)n), *low = sums + n, *high = low + n;
+    for (uint32_t i = 0; i < w * h; i++) {
+        slv_texture_fetch(texture, face, i % w, i / w, texel);
+        for (uint32_t c = 0; c < n; c++) {
+            sums[c] += (double)texel[c];
+            low[c] = i ? fmin(low[c], (double)texel[c]) : (double)texel[c];
+            high[c] = i ? fmax(high[c], (double)texel[c]) : (double)texel[c];
+        }
+    }
+    for (uint32_t c = 0; c < n && c < 4; c++)
+        g_string_append_printf(text, "\n%u: %.3f to %.3f, mean %.3f", c, low[c], high[c],
+                               sums[c] / ((double)w * h));
+    g_free(sums);
+    g_free(texel);
+}
+
 static void show_face(studio_app *app) {
     slv_paint_hit hit;
     uint32_t width, height;
@@ -54,10 +82,21 @@ static void show_face(studio_app *app) {
             g_string_append_printf(text, " %d:%u", (int)a->face[e], a->edge[e]);
     }
     put_texel(text, d->texture, &hit);
+    put_statistics(text, d->texture, face);
     g_string_append_printf(text, "\npressure %.2f tilt %.2f %.2f", (double)app->pressure,
                            (double)app->tilt[0], (double)app->tilt[1]);
     gtk_label_set_text(GTK_LABEL(app->inspector), text->str);
     g_string_free(text, TRUE);
+}
+
+/* In one line, since the panel may be scrolled away. */
+static void show_status(studio_app *app) {
+    const char *words = gtk_label_get_text(GTK_LABEL(app->inspector));
+    char *text =
+        g_strdup_printf("%.*s   |   %.1f ms a picture   |   %s", (int)strcspn(words, "\n"), words,
+                        1e3 * app->stats.seconds, studio_picture_info(app->picture)->renderer);
+    gtk_label_set_text(GTK_LABEL(app->status), text);
+    g_free(text);
 }
 
 void studio_panel_inspector_sync(studio_app *app) {
@@ -76,5 +115,5 @@ void studio_panel_inspector_sync(studio_app *app) {
              1e3 * s->seconds, 1e3 * s->update, (double)s->gpu_bytes / 1e6, s->draws,
              (unsigned long long)s->triangles, app->refined ? ", refined" : "");
     gtk_label_set_text(GTK_LABEL(app->live), text);
-    gtk_label_set_text(GTK_LABEL(app->status), studio_picture_info(app->picture)->renderer);
+    show_status(app);
 }
