@@ -11,7 +11,7 @@ struct unbake_options {
     const char *paths[2], *mesh;
     uint32_t size[2], threads, bits;
     bool json, progress, quiet, salvage, scheme_given;
-    int filter, encoding, normals, scheme;
+    int filter, encoding, normals, scheme, round;
 };
 
 static int print_result(const struct unbake_options *o, const slv_unbake_report *r) {
@@ -54,6 +54,8 @@ static int run_unbake(const struct unbake_options *o) {
                                       .encoding = (slv_texture_encoding)o->encoding,
                                       .normals = (slv_unbake_normals)o->normals,
                                       .scheme = (slv_scheme)o->scheme,
+                                      .round_u = o->round & 1,
+                                      .round_v = o->round >> 1 & 1,
                                       .progress = {cli_progress_report, &progress}};
     const char *const inputs[] = {o->paths[0], o->mesh};
     if (output_check(&env, o->paths[1], inputs, 2))
@@ -100,6 +102,9 @@ int verb_unbake(int argc, char **argv) {
         {"--scheme", CLI_CHOICE, &o.scheme,
          "the surface that --tangent face-normal was baked for (catmark)", names_schemes(), 0, 0,
          &o.scheme_given},
+        {"--round", CLI_CHOICE, &o.round,
+         "texture coordinates that go round, one value a vertex (selvage wrap)", names_rounds(), 0,
+         0, NULL},
         CLI_SALVAGE(&o.salvage),
         CLI_JSON(&o.json),
         CLI_PROGRESS(&o.progress),
@@ -129,6 +134,9 @@ int verb_unbake(int argc, char **argv) {
         return cli_usage(&command, "%s: images are written as .png or .exr", o.paths[1]);
     if (o.scheme_given && o.normals != SLV_UNBAKE_FACE_NORMALS)
         return cli_usage(&command, "--scheme: goes with --tangent face-normal");
+    if (o.round && (o.normals || strstr(o.paths[1], SLV_BAKE_UDIM)))
+        return cli_usage(&command, "--round: goes with one image, no set of tiles, and without "
+                                   "--tangent");
     if (o.bits && o.bits != 8 && o.bits != 16 && o.bits != 32)
         return cli_usage(&command, "--bits: 8, 16 or 32");
     if (CLI_STANDARD_ONCE(&command, o.paths[0], o.mesh))

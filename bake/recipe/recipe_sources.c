@@ -125,6 +125,14 @@ static slv_result open_vertex(opening *o, const json_t *node, const char *where,
     return slv_bake_from_vertex_colors(o->r.env, o->mesh, (slv_texture_encoding)encoding, out);
 }
 
+/* A field that another leaves nothing to do for. */
+static slv_result without(const opening *o, const json_t *node, const char *where, const char *key,
+                          const char *why) {
+    return json_object_get(node, key)
+               ? slvi_recipe_fail(&o->r, where, "%s: does nothing %s", key, why)
+               : SLV_OK;
+}
+
 static slv_result open_cage(const opening *o, const json_t *node, const char *where,
                             slv_mesh **out) {
     const char *path;
@@ -132,6 +140,8 @@ static slv_result open_cage(const opening *o, const json_t *node, const char *wh
     if (!json_object_get(node, "cage"))
         return SLV_OK;
     slv_result result = file_name(o, node, where, "cage", &path);
+    result =
+        result ? result : without(o, node, where, "front", "with a cage, from which rays begin");
     return result || !o->mesh ? result : slv_mesh_load(o->r.env, path, out);
 }
 
@@ -164,8 +174,10 @@ static slv_result open_points(opening *o, const json_t *node, const char *where,
         return result;
     params.encoding = (slv_texture_encoding)encoding;
     if (slv_mesh_face_count(points))
+        result = without(o, node, where, "count", "of a scan with polygons");
+    if (!result && slv_mesh_face_count(points))
         result = from_colored(o, points, &params, out);
-    else
+    else if (!result)
         result = slv_bake_from_points(o->r.env, o->mesh, o->surface, points, &params, out);
     slv_mesh_destroy(points);
     return result;
@@ -211,7 +223,11 @@ static slv_result open_carry(opening *o, const json_t *node, const char *where, 
         (result = slvi_recipe_word(&o->r, where, node, "scheme", scheme_name, &scheme)) ||
         (result = number(o, node, where, "distance", 1e-30, 1e30, &params.distance)) ||
         (result = number(o, node, where, "front", 1e-30, 1e30, &params.front)) ||
-        (result = number(o, node, where, "back", 1e-30, 1e30, &params.back)))
+        (result = number(o, node, where, "back", 1e-30, 1e30, &params.back)) ||
+        (by && (result = without(o, node, where, "distance", "by rays"))) ||
+        (!by && ((result = without(o, node, where, "front", "but by rays")) ||
+                 (result = without(o, node, where, "back", "but by rays")) ||
+                 (result = without(o, node, where, "cage", "but by rays")))))
         return result;
     if ((result = open_cage(o, node, where, &cage)) ||
         (o->mesh && ((result = need_surface(o)) || (result = load_mesh(o, path, &other))))) {

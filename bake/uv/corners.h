@@ -16,7 +16,8 @@ uv_lacking slvi_uv_check_corners(float *corners, uint32_t nfaces);
 /* One warning for each kind; `path` is the image's. */
 void slvi_uv_warn_of_lacking(const slv_env *env, const char *path, const uv_lacking *lacking,
                              uint32_t nfaces);
-/* Of a face over half of the map both ways round are as short, or the wrong one is. */
+/* Of a face over half of the map both ways round are as short, or the wrong one is. Where nothing
+ * goes round: of those that run backward, as faces do over the end of a map that should. */
 void slvi_uv_warn_of_wide(const slv_env *env, const char *path, const float *corners,
                           uint32_t nfaces, const bool round[2]);
 /* Whether no face leaves 0..1 along an axis. */

@@ -14,6 +14,7 @@
 #include "base/progress.h"
 
 #include <selvage/image.h>
+#include <selvage/wrap.h>
 
 #include <math.h>
 #include <stdio.h>
@@ -406,6 +407,11 @@ static slv_result check(unbake *b, const slv_mesh *mesh, const char *path) {
                          "%s: a normal map is made of three channels of half or float, which have "
                          "a sign, but the texture has %u of %s",
                          path, info->nchannels, slv_type_name(info->type));
+    if ((b->params->round_u || b->params->round_v) && (b->udim || b->params->normals))
+        return slvi_fail(&b->env, SLV_ERROR_ARGUMENT,
+                         "%s: coordinates that go round take one image, which repeats, no set of "
+                         "tiles, and make no normal map",
+                         path);
     if (slv_image_format_of_name(path) == SLV_IMAGE_NONE)
         return slvi_fail(&b->env, SLV_ERROR_ARGUMENT, "%s: images are written as .png or .exr",
                          path);
@@ -427,13 +433,16 @@ static slv_result run(unbake *b, const slv_mesh *mesh, const char *path,
                       slv_unbake_params *params) {
     slv_result result = check(b, mesh, path);
     if (result || (result = slv_mesh_adjacency(&b->env, mesh, &b->adjacency)) ||
-        (result = slv_mesh_face_texcoords(&b->env, mesh, &b->corners)))
+        (result = slv_mesh_round_texcoords(&b->env, mesh, params->round_u, params->round_v,
+                                           &b->corners)))
         return result;
     const uv_lacking lacking = slvi_uv_check_corners(b->corners, b->nfaces);
     b->report->without = lacking.none + lacking.far;
     if (b->nfaces && b->report->without == b->nfaces)
         return slvi_fail(&b->env, SLV_ERROR_MISMATCH,
                          "%s: the mesh has no texture coordinates (vt) to draw it with", path);
+    slvi_uv_warn_of_wide(&b->env, path, b->corners, b->nfaces,
+                         (const bool[2]){params->round_u, params->round_v});
     if (!params->width)
         params->width = params->height = side_for(b);
     if (!params->height)

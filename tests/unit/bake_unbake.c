@@ -247,6 +247,52 @@ static void spot(const char *samples) {
     slv_image_free(&back);
 }
 
+static float wave(uint32_t channel, float u, float v) {
+    return 0.5f + 0.3f * sinf(6.2831853f * u + (float)channel) * (0.5f + 0.5f * v);
+}
+
+/* Around a tube with one coordinate a vertex and back; without a word the faces over its end are
+ * drawn the wrong way, of which both ways warn. */
+static void round_and_back(void) {
+    enum { COLUMNS = 8, ROWS = 3 };
+    char obj[4000];
+    size_t used = 0;
+    for (int j = 0; j <= ROWS; j++)
+        for (int i = 0; i < COLUMNS; i++)
+            used += (size_t)snprintf(obj + used, sizeof obj - used, "v %g %g %g\nvt %g %g\n",
+                                     cos(0.7853981634 * i), sin(0.7853981634 * i), 0.5 * j,
+                                     (double)i / COLUMNS, (double)j / ROWS);
+    for (int j = 0; j < ROWS; j++)
+        for (int i = 0; i < COLUMNS; i++) {
+            int a = j * COLUMNS + i + 1, b = j * COLUMNS + (i + 1) % COLUMNS + 1;
+            used +=
+                (size_t)snprintf(obj + used, sizeof obj - used, "f %d/%d %d/%d %d/%d %d/%d\n", a, a,
+                                 b, b, b + COLUMNS, b + COLUMNS, a + COLUMNS, a + COLUMNS);
+        }
+    tool_write_file("tube.obj", obj, used);
+    uv_write_image("wave.exr", 64, 64, 3, wave, &uv_floats);
+    RUNS(0, "bake tube.obj --uv wave.exr -o tube.ptx --size 16");
+    HAS("3 of 24 faces span half of the map or more and run the other way");
+    RUNS(0, "bake tube.obj --uv wave.exr --round u -o tube.ptx --size 16");
+    CHECK(!strstr(tool_out, "warning"));
+    RUNS(0, "unbake tube.ptx --mesh tube.obj -o tube.exr --size 64 --bits 32");
+    HAS("3 of 24 faces span half of the map or more and run the other way");
+    RUNS(0, "unbake tube.ptx --mesh tube.obj --round u -o tube.exr --size 64 --bits 32");
+    CHECK(!strstr(tool_out, "warning"));
+    slv_image back = load("tube.exr");
+    float most = 0;
+    for (uint32_t y = 4; y < 60; y++)
+        for (uint32_t x = 0; x < 64; x++)
+            for (uint32_t c = 0; c < 3; c++)
+                most =
+                    fmaxf(most, fabsf(back.pixels[(y * 64 + x) * 3 + c] -
+                                      wave(c, ((float)x + 0.5f) / 64, 1 - ((float)y + 0.5f) / 64)));
+    CHECK_MSG(most < 0.01f, "off by %g", (double)most);
+    slv_image_free(&back);
+    RUNS(2, "unbake tube.ptx --mesh tube.obj --round u -o 'tube.<UDIM>.exr'");
+    RUNS(2, "unbake tube.ptx --mesh tube.obj --round u --tangent object-normal -o tube.exr");
+}
+
 int main(void) {
     const char *samples = getenv("SELVAGE_SAMPLES");
     tool_begin();
@@ -261,6 +307,7 @@ int main(void) {
     same_and_refused();
     if (samples)
         spot(samples);
+    round_and_back();
     tool_end();
     return test_end();
 }

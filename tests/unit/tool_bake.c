@@ -21,6 +21,10 @@ static const char nan_obj[] = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 nan\nvt 0 0\nf 1
 static const char far[] = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nvt 1e30 0\nvt 0 1e30\n"
                           "f 1/1 2/2 3/1 4/2\n";
 
+/* a polygon that is at one of its vertices twice */
+static const char twice[] = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 2 0 0\nv 2 1 0\nf 1 2 3 4\n"
+                            "f 2 5 2 6 3\n";
+
 static void write_image(const char *name, uint32_t n, float last, uint32_t bits) {
     slv_env env = test_env();
     slv_image image;
@@ -80,6 +84,10 @@ static void results(void) {
     HAS("\"faces_over\": 0");
     RUNS(0, "bake bare.obj --pattern checker --frequency 3 --size 16 -o out.ptx");
     HAS("256 texels");
+    /* a fault of the mesh that two parts of the job find is told once */
+    RUNS(0, "bake twice.obj --pattern checker --density 4 -o out.ptx");
+    HAS("no limit");
+    CHECK(!strstr(strstr(tool_out, "no limit") + 1, "no limit"));
 }
 
 static void misses(void) {
@@ -114,7 +122,17 @@ static void refused(void) {
                                           "--rays ao --wrap none",
                                           "--rays ao --round u",
                                           "--rays ao --texture-encoding data",
-                                          "--surface normal --samples 9"};
+                                          "--surface normal --samples 9",
+                                          "--detail quad.obj --distance 2",
+                                          "--detail quad.obj --detail-kind object-normal --cage "
+                                          "quad.obj --front 1",
+                                          "--from quad.obj --uv rgb.png --front 1",
+                                          "--from quad.obj --uv rgb.png --by closest --back 1",
+                                          "--from quad.obj --uv rgb.png --by rays --distance 1",
+                                          "--from quad.obj --uv rgb.png --by rays --cage quad.obj "
+                                          "--front 1",
+                                          "--pattern checker --seed 3",
+                                          "--pattern face-color --frequency 2"};
     for (size_t i = 0; i < sizeof without / sizeof *without; i++) {
         RUNS(2, "bake quad.obj %s --size 8 -o none.ptx", without[i]);
         HAS(": goes with --");
@@ -152,6 +170,7 @@ int main(void) {
     tool_write_file("hole.obj", hole, sizeof hole - 1);
     tool_write_file("nan.obj", nan_obj, sizeof nan_obj - 1);
     tool_write_file("far.obj", far, sizeof far - 1);
+    tool_write_file("twice.obj", twice, sizeof twice - 1);
     write_image("rgb.png", 3, 1, 8);
     write_image("wide.png", 1, 0.5f, 16);
     write_image("rgba.exr", 4, 0.5f, 16);

@@ -108,6 +108,14 @@ static void refusals(void) {
     refused("{\"source\": {\"channels\": [3], \"of\": " A "}}", "there is no channel 3");
     refused("{\"source\": {\"uv\": \"missing.png\"}}", "missing.png");
     refused("{\"source\": {\"levels\": " A ", \"in\": [1, 1]}}", "two different");
+    refused("{\"source\": {\"carry\": " A ", \"mesh\": \"m.obj\", \"front\": 1}}",
+            "front: does nothing but by rays");
+    refused("{\"source\": {\"carry\": " A ", \"mesh\": \"m.obj\", \"by\": \"rays\", "
+            "\"distance\": 1}}",
+            "distance: does nothing by rays");
+    refused("{\"source\": {\"detail\": \"m.obj\", \"kind\": \"object-normal\", \"cage\": "
+            "\"m.obj\", \"front\": 1}}",
+            "front: does nothing with a cage");
     for (int i = 0; i < 100; i++)
         strcat(deep, i ? "}" : A "}");
     strcat(deep, "}");

@@ -14,7 +14,7 @@ typedef struct bake_options {
     uint32_t seed, samples;
     bool size_given, max_given, density_given, match_given, error_given, type_given, pattern_given;
     bool min_given, surface_given, rays_given, encoding_given, wrap_given, round_given,
-        detail_kind_given, front_given, back_given;
+        detail_kind_given, front_given, back_given, distance_given, seed_given, frequency_given;
     bool least_error, no_reductions, reductions_given, scheme_given, max_miss_given, print_recipe,
         resume, vertex_color, by_given, json, progress, quiet;
     int type, scheme, encoding, wrap, pattern, surface, rays, detail_kind, reductions, by, round;

@@ -14,6 +14,8 @@
 /* Options of sources that the source there is does not have. */
 static int check_source(const cli_command *command, const bake_options *o) {
     const bool images = o->uv || o->vertex_color || o->texture || o->points;
+    const bool rays = o->detail || (o->from && o->by), nearest = o->from && !o->by;
+    const slv_pattern pattern = (slv_pattern)o->pattern;
     const struct {
         const char *option, *of;
         bool given, taken;
@@ -21,13 +23,17 @@ static int check_source(const cli_command *command, const bake_options *o) {
                 o->encoding_given, images},
                {"--wrap", "--uv", o->wrap_given, o->uv != NULL},
                {"--round", "--uv, as it is of texture coordinates", o->round_given, o->uv != NULL},
-               {"--distance", "--rays, --points or --from", o->distance > 0,
-                o->rays_given || o->points || o->from},
-               {"--front", "--detail or --from", o->front_given, o->detail || o->from},
-               {"--back", "--detail or --from", o->back_given, o->detail || o->from},
+               {"--distance", "--rays, --points or --from, but not --by rays", o->distance_given,
+                o->from ? nearest : o->rays_given || o->points},
+               {"--front", "--detail or --by rays, but not --cage, from which rays begin",
+                o->front_given, rays && !o->cage},
+               {"--back", "--detail or --by rays", o->back_given, rays},
                {"--samples", "--rays or --detail", o->samples != 0, o->rays_given || o->detail},
-               {"--seed", "--rays or --pattern", o->seed != 0, o->rays_given || o->pattern_given},
-               {"--frequency", "--pattern", o->frequency != 0, o->pattern_given},
+               {"--seed", "--rays, --pattern noise or face-color", o->seed_given,
+                o->rays_given || (o->pattern_given && (pattern == SLV_PATTERN_NOISE ||
+                                                       pattern == SLV_PATTERN_FACE_COLOR))},
+               {"--frequency", "--pattern, but not face-color", o->frequency_given,
+                o->pattern_given && pattern != SLV_PATTERN_FACE_COLOR},
                {"--detail-kind", "--detail MESH", o->detail_kind_given, o->detail != NULL}};
     for (size_t i = 0; i < sizeof all / sizeof *all; i++)
         if (all[i].given && o->recipe)
@@ -58,8 +64,9 @@ static int check(const cli_command *command, const bake_options *o) {
     if (check_source(command, o) >= 0)
         return EXIT_USAGE;
     if ((o->front_given && !(o->front > 0)) || (o->back_given && !(o->back > 0)) ||
-        !(o->distance >= 0))
-        return cli_usage(command, "--front, --back and --distance: expected more than 0");
+        (o->distance_given && !(o->distance > 0)) || (o->frequency_given && !(o->frequency > 0)))
+        return cli_usage(command, "--front, --back, --distance and --frequency: expected more than "
+                                  "0");
     if (CLI_STANDARD_ONCE(command, o->paths[0], o->uv, o->detail, o->points, o->from, o->recipe))
         return EXIT_USAGE;
     if (o->size_given + o->density_given + o->match_given + o->error_given + (o->bytes != NULL) +
@@ -131,7 +138,7 @@ static json_t *source_of(const bake_options *o) {
              slv_texture_encoding_name((slv_texture_encoding)o->encoding));
     } else if (o->points) {
         word(source, true, "points", cli_input(o->points));
-        number(source, o->distance > 0 && !o->from, "distance", (double)o->distance);
+        number(source, o->distance_given && !o->from, "distance", (double)o->distance);
         word(source, o->encoding_given, "texture-encoding",
              slv_texture_encoding_name((slv_texture_encoding)o->encoding));
     } else if (o->detail) {
@@ -144,16 +151,16 @@ static json_t *source_of(const bake_options *o) {
         whole(source, o->samples != 0, "samples", o->samples);
     } else if (o->rays_given) {
         word(source, true, "rays", slv_bake_rays_kind_name((slv_bake_rays_kind)o->rays));
-        number(source, o->distance > 0 && !o->from, "distance", (double)o->distance);
+        number(source, o->distance_given && !o->from, "distance", (double)o->distance);
         whole(source, o->samples != 0, "samples", o->samples);
-        whole(source, o->seed != 0, "seed", o->seed);
+        whole(source, o->seed_given, "seed", o->seed);
     } else if (o->surface_given) {
         word(source, true, "surface",
              slv_bake_surface_kind_name((slv_bake_surface_kind)o->surface));
     } else {
         word(source, true, "pattern", slv_pattern_name((slv_pattern)o->pattern));
-        number(source, o->frequency != 0, "frequency", (double)o->frequency);
-        whole(source, o->seed != 0, "seed", o->seed);
+        number(source, o->frequency_given, "frequency", (double)o->frequency);
+        whole(source, o->seed_given, "seed", o->seed);
     }
     return source;
 }
@@ -167,7 +174,7 @@ static json_t *carried(const bake_options *o, json_t *of) {
     json_object_set_new(source, "carry", of);
     word(source, true, "mesh", cli_input(o->from));
     word(source, o->by_given, "by", o->by ? "rays" : "closest");
-    number(source, o->distance > 0, "distance", (double)o->distance);
+    number(source, o->distance_given, "distance", (double)o->distance);
     number(source, o->front_given, "front", (double)o->front);
     number(source, o->back_given, "back", (double)o->back);
     word(source, o->cage != NULL, "cage", o->cage);

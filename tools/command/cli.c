@@ -103,9 +103,24 @@ void cli_warning(const char *format, ...) {
     va_end(args);
 }
 
+/* Two parts of one job may find the same fault of a mesh, which is one to whoever reads it. */
+static bool was_said(const char *message) {
+    enum { KEPT = 64 };
+    static uint64_t said[KEPT];
+    static uint32_t count;
+    uint64_t hash = UINT64_C(14695981039346656037);
+    for (; *message; message++)
+        hash = (hash ^ (unsigned char)*message) * UINT64_C(1099511628211);
+    for (uint32_t i = 0; i < count && i < KEPT; i++)
+        if (said[i] == hash)
+            return true;
+    said[count++ % KEPT] = hash;
+    return false;
+}
+
 static void print_log(void *user, slv_log_level level, const char *message) {
     (void)user;
-    if (level == SLV_LOG_INFO)
+    if (level == SLV_LOG_INFO || (level == SLV_LOG_WARNING && was_said(message)))
         return;
     begin_line();
     fprintf(stderr, "selvage: %s", level == SLV_LOG_WARNING ? "warning: " : "");

@@ -439,8 +439,10 @@ typedef struct slv_unbake_params {
     slv_texture_encoding encoding; /* of the texture's colours; default what it says */
     slv_progress progress;         /* rows */
     slv_unbake_normals normals;
-    slv_scheme scheme; /* of the surface, of SLV_UNBAKE_FACE_NORMALS */
-    uint64_t reserved[3];
+    slv_scheme scheme;     /* of the surface, of SLV_UNBAKE_FACE_NORMALS */
+    bool round_u, round_v; /* texture coordinates that go round, as in slv_bake_uv: an image, no
+                              tiles, and no `normals` */
+    uint64_t reserved[2];
 } slv_unbake_params;
 
 typedef struct slv_unbake_report {
