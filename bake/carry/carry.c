@@ -322,6 +322,9 @@ static slv_result measure(const slv_env *env, const slv_mesh *mesh, const slv_me
         for (int m = 0; m < 2; m++)
             s->look.size = fmaxf(s->look.size, fmaxf(fabsf(low[m][k]), fabsf(high[m][k])));
     }
+    slv_result result = s->params.rays ? embree_check_box(env, "rays", low[0], high[0]) : SLV_OK;
+    if (result)
+        return result;
     diagonal = sqrt(diagonal);
     s->params.distance =
         s->params.distance > 0 ? s->params.distance : DEFAULT_DISTANCE * (float)diagonal;

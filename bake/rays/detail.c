@@ -170,6 +170,9 @@ static slv_result measure(const slv_env *env, const slv_mesh *mesh, detail *d) {
     d->params.front = d->params.front > 0 ? d->params.front : reach;
     d->params.back = d->params.back > 0 ? d->params.back : reach;
     float most = fmaxf(d->params.front, d->params.back);
+    slv_result result = embree_check_box(env, "rays", low, high);
+    if (result)
+        return result;
     for (int k = 0; k < 3; k++)
         if (d->scene.low[k] - most > high[k] || d->scene.high[k] + most < low[k])
             return slvi_fail(env, SLV_ERROR_MISMATCH,

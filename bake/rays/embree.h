@@ -42,14 +42,15 @@ static inline slv_result embree_result(const slv_env *env, const char *what, RTC
                      (int)error);
 }
 
-static inline slv_result embree_check_box(const slv_env *env, const embree_faces *faces) {
-    for (int k = 0; k < 3 && faces->npoints; k++)
-        if (!(faces->low[k] > -EMBREE_FARTHEST && faces->high[k] < EMBREE_FARTHEST))
+/* The box of what rays are cast at, or from. */
+static inline slv_result embree_check_box(const slv_env *env, const char *what, const float low[3],
+                                          const float high[3]) {
+    for (int k = 0; k < 3; k++)
+        if (!(low[k] > -EMBREE_FARTHEST && high[k] < EMBREE_FARTHEST))
             return slvi_fail(env, SLV_ERROR_LIMIT,
                              "%s: the surface goes from %g to %g along axis %d, and rays reach %g "
                              "at most",
-                             faces->what, (double)faces->low[k], (double)faces->high[k], k,
-                             (double)EMBREE_FARTHEST);
+                             what, (double)low[k], (double)high[k], k, (double)EMBREE_FARTHEST);
     return SLV_OK;
 }
 
@@ -58,7 +59,8 @@ static inline slv_result embree_check_box(const slv_env *env, const embree_faces
 static inline slv_result embree_build(const slv_env *env, const embree_faces *faces,
                                       RTCDevice *device, RTCScene *scene) {
     bool quads = faces->type == RTC_GEOMETRY_TYPE_QUAD;
-    slv_result result = embree_check_box(env, faces);
+    slv_result result =
+        faces->npoints ? embree_check_box(env, faces->what, faces->low, faces->high) : SLV_OK;
     if (result)
         return result;
     if (!(*device = rtcNewDevice("threads=1")))

@@ -11,7 +11,7 @@
 #include <math.h>
 #include <string.h>
 
-enum { DEFAULT_SAMPLES = 256, MOST_SAMPLES = 1 << 16, DEFAULT_SEGMENTS = 16 };
+enum { DEFAULT_SAMPLES = 256, MOST_SAMPLES = 1 << 16, DEFAULT_SEGMENTS = 16, AT_ONCE = 64 };
 
 typedef struct occlusion {
     slv_bake_source base;
@@ -22,9 +22,22 @@ typedef struct occlusion {
     float offset; /* from the surface, where rays begin */
 } occlusion;
 
-/* The point of the tessellation at (u,v), its normal across the triangle, and the smooth one. */
-static void surface_at(const occlusion *o, uint32_t face, float u, float v, float point[3],
-                       float flat[3], float smooth[3]) {
+typedef float four __attribute__((vector_size(16))); /* three of them count */
+
+static inline four load(const float *from) {
+    return (four){from[0], from[1], from[2], 0};
+}
+
+static inline float length_of(four x) {
+    return sqrtf(x[0] * x[0] + x[1] * x[1] + x[2] * x[2]);
+}
+
+typedef struct surface_place {
+    four point, flat, smooth; /* the normal across the triangle, and the smooth one */
+} surface_place;
+
+/* The point of the tessellation at (u,v). */
+static inline surface_place surface_at(const occlusion *o, uint32_t face, float u, float v) {
     uint32_t n = o->tessellation.segments[face];
     float x = u * (float)n, y = v * (float)n;
     uint32_t cx = (uint32_t)x < n ? (uint32_t)x : n - 1, cy = (uint32_t)y < n ? (uint32_t)y : n - 1;
@@ -33,24 +46,20 @@ static void surface_at(const occlusion *o, uint32_t face, float u, float v, floa
         o->tessellation.vertices + o->tessellation.first[face] + cy * (n + 1) + cx;
     const slv_vertex *c = a + n + 2, *b = fx > fy ? a + 1 : a + n + 1;
     /* on the triangle a, c and the corner between them on this side of the diagonal */
-    float wb = fabsf(fx - fy), wc = fminf(fx, fy), wa = 1 - wb - wc, ab[3], ac[3];
-    for (int k = 0; k < 3; k++) {
-        point[k] = wa * a->position[k] + wb * b->position[k] + wc * c->position[k];
-        smooth[k] = wa * a->normal[k] + wb * b->normal[k] + wc * c->normal[k];
-        ab[k] = b->position[k] - a->position[k];
-        ac[k] = c->position[k] - a->position[k];
-    }
-    float length = 0, side = fx > fy ? 1 : -1;
-    for (int k = 0; k < 3; k++) {
-        flat[k] = side * (ab[(k + 1) % 3] * ac[(k + 2) % 3] - ab[(k + 2) % 3] * ac[(k + 1) % 3]);
-        length += flat[k] * flat[k];
-    }
-    float scale = length > 0 ? 1 / sqrtf(length) : 0;
-    for (int k = 0; k < 3; k++)
-        flat[k] = length > 0 ? flat[k] * scale : smooth[k];
-    length = sqrtf(smooth[0] * smooth[0] + smooth[1] * smooth[1] + smooth[2] * smooth[2]);
-    for (int k = 0; k < 3; k++)
-        smooth[k] = length > 0 ? smooth[k] / length : flat[k];
+    const float wb = fabsf(fx - fy), wc = fx < fy ? fx : fy, wa = 1 - wb - wc;
+    const four pa = load(a->position), pb = load(b->position), pc = load(c->position), ab = pb - pa,
+               ac = pc - pa;
+    surface_place p = {.point = wa * pa + wb * pb + wc * pc,
+                       .smooth =
+                           wa * load(a->normal) + wb * load(b->normal) + wc * load(c->normal)};
+    p.flat =
+        __builtin_shufflevector(ab, ab, 1, 2, 0, 3) * __builtin_shufflevector(ac, ac, 2, 0, 1, 3) -
+        __builtin_shufflevector(ab, ab, 2, 0, 1, 3) * __builtin_shufflevector(ac, ac, 1, 2, 0, 3);
+    p.flat = fx > fy ? p.flat : -p.flat;
+    const float across = length_of(p.flat), along = length_of(p.smooth);
+    p.flat = across > 0 ? p.flat * (1 / across) : p.smooth;
+    p.smooth = along > 0 ? p.smooth * (1 / along) : p.flat;
+    return p;
 }
 
 /* Two directions across a normal (Duff et al. 2017, "Building an Orthonormal Basis, Revisited"). */
@@ -67,7 +76,7 @@ static void basis(const float n[3], float a[3], float b[3]) {
 /* As likely as its cosine to the normal. */
 static void direction_of(const float normal[3], const float random[2], float out[3]) {
     float a[3], b[3], radius = sqrtf(random[0]), angle = 6.28318531f * random[1];
-    float x = radius * cosf(angle), y = radius * sinf(angle), z = sqrtf(fmaxf(0, 1 - random[0]));
+    float x = radius * cosf(angle), y = radius * sinf(angle), z = sqrtf(1 - random[0]);
     basis(normal, a, b);
     for (int k = 0; k < 3; k++)
         out[k] = x * a[k] + y * b[k] + z * normal[k];
@@ -78,27 +87,33 @@ typedef struct tally {
     uint32_t hits;
 } tally;
 
-static void cast(const occlusion *o, uint32_t face, float u, float v, const float random[2],
-                 float limit, tally *t) {
-    float point[3], flat[3], smooth[3], normal[3], origin[3], direction[3];
-    bool inwards = o->params.kind == SLV_BAKE_THICKNESS;
-    surface_at(o, face, u, v, point, flat, smooth);
-    for (int k = 0; k < 3; k++) {
-        normal[k] = inwards ? -smooth[k] : smooth[k];
-        origin[k] = point[k] + (inwards ? -flat[k] : flat[k]) * o->offset;
-    }
-    direction_of(normal, random, direction);
-    if (inwards) {
-        float distance = slvi_ray_cast(&o->scene, origin, direction, limit, NULL, NULL);
+typedef struct one_ray {
+    float origin[3], direction[3];
+} one_ray;
+
+static inline one_ray ray_at(const occlusion *o, uint32_t face, float u, float v,
+                             const float random[2]) {
+    const surface_place p = surface_at(o, face, u, v);
+    const float side = o->params.kind == SLV_BAKE_THICKNESS ? -1 : 1;
+    const four n = side * p.smooth, from = p.point + side * o->offset * p.flat;
+    const float normal[3] = {n[0], n[1], n[2]};
+    one_ray ray = {.origin = {from[0], from[1], from[2]}};
+    direction_of(normal, random, ray.direction);
+    return ray;
+}
+
+static void cast(const occlusion *o, const one_ray *ray, float limit, tally *t) {
+    if (o->params.kind == SLV_BAKE_THICKNESS) {
+        float distance = slvi_ray_cast(&o->scene, ray->origin, ray->direction, limit, NULL, NULL);
         t->hits += isfinite(distance);
         t->distance += isfinite(distance) ? (double)distance : 0;
         return;
     }
-    if (slvi_ray_is_blocked(&o->scene, origin, direction, limit))
+    if (slvi_ray_is_blocked(&o->scene, ray->origin, ray->direction, limit))
         return;
     t->open++;
     for (int k = 0; k < 3; k++)
-        t->direction[k] += (double)direction[k];
+        t->direction[k] += (double)ray->direction[k];
 }
 
 static void store(const occlusion *o, const tally *t, uint32_t face, float u, float v, float *out,
@@ -112,9 +127,8 @@ static void store(const occlusion *o, const tally *t, uint32_t face, float u, fl
     } else {
         const double *d = t->direction;
         double length = sqrt(d[0] * d[0] + d[1] * d[1] + d[2] * d[2]);
-        float point[3], flat[3], smooth[3];
-        surface_at(o, face, u, v, point, flat, smooth);
         /* where nothing is open, the normal as it is */
+        const four smooth = surface_at(o, face, u, v).smooth;
         for (int k = 0; k < 3; k++)
             out[k] = length > 0 ? (float)(d[k] / length) : smooth[k];
     }
@@ -125,6 +139,7 @@ static slv_result evaluate(const slv_bake_source *source, const slv_env *env, ui
     const occlusion *o = (const occlusion *)source;
     uint32_t n = o->base.desc.nchannels;
     float limit = o->params.distance > 0 ? o->params.distance : INFINITY;
+    const float du = 1 / (float)(1u << res.u), dv = 1 / (float)(1u << res.v);
     (void)env;
     if (!o->tessellation.segments[face])
         return SLV_OK; /* a hole is not there */
@@ -134,12 +149,19 @@ static slv_result evaluate(const slv_bake_source *source, const slv_env *env, ui
         reference_sequence place = slvi_reference_sequence_begin(&o->sampler, texel, face, 0),
                            way = slvi_reference_sequence_begin(&o->sampler, texel, face, 1);
         tally t = {0};
-        for (uint32_t k = 0; k < o->params.samples; k++) {
-            float at[2], random[2];
-            slvi_reference_sample(&o->sampler, &place, k, at);
-            slvi_reference_sample(&o->sampler, &way, k, random);
-            cast(o, face, ((float)x + at[0]) / (float)(1u << res.u),
-                 ((float)y + at[1]) / (float)(1u << res.v), random, limit, &t);
+        /* rays are made before any is cast: processors make several at a time then */
+        for (uint32_t k = 0; k < o->params.samples;) {
+            one_ray rays[AT_ONCE];
+            uint32_t count = 0;
+            for (; count < AT_ONCE && k < o->params.samples; count++, k++) {
+                float at[2], random[2];
+                slvi_reference_sample(&o->sampler, &place, k, at);
+                slvi_reference_sample(&o->sampler, &way, k, random);
+                rays[count] =
+                    ray_at(o, face, ((float)x + at[0]) * du, ((float)y + at[1]) * dv, random);
+            }
+            for (uint32_t r = 0; r < count; r++)
+                cast(o, &rays[r], limit, &t);
         }
         store(o, &t, face, ((float)x + 0.5f) / (float)(1u << res.u),
               ((float)y + 0.5f) / (float)(1u << res.v), values + (size_t)i * n, &misses[i]);

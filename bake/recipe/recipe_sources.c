@@ -173,7 +173,9 @@ static slv_result open_points(opening *o, const json_t *node, const char *where,
         (result = slv_mesh_load_points(o->r.env, path, &points)))
         return result;
     params.encoding = (slv_texture_encoding)encoding;
-    if (slv_mesh_face_count(points))
+    if (!slv_mesh_get_view(points)->colors)
+        result = slvi_fail(o->r.env, SLV_ERROR_MISMATCH, "%s: its points have no colours", path);
+    if (!result && slv_mesh_face_count(points))
         result = without(o, node, where, "count", "of a scan with polygons");
     if (!result && slv_mesh_face_count(points))
         result = from_colored(o, points, &params, out);

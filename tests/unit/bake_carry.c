@@ -141,8 +141,8 @@ static void places(void) {
         for (int8_t size = 0; size < 5; size += 2) {
             snprintf(source, sizeof source,
                      "{\"carry\": {\"surface\": \"position\"}, \"mesh\": \"%s\", \"by\": \"%s\", "
-                     "\"distance\": 0.02, \"front\": 0.02}",
-                     tool_path("grid.obj"), by ? "rays" : "closest");
+                     "\"%s\": 0.02}",
+                     tool_path("grid.obj"), by ? "rays" : "closest", by ? "front" : "distance");
             evaluate("v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf 1 2 3 4\n", source, 0,
                      (slv_res){size, size}, 3, got, misses);
             for (int i = 0; i < 1 << 2 * size; i++) {

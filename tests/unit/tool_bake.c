@@ -21,6 +21,8 @@ static const char nan_obj[] = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 nan\nvt 0 0\nf 1
 static const char far[] = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nvt 1e30 0\nvt 0 1e30\n"
                           "f 1/1 2/2 3/1 4/2\n";
 
+static const char huge[] = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1e38 0\nf 1 2 3 4\n";
+
 /* a polygon that is at one of its vertices twice */
 static const char twice[] = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 2 0 0\nv 2 1 0\nf 1 2 3 4\n"
                             "f 2 5 2 6 3\n";
@@ -120,6 +122,7 @@ static void refused(void) {
                                           "--uv rgb.png --back 1",
                                           "--uv rgb.png --detail-kind face-vector",
                                           "--rays ao --wrap none",
+                                          "--uv 'rgb.<UDIM>.png' --wrap clamp",
                                           "--rays ao --round u",
                                           "--rays ao --texture-encoding data",
                                           "--surface normal --samples 9",
@@ -141,6 +144,15 @@ static void refused(void) {
     HAS("contradict");
     RUNS(2, "bake quad.obj --uv rgb.png --size 8 --min-size 16 -o none.ptx");
     RUNS(2, "bake quad.obj --uv rgb.png --size 32 --max-size 8 -o none.ptx");
+    /* rays that begin further out than any may reach */
+    RUNS(1, "bake huge.obj --detail quad.obj --size 4 -o none.ptx");
+    HAS("rays reach 1e+18");
+    RUNS(1, "bake quad.obj --from quad.obj --uv rgb.png --by rays --cage huge.obj -o none.ptx");
+    HAS("rays reach 1e+18");
+    RUNS(1, "bake quad.obj --points nothing.obj -o none.ptx");
+    HAS("nothing.obj: holds no points");
+    RUNS(1, "bake quad.obj --points bare.obj -o none.ptx");
+    HAS("bare.obj: its points have no colours");
     RUNS(1, "bake quad.obj --uv missing.png -o none.ptx");
     HAS("missing.png");
     RUNS(1, "bake quad.obj --uv quad.obj -o none.ptx");
@@ -171,6 +183,8 @@ int main(void) {
     tool_write_file("nan.obj", nan_obj, sizeof nan_obj - 1);
     tool_write_file("far.obj", far, sizeof far - 1);
     tool_write_file("twice.obj", twice, sizeof twice - 1);
+    tool_write_file("huge.obj", huge, sizeof huge - 1);
+    tool_write_file("nothing.obj", "# nothing\n", 10);
     write_image("rgb.png", 3, 1, 8);
     write_image("wide.png", 1, 0.5f, 16);
     write_image("rgba.exr", 4, 0.5f, 16);

@@ -21,7 +21,8 @@ static int check_source(const cli_command *command, const bake_options *o) {
         bool given, taken;
     } all[] = {{"--texture-encoding", "--uv, --texture, --vertex-color or --points",
                 o->encoding_given, images},
-               {"--wrap", "--uv", o->wrap_given, o->uv != NULL},
+               {"--wrap", "--uv, but no set of tiles", o->wrap_given,
+                o->uv && !strstr(o->uv, SLV_BAKE_UDIM)},
                {"--round", "--uv, as it is of texture coordinates", o->round_given, o->uv != NULL},
                {"--distance", "--rays, --points or --from, but not --by rays", o->distance_given,
                 o->from ? nearest : o->rays_given || o->points},

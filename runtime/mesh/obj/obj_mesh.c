@@ -156,7 +156,8 @@ slv_result slvi_obj_make_mesh(obj *o, bool points, slv_mesh **out) {
     const char **names = NULL;
     uint64_t nverts = slvi_obj_count(o, OBJ_VERTEX), npolys = o->sizes.count;
     if (!npolys && !(points && nverts))
-        return slvi_fail(o->env, SLV_ERROR_FORMAT, "%s: holds no polygons", o->name);
+        return slvi_fail(o->env, SLV_ERROR_FORMAT, "%s: holds no %s", o->name,
+                         points ? "points" : "polygons");
     if ((result = check_counts(o)) || (result = check_indices(o)))
         return result;
     close_groups(o, (int32_t)npolys);

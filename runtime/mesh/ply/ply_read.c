@@ -308,7 +308,8 @@ static void tell_of_rest(ply *p) {
 static slv_result make_mesh(const ply *p, bool points, slv_mesh **out) {
     double origin[3];
     if (!p->npolys && !(points && p->nverts))
-        return slvi_fail(p->env, SLV_ERROR_FORMAT, "%s: holds no polygons", p->name);
+        return slvi_fail(p->env, SLV_ERROR_FORMAT, "%s: holds no %s", p->name,
+                         points ? "points" : "polygons");
     if (p->npolys > INT32_MAX)
         return slvi_fail(p->env, SLV_ERROR_LIMIT, "%s: more than %d faces", p->name, INT32_MAX);
     for (uint64_t poly = 0, side = 0; poly < p->npolys; poly++)
