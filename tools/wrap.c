@@ -80,7 +80,8 @@ static json_t *report_json(const struct wrap_options *o, const slv_wrap_report *
         {"bare", r->nbare},
         {"first_bare", r->nbare ? r->first_bare + 1 : 0},
     };
-    json_t *json = json_pack("{s:i, s:o}", "schema", 1, "path", output_json_name(o->paths[1]));
+    json_t *json = json_pack("{s:i, s:o, s:s}", "schema", 1, "path", output_json_name(o->paths[1]),
+                             "round", slv_wrap_round_name(r->round));
     for (size_t i = 0; i < sizeof numbers / sizeof *numbers && json; i++)
         json_object_set_new(json, numbers[i].name, json_integer((json_int_t)numbers[i].value));
     if (json && r->nends)
@@ -114,9 +115,13 @@ static int run_wrap(const struct wrap_options *o) {
     else if (!o->quiet) {
         output_terminal(stdout, o->paths[1], strlen(o->paths[1]), SIZE_MAX);
         printf(": %u vertices of %u, %u duplicates welded (%u bytes of %d a vertex)\n"
-               "  %u polygons go over the end of u, %u over that of v\n",
+               "  %u polygons go over the end of u, %u over that of v: ",
                report.nverts, before, report.nwelded, report.nwelded * VERTEX_BYTES, VERTEX_BYTES,
                report.nseam[0], report.nseam[1]);
+        if (report.round)
+            printf("draw it with --round %s\n", slv_wrap_round_name(report.round));
+        else
+            printf("it does not go round, or has one value a vertex already\n");
         print_limits(&report);
     }
 done:

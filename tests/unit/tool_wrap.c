@@ -307,8 +307,13 @@ static void check_bands(void) {
     RUNS(0, "wrap in.obj out.obj --json");
     HAS("\"first_bare\": 2");
     RUNS(0, "wrap in.obj out.obj --map cylinder");
-    HAS("1 polygons go over the end of u");
+    HAS("1 polygons go over the end of u, 0 over that of v: draw it with --round u");
     LACKS("no texture coordinates");
+    /* what was welded has no copies that tell */
+    RUNS(0, "wrap out.obj again.obj");
+    HAS("it does not go round, or has one value a vertex already");
+    RUNS(0, "wrap out.obj again.obj --json");
+    HAS("\"round\": \"no\"");
     write_band(false, true);
     RUNS(0, "wrap in.obj out.obj");
     HAS("2 vertices stay beside others at their place, since an edge would have more than two "

@@ -115,7 +115,9 @@ typedef struct slv_wrap_report {
     float end_apart;
     uint32_t nfar; /* polygons that have coordinates beyond 65536, which stay as they are */
     int32_t first_far;
-    uint32_t nbare; /* with KEEP, polygons that have no texture coordinates at some corner */
+    slv_wrap_round round; /* along what the result's coordinates go round: by the map that was made,
+                             or with KEEP as far as copies at its ends tell */
+    uint32_t nbare;       /* with KEEP, polygons that have no texture coordinates at some corner */
     int32_t first_bare;
     uint64_t reserved[4];
 } slv_wrap_report;

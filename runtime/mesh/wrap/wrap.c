@@ -198,6 +198,8 @@ static void judge(const slvi_weld *w, bool had, const int32_t *poly_from, const 
     uint32_t first = 0;
     report->first_many = report->many_poly = report->first_wide = report->first_far = -1;
     report->first_bare = -1;
+    report->round = (slv_wrap_round)((c->round[0] ? SLV_WRAP_ROUND_U : 0) |
+                                     (c->round[1] ? SLV_WRAP_ROUND_V : 0));
     for (uint32_t v = 0; v < w->nverts; v++)
         if (c->head[v] >= 0 && c->next[c->head[v]] >= 0 && !report->nmany++)
             report->first_many = (int32_t)v;
