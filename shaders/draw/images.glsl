@@ -30,14 +30,17 @@ vec4 slv_along_footprint(vec2 place) {
     dx = mix(vec2(huge), dx, lessThanEqual(abs(dx), vec2(huge)));
     dy = mix(vec2(huge), dy, lessThanEqual(abs(dy), vec2(huge)));
     float px = length(dx * size), py = length(dy * size), longest = max(px, py);
-    // a little less than what is a whole number but for rounding
-    float taps = clamp(ceil(longest / max(min(px, py), 1e-12) - 0.01), 1.0, float(slv_image_taps));
-    float level = log2(max(longest / taps, 1e-12));
-    vec2 axis = px > py ? dx : dy;
-    vec4 sum = vec4(0.0);
-    for (float k = 1.0; k <= taps; k++)
-        sum += textureLod(slv_image, vec3(place + axis * (k / (taps + 1.0) - 0.5), 0.0), level);
-    return sum / taps;
+    float sides = clamp(longest / max(min(px, py), 1e-12), 1.0, float(slv_image_taps));
+    float level = log2(max(longest / sides, 1e-12));
+    vec2 side = (px > py ? dx : dy) / (sides + 1.0);
+    // from the middle to both ends, where the last ones count as far as the footprint reaches: with a number of equal ones rounding
+    // would choose, here and there, how many
+    float reach = 0.5 * (sides - 1.0);
+    vec4 sum = textureLod(slv_image, vec3(place, 0.0), level);
+    for (float k = 1.0; k < reach + 1.0; k++)
+        sum += min(reach - k + 1.0, 1.0) * (textureLod(slv_image, vec3(place + k * side, 0.0), level) +
+                                            textureLod(slv_image, vec3(place - k * side, 0.0), level));
+    return sum / sides;
 }
 
 vec4 slv_sample(int face, vec2 uv) {
