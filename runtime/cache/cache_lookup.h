@@ -247,7 +247,8 @@ static inline uint32_t cache_block_note(const uint8_t *texels) {
 }
 
 /* The texels of a face at full resolution, if they come in one piece and are there; or NULL. */
-static inline const uint8_t *cache_find_full(const cache_view *view, cache_face *f) {
+static inline __attribute__((always_inline)) const uint8_t *cache_find_full(const cache_view *view,
+                                                                            cache_face *f) {
     uint32_t at = atomic_load_explicit(&f->texels, memory_order_acquire);
     if (!at)
         return NULL;

@@ -14,24 +14,64 @@
 #pragma GCC diagnostic ignored "-Wmaybe-uninitialized"
 #endif
 
+/* The columns of sums over rows, each of `n` values, weighted by an axis. No function, in which
+ * compilers would not see how long the sums are, and so not unroll what is short. */
+#define GATHER_COLUMNS(sums, n, axis, out)                                                         \
+    do {                                                                                           \
+        v4f even = {0, 0, 0, 0}, odd = even;                                                       \
+        int at = 0;                                                                                \
+        for (; at + 1 < (axis).n; at += 2) {                                                       \
+            v4f a, b;                                                                              \
+            memcpy(&a, (sums) + (size_t)at * (n), sizeof a);                                       \
+            memcpy(&b, (sums) + (size_t)(at + 1) * (n), sizeof b);                                 \
+            even += a * (axis).k[at];                                                              \
+            odd += b * (axis).k[at + 1];                                                           \
+        }                                                                                          \
+        if (at < (axis).n) {                                                                       \
+            v4f a;                                                                                 \
+            memcpy(&a, (sums) + (size_t)at * (n), sizeof a);                                       \
+            even += a * (axis).k[at];                                                              \
+        }                                                                                          \
+        (out) = even + odd;                                                                        \
+    } while (0)
+
 /* Few channels: rows are added up as they lie in memory, whole vectors at a time, and the columns
  * of the sum weighted at the end. Vectors may read beyond a row: texels have padding behind them.
  */
 #define DEFINE_GATHER_ROWS(TYPE, T)                                                                \
     static inline __attribute__((always_inline)) void gather_rows_##TYPE(                          \
-        const T *p, size_t pitch, const kernel *k, size_t nvectors, v8f *acc) {                    \
-        int rows = k->a[1].n;                                                                      \
-        float weight = k->a[1].k[0];                                                               \
+        const T *p, size_t pitch, const kernel_axis *v, size_t nvectors, v8f *acc) {               \
+        int rows = v->n;                                                                           \
+        float weight = v->k[0];                                                                    \
         v8f sums[GATHER_MAX_VECTORS];                                                              \
         _Pragma("GCC unroll 9") for (size_t i = 0; i < nvectors; i++) sums[i] =                    \
             v8_load_##TYPE(p + 8 * i) * weight;                                                    \
         for (int j = 1; j < rows; j++) {                                                           \
             p += pitch;                                                                            \
-            weight = k->a[1].k[j];                                                                 \
+            weight = v->k[j];                                                                      \
             _Pragma("GCC unroll 9") for (size_t i = 0; i < nvectors; i++) sums[i] +=               \
                 v8_load_##TYPE(p + 8 * i) * weight;                                                \
         }                                                                                          \
         _Pragma("GCC unroll 9") for (size_t i = 0; i < nvectors; i++) acc[i] = sums[i];            \
+    }                                                                                              \
+    static inline __attribute__((always_inline)) void gather_rows_few_##TYPE(                      \
+        const T *p, size_t pitch, const kernel_axis *v, size_t nvectors, v8f *acc) {               \
+        switch (nvectors) {                                                                        \
+        case 1:                                                                                    \
+            gather_rows_##TYPE(p, pitch, v, 1, acc);                                               \
+            break;                                                                                 \
+        case 2:                                                                                    \
+            gather_rows_##TYPE(p, pitch, v, 2, acc);                                               \
+            break;                                                                                 \
+        case 3:                                                                                    \
+            gather_rows_##TYPE(p, pitch, v, 3, acc);                                               \
+            break;                                                                                 \
+        case 4:                                                                                    \
+            gather_rows_##TYPE(p, pitch, v, 4, acc);                                               \
+            break;                                                                                 \
+        default:                                                                                   \
+            gather_rows_##TYPE(p, pitch, v, nvectors, acc);                                        \
+        }                                                                                          \
     }                                                                                              \
     static inline __attribute__((always_inline))                                                   \
     v4f gather_few_##TYPE(const T *texels, size_t pitch, size_t n, const kernel *k) {              \
@@ -40,38 +80,19 @@
             float f[8 * GATHER_MAX_VECTORS + 8];                                                   \
         } acc;                                                                                     \
         const T *p = texels + (size_t)k->a[1].start * pitch + (size_t)k->a[0].start * n;           \
-        size_t nvectors = ((size_t)k->a[0].n * n + 7) / 8;                                         \
-        switch (nvectors) {                                                                        \
-        case 1:                                                                                    \
-            gather_rows_##TYPE(p, pitch, k, 1, acc.v);                                             \
-            break;                                                                                 \
-        case 2:                                                                                    \
-            gather_rows_##TYPE(p, pitch, k, 2, acc.v);                                             \
-            break;                                                                                 \
-        case 3:                                                                                    \
-            gather_rows_##TYPE(p, pitch, k, 3, acc.v);                                             \
-            break;                                                                                 \
-        case 4:                                                                                    \
-            gather_rows_##TYPE(p, pitch, k, 4, acc.v);                                             \
-            break;                                                                                 \
-        default:                                                                                   \
-            gather_rows_##TYPE(p, pitch, k, nvectors, acc.v);                                      \
-        }                                                                                          \
-        v4f even = {0, 0, 0, 0}, odd = even;                                                       \
-        int i = 0;                                                                                 \
-        for (; i + 1 < k->a[0].n; i += 2) {                                                        \
-            v4f a, b;                                                                              \
-            memcpy(&a, acc.f + (size_t)i * n, sizeof a);                                           \
-            memcpy(&b, acc.f + (size_t)(i + 1) * n, sizeof b);                                     \
-            even += a * k->a[0].k[i];                                                              \
-            odd += b * k->a[0].k[i + 1];                                                           \
-        }                                                                                          \
-        if (i < k->a[0].n) {                                                                       \
-            v4f a;                                                                                 \
-            memcpy(&a, acc.f + (size_t)i * n, sizeof a);                                           \
-            even += a * k->a[0].k[i];                                                              \
-        }                                                                                          \
-        return even + odd;                                                                         \
+        gather_rows_few_##TYPE(p, pitch, &k->a[1], ((size_t)k->a[0].n * n + 7) / 8, acc.v);        \
+        v4f sum;                                                                                   \
+        GATHER_COLUMNS(acc.f, n, k->a[0], sum);                                                    \
+        return sum;                                                                                \
+    }                                                                                              \
+    /* Values from `first` on, of rows `pitch` values apart, added up as far as a group reaches.   \
+     */                                                                                            \
+    static void gather_band_##TYPE(const void *texels, size_t pitch, size_t first,                 \
+                                   const kernel_axis *v, size_t nvectors, v8f *acc) {              \
+        const T *p = (const T *)texels + (size_t)v->start * pitch + first;                         \
+        for (; nvectors > 4; nvectors -= 4, p += 32, acc += 4)                                     \
+            gather_rows_##TYPE(p, pitch, v, 4, acc);                                               \
+        gather_rows_few_##TYPE(p, pitch, v, nvectors, acc);                                        \
     }                                                                                              \
     /* Any number of channels, of which `count` are wanted. */                                     \
     static inline void gather_many_##TYPE(const T *texels, size_t pitch, size_t n, size_t first,   \
@@ -135,6 +156,14 @@ gather_few(const cache_tables *t, const uint8_t *texels, size_t pitch, const ker
     return gather_functions[t->type][t->nchannels - 1](texels, pitch, k);
 }
 
+typedef void (*gather_band_function)(const void *texels, size_t pitch, size_t first,
+                                     const kernel_axis *v, size_t nvectors, v8f *acc);
+
+static const gather_band_function gather_bands[] = {[SLV_TYPE_U8] = gather_band_u8,
+                                                    [SLV_TYPE_U16] = gather_band_u16,
+                                                    [SLV_TYPE_HALF] = gather_band_half,
+                                                    [SLV_TYPE_FLOAT] = gather_band_float};
+
 /* Eight values from a texel's first on; there is memory behind it. */
 static inline __attribute__((always_inline)) v8f gather_load(slv_type type, const uint8_t *texel) {
     const void *p = texel;
@@ -148,6 +177,15 @@ static inline __attribute__((always_inline)) v8f gather_load(slv_type type, cons
     default:
         return v8_load_float(p);
     }
+}
+
+/* Two columns of sums over rows, each of `n` values, as GATHER_COLUMNS adds them. */
+static inline __attribute__((always_inline)) v4f gather_two_columns(const float *sums, size_t n,
+                                                                    float a, float b) {
+    v4f first, second;
+    memcpy(&first, sums, sizeof first);
+    memcpy(&second, sums + n, sizeof second);
+    return first * a + second * b;
 }
 
 /* Adds `count` values of a texel, from `first` on, times a weight. */

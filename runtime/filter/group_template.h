@@ -99,6 +99,73 @@ group_find_spans(const slv_sampler *s, const kernel_shape *shape, const group_pl
     out->small = u.small & v.small;
 }
 
+/* A face that all lookups of a group are on. */
+typedef struct group_face {
+    cache_tables *tables;
+    cache_face *face;
+    uint32_t id, channels;
+} group_face;
+
+/* How far the lookups of a group may be from each other to count as neighbours: in values of a row
+ * of texels, with those that vectors read beyond. */
+#define GROUP_BAND 256
+
+/* Kernels that are one along v and side by side along u, as along rows of pixels or texels: rows of
+ * texels are added up once for all that reach no edge. Returns which were done. */
+static inline __attribute__((always_inline)) v8i
+group_add_band(slv_sampler *s, const group *g, const kernel_shape *shape, const group_spans *spans,
+               const group_face *on, group_out *out) {
+    union {
+        v8f v[GROUP_BAND / 8];
+        float f[GROUP_BAND];
+    } sums;
+    cache_tables *t = on->tables;
+    if (!v8_none(spans->small) || v8_none(spans->inside))
+        return (v8i){0};
+    v8i same = (spans->u.res == spans->u.res[0]) & (spans->v.res == spans->v.res[0]) &
+               (spans->v.start == spans->v.start[0]) & (spans->v.n == spans->v.n[0]) &
+               (spans->v.a == spans->v.a[0]) & (spans->v.b == spans->v.b[0]) &
+               (spans->v.coarse == spans->v.coarse[0]);
+    v8i done = spans->inside;
+    if (!v8_all(same))
+        return (v8i){0};
+    kernel k;
+    size_t pitch, n = t->nchannels;
+    quick_last last = {0};
+    float weight = kernel_weigh_axis(shape, &spans->v, 0, &k.a[1]);
+    k.a[0].res = spans->u.res[0];
+    const uint8_t *texels =
+        quick_find_texels(s->thread.view, t, on->id, on->face, false, true, &k, &last, &pitch);
+    int first = v8_least(v8_select_int(done, spans->u.start, (v8i){0} + INT32_MAX));
+    int end = v8_most(v8_select_int(done, spans->u.start + spans->u.n, (v8i){0}));
+    size_t nvectors = ((size_t)(end - first) * n + 7) / 8;
+    if (!texels || nvectors >= GROUP_BAND / 8)
+        return (v8i){0};
+    gather_bands[t->type](texels, pitch * n, (size_t)first * n, &k.a[1], nvectors, sums.v);
+    bool zeros = on->channels < s->nchannels, two = shape->filter == SLV_FILTER_BILINEAR;
+    v8f scales = t->scale / ((spans->u.a + spans->u.b) * weight); /* of two columns */
+    v8i columns = (spans->u.start - first) * (int)n;
+    for (int i = 0; i < g->n; i++) {
+        if (!done[i])
+            continue;
+        float *to = out->values + g->at[i] * out->stride;
+        const float *column = sums.f + columns[i];
+        v4f sum;
+        if (two) {
+            sum = gather_two_columns(column, n, spans->u.a[i], spans->u.b[i]) * scales[i];
+        } else {
+            float whole = weight * kernel_weigh_axis(shape, &spans->u, i, &k.a[0]);
+            GATHER_COLUMNS(column, n, k.a[0], sum);
+            sum *= t->scale / whole;
+        }
+        if (zeros)
+            quick_put_zeros(s, on->channels, to);
+        quick_put(sum + 0, on->channels, to);
+        group_note_result(out, g->at[i], SLV_OK);
+    }
+    return done;
+}
+
 /* A group on one face. Returns false, and nothing is done, if it is none. */
 static inline __attribute__((always_inline)) bool
 group_look_up_alike(slv_sampler *s, const group *g, const group_places *at, slv_filter filter,
@@ -137,11 +204,15 @@ group_look_up_alike(slv_sampler *s, const group *g, const group_places *at, slv_
     group_find_spans(s, &shape, at, res_u, res_v, &spans);
     quick_last last = {0};
     uint64_t moves = s->thread.moves;
+    group_face on = {t, f, face, channels};
+    v8i done = group_add_band(s, g, &shape, &spans, &on, out);
     kernel k;
     k.turns = 0;
     for (int i = 0; i < g->n; i++) {
         slv_result result = SLV_OK;
         float *to = out->values + g->at[i] * out->stride;
+        if (done[i])
+            continue;
         /* what was found is worth nothing once the pin was let go */
         if (s->thread.moves != moves) {
             group_note_result(out, g->at[i], any_look_up(s, g->lookups[i], out->room, to));

@@ -114,6 +114,30 @@ quick_put_texel(const cache_tables *t, const uint8_t *texel, uint32_t channels, 
     quick_put(__builtin_shufflevector(values, values, 0, 1, 2, 3) * t->scale + 0, channels, out);
 }
 
+/* The bilinear ones among them that lie between four texels of a face at full resolution, and
+ * nothing else: as few steps as there can be. The values are those of all the others' way. */
+static inline __attribute__((always_inline)) bool
+quick_between_four(const slv_sampler *s, const cache_tables *t, cache_face *f,
+                   const kernel_spans *spans, uint32_t channels, float *out) {
+    union {
+        v8f v;
+        float f[8];
+    } rows;
+    const uint8_t *texels = cache_find_full(s->thread.view, f);
+    int x = spans->start[0], y = spans->start[1];
+    if ((x | y | ((1 << f->res_u) - 2 - x) | ((1 << f->res_v) - 2 - y)) < 0 || !texels)
+        return false;
+    v8f total = spans->a + spans->b;
+    size_t pitch = (size_t)t->pixel_size << f->res_u;
+    texels += (size_t)y * pitch + (size_t)x * t->pixel_size;
+    rows.v = gather_load(t->type, texels) * spans->a[1];
+    rows.v += gather_load(t->type, texels + pitch) * spans->b[1];
+    v4f sum = gather_two_columns(rows.f, t->nchannels, spans->a[0], spans->b[0]);
+    quick_put_zeros(s, channels, out);
+    quick_put(sum * (t->scale / (total[0] * total[1])) + 0, channels, out);
+    return true;
+}
+
 /* Most lookups: on a quad whose texels are of few channels, from the first on. Returns false if
  * this is not one of them, or if the tables were dropped on the way. */
 static inline __attribute__((always_inline)) bool quick_look_up(slv_sampler *s, const slv_lookup *l,
@@ -159,6 +183,10 @@ static inline __attribute__((always_inline)) bool quick_look_up(slv_sampler *s, 
     kernel k;
     kernel_span_axes(&shape, v8_join(at, at), v8_join(sides, sides), (v8i){f->res_u, f->res_v},
                      &spans);
+    if (filter == SLV_FILTER_BILINEAR && spans.res[0] == f->res_u && spans.res[1] == f->res_v &&
+        (f->res_u > APRON_LOG2 || f->res_v > APRON_LOG2) &&
+        quick_between_four(s, t, f, &spans, channels, out))
+        return true;
     quick_find_reach(s, &spans, &reach);
     k.turns = 0;
     float weight = kernel_weigh_axis(&shape, &spans, 0, &k.a[0]);

@@ -49,6 +49,28 @@ static inline __attribute__((always_inline)) bool v8_all(v8i mask) {
 #endif
 }
 
+static inline __attribute__((always_inline)) bool v8_none(v8i mask) {
+#if defined(__AVX2__)
+    return _mm256_movemask_ps((__m256)mask) == 0;
+#else
+    typedef int64_t v4i64 __attribute__((vector_size(32)));
+    v4i64 x = (v4i64)mask;
+    return (x[0] | x[1] | x[2] | x[3]) == 0;
+#endif
+}
+
+static inline __attribute__((always_inline)) int v8_least(v8i x) {
+    v4i a = __builtin_shufflevector(x, x, 0, 1, 2, 3),
+        b = __builtin_shufflevector(x, x, 4, 5, 6, 7);
+    v4i less = a < b, c = (a & less) | (b & ~less);
+    int d = c[0] < c[1] ? c[0] : c[1], e = c[2] < c[3] ? c[2] : c[3];
+    return d < e ? d : e;
+}
+
+static inline __attribute__((always_inline)) int v8_most(v8i x) {
+    return -v8_least(-x);
+}
+
 static inline __attribute__((always_inline)) v8f v8_abs(v8f x) {
     return (v8f)((v8i)x & 0x7fffffff);
 }

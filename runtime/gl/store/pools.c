@@ -280,7 +280,8 @@ slv_result slvi_gl_pools_list(const slv_env *env, slv_gl_pools *pools) {
         return result;
     pools->order = order;
     for (uint32_t p = 0; p < pools->npools; p++) {
-        memcpy(order, pools->pools[p].items, pools->pools[p].nlayers * sizeof *order);
+        if (pools->pools[p].nlayers) /* else there may be no list at all */
+            memcpy(order, pools->pools[p].items, pools->pools[p].nlayers * sizeof *order);
         order += pools->pools[p].nlayers;
     }
     return SLV_OK;
