@@ -1,11 +1,11 @@
 /* Textures in a host's own programs: several in one shader, with names, texture units and storage
  * bindings that the host chooses, in stages without derivatives; and lookups that leave the taps of
  * a footprint to the sampler. */
-#include "kit/border_kit.h"
+#include "kit/change_kit.h"
 #include "kit/strategy_kit.h"
 
 #include <selvage/gl_context.h>
-#include <selvage/gl_texture.h>
+#include <selvage/gl_live.h>
 
 #include <GL/glcorearb.h>
 
@@ -33,7 +33,14 @@ static kit cube;
     X(PFNGLBINDBUFFERBASEPROC, BindBufferBase)                                                     \
     X(PFNGLDISPATCHCOMPUTEPROC, DispatchCompute)                                                   \
     X(PFNGLMEMORYBARRIERPROC, MemoryBarrier)                                                       \
-    X(PFNGLGETNAMEDBUFFERSUBDATAPROC, GetNamedBufferSubData)
+    X(PFNGLGETNAMEDBUFFERSUBDATAPROC, GetNamedBufferSubData)                                       \
+    X(PFNGLENABLEPROC, Enable)                                                                     \
+    X(PFNGLDISABLEPROC, Disable)                                                                   \
+    X(PFNGLDEPTHFUNCPROC, DepthFunc)                                                               \
+    X(PFNGLCLIPCONTROLPROC, ClipControl)                                                           \
+    X(PFNGLPIXELSTOREIPROC, PixelStorei)                                                           \
+    X(PFNGLBINDBUFFERPROC, BindBuffer)                                                             \
+    X(PFNGLGETINTEGERVPROC, GetIntegerv)
 static struct {
 #define MEMBER(type, name) type name;
     FUNCTIONS(MEMBER)
@@ -210,6 +217,73 @@ static void check_taps(const slv_strategy *strategy) {
     CHECK(keys[0] != keys[1]);
 }
 
+/* What a host has of the state that transfers and drawing depend on. */
+static const GLenum states[] = {GL_BLEND,
+                                GL_SCISSOR_TEST,
+                                GL_DEPTH_FUNC,
+                                GL_CLIP_DEPTH_MODE,
+                                GL_UNPACK_ALIGNMENT,
+                                GL_UNPACK_ROW_LENGTH,
+                                GL_UNPACK_SKIP_ROWS,
+                                GL_PACK_ALIGNMENT,
+                                GL_PACK_SKIP_PIXELS,
+                                GL_PIXEL_UNPACK_BUFFER_BINDING,
+                                GL_PIXEL_PACK_BUFFER_BINDING};
+enum { STATES = sizeof states / sizeof *states };
+
+static void get_states(GLint out[STATES]) {
+    for (size_t i = 0; i < STATES; i++)
+        api.GetIntegerv(states[i], &out[i]);
+}
+
+/* Textures are made, uploaded, updated and read amid a host's frame, whose state stays, and is none
+ * of theirs. */
+static void check_states(void) {
+    static unsigned char held[2][1 << 16];
+    const slv_strategy *strategy = slv_strategy_find("borders");
+    slv_gl_texture_params params = {KIT_ONLY(strategy), .live = true};
+    slv_env env = test_env();
+    slv_gl_upload upload = {0};
+    uint64_t random = 5, bytes[2];
+    GLint before[STATES], after[STATES];
+    slv_gl_texture *plain = make(&params), *guest = NULL;
+    GLuint buffer = 0;
+    api.CreateBuffers(1, &buffer);
+    api.NamedBufferStorage(buffer, 64, NULL, 0);
+    api.Enable(GL_BLEND);
+    api.Enable(GL_SCISSOR_TEST);
+    api.DepthFunc(GL_GEQUAL);
+    api.ClipControl(GL_LOWER_LEFT, GL_ZERO_TO_ONE);
+    api.PixelStorei(GL_UNPACK_ALIGNMENT, 8);
+    api.PixelStorei(GL_UNPACK_ROW_LENGTH, 7);
+    api.PixelStorei(GL_UNPACK_SKIP_ROWS, 3);
+    api.PixelStorei(GL_PACK_ALIGNMENT, 2);
+    api.PixelStorei(GL_PACK_SKIP_PIXELS, 5);
+    api.BindBuffer(GL_PIXEL_UNPACK_BUFFER, buffer);
+    api.BindBuffer(GL_PIXEL_PACK_BUFFER, buffer);
+    get_states(before);
+    slv_gl_texture_destroy(make(&params));
+    REQUIRE(slv_gl_texture_prepare(gl, &env, cube.texture, cube.adjacency, &params, &guest) ==
+            SLV_OK);
+    while (!upload.ready)
+        REQUIRE(slv_gl_texture_upload(guest, &env, 1000, &upload) == SLV_OK);
+    kit_change(&cube, 0, 1, &random);
+    REQUIRE(slv_gl_texture_update(guest, &env, NULL) == SLV_OK);
+    REQUIRE(slv_gl_texture_update(plain, &env, NULL) == SLV_OK);
+    for (uint32_t face = 0; face < cube.nfaces; face++) {
+        for (uint32_t i = 0; i < 2; i++)
+            REQUIRE(slv_gl_texture_read(i ? guest : plain, &env, strategy, face, 0, sizeof held[i],
+                                        held[i], &bytes[i]) == SLV_OK);
+        CHECK(bytes[0] == bytes[1] && memcmp(held[0], held[1], bytes[0]) == 0);
+    }
+    get_states(after);
+    for (size_t i = 0; i < STATES; i++)
+        CHECK_MSG(before[i] == after[i], "state 0x%04x: %d was %d", states[i], after[i], before[i]);
+    slv_gl_texture_destroy(plain);
+    slv_gl_texture_destroy(guest);
+    api.DeleteBuffers(1, &buffer);
+}
+
 static void check_refused(void) {
     static const char *const wrong[] = {
         "", "1a", "a-b", "gl_x", "a__b", "_a", "abcdefghijklmnopqrstuvwxyz_abcdefg"};
@@ -244,6 +318,7 @@ int main(void) {
     for (uint32_t i = 0; i < slv_strategy_count(); i++)
         check_taps(slv_strategy_at(i));
     check_refused();
+    check_states();
     kit_free(&cube);
     slv_gl_destroy(gl);
     return test_end();

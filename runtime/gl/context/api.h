@@ -156,6 +156,18 @@ slv_result slvi_gl_open_osmesa(const slv_env *env, char *why, size_t why_size, s
  * to. */
 bool slvi_gl_symbol(void *library, const char *name, void *out);
 
+enum { SLV_GL_PIXELS = 14 }; /* of glPixelStore, that transfers depend on */
+
+/* A host's state of transfers. */
+typedef struct slv_gl_transfer {
+    GLint pixels[SLV_GL_PIXELS], buffers[2];
+} slv_gl_transfer;
+
+/* Puts what uploading and reading depend on, and nothing else, into the state that a fresh context
+ * has; and back into what it was. */
+slv_gl_transfer slvi_gl_transfer_begin(const slv_gl *gl);
+void slvi_gl_transfer_end(const slv_gl *gl, const slv_gl_transfer *before);
+
 /* Puts what drawing and transfers depend on into the state that a fresh context has, whatever a
  * host left behind: pixel store and pixel buffers, clip control, raster, depth and per-fragment
  * state. */

@@ -206,6 +206,37 @@ slv_gl_proc slv_gl_get_function(const slv_gl *gl, const char *name) {
     return gl->get_proc ? gl->get_proc(NULL, name) : NULL;
 }
 
+static const GLenum pixels[SLV_GL_PIXELS] = {
+    GL_UNPACK_ALIGNMENT, GL_UNPACK_ROW_LENGTH,  GL_UNPACK_IMAGE_HEIGHT, GL_UNPACK_SKIP_PIXELS,
+    GL_UNPACK_SKIP_ROWS, GL_UNPACK_SKIP_IMAGES, GL_UNPACK_SWAP_BYTES,   GL_PACK_ALIGNMENT,
+    GL_PACK_ROW_LENGTH,  GL_PACK_IMAGE_HEIGHT,  GL_PACK_SKIP_PIXELS,    GL_PACK_SKIP_ROWS,
+    GL_PACK_SKIP_IMAGES, GL_PACK_SWAP_BYTES};
+
+static void set_transfer(const slv_gl *gl) {
+    for (size_t i = 0; i < SLV_GL_PIXELS; i++)
+        gl->api.PixelStorei(pixels[i],
+                            pixels[i] == GL_UNPACK_ALIGNMENT || pixels[i] == GL_PACK_ALIGNMENT);
+    gl->api.BindBuffer(GL_PIXEL_UNPACK_BUFFER, 0);
+    gl->api.BindBuffer(GL_PIXEL_PACK_BUFFER, 0);
+}
+
+slv_gl_transfer slvi_gl_transfer_begin(const slv_gl *gl) {
+    slv_gl_transfer before;
+    for (size_t i = 0; i < SLV_GL_PIXELS; i++)
+        gl->api.GetIntegerv(pixels[i], &before.pixels[i]);
+    gl->api.GetIntegerv(GL_PIXEL_UNPACK_BUFFER_BINDING, &before.buffers[0]);
+    gl->api.GetIntegerv(GL_PIXEL_PACK_BUFFER_BINDING, &before.buffers[1]);
+    set_transfer(gl);
+    return before;
+}
+
+void slvi_gl_transfer_end(const slv_gl *gl, const slv_gl_transfer *before) {
+    for (size_t i = 0; i < SLV_GL_PIXELS; i++)
+        gl->api.PixelStorei(pixels[i], before->pixels[i]);
+    gl->api.BindBuffer(GL_PIXEL_UNPACK_BUFFER, (GLuint)before->buffers[0]);
+    gl->api.BindBuffer(GL_PIXEL_PACK_BUFFER, (GLuint)before->buffers[1]);
+}
+
 void slvi_gl_set_state(const slv_gl *gl) {
     static const GLenum off[] = {GL_BLEND,
                                  GL_COLOR_LOGIC_OP,
@@ -223,21 +254,12 @@ void slvi_gl_set_state(const slv_gl *gl) {
                                  GL_STENCIL_TEST,
                                  GL_PRIMITIVE_RESTART,
                                  GL_PRIMITIVE_RESTART_FIXED_INDEX};
-    static const GLenum zero[] = {
-        GL_UNPACK_ROW_LENGTH,  GL_UNPACK_IMAGE_HEIGHT, GL_UNPACK_SKIP_PIXELS, GL_UNPACK_SKIP_ROWS,
-        GL_UNPACK_SKIP_IMAGES, GL_UNPACK_SWAP_BYTES,   GL_PACK_ROW_LENGTH,    GL_PACK_IMAGE_HEIGHT,
-        GL_PACK_SKIP_PIXELS,   GL_PACK_SKIP_ROWS,      GL_PACK_SKIP_IMAGES,   GL_PACK_SWAP_BYTES};
     const slv_gl_api *api = &gl->api;
     for (size_t i = 0; i < sizeof off / sizeof *off; i++)
         api->Disable(off[i]);
     for (GLenum i = 0; i < 8; i++)
         api->Disable(GL_CLIP_DISTANCE0 + i);
-    for (size_t i = 0; i < sizeof zero / sizeof *zero; i++)
-        api->PixelStorei(zero[i], 0);
-    api->PixelStorei(GL_UNPACK_ALIGNMENT, 1);
-    api->PixelStorei(GL_PACK_ALIGNMENT, 1);
-    api->BindBuffer(GL_PIXEL_UNPACK_BUFFER, 0);
-    api->BindBuffer(GL_PIXEL_PACK_BUFFER, 0);
+    set_transfer(gl);
     api->Enable(GL_MULTISAMPLE);
     api->ClipControl(GL_LOWER_LEFT, GL_NEGATIVE_ONE_TO_ONE);
     api->PolygonMode(GL_FRONT_AND_BACK, GL_FILL);

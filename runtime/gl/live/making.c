@@ -238,8 +238,9 @@ slv_result slv_gl_texture_upload(slv_gl_texture *texture, const slv_env *env, ui
     if (making) {
         if (!making->total)
             making->total = slvi_gl_making_bytes(texture);
-        slvi_gl_set_state(texture->gl);
+        slv_gl_transfer before = slvi_gl_transfer_begin(texture->gl);
         result = slvi_gl_making_upload(texture, max_bytes ? max_bytes : 1);
+        slvi_gl_transfer_end(texture->gl, &before);
         done = making->done;
         total = making->total;
         if (!result && making->store == texture->nstores && !making->tables.count)

@@ -34,12 +34,13 @@ slv_result slv_gl_texture_read(const slv_gl_texture *texture, const slv_env *env
     GLuint array = place.pool->texture;
     GLint at[] = {(GLint)place.level, (GLint)place.x, (GLint)place.y, (GLint)place.layer};
     GLsizei width = (GLsizei)place.width, height = (GLsizei)place.height;
-    slvi_gl_set_state(texture->gl);
+    slv_gl_transfer before = slvi_gl_transfer_begin(texture->gl);
     if (format->block)
         api->GetCompressedTextureSubImage(array, at[0], at[1], at[2], at[3], width, height, 1,
                                           (GLsizei)*bytes, out);
     else
         api->GetTextureSubImage(array, at[0], at[1], at[2], at[3], width, height, 1,
                                 format->external, format->data, (GLsizei)*bytes, out);
+    slvi_gl_transfer_end(texture->gl, &before);
     return slvi_gl_check(texture->gl, env, "reading a texture");
 }

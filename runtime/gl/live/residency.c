@@ -468,7 +468,7 @@ slv_result slv_gl_residency_update(slv_gl_residency *r, const slv_env *env,
     uint32_t pending = 0, crowded = 0;
     struct allowance left = allowance_of(r);
     slvi_residency_plan(r, camera, width, height);
-    slvi_gl_set_state(r->texture->gl);
+    slv_gl_transfer before = slvi_gl_transfer_begin(r->texture->gl);
     slv_result result = let_coarsen(r, &left);
     pthread_mutex_lock(&r->readers.lock);
     if (!result)
@@ -483,6 +483,7 @@ slv_result slv_gl_residency_update(slv_gl_residency *r, const slv_env *env,
         slvi_gl_move_sweep(&r->texture->live->source, &r->texture->stores[s]);
         crowded += r->texture->stores[s].waiting.count;
     }
+    slvi_gl_transfer_end(r->texture->gl, &before);
     press(r, !left.any && (left.waits || crowded));
     state.gpu_bytes = slvi_residency_gpu_bytes(r);
     state.host_bytes = slvi_residency_host_bytes(r);

@@ -230,10 +230,11 @@ static slv_result update_within(struct update *update) {
         any |= update->texture->stores[i].waiting.count > 0;
     if (!any)
         return SLV_OK;
-    slvi_gl_set_state(live->source.gl);
     update->done.renewed = renew || live->half_done;
     live->half_done = true;
+    slv_gl_transfer before = slvi_gl_transfer_begin(update->texture->gl);
     result = update->done.renewed ? slvi_gl_texture_renew(update->texture) : update_all(update);
+    slvi_gl_transfer_end(update->texture->gl, &before);
     if (result || (result = slvi_gl_check(update->texture->gl, update->env, "GL texture update")))
         return result;
     if (update->done.renewed) /* and with it what follows changes */

@@ -252,12 +252,15 @@ static slv_result prepare(slv_gl *gl, const slv_env *env, const slv_gl_given *gi
     made->constants = made->live->source.light && made->params.live;
     for (uint32_t f = 0; f < desc->nfaces && !made->constants; f++)
         made->constants = slvi_gl_is_constant(&made->live->source, f);
-    if (!at_once)
+    if (!at_once) {
         made->live->source.put_off = &made->making->tables;
-    else
-        slvi_gl_set_state(gl);
-    if (!(result = prepare_all(made, at_once)) && at_once)
+        result = prepare_all(made, false);
+        goto done;
+    }
+    slv_gl_transfer before = slvi_gl_transfer_begin(gl);
+    if (!(result = prepare_all(made, true)))
         result = slvi_gl_making_end(made);
+    slvi_gl_transfer_end(gl, &before);
 done:
     if (result) {
         slv_gl_texture_destroy(made);

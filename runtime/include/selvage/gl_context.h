@@ -42,11 +42,11 @@ SLV_NODISCARD SLV_API slv_result slv_gl_create(const slv_env *env, slv_gl_backen
                                                slv_gl **out);
 
 /* Uses the context that is current now. `get_proc` is only called during this call
- * (eglGetProcAddress, glfwGetProcAddress, ...). Functions of this library that upload, draw or look
- * up set all GL state that they depend on, and do not restore it: pixel store and pixel buffer
- * bindings, clip control, raster, depth, stencil and blend state; those that draw also the
- * framebuffer (to 0 when done), viewport, program, vertex array, and what slv_gl_texture_bind
- * binds. They leave no error behind. */
+ * (eglGetProcAddress, glfwGetProcAddress, ...). Functions of this library that make, upload, update
+ * or read textures leave all GL state as it was. Those that draw or look up set all that they
+ * depend on, and do not restore it: pixel store and pixel buffer bindings, clip control, raster,
+ * depth, stencil and blend state, the framebuffer (to 0 when done), viewport, program, vertex
+ * array, and what slv_gl_texture_bind binds. They leave no error behind. */
 SLV_NODISCARD SLV_API slv_result slv_gl_wrap(const slv_env *env, slv_gl_get_proc get_proc,
                                              void *user, slv_gl **out);
 

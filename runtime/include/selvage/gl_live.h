@@ -46,8 +46,7 @@ typedef struct slv_gl_upload {
  * of its own, and only there may the driver take longer: a software driver clears it, at 0.7 ms a
  * MiB. An array has at most 512 MiB, a table 16 MiB or a row of 8 bytes for each face.
  * `out` may be NULL. Once the texture is ready it does nothing. After a failure, or if `progress`
- * has cancelled it, there is nothing to do but to destroy it. Changes GL state as slv_gl_wrap says.
- */
+ * has cancelled it, there is nothing to do but to destroy it. Leaves GL state as it was. */
 SLV_NODISCARD SLV_API slv_result slv_gl_texture_upload(slv_gl_texture *texture, const slv_env *env,
                                                        uint64_t max_bytes, slv_gl_upload *out);
 
@@ -68,8 +67,7 @@ typedef struct slv_gl_update {
  * what was changed and not with the number of faces, but after more changes than a texture
  * remembers (256 rectangles of other faces than the one before), when each face is asked whether it
  * was changed. `out` may be NULL. SLV_ERROR_ARGUMENT for a texture that was not made `live`. If it
- * fails nothing is lost: the next call does what this one did not. Changes GL state as slv_gl_wrap
- * says. */
+ * fails nothing is lost: the next call does what this one did not. Leaves GL state as it was. */
 SLV_NODISCARD SLV_API slv_result slv_gl_texture_update(slv_gl_texture *texture, const slv_env *env,
                                                        slv_gl_update *out);
 

@@ -142,7 +142,7 @@ typedef struct slv_gl_texture slv_gl_texture;
  * like for two, and their blocks hold light in 8 bits. 16 bits and others become float.
  *
  * Neither argument is needed afterwards, but for `live`. `adjacency` must have as many faces as
- * `texture`. Changes GL state as slv_gl_wrap says. */
+ * `texture`. Leaves GL state as it was. */
 SLV_NODISCARD SLV_API slv_result slv_gl_texture_create(slv_gl *gl, const slv_env *env,
                                                        const slv_texture *texture,
                                                        const slv_adjacency *adjacency,
