@@ -149,15 +149,16 @@ slv_result slv_displacement_open(slv_cache *cache, slv_file_id file,
     slv_sampler *tried = NULL; /* what is wrong with the filter is said now */
     if (triangles || p.adjacency)
         result = rewire(env, p.adjacency, made);
-    if (result || (result = slv_sampler_create(made->cache, &made->filter, &tried)) ||
-        (result = read_sizes(env, made))) {
+    if (!result)
+        result = slv_sampler_create(made->cache, &made->filter, &tried);
+    slv_sampler_destroy(tried); /* while its cache is there */
+    if (result || (result = read_sizes(env, made))) {
         slv_displacement failed = {.space = p.space, .user = made};
         slv_displacement_close(&failed);
     } else {
         *out = (slv_displacement){
             .space = p.space, .evaluate = evaluate, .detail = detail, .user = made};
     }
-    slv_sampler_destroy(tried);
     return result;
 }
 

@@ -267,7 +267,7 @@ static void write_filler(void) {
 
 int main(int argc, char **argv) {
     uint64_t seed = argc > 1 ? strtoull(argv[1], NULL, 10) : 1;
-    uint64_t rounds = argc > 2 ? strtoull(argv[2], NULL, 10) : test_effort(TEST_SANITIZED ? 4 : 10);
+    uint64_t rounds = argc > 2 ? strtoull(argv[2], NULL, 10) : TEST_SANITIZED ? 4 : test_effort(10);
     write_filler();
     for (uint64_t i = 0; i < rounds; i++)
         test_files(seed * 1000 + i);
