@@ -43,8 +43,14 @@ static void check_layers(void) {
     static const struct {
         const char *line, *says;
     } wrong[] = {
+        {"{\"op\":\"add-layer\",\"nam\":\"x\"}", "unknown key 'nam'; did you mean 'name'?"},
+        {"{\"op\":\"add-layers\"}", "did you mean 'add-layer'?"},
+        {"{\"op\":\"undo\",\"count\":2}", "unknown key 'count'"},
+        {"{\"op\":\"group\",\"name\":\"x\"}", "edits: expected a list"},
+        {"{\"op\":\"fill\",\"face\":1,\"layer\":1,\"mask\":1}", "mask: expected true or false"},
+        {"{\"op\":\"fill\",\"face\":1,\"mask\":true}", "there is no mask of layer 3"},
         {"{\"op\":\"add-layer\",\"above\":\"x\"}", "above: expected the id of the layer below"},
-        {"{\"op\":\"set-layer\",\"layer\":3,\"blend\":7}", "blend: expected a blend mode"},
+        {"{\"op\":\"set-layer\",\"layer\":3,\"blend\":7}", "blend: expected normal, multiply"},
         {"{\"op\":\"set-layer\",\"layer\":3,\"hidden\":1}", "hidden: expected true or false"},
         {"{\"op\":\"set-layer\",\"opacity\":0}", "layer: expected a layer's id"}};
     RUNS(0, "session layers.selvage --new in.ptx -q");
@@ -68,6 +74,31 @@ static void check_layers(void) {
         HAS("l.jsonl: line 1: ");
         HAS(wrong[i].says);
     }
+}
+
+/* The layer, or mask, that is set is painted on, and is when the journal is done again. */
+static void check_set(void) {
+    static const char lines[] =
+        "{\"op\":\"add-mask\",\"layer\":1,\"value\":1}\n"
+        "{\"op\":\"set\",\"layer\":1,\"mask\":true,\"radius\":0.4,\"color\":[0]}\n"
+        "{\"samples\":[[1,0.5,0.5]]}\n"
+        "{\"layer\":2,\"color\":[1,0,0],\"samples\":[[2,0.5,0.5]]}\n"
+        "{\"op\":\"set\",\"layer\":2}\n{\"op\":\"fill\",\"face\":4,\"color\":[0,0,1]}\n";
+    static const char named[] =
+        "{\"op\":\"add-mask\",\"layer\":1,\"value\":1}\n"
+        "{\"layer\":1,\"mask\":true,\"radius\":0.4,\"color\":[0],\"samples\":[[1,0.5,0.5]]}\n"
+        "{\"layer\":2,\"radius\":0.4,\"color\":[1,0,0],\"samples\":[[2,0.5,0.5]]}\n"
+        "{\"layer\":2,\"op\":\"fill\",\"face\":4,\"color\":[0,0,1]}\n";
+    RUNS(0, "session set.selvage --new in.ptx -q");
+    tool_write_file("l.jsonl", lines, sizeof lines - 1);
+    RUNS(0, "session set.selvage --script l.jsonl -o set.ptx -q");
+    RUNS(0, "session set.selvage -o again.ptx -q");
+    RUNS(0, "diff set.ptx again.ptx");
+    RUNS(0, "session named.selvage --new in.ptx -q");
+    tool_write_file("l.jsonl", named, sizeof named - 1);
+    RUNS(0, "session named.selvage --script l.jsonl -o named.ptx -q");
+    RUNS(0, "diff set.ptx named.ptx");
+    RUNS(1, "diff in.ptx set.ptx");
 }
 
 /* Seams of a session: of what it shows, of each layer, and of two of them. */
@@ -102,6 +133,7 @@ int main(void) {
                     47);
     RUNS(0, "new box.obj in.ptx --size 16 --scheme bilinear");
     check_seams();
+    check_set();
     RUNS(0, "session s.selvage --new in.ptx --scheme bilinear");
     HAS("6 faces, 2 layers, 3 lines, 0 since it was saved");
     RUNS(1, "session s.selvage --new in.ptx");

@@ -3,6 +3,8 @@
 
 #include "base/log.h"
 #include "base/memory.h"
+#include "base/names.h"
+#include "base/words.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -40,26 +42,37 @@ static slv_result make_round(slv_script *s, uint64_t number, json_t *value, slv_
     const struct {
         const char *key;
         float *to;
-    } numbers[] = {{"hardness", &p.hardness},
-                   {"spacing", &p.spacing},
-                   {"aspect", &p.aspect},
-                   {"angle", &p.angle},
-                   {"pressure_radius", &p.pressure_radius},
-                   {"pressure_opacity", &p.pressure_opacity}};
+        double low, high;
+        const char *expected;
+    } numbers[] = {{"hardness", &p.hardness, 0, 1, "a number from 0 to 1"},
+                   {"spacing", &p.spacing, 0, 1000, "a number of radii, 0 to 1000"},
+                   {"aspect", &p.aspect, 1, 1000, "a number from 1 to 1000, or 0"},
+                   {"angle", &p.angle, -1e18, 1e18, "degrees"},
+                   {"pressure_radius", &p.pressure_radius, 0, 1, "a number from 0 to 1"},
+                   {"pressure_opacity", &p.pressure_opacity, 0, 1, "a number from 0 to 1"}};
     const char *key;
     json_t *entry;
     json_object_foreach(value, key, entry) {
-        size_t i = 0, count = sizeof numbers / sizeof *numbers;
-        while (i < count && strcmp(numbers[i].key, key) != 0)
-            i++;
-        if (i < count && json_is_number(entry))
-            *numbers[i].to = (float)json_number_value(entry);
-        else if (strcmp(key, "follow") == 0 && json_is_boolean(entry))
+        char known[128] = "follow", hint[SLV_WORDS_HINT];
+        const char *expected = "true or false";
+        size_t i = 0;
+        bool fine = json_is_boolean(entry);
+        while (i < SLVI_COUNT(numbers) && strcmp(numbers[i].key, key) != 0)
+            slvi_words_add(known, sizeof known, numbers[i++].key);
+        if (i < SLVI_COUNT(numbers)) {
+            fine = slvi_script_number(entry, numbers[i].low, numbers[i].high, numbers[i].to) ||
+                   slvi_script_number(entry, 0, 0, numbers[i].to); /* what is usual */
+            expected = numbers[i].expected;
+        } else if (strcmp(key, "follow") == 0) {
             p.follow = json_is_true(entry);
-        else
-            return slvi_fail(&s->env, SLV_ERROR_FORMAT, "%s: line %llu: brush: '%.40s' is %s",
-                             s->name, (unsigned long long)number, key,
-                             i < count ? "no number" : "unknown");
+        } else {
+            return slvi_fail(&s->env, SLV_ERROR_FORMAT,
+                             "%s: line %llu: brush: unknown key '%.40s'%s", s->name,
+                             (unsigned long long)number, key, slv_words_hint(key, known, hint));
+        }
+        if (!fine)
+            return slvi_fail(&s->env, SLV_ERROR_FORMAT, "%s: line %llu: brush: %s: expected %s",
+                             s->name, (unsigned long long)number, key, expected);
     }
     return slv_brush_create(&s->env, &p, out);
 }

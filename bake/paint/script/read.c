@@ -151,7 +151,9 @@ static slv_result read_samples(slvi_reading *r, const char *key, json_t *value) 
 static slv_result read_face(slvi_reading *r, const char *key, json_t *value) {
     json_int_t face = json_integer_value(value);
     if (!json_is_integer(value) || face < 0 || (uint64_t)face >= r->script->nfaces)
-        return slvi_script_wrong(r, key, "the number of a face");
+        return slvi_fail(&r->script->env, SLV_ERROR_FORMAT,
+                         "%s: line %llu: %s: expected the number of a face, of %u that there are",
+                         r->script->name, (unsigned long long)r->number, key, r->script->nfaces);
     r->line->face = face;
     return SLV_OK;
 }

@@ -5,6 +5,7 @@
 #include "base/log.h"
 #include "base/memory.h"
 #include "base/names.h"
+#include "base/words.h"
 
 #include <selvage/ptx.h>
 
@@ -13,6 +14,20 @@
 static const char *const op_names[SLVI_OP_COUNT] = {
     "add-layer", "remove-layer", "move-layer", "duplicate-layer", "merge-down", "set-layer",
     "add-mask",  "remove-mask",  "resize",     "select",          "load"};
+
+/* What each has besides. */
+static const char *const op_keys[SLVI_OP_COUNT] = {
+    [SLVI_OP_ADD] = "layer|above|name|opacity|blend|hidden|locked|type|fill|res",
+    [SLVI_OP_REMOVE] = "layer",
+    [SLVI_OP_MOVE] = "layer|index",
+    [SLVI_OP_DUPLICATE] = "layer|copy",
+    [SLVI_OP_MERGE] = "layer",
+    [SLVI_OP_SET] = "layer|name|opacity|blend|hidden|locked",
+    [SLVI_OP_ADD_MASK] = "layer|value",
+    [SLVI_OP_REMOVE_MASK] = "layer",
+    [SLVI_OP_RESIZE] = "layer|faces|res",
+    [SLVI_OP_SELECT] = "faces|layer",
+    [SLVI_OP_LOAD] = "layer|file"};
 
 /* A list that has all of its values, or NULL. */
 static json_t *whole(json_t *list, uint32_t count) {
@@ -130,15 +145,15 @@ static void wrong(reading *r, const char *key) {
                {"name", "a text of less than 64 bytes"},
                {"opacity", "a number from 0 to 1"},
                {"value", "a number from 0 to 1"},
-               {"blend", "a blend mode, as normal or multiply"},
+               {"blend", "normal, multiply, screen, overlay, darken, lighten, add, color, replace "
+                         "or subtract"},
                {"hidden", "true or false"},
                {"locked", "true or false"},
                {"type", "uint8, uint16, half or float"},
                {"fill", "a number for each channel"},
                {"faces", "a list of faces"},
                {"res", "[log2 of width, log2 of height] of each face"},
-               {"file", "the name of a texture beside the journal"},
-               {"op", "an operation of sessions"}};
+               {"file", "the name of a texture beside the journal"}};
     size_t i = 0;
     while (i + 1 < SLVI_COUNT(all) && strcmp(all[i].key, key) != 0)
         i++;
@@ -325,14 +340,47 @@ static slv_result load(reading *r, const char *folder) {
     return r->result;
 }
 
-slv_result slvi_edit_apply(slv_document *document, const char *name, const json_t *edit,
+/* Whether a word is one of a list, "a|b|c". */
+static bool is_of(const char *word, const char *words) {
+    size_t length = strlen(word);
+    for (; *words; words += strcspn(words, "|"), words += *words == '|')
+        if (strcspn(words, "|") == length && strncmp(words, word, length) == 0)
+            return true;
+    return false;
+}
+
+slv_result slvi_edit_keys(const slv_env *env, const char *name, json_t *edit, const char *known) {
+    char hint[SLV_WORDS_HINT];
+    const char *key;
+    json_t *value;
+    json_object_foreach(edit, key, value) {
+        if (!is_of(key, "op|n|crc") && !is_of(key, known))
+            return slvi_fail(env, SLV_ERROR_FORMAT, "%s: unknown key '%.40s'%s", name, key,
+                             slv_words_hint(key, known, hint));
+    }
+    return SLV_OK;
+}
+
+/* An operation that there is not. */
+static slv_result wrong_op(const reading *r, const char *op) {
+    char known[256] = "stroke|fill|set|group|undo|redo", hint[SLV_WORDS_HINT];
+    for (size_t i = 0; i < SLVI_OP_COUNT; i++)
+        slvi_words_add(known, sizeof known, op_names[i]);
+    return slvi_fail(&r->document->env, SLV_ERROR_FORMAT,
+                     "%s: op: expected an operation of sessions%s", r->name,
+                     op && !is_of(op, known) ? slv_words_hint(op, known, hint) : "");
+}
+
+slv_result slvi_edit_apply(slv_document *document, const char *name, json_t *edit,
                            const char *folder) {
     reading r = {document, name, edit, SLV_OK};
+    const char *op = json_string_value(json_object_get(edit, "op"));
     int kind;
-    if (!slvi_name_find(op_names, SLVI_OP_COUNT, json_string_value(json_object_get(edit, "op")),
-                        &kind))
-        wrong(&r, "op");
-    else if (kind == SLVI_OP_ADD)
+    if (!slvi_name_find(op_names, SLVI_OP_COUNT, op, &kind))
+        return wrong_op(&r, op);
+    if ((r.result = slvi_edit_keys(&document->env, name, edit, op_keys[kind])))
+        return r.result;
+    if (kind == SLVI_OP_ADD)
         add_layer(&r);
     else if (kind == SLVI_OP_RESIZE)
         resize(&r);

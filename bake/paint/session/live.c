@@ -27,6 +27,7 @@ static slv_result begin(slv_session *session, uint32_t layer, bool mask, json_t 
     slvi_live_stroke *live = &session->live;
     slv_result result = slvi_session_script(session, layer, mask, &live->script);
     live->line = json_copy(session->set);
+    slvi_session_make_bare(live->line);
     live->samples = json_array();
     live->last = -INFINITY;
     json_object_update(live->line, line);

@@ -166,8 +166,7 @@ bool slv_session_touched(const slv_session *session, uint32_t face) {
     return session->touched && face < session->document->flat.nfaces && session->touched[face];
 }
 
-/* What scripts have no keys for. */
-static void make_bare(json_t *line) {
+void slvi_session_make_bare(json_t *line) {
     static const char *const keys[] = {"layer", "mask", "n", "crc"};
     for (size_t i = 0; i < sizeof keys / sizeof *keys; i++)
         json_object_del(line, keys[i]);
@@ -176,7 +175,7 @@ static void make_bare(json_t *line) {
 slv_result slvi_session_paint(slv_session *session, uint32_t layer, bool mask, json_t *line) {
     json_t *bare = json_copy(line);
     slv_script *script = NULL;
-    make_bare(bare);
+    slvi_session_make_bare(bare);
     char *text = json_dumps(bare, JSON_COMPACT | JSON_REAL_PRECISION(17));
     slv_result result = text ? slvi_session_script(session, layer, mask, &script)
                              : slvi_fail(&session->env, SLV_ERROR_MEMORY,
@@ -274,6 +273,7 @@ const char *slvi_session_name(const json_t *line) {
 }
 
 slv_result slvi_session_keep(slv_session *session, uint32_t layer, bool mask, json_t *line) {
+    slvi_session_make_bare(line);
     json_object_set_new(line, "layer", json_integer(layer));
     if (mask)
         json_object_set_new(line, "mask", json_true());
@@ -313,39 +313,64 @@ slv_result slvi_session_line(slv_session *session, const char *folder, const cha
     return result;
 }
 
-/* What a line says is set, and what it says itself. It is for the layer that it names, if it names
- * one. */
-static slv_result run_strokes(slv_session *session, uint32_t layer, bool mask, json_t *root) {
-    json_t *own = json_object_get(root, "layer");
+/* The layer that a line names, or its mask; else those that are there already. */
+static slv_result find_target(const slv_session *session, const json_t *line, uint32_t *layer,
+                              bool *mask) {
+    const json_t *own = json_object_get(line, "layer"), *own_mask = json_object_get(line, "mask");
     json_int_t id = json_integer_value(own);
     if (own && (!json_is_integer(own) || id < 1 || id > UINT32_MAX))
         return slvi_fail(&session->env, SLV_ERROR_FORMAT, "%s: a line: layer: expected its id",
                          session->path);
-    layer = own ? (uint32_t)id : layer;
-    mask = own ? json_is_true(json_object_get(root, "mask")) : mask;
+    if (own_mask && !json_is_boolean(own_mask))
+        return slvi_fail(&session->env, SLV_ERROR_FORMAT,
+                         "%s: a line: mask: expected true or false", session->path);
+    *layer = own ? (uint32_t)id : *layer;
+    *mask = own_mask ? json_is_true(own_mask) : *mask && !own;
+    return SLV_OK;
+}
+
+/* What a line says is set, and what it says itself; also of the layer that it is for. */
+static slv_result run_strokes(slv_session *session, uint32_t layer, bool mask, json_t *root) {
     json_t *all = json_copy(session->set);
-    make_bare(root);
+    slv_result result = find_target(session, all, &layer, &mask);
     json_object_update(all, root);
-    slv_result result = run_line(session, layer, mask, all);
+    if (!result && !(result = find_target(session, root, &layer, &mask)))
+        result = run_line(session, layer, mask, all);
     json_decref(all);
     return result;
 }
 
+/* What is set is looked at as the layer's that it is for. */
+static slv_result run_set(slv_session *session, uint32_t layer, bool mask, json_t *root) {
+    slv_result result = find_target(session, session->set, &layer, &mask);
+    if (!result && !(result = find_target(session, root, &layer, &mask)) &&
+        !(result = slvi_session_paint(session, layer, mask, root))) {
+        json_object_del(root, "op");
+        if (json_object_get(root, "layer"))
+            json_object_del(session->set, "mask"); /* it was another layer's */
+        json_object_update(session->set, root);
+    }
+    return result;
+}
+
 /* Edits, as the journal has them, their numbers and checksums left aside. */
-static slv_result run_edit(slv_session *session, const char *folder, const char *op,
-                           const json_t *root) {
+static slv_result run_edit(slv_session *session, const char *folder, const char *op, json_t *root) {
     slv_document *document = session->document;
     const json_t *edits = json_object_get(root, "edits");
     size_t count = json_array_size(edits);
-    if (strcmp(op, "undo") == 0)
-        return slv_document_undo(document);
-    if (strcmp(op, "redo") == 0)
-        return slv_document_redo(document);
-    if (strcmp(op, "group") != 0)
+    bool group = strcmp(op, "group") == 0, undo = strcmp(op, "undo") == 0;
+    slv_result result;
+    if (!group && !undo && strcmp(op, "redo") != 0)
         return slvi_edit_apply(document, session->path, root, folder ? folder : ".");
+    if ((result = slvi_edit_keys(&session->env, session->path, root, group ? "name|edits" : "")))
+        return result;
+    if (!group)
+        return undo ? slv_document_undo(document) : slv_document_redo(document);
+    if (!count)
+        return slvi_fail(&session->env, SLV_ERROR_FORMAT,
+                         "%s: edits: expected a list of operations of sessions", session->path);
     const char *name = json_string_value(json_object_get(root, "name"));
-    slv_result result = slv_document_begin(document, name);
-    if (result)
+    if ((result = slv_document_begin(document, name)))
         return result;
     for (size_t i = 0; !result && i < count; i++) {
         json_t *edit = json_array_get(edits, i);
@@ -374,10 +399,7 @@ slv_result slv_session_run(slv_session *session, uint32_t layer, bool mask, cons
         return result;
     const char *op = json_string_value(json_object_get(root, "op"));
     if (op && strcmp(op, "set") == 0) {
-        if (!(result = slvi_session_paint(session, layer, mask, root))) {
-            json_object_del(root, "op");
-            json_object_update(session->set, root);
-        }
+        result = run_set(session, layer, mask, root);
     } else if (op && strcmp(op, "stroke") != 0 && strcmp(op, "fill") != 0) {
         result = run_edit(session, folder, op, root);
     } else {

@@ -51,8 +51,10 @@ uint32_t slvi_crc(uint32_t crc, const void *data, size_t size);
 
 /* What was done as JSON, and done again. */
 slv_result slvi_edit_to_json(const slv_env *env, const slvi_op *op, uint32_t nfaces, json_t **out);
-slv_result slvi_edit_apply(slv_document *document, const char *name, const json_t *edit,
+slv_result slvi_edit_apply(slv_document *document, const char *name, json_t *edit,
                            const char *folder);
+/* A line has keys of a list, "a|b|c", and what each has. */
+slv_result slvi_edit_keys(const slv_env *env, const char *name, json_t *edit, const char *known);
 
 /* A stroke that is being made. */
 typedef struct slvi_live_stroke {
@@ -121,6 +123,8 @@ slv_result slvi_session_line(slv_session *session, const char *folder, const cha
                              size_t size, json_t **out);
 /* What the history calls a line: stroke, erase or fill. */
 const char *slvi_session_name(const json_t *line);
+/* Takes from a line what scripts have no keys for. */
+void slvi_session_make_bare(json_t *line);
 /* The line for the journal. */
 slv_result slvi_session_keep(slv_session *session, uint32_t layer, bool mask, json_t *line);
 /* Adds what a script has done to what is known of the session's strokes. */
