@@ -2,8 +2,9 @@
 # Makes sure that what Selvage is built with is installed: says what is missing, and installs it with apt-get where there
 # is one. Elsewhere it prints the list and leaves the rest to whoever runs it. With the argument `tests` it also sees to
 # what tests take: a display without a screen and events for it (Xvfb, xdotool), universal-ctags, ImageMagick, OpenEXR's
-# tools, MyPaint's brushes, Open MPI, and a browser, in which one of them opens a report and makes do without where there is none to
-# be had. With `ci` it sees to all that .ci/run takes: that, and clang with its formatter.
+# tools, MyPaint's brushes, Open MPI, a second OpenGL driver (Mesa's zink over its software Vulkan), and a browser, in which one
+# of them opens a report and makes do without where there is none to be had. With `ci` it sees to all that .ci/run takes:
+# that, and clang with its formatter.
 set -eu
 
 packages="cmake ninja-build gcc g++ pkg-config libosd-dev libopenexr-dev libpng-dev libdeflate-dev libjansson-dev
@@ -11,8 +12,8 @@ libembree-dev libmypaint-dev libsquish-dev libgl-dev libegl-dev libegl1 libegl-m
 # Of the window, which is left out where they are not to be had.
 window="libgtk-4-dev libepoxy-dev"
 case "${1:-}" in
-tests) packages="$packages libopenmpi-dev openmpi-bin universal-ctags imagemagick openexr mypaint-brushes xvfb xdotool" ;;
-ci) packages="$packages libopenmpi-dev openmpi-bin universal-ctags imagemagick openexr mypaint-brushes xvfb xdotool make clang clang-format-14" ;;
+tests) packages="$packages libopenmpi-dev openmpi-bin universal-ctags imagemagick openexr mypaint-brushes xvfb xdotool mesa-vulkan-drivers" ;;
+ci) packages="$packages libopenmpi-dev openmpi-bin universal-ctags imagemagick openexr mypaint-brushes xvfb xdotool mesa-vulkan-drivers make clang clang-format-14" ;;
 "") ;;
 *)
     echo "dependencies.sh: '$1': expected nothing, tests or ci" >&2
