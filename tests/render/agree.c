@@ -175,8 +175,12 @@ static void check_pictures(const kit *k, slv_gl_texture *const textures[2], cons
         .width = 96,
         .height = 64,
         .camera = slv_camera_orbit(stats.bounds_min, stats.bounds_max, 30, 60, 6, 1.5f)};
+    int finest = 0;
+    for (uint32_t f = 0; f < k->nfaces; f++)
+        finest = finest > k->res[f].u ? finest : k->res[f].u;
     for (uint32_t s = 0; s < slv_strategy_count(); s++)
-        if (!test_skip(s + k->nfaces, 8))
+        /* faces of one texel have no other level */
+        if (finest > 0 && !test_skip(s + k->nfaces, 8))
             check_bias(renderer, textures[0], near, slv_strategy_at(s));
     CHECK_MSG(visible > 0.05f, "%s: clamp is only %g off: there are no seams to see", name,
               (double)visible);
