@@ -5,6 +5,7 @@
 #include "texture/bilinear.h"
 
 #include <math.h>
+#include <string.h>
 
 /* A plane as seen at a resolution no finer than that of its faces. */
 typedef struct view {
@@ -16,6 +17,16 @@ typedef struct view {
 
 static slv_res coarser(slv_res a, slv_res b) {
     return (slv_res){a.u < b.u ? a.u : b.u, a.v < b.v ? a.v : b.v};
+}
+
+/* Whether a texel is in a block that nothing was put into, of a plane whose fill is not seen. */
+static bool is_clear(const slvi_plane *plane, uint32_t face, uint32_t x, uint32_t y) {
+    const slvi_table *table = plane->tables[face];
+    slv_res res = plane->res[face];
+    if (plane->filled && (plane->alpha < 0 || plane->fill[plane->alpha] != 0))
+        return false;
+    return !table || !table->blocks[(y >> slvi_block_log2(res.v)) * slvi_blocks_along(res.u) +
+                                    (x >> slvi_block_log2(res.u))];
 }
 
 /* The mean of the texels of a face that one at `res` covers: colours by their alpha. */
@@ -32,6 +43,10 @@ static void mean(const slvi_plane *plane, uint32_t face, slv_res res, uint32_t x
     }
     for (uint32_t j = 0; j < height; j++)
         for (uint32_t i = 0; i < width; i += piece) {
+            if (is_clear(plane, face, (x << du) + i, (y << dv) + j)) {
+                weight += plane->alpha < 0 ? piece : 0;
+                continue;
+            }
             slvi_plane_read(plane, face, (slv_rect){(x << du) + i, (y << dv) + j, piece, 1}, row);
             for (uint32_t k = 0; k < piece; k++) {
                 double alpha = plane->alpha >= 0 ? (double)row[k * n + (uint32_t)plane->alpha] : 1;
@@ -91,6 +106,10 @@ void slvi_plane_sample(const slvi_plane *plane, const slv_adjacency *adjacency, 
     float step_x = ldexpf(1, v.res.u - res.u), step_y = ldexpf(1, v.res.v - res.v);
     if (own.u == res.u && own.v == res.v) {
         slvi_plane_read(plane, face, rect, out);
+        return;
+    }
+    if (!plane->filled && !plane->tables[face] && own.u >= res.u && own.v >= res.v) {
+        memset(out, 0, (size_t)rect.width * rect.height * plane->nchannels * sizeof *out);
         return;
     }
     for (uint32_t y = 0; y < rect.height; y++)
