@@ -85,6 +85,11 @@ static GLenum APIENTRY count_GetError(void) {
     return real.GetError();
 }
 
+static GLboolean APIENTRY count_IsSync(GLsync sync) {
+    calls++;
+    return real.IsSync(sync);
+}
+
 static void APIENTRY uncounted(void) {
     REQUIRE(!"a frame calls a function that this test does not count");
 }
@@ -97,6 +102,8 @@ static slv_gl_proc counted(const char *name) {
 #undef NAMED
     if (strcmp(name, "glDrawElements") == 0)
         return (slv_gl_proc)count_DrawElements;
+    if (strcmp(name, "glIsSync") == 0)
+        return (slv_gl_proc)count_IsSync;
     return strcmp(name, "glGetError") == 0 ? (slv_gl_proc)count_GetError : NULL;
 }
 

@@ -9,6 +9,8 @@
 
 #include <GL/glcorearb.h>
 
+#include <pthread.h>
+
 enum { POINTS = 256 };
 
 static slv_gl *gl;
@@ -284,17 +286,106 @@ static void check_states(void) {
     api.DeleteBuffers(1, &buffer);
 }
 
+/* Where the context is not current calls say so in one line, and nothing is lost by them. */
+struct elsewhere {
+    slv_gl_texture *ready, *begun;
+    uint32_t lines;
+};
+
+static void count_line(void *user, slv_log_level level, const char *message) {
+    if (level == SLV_LOG_ERROR && strstr(message, "not current"))
+        ++*(uint32_t *)user;
+}
+
+static void *call_elsewhere(void *user) {
+    struct elsewhere *e = user;
+    slv_env env = {.log = count_line, .log_user = &e->lines};
+    slv_gl_texture *none = NULL;
+    const int32_t face = 0;
+    const float zero[2] = {0};
+    float value[4];
+    uint64_t bytes;
+    CHECK(slv_gl_texture_update(e->ready, &env, NULL) == SLV_ERROR_GL);
+    CHECK(slv_gl_texture_upload(e->begun, &env, UINT64_MAX, NULL) == SLV_ERROR_GL);
+    CHECK(slv_gl_texture_read(e->ready, &env, NULL, 0, 0, 0, NULL, &bytes) == SLV_ERROR_GL);
+    CHECK(slv_gl_texture_lookup(e->ready, &env, NULL, 1, &face, zero, zero, zero, value) ==
+          SLV_ERROR_GL);
+    CHECK(slv_gl_texture_create(gl, &env, cube.texture, cube.adjacency, NULL, &none) ==
+          SLV_ERROR_GL);
+    CHECK(e->lines == 5 && !none);
+    return NULL;
+}
+
+static void check_elsewhere(void) {
+    slv_gl_texture_params params = {KIT_ONLY(slv_strategy_find("borders")), .live = true};
+    struct elsewhere e = {.ready = make(&params)};
+    slv_env env = test_env();
+    slv_gl_update update;
+    slv_gl_upload upload;
+    slv_gl *other = NULL;
+    uint64_t random = 9, bytes;
+    pthread_t thread;
+    kit_change(&cube, 0, 1, &random);
+    REQUIRE(slv_gl_texture_prepare(gl, &env, cube.texture, cube.adjacency, &params, &e.begun) ==
+            SLV_OK);
+    CHECK(slv_gl_texture_read(e.begun, &(slv_env){0}, NULL, 0, 0, 0, NULL, &bytes) ==
+          SLV_ERROR_ARGUMENT);
+    CHECK(slv_gl_texture_update(e.begun, &(slv_env){0}, NULL) == SLV_ERROR_ARGUMENT);
+    REQUIRE(pthread_create(&thread, NULL, call_elsewhere, &e) == 0);
+    pthread_join(thread, NULL);
+    api.Enable(0xdead); /* a mistake of the host's is none of the library's */
+    CHECK(slv_gl_texture_update(e.ready, &env, &update) == SLV_OK && update.faces == 1);
+    CHECK(slv_gl_texture_upload(e.begun, &env, UINT64_MAX, &upload) == SLV_OK && upload.ready);
+    slv_gl_texture_destroy(e.begun);
+    REQUIRE(slv_gl_texture_prepare(gl, &env, cube.texture, cube.adjacency, &params, &e.begun) ==
+            SLV_OK);
+    REQUIRE(slv_gl_create(&env, SLV_GL_AUTO, &other) == SLV_OK); /* current now */
+    e.lines = 0;
+    call_elsewhere(&e);
+    slv_gl_texture_destroy(e.begun);
+    slv_gl_texture_destroy(e.ready);
+    slv_gl_destroy(other);
+}
+
+static bool stop(void *user, uint64_t done, uint64_t total) {
+    (void)user, (void)done, (void)total;
+    return false;
+}
+
+static void count_error(void *user, slv_log_level level, const char *message) {
+    (void)message;
+    *(uint32_t *)user += level == SLV_LOG_ERROR;
+}
+
+/* What was cancelled says so when it is gone on with, too. */
+static void check_cancelled(void) {
+    slv_gl_texture_params params = {KIT_ONLY(slv_strategy_find("clamp")), .progress = {stop, NULL}};
+    uint32_t lines = 0;
+    slv_env env = {.log = count_error, .log_user = &lines};
+    slv_gl_texture *made = NULL;
+    REQUIRE(slv_gl_texture_prepare(gl, &env, cube.texture, cube.adjacency, &params, &made) ==
+            SLV_OK);
+    CHECK(slv_gl_texture_upload(made, &env, UINT64_MAX, NULL) == SLV_ERROR_CANCELLED);
+    CHECK(slv_gl_texture_upload(made, &env, UINT64_MAX, NULL) == SLV_ERROR_ARGUMENT);
+    CHECK(lines == 2);
+    slv_gl_texture_destroy(made);
+}
+
 static void check_refused(void) {
     static const char *const wrong[] = {
         "", "1a", "a-b", "gl_x", "a__b", "_a", "abcdefghijklmnopqrstuvwxyz_abcdefg"};
     slv_env quiet = {0};
     slv_gl_texture *made = NULL;
-    for (size_t i = 0; i <= sizeof wrong / sizeof *wrong; i++) {
+    enum { PREFIXES = sizeof wrong / sizeof *wrong };
+    for (size_t i = 0; i < PREFIXES + 5; i++) {
         slv_gl_texture_params params = {KIT_ONLY(slv_strategy_find("clamp"))};
-        if (i < sizeof wrong / sizeof *wrong)
+        if (i < PREFIXES)
             params.prefix = wrong[i];
-        else
-            params.first_unit = 10000;
+        params.first_unit = i == PREFIXES ? 10000 : 0;
+        params.first_storage = i == PREFIXES + 1 ? UINT32_MAX : 0;
+        params.compression = i == PREFIXES + 2 ? (slv_gl_compression)2 : SLV_GL_COMPRESSION_NONE;
+        params.taps = i == PREFIXES + 3 ? (slv_gl_taps)3 : SLV_GL_TAPS_AUTO;
+        params.branching = i == PREFIXES + 4 ? (slv_gl_branching)3 : SLV_GL_BRANCHING_AUTO;
         CHECK(slv_gl_texture_create(gl, &quiet, cube.texture, cube.adjacency, &params, &made) ==
               SLV_ERROR_ARGUMENT);
         CHECK(!made);
@@ -319,6 +410,8 @@ int main(void) {
         check_taps(slv_strategy_at(i));
     check_refused();
     check_states();
+    check_cancelled();
+    check_elsewhere(); /* the last: another context is current after it */
     kit_free(&cube);
     slv_gl_destroy(gl);
     return test_end();

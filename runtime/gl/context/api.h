@@ -27,6 +27,9 @@
     X(PFNGLGETFLOATVPROC, GetFloatv)                                                               \
     X(PFNGLGETERRORPROC, GetError)                                                                 \
     X(PFNGLFINISHPROC, Finish)                                                                     \
+    X(PFNGLFENCESYNCPROC, FenceSync)                                                               \
+    X(PFNGLISSYNCPROC, IsSync)                                                                     \
+    X(PFNGLDELETESYNCPROC, DeleteSync)                                                             \
     X(PFNGLENABLEPROC, Enable)                                                                     \
     X(PFNGLDISABLEPROC, Disable)                                                                   \
     X(PFNGLBINDBUFFERPROC, BindBuffer)                                                             \
@@ -132,7 +135,10 @@ struct slv_gl {
     slv_gl_info info;
     slv_gl_platform platform;
     slv_gl_get_proc get_proc; /* NULL for a host's context */
+    GLsync marker;            /* of the context and those that share its objects: what tells whether
+                                 one is current */
     uint64_t max_storage;     /* bytes of a shader storage block */
+    uint32_t storage_bindings;
     bool ballot;              /* has GL_ARB_shader_ballot */
     bool s3tc;                /* has GL_EXT_texture_compression_s3tc */
     bool narrow_srgb;         /* has GL_EXT_texture_sRGB_R8 and GL_EXT_texture_sRGB_RG8 */
@@ -172,6 +178,11 @@ void slvi_gl_transfer_end(const slv_gl *gl, const slv_gl_transfer *before);
  * host left behind: pixel store and pixel buffers, clip control, raster, depth and per-fragment
  * state. */
 void slvi_gl_set_state(const slv_gl *gl);
+
+/* Before any function of the driver is called for a host: SLV_ERROR_GL if the context, or one that
+ * shares its objects, is not current on this thread. Errors that the host left behind are dropped,
+ * since they would be taken for the library's. */
+slv_result slvi_gl_need_current(const slv_gl *gl, const slv_env *env);
 
 /* SLV_ERROR_GL with `what` in the message if the driver has an error pending. */
 slv_result slvi_gl_check(const slv_gl *gl, const slv_env *env, const char *what);

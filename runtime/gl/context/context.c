@@ -93,7 +93,7 @@ bool slv_gl_has_samples(const slv_gl *gl, uint32_t samples) {
 static slv_result fill_info(const slv_env *env, slv_gl *gl, slv_gl_backend backend) {
     const slv_gl_api *api = &gl->api;
     slv_gl_info *info = &gl->info;
-    GLint major = 0, minor = 0, layers = 0, size = 0, units = 0;
+    GLint major = 0, minor = 0, layers = 0, size = 0, units = 0, bindings = 0;
     GLint64 storage = 0;
     GLfloat anisotropy = 1;
     copy_string(api, GL_VENDOR, info->vendor, sizeof info->vendor);
@@ -101,12 +101,15 @@ static slv_result fill_info(const slv_env *env, slv_gl *gl, slv_gl_backend backe
     copy_string(api, GL_VERSION, info->version, sizeof info->version);
     api->GetIntegerv(GL_MAJOR_VERSION, &major);
     api->GetIntegerv(GL_MINOR_VERSION, &minor);
+    if (!major)
+        return slvi_fail(env, SLV_ERROR_GL, "no OpenGL context is current on this thread");
     if (major * 10 + minor < 45)
         return slvi_fail(env, SLV_ERROR_GL, "%s has OpenGL %d.%d: 4.5 is needed", info->renderer,
                          major, minor);
     api->GetIntegerv(GL_MAX_ARRAY_TEXTURE_LAYERS, &layers);
     api->GetIntegerv(GL_MAX_TEXTURE_SIZE, &size);
     api->GetIntegerv(GL_MAX_TEXTURE_IMAGE_UNITS, &units);
+    api->GetIntegerv(GL_MAX_SHADER_STORAGE_BUFFER_BINDINGS, &bindings);
     if (has_extension(api, "GL_EXT_texture_filter_anisotropic") ||
         has_extension(api, "GL_ARB_texture_filter_anisotropic"))
         api->GetFloatv(GL_MAX_TEXTURE_MAX_ANISOTROPY, &anisotropy);
@@ -124,6 +127,8 @@ static slv_result fill_info(const slv_env *env, slv_gl *gl, slv_gl_backend backe
     info->max_layers = (uint32_t)layers;
     info->max_texture_size = (uint32_t)size;
     info->texture_units = (uint32_t)units;
+    gl->storage_bindings = (uint32_t)bindings;
+    gl->marker = api->FenceSync(GL_SYNC_GPU_COMMANDS_COMPLETE, 0);
     while (api->GetError() != GL_NO_ERROR) /* whatever the host left behind is not ours to report */
         continue;
     return SLV_OK;
@@ -193,6 +198,8 @@ slv_result slv_gl_wrap(const slv_env *env, slv_gl_get_proc get_proc, void *user,
 void slv_gl_destroy(slv_gl *gl) {
     if (!gl)
         return;
+    if (gl->api.IsSync(gl->marker))
+        gl->api.DeleteSync(gl->marker);
     if (gl->platform.destroy)
         gl->platform.destroy(gl->platform.state);
     slvi_free(gl);
@@ -268,6 +275,14 @@ void slvi_gl_set_state(const slv_gl *gl) {
     api->DepthFunc(GL_LESS);
     api->DepthMask(1);
     api->ColorMask(1, 1, 1, 1);
+}
+
+slv_result slvi_gl_need_current(const slv_gl *gl, const slv_env *env) {
+    if (!gl->api.IsSync(gl->marker))
+        return slvi_fail(env, SLV_ERROR_GL, "the OpenGL context is not current on this thread");
+    while (gl->api.GetError() != GL_NO_ERROR)
+        continue;
+    return SLV_OK;
 }
 
 slv_result slvi_gl_check(const slv_gl *gl, const slv_env *env, const char *what) {

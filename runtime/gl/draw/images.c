@@ -283,7 +283,8 @@ slv_result slv_gl_images_create(slv_gl *gl, const slv_env *env, const slv_uv_ima
     slv_gl_images *made = NULL;
     slv_result result = check(gl, env, images, anisotropy);
     *out = NULL;
-    if (result || (result = slvi_alloc(env, "images", 1, sizeof *made, &made)))
+    if (result || (result = slvi_gl_need_current(gl, env)) ||
+        (result = slvi_alloc(env, "images", 1, sizeof *made, &made)))
         return result;
     made->gl = gl;
     made->serial = ++gl->serial;

@@ -268,7 +268,8 @@ slv_result slv_gl_renderer_tessellate(slv_gl_renderer *renderer, const slv_env *
     slv_adjacency *adjacency = NULL;
     GLuint vertices = 0;
     slv_result result;
-    if (!(result = slv_mesh_adjacency(env, mesh, &adjacency)) &&
+    if (!(result = slvi_gl_need_current(renderer->gl, env)) &&
+        !(result = slv_mesh_adjacency(env, mesh, &adjacency)) &&
         !(result = slv_tessellate_with(env, mesh, surface, adjacency, params, &grids)))
         result =
             slvi_gl_buffer(renderer->gl, env, "vertices", grids.vertices,
@@ -446,7 +447,7 @@ static slv_result check_frame(const slv_gl_renderer *renderer, const slv_env *en
         return slvi_fail(env, SLV_ERROR_UNSUPPORTED,
                          "%u samples per pixel: the driver has at most %u", frame->msaa,
                          info->max_msaa);
-    return SLV_OK;
+    return slvi_gl_need_current(renderer->gl, env);
 }
 
 static void draw_subject(const slv_gl_renderer *renderer, const struct subject *subject) {

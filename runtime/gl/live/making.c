@@ -234,7 +234,11 @@ slv_result slv_gl_texture_upload(slv_gl_texture *texture, const slv_env *env, ui
     slv_gl_making *making = texture->making;
     slv_result result = SLV_OK;
     uint64_t done = 0, total = 0;
-    (void)env;
+    if (making && making->failed)
+        return slvi_fail(env, SLV_ERROR_ARGUMENT,
+                         "the upload was cancelled or failed: the texture can only be destroyed");
+    if (making && (result = slvi_gl_need_current(texture->gl, env)))
+        return result;
     if (making) {
         if (!making->total)
             making->total = slvi_gl_making_bytes(texture);
@@ -245,6 +249,8 @@ slv_result slv_gl_texture_upload(slv_gl_texture *texture, const slv_env *env, ui
         total = making->total;
         if (!result && making->store == texture->nstores && !making->tables.count)
             result = slvi_gl_making_end(texture);
+        if (result)
+            making->failed = true;
     }
     if (out)
         *out = (slv_gl_upload){.ready = !texture->making, .done = done, .total = total};

@@ -12,6 +12,7 @@ typedef struct slv_gl_making {
     uint64_t done, total;               /* bytes */
     uint64_t filled;                    /* of the first table */
     GLuint buffer;                      /* that is it */
+    bool failed;                        /* what there is cannot be gone on with */
     slv_gl_staging staging;
 } slv_gl_making;
 

@@ -11,7 +11,7 @@ slv_result slv_gl_texture_read(const slv_gl_texture *texture, const slv_env *env
     const slv_gl_api *api = &texture->gl->api;
     slv_gl_slot *slot = NULL;
     slv_result result = slvi_gl_texture_need(texture, env, strategy, &slot);
-    if (result)
+    if (result || (result = slvi_gl_texture_need_ready(texture, env)))
         return result;
     const slv_gl_pools *pools = &texture->stores[slot->store].pools;
     /* a face of one value has one texel for all levels */

@@ -467,9 +467,12 @@ slv_result slv_gl_residency_update(slv_gl_residency *r, const slv_env *env,
     slv_gl_residency_state state = {0};
     uint32_t pending = 0, crowded = 0;
     struct allowance left = allowance_of(r);
+    slv_result result = slvi_gl_need_current(r->texture->gl, env);
+    if (result)
+        return result;
     slvi_residency_plan(r, camera, width, height);
     slv_gl_transfer before = slvi_gl_transfer_begin(r->texture->gl);
-    slv_result result = let_coarsen(r, &left);
+    result = let_coarsen(r, &left);
     pthread_mutex_lock(&r->readers.lock);
     if (!result)
         result = take_loads(r, &left);

@@ -222,7 +222,8 @@ static slv_result update_within(struct update *update) {
     uint64_t version = slv_texture_version(live->texture);
     bool renew = false;
     slv_result result;
-    if ((result = slvi_gl_live_follow(live, update->env, &renew)))
+    if ((result = slvi_gl_texture_need_ready(update->texture, update->env)) ||
+        (result = slvi_gl_live_follow(live, update->env, &renew)))
         return result;
     update->done.faces = live->nchanges;
     bool any = live->nchanges || live->half_done;

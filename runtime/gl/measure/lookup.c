@@ -140,6 +140,7 @@ slv_result slv_gl_texture_lookup(slv_gl_texture *texture, const slv_env *env,
     slv_result result = SLV_OK;
     slv_gl_slot *slot = NULL;
     if ((result = slvi_gl_texture_need(texture, env, strategy, &slot)) ||
+        (result = slvi_gl_texture_need_ready(texture, env)) ||
         (result = slvi_alloc(env, "lookups", texture->nfaces, sizeof *batch_of, &batch_of)) ||
         (result = slvi_alloc(env, "lookups", batches->count + 1, sizeof *first, &first)) ||
         (result = slvi_alloc(env, "lookups", chunk, sizeof *order, &order)) ||

@@ -30,6 +30,11 @@ static slv_result fill_params(slv_gl *gl, const slv_env *env, const slv_texture_
     if ((unsigned)params.encoding > SLV_TEXTURE_DATA)
         return slvi_fail(env, SLV_ERROR_ARGUMENT, "unknown texture encoding %d",
                          (int)params.encoding);
+    if ((unsigned)params.branching > SLV_GL_BRANCHING_VECTORS ||
+        (unsigned)params.compression > SLV_GL_COMPRESSION_BLOCKS ||
+        (unsigned)params.taps > SLV_GL_TAPS_SHADER)
+        return slvi_fail(env, SLV_ERROR_ARGUMENT, "unknown branching %d, compression %d or taps %d",
+                         (int)params.branching, (int)params.compression, (int)params.taps);
     if ((unsigned)params.border_u > SLV_BORDER_PERIODIC ||
         (unsigned)params.border_v > SLV_BORDER_PERIODIC)
         return slvi_fail(env, SLV_ERROR_ARGUMENT, "unknown border mode %d or %d",
@@ -59,6 +64,11 @@ static slv_result fill_params(slv_gl *gl, const slv_env *env, const slv_texture_
     if (params.first_unit >= gl->info.texture_units)
         return slvi_fail(env, SLV_ERROR_ARGUMENT, "there is no texture unit %u, only %u of them",
                          params.first_unit, gl->info.texture_units);
+    if (params.first_storage > gl->storage_bindings ||
+        gl->storage_bindings - params.first_storage < 4)
+        return slvi_fail(env, SLV_ERROR_ARGUMENT,
+                         "there are no four storage bindings from %u on, only %u in all",
+                         params.first_storage, gl->storage_bindings);
     uint32_t units = gl->info.texture_units - params.first_unit, fitting = 16;
     units /= slvi_gl_own_alpha(&params) ? 2 : 1;
     if (params.batch_pools && params.batch_pools < units)
@@ -232,6 +242,8 @@ static slv_result prepare(slv_gl *gl, const slv_env *env, const slv_gl_given *gi
     if (nfaces != desc->nfaces)
         return slvi_fail(env, SLV_ERROR_MISMATCH, "the texture has %u faces, the adjacency %u",
                          desc->nfaces, nfaces);
+    if (at_once && (result = slvi_gl_need_current(gl, env)))
+        return result;
     if ((result = slvi_alloc(env, "GL texture", 1, sizeof *made, &made)))
         return result;
     made->gl = gl;

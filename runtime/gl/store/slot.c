@@ -18,6 +18,11 @@ slv_result slvi_gl_texture_need(const slv_gl_texture *texture, const slv_env *en
                             strategy->name);
 }
 
+slv_result slvi_gl_texture_need_ready(const slv_gl_texture *texture, const slv_env *env) {
+    return texture->making ? slvi_fail(env, SLV_ERROR_ARGUMENT, "the texture is not uploaded yet")
+                           : slvi_gl_need_current(texture->gl, env);
+}
+
 const slv_gl_batches *slvi_gl_texture_batches(const slv_gl_texture *texture,
                                               const slv_strategy *strategy) {
     static const slv_gl_batches none;

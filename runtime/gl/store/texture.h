@@ -57,6 +57,8 @@ slv_gl_slot *slvi_gl_texture_slot(const slv_gl_texture *texture, const slv_strat
 /* The same with an error message. */
 slv_result slvi_gl_texture_need(const slv_gl_texture *texture, const slv_env *env,
                                 const slv_strategy *strategy, slv_gl_slot **out);
+/* SLV_ERROR_ARGUMENT of one that is not uploaded yet, or slvi_gl_need_current. */
+slv_result slvi_gl_texture_need_ready(const slv_gl_texture *texture, const slv_env *env);
 /* Empty for a strategy that the texture was not made for. */
 const slv_gl_batches *slvi_gl_texture_batches(const slv_gl_texture *texture,
                                               const slv_strategy *strategy);
