@@ -114,8 +114,8 @@ static void hidden(const slv_env *env) {
 }
 
 /* A stamp over corners of faces lies as its dab does, whichever way the faces are turned; turned
- * over it is its own mirror image. */
-static void stamp(const slv_env *env, bool flip) {
+ * over it is its own mirror image, and what is legible is so from left to right once more. */
+static void stamp(const slv_env *env, bool flip, bool legible) {
     paint_scene s = plane(env, 4, 3);
     slv_image image = ramp(env, 16, 16);
     const double angle = 0.3;
@@ -125,7 +125,8 @@ static void stamp(const slv_env *env, bool flip) {
                    .angle = (float)(angle * 180 / 3.14159265358979),
                    .axis = {1, 0, 0},
                    .unfold = true};
-    const slv_lay lay = {.ink = {.kind = SLV_INK_STAMP, .image = &image, .flip = flip}};
+    const slv_lay lay = {
+        .ink = {.kind = SLV_INK_STAMP, .image = &image, .flip = flip, .legible = legible}};
     slv_patches patches;
     dab.angle = flip ? -dab.angle : dab.angle;
     MUST(slv_painter_cover(s.painter, slv_texture_get_desc(s.texture)->res, &dab, &patches));
@@ -138,6 +139,7 @@ static void stamp(const slv_env *env, bool flip) {
             double dx = (double)p[0] - 2.1, dy = ((double)p[1] - 1.95) * (flip ? -1 : 1);
             double x = (cos(angle) * dx + sin(angle) * dy) / 2.4 + 0.5,
                    y = 0.5 - (cos(angle) * dy - sin(angle) * dx) / 2.4;
+            x = flip && legible ? 1 - x : x;
             fetch(&s, at, got);
             if (x > 0.08 && x < 0.92 && y > 0.08 && y < 0.92) {
                 inside++;
@@ -413,8 +415,10 @@ int main(void) {
     slv_env env = test_env();
     stencil(&env);
     hidden(&env);
-    stamp(&env, false);
-    stamp(&env, true);
+    stamp(&env, false, false);
+    stamp(&env, true, false);
+    stamp(&env, false, true);
+    stamp(&env, true, true);
     gradient(&env, false);
     gradient(&env, true);
     cloned(&env);

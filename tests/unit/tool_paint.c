@@ -166,6 +166,30 @@ static void write_picture(const char *name) {
     slv_image_free(&image);
 }
 
+/* On the other side of a plane a stamp is turned over, and a legible one as it was. */
+static void legible(void) {
+    char line[512];
+    float left[3], right[3];
+    write_picture("red.png");
+    for (int i = 0; i < 4; i++) {
+        bool reads = i & 1, project = i & 2;
+        snprintf(line, sizeof line,
+                 "{\"stamp\": {\"file\": \"red.png\", \"legible\": %s}, \"mirror\": [{\"point\": "
+                 "[1, 0, 0], \"normal\": [1, 0, 0]}], \"brush\": {\"hardness\": 1}, %s}\n",
+                 reads ? "true" : "false",
+                 project ? "\"size\": [64, 64], \"camera\": {\"azimuth\": 0, \"elevation\": 0}, "
+                           "\"project\": true, \"unit\": \"pixels\", \"radius\": 8, \"samples\": "
+                           "[[24, 32]]"
+                         : "\"radius\": 0.4, \"samples\": [[1, 0.25, 0.5]]");
+        write_script(line);
+        RUNS(0, "paint blank.ptx s.jsonl out.ptx --scheme bilinear --quiet");
+        texel(1, project ? 0.59f : 0.635f, 0.5f, left);
+        texel(1, project ? 0.73f : 0.865f, 0.5f, right);
+        CHECK_MSG((left[1] > 0.1f) == reads, "%d: %g", i, (double)left[1]);
+        CHECK_MSG((right[1] > 0.1f) != reads, "%d: %g", i, (double)right[1]);
+    }
+}
+
 /* Images, gradients, clones, masks, symmetry and fills by colour from scripts, and the same of a
  * session, which keeps the images that lines name. */
 static void laid(void) {
@@ -300,6 +324,7 @@ int main(void) {
     sessions();
     pictures();
     laid();
+    legible();
     wrong_scripts();
     tool_end();
     return test_end();

@@ -43,8 +43,9 @@ typedef struct slv_ink {
      * that the dab's axis is here (zeros: where u grows) */
     slv_surface_point source;
     float axis[3];
-    bool legible; /* strokes with mirrors: stamps are turned over on the other side; not so */
-    bool flip;    /* stamps and clones are turned over along the dab's axis */
+    bool legible; /* stamps that are turned over are so once more from left to right, so that what
+                     is written can be read, and upright, on the other side of a mirror too */
+    bool flip;    /* stamps and clones are turned over along the dab's axis; mirrors do so */
     uint64_t reserved[4];
 } slv_ink;
 

@@ -74,7 +74,7 @@ bool slvi_mirror_lay(const slvi_mirrors *mirrors, unsigned which, float reach, s
             reflect(&mirrors->list[i], ink->to, true);
             reflect(&mirrors->list[i], mask->towards, false);
         }
-    ink->flip = slvi_mirror_turns(which) && !ink->legible;
+    ink->flip = slvi_mirror_turns(which);
     return ink->kind != SLV_INK_CLONE ||
            slvi_mirror_point(mirrors, which, reach, &ink->source, ink->axis);
 }

@@ -125,6 +125,8 @@ static bool find_pixel(const slvi_laying *w, slv_surface_point at, double out[2]
         ink->image->width > ink->image->height ? ink->image->width : ink->image->height;
     /* the corners of the longer side's square are on the rim */
     turn(ink, turned, longer / (radius * 1.41421356237), out);
+    if (ink->flip && ink->legible) /* what is up stays up */
+        out[0] = ink->image->width - out[0];
     return true;
 }
 
