@@ -58,9 +58,11 @@ typedef struct slv_gl_residency slv_gl_residency;
  * of a source without reductions, or with alpha, with that of its texels.
  * `source` is taken, also if this fails, and closed in the end; it is read by several threads at
  * once. One of a cache (slv_cache_as_source) keeps what is read within the cache's bounds. Colours
- * of SLV_TEXTURE_SRGB are reduced as light. `adjacency` must outlive it; `corners` are 12 floats a
- * face (slv_mesh_corners), of a mesh in the camera's world, and are copied. SLV_ERROR_LIMIT if the
- * coarse levels alone are more than the budgets. */
+ * of SLV_TEXTURE_SRGB are reduced as light. A source does not say what its colours are: integers
+ * are taken for that unless params->texture.encoding says otherwise, as it has to for numbers
+ * (SLV_TEXTURE_DATA), even if the source is a texture that says so itself. `adjacency` must outlive
+ * it; `corners` are 12 floats a face (slv_mesh_corners), of a mesh in the camera's world, and are
+ * copied. SLV_ERROR_LIMIT if the coarse levels alone are more than the budgets. */
 SLV_NODISCARD SLV_API slv_result slv_gl_residency_create(
     slv_gl *gl, const slv_env *env, slv_source *source, const slv_adjacency *adjacency,
     const float *corners, const slv_gl_residency_params *params, slv_gl_residency **out);
