@@ -125,6 +125,18 @@ static void check_seams(void) {
     RUNS(2, "session seams.selvage --certify --between 2,1,3");
 }
 
+/* What is open already, or cannot be done again, is named. */
+static void check_lost(void) {
+    RUNS(1, "session other.selvage --merge other.selvage");
+    HAS("is open already");
+    RUNS(0, "session lost.selvage --new in.ptx -q");
+    tool_write_file("l.jsonl", "{\"op\":\"load\",\"layer\":2,\"file\":\"in.ptx\"}\n", 43);
+    RUNS(0, "session lost.selvage --script l.jsonl -q");
+    REQUIRE(unlink(tool_path("lost.selvage/texture-4-0.ptx")) == 0);
+    RUNS(1, "session lost.selvage");
+    HAS("line 4 cannot be done now (lost.selvage/texture-4-0.ptx: No such file");
+}
+
 int main(void) {
     tool_begin();
     tool_write_file("box.obj", box, sizeof box - 1);
@@ -177,6 +189,7 @@ int main(void) {
     HAS("\"merged_faces\": 2");
     RUNS(0, "session other.selvage --export merged.ptx");
     RUNS(0, "diff out.ptx merged.ptx");
+    check_lost();
     /* all of it again, from the samples, and at twice the resolution */
     RUNS(0, "session again.selvage --replay s.selvage --export again.ptx");
     HAS("6 faces, 2 layers");

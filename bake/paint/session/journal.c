@@ -47,7 +47,8 @@ slv_result slvi_journal_open(const slv_env *env, const char *path, bool create,
         return slvi_fail(env, SLV_ERROR_IO, "%s: %s", path,
                          journal->file < 0 ? strerror(errno) : "is no file");
     if (flock(journal->file, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK)
-        return slvi_fail(env, SLV_ERROR_IO, "%s: another process has this session open", path);
+        return slvi_fail(env, SLV_ERROR_IO,
+                         "%s: this session is open already, here or in another process", path);
     journal->size = (uint64_t)status.st_size;
     return SLV_OK;
 }

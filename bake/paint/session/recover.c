@@ -105,19 +105,25 @@ static bool will_pass(slv_result result) {
     return result == SLV_ERROR_MEMORY || result == SLV_ERROR_LIMIT || result == SLV_ERROR_IO;
 }
 
+/* Why, in as many words as there are. */
+static const char *why(const slv_session *session, slv_result result) {
+    return *session->why ? session->why : slv_result_string(result);
+}
+
 /* Makes the document of a state. What is wrong with one is said as a warning: there may be others.
  */
 static slv_result try_state(slv_session *session, uint64_t state, uint64_t *line) {
     char *path = NULL;
     slv_result result;
     session->quiet = true;
+    *session->why = 0;
     if (!(result = slvi_session_state_path(session, state, &path)) &&
         !(result = slvi_session_new_document(session)))
         result = slvi_state_read(&session->env, path, session->document, line);
     session->quiet = false;
     if (result && !will_pass(result))
         slvi_logf(&session->env, SLV_LOG_WARNING, "%s/state-%" PRIu64 ": cannot be used (%s)",
-                  session->path, state, slv_result_string(result));
+                  session->path, state, why(session, result));
     slvi_free(path);
     return result;
 }
@@ -129,19 +135,18 @@ static slv_result replay(slv_session *session, const slvi_journal_text *text, co
     session->replaying = true;
     for (uint64_t i = 0; i < count; i++) {
         session->quiet = true;
+        *session->why = 0;
         result = replay_line(session, text, live[i]);
         session->quiet = false;
         if (will_pass(result)) {
             slvi_logf(&session->env, SLV_LOG_ERROR, "%s: line %" PRIu64 " cannot be done now (%s)",
-                      session->journal.path, text->lines[live[i]].number,
-                      slv_result_string(result));
+                      session->journal.path, text->lines[live[i]].number, why(session, result));
             break;
         }
         if (result) {
             slvi_logf(&session->env, SLV_LOG_WARNING,
                       "%s: line %" PRIu64 " and what came after cannot be done again (%s)",
-                      session->journal.path, text->lines[live[i]].number,
-                      slv_result_string(result));
+                      session->journal.path, text->lines[live[i]].number, why(session, result));
             result = SLV_OK;
             *whole = false;
             break;
@@ -225,7 +230,7 @@ static slv_result choose(slv_session *session, const slvi_journal_text *text,
         result = try_state(session, states[i], &line);
         if (will_pass(result))
             return slvi_fail(&session->env, result, "%s/state-%" PRIu64 ": cannot be read now (%s)",
-                             session->path, states[i], slv_result_string(result));
+                             session->path, states[i], why(session, result));
         if (result)
             continue;
         if (i == 0)

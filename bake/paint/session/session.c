@@ -8,6 +8,7 @@
 #include "history/history.h"
 
 #include <errno.h>
+#include <pthread.h>
 #include <stdio.h>
 #include <string.h>
 #include <sys/stat.h>
@@ -45,10 +46,18 @@ done:
     return result;
 }
 
+/* What went wrong while it was quiet is kept, for the line that says what comes of it. */
 static void log_unless_quiet(void *user, slv_log_level level, const char *message) {
-    const slv_session *session = user;
-    if (!session->quiet && session->outer.log)
-        session->outer.log(session->outer.log_user, level, message);
+    static pthread_mutex_t guard = PTHREAD_MUTEX_INITIALIZER; /* any thread may fail */
+    slv_session *session = user;
+    if (!session->quiet) {
+        if (session->outer.log)
+            session->outer.log(session->outer.log_user, level, message);
+    } else if (level == SLV_LOG_ERROR) {
+        pthread_mutex_lock(&guard);
+        snprintf(session->why, sizeof session->why, "%s", message);
+        pthread_mutex_unlock(&guard);
+    }
 }
 
 slv_result slv_session_open(const slv_env *env, const char *path, const slv_session_params *params,

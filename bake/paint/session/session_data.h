@@ -69,6 +69,7 @@ struct slv_session {
     slv_env env;   /* its log is ours, which may be silent */
     slv_env outer; /* as it was given */
     bool quiet;    /* what goes wrong is not the end of it */
+    char why[512]; /* what went wrong then */
     char *path;
     slv_session_params params;
     slv_mesh *mesh;
