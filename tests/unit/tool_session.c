@@ -130,7 +130,8 @@ static void check_lost(void) {
     RUNS(1, "session other.selvage --merge other.selvage");
     HAS("is open already");
     RUNS(0, "session lost.selvage --new in.ptx -q");
-    tool_write_file("l.jsonl", "{\"op\":\"load\",\"layer\":2,\"file\":\"in.ptx\"}\n", 43);
+    const char *load = "{\"op\":\"load\",\"layer\":2,\"file\":\"in.ptx\"}\n";
+    tool_write_file("l.jsonl", load, strlen(load));
     RUNS(0, "session lost.selvage --script l.jsonl -q");
     REQUIRE(unlink(tool_path("lost.selvage/texture-4-0.ptx")) == 0);
     RUNS(1, "session lost.selvage");
