@@ -126,6 +126,30 @@ static void constants(void) {
     kit_free(&k);
 }
 
+/* A constant face whose neighbour continues it in the row beside it only: coarser levels of the two
+ * would differ, so that it is not stored as constant; one whose neighbour goes on alike is. */
+static void constant_beside_detail(void) {
+    slv_env env = test_env();
+    kit k;
+    slv_ptx *ptx = NULL;
+    slv_ptx_face info;
+    uint8_t texels[32 * 32];
+    kit_grid(&k, 3, 1, false, 0, NULL, NULL);
+    kit_equal(&k, 5);
+    kit_begin_texture(&k, SLV_TYPE_U8, 1);
+    for (int i = 0; i < 32 * 32; i++)
+        texels[i] = i % 32 ? 255 : 0;
+    REQUIRE(slv_texture_set_constant(k.texture, 0, "") == SLV_OK);
+    REQUIRE(slv_texture_set_face(k.texture, 1, texels) == SLV_OK);
+    REQUIRE(slv_texture_set_constant(k.texture, 2, "\xff") == SLV_OK);
+    compare(&k, SLV_PTX_SEAMS_ALL, "constant beside detail");
+    REQUIRE(!slv_ptx_open(&env, tool_path("k.ptx"), &ptx));
+    for (uint32_t f = 0; f < 3; f++)
+        CHECK(!slv_ptx_get_face(ptx, f, &info) && !(info.flags & SLV_FACE_CONSTANT) == (f != 2));
+    slv_ptx_close(ptx);
+    kit_free(&k);
+}
+
 /* What the command bakes agrees unless it is told otherwise, or values have no mean. */
 static void command(void) {
     static const char obj[] = "v 0 0 0\nv 1 0 0\nv 3 0 0\nv 0 1 0\nv 1 1 0\nv 3 1 1\nv 4 0 0\n"
@@ -190,6 +214,7 @@ int main(void) {
     }
     alpha();
     constants();
+    constant_beside_detail();
     command();
     refusals();
     tool_end();

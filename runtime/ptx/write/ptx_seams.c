@@ -191,6 +191,25 @@ static slv_result average(const packing *p, ptx_packer *packer, uint32_t face,
     return SLV_OK;
 }
 
+/* Whether a face, of which `texels` are level 0, is constant as it is stored: its reductions, of
+ * which none would be stored then, can agree with neighbours in what level 0 does not. */
+static slv_result find_constant(const packing *p, ptx_packer *packer, uint32_t face,
+                                uint8_t *texels, bool *constant) {
+    const slv_ptx_writer *writer = p->writer;
+    slv_res res = p->levels->res[face];
+    bool single = slvi_texels_equal(texels, writer->pixel_size, ptx_texel_count(res));
+    slv_result result = SLV_OK;
+    *constant = single;
+    for (uint32_t level = 1; *constant && !result && !writer->params.no_reductions &&
+                             ptx_min_log2(slv_res_level(res, level - 1)) > 2;
+         level++) {
+        result = fill_level(p, packer, face, level, texels);
+        *constant = slvi_texels_equal(texels, writer->pixel_size,
+                                      ptx_texel_count(slv_res_level(res, level)));
+    }
+    return result || !single ? result : fill_level(p, packer, face, 0, texels);
+}
+
 static slv_result pack_levels(packing *p, ptx_packer *packer, uint32_t face, bool *constant) {
     slv_ptx_writer *writer = p->writer;
     slv_res res = p->levels->res[face];
@@ -204,7 +223,8 @@ static slv_result pack_levels(packing *p, ptx_packer *packer, uint32_t face, boo
         slv_res now = slv_res_level(res, level);
         if ((result = fill_level(p, packer, face, level, texels)))
             return result;
-        *constant = !level && slvi_texels_equal(texels, writer->pixel_size, ptx_texel_count(res));
+        if (!level && (result = find_constant(p, packer, face, texels, constant)))
+            return result;
         if (*constant) { /* what is stored of it; its reductions are the same */
             memcpy(writer->constants + face * writer->pixel_size, texels, writer->pixel_size);
             return SLV_OK;
