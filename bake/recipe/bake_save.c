@@ -135,6 +135,11 @@ static slv_result check(const slv_env *env, const slv_mesh *mesh, const slv_bake
                          slv_mesh_face_count(mesh), source->nfaces);
     if (job->type_given && (unsigned)job->type > SLV_TYPE_FLOAT)
         return slvi_fail(env, SLV_ERROR_ARGUMENT, "bake: unknown data type %d", (int)job->type);
+    if ((job->max_error > 0 || job->least_error) && job->seams_given &&
+        job->seams == SLV_PTX_SEAMS_ALL)
+        return slvi_fail(env, SLV_ERROR_ARGUMENT,
+                         "bake: errors are those of full resolution, which is another once faces "
+                         "agree in all levels");
     return SLV_OK;
 }
 

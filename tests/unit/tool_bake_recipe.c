@@ -165,6 +165,8 @@ static double json_of(const char *field) {
 
 /* Within the budget, and no error that is a quarter smaller would be. */
 static void least_error(void) {
+    static const char all_levels[] =
+        "{\"source\": {\"uv\": \"spots.exr\"}, \"error\": 0.1, \"reductions\": \"all\"}";
     uv_write_image("spots.exr", 128, 128, 1, spots, &uv_floats);
     RUNS(0, "bake m.obj --uv spots.exr --texels 3000 --least-error --json --quiet -o l.ptx");
     double texels = json_of("texels"), error = json_of("error");
@@ -172,6 +174,11 @@ static void least_error(void) {
     RUNS(0, "bake m.obj --uv spots.exr --error %g --json --quiet -o l.ptx", 0.75 * error);
     CHECK_MSG(json_of("texels") > 3000, "%g texels do", json_of("texels"));
     RUNS(2, "bake m.obj --uv spots.exr --least-error -o none.ptx");
+    RUNS(2, "bake m.obj --uv spots.exr --error 0.1 --reductions all -o none.ptx");
+    HAS("--reductions all changes full resolution");
+    tool_write_file("all.json", all_levels, sizeof all_levels - 1);
+    RUNS(1, "bake m.obj --recipe all.json -o none.ptx");
+    HAS("another once faces agree");
     RUNS(1, "bake m.obj --uv spots.exr --texels 1 --least-error -o none.ptx");
     HAS("too few");
 }

@@ -98,6 +98,10 @@ static int check(const cli_command *command, const bake_options *o) {
         return cli_usage(command, "--match: only images and textures have a resolution to match");
     if (o->no_reductions && o->reductions_given)
         return cli_usage(command, "--reductions and --no-reductions contradict each other");
+    if ((o->error_given || o->least_error) && o->reductions_given &&
+        o->reductions == SLV_PTX_SEAMS_ALL)
+        return cli_usage(command, "--reductions all changes full resolution, which --error and "
+                                  "--least-error measure: seamless, or plain");
     return -1;
 }
 

@@ -378,9 +378,10 @@ typedef struct slv_bake_job {
                              the colour of slv_bake_miss_color */
     slv_progress progress; /* rows of texels */
     bool seams_given;
-    /* Whether faces agree where they meet (seamless.h). Default: all of it; with max_error only
-     * reductions, since full resolution is what was measured; and nothing where values are a face's
-     * own: its number or colour, or a vector in its frame. */
+    /* Whether faces agree where they meet (seamless.h). Default: all of it; with max_error and
+     * least_error only reductions, since full resolution is what was measured (all is an error
+     * then); and nothing where values are a face's own: its number or colour, or a vector in its
+     * frame. */
     slv_ptx_seams seams;
     /* A file in which blocks of faces are kept as they are baked, so that a bake that was cancelled
      * or killed goes on where it was: it loses a block at most, of 2^22 rays or 64 MiB. Removed
