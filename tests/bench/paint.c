@@ -8,6 +8,7 @@
  * the tenth on. Medians of the processor's time, since others may use the machine. And what is
  * allocated a dab once it goes on. */
 #include "kit/bench_kit.h"
+#include "kit/count_kit.h"
 
 #include <selvage/document.h>
 #include <selvage/gl_live.h>
@@ -16,21 +17,7 @@
 #include <selvage/session.h>
 #include <selvage/threads.h>
 
-#include <stdatomic.h>
 #include <string.h>
-
-static atomic_ulong allocations;
-
-static void *count_allocation(void *user, size_t bytes) {
-    (void)user;
-    atomic_fetch_add(&allocations, 1);
-    return malloc(bytes);
-}
-
-static void release(void *user, void *memory) {
-    (void)user;
-    free(memory);
-}
 
 static double now(void) {
     return 1e3 * bench_seconds(CLOCK_PROCESS_CPUTIME_ID);
@@ -396,7 +383,7 @@ static void run_strokes(const slv_env *env, uint32_t side, uint32_t count) {
 }
 
 int main(int argc, char **argv) {
-    slv_env env = {.log = bench_log, .allocate = count_allocation, .release = release};
+    slv_env env = {.log = bench_log, .allocate = count_allocation, .release = count_release};
     slv_threads *threads = NULL;
     slv_gl *gl = NULL;
     uint32_t faces = 0, strokes = 10000;

@@ -1,26 +1,12 @@
 /* What a dab allocates once a stroke goes on: from the dab on a layer to what the GPU holds, by
  * each strategy. Counted in the environment's hooks; what drivers do is their own. */
+#include "kit/count_kit.h"
 #include "kit/strategy_kit.h"
 
 #include <selvage/document.h>
 #include <selvage/gl_live.h>
 
-#include <stdatomic.h>
-
 enum { SIDE = 10, FACES = SIDE * SIDE, PLACES = 6 };
-
-static atomic_ulong allocations;
-
-static void *count_allocation(void *user, size_t bytes) {
-    (void)user;
-    atomic_fetch_add(&allocations, 1);
-    return malloc(bytes);
-}
-
-static void release(void *user, void *memory) {
-    (void)user;
-    free(memory);
-}
 
 static slv_mesh *make_mesh(const slv_env *env) {
     static float positions[3 * (SIDE + 1) * (SIDE + 1)];
@@ -111,7 +97,8 @@ static unsigned long count_dabs(const scene *s, const slv_strategy *strategy, sl
 
 int main(void) {
     static const slv_type types[] = {SLV_TYPE_U8, SLV_TYPE_HALF};
-    static scene s = {.env = {.allocate = count_allocation, .release = release, .threads = 1}};
+    static scene s = {
+        .env = {.allocate = count_allocation, .release = count_release, .threads = 1}};
     REQUIRE(slv_gl_create(&s.env, SLV_GL_AUTO, &s.gl) == SLV_OK);
     s.mesh = make_mesh(&s.env);
     REQUIRE(slv_paint_surface_create(&s.env, s.mesh, NULL, &s.surface) == SLV_OK);

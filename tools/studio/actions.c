@@ -326,6 +326,20 @@ GMenuModel *studio_actions_menu(studio_app *app) {
     return G_MENU_MODEL(bar);
 }
 
+GtkWidget *studio_actions_buttons(const studio_button *buttons, size_t count) {
+    GtkWidget *box = gtk_box_new(GTK_ORIENTATION_HORIZONTAL, 0);
+    gtk_widget_add_css_class(box, "linked");
+    for (size_t i = 0; i < count; i++) {
+        GtkWidget *button = gtk_button_new_from_icon_name(buttons[i].icon);
+        gtk_actionable_set_action_name(GTK_ACTIONABLE(button), buttons[i].action);
+        gtk_widget_set_tooltip_text(button, buttons[i].tip);
+        gtk_accessible_update_property(GTK_ACCESSIBLE(button), GTK_ACCESSIBLE_PROPERTY_LABEL,
+                                       buttons[i].tip, -1);
+        gtk_box_append(GTK_BOX(box), button);
+    }
+    return box;
+}
+
 GtkWidget *studio_actions_shortcuts(studio_app *app) {
     GString *xml = g_string_new("<interface><object class=\"GtkShortcutsWindow\" id=\"window\">"
                                 "<property name=\"modal\">1</property><child>"

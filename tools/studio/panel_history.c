@@ -16,23 +16,8 @@ static void chosen(GtkListBox *list, GtkListBoxRow *row, gpointer user) {
     studio_actions_run(app, "history", target);
 }
 
-static GtkWidget *make_buttons(void) {
-    static const struct {
-        const char *icon, *action, *tip;
-    } buttons[] = {{"edit-undo-symbolic", "win.undo", "Undo"},
-                   {"edit-redo-symbolic", "win.redo", "Redo"}};
-    GtkWidget *box = gtk_box_new(GTK_ORIENTATION_HORIZONTAL, 0);
-    gtk_widget_add_css_class(box, "linked");
-    for (size_t i = 0; i < G_N_ELEMENTS(buttons); i++) {
-        GtkWidget *button = gtk_button_new_from_icon_name(buttons[i].icon);
-        gtk_actionable_set_action_name(GTK_ACTIONABLE(button), buttons[i].action);
-        gtk_widget_set_tooltip_text(button, buttons[i].tip);
-        gtk_accessible_update_property(GTK_ACCESSIBLE(button), GTK_ACCESSIBLE_PROPERTY_LABEL,
-                                       buttons[i].tip, -1);
-        gtk_box_append(GTK_BOX(box), button);
-    }
-    return box;
-}
+static const studio_button buttons[] = {{"edit-undo-symbolic", "win.undo", "Undo"},
+                                        {"edit-redo-symbolic", "win.redo", "Redo"}};
 
 GtkWidget *studio_panel_history(studio_app *app) {
     GtkWidget *box = gtk_box_new(GTK_ORIENTATION_VERTICAL, 4),
@@ -48,7 +33,7 @@ GtkWidget *studio_panel_history(studio_app *app) {
     app->saved = gtk_label_new("");
     gtk_label_set_xalign(GTK_LABEL(app->saved), 0);
     gtk_label_set_wrap(GTK_LABEL(app->saved), TRUE);
-    gtk_box_append(GTK_BOX(head), make_buttons());
+    gtk_box_append(GTK_BOX(head), studio_actions_buttons(buttons, G_N_ELEMENTS(buttons)));
     gtk_box_append(GTK_BOX(head), app->saved);
     gtk_box_append(GTK_BOX(box), head);
     gtk_box_append(GTK_BOX(box), scrolled);

@@ -64,26 +64,12 @@ static GtkWidget *make_row(studio_app *app, const slv_layer_info *info) {
     return row;
 }
 
-static GtkWidget *make_buttons(void) {
-    static const struct {
-        const char *icon, *action, *tip;
-    } buttons[] = {{"list-add-symbolic", "win.layer-add", "Add a layer"},
-                   {"list-remove-symbolic", "win.layer-remove", "Remove the layer"},
-                   {"go-up-symbolic", "win.layer-raise", "Raise the layer"},
-                   {"go-down-symbolic", "win.layer-lower", "Lower the layer"},
-                   {"edit-copy-symbolic", "win.layer-duplicate", "Duplicate the layer"}};
-    GtkWidget *box = gtk_box_new(GTK_ORIENTATION_HORIZONTAL, 0);
-    gtk_widget_add_css_class(box, "linked");
-    for (size_t i = 0; i < sizeof buttons / sizeof *buttons; i++) {
-        GtkWidget *button = gtk_button_new_from_icon_name(buttons[i].icon);
-        gtk_actionable_set_action_name(GTK_ACTIONABLE(button), buttons[i].action);
-        gtk_widget_set_tooltip_text(button, buttons[i].tip);
-        gtk_accessible_update_property(GTK_ACCESSIBLE(button), GTK_ACCESSIBLE_PROPERTY_LABEL,
-                                       buttons[i].tip, -1);
-        gtk_box_append(GTK_BOX(box), button);
-    }
-    return box;
-}
+static const studio_button buttons[] = {
+    {"list-add-symbolic", "win.layer-add", "Add a layer"},
+    {"list-remove-symbolic", "win.layer-remove", "Remove the layer"},
+    {"go-up-symbolic", "win.layer-raise", "Raise the layer"},
+    {"go-down-symbolic", "win.layer-lower", "Lower the layer"},
+    {"edit-copy-symbolic", "win.layer-duplicate", "Duplicate the layer"}};
 
 GtkWidget *studio_panel_layers(studio_app *app) {
     GtkWidget *box = gtk_box_new(GTK_ORIENTATION_VERTICAL, 4), *head;
@@ -99,7 +85,7 @@ GtkWidget *studio_panel_layers(studio_app *app) {
     gtk_box_append(GTK_BOX(head), app->layer_blend);
     gtk_box_append(GTK_BOX(head), app->layer_opacity);
     app->layers = gtk_list_box_new();
-    gtk_box_append(GTK_BOX(box), make_buttons());
+    gtk_box_append(GTK_BOX(box), studio_actions_buttons(buttons, G_N_ELEMENTS(buttons)));
     gtk_box_append(GTK_BOX(box), head);
     gtk_box_append(GTK_BOX(box), app->layers);
     g_signal_connect(app->layers, "row-selected", G_CALLBACK(chosen), app);

@@ -102,6 +102,11 @@ typedef struct studio_app {
 void studio_actions_add(studio_app *app);
 GMenuModel *studio_actions_menu(studio_app *app);
 GtkWidget *studio_actions_shortcuts(studio_app *app);
+/* A row of buttons, each of an action (with its prefix) and said by its tip. */
+typedef struct studio_button {
+    const char *icon, *action, *tip;
+} studio_button;
+GtkWidget *studio_actions_buttons(const studio_button *buttons, size_t count);
 /* As menus and keys do. `target` may be NULL. */
 void studio_actions_run(studio_app *app, const char *name, const char *target);
 

@@ -59,8 +59,9 @@ SLV_API void slv_ptx_writer_destroy(slv_ptx_writer *writer);
 /* Packs a face and keeps it; faces come in any order, and different ones from several threads at
  * once. `texels` are 2^u * 2^v, or one where info->flags has SLV_FACE_CONSTANT; of the flags only
  * that and SLV_FACE_SUBFACE count. A face all of whose texels are bitwise the same becomes constant
- * by itself. Reductions and averages are made here. A face given again replaces the first. Faces
- * never given (in a new file) are 1x1, zero, and without neighbours. */
+ * by itself; with SLV_PTX_SEAMS_ALL only if no reduction differs so as to agree with a neighbour's,
+ * since constant faces store none. Reductions and averages are made here. A face given again
+ * replaces the first. Faces never given (in a new file) are 1x1, zero, and without neighbours. */
 SLV_NODISCARD SLV_API slv_result slv_ptx_writer_write_face(slv_ptx_writer *writer, uint32_t face,
                                                            const slv_ptx_face *info,
                                                            const void *texels);
