@@ -126,6 +126,7 @@ static slv_frame frame_of(const struct render *r, const scene_shot *shot) {
                        .msaa = r->msaa,
                        .strategy = slv_strategy_at((uint32_t)r->strategy),
                        .shading = shot->shading,
+                       .light = &shot->light,
                        .ka = shot->ka,
                        .kd = shot->kd,
                        .float_target = r->bits == 32,
@@ -259,16 +260,17 @@ static int draw(const cli_command *command, const struct render *r, const char *
     struct drawing d = {
         .render = r, .file = {.bits = r->bits}, .pictures = r->json ? json_array() : NULL};
     const double start = cli_now();
-    const char *const inputs[] = {r->ptx, r->scene.mesh, r->scene.view, r->scene.displace.texture,
-                                  r->scene.uv};
+    const char *const inputs[] = {r->ptx,        r->scene.mesh,
+                                  r->scene.view, r->scene.displace.texture,
+                                  r->scene.uv,   r->scene.light};
     const frames_list *frames = &d.shot.scene.frames;
     const bool known = !r->scene.frames && !r->scene.turntable;
     char name[FRAMES_PATH];
-    if (known && output_check(&env, path, inputs, 5))
+    if (known && output_check(&env, path, inputs, 6))
         return EXIT_FAILED;
     int code = scene_load_shot(command, &env, r->ptx, &r->scene, &d.shot);
     for (uint32_t i = 0; i < frames->count && !code; i++)
-        code = scene_frame_name(&env, frames, i, path, name) || output_check(&env, name, inputs, 5)
+        code = scene_frame_name(&env, frames, i, path, name) || output_check(&env, name, inputs, 6)
                    ? EXIT_FAILED
                    : EXIT_OK;
     if (code)

@@ -73,20 +73,29 @@ static void face_color(uint32_t face, float u, float v, float rgb[3]) {
         rgb[c] = (0.8f + 0.6f * (rgb[c] - 0.8f)) * rim;
 }
 
-/* -dot(n, i), n being interpolated between the three vertices of the triangle that was hit. */
-static float facing(const work *w, const uint32_t *quad, float s, float t, float x, float y) {
+/* Between the three vertices of the triangle that was hit; any length. */
+static void normal_at(const work *w, const uint32_t *quad, float s, float t, float normal[3]) {
     const slv_vertex *vertices = w->reference->mesh.vertices;
-    const float *m = w->eye.normal_matrix;
     bool far_side = s + t > 1;
     const float *a = vertices[quad[far_side ? 2 : 0]].normal;
     const float *b = vertices[quad[far_side ? 3 : 1]].normal;
     const float *c = vertices[quad[far_side ? 1 : 3]].normal;
-    float q = far_side ? 1 - s : s, r = far_side ? 1 - t : t, normal[3], n[3];
+    float q = far_side ? 1 - s : s, r = far_side ? 1 - t : t;
     for (int k = 0; k < 3; k++)
         normal[k] = a[k] + q * (b[k] - a[k]) + r * (c[k] - a[k]);
+}
+
+static float length_of(const float v[3]) {
+    return fmaxf(sqrtf(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]), 1e-20f);
+}
+
+/* -dot(n, i) */
+static float facing(const work *w, const float normal[3], float x, float y) {
+    const float *m = w->eye.normal_matrix;
+    float n[3];
     for (int k = 0; k < 3; k++)
         n[k] = m[3 * k] * normal[0] + m[3 * k + 1] * normal[1] + m[3 * k + 2] * normal[2];
-    float length = fmaxf(sqrtf(n[0] * n[0] + n[1] * n[1] + n[2] * n[2]), 1e-20f);
+    float length = length_of(n);
     if (!w->eye.perspective)
         return n[2] / length;
     return (n[2] - n[0] * x - n[1] * y) / (length * sqrtf(x * x + y * y + 1));
@@ -131,7 +140,18 @@ static void shade(const work *w, const packet *p, uint32_t lane, float rgba[4]) 
     }
     if (w->frame->shading == SLV_SHADE_UNLIT)
         return;
-    float front = facing(w, quad, s, t, p->x[lane], p->y[lane]);
+    float normal[3];
+    normal_at(w, quad, s, t, normal);
+    if (w->frame->shading == SLV_SHADE_IMAGE) {
+        float length = length_of(normal), rgb[3];
+        for (int c = 0; c < 3; c++)
+            normal[c] /= length;
+        slv_light_at(w->frame->light, normal, rgb);
+        for (int c = 0; c < 3; c++)
+            rgba[c] *= rgb[c];
+        return;
+    }
+    float front = facing(w, normal, p->x[lane], p->y[lane]);
     if (w->frame->shading == SLV_SHADE_HEADLIGHT)
         light = kd * fmaxf(front, 0) + ka;
     else if (w->frame->shading == SLV_SHADE_HEADLIGHT_ABS)
@@ -305,9 +325,12 @@ static slv_result prepare(const slv_env *env, const slv_reference_frame *given,
     if ((unsigned)frame->filter > SLV_PIXEL_MITCHELL)
         return slvi_fail(env, SLV_ERROR_ARGUMENT, "reference: there is no pixel filter %d",
                          (int)frame->filter);
-    if ((unsigned)frame->shading > SLV_SHADE_HEADLIGHT_COS2)
+    if ((unsigned)frame->shading > SLV_SHADE_IMAGE)
         return slvi_fail(env, SLV_ERROR_ARGUMENT, "reference: there is no shading %d",
                          (int)frame->shading);
+    if (frame->shading == SLV_SHADE_IMAGE && !frame->light)
+        return slvi_fail(env, SLV_ERROR_ARGUMENT,
+                         "reference: the shading by an image has no light");
     if (frame->shading == SLV_SHADE_LEVELS)
         return slvi_fail(env, SLV_ERROR_UNSUPPORTED,
                          "reference: the shading by levels is about lookups, of which it has none");

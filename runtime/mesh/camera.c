@@ -9,8 +9,8 @@
 
 #define PI 3.14159265358979323846f
 
-static const char *const shadings[] = {"headlight", "headlight-abs", "unlit",
-                                       "faces",     "levels",        "headlight-cos2"};
+static const char *const shadings[] = {"headlight", "headlight-abs",  "unlit", "faces",
+                                       "levels",    "headlight-cos2", "image"};
 
 static const char *const alpha_modes[] = {"ignore", "blend", "mask"};
 

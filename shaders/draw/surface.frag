@@ -1,4 +1,4 @@
-// Shades with a light at the eye. The numbers are linear.
+// Shades with a light at the eye, or one from all around. The numbers are linear.
 layout(location = 0) in vec2 surface_uv;
 layout(location = 1) in vec3 eye_position;
 layout(location = 2) in vec3 eye_normal;
@@ -8,6 +8,8 @@ layout(location = 4) centroid in vec3 covered_normal; // where the triangle is: 
 layout(location = 3) uniform int shading; // slv_shading
 layout(location = 4) uniform int perspective;
 layout(location = 5) uniform vec2 ambient_diffuse; // ka, kd
+layout(location = 0) uniform mat4 world_to_eye;
+layout(location = 8) uniform mat4 light[3]; // of slv_light, for normals in the world
 
 layout(location = 0) out vec4 color;
 
@@ -102,6 +104,9 @@ void main() {
         c.rgb *= headlight_abs;
     } else if (shading == 5) {
         c.rgb *= ka + kd * facing * facing;
+    } else if (shading == 6) {
+        vec4 at = vec4(normalize(transpose(mat3(world_to_eye)) * n), 1.0);
+        c.rgb *= max(vec3(dot(at, light[0] * at), dot(at, light[1] * at), dot(at, light[2] * at)), 0.0);
     } else if (shading == 3) {
         uint h = uint(surface_face) * 0x9E3779B9u;
         h = (h ^ h >> 15) * 0x85EBCA6Bu;

@@ -18,12 +18,11 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size) {
         FUZZ_REQUIRE(!view.has_size || (view.size[0] >= 1 && view.size[0] <= 16384 &&
                                         view.size[1] >= 1 && view.size[1] <= 16384),
                      "a size of %u x %u", view.size[0], view.size[1]);
-        FUZZ_REQUIRE((unsigned)view.shading <= SLV_SHADE_HEADLIGHT_COS2 &&
-                         (unsigned)view.alpha <= SLV_ALPHA_MASK &&
-                         (unsigned)view.boundary <= SLV_BOUNDARY_EDGE_AND_CORNER &&
-                         (unsigned)view.scheme <= SLV_SCHEME_BILINEAR && view.ka >= 0 &&
-                         view.kd >= 0,
-                     "a word that there is not");
+        FUZZ_REQUIRE(
+            (unsigned)view.shading <= SLV_SHADE_IMAGE && (unsigned)view.alpha <= SLV_ALPHA_MASK &&
+                (unsigned)view.boundary <= SLV_BOUNDARY_EDGE_AND_CORNER &&
+                (unsigned)view.scheme <= SLV_SCHEME_BILINEAR && view.ka >= 0 && view.kd >= 0,
+            "a word that there is not");
     }
     fuzz_clear(1);
     return 0;

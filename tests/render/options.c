@@ -159,6 +159,35 @@ static void check_fov(void) {
                     "{}", "--shading", "unlit");
 }
 
+/* An image of one colour lights as that colour everywhere; what does not go with a light is
+ * refused. */
+static void check_light(void) {
+    static const char *const wrong[][5] = {
+        {"--shading", "image", NULL, NULL, "--light IMAGE does"},
+        {"--light-turn", "30", NULL, NULL, "--light names one"},
+        {"--light", "white.exr", "--shading", "unlit", "--light is of --shading image"}};
+    char path[KIT_PATH];
+    slv_env env = test_env();
+    slv_image white;
+    REQUIRE(slv_image_create(&env, 8, 4, 3, &white) == SLV_OK);
+    for (size_t i = 0; i < 3 * 8 * 4; i++)
+        white.pixels[i] = 1;
+    REQUIRE(slv_image_save(&env, kit_join(path, scratch.root, "white.exr"), &white, NULL) ==
+            SLV_OK);
+    slv_image_free(&white);
+    check_same_view("{\"shading\": {\"model\": \"image\", \"light\": \"white.exr\"}}", NULL, "{}",
+                    "--shading", "unlit");
+    check_same_view("{\"shading\": {\"model\": \"image\", \"light\": \"white.exr\", \"turn\": 90}}",
+                    NULL, "{}", "--light", path);
+    for (size_t i = 0; i < sizeof wrong / sizeof *wrong; i++) {
+        kit_selvage(&scratch, NULL,
+                    ARGUMENTS("render", ptx, "-o", "no.png", wrong[i][0], wrong[i][1], wrong[i][2],
+                              wrong[i][3]),
+                    &run);
+        CHECK_MSG(run.code == 2 && strstr(run.err, wrong[i][4]), "%d: %s", run.code, run.err);
+    }
+}
+
 /* Fields that cannot be meant are refused, each by a line that says why. */
 static void check_refused_fields(void) {
     static const char *const fields[][2] = {
@@ -172,6 +201,9 @@ static void check_refused_fields(void) {
         {"\"shading\": \"unlit\"", "shading is not an object, such as {\"model\": \"unlit\"}"},
         {"\"shading\": {\"ka\": 1}", "shading: model is not one of the words"},
         {"\"shading\": {\"model\": \"unlti\"}", "unknown shading model 'unlti'"},
+        {"\"shading\": {\"model\": \"image\"}", "light is not the name of an image"},
+        {"\"shading\": {\"model\": \"image\", \"light\": \"a.exr\", \"turn\": \"x\"}",
+         "turn is not"},
         {"\"alpha\": \"mask\"", "alpha is not an object, such as {\"mode\": \"mask\"}"},
         {"\"alpha\": {\"mode\": \"masc\"}", "alpha: unknown mode 'masc', expected"},
         {"\"alpha\": {\"mode\": 1}", "alpha: mode is not one of the words"},
@@ -267,6 +299,7 @@ int main(void) {
     check_channels();
     check_views();
     check_fov();
+    check_light();
     check_refused_fields();
     check_alpha();
     check_focus();

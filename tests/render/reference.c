@@ -54,6 +54,7 @@ static slv_image supersampled(slv_gl *gl, const model *m, const slv_reference_fr
                        .height = given->height * scale,
                        .strategy = kit_strategy("traverse"),
                        .shading = given->shading,
+                       .light = given->light,
                        .ka = given->ka,
                        .kd = given->kd,
                        .float_target = true};
@@ -108,8 +109,13 @@ static void check_renderer(void) {
         {"cos2", SLV_SHADE_HEADLIGHT_COS2, 30, 20, 35, 48, 16, false, SLV_PIXEL_BOX, 45},
         {"mirrored", SLV_SHADE_HEADLIGHT, 30, 20, 35, 48, 16, true, SLV_PIXEL_BOX, 45},
         {"faces", SLV_SHADE_FACES, 250, 30, 20, 48, 16, false, SLV_PIXEL_BOX, 45},
+        {"image", SLV_SHADE_IMAGE, 250, 30, 20, 48, 16, true, SLV_PIXEL_BOX, 45},
         {"mitchell", SLV_SHADE_HEADLIGHT, 30, 20, 35, 48, 32, false, SLV_PIXEL_MITCHELL, 45},
     };
+    /* red from +x, green from above, blue from around the z axis */
+    const slv_light light = {{{[3] = 0.2f, [12] = 0.2f, [15] = 0.5f},
+                              {[7] = 0.2f, [13] = 0.2f, [15] = 0.3f},
+                              {[10] = 0.4f, [15] = 0.2f}}};
     const slv_procedural noise = {
         .pattern = SLV_PATTERN_NOISE, .frequency = 2, .octaves = 2, .face_tint = 0.3f};
     slv_env env = test_env();
@@ -124,6 +130,7 @@ static void check_renderer(void) {
                                      .samples = cases[i].filter == SLV_PIXEL_BOX ? 1024 : 4096,
                                      .filter = cases[i].filter,
                                      .shading = cases[i].shading,
+                                     .light = &light,
                                      .ka = 0.15f,
                                      .kd = 0.7f,
                                      .background = {0.1f, 0.2f, 0.3f, 0.5f}};

@@ -50,6 +50,17 @@ if [ -n "${SELVAGE_TEST_EFFORT:-}" ]; then
     "$bin/selvage" render "$here/cube.ptx" "$here/command-##.png" --view "$here/view.json" --background 0.03,0.03,0.035 --turntable 36 -q
     apart turn-10 command-10 lt 8
 fi
+# in the light of an image, turned
+convert -size 64x32 'gradient:#ffe0b0-#203060' "$here/sky.png"
+does '"event":"chooser"' key ctrl+i
+choose '"event":"done","name":"light-path"' "$here/sky.png"
+key light-right braceright
+take lit
+apart window lit gt 20
+does '"event":"chooser"' key F9
+choose '"event":"view-saved"' "$here/view.json"
+render lit-command
+apart lit lit-command lt 8
 [ -z "${SELVAGE_STUDIO_SHOT:-}" ] || import -window root "$SELVAGE_STUDIO_SHOT"
 xdotool key ctrl+q
 ends

@@ -306,6 +306,8 @@ static void check_refusals(void) {
     refuse(m.reference, &bad, SLV_ERROR_UNSUPPORTED, "levels");
     bad.shading = (slv_shading)9;
     refuse(m.reference, &bad, SLV_ERROR_ARGUMENT, "shading 9");
+    bad.shading = SLV_SHADE_IMAGE;
+    refuse(m.reference, &bad, SLV_ERROR_ARGUMENT, "has no light");
     bad = good;
     bad.filter = (slv_pixel_filter)7;
     refuse(m.reference, &bad, SLV_ERROR_ARGUMENT, "filter");

@@ -75,8 +75,7 @@ int main(void) {
     CHECK_NAMES(slv_type, SLV_TYPE_FLOAT, slv_type_name, leads_back_slv_type(name, i));
     CHECK_NAMES(slv_texture_encoding, SLV_TEXTURE_DATA, slv_texture_encoding_name,
                 leads_back_slv_texture_encoding(name, i));
-    CHECK_NAMES(slv_shading, SLV_SHADE_HEADLIGHT_COS2, slv_shading_name,
-                leads_back_slv_shading(name, i));
+    CHECK_NAMES(slv_shading, SLV_SHADE_IMAGE, slv_shading_name, leads_back_slv_shading(name, i));
     CHECK_NAMES(slv_alpha_mode, SLV_ALPHA_MASK, slv_alpha_mode_name, true);
     CHECK_NAMES(slv_boundary, SLV_BOUNDARY_EDGE_AND_CORNER, slv_boundary_name,
                 leads_back_slv_boundary(name, i));

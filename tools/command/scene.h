@@ -22,6 +22,8 @@ typedef struct scene_view {
     uint32_t size[2];
     slv_shading shading;
     float ka, kd;
+    char light[DISPLACE_PATH]; /* of the shading by an image; empty: none is named */
+    float light_turn;
     slv_boundary boundary; /* default if the file does not say */
     slv_scheme scheme;
     bool has_scheme;
@@ -34,6 +36,8 @@ typedef struct scene_view {
 /* Reads a view file (JSON), see docs/view-files.md. */
 slv_result scene_load_view(const slv_env *env, const char *path, scene_view *out);
 void scene_view_free(scene_view *view);
+/* Light from an image of all directions, turned by so many degrees. */
+slv_result scene_load_light(const slv_env *env, const char *path, float turn, slv_light *out);
 /* The view's camera for a mesh, whose positions are relative to its origin. */
 slv_camera scene_view_camera(const scene_view *view, const slv_mesh *mesh);
 /* Makes a window wider or higher to have the proportions width / height = aspect. */
@@ -106,7 +110,7 @@ int32_t scene_file_face(const scene_data *scene, int32_t face);
 
 /* What the verbs that make one picture ask about the scene and the view of it. */
 typedef struct scene_options {
-    const char *mesh, *view, *focus, *channels;
+    const char *mesh, *view, *focus, *channels, *light;
     int alpha;        /* slv_alpha_mode */
     bool alpha_given; /* else the view's, if that says so */
     int straight;     /* 0 if colours are stored multiplied by alpha */
@@ -119,10 +123,10 @@ typedef struct scene_options {
     bool numbered;      /* the verb writes as many as a view file has cameras */
     const char *uv;     /* an image for the mesh that the verb's argument is then */
     int scheme, boundary, shading, adjacency, encoding; /* encoding: slv_texture_encoding */
-    bool scheme_given, boundary_given, shading_given, size_given, orbit_given, fov_given, progress,
-        quiet, salvage;
+    bool scheme_given, boundary_given, shading_given, size_given, orbit_given, fov_given,
+        light_turn_given, progress, quiet, salvage;
     uint32_t size[2], tess, threads;
-    float azimuth, elevation, fov, background[4];
+    float azimuth, elevation, fov, background[4], light_turn;
     displace_options displace;
 } scene_options;
 
@@ -201,6 +205,20 @@ typedef struct scene_options {
     }
 #define SCENE_SHADING(value, help, given)                                                          \
     { "--shading", CLI_CHOICE, value, help, names_shadings(), 0, 0, given }
+#define SCENE_LIGHT(value, turn, turn_given)                                                       \
+    {                                                                                              \
+        "--light",                                                                                 \
+        CLI_TEXT,                                                                                  \
+        value,                                                                                     \
+        "light the surface by this map of all directions, +z in the middle (shading image)",       \
+        "IMAGE",                                                                                   \
+        0,                                                                                         \
+        0,                                                                                         \
+        NULL},                                                                                     \
+    {                                                                                              \
+        "--light-turn", CLI_FLOAT, turn, "turn that light around the y axis, from +z to +x (0)",   \
+            "DEG", 0, 0, turn_given                                                                \
+    }
 #define SCENE_SCHEME(value, given)                                                                 \
     {                                                                                              \
         "--scheme", CLI_CHOICE, value,                                                             \
@@ -228,7 +246,7 @@ typedef struct scene_options {
 #define SCENE_ANISO(value, help)                                                                   \
     { "--aniso", CLI_UINT, value, help, NULL, 1, 16, NULL }
 
-enum { SCENE_OPTION_ROWS = 17 + DISPLACE_OPTION_ROWS };
+enum { SCENE_OPTION_ROWS = 19 + DISPLACE_OPTION_ROWS };
 
 scene_options scene_options_default(void);
 /* SCENE_OPTION_ROWS rows for a verb's table. */
@@ -243,6 +261,7 @@ typedef struct scene_shot {
     uint32_t width, height;
     slv_tessellation_params tessellation;
     slv_shading shading;
+    slv_light light;             /* of SLV_SHADE_IMAGE */
     float ka, kd, background[4]; /* colour multiplied by alpha */
 } scene_shot;
 

@@ -30,6 +30,7 @@ void scene_options_rows(scene_options *o, cli_option *out) {
                        &o->boundary_given),
         SCENE_TESS(&o->tess, "each face as many as the picture needs"),
         SCENE_SHADING(&o->shading, "shading (headlight, or the view's)", &o->shading_given),
+        SCENE_LIGHT(&o->light, &o->light_turn, &o->light_turn_given),
         {"--background", CLI_COLOR, o->background,
          "linear r,g,b[,a], #rrggbb or a name (transparent)", NULL, 0, 0, NULL},
         {"--channels|--channel|-c", CLI_TEXT, &o->channels,
@@ -50,6 +51,8 @@ const char *scene_options_problem(const scene_options *o) {
         return "--fov: expected 0 (orthographic) or 0.01 to 170";
     if (o->tess & (o->tess - 1))
         return "--tess: expected a power of two from 2 to 128";
+    if (o->light && o->shading_given && o->shading != SLV_SHADE_IMAGE)
+        return "--light is of --shading image";
     if (o->frames && o->turntable)
         return "--frames and --turntable: each says which pictures there are";
     if (o->round && !o->uv)
@@ -57,7 +60,7 @@ const char *scene_options_problem(const scene_options *o) {
     if (o->latlong && (o->mesh || o->uv))
         return "--latlong is of six faces, which need no --mesh and no --uv";
     if (o->latlong && (o->orbit_given || o->fov_given || o->tess || o->frames || o->turntable ||
-                       o->shading_given))
+                       o->shading_given || o->light || o->light_turn_given))
         return "--latlong shows all directions at once, as they are: no option of a camera, of "
                "light or "
                "of a surface says anything";
@@ -236,11 +239,48 @@ static void set_look(const scene_options *o, const scene_view *view, const uint3
                      scene_shot *out) {
     out->width = size[0];
     out->height = size[1];
-    out->shading = o->shading_given ? (slv_shading)o->shading : view->shading;
+    out->shading = o->light           ? SLV_SHADE_IMAGE
+                   : o->shading_given ? (slv_shading)o->shading
+                                      : view->shading;
     out->ka = view->ka;
     out->kd = view->kd;
     for (int c = 0; c < 4; c++)
         out->background[c] = c < 3 ? o->background[c] * o->background[3] : o->background[3];
+}
+
+/* The image that the surface is lit by, if one is asked for. */
+static int load_light(const cli_command *command, const slv_env *env, const scene_options *o,
+                      const scene_view *view, scene_shot *out) {
+    const char *path = o->light ? cli_input(o->light) : view->light;
+    if (out->shading != SLV_SHADE_IMAGE)
+        return o->light_turn_given
+                   ? cli_usage(command,
+                               "--light-turn: there is no light to turn: --light names one")
+                   : EXIT_OK;
+    if (!*path)
+        return cli_usage(command, "--shading image: nothing says by which: --light IMAGE does");
+    return scene_load_light(env, path, o->light_turn_given ? o->light_turn : view->light_turn,
+                            &out->light)
+               ? EXIT_FAILED
+               : EXIT_OK;
+}
+
+/* What moves the surface: the displacement that is asked for, or the sphere of an environment. */
+static int move_surface(const cli_command *command, const slv_env *env, const char *ptx,
+                        const scene_options *o, const scene_view *view, scene_shot *out) {
+    scene_data *scene = &out->scene;
+    int code =
+        displace_begin(command, env, &o->displace, &view->displacement, ptx,
+                       o->adjacency ? scene->adjacency : NULL, scene->mesh, &scene->displace);
+    if (!code && scene->displace.moves && scene->environment)
+        code = cli_error("%s: an environment is a sphere, and nothing displaces that", ptx);
+    if (scene->environment) {
+        out->tessellation.displacement = &scene->sphere;
+        out->shading =
+            o->shading_given || o->light || view->has_shading ? out->shading : SLV_SHADE_UNLIT;
+    } else if (scene->displace.moves)
+        out->tessellation.displacement = &scene->displace.displacement;
+    return code;
 }
 
 int scene_load_shot(const cli_command *command, const slv_env *env, const char *ptx,
@@ -248,7 +288,7 @@ int scene_load_shot(const cli_command *command, const slv_env *env, const char *
     scene_view view = {0};
     memset(out, 0, sizeof *out);
     if (CLI_STANDARD_ONCE(command, ptx, options->mesh, options->uv, options->view,
-                          options->displace.texture))
+                          options->displace.texture, options->light))
         return EXIT_USAGE;
     if (options->view && scene_load_view(env, cli_input(options->view), &view))
         return EXIT_FAILED;
@@ -275,6 +315,11 @@ int scene_load_shot(const cli_command *command, const slv_env *env, const char *
             "%s: camera and shading are not used: --latlong shows all directions as they are",
             o->view);
     set_look(o, &view, size, out);
+    int code = load_light(command, env, o, &view, out);
+    if (code) {
+        scene_view_free(&view);
+        return code;
+    }
     slv_ptx *file = NULL;
     slv_res *res = NULL;
     value_channel *channels = NULL;
@@ -292,19 +337,8 @@ int scene_load_shot(const cli_command *command, const slv_env *env, const char *
     out->camera = camera_of(o, &view, &out->scene, aspect);
     out->tessellation = (slv_tessellation_params){
         .segments = o->tess, .camera = &out->camera, .width = size[0], .height = size[1]};
-    int code =
-        list_frames(env, o, &view, &out->camera, aspect, &out->scene) ? EXIT_FAILED : EXIT_OK;
-    if (!code)
-        code = displace_begin(command, env, &o->displace, &view.displacement, ptx,
-                              o->adjacency ? out->scene.adjacency : NULL, out->scene.mesh,
-                              &out->scene.displace);
-    if (!code && out->scene.displace.moves && out->scene.environment)
-        code = cli_error("%s: an environment is a sphere, and nothing displaces that", ptx);
-    if (out->scene.environment) {
-        out->tessellation.displacement = &out->scene.sphere;
-        out->shading = o->shading_given || view.has_shading ? out->shading : SLV_SHADE_UNLIT;
-    } else if (out->scene.displace.moves)
-        out->tessellation.displacement = &out->scene.displace.displacement;
+    code = list_frames(env, o, &view, &out->camera, aspect, &out->scene) ? EXIT_FAILED : EXIT_OK;
+    code = code ? code : move_surface(command, env, ptx, o, &view, out);
     if (!code && !o->uv)
         code =
             choose_channels(command, o, slv_ptx_get_info(file), &channels, &nchannels, &out->scene);

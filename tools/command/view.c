@@ -199,6 +199,43 @@ static bool read_weight(const json_t *shading, const char *key, float *out) {
     return true;
 }
 
+/* A path that a view file names: from the folder that the view lies in. */
+static bool join_path(const char *view, const char *name, char out[DISPLACE_PATH]) {
+    const char *slash = strrchr(view, '/');
+    int folder =
+        name[0] == '/' || !slash || strcmp(view, cli_input("-")) == 0 ? 0 : (int)(slash + 1 - view);
+    return snprintf(out, DISPLACE_PATH, "%.*s%s", folder, view, name) < DISPLACE_PATH;
+}
+
+slv_result scene_load_light(const slv_env *env, const char *path, float turn, slv_light *out) {
+    slv_image image = {0};
+    slv_result result = slv_image_load(env, path, &image);
+    if (result)
+        return result;
+    slv_light_from_image(&image, out);
+    *out = slv_light_turn(out, turn);
+    slv_image_free(&image);
+    return SLV_OK;
+}
+
+/* Of the model `image`. */
+static slv_result read_light(const slv_env *env, const char *path, const json_t *shading,
+                             scene_view *out) {
+    const char *light = json_string_value(json_object_get(shading, "light"));
+    const json_t *turn = json_object_get(shading, "turn");
+    if (out->shading != SLV_SHADE_IMAGE) {
+        warn_of(env, path, shading, "light", "but by the model image");
+        warn_of(env, path, shading, "turn", "but by the model image");
+        return SLV_OK;
+    }
+    if (!light || !join_path(path, light, out->light))
+        return bad_view(env, path, "shading: light is not the name of an image");
+    out->light_turn = (float)json_number_value(turn);
+    if (turn && (!json_is_number(turn) || !(fabsf(out->light_turn) <= 3600)))
+        return bad_view(env, path, "shading: turn is not a number of degrees");
+    return SLV_OK;
+}
+
 static slv_result read_shading(const slv_env *env, const char *path, const json_t *root,
                                scene_view *out) {
     const json_t *shading = json_object_get(root, "shading"),
@@ -219,7 +256,7 @@ static slv_result read_shading(const slv_env *env, const char *path, const json_
     if (!read_weight(shading, "ka", &out->ka) || !read_weight(shading, "kd", &out->kd))
         return bad_view(env, path, "ka and kd are numbers from 0 to 1000");
     out->has_shading = true;
-    return SLV_OK;
+    return read_light(env, path, shading, out);
 }
 
 static slv_result read_alpha(const slv_env *env, const char *path, const json_t *root,
@@ -264,14 +301,6 @@ static slv_result read_surface(const slv_env *env, const char *path, const json_
         return bad_view(env, path, "scheme '%s' is not supported, expected %s%s", scheme,
                         names_schemes(), slv_words_hint(scheme, names_schemes(), hint));
     return SLV_OK;
-}
-
-/* A path that a view file names: from the folder that the view lies in. */
-static bool join_path(const char *view, const char *name, char out[DISPLACE_PATH]) {
-    const char *slash = strrchr(view, '/');
-    int folder =
-        name[0] == '/' || !slash || strcmp(view, cli_input("-")) == 0 ? 0 : (int)(slash + 1 - view);
-    return snprintf(out, DISPLACE_PATH, "%.*s%s", folder, view, name) < DISPLACE_PATH;
 }
 
 static slv_result read_displacement_numbers(const slv_env *env, const char *path,
@@ -363,7 +392,7 @@ slv_result scene_load_view(const slv_env *env, const char *path, scene_view *out
         fields_warn(env, path, root,
                     "size|world_to_camera|projection|screen_window|fov|shading|scheme|boundary|"
                     "displacement|cameras|alpha");
-        fields_warn(env, path, json_object_get(root, "shading"), "model|ka|kd");
+        fields_warn(env, path, json_object_get(root, "shading"), "model|ka|kd|light|turn");
     }
     if (!json_is_object(root))
         result = bad_view(env, path, "not a JSON object");

@@ -449,6 +449,8 @@ static const char *problem(const struct compare *o, report_data *report) {
                                                            : "raycast",
                           report))
         return "--reference: expected none, or some of raycast,mitchell,supersampled";
+    if (o->shading == SLV_SHADE_IMAGE)
+        return "--shading: render and reference draw in the light of an image, compare does not";
     if (report->reference.first < REPORT_SOURCES && o->shading == SLV_SHADE_LEVELS)
         return "--reference: the shading by levels has none";
     return NULL;

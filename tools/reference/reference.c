@@ -152,6 +152,7 @@ static slv_result make_picture(const struct reference *r, const slv_env *env,
                                  .width = shot->width,
                                  .height = shot->height,
                                  .shading = shot->shading,
+                                 .light = &shot->light,
                                  .ka = shot->ka,
                                  .kd = shot->kd,
                                  .filter = (slv_pixel_filter)r->filter,
@@ -219,7 +220,7 @@ static int make(const cli_command *command, const struct reference *r, const slv
     if (!code && frames->count && (r->error || r->convergence || r->json))
         code = cli_usage(command, "--error, --convergence and --json are of one picture");
     for (uint32_t i = 0; i < frames->count && !code; i++)
-        code = scene_frame_name(env, frames, i, path, name) || output_check(env, name, inputs, 5)
+        code = scene_frame_name(env, frames, i, path, name) || output_check(env, name, inputs, 6)
                    ? EXIT_FAILED
                    : EXIT_OK;
     shot.tessellation.pixels = SLV_TESSELLATION_PIXELS / 4; /* what others are measured against */
@@ -267,12 +268,13 @@ static json_t *outcome_json(const struct reference *r, const char *path, const s
 static int run(const cli_command *command, const struct reference *r, const char *path) {
     struct outcome outcome = {.seconds = 0};
     slv_env env = cli_env(r->scene.threads);
-    const char *const inputs[] = {r->ptx, r->scene.mesh, r->scene.view, r->scene.displace.texture,
-                                  r->scene.uv};
+    const char *const inputs[] = {r->ptx,        r->scene.mesh,
+                                  r->scene.view, r->scene.displace.texture,
+                                  r->scene.uv,   r->scene.light};
     const bool known = !r->scene.frames && !r->scene.turntable;
     /* whether all can be written is known before hours are spent */
-    if ((known && output_check(&env, path, inputs, 5)) ||
-        (r->error && output_check(&env, r->error, inputs, 5)) ||
+    if ((known && output_check(&env, path, inputs, 6)) ||
+        (r->error && output_check(&env, r->error, inputs, 6)) ||
         (r->convergence && output_try_folder(&env, r->convergence)))
         return EXIT_FAILED;
     int code = make(command, r, &env, inputs, path, &outcome);

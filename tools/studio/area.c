@@ -121,6 +121,7 @@ static gboolean render(GtkGLArea *area, GdkGLContext *context, gpointer user) {
         memcpy(shot.camera.world_to_camera, app->turntable.cameras[app->turned].world_to_camera,
                sizeof shot.camera.world_to_camera);
     shot.coarse = is_moving(app);
+    shot.light = slv_light_turn(&app->light, app->look.light_turn);
     put_cursor(app, &shot);
     shot.stencil = app->paint.stencil.path && !app->screenshot ? &app->paint.stencil : NULL;
     g_autofree uint8_t *meant = studio_texels_meant(app);

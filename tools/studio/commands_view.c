@@ -105,8 +105,15 @@ const char *studio_get_encoding(const studio_app *app) {
 }
 
 void studio_set_shading(studio_app *app, const char *target) {
-    if (slv_shading_from_name(target, &app->look.shading))
-        changed(app);
+    slv_shading shading;
+    if (!slv_shading_from_name(target, &shading))
+        return;
+    if (shading == SLV_SHADE_IMAGE && !app->light_path) {
+        studio_do_light(app, "");
+        return;
+    }
+    app->look.shading = shading;
+    changed(app);
 }
 
 const char *studio_get_shading(const studio_app *app) {

@@ -44,7 +44,7 @@ typedef struct studio_look {
     uint32_t msaa, anisotropy;
     float level_bias;  /* of slv_frame */
     uint32_t segments; /* along an edge; 0: by the size of faces */
-    float light;       /* degrees that the light is turned from the eye, to the right */
+    float light_turn;  /* degrees, of the light of an image */
 } studio_look;
 
 /* whole, split, difference, flicker; srgb, linear, data; none, faces, resolution, levels */

@@ -87,6 +87,7 @@ int main(int argc, char **argv) {
     studio_brushes_free(&app.brushes);
     g_free(app.paint.stencil.path);
     g_free(app.report_path);
+    g_free(app.light_path);
     studio_turntable_stop(&app);
     for (int i = 0; i < STUDIO_RECENT; i++)
         g_free(app.recent[i]);

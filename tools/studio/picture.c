@@ -330,6 +330,7 @@ static slv_result draw_one(studio_picture *p, const studio_document *d, const st
                        .msaa = msaa < most ? msaa : most,
                        .strategy = strategy,
                        .shading = shading_of(&shot->look),
+                       .light = &shot->light,
                        .level_bias = shot->look.level_bias};
     memcpy(frame.background, shot->background, sizeof frame.background);
     slv_result result = need_texture(p, d, &shot->look, index, &texture);

@@ -18,6 +18,7 @@ const slv_gl_info *studio_picture_info(const studio_picture *picture);
 
 typedef struct studio_shot {
     studio_look look;
+    slv_light light; /* of the shading by an image */
     slv_camera camera;
     uint32_t width, height;        /* of the screen */
     float scale;                   /* what is drawn is so much smaller, 0..1 */

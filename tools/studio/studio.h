@@ -56,6 +56,8 @@ typedef struct studio_app {
     studio_document document;
     studio_camera camera;
     studio_look look;
+    slv_light light;  /* of an image, before it is turned */
+    char *light_path; /* of that image; NULL: none was chosen */
     studio_paint paint;
     studio_brushes brushes;
     studio_swatch swatches[STUDIO_SWATCHES];
@@ -182,6 +184,9 @@ void studio_ask(studio_app *app, const char *question, const char *more,
 void studio_settings_load(studio_app *app);
 void studio_settings_save(studio_app *app);
 void studio_settings_opened(studio_app *app, const char *path);
+
+/* commands_light.c */
+bool studio_light_load(studio_app *app, const char *path);
 
 /* views.c */
 slv_result studio_view_save(studio_app *app, const char *path);

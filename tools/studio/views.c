@@ -28,6 +28,10 @@ slv_result studio_view_save(studio_app *app, const char *path) {
                   "world_to_camera", rows, "projection",
                   camera.perspective ? "perspective" : "orthographic", "screen_window", window,
                   "shading", "model", slv_shading_name(app->look.shading), "ka", 0.2, "kd", 0.8);
+    if (root && app->look.shading == SLV_SHADE_IMAGE)
+        json_object_update_new(json_object_get(root, "shading"),
+                               json_pack("{s:s, s:f}", "light", app->light_path, "turn",
+                                         (double)app->look.light_turn));
     /* the window shows colours alone, whatever there is of alpha */
     if (root && slv_texture_get_desc(app->document.texture)->alpha_channel != SLV_NO_ALPHA)
         json_object_set_new(root, "alpha",
@@ -56,8 +60,10 @@ slv_result studio_view_load(studio_app *app, const char *path) {
     const slv_camera camera = scene_view_camera(&view, studio_document_mesh(&app->document));
     studio_camera_set(&app->camera, &camera, app->document.scene.bounds_min,
                       app->document.scene.bounds_max);
-    if (view.has_shading)
+    if (view.has_shading && view.shading != SLV_SHADE_IMAGE)
         app->look.shading = view.shading;
+    else if (view.has_shading && studio_light_load(app, view.light))
+        app->look.light_turn = view.light_turn;
     app->framed = true;
     return SLV_OK;
 }

@@ -8,7 +8,7 @@
 #ifndef SELVAGE_REFERENCE_H
 #define SELVAGE_REFERENCE_H
 
-#include <selvage/image.h>
+#include <selvage/light.h>
 #include <selvage/source.h>
 #include <selvage/tessellation.h>
 #include <selvage/texture.h>
@@ -74,7 +74,7 @@ SLV_API bool slv_pixel_filter_from_name(const char *name, slv_pixel_filter *out)
 /* How much counts what is `x` pixels away from the centre along an axis; the integral is 1. */
 SLV_API double slv_pixel_filter_weight(slv_pixel_filter filter, double x);
 
-/* Zero means default. Camera, shading, ka, kd and background are those of slv_frame. */
+/* Zero means default. Camera, shading, light, ka, kd and background are those of slv_frame. */
 typedef struct slv_reference_frame {
     slv_camera camera;
     uint32_t width, height; /* default 512 */
@@ -86,7 +86,8 @@ typedef struct slv_reference_frame {
                          best */
     uint32_t seed;    /* another one makes errors that have nothing to do with this one's */
     slv_progress progress; /* tiles */
-    uint64_t reserved[4];
+    const slv_light *light;
+    uint64_t reserved[3];
 } slv_reference_frame;
 
 #define SLV_REFERENCE_MAX_SAMPLES (UINT32_C(1) << 20)

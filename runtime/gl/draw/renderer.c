@@ -354,6 +354,9 @@ static void set_frame(const slv_gl_renderer *renderer, const slv_frame *frame, G
     api->ProgramUniform1i(program, 3, (GLint)frame->shading);
     api->ProgramUniform1i(program, 4, frame->camera.perspective);
     api->ProgramUniform2f(program, 5, frame->ka, frame->kd);
+    if (frame->shading == SLV_SHADE_IMAGE) /* as the camera carries normals, but the other way */
+        for (int c = 0; c < 3; c++)
+            api->ProgramUniformMatrix4fv(program, 8 + c, 1, GL_FALSE, frame->light->matrices[c]);
     if (frame->level_bias != 0)
         api->ProgramUniform1f(program, 7, exp2f(frame->level_bias));
 }
@@ -441,6 +444,8 @@ static slv_result check_frame(const slv_gl_renderer *renderer, const slv_env *en
     if (nfaces != renderer->mesh.nfaces)
         return slvi_fail(env, SLV_ERROR_MISMATCH, "%s %u faces, the mesh %u", what, nfaces,
                          renderer->mesh.nfaces);
+    if (frame->shading == SLV_SHADE_IMAGE && !frame->light)
+        return slvi_fail(env, SLV_ERROR_ARGUMENT, "the shading by an image has no light");
     if ((unsigned)frame->alpha > SLV_ALPHA_MASK)
         return slvi_fail(env, SLV_ERROR_ARGUMENT, "there is no alpha mode %d", (int)frame->alpha);
     if (frame->msaa > info->max_msaa || (frame->msaa & (frame->msaa - 1)))

@@ -38,7 +38,8 @@ typedef enum slv_shading {
     SLV_SHADE_UNLIT,         /* c */
     SLV_SHADE_FACES,         /* a colour per face, lit: where the faces are */
     SLV_SHADE_LEVELS,        /* the level that a lookup uses, from 0 (red) to coarse (blue) */
-    SLV_SHADE_HEADLIGHT_COS2 /* c * (ka + kd * dot(n, i)^2) */
+    SLV_SHADE_HEADLIGHT_COS2, /* c * (ka + kd * dot(n, i)^2) */
+    SLV_SHADE_IMAGE           /* c * what a light from all around (slv_light) sends to n */
 } slv_shading;
 
 /* What becomes of an alpha channel. */
@@ -51,7 +52,7 @@ typedef enum slv_alpha_mode {
 /* ignore, blend, mask */
 SLV_API const char *slv_alpha_mode_name(slv_alpha_mode mode);
 
-/* headlight, headlight-abs, unlit, faces, levels, headlight-cos2 */
+/* headlight, headlight-abs, unlit, faces, levels, headlight-cos2, image */
 SLV_API const char *slv_shading_name(slv_shading shading);
 SLV_API bool slv_shading_from_name(const char *name, slv_shading *out);
 

@@ -3,7 +3,7 @@
 #define SELVAGE_GL_RENDERER_H
 
 #include <selvage/gl_texture.h>
-#include <selvage/image.h>
+#include <selvage/light.h>
 #include <selvage/tessellation.h>
 
 #ifdef __cplusplus
@@ -24,7 +24,8 @@ typedef struct slv_frame {
                              Of textures; images do without it. */
     slv_alpha_mode alpha; /* but for SLV_ALPHA_IGNORE the colours of the texture must be multiplied
                              by alpha (slv_texture_premultiply) */
-    uint64_t reserved[4];
+    const slv_light *light; /* of SLV_SHADE_IMAGE, which does not do without */
+    uint64_t reserved[3];
 } slv_frame;
 
 typedef struct slv_gl_renderer slv_gl_renderer;

@@ -22,6 +22,7 @@
 #include <selvage/half.h>
 #include <selvage/htex.h>
 #include <selvage/image.h>
+#include <selvage/light.h>
 #include <selvage/mesh.h>
 #include <selvage/ptx.h>
 #include <selvage/ptx_check.h>
