@@ -295,14 +295,26 @@ static void run(const slv_env *env, slv_gl *gl, uint32_t faces, bool smoke) {
     slv_mesh_destroy(mesh);
 }
 
+/* Of the thread that paints, of all threads, and on the wall. */
+enum { CLOCKS = 3 };
+
+/* Since `begin`; of that as zeros, what the clocks say. */
+static void time_since(const double begin[CLOCKS], double out[CLOCKS]) {
+    static const clockid_t clocks[CLOCKS] = {CLOCK_THREAD_CPUTIME_ID, CLOCK_PROCESS_CPUTIME_ID,
+                                             CLOCK_MONOTONIC};
+    for (int k = 0; k < CLOCKS; k++)
+        out[k] = 1e3 * bench_seconds(clocks[k]) - begin[k];
+}
+
 /* A stroke of a session, as a window makes it: told in samples, shown, and in the journal. */
-static double time_stroke(slv_session *session, uint32_t i, uint32_t side) {
+static void time_stroke(slv_session *session, uint32_t i, uint32_t side, double times[CLOCKS]) {
     static const char line[] = "{\"radius\":0.79,\"color\":[0.8,0.3,0.2],\"opacity\":0.3}";
     uint32_t state = 7 + 7919 * i, face;
     for (int k = 0; k < 8; k++)
         bench_random(&state);
     face = (uint32_t)((float)(side * side) * bench_random_unit(&state));
-    double begin = now();
+    double begin[CLOCKS] = {0};
+    time_since(begin, begin);
     bench_stop(slv_session_stroke_begin(session, 2, false, NULL, line, sizeof line - 1));
     for (int k = 0; k < 3; k++) {
         const slv_stroke_sample sample = {
@@ -312,7 +324,7 @@ static double time_stroke(slv_session *session, uint32_t i, uint32_t side) {
     }
     bench_stop(slv_session_stroke_end(session, NULL));
     bench_stop(slv_document_flatten(slv_session_document(session)));
-    return now() - begin;
+    time_since(begin, times);
 }
 
 /* Saved and opened again, so that nothing is left to undo. */
@@ -329,7 +341,10 @@ static slv_result reopen(const slv_env *env, const char *path, const slv_session
  * have the same texels, or it would be the processor's caches that are compared. */
 static void run_strokes(const slv_env *env, uint32_t side, uint32_t count) {
     enum { AROUND = 400, FEW = 10, PLACES = 1000000 };
-    static double times[2][AROUND], undo[AROUND];
+    static double times[2][CLOCKS][AROUND], undo[AROUND];
+    double took[CLOCKS];
+    static const char *const clocks[CLOCKS] = {"of the thread that paints", "of all threads",
+                                               "on the wall"};
     const uint32_t nfaces = side * side, some = count / 4 < AROUND ? count / 4 : AROUND;
     char folder[64], path[96], remove[96];
     slv_res *res = malloc(sizeof *res * nfaces);
@@ -349,18 +364,20 @@ static void run_strokes(const slv_env *env, uint32_t side, uint32_t count) {
         snprintf(path, sizeof path, "%s/%d.selvage", folder, k);
         bench_stop(slv_session_create_from(env, path, mesh, texture, &params, &sessions[k]));
         for (uint32_t i = 0; i < some; i++)
-            time_stroke(sessions[k], PLACES + i, side);
+            time_stroke(sessions[k], PLACES + i, side, took);
         for (uint32_t i = 0; i < count - 2 * some; i++)
-            time_stroke(sessions[k], i, side);
+            time_stroke(sessions[k], i, side, took);
         if (k == 0) { /* the texels are the same, the history has FEW */
             bench_stop(reopen(env, path, &params, &sessions[k]));
             for (uint32_t i = 0; i < FEW; i++)
-                time_stroke(sessions[k], i, side);
+                time_stroke(sessions[k], i, side, took);
         }
     }
     for (uint32_t i = 0; i < 2 * some; i++) {
         uint32_t which = (i + i / 2) % 2; /* either first */
-        times[which][i / 2] = time_stroke(sessions[which], PLACES + i / 2, side);
+        time_stroke(sessions[which], PLACES + i / 2, side, took);
+        for (int k = 0; k < CLOCKS; k++)
+            times[which][k][i / 2] = took[k];
     }
     for (uint32_t i = 0; i < some; i++) {
         double begin = now();
@@ -368,10 +385,17 @@ static void run_strokes(const slv_env *env, uint32_t side, uint32_t count) {
         bench_stop(slv_document_flatten(slv_session_document(sessions[1])));
         undo[i] = now() - begin;
     }
-    double first = bench_median(times[0], some), last = bench_median(times[1], some);
-    printf("strokes of a session of %u faces, %u in turns: from the %uth on %.3f ms, the last of "
-           "%u %.3f ms: %.2f times; undo of those %.3f ms\n",
-           nfaces, some, FEW, first, count, last, last / first, bench_median(undo, some));
+    printf("strokes of a session of %u faces, %u in turns from the %uth on and up to the %uth; "
+           "undo of the last %.3f ms\n",
+           nfaces, some, FEW, count, bench_median(undo, some));
+    for (int k = 0; k < CLOCKS; k++) {
+        double first = bench_median(times[0][k], some), last = bench_median(times[1][k], some);
+        double sums[2] = {0};
+        for (uint32_t i = 0; i < 2 * some; i++)
+            sums[i % 2] += times[i % 2][k][i / 2];
+        printf("    %-25s %8.3f ms, %.3f ms: %.2f times; in the mean %.2f\n", clocks[k], first,
+               last, last / first, sums[1] / sums[0]);
+    }
     for (int k = 0; k < 2; k++)
         slv_session_destroy(sessions[k]);
     slv_texture_destroy(texture);

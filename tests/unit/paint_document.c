@@ -3,6 +3,10 @@
 #include "kit/document_kit.h"
 #include "kit/memory_kit.h"
 
+#include <signal.h>
+#include <sys/resource.h>
+#include <sys/wait.h>
+
 static slv_document *document_of(const slv_env *env, const paint_scene *s,
                                  slv_document_params params) {
     slv_document *d = NULL;
@@ -321,6 +325,102 @@ static void undo_memory(void) {
     paint_scene_end(&s);
 }
 
+enum { WRITTEN = 300, OF_MEMORY = 1 << 20 };
+
+static void check_steps(slv_document *d, const uint64_t *states, uint32_t undos, bool redo) {
+    for (uint32_t i = 0; i < undos; i++) {
+        MUST(redo ? slv_document_redo(d) : slv_document_undo(d));
+        CHECK(document_state(d) == states[redo ? i + 1 : undos - 1 - i]);
+    }
+}
+
+/* Old entries are written to the disk before the memory is full, while others are made, undone and
+ * redone; by a fork, too, that has no thread of its own for it. */
+static void written_meanwhile(void) {
+    static uint64_t states[WRITTEN + 1];
+    slv_env env = test_env();
+    shape cube = shape_cube();
+    paint_scene s = paint_scene_of(&env, &cube, SLV_SCHEME_BILINEAR, 6, SLV_TYPE_U8, 3, -1);
+    slv_document *d = document_of(&env, &s, (slv_document_params){.history_bytes = OF_MEMORY});
+    uint64_t random = 11;
+    slv_history_info info;
+    bool ahead = false;
+    uint32_t id;
+    MUST(slv_document_add_layer(d, NULL, &id));
+    slv_document_history(d, &info);
+    const uint32_t before = info.undos;
+    states[0] = document_state(d);
+    for (uint32_t i = 0; i < WRITTEN; i++) {
+        MUST(document_dab(d, s.painter, id, false, &random));
+        states[i + 1] = document_state(d);
+        slv_document_history(d, &info);
+        CHECK(info.bytes <= OF_MEMORY && info.undos == before + i + 1);
+        ahead |= info.disk_bytes > 0 && info.bytes > OF_MEMORY - OF_MEMORY / 8;
+        if (i % 7 == 6) {
+            check_steps(d, states + i - 2, 3, false);
+            check_steps(d, states + i - 2, 3, true);
+        }
+    }
+    CHECK(ahead && info.disk_bytes > OF_MEMORY && !info.lost);
+    pid_t child = fork();
+    if (child == 0) {
+        check_steps(d, states, WRITTEN, false);
+        slv_document_destroy(d);
+        _exit(test_end());
+    }
+    int status = 1;
+    CHECK(child > 0 && waitpid(child, &status, 0) == child && status == 0);
+    check_steps(d, states, WRITTEN, false);
+    slv_document_history(d, &info);
+    CHECK(info.bytes <= OF_MEMORY && info.undos == before && info.redos > 20);
+    check_steps(d, states, info.redos < WRITTEN ? info.redos : WRITTEN, true);
+    slv_document_destroy(d);
+    paint_scene_end(&s);
+}
+
+static uint64_t warnings;
+
+static void count_warnings(void *user, slv_log_level level, const char *message) {
+    (void)user;
+    warnings += level == SLV_LOG_WARNING && strstr(message, "old entries are lost") != NULL;
+}
+
+/* The oldest entries are lost then, and said to be; nothing else is. */
+static void disk_fails(void) {
+    slv_env env = test_env();
+    shape cube = shape_cube();
+    paint_scene s = paint_scene_of(&env, &cube, SLV_SCHEME_BILINEAR, 6, SLV_TYPE_U8, 3, -1);
+    env.log = count_warnings;
+    slv_document *d = document_of(&env, &s, (slv_document_params){.history_bytes = OF_MEMORY});
+    struct rlimit old, little = {1 << 19, 0};
+    uint64_t random = 11, first = 0, state;
+    slv_history_info info;
+    uint32_t id;
+    REQUIRE(getrlimit(RLIMIT_FSIZE, &old) == 0);
+    little.rlim_max = old.rlim_max;
+    signal(SIGXFSZ, SIG_IGN);
+    REQUIRE(setrlimit(RLIMIT_FSIZE, &little) == 0);
+    MUST(slv_document_add_layer(d, NULL, &id));
+    for (uint32_t i = 0; i < WRITTEN; i++) {
+        MUST(document_dab(d, s.painter, id, false, &random));
+        slv_document_history(d, &info);
+        CHECK(info.bytes <= OF_MEMORY);
+        if (info.lost && !first)
+            first = warnings;
+    }
+    state = document_state(d);
+    REQUIRE(setrlimit(RLIMIT_FSIZE, &old) == 0);
+    CHECK(first && info.lost && info.undos > 20);
+    for (uint32_t i = 0; i < 20; i++)
+        MUST(slv_document_undo(d));
+    CHECK(document_state(d) != state);
+    for (uint32_t i = 0; i < 20; i++)
+        MUST(slv_document_redo(d));
+    CHECK(document_state(d) == state);
+    slv_document_destroy(d);
+    paint_scene_end(&s);
+}
+
 /* Each allocation of each thing that can be done fails once: nothing has changed then. */
 static void out_of_memory(void) {
     slv_env env = test_env();
@@ -384,7 +484,10 @@ int main(void) {
         random_histories(seed, 80, (uint64_t)1 << 30, (uint64_t)1 << 30);
         random_histories(100 + seed, 80, 120000, (uint64_t)1 << 30);
         random_histories(200 + seed, 80, 60000, 200000);
+        random_histories(300 + seed, 80, 400000, 800000);
     }
+    written_meanwhile();
+    disk_fails();
     out_of_memory();
     memory_sweep("a document, flattened", sweep_flatten, NULL);
     return test_end();

@@ -36,7 +36,8 @@ typedef struct slv_document_params {
     /* Of layers that do not say: uint16, half or float. SLV_TYPE_U8, in which low opacities would
      * stick, stands for uint16 where `flat` has integers, else float. */
     slv_type working;
-    uint64_t history_bytes; /* of memory; default 512 MiB. Older entries go to a nameless file */
+    uint64_t history_bytes; /* of memory; default 512 MiB. Older entries go to a nameless
+                               file, which a thread writes from an eighth before that on */
     uint64_t disk_bytes;    /* of that file; default 8 GiB. Beyond it the oldest entries are lost */
     const char *scratch;    /* the folder of that file; NULL: $TMPDIR, or /tmp */
     uint64_t reserved[4];

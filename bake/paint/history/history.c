@@ -27,6 +27,7 @@ void slvi_history_begin(slvi_history *history, const slv_document_params *params
 
 void slvi_history_end(slv_document *document) {
     slvi_history *history = &document->history;
+    slvi_spill_end(document);
     for (uint64_t i = 0; i < history->count; i++)
         free_entry(history->entries[history->first + i]);
     free_entry(history->open);
@@ -34,10 +35,6 @@ void slvi_history_end(slv_document *document) {
     slvi_free(history->scratch);
     if (history->file >= 0)
         close(history->file);
-}
-
-static slvi_entry *entry_at(const slvi_history *history, uint64_t i) {
-    return history->entries[history->first + i];
 }
 
 static void uncount(slvi_history *history, const slvi_entry *entry) {
@@ -54,7 +51,7 @@ static void recount(slvi_history *history, slvi_entry *entry) {
 /* Forgets what can be redone, but for the next `kept`. */
 static void drop_redos(slvi_history *history, uint64_t kept) {
     while (history->count > history->done + kept) {
-        slvi_entry *entry = entry_at(history, --history->count);
+        slvi_entry *entry = slvi_entry_at(history, --history->count);
         uncount(history, entry);
         free_entry(entry);
     }
@@ -62,7 +59,7 @@ static void drop_redos(slvi_history *history, uint64_t kept) {
 
 /* Forgets the oldest. */
 static void drop_oldest(slvi_history *history) {
-    slvi_entry *entry = entry_at(history, 0);
+    slvi_entry *entry = slvi_entry_at(history, 0);
     uncount(history, entry);
     if (entry->spilled) {
         history->spilled--;
@@ -81,34 +78,56 @@ static void drop_oldest(slvi_history *history) {
     }
 }
 
+/* Waits for what is on its way to the disk, which then is in memory no more. What could not be
+ * written is lost, and with it all that is older. */
+static void settle(slv_document *document) {
+    slvi_history *history = &document->history;
+    uint64_t first = history->spilled, count = first + history->leaving;
+    if (!history->leaving)
+        return;
+    int reason = slvi_spill_end(document);
+    if (reason)
+        slvi_logf(&document->env, SLV_LOG_WARNING, "history: old entries are lost: %s",
+                  strerror(reason));
+    for (uint64_t i = 0; reason && i < count; i++)
+        drop_oldest(history);
+    for (uint64_t i = first; !reason && i < count; i++) {
+        uncount(history, slvi_entry_at(history, i));
+        recount(history, slvi_entry_at(history, i));
+    }
+}
+
 void slvi_history_forget(slv_document *document) {
     const uint64_t lost = document->history.lost;
+    settle(document);
     drop_redos(&document->history, 0);
     while (document->history.done)
         drop_oldest(&document->history);
     document->history.lost = lost; /* for the limits, that is */
 }
 
-/* The oldest go to the disk, then away; where there is nothing to undo, the last to be redone. */
+/* The oldest go to the disk, then away; where all that can be undone is there, the last to be
+ * redone go. Writing begins an eighth before the limit, and by and by, so that nobody waits for it.
+ */
 static void keep_limits(slv_document *document) {
     slvi_history *history = &document->history;
-    while (history->bytes > history->most_bytes) {
-        slvi_entry *entry =
-            history->spilled < history->done ? entry_at(history, history->spilled) : NULL;
-        if (entry) {
-            while (history->disk + entry->bytes > history->most_disk && history->spilled)
+    const uint64_t most = history->most_bytes, low = most - most / 8, high = low + most / 512;
+    while (history->bytes > most || (history->bytes - history->leaving_bytes > high &&
+                                     history->spilled + history->leaving < history->done)) {
+        if (history->leaving) {
+            settle(document);
+        } else if (history->spilled < history->done) {
+            while (history->disk + (history->bytes - low) > history->most_disk && history->spilled)
                 drop_oldest(history);
-            uncount(history, entry);
-            bool spilled = !slvi_spill(document, entry);
-            recount(history, entry);
-            if (spilled)
-                history->spilled++;
-            else
+            slv_result result = slvi_spill_begin(document, low);
+            if (result && history->bytes <= most && !history->spilled)
+                break;
+            if (result)
                 drop_oldest(history);
+        } else if (history->count > history->done) {
+            drop_redos(history, history->count - history->done - 1);
         } else if (history->done) {
             drop_oldest(history);
-        } else if (history->count) {
-            drop_redos(history, history->count - 1);
         } else {
             break;
         }
@@ -122,6 +141,7 @@ static slv_result open_entry(slv_document *document, const char *name) {
     uint64_t need = history->first + history->count + 1;
     if (need > history->room) {
         uint64_t room = need + need / 2 + 16;
+        settle(document); /* the array moves */
         result = slvi_grow(&document->env, "history", room, sizeof(void *), &history->entries);
         history->room = result ? history->room : room;
     }
@@ -246,12 +266,13 @@ static void swap_entry(slv_document *document, slvi_entry *entry, bool forward) 
 static slv_result step(slv_document *document, bool redo) {
     slvi_history *history = &document->history;
     slv_result result = SLV_OK;
+    settle(document);
     if (history->open || (redo ? history->done == history->count : !history->done))
         return slvi_fail(&document->env, SLV_ERROR_ARGUMENT, "document: %s",
                          history->open ? "an entry of the history is open"
                          : redo        ? "there is nothing to redo"
                                        : "there is nothing to undo");
-    slvi_entry *entry = entry_at(history, redo ? history->done : history->done - 1);
+    slvi_entry *entry = slvi_entry_at(history, redo ? history->done : history->done - 1);
     if (entry->spilled) {
         uncount(history, entry);
         result = slvi_unspill(document, entry);
@@ -281,7 +302,7 @@ slv_result slv_document_redo(slv_document *document) {
 
 const char *slv_document_history_name(const slv_document *document, uint32_t index) {
     const slvi_history *history = &document->history;
-    return index < history->count ? entry_at(history, index)->name : NULL;
+    return index < history->count ? slvi_entry_at(history, index)->name : NULL;
 }
 
 void slv_document_history(const slv_document *document, slv_history_info *out) {
@@ -293,7 +314,7 @@ void slv_document_history(const slv_document *document, slv_history_info *out) {
                               .disk_bytes = history->disk,
                               .lost = history->lost};
     if (out->undos)
-        out->undo_name = entry_at(history, history->done - 1)->name;
+        out->undo_name = slvi_entry_at(history, history->done - 1)->name;
     if (out->redos)
-        out->redo_name = entry_at(history, history->done)->name;
+        out->redo_name = slvi_entry_at(history, history->done)->name;
 }

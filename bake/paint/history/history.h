@@ -30,9 +30,17 @@ void slvi_change_swap(slv_document *document, slvi_change *change, uint64_t from
 void slvi_change_free(slvi_change *change);
 /* Of memory that an entry holds. */
 void slvi_entry_measure(slvi_entry *entry);
+static inline slvi_entry *slvi_entry_at(const slvi_history *history, uint64_t i) {
+    return history->entries[history->first + i];
+}
 
-/* The file that old entries go to. */
-slv_result slvi_spill(slv_document *document, slvi_entry *entry);
+/* The file that old entries go to. `begin` lets a thread write the oldest that are not there yet,
+ * until no more than `bytes` stay in memory; they count there until `end`, which waits for it
+ * (nothing if there is none), and until then the array of entries stays where it is.
+ * SLV_ERROR_LIMIT where the file has no room. The end returns 0, or errno: then they are as they
+ * were. */
+slv_result slvi_spill_begin(slv_document *document, uint64_t bytes);
+int slvi_spill_end(slv_document *document);
 slv_result slvi_unspill(slv_document *document, slvi_entry *entry);
 
 #endif

@@ -1,9 +1,11 @@
 /* Old entries on the disk, in a nameless file: oldest first, in a ring. */
 #include "history/history.h"
 
+#include "base/beside.h"
 #include "base/file.h"
 #include "base/log.h"
 #include "base/memory.h"
+#include "base/parallel.h"
 
 #include <errno.h>
 #include <stdio.h>
@@ -12,6 +14,7 @@
 #include <unistd.h>
 
 static slv_result open_file(slv_document *document) {
+    static const slv_env silent = {0};
     slvi_history *history = &document->history;
     const char *temporary = getenv("TMPDIR"), *folder = history->scratch ? history->scratch
                                                         : temporary      ? temporary
@@ -19,13 +22,14 @@ static slv_result open_file(slv_document *document) {
     char path[4096];
     if (history->file >= 0)
         return SLV_OK;
-    int length = snprintf(path, sizeof path, "%s/selvage_history_XXXXXX", folder);
-    if (length < 0 || (size_t)length >= sizeof path || (history->file = mkstemp(path)) < 0) {
+    int length = snprintf(path, sizeof path, "%s/selvage_history", folder);
+    errno = ENAMETOOLONG;
+    if (length < 0 || (size_t)length >= sizeof path ||
+        slvi_beside_nameless(&silent, path, path, &history->file)) {
         slvi_logf(&document->env, SLV_LOG_WARNING, "%s: no history on the disk: %s", folder,
                   strerror(errno));
         return SLV_ERROR_IO;
     }
-    unlink(path);
     return SLV_OK;
 }
 
@@ -51,13 +55,14 @@ typedef struct writing {
     int file;
     uint64_t at;
     size_t held;
-    bool fine; /* what fails is no error of a call: the caller warns of it */
+    int reason;
     unsigned char room[1 << 15];
 } writing;
 
 static void flush(writing *w) {
-    static const slv_env silent = {0};
-    w->fine = w->fine && !slvi_write_at(&silent, "history", w->file, w->room, w->held, w->at);
+    static const slv_env silent = {0}; /* what fails is no error of a call */
+    if (!w->reason && slvi_write_at(&silent, "history", w->file, w->room, w->held, w->at))
+        w->reason = errno ? errno : EIO;
     w->at += w->held;
     w->held = 0;
 }
@@ -121,44 +126,90 @@ static bool is_kept(const slvi_change *change) {
     return change->kind != SLVI_CHANGE_BLOCKS && change->kind != SLVI_CHANGE_FACES;
 }
 
-slv_result slvi_spill(slv_document *document, slvi_entry *entry) {
-    slvi_history *history = &document->history;
-    uint64_t size = size_of(entry), begin;
-    writing w;
-    if (open_file(document) || !find_room(history, size, &begin))
-        return SLV_ERROR_IO;
-    w.file = history->file;
-    w.fine = true;
-    w.held = 0;
-    w.at = begin;
+static void put_entry(writing *w, const slvi_entry *entry) {
+    w->at = entry->at;
     for (uint32_t k = 0; k < entry->nchanges; k++) {
         const slvi_change *c = &entry->changes[k];
         for (uint64_t i = 0; c->blocks && i < c->count; i++) {
-            put(&w, &c->blocks[i], sizeof *c->blocks);
-            put_block(&w, c->blocks[i].block);
+            put(w, &c->blocks[i], sizeof *c->blocks);
+            put_block(w, c->blocks[i].block);
         }
         for (uint64_t i = 0; c->faces && i < c->count; i++) {
-            put(&w, &c->faces[i], sizeof *c->faces);
-            put_table(&w, c->faces[i].table);
+            put(w, &c->faces[i], sizeof *c->faces);
+            put_table(w, c->faces[i].table);
         }
     }
-    flush(&w);
-    if (!w.fine) {
-        slvi_logf(&document->env, SLV_LOG_WARNING, "history: old entries are lost: %s",
-                  strerror(errno));
-        return SLV_ERROR_IO;
+    flush(w);
+}
+
+/* Blocks of entries are read by whoever likes, and changed by nobody. */
+static void *write_leaving(void *user) {
+    slvi_history *history = user;
+    writing w;
+    w.file = history->file;
+    w.held = 0;
+    w.reason = 0;
+    for (uint64_t i = 0; i < history->leaving; i++)
+        put_entry(&w, slvi_entry_at(history, history->spilled + i));
+    history->reason = w.reason;
+    return NULL;
+}
+
+slv_result slvi_spill_begin(slv_document *document, uint64_t bytes) {
+    slvi_history *history = &document->history;
+    slv_result result = open_file(document);
+    for (uint64_t i = history->spilled;
+         !result && i < history->done && history->bytes - history->leaving_bytes > bytes; i++) {
+        slvi_entry *entry = slvi_entry_at(history, i);
+        uint64_t size = size_of(entry), at;
+        if (history->disk + size > history->most_disk || !find_room(history, size, &at)) {
+            result = history->leaving ? SLV_OK : SLV_ERROR_LIMIT;
+            break;
+        }
+        if (!history->disk)
+            history->tail = at;
+        entry->at = at;
+        entry->size = size;
+        history->head = at + size;
+        history->disk += size;
+        history->leaving++;
+        history->leaving_bytes += entry->bytes;
     }
-    if (!history->disk)
-        history->tail = begin;
-    entry->at = begin;
-    entry->size = size;
-    entry->spilled = true;
-    history->head = w.at;
-    history->disk += size;
-    for (uint32_t k = 0; k < entry->nchanges; k++)
-        if (!is_kept(&entry->changes[k]))
-            forget(&entry->changes[k]);
+    if (result)
+        return result;
+    history->writer_of = getpid();
+    if (slvi_thread_start(&history->writer, write_leaving, history)) {
+        history->writer_of = 0;
+        write_leaving(history);
+    }
     return SLV_OK;
+}
+
+int slvi_spill_end(slv_document *document) {
+    slvi_history *history = &document->history;
+    uint64_t count = history->leaving;
+    if (!count)
+        return 0;
+    if (history->writer_of == getpid())
+        pthread_join(history->writer, NULL);
+    else if (history->writer_of) /* a fork has no such thread, and the same to write there */
+        write_leaving(history);
+    history->writer_of = 0;
+    history->leaving = history->leaving_bytes = 0;
+    if (history->reason) {
+        history->head = slvi_entry_at(history, history->spilled)->at;
+        while (count--)
+            history->disk -= slvi_entry_at(history, history->spilled + count)->size;
+        return history->reason;
+    }
+    while (count--) {
+        slvi_entry *entry = slvi_entry_at(history, history->spilled++);
+        entry->spilled = true;
+        for (uint32_t k = 0; k < entry->nchanges; k++)
+            if (!is_kept(&entry->changes[k]))
+                forget(&entry->changes[k]);
+    }
+    return 0;
 }
 
 typedef struct reading {

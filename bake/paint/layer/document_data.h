@@ -6,6 +6,9 @@
 
 #include <selvage/document.h>
 
+#include <pthread.h>
+#include <sys/types.h>
+
 typedef struct slvi_layer {
     uint32_t refs; /* the stack, and entries of the history */
     uint32_t id;
@@ -68,6 +71,11 @@ typedef struct slvi_history {
     int file;           /* -1: none yet */
     uint64_t head, tail, disk;
     char *scratch;
+    /* what a thread is writing to the file: so many after those that are in it */
+    uint64_t leaving, leaving_bytes; /* these of memory */
+    pthread_t writer;
+    pid_t writer_of; /* the process that has the thread; 0: there is none */
+    int reason;      /* errno of what could not be written */
 } slvi_history;
 
 /* One thing that was done, for those who keep a journal. */
