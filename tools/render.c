@@ -285,7 +285,7 @@ static int draw(const cli_command *command, const struct render *r, const char *
                                 : draw_picture(&env, &d, name) != SLV_OK))
             goto done;
     }
-    code = d.shot.scene.salvaged && !r->pass ? EXIT_FAILED : EXIT_OK;
+    code = d.shot.salvaged && !r->pass ? EXIT_FAILED : EXIT_OK;
     if (r->json && output_print_json(path, drawing_json(&d, cli_now() - start)))
         code = EXIT_FAILED;
 done:

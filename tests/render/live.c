@@ -123,6 +123,11 @@ static void check(uint32_t which, bool lookups, uint64_t *random) {
         slv_gl_texture_stats a = slv_gl_texture_get_stats(followed, strategy);
         slv_gl_texture_stats b = slv_gl_texture_get_stats(fresh, strategy);
         CHECK_MSG(a.widened == b.widened && a.clipped == b.clipped, "case %u", which);
+        uint32_t wide = 0;
+        for (uint32_t f = 0; f < k.nfaces; f++)
+            wide += slv_gl_texture_is_widened(followed, strategy, f);
+        CHECK_MSG(wide == a.widened + a.clipped, "case %u: %u faces are widened, not %u", which,
+                  wide, a.widened + a.clipped);
         slv_gl_texture_destroy(fresh);
     }
     slv_gl_texture_destroy(followed);

@@ -61,6 +61,22 @@ does '"event":"chooser"' key F9
 choose '"event":"view-saved"' "$here/view.json"
 render lit-command
 apart lit lit-command lt 8
+xdotool key ctrl+q
+ends
+
+# a face of which the texels are spoilt is filled, and shown; the others of that overlay are darker
+cp "$here/cube.ptx" "$here/hurt.ptx"
+printf 'spoilt spoilt spoilt spoilt' | dd of="$here/hurt.ptx" bs=1 seek=2000 conv=notrunc 2>/dev/null
+start_studio --size 320x200 "$here/hurt.ptx"
+take_window
+wait_for '"event":"said"'
+take hurt
+key overlay alt+5
+take damaged
+apart hurt damaged gt 20
+key overlay alt+4 # nothing is widened with this strategy: all are darker
+take widened
+apart hurt widened gt 20
 [ -z "${SELVAGE_STUDIO_SHOT:-}" ] || import -window root "$SELVAGE_STUDIO_SHOT"
 xdotool key ctrl+q
 ends

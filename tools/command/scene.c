@@ -208,6 +208,19 @@ static slv_result multiply(const slv_env *env, slv_texture_encoding encoding, co
     return result;
 }
 
+static slv_result note_damage(const slv_env *env, const slv_ptx *ptx, scene_data *out) {
+    const uint32_t nfaces = slv_mesh_face_count(out->mesh);
+    if (!slv_ptx_salvaged_count(ptx))
+        return SLV_OK;
+    if (!(out->damaged = calloc((size_t)nfaces + 1, 1)))
+        return output_fail(env, SLV_ERROR_MEMORY, "%s: no memory for its faces", slv_ptx_name(ptx));
+    for (uint32_t f = 0; f < nfaces; f++) {
+        out->damaged[f] = slv_ptx_is_salvaged(ptx, (uint32_t)scene_file_face(out, (int32_t)f));
+        out->ndamaged += out->damaged[f];
+    }
+    return SLV_OK;
+}
+
 slv_result scene_load_texels(const slv_env *env, const slv_ptx *ptx, const slv_res *res,
                              slv_texture_encoding encoding, scene_data *out) {
     const slv_ptx_info *info = slv_ptx_get_info(ptx);
@@ -224,8 +237,7 @@ slv_result scene_load_texels(const slv_env *env, const slv_ptx *ptx, const slv_r
         result = multiply(env, encoding, out, triangles ? &out->triangles : &out->texture);
     if (!result && triangles)
         result = slv_triangle_texture(env, out->triangles, out->adjacency, encoding, &out->texture);
-    out->salvaged = !result && salvage_tell(ptx) != EXIT_OK;
-    return result;
+    return result ? result : note_damage(env, ptx, out);
 }
 
 slv_result scene_load(const slv_env *env, const scene_params *params, scene_data *out) {
@@ -254,5 +266,6 @@ void scene_free(scene_data *scene) {
     slv_bake_source_destroy(scene->uv);
     frames_free(&scene->frames);
     slv_texture_destroy(scene->triangles);
+    free(scene->damaged);
     memset(scene, 0, sizeof *scene);
 }

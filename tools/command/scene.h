@@ -70,7 +70,8 @@ typedef struct scene {
     slv_alpha_mode alpha;               /* too: colours are then multiplied by alpha */
     bool premultiplied;                 /* they are in the file */
     bool raw;                           /* numbers are not light */
-    bool salvaged;                      /* faces were filled, which has been told */
+    uint32_t ndamaged; /* faces of the mesh that could not be read and were filled */
+    uint8_t *damaged;  /* of each of its faces, whether it was; NULL: none */
     displace_open displace;
     bool environment; /* the mesh is a cube, to be moved onto a sphere */
     slv_displacement sphere;
@@ -260,6 +261,7 @@ typedef struct scene_shot {
     slv_camera camera;
     uint32_t width, height;
     slv_tessellation_params tessellation;
+    bool salvaged; /* parts of the file could not be read, which has been told */
     slv_shading shading;
     slv_light light;             /* of SLV_SHADE_IMAGE */
     float ka, kd, background[4]; /* colour multiplied by alpha */

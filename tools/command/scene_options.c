@@ -1,6 +1,7 @@
 /* The options of the verbs that make one picture, and the view that they ask for. */
 #include "command/lists.h"
 #include "command/output.h"
+#include "command/salvage.h"
 #include "command/scene.h"
 
 #include <stdio.h>
@@ -348,6 +349,7 @@ int scene_load_shot(const cli_command *command, const slv_env *env, const char *
          scene_load_texels(env, file, res, params.encoding, &out->scene) ||
          (channels && pick_all(env, channels, nchannels, &out->scene))))
         code = EXIT_FAILED;
+    out->salvaged = !code && !o->uv && salvage_tell(file) != EXIT_OK;
     if (!code)
         settle_alpha(o, o->alpha_given || view.has_alpha, ptx, &out->scene);
     scene_view_free(&view);

@@ -82,6 +82,7 @@ void studio_do_light_path(studio_app *app, const char *target);
 void studio_do_light_left(studio_app *app, const char *target);
 void studio_do_light_right(studio_app *app, const char *target);
 void studio_do_channel(studio_app *app, const char *target);
+void studio_do_damaged_show(studio_app *app, const char *target);
 void studio_set_overlay(studio_app *app, const char *target);
 void studio_do_seams(studio_app *app, const char *target);
 void studio_do_wires(studio_app *app, const char *target);

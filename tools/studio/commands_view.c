@@ -134,6 +134,11 @@ void studio_set_overlay(studio_app *app, const char *target) {
     changed(app);
 }
 
+void studio_do_damaged_show(studio_app *app, const char *target) {
+    (void)target;
+    studio_set_overlay(app, "damaged");
+}
+
 const char *studio_get_overlay(const studio_app *app) {
     return studio_overlay_names[app->look.overlay];
 }

@@ -137,7 +137,7 @@ slv_result studio_document_open(studio_document *d, const char *path, const char
         result = open_session(d, folder);
         snprintf(whole, sizeof whole, "%s", folder);
     } else if (ptx_name_is_safe(whole)) {
-        const scene_params scene = {.ptx = whole, .mesh = mesh};
+        const scene_params scene = {.ptx = whole, .mesh = mesh, .salvage = true};
         d->kind = STUDIO_PTX;
         result = scene_load(&d->env, &scene, &d->scene);
         d->texture = d->scene.texture;

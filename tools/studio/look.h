@@ -27,6 +27,8 @@ typedef enum studio_overlay {
     STUDIO_OVERLAY_FACES,      /* a colour for each face */
     STUDIO_OVERLAY_RESOLUTION, /* a colour for each number of texels */
     STUDIO_OVERLAY_LEVELS,     /* the level that a lookup takes */
+    STUDIO_OVERLAY_WIDENED,    /* faces for which the strategy needs a wider type */
+    STUDIO_OVERLAY_DAMAGED,    /* faces that could not be read from the file */
     STUDIO_OVERLAYS
 } studio_overlay;
 
@@ -47,7 +49,8 @@ typedef struct studio_look {
     float light_turn;  /* degrees, of the light of an image */
 } studio_look;
 
-/* whole, split, difference, flicker; srgb, linear, data; none, faces, resolution, levels */
+/* whole, split, difference, flicker; srgb, linear, data; none, faces, resolution, levels,
+ * widened, damaged */
 extern const char *const studio_compare_names[STUDIO_COMPARES];
 extern const char *const studio_encoding_names[STUDIO_ENCODINGS];
 extern const char *const studio_overlay_names[STUDIO_OVERLAYS];

@@ -33,7 +33,7 @@ static const char fragment_text[] =
     "#version 450 core\n"
     "layout(location = 0) in vec2 at;\n"
     "layout(location = 1) flat in int id;\n"
-    "layout(location = 1) uniform ivec4 show; // seams, wires, resolution, segments\n"
+    "layout(location = 1) uniform ivec4 show; // seams, wires, overlay, segments\n"
     "layout(std430, binding = 0) readonly buffer faces { uint info[]; }; // as face_info has it\n"
     "layout(location = 0) out vec4 color;\n"
     "vec3 hue(float h) {\n"
@@ -45,8 +45,11 @@ static const char fragment_text[] =
     "    vec4 edges = vec4(at.y / width.y, (1.0 - at.x) / width.x, (1.0 - at.y) / width.y,\n"
     "                      at.x / width.x);\n"
     "    color = (face >> 24 & 1u) != 0u ? vec4(0.0, 0.0, 0.0, 0.7) : vec4(0.0);\n"
-    "    if (show.z != 0)\n"
+    "    if (show.z == 2)\n"
     "        color = vec4(hue(float((face & 255u) + (face >> 8 & 255u)) / 18.0), 0.7);\n"
+    "    if (show.z >= 4) // widened, damaged: the others step back\n"
+    "        color = (face >> (21 + show.z) & 1u) != 0u ? vec4(0.9, 0.02, 0.5, 0.6)\n"
+    "                                                   : vec4(0.0, 0.0, 0.0, 0.6);\n"
     "    if (show.y != 0) {\n"
     "        vec2 cell = abs(fract(at * float(show.w) + 0.5) - 0.5) / (width * float(show.w));\n"
     "        float line = min(cell.x, cell.y);\n"
@@ -58,8 +61,6 @@ static const char fragment_text[] =
     "            color = (face >> (20 + e) & 1u) != 0u   ? vec4(0.05, 0.2, 0.9, 1.0)\n"
     "                    : (face >> (16 + e) & 1u) != 0u ? vec4(0.9, 0.25, 0.02, 1.0)\n"
     "                                                    : vec4(0.9, 0.9, 0.9, 0.8);\n"
-    "    if (color.a == 0.0)\n"
-    "        discard;\n"
     "}\n";
 
 void studio_overlay_destroy(studio_overlay_pass *p) {
@@ -149,14 +150,24 @@ static uint32_t face_info(const slv_res *res, const slv_face_adjacency *adjacenc
     return info;
 }
 
+bool studio_overlay_wanted(const studio_look *look) {
+    return look->seams || look->wires || look->overlay == STUDIO_OVERLAY_RESOLUTION ||
+           look->overlay == STUDIO_OVERLAY_WIDENED || look->overlay == STUDIO_OVERLAY_DAMAGED;
+}
+
 /* What the faces are now. */
-static void fill_table(studio_overlay_pass *p, const studio_document *d, const uint8_t *meant) {
+static void fill_table(studio_overlay_pass *p, const studio_document *d, const uint8_t *meant,
+                       const studio_overlay_target *target) {
+    const uint8_t *damaged = d->scene.damaged;
     const slv_res *res = slv_texture_get_desc(d->texture)->res;
     const slv_face_adjacency *adjacency = slv_adjacency_faces(studio_document_adjacency(d));
     const uint32_t n = p->mesh.nfaces;
     bool same = p->table != 0;
     for (uint32_t f = 0; f < n; f++) {
-        uint32_t now = face_info(res, adjacency, f) | (uint32_t)(meant && !meant[f]) << 24;
+        uint32_t now = face_info(res, adjacency, f) | (uint32_t)(meant && !meant[f]) << 24 |
+                       (uint32_t)slv_gl_texture_is_widened(target->texture, target->strategy, f)
+                           << 25 |
+                       (uint32_t)(damaged && damaged[f]) << 26;
         same = same && p->info[f] == now;
         p->info[f] = now;
     }
@@ -202,7 +213,7 @@ static void need_depth(studio_overlay_pass *p, uint32_t width, uint32_t height) 
 
 slv_result studio_overlay_draw(studio_overlay_pass **pass, const studio_document *d,
                                const studio_shot *shot, uint32_t segments,
-                               const unsigned framebuffers[2], bool two) {
+                               const studio_overlay_target *targets, uint32_t count) {
     const studio_look *look = &shot->look;
     float scale = shot->scale > 0 ? shot->scale : 1;
     uint32_t width = (uint32_t)fmaxf(1, (float)shot->width * scale),
@@ -212,27 +223,32 @@ slv_result studio_overlay_draw(studio_overlay_pass **pass, const studio_document
     studio_overlay_pass *p = *pass;
     if (result)
         return result;
-    fill_table(p, d, shot->meant);
     need_depth(p, width, height);
     set_camera(p, &shot->camera);
-    glProgramUniform4i(p->program, 1, look->seams, look->wires,
-                       look->overlay == STUDIO_OVERLAY_RESOLUTION, (GLint)segments);
+    glProgramUniform4i(p->program, 1, look->seams, look->wires, (GLint)look->overlay,
+                       (GLint)segments);
     glViewport(0, 0, (GLsizei)width, (GLsizei)height);
     glUseProgram(p->program);
     glBindVertexArray(p->array);
-    glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 0, p->table);
     glEnable(GL_DEPTH_TEST);
-    glDepthFunc(GL_LESS);
+    glDepthFunc(GL_LEQUAL);
     glDepthMask(GL_TRUE);
     glEnable(GL_BLEND);
     glBlendFuncSeparate(GL_SRC_ALPHA, GL_ONE_MINUS_SRC_ALPHA, GL_ZERO, GL_ONE);
-    for (int i = 0; i <= two; i++) {
-        glBindFramebuffer(GL_FRAMEBUFFER, framebuffers[i]);
-        glNamedFramebufferRenderbuffer(framebuffers[i], GL_DEPTH_ATTACHMENT, GL_RENDERBUFFER,
-                                       p->depth);
-        glClearNamedFramebufferfv(framebuffers[i], GL_DEPTH, 0, &far_away);
-        glDrawElements(GL_TRIANGLES, p->count, GL_UNSIGNED_INT, NULL);
-        glNamedFramebufferRenderbuffer(framebuffers[i], GL_DEPTH_ATTACHMENT, GL_RENDERBUFFER, 0);
+    for (uint32_t i = 0; i < count; i++) {
+        const GLuint framebuffer = targets[i].framebuffer;
+        fill_table(p, d, shot->meant, &targets[i]);
+        glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 0, p->table);
+        glBindFramebuffer(GL_FRAMEBUFFER, framebuffer);
+        glNamedFramebufferRenderbuffer(framebuffer, GL_DEPTH_ATTACHMENT, GL_RENDERBUFFER, p->depth);
+        glClearNamedFramebufferfv(framebuffer, GL_DEPTH, 0, &far_away);
+        /* first what is in front, so that nothing shines through from behind */
+        for (int turn = 0; turn < 2; turn++) {
+            const GLboolean colors = turn == 1;
+            glColorMask(colors, colors, colors, colors);
+            glDrawElements(GL_TRIANGLES, p->count, GL_UNSIGNED_INT, NULL);
+        }
+        glNamedFramebufferRenderbuffer(framebuffer, GL_DEPTH_ATTACHMENT, GL_RENDERBUFFER, 0);
     }
     glDisable(GL_BLEND);
     glBindVertexArray(0);

@@ -6,10 +6,19 @@
 
 typedef struct studio_overlay_pass studio_overlay_pass;
 
-/* Draws over what is in one framebuffer, or both. The pass is made when it is first needed. */
+/* A picture that is there already, and what of which strategy it shows. */
+typedef struct studio_overlay_target {
+    unsigned framebuffer;
+    const slv_gl_texture *texture;
+    const slv_strategy *strategy;
+} studio_overlay_target;
+
+/* Whether a look has anything to draw over pictures. */
+bool studio_overlay_wanted(const studio_look *look);
+/* Draws over one picture, or two. The pass is made when it is first needed. */
 slv_result studio_overlay_draw(studio_overlay_pass **pass, const studio_document *document,
                                const studio_shot *shot, uint32_t segments,
-                               const unsigned framebuffers[2], bool two);
+                               const studio_overlay_target *targets, uint32_t count);
 void studio_overlay_destroy(studio_overlay_pass *pass);
 
 /* A program of two texts; 0: the driver's words are in the log. */

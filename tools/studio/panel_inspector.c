@@ -108,12 +108,12 @@ void studio_panel_inspector_sync(studio_app *app) {
         show_face(app);
     snprintf(text, sizeof text,
              "%s%s%s\n%.1f ms a picture, %.1f ms of texels\n%.1f MB on the GPU, %u draws\n%llu "
-             "triangles%s",
+             "triangles%s\n%u faces widened",
              slv_strategy_at(app->look.strategy)->name,
              app->look.compare != STUDIO_WHOLE ? " and " : "",
              app->look.compare != STUDIO_WHOLE ? slv_strategy_at(app->look.other)->name : "",
              1e3 * s->seconds, 1e3 * s->update, (double)s->gpu_bytes / 1e6, s->draws,
-             (unsigned long long)s->triangles, app->refined ? ", refined" : "");
+             (unsigned long long)s->triangles, app->refined ? ", refined" : "", s->widened);
     gtk_label_set_text(GTK_LABEL(app->live), text);
     show_status(app);
 }

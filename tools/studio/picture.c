@@ -341,7 +341,9 @@ static slv_result draw_one(studio_picture *p, const studio_document *d, const st
         (result = slv_gl_renderer_draw(p->renderer, &p->env, texture, &frame, NULL, &seconds)))
         return result;
     stats->seconds += seconds;
-    stats->gpu_bytes += slv_gl_texture_get_stats(texture, strategy).gpu_bytes;
+    const slv_gl_texture_stats made = slv_gl_texture_get_stats(texture, strategy);
+    stats->gpu_bytes += made.gpu_bytes;
+    stats->widened += made.widened;
     stats->draws += slv_gl_texture_batch_count(texture, strategy);
     glBlitNamedFramebuffer(slv_gl_renderer_framebuffer(p->renderer), p->framebuffers[target], 0, 0,
                            (GLint)p->width, (GLint)p->height, 0, 0, (GLint)p->width,
@@ -468,8 +470,14 @@ slv_result studio_picture_draw(studio_picture *p, studio_document *d, const stud
         (result = draw_one(p, d, shot, look->strategy, 0, stats)) ||
         (two && (result = draw_one(p, d, shot, look->other, 1, stats))))
         goto done;
-    if (look->seams || look->wires || look->overlay == STUDIO_OVERLAY_RESOLUTION || shot->meant)
-        result = studio_overlay_draw(&p->overlay, d, shot, p->segments, p->framebuffers, two);
+    if (studio_overlay_wanted(look) || shot->meant) {
+        const uint32_t which[2] = {look->strategy, look->other};
+        studio_overlay_target over[2];
+        for (int i = 0; i < 2; i++)
+            over[i] = (studio_overlay_target){p->framebuffers[i], p->shown[which[i]].texture,
+                                              slv_strategy_at(which[i])};
+        result = studio_overlay_draw(&p->overlay, d, shot, p->segments, over, 1 + two);
+    }
     stats->segments = p->segments;
     stats->triangles = slv_gl_renderer_triangles(p->renderer);
 done:

@@ -35,6 +35,7 @@ typedef struct studio_picture_stats {
     double update;      /* of bringing the texels up to date */
     uint64_t gpu_bytes; /* of the textures that were made */
     uint32_t draws;
+    uint32_t widened;   /* faces that need a wider type than the texture's */
     uint32_t segments;  /* of the overlay's mesh */
     uint64_t triangles; /* of the surface */
 } studio_picture_stats;

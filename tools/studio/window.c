@@ -131,6 +131,13 @@ static void offer(studio_app *app) {
         studio_ask(app, "There is unfinished work on this file.",
                    "The program ended before it was saved.", answers, unfinished_answered);
     g_free(path);
+    if (app->document.scene.ndamaged) {
+        snprintf(text, sizeof text,
+                 "%u of %u faces could not be read, and are filled as far as the file allows.",
+                 app->document.scene.ndamaged,
+                 slv_mesh_face_count(studio_document_mesh(&app->document)));
+        studio_say(app, text, "Show Them", "damaged-show");
+    }
     if (app->document.kind != STUDIO_SESSION)
         return;
     slv_session_get_info(app->document.session, &info);

@@ -63,6 +63,19 @@ slv_gl_texture_stats slv_gl_texture_get_stats(const slv_gl_texture *texture,
     return stats;
 }
 
+bool slv_gl_texture_is_widened(const slv_gl_texture *texture, const slv_strategy *strategy,
+                               uint32_t face) {
+    const slv_gl_slot *slot = slvi_gl_texture_slot(texture, strategy);
+    const slv_gl_store *store = slot ? &texture->stores[slot->store] : NULL;
+    uint32_t items[SLV_FORM_ITEMS];
+    bool wide = false;
+    if (!store || !store->wide || face >= texture->nfaces)
+        return false;
+    for (uint32_t i = store->pools.form->items(store->made, face, items); i--;)
+        wide |= store->wide[items[i]];
+    return wide;
+}
+
 uint32_t slv_gl_texture_face_count(const slv_gl_texture *texture) {
     return texture->nfaces;
 }

@@ -162,6 +162,11 @@ typedef struct slv_gl_texture_stats {
 } slv_gl_texture_stats;
 SLV_API slv_gl_texture_stats slv_gl_texture_get_stats(const slv_gl_texture *texture,
                                                       const slv_strategy *strategy);
+/* Whether lookups of a strategy in a face need a wider type than the texture's, stored or, with
+ * compression, clipped: one of stats.widened or stats.clipped. Of `live` textures, which know it as
+ * of the last update; false of others. */
+SLV_API bool slv_gl_texture_is_widened(const slv_gl_texture *texture, const slv_strategy *strategy,
+                                       uint32_t face);
 
 /* The strategies that the texture was made for; NULL past the last. */
 SLV_API uint32_t slv_gl_texture_strategy_count(const slv_gl_texture *texture);
