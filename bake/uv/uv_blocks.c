@@ -4,10 +4,11 @@
 #include "base/memory.h"
 
 #include <math.h>
+#include <string.h>
 
 #define MARGIN 0.01 /* pixels: what rounding may do to a place */
 /* texels a side; pixels that are decoded at once, few enough for memory that is at hand */
-enum { BLOCK = 32, MOST_PIXELS = 7 << 10 };
+enum { BLOCK = 32, MOST_PIXELS = 7 << 10, AHEAD = 4 };
 
 /* Where the results of a rectangle of texels go. */
 typedef struct uv_work {
@@ -17,21 +18,42 @@ typedef struct uv_work {
     uint8_t *misses;
 } uv_work;
 
+enum { LINES = 6 };
+
 /* The part of one tile that a block of texels lies on, in pixels, with those around it. */
 typedef struct uv_part {
     const uv_tile *tile;
     int32_t cell[2], left, top;
     uint32_t width, height;
+    /* lines between any two corners of the block, each downwards: texels lie between them */
+    float from[LINES][2], to[LINES][2], slope[LINES];
 } uv_part;
 
+static void draw_lines(double corners[4][2], uv_part *part) {
+    static const int ends[LINES][2] = {{0, 1}, {0, 2}, {0, 3}, {1, 2}, {1, 3}, {2, 3}};
+    float at[4][2];
+    for (int k = 0; k < 4; k++) {
+        at[k][0] = (float)((corners[k][0] - part->cell[0]) * part->tile->width - 0.5 - part->left);
+        at[k][1] =
+            (float)((part->cell[1] + 1 - corners[k][1]) * part->tile->height - 0.5 - part->top);
+    }
+    for (int k = 0; k < LINES; k++) {
+        const bool down = at[ends[k][0]][1] <= at[ends[k][1]][1];
+        const float *from = at[ends[k][!down]], *to = at[ends[k][down]];
+        memcpy(part->from[k], from, sizeof part->from[k]);
+        memcpy(part->to[k], to, sizeof part->to[k]);
+        part->slope[k] = to[1] > from[1] ? (to[0] - from[0]) / (to[1] - from[1]) : 0;
+    }
+}
+
 static bool find_part(const uv_face *f, slv_rect rect, uv_part *part) {
-    double low[2] = {INFINITY, INFINITY}, high[2] = {-INFINITY, -INFINITY}, at[2];
+    double low[2] = {INFINITY, INFINITY}, high[2] = {-INFINITY, -INFINITY}, at[4][2];
     for (int k = 0; k < 4; k++) {
         slvi_uv_place(f->corners, (double)(rect.x + (k & 1 ? rect.width : 0)) / f->width,
-                      (double)(rect.y + (k & 2 ? rect.height : 0)) / f->height, at);
+                      (double)(rect.y + (k & 2 ? rect.height : 0)) / f->height, at[k]);
         for (int axis = 0; axis < 2; axis++) {
-            low[axis] = fmin(low[axis], at[axis]);
-            high[axis] = fmax(high[axis], at[axis]);
+            low[axis] = fmin(low[axis], at[k][axis]);
+            high[axis] = fmax(high[axis], at[k][axis]);
         }
     }
     for (int axis = 0; axis < 2; axis++) {
@@ -51,7 +73,43 @@ static bool find_part(const uv_face *f, slv_rect rect, uv_part *part) {
     part->top = part->top < -1 ? -1 : part->top;
     part->width = (uint32_t)((right < w ? right : w) - part->left) + 1;
     part->height = (uint32_t)((bottom < h ? bottom : h) - part->top) + 1;
+    draw_lines(at, part);
     return (uint64_t)part->width * part->height <= MOST_PIXELS;
+}
+
+/* The pixels of row j that samples reach: those between the lines from a row above to one below. */
+static void find_span(const uv_part *part, uint32_t j, uint32_t *first, uint32_t *end) {
+    const float above = (float)j - 1 - (float)MARGIN, below = (float)j + 1 + (float)MARGIN;
+    float low = INFINITY, high = -INFINITY;
+    for (int k = 0; k < LINES; k++) {
+        const float *from = part->from[k], *to = part->to[k];
+        const float upper =
+                        above > from[1] ? from[0] + (above - from[1]) * part->slope[k] : from[0],
+                    lower = below < to[1] ? from[0] + (below - from[1]) * part->slope[k] : to[0],
+                    left = upper < lower ? upper : lower, right = upper < lower ? lower : upper;
+        const bool meets = above <= to[1] && below >= from[1];
+        low = meets && left < low ? left : low;
+        high = meets && right > high ? right : high;
+    }
+    low -= (float)MARGIN;
+    high += 2 + (float)MARGIN;
+    *first = low > 0 ? (uint32_t)low : 0;
+    *end = high < (float)part->width ? high > 0 ? (uint32_t)high : 0 : part->width;
+}
+
+/* The memory of a row's pixels is asked for while rows before it are decoded: they are short, and
+ * far from each other. */
+static void ask_for_row(const uv_part *part, uint32_t n, uint32_t j, uint32_t first, uint32_t end) {
+    enum { LINE = 64 };
+    const uv_tile *tile = part->tile;
+    const int32_t y = part->top + (int32_t)j, left = part->left + (int32_t)first,
+                  right = part->left + (int32_t)end;
+    const size_t size = slv_type_size(tile->type) * n;
+    if (y < 0 || y >= (int32_t)tile->height || left < 0 || right > (int32_t)tile->width)
+        return;
+    const char *row = (const char *)tile->pixels + (size_t)y * tile->width * size;
+    for (size_t at = (size_t)left * size; at < (size_t)right * size; at += LINE)
+        __builtin_prefetch(row + at);
 }
 
 /* The pixels of a part, those beyond the tile's edge as a filter finds them there. */
@@ -61,13 +119,16 @@ static void decode_part(const uv_face *f, const uv_part *part, uv_pixel *out) {
     for (uint32_t j = 0; j < part->height; j++, out += part->width) {
         int32_t y = part->top + (int32_t)j, x = part->left;
         bool inside = y >= 0 && y < (int32_t)tile->height;
-        for (uint32_t i = 0; i < part->width;) {
+        uint32_t i, end;
+        find_span(part, j, &i, &end);
+        ask_for_row(part, n, j + AHEAD, i, end);
+        while (i < end) {
             int32_t px = x + (int32_t)i, py = y;
             uint32_t run = 1;
             const uv_tile *from = tile;
             if (inside && px >= 0 && px < (int32_t)tile->width) {
                 uint32_t left = tile->width - (uint32_t)px;
-                run = part->width - i < left ? part->width - i : left;
+                run = end - i < left ? end - i : left;
             } else {
                 from = slvi_uv_reach(f, tile, part->cell, &px, &py);
             }
@@ -82,6 +143,20 @@ static bool finite_all(const float *values, uint32_t n) {
         if (!isfinite(values[c]))
             return false;
     return true;
+}
+
+/* A row of sums as values; whether all of them are finite. */
+static bool store_row(const uv_pixel *sums, float scale, uint32_t n, uint32_t width, float *out) {
+    float row[BLOCK * 4];
+    uv_pixel zero = {0};
+    for (uint32_t i = 0; i < width; i++) {
+        /* what is beyond the channels is written over by the next texel */
+        const uv_pixel value = sums[i] * scale;
+        memcpy(row + (size_t)i * n, &value, sizeof value);
+        zero += value * 0.0f; /* NaN of what is not finite; channels that are not there are 0 */
+    }
+    memcpy(out, row, (size_t)width * n * sizeof *out);
+    return zero[0] + zero[1] + zero[2] + zero[3] == 0;
 }
 
 /* Texels of a block on one part of a tile. */
@@ -102,16 +177,14 @@ static void fill_part(const uv_face *f, const uv_part *part, uv_work *work, slv_
                                   .y = (float)((part->cell[1] + 1 - from[1]) * h - 0.5 - part->top),
                                   .dx = (float)((to[0] - from[0]) * w),
                                   .dy = (float)((from[1] - to[1]) * h)};
-            slvi_uv_sum_line(&window, &line, f->nu, rect.width, sums);
+            f->source->sum_line(&window, &line, f->nu, rect.width, sums);
         }
         size_t at = (size_t)(y - work->whole.y) * work->whole.width + (rect.x - work->whole.x);
         float *out = work->values + at * n;
-        for (uint32_t i = 0; i < rect.width; i++, out += n) {
-            for (uint32_t c = 0; c < n; c++)
-                out[c] = sums[i][c] * scale;
+        bool finite = store_row(sums, scale, n, rect.width, out);
+        for (uint32_t i = 0; i < rect.width && !finite; i++, out += n)
             if (!finite_all(out, n))
                 work->misses[at + i] = (uint8_t)slvi_uv_careful(f, rect.x + i, y, out);
-        }
     }
 }
 

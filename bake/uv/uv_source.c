@@ -5,6 +5,7 @@
 
 #include "base/log.h"
 #include "base/memory.h"
+#include "base/processor.h"
 
 #include <selvage/wrap.h>
 
@@ -106,9 +107,17 @@ static uv_face begin_face(const uv_source *s, uint32_t face, slv_res res) {
 
 /* Colours as painted again. */
 static void unmultiply(uint32_t n, float *values, size_t count) {
-    for (size_t i = 0; i < count; i++, values += n)
-        for (uint32_t c = 0; c + 1 < n && values[n - 1] > 0; c++)
-            values[c] /= values[n - 1];
+    for (size_t i = 0; i < count; i++, values += n) {
+        const float alpha = values[n - 1] > 0 ? values[n - 1] : 1;
+        if (n == 4) { /* all at once: divisions take long */
+            uv_pixel value;
+            memcpy(&value, values, sizeof value);
+            value /= (uv_pixel){alpha, alpha, alpha, 1};
+            memcpy(values, &value, sizeof value);
+        } else {
+            values[0] /= alpha;
+        }
+    }
 }
 
 static slv_result evaluate(const slv_bake_source *source, const slv_env *env, uint32_t face,
@@ -174,6 +183,18 @@ static slv_result go_round(const slv_env *env, uv_source *s) {
     return result;
 }
 
+static slvi_uv_sum_line *best_line(void) {
+#define CANDIDATE(KIND) {slvi_has_##KIND, slvi_uv_sum_line_##KIND},
+    static const struct {
+        bool (*runs)(void);
+        slvi_uv_sum_line *line;
+    } candidates[] = {SLVI_UV_PROCESSORS(CANDIDATE)};
+    size_t i = 0;
+    while (!candidates[i].runs())
+        i++;
+    return candidates[i].line;
+}
+
 slv_result slv_bake_from_uv(const slv_env *env, const slv_mesh *mesh, const char *path,
                             const slv_bake_uv *params, slv_bake_source **out) {
     static const slv_bake_uv none = {0};
@@ -185,6 +206,7 @@ slv_result slv_bake_from_uv(const slv_env *env, const slv_mesh *mesh, const char
         return result;
     s->base = (slv_bake_source){.fns = &fns, .nfaces = slv_mesh_face_count(mesh)};
     slv_bake_uv chosen = params ? *params : none;
+    s->sum_line = best_line();
     s->round[0] = chosen.round_u;
     s->round[1] = chosen.round_v;
     if ((s->round[0] || s->round[1]) && strstr(path, SLV_BAKE_UDIM)) {

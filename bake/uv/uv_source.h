@@ -12,7 +12,8 @@ typedef struct uv_source {
     float *once;    /* those of a mesh with one value a vertex, if a coordinate goes round */
     bool round[2];
     int32_t *cells; /* 4 a face: u0, v0, u1, v1 of the cells that filters reach, both included */
-    slv_uv_tile *squares; /* of the tiles */
+    slv_uv_tile *squares;       /* of the tiles */
+    slvi_uv_sum_line *sum_line; /* for this processor */
 } uv_source;
 
 /* A face as it is sampled. */
