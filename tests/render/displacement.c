@@ -318,10 +318,10 @@ static void check_bad(const char *ptx) {
     }
     check_refused(ARGUMENTS(SMALL, "--displacement-scale", "2", "x.png"), 2, "--displacement FILE");
     check_refused(ARGUMENTS(SMALL, "--displacement", ptx, "--displacement-channel", "3", "x.png"),
-                  2, "--displacement-channel: '3'");
+                  2, "displaces from channel '3' on");
     check_refused(ARGUMENTS(SMALL, "--displacement", ptx, "--displacement-space", "object",
                             "--displacement-channel", "1", "x.png"),
-                  2, "first of 3");
+                  2, "has not 3 there");
     /* as many faces with other neighbours */
     char apart[1024] = "";
     for (int v = 0; v < 12; v++)

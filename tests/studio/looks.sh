@@ -61,6 +61,19 @@ does '"event":"chooser"' key F9
 choose '"event":"view-saved"' "$here/view.json"
 render lit-command
 apart lit lit-command lt 8
+
+# moved by what the texture says itself, as the command has it
+key frame f
+key displace-channel shift+c
+key displace-more shift+Page_Up
+key displace-more shift+Page_Up
+take moved
+apart lit moved gt 20
+does '"event":"chooser"' key F9
+choose '"event":"view-saved"' "$here/view.json"
+render moved-command
+apart moved moved-command lt 8
+key displace-none alt+d
 xdotool key ctrl+q
 ends
 

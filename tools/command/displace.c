@@ -68,42 +68,49 @@ static slv_result check_mesh(const slv_env *env, const char *path, bool agree,
     return result;
 }
 
-/* `named`: the command line names the channel. */
-static int open_file(const cli_command *command, const slv_env *env, const displace_settings *d,
-                     bool named, const slv_adjacency *adjacency, const slv_mesh *mesh,
-                     displace_open *out) {
-    uint32_t nfaces = slv_mesh_face_count(mesh);
+slv_result displace_open_settings(const slv_env *env, const displace_settings *d,
+                                  const slv_adjacency *adjacency, const slv_mesh *mesh,
+                                  displace_open *out) {
     slv_file_id file;
     slv_ptx_info info;
-    if (slv_cache_create(env, NULL, &out->cache) || slv_cache_open(out->cache, d->texture, &file) ||
-        slv_cache_get_info(out->cache, file, &info))
-        return EXIT_FAILED;
+    memset(out, 0, sizeof *out);
+    out->moves = d->given && d->scale != 0;
+    slv_result result = out->moves ? slv_cache_create(env, NULL, &out->cache) : SLV_OK;
+    if (!out->moves)
+        return SLV_OK;
+    if (result || (result = slv_cache_open(out->cache, d->texture, &file)) ||
+        (result = slv_cache_get_info(out->cache, file, &info)))
+        goto done;
     uint64_t displaced = (info.mesh_type == SLV_PTX_TRIANGLE ? 3 : 1) * (uint64_t)info.nfaces;
-    if (displaced != nfaces)
-        return cli_error("%s: displaces %llu faces, and the mesh has %u", d->texture,
-                         (unsigned long long)displaced, nfaces);
-    if (check_mesh(env, d->texture, !adjacency, mesh))
-        return EXIT_FAILED;
+    if (displaced != slv_mesh_face_count(mesh)) {
+        result =
+            output_fail(env, SLV_ERROR_MISMATCH, "%s: displaces %llu faces, and the mesh has %u",
+                        d->texture, (unsigned long long)displaced, slv_mesh_face_count(mesh));
+        goto done;
+    }
+    if ((result = check_mesh(env, d->texture, !adjacency, mesh)))
+        goto done;
     const value_channels channels = {info.nchannels, info.alpha_channel};
     int32_t channel = value_channel_find(d->channel, strlen(d->channel), channels);
     uint32_t width = d->space ? 3 : 1;
-    bool fits = channel >= 0 && info.nchannels - (uint32_t)channel >= width;
-    if (!fits && !named)
-        return cli_error("%s: displaces from channel '%s' on, and has not %u there but %u in all",
-                         d->texture, d->channel, width, info.nchannels);
-    if (!fits)
-        return cli_usage(command,
-                         "--displacement-channel: '%s' is not the first of %u of %s, which "
-                         "has %u",
-                         d->channel, width, d->texture, info.nchannels);
+    if (channel < 0 || info.nchannels - (uint32_t)channel < width) {
+        result =
+            output_fail(env, SLV_ERROR_ARGUMENT,
+                        "%s: displaces from channel '%s' on, and has not %u there but %u in all",
+                        d->texture, d->channel, width, info.nchannels);
+        goto done;
+    }
     const slv_displacement_params params = {.space = d->space,
                                             .channel = (uint32_t)channel,
                                             .scale = d->scale,
                                             .bias = d->bias,
                                             .filter = &d->filter,
                                             .adjacency = adjacency};
-    return slv_displacement_open(out->cache, file, &params, &out->displacement) ? EXIT_FAILED
-                                                                                : EXIT_OK;
+    result = slv_displacement_open(out->cache, file, &params, &out->displacement);
+done:
+    if (result)
+        displace_close(out);
+    return result;
 }
 
 int displace_begin(const cli_command *command, const slv_env *env, const displace_options *options,
@@ -123,9 +130,11 @@ int displace_begin(const cli_command *command, const slv_env *env, const displac
     if (strlen(options->texture ? options->texture : "") >= DISPLACE_PATH ||
         strlen(options->channel ? options->channel : "") >= DISPLACE_CHANNEL)
         return cli_usage(command, "--displacement: the name is too long");
-    out->moves = d.given && d.scale != 0;
-    return out->moves ? open_file(command, env, &d, options->channel != NULL, adjacency, mesh, out)
-                      : EXIT_OK;
+    slv_result result = displace_open_settings(env, &d, adjacency, mesh, out);
+    /* of a channel that the command line names it is the command line that is wrong */
+    return result == SLV_ERROR_ARGUMENT && options->channel ? EXIT_USAGE
+           : result                                         ? EXIT_FAILED
+                                                            : EXIT_OK;
 }
 
 void displace_close(displace_open *displace) {

@@ -42,6 +42,11 @@ typedef struct displace_open {
 int displace_begin(const cli_command *command, const slv_env *env, const displace_options *options,
                    const displace_settings *settings, const char *ptx,
                    const slv_adjacency *adjacency, const slv_mesh *mesh, displace_open *out);
+/* The same of settings alone; what is wrong with them is in the log, and there is nothing to
+ * release then. */
+slv_result displace_open_settings(const slv_env *env, const displace_settings *settings,
+                                  const slv_adjacency *adjacency, const slv_mesh *mesh,
+                                  displace_open *out);
 void displace_close(displace_open *displace);
 
 #endif

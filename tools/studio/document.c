@@ -37,12 +37,30 @@ void studio_document_end(studio_document *document) {
 
 void studio_document_close(studio_document *d) {
     const studio_document kept = {.env = d->env, .message = d->message, .serial = d->serial + 1};
+    displace_close(&d->scene.displace); /* looks at an adjacency that may be the session's */
     slv_session_destroy(d->session);
     slv_paint_surface_destroy(d->surface);
     scene_free(&d->scene);
     free(d->path);
     free(d->target);
     *d = kept;
+}
+
+slv_result studio_document_displace(studio_document *d, const displace_settings *settings) {
+    displace_open opened;
+    slv_result result = displace_open_settings(&d->env, settings, studio_document_adjacency(d),
+                                               studio_document_mesh(d), &opened);
+    if (result)
+        return result;
+    displace_close(&d->scene.displace);
+    d->scene.displace = opened;
+    d->displace = *settings;
+    d->shape++;
+    return SLV_OK;
+}
+
+const slv_displacement *studio_document_displacement(const studio_document *d) {
+    return d->scene.displace.moves ? &d->scene.displace.displacement : NULL;
 }
 
 const slv_mesh *studio_document_mesh(const studio_document *d) {

@@ -32,6 +32,8 @@ typedef struct studio_document {
     uint32_t layer;             /* the id of the layer that is painted on */
     bool mask;                  /* its mask, that is */
     uint64_t serial;            /* grows when the texture is another object */
+    displace_settings displace; /* what moves the surface that is seen; not given: nothing does */
+    uint64_t shape;             /* grows when something else does */
     uint64_t saved_lines;       /* of the journal, when it was saved or exported last */
     slv_texture *texture;       /* borrowed: what is shown */
 } studio_document;
@@ -66,6 +68,12 @@ slv_result studio_document_save(studio_document *document);
 slv_result studio_document_save_as(studio_document *document, const char *path);
 /* A .ptx, and nothing else changes. */
 slv_result studio_document_export(studio_document *document, const char *path);
+
+/* Moves the surface that is seen, as scene.displace does then; painting and picking go to the one
+ * that is not moved. */
+slv_result studio_document_displace(studio_document *document, const displace_settings *settings);
+
+const slv_displacement *studio_document_displacement(const studio_document *document);
 
 const slv_mesh *studio_document_mesh(const studio_document *document);
 const slv_adjacency *studio_document_adjacency(const studio_document *document);

@@ -102,10 +102,12 @@ static slv_result make(const studio_document *d, uint32_t segments, studio_overl
     studio_overlay_pass *p = calloc(1, sizeof *p);
     uint32_t *indices = NULL;
     uint64_t count = 0;
+    const slv_tessellation_params params = {.segments = segments,
+                                            .displacement = studio_document_displacement(d)};
     slv_result result = SLV_ERROR_MEMORY;
     *out = p;
-    if (p && !(result = slv_tessellate(&d->env, studio_document_mesh(d), d->scene.surface,
-                                       studio_document_adjacency(d), segments, &p->mesh))) {
+    if (p && !(result = slv_tessellate_with(&d->env, studio_document_mesh(d), d->scene.surface,
+                                            studio_document_adjacency(d), &params, &p->mesh))) {
         for (uint32_t f = 0; f < p->mesh.nfaces; f++)
             count += slv_tessellation_indices(&p->mesh, f, NULL);
         indices = count < INT32_MAX ? malloc(count * sizeof *indices + 1) : NULL;

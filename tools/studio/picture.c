@@ -27,6 +27,7 @@ struct studio_picture {
     slv_gl_renderer *renderer;
     studio_overlay_pass *overlay;
     uint32_t segments; /* along an edge of each face, as the overlay has them */
+    uint64_t shape;    /* of the document, as the renderer and the overlay have it */
     bool even;         /* the renderer, too; else each face has what it needs for */
     slv_camera camera; /* this, in a picture so large */
     uint32_t seen[2];
@@ -282,15 +283,17 @@ static slv_result need_renderer(studio_picture *p, const studio_document *d,
                         : p->segments
                             ? p->segments
                             : slv_tessellation_for(mesh, &shot->camera, shot->width, shot->height);
-    if (segments != p->segments) {
+    bool reshaped = p->shape != d->shape;
+    if (segments != p->segments || reshaped) {
         studio_overlay_destroy(p->overlay);
         p->overlay = NULL;
     }
-    bool divided = is_divided(p, shot, even, segments);
+    bool divided = !reshaped && is_divided(p, shot, even, segments);
     p->segments = segments;
     if (divided)
         return SLV_OK;
     const slv_tessellation_params params = {.segments = even ? segments : 0,
+                                            .displacement = studio_document_displacement(d),
                                             .camera = &shot->camera,
                                             .width = shot->width,
                                             .height = shot->height};
@@ -301,6 +304,7 @@ static slv_result need_renderer(studio_picture *p, const studio_document *d,
                                           &p->renderer);
     if (result)
         return result;
+    p->shape = d->shape;
     p->even = even;
     p->camera = shot->camera;
     p->seen[0] = shot->width;

@@ -32,6 +32,14 @@ slv_result studio_view_save(studio_app *app, const char *path) {
         json_object_update_new(json_object_get(root, "shading"),
                                json_pack("{s:s, s:f}", "light", app->light_path, "turn",
                                          (double)app->look.light_turn));
+    const displace_settings *d = &app->document.displace;
+    if (root && d->given)
+        json_object_set_new(root, "displacement",
+                            json_pack("{s:s, s:s, s:f, s:f, s:s, s:b, s:s}", "texture", d->texture,
+                                      "channel", d->channel, "scale", (double)d->scale, "bias",
+                                      (double)d->bias, "filter", slv_filter_name(d->filter.filter),
+                                      "lerp", d->filter.lerp, "space",
+                                      slv_displacement_space_name(d->space)));
     /* the window shows colours alone, whatever there is of alpha */
     if (root && slv_texture_get_desc(app->document.texture)->alpha_channel != SLV_NO_ALPHA)
         json_object_set_new(root, "alpha",
@@ -65,5 +73,8 @@ slv_result studio_view_load(studio_app *app, const char *path) {
     else if (view.has_shading && studio_light_load(app, view.light))
         app->look.light_turn = view.light_turn;
     app->framed = true;
-    return SLV_OK;
+    /* a view without one shows what is not moved */
+    if (!view.displacement.given && !app->document.displace.given)
+        return SLV_OK;
+    return studio_document_displace(&app->document, &view.displacement);
 }
