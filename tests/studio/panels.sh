@@ -32,6 +32,10 @@ key history End
 key history Up
 [ "$(grep -c '"op":"undo"' "$journal")" = 4 ] || fail "the row above undoes another number of things"
 
+# the panel has the times of processor and GPU apart
+grep '"event":"times"' "$log" | tail -n 1 | grep -q '"cpu_ms":[0-9.]*[1-9][0-9]*,"gpu_ms":[-0-9.]*' ||
+    fail "no times were told"
+
 # kept for the next time
 does '"event":"question"' key ctrl+q
 answer alt+n 1

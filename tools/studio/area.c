@@ -114,6 +114,7 @@ static gboolean render(GtkGLArea *area, GdkGLContext *context, gpointer user) {
     gint64 start = g_get_monotonic_time();
     if (app->dirty && studio_failed(app, studio_document_refresh(&app->document)))
         return TRUE;
+    app->seam_known = app->seam_known && !app->dirty;
     app->dirty = false;
     frame_if_new(app);
     shot.camera = studio_area_camera(app, &shot.width, &shot.height);

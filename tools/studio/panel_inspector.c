@@ -100,20 +100,30 @@ static void show_status(studio_app *app) {
 }
 
 void studio_panel_inspector_sync(studio_app *app) {
-    char text[512];
+    char text[512], times[64], seam[64] = "";
     const studio_picture_stats *s = &app->stats;
+    double cpu, gpu;
     if (!app->document.texture || !app->picture)
         return;
     if (app->drag == STUDIO_DRAG_NONE)
         show_face(app);
+    gtk_gl_area_make_current(app->area);
+    studio_picture_times(app->picture, &cpu, &gpu);
+    studio_log(app, "\"event\":\"times\",\"cpu_ms\":%.3f,\"gpu_ms\":%.3f", 1e3 * cpu, 1e3 * gpu);
+    snprintf(times, sizeof times,
+             gpu < 0 ? "CPU %.1f ms, GPU not told" : "CPU %.1f ms, GPU %.1f ms", 1e3 * cpu,
+             1e3 * gpu);
+    if (app->seam_known && app->seam_of == app->look.strategy)
+        snprintf(seam, sizeof seam, "\nseam jump %.2g, mean %.2g", (double)app->seam.max,
+                 (double)app->seam.mean);
     snprintf(text, sizeof text,
-             "%s%s%s\n%.1f ms a picture, %.1f ms of texels\n%.1f MB on the GPU, %u draws\n%llu "
-             "triangles%s\n%u faces widened",
+             "%s%s%s\n%s\n%.1f ms of texels\n%.1f MB on the GPU, %u draws\n%llu "
+             "triangles%s\n%u faces widened%s",
              slv_strategy_at(app->look.strategy)->name,
              app->look.compare != STUDIO_WHOLE ? " and " : "",
-             app->look.compare != STUDIO_WHOLE ? slv_strategy_at(app->look.other)->name : "",
-             1e3 * s->seconds, 1e3 * s->update, (double)s->gpu_bytes / 1e6, s->draws,
-             (unsigned long long)s->triangles, app->refined ? ", refined" : "", s->widened);
+             app->look.compare != STUDIO_WHOLE ? slv_strategy_at(app->look.other)->name : "", times,
+             1e3 * s->update, (double)s->gpu_bytes / 1e6, s->draws,
+             (unsigned long long)s->triangles, app->refined ? ", refined" : "", s->widened, seam);
     gtk_label_set_text(GTK_LABEL(app->live), text);
     show_status(app);
 }

@@ -3,6 +3,7 @@
 
 #include "command/output.h"
 #include "studio/overlay.h"
+#include "studio/timer.h"
 
 #include <selvage/gl_live.h>
 
@@ -37,6 +38,7 @@ struct studio_picture {
     GLuint program, array, targets[2], framebuffers[2];
     uint32_t width, height; /* of the targets */
     uint32_t screen[2];     /* of what was drawn last */
+    studio_timer timer;
     GLuint stencil;
     char *stencil_path; /* of the image that is in it */
 };
@@ -224,6 +226,7 @@ void studio_picture_destroy(studio_picture *p) {
         glDeleteProgram(p->program);
         glDeleteVertexArrays(1, &p->array);
         glDeleteTextures(1, &p->stencil);
+        studio_timer_free(&p->timer);
     }
     slv_gl_destroy(p->gl);
     free(p->stencil_path);
@@ -467,6 +470,7 @@ slv_result studio_picture_draw(studio_picture *p, studio_document *d, const stud
     }
     need_targets(p, (uint32_t)fmaxf(1, (float)shot->width * scale),
                  (uint32_t)fmaxf(1, (float)shot->height * scale));
+    studio_timer_begin(&p->timer);
     *stats = (studio_picture_stats){0};
     p->screen[0] = shot->width;
     p->screen[1] = shot->height;
@@ -493,12 +497,17 @@ done:
         return result;
     }
     to_screen(p, shot, (GLuint)framebuffer, two);
+    studio_timer_end(&p->timer);
     GLenum error = glGetError();
     if (error) {
         result = output_fail(&p->env, SLV_ERROR_GL, "OpenGL has reported error 0x%x", error);
         snprintf(d->message, STUDIO_MESSAGE, "%s", p->message);
     }
     return result;
+}
+
+void studio_picture_times(const studio_picture *p, double *cpu, double *gpu) {
+    studio_timer_read(&p->timer, cpu, gpu);
 }
 
 slv_result studio_picture_read(studio_picture *p, slv_image *out) {

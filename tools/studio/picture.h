@@ -45,6 +45,9 @@ typedef struct studio_picture_stats {
  */
 slv_result studio_picture_draw(studio_picture *picture, studio_document *document,
                                const studio_shot *shot, studio_picture_stats *stats);
+/* What the last picture that was drawn anew took, in seconds of this thread and of the GPU; below
+ * zero: the driver does not say. */
+void studio_picture_times(const studio_picture *picture, double *cpu, double *gpu);
 /* What was drawn last, as it is on the screen, 8 bits in sRGB. */
 slv_result studio_picture_read(studio_picture *picture, slv_image *out);
 /* The seam jump of a strategy at what is magnified. */

@@ -68,6 +68,9 @@ typedef struct studio_app {
 
     studio_picture *picture;
     studio_picture_stats stats;
+    slv_gl_seam seam; /* of this strategy, as long as nothing has changed since */
+    uint32_t seam_of;
+    bool seam_known;
     const char *pending; /* a file that is being opened */
     char *mesh_path;     /* of the command line */
     bool loading, closing, syncing, dark;

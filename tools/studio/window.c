@@ -164,6 +164,7 @@ static void loaded(GObject *source, GAsyncResult *task, gpointer user) {
         app->document = o->document;
         app->framed = false;
         app->look.channel = 0;
+        app->seam_known = false;
         app->look.encoding =
             slv_texture_get_encoding(app->document.texture, SLV_TEXTURE_AUTO) == SLV_TEXTURE_DATA
                 ? STUDIO_LINEAR
