@@ -136,3 +136,16 @@ slv_result slvi_face_grid_evaluate(const slvi_grid_job *job, uint32_t face, uint
     slv_result result = slv_surface_evaluate_grid(job->surface, (int32_t)face, n, n, &grid->limit);
     return result || !job->displacement ? result : displace(job, face, n, grid);
 }
+
+slv_result slvi_face_grids_evaluate(const slvi_grid_job *job, uint32_t unit, uint32_t n,
+                                    slvi_face_grid grids[SLVI_UNIT_FACES]) {
+    slv_surface_arrays limits[SLVI_UNIT_FACES];
+    int32_t faces[SLVI_UNIT_FACES];
+    uint32_t count = slvi_surface_unit(job->surface, unit, faces);
+    for (uint32_t k = 0; k < count; k++)
+        limits[k] = grids[k].limit;
+    slv_result result = slvi_surface_evaluate_unit(job->surface, unit, n, limits);
+    for (uint32_t k = 0; k < count && job->displacement && !result; k++)
+        result = displace(job, (uint32_t)faces[k], n, &grids[k]);
+    return result;
+}

@@ -3,6 +3,7 @@
 #define SLV_MESH_FACE_GRID_H
 
 #include "mesh/grid.h"
+#include "mesh/surface/surface_units.h"
 
 /* Room for the points of one face, and what was found of them, 3 floats each. */
 typedef struct slvi_face_grid {
@@ -20,6 +21,9 @@ void slvi_face_grid_free(slvi_face_grid *grid);
 /* Fills (n + 1) * (n + 1) points. Offsets are in space, and zero lengths have a normal, too. */
 slv_result slvi_face_grid_evaluate(const slvi_grid_job *job, uint32_t face, uint32_t n,
                                    slvi_face_grid *grid);
+/* The same of all faces of a unit of the surface, all of n segments. */
+slv_result slvi_face_grids_evaluate(const slvi_grid_job *job, uint32_t unit, uint32_t n,
+                                    slvi_face_grid grids[SLVI_UNIT_FACES]);
 
 /* False, and nothing changed, if there is no direction. */
 static inline bool slvi_normalise(const float v[3], float out[3]) {

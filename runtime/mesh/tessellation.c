@@ -57,31 +57,64 @@ uint32_t slv_tessellation_for(const slv_mesh *mesh, const slv_camera *camera, ui
     return segments;
 }
 
-static slv_result evaluate(void *user, uint64_t begin, uint64_t end) {
-    const slvi_grid_job *job = user;
+static void put_vertices(const slvi_grid_job *job, uint32_t face, const slv_surface_arrays *limit) {
     const slv_tessellation *out = job->out;
-    slvi_face_grid grid;
-    uint64_t most = 1;
-    for (uint64_t face = begin; face < end; face++)
-        most = out->segments[face] > most ? out->segments[face] : most;
-    slv_result result =
-        slvi_face_grid_make(&job->env, (most + 1) * (most + 1), job->displacement != NULL, &grid);
-    for (uint64_t face = begin; face < end && !result; face++) {
-        uint32_t n = out->segments[face];
-        if (!n || (result = slvi_face_grid_evaluate(job, (uint32_t)face, n, &grid)))
-            continue;
-        slv_vertex *vertex = out->vertices + out->first[face];
-        for (uint32_t i = 0; i < (n + 1) * (n + 1); i++, vertex++) {
-            memcpy(vertex->position, grid.limit.positions + 3 * (size_t)i, sizeof vertex->position);
-            memcpy(vertex->normal, grid.limit.normals + 3 * (size_t)i, sizeof vertex->normal);
-            vertex->uv[0] = slv_half_from_float((float)(i % (n + 1)) / (float)n);
-            vertex->uv[1] = slv_half_from_float((float)(i / (n + 1)) / (float)n);
+    const uint32_t n = out->segments[face];
+    slv_vertex *vertex = out->vertices + out->first[face];
+    uint16_t along[129]; /* segments are 128 at most */
+    for (uint32_t x = 0; x <= n; x++)
+        along[x] = slv_half_from_float((float)x / (float)n);
+    for (uint32_t y = 0, i = 0; y <= n; y++)
+        for (uint32_t x = 0; x <= n; x++, i++, vertex++) {
+            memcpy(vertex->position, limit->positions + 3 * (size_t)i, sizeof vertex->position);
+            memcpy(vertex->normal, limit->normals + 3 * (size_t)i, sizeof vertex->normal);
+            vertex->uv[0] = along[x];
+            vertex->uv[1] = along[y];
             vertex->face = (int32_t)face;
         }
+}
+
+/* Faces that are divided differently are evaluated one by one, though they be of one unit. */
+static slv_result evaluate_unit(const slvi_grid_job *job, uint32_t unit, slvi_face_grid *grids) {
+    const uint16_t *segments = job->out->segments;
+    int32_t faces[SLVI_UNIT_FACES];
+    uint32_t count = slvi_surface_unit(job->surface, unit, faces), n = segments[faces[0]];
+    bool together = n > 0;
+    for (uint32_t k = 1; k < count; k++)
+        together = together && segments[faces[k]] == n;
+    slv_result result = together ? slvi_face_grids_evaluate(job, unit, n, grids) : SLV_OK;
+    for (uint32_t k = 0; k < count && !result; k++) {
+        const uint32_t face = (uint32_t)faces[k];
+        if (!segments[face] ||
+            (!together && (result = slvi_face_grid_evaluate(job, face, segments[face], &grids[k]))))
+            continue;
+        put_vertices(job, face, &grids[k].limit);
         if (job->displacement)
-            slvi_displace_face(job, (uint32_t)face, &grid);
+            slvi_displace_face(job, face, &grids[k]);
     }
-    slvi_face_grid_free(&grid);
+    return result;
+}
+
+static slv_result evaluate(void *user, uint64_t begin, uint64_t end) {
+    const slvi_grid_job *job = user;
+    slvi_face_grid grids[SLVI_UNIT_FACES] = {0};
+    slv_result result = SLV_OK;
+    uint64_t most = 1, points;
+    uint32_t wide = 1;
+    for (uint64_t unit = begin; unit < end; unit++) {
+        int32_t faces[SLVI_UNIT_FACES];
+        uint32_t count = slvi_surface_unit(job->surface, (uint32_t)unit, faces);
+        wide = count > wide ? count : wide;
+        for (uint32_t k = 0; k < count; k++)
+            most = job->out->segments[faces[k]] > most ? job->out->segments[faces[k]] : most;
+    }
+    points = (most + 1) * (most + 1);
+    for (uint32_t k = 0; k < wide && !result; k++)
+        result = slvi_face_grid_make(&job->env, points, job->displacement != NULL, &grids[k]);
+    for (uint64_t unit = begin; unit < end && !result; unit++)
+        result = evaluate_unit(job, (uint32_t)unit, grids);
+    for (uint32_t k = 0; k < wide; k++)
+        slvi_face_grid_free(&grids[k]);
     return result;
 }
 
@@ -175,12 +208,12 @@ static void find_bounds(slv_tessellation *t) {
         t->bounds_min[c] = INFINITY;
         t->bounds_max[c] = -INFINITY;
     }
-    for (uint32_t i = 0; i < t->first[t->nfaces]; i++) {
-        for (int c = 0; c < 3; c++) {
-            t->bounds_min[c] = fminf(t->bounds_min[c], t->vertices[i].position[c]);
-            t->bounds_max[c] = fmaxf(t->bounds_max[c], t->vertices[i].position[c]);
+    for (uint32_t i = 0; i < t->first[t->nfaces]; i++)
+        for (int c = 0; c < 3; c++) { /* fminf would be a call */
+            const float at = t->vertices[i].position[c];
+            t->bounds_min[c] = at < t->bounds_min[c] ? at : t->bounds_min[c];
+            t->bounds_max[c] = at > t->bounds_max[c] ? at : t->bounds_max[c];
         }
-    }
 }
 
 static slv_result check(const slv_env *env, const slv_mesh *mesh, const slv_surface *surface,
@@ -254,7 +287,7 @@ static slv_result tessellate(const slv_env *env, const slv_mesh *mesh, const slv
         (result = slvi_parallel_env_begin(env, &log, &job.env)) ||
         (result = divide(env, mesh, &job, params)) || (result = lay_out(env, &made)) ||
         (result = job.displacement ? slvi_displace_begin(env, &job) : SLV_OK) ||
-        (result = slvi_parallel_for(env, made.nfaces, 16, evaluate, &job)) ||
+        (result = slvi_parallel_for(env, slvi_surface_unit_count(surface), 16, evaluate, &job)) ||
         (result = slvi_parallel_for(env, made.nfaces, 256, weld, &job)) ||
         (result = job.displacement ? slvi_displace_end(env, &job) : SLV_OK) ||
         (result = slvi_parallel_for(env, made.nfaces, 256, snap, &job)) ||

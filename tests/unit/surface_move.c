@@ -3,6 +3,7 @@
  * cannot take. */
 #include "kit/mesh_shapes.h"
 
+#include <selvage/camera.h>
 #include <selvage/surface.h>
 #include <selvage/tessellation.h>
 
@@ -43,6 +44,35 @@ static bool same_surface(const slv_surface *a, const slv_surface *b) {
     return same;
 }
 
+/* Their vertices: faces divided alike, and each as a picture needs it. */
+static bool same_vertices(const slv_mesh *mesh, const slv_surface *a, const slv_surface *b) {
+    slv_env env = test_env();
+    slv_camera camera;
+    slv_adjacency *adjacency;
+    bool same = true;
+    MUST(slv_mesh_adjacency(&env, mesh, &adjacency));
+    for (uint32_t segments = 0; segments <= 4; segments += 2) {
+        slv_tessellation t[2];
+        slv_tessellation_params params = {.segments = segments};
+        if (!segments) {
+            const float low[3] = {-1, -1, -1}, high[3] = {1, 1, 1};
+            camera = slv_camera_orbit(low, high, 30, 20, 40, 1);
+            params = (slv_tessellation_params){
+                .camera = &camera, .width = 64, .height = 64, .pixels = 4};
+        }
+        MUST(slv_tessellate_with(&env, mesh, a, adjacency, &params, &t[0]));
+        MUST(slv_tessellate_with(&env, mesh, b, adjacency, &params, &t[1]));
+        uint32_t count = t[0].first[t[0].nfaces];
+        same = same && count == t[1].first[t[1].nfaces] &&
+               memcmp(t[0].vertices, t[1].vertices, count * sizeof *t[0].vertices) == 0 &&
+               memcmp(t[0].segments, t[1].segments, t[0].nfaces * sizeof *t[0].segments) == 0;
+        slv_tessellation_free(&t[0]);
+        slv_tessellation_free(&t[1]);
+    }
+    slv_adjacency_destroy(adjacency);
+    return same;
+}
+
 static void try_mesh(const char *name, const slv_mesh *mesh, slv_scheme scheme) {
     slv_env env = test_env();
     slv_surface_params params = {.scheme = scheme, .moves = true}, plain = {.scheme = scheme};
@@ -60,6 +90,8 @@ static void try_mesh(const char *name, const slv_mesh *mesh, slv_scheme scheme) 
         CHECK(!same_surface(surface, afresh));
         MUST(slv_surface_move(surface, view->nverts, positions));
         CHECK_MSG(same_surface(surface, afresh), "%s, %s: other values when moved", name,
+                  slv_scheme_name(scheme));
+        CHECK_MSG(same_vertices(mesh, surface, afresh), "%s, %s: other vertices when moved", name,
                   slv_scheme_name(scheme));
         slv_surface_destroy(afresh);
         slv_mesh_destroy(other);
@@ -115,6 +147,7 @@ static void shapes(void) {
     slv_mesh *mesh;
     MUST(slv_mesh_create(&env, &view, &mesh));
     try_mesh("tetrahedron", mesh, SLV_SCHEME_LOOP);
+    try_mesh("tetrahedron", mesh, SLV_SCHEME_CATMARK);
     slv_mesh_destroy(mesh);
 }
 

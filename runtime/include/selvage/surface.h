@@ -24,8 +24,9 @@ SLV_API bool slv_scheme_from_name(const char *name, slv_scheme *out);
 typedef struct slv_surface_params {
     slv_scheme scheme;
     slv_boundary boundary;
-    bool moves; /* slv_surface_move will be called: keeps 64 bytes more for each quad, and 12 for
-                   each vertex */
+    bool moves; /* slv_surface_move will be called: keeps 64 bytes more for each quad, 12 for each
+                   vertex, and weights, 1 MiB at most, for each kind of polygon that is not regular:
+                   those with the same topology and creases around them */
     uint64_t reserved[4];
 } slv_surface_params;
 

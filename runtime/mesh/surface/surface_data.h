@@ -15,6 +15,8 @@
 #include <shared_mutex>
 #include <vector>
 
+#include "mesh/surface/surface_units.h"
+
 extern "C" {
 #include "base/log.h"
 #include "mesh/mesh_data.h"
@@ -27,6 +29,8 @@ namespace Far = OpenSubdiv::Far;
 namespace Sdc = OpenSubdiv::Sdc;
 
 constexpr uint32_t kChunk = 256; /* polygons prepared and stored together */
+constexpr uint32_t kLanes =
+    SLVI_UNIT_FACES; /* polygons at most whose points are moved and weighed together */
 
 using BfrSurface = Bfr::Surface<float>;
 
@@ -36,8 +40,9 @@ enum class Kind : uint8_t { bilinear, regular, irregular, triangle };
 struct Patch {
     Kind kind = Kind::bilinear;
     uint8_t open = 0;     /* regular: a bit for each side whose points lie beyond a boundary */
+    uint8_t lanes = 0;    /* if not 0: points are among the surface's, those of so many together */
     uint32_t surface = 0; /* which of the chunk's; regular: of its controls */
-    size_t points = 0;    /* where in the chunk's points */
+    size_t points = 0;    /* where in the chunk's points, or the surface's */
 };
 
 struct Chunk {
@@ -49,6 +54,25 @@ struct Chunk {
 /* A polygon's centre, and how far it reaches along any axis. */
 struct Middle {
     float centre[3] = {0, 0, 0}, extent = 0;
+};
+
+/* How the points of all polygons with the same topology around them follow from their controls: a
+ * row of weights for each point behind the controls. */
+struct Weights {
+    uint32_t controls = 0, rows = 0;
+    std::vector<float> values; /* none: OpenSubdiv is asked each time */
+};
+
+/* Polygons with the same weights. Their points alternate: the first of each, the second of each. */
+struct Batch {
+    uint32_t polys[kLanes], count, weights;
+    size_t points; /* where in the surface's */
+};
+
+/* Faces of a batch, or one face. */
+struct Unit {
+    int32_t faces[kLanes];
+    uint32_t count;
 };
 
 /* What OpenSubdiv is given. It prints about tags that name nothing, and crashes on some polygons
@@ -69,6 +93,14 @@ struct Topology {
 /* What OpenSubdiv can be given of a mesh, cut where it is not manifold. */
 slv_result make_manifold(const slv_env *env, const slv_mesh *mesh, const slv_surface &s,
                          Topology &out);
+
+/* surface_batches.cpp */
+/* Puts polygons together whose patches are the same (`trees`, one a polygon, NULL: by itself),
+ * finds their weights. `bytes` is what the surface takes already. */
+slv_result make_batches(const slv_env *env, slv_surface &s, const std::vector<const void *> &trees,
+                        uint64_t bytes);
+/* Gives all batches their points anew. */
+slv_result move_batches(slv_surface &s);
 
 /* Calls a function of slv_result; OpenSubdiv's throws, if any, and the standard library's become
  * results. */
@@ -98,6 +130,10 @@ struct slv_surface {
     bool moves;
     std::vector<uint32_t> origin; /* if it moves: of OpenSubdiv's vertices the mesh's, */
     std::vector<float> placed;    /* and where they are */
+    std::vector<slvi_surface::Weights> weights;
+    std::vector<slvi_surface::Batch> batches;
+    std::vector<slvi_surface::Unit> units;
+    std::vector<float> points; /* of the batches */
 };
 
 #endif

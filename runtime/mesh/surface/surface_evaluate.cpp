@@ -20,7 +20,7 @@ struct Prepared {
     const float *points;
     const BfrSurface *surface;
     Bfr::Parameterization parameters;
-    int sub;
+    int sub, stride;     /* floats from point to point */
     float corners[4][3]; /* bilinear, in the order of the face's corners */
     float extent;        /* of the control polygon */
     float row_v;         /* regular: what the rows below were summed for; NaN at first */
@@ -75,42 +75,56 @@ void evaluate_bilinear(const Prepared &face, float u, float v, Point &out) {
     }
 }
 
-void evaluate_irregular(const Prepared &face, float u, float v, bool derivatives, Point &out) {
+/* A place of a surface of OpenSubdiv's on `count` faces, which share their weights and whose points
+ * alternate. */
+void evaluate_bfr(const Prepared &face, uint32_t count, const float uv[2], bool derivatives,
+                  Point *out) {
+    float position[3 * kLanes], du[3 * kLanes], dv[3 * kLanes];
+    const BfrSurface::PointDescriptor points(int(3 * count), face.stride);
+    if (derivatives)
+        face.surface->Evaluate(uv, face.points, points, position, du, dv);
+    else
+        face.surface->Evaluate(uv, face.points, points, position);
+    for (uint32_t k = 0; k < count; k++)
+        for (uint32_t c = 0; c < 3; c++) {
+            out[k].position[c] = position[3 * k + c];
+            out[k].du[c] = derivatives ? du[3 * k + c] : 0;
+            out[k].dv[c] = derivatives ? dv[3 * k + c] : 0;
+        }
+}
+
+void evaluate_irregular(const Prepared &face, uint32_t count, float u, float v, bool derivatives,
+                        Point *out) {
     float uv[2] = {u, v};
     if (face.sub >= 0) {
         /* A sub-face is a quarter of its unit tile. */
         float half[2] = {0.5f * u, 0.5f * v};
         face.parameters.ConvertSubFaceToCoord(face.sub, half, uv);
     }
-    if (!derivatives) {
-        face.surface->Evaluate(uv, face.points, 3, out.position);
-        return;
-    }
-    face.surface->Evaluate(uv, face.points, 3, out.position, out.du, out.dv);
-    if (face.sub >= 0)
+    evaluate_bfr(face, count, uv, derivatives, out);
+    for (uint32_t k = 0; k < count && face.sub >= 0; k++)
         for (int c = 0; c < 3; c++) {
-            out.du[c] *= 0.5f;
-            out.dv[c] *= 0.5f;
+            out[k].du[c] *= 0.5f;
+            out[k].dv[c] *= 0.5f;
         }
 }
 
 /* The limit of a triangle in its barycentric coordinates, of which a sub-face's are a function. */
-void evaluate_triangle(const Prepared &face, float s, float t, bool derivatives, Point &out) {
-    float uv[2], du[3], dv[3];
+void evaluate_triangle(const Prepared &face, uint32_t count, float s, float t, bool derivatives,
+                       Point *out) {
+    float uv[2];
     slv_triangle_from_subface(unsigned(face.sub), s, t, &uv[0], &uv[1]);
-    if (!derivatives) {
-        face.surface->Evaluate(uv, face.points, 3, out.position);
-        return;
-    }
-    face.surface->Evaluate(uv, face.points, 3, out.position, du, dv);
+    evaluate_bfr(face, count, uv, derivatives, out);
     /* the weights of the vertices, from the sub-face's own on */
     const float along_s[3] = {(2 * t - 3) / 6, (3 - t) / 6, -t / 6},
                 along_t[3] = {(2 * s - 3) / 6, -s / 6, (3 - s) / 6};
     int at_u = (4 - face.sub) % 3, at_v = (5 - face.sub) % 3;
-    for (int c = 0; c < 3; c++) {
-        out.du[c] = along_s[at_u] * du[c] + along_s[at_v] * dv[c];
-        out.dv[c] = along_t[at_u] * du[c] + along_t[at_v] * dv[c];
-    }
+    for (uint32_t k = 0; k < count; k++)
+        for (int c = 0; c < 3; c++) {
+            const float du = out[k].du[c], dv = out[k].dv[c];
+            out[k].du[c] = along_s[at_u] * du + along_s[at_v] * dv;
+            out[k].dv[c] = along_t[at_u] * du + along_t[at_v] * dv;
+        }
 }
 
 void evaluate_point(Prepared &face, float u, float v, bool derivatives, Point &out) {
@@ -122,10 +136,10 @@ void evaluate_point(Prepared &face, float u, float v, bool derivatives, Point &o
         evaluate_regular(face, u, v, derivatives, out);
         break;
     case Kind::irregular:
-        evaluate_irregular(face, u, v, derivatives, out);
+        evaluate_irregular(face, 1, u, v, derivatives, &out);
         break;
     case Kind::triangle:
-        evaluate_triangle(face, u, v, derivatives, out);
+        evaluate_triangle(face, 1, u, v, derivatives, &out);
         break;
     }
 }
@@ -202,7 +216,8 @@ void prepare_face(const slv_surface &s, int32_t id, Prepared &out) {
     out.kind = patch.kind;
     if (patch.kind == Kind::bilinear)
         return;
-    out.points = &chunk.points[patch.points];
+    out.points = patch.lanes ? &s.points[patch.points] : &chunk.points[patch.points];
+    out.stride = patch.lanes ? 3 * patch.lanes : 3;
     if (patch.kind != Kind::regular) {
         out.surface = &chunk.surfaces[patch.surface];
         out.parameters = out.surface->GetParameterization();
@@ -214,16 +229,25 @@ void put(float *array, size_t i, const float value[3]) {
         array[3 * i + c] = value[c];
 }
 
-void evaluate_into(Prepared &face, float u, float v, const slv_surface_arrays &out, size_t i) {
-    Point point;
-    u = clamp_unit(u);
-    v = clamp_unit(v);
-    evaluate_point(face, u, v, out.du || out.dv || out.normals, point);
+bool wants_derivatives(const slv_surface_arrays &out) {
+    return out.du || out.dv || out.normals;
+}
+
+void put_point(Prepared &face, float u, float v, const Point &point, const slv_surface_arrays &out,
+               size_t i) {
     put(out.positions, i, point.position);
     put(out.du, i, point.du);
     put(out.dv, i, point.dv);
     if (out.normals)
         evaluate_normal(face, u, v, point, out.normals + 3 * i);
+}
+
+void evaluate_into(Prepared &face, float u, float v, const slv_surface_arrays &out, size_t i) {
+    Point point;
+    u = clamp_unit(u);
+    v = clamp_unit(v);
+    evaluate_point(face, u, v, wants_derivatives(out), point);
+    put_point(face, u, v, point, out, i);
 }
 
 bool face_exists(const slv_surface *s, int32_t face) {
@@ -285,6 +309,33 @@ slv_result slv_surface_evaluate_grid(const slv_surface *surface, int32_t face_id
         for (uint32_t y = 0; y <= nv; y++)
             for (uint32_t x = 0; x <= nu; x++)
                 evaluate_into(face, float(x) / float(nu), float(y) / float(nv), *out, i++);
+        return SLV_OK;
+    });
+}
+
+slv_result slvi_surface_evaluate_unit(const slv_surface *surface, uint32_t unit, uint32_t n,
+                                      const slv_surface_arrays out[SLVI_UNIT_FACES]) {
+    int32_t faces[SLVI_UNIT_FACES];
+    uint32_t count = slvi_surface_unit(surface, unit, faces);
+    if (count == 1)
+        return slv_surface_evaluate_grid(surface, faces[0], n, n, out);
+    return guarded(&surface->env, [&]() -> slv_result {
+        Prepared prepared[SLVI_UNIT_FACES];
+        Point points[SLVI_UNIT_FACES];
+        bool derivatives = false;
+        for (uint32_t k = 0; k < count; k++) {
+            prepare_face(*surface, faces[k], prepared[k]);
+            derivatives = derivatives || wants_derivatives(out[k]);
+        }
+        for (size_t i = 0; i < size_t(n + 1) * (n + 1); i++) {
+            float u = float(i % (n + 1)) / float(n), v = float(i / (n + 1)) / float(n);
+            if (prepared[0].kind == Kind::triangle)
+                evaluate_triangle(prepared[0], count, u, v, derivatives, points);
+            else
+                evaluate_irregular(prepared[0], count, u, v, derivatives, points);
+            for (uint32_t k = 0; k < count; k++)
+                put_point(prepared[k], u, v, points[k], out[k], i);
+        }
         return SLV_OK;
     });
 }

@@ -1,5 +1,5 @@
-/* Surfaces made: every polygon is prepared once. Regular ones become sixteen B-spline points,
- * others a surface of OpenSubdiv's Bfr with its points. */
+/* Surfaces made, and moved: every polygon is prepared once. Regular ones become sixteen B-spline
+ * points, others a surface of OpenSubdiv's Bfr with its points. */
 #include "mesh/surface/surface_data.h"
 
 #include <algorithm>
@@ -20,6 +20,38 @@ using Cache =
     Bfr::SurfaceFactoryCacheThreaded<std::shared_mutex, std::shared_lock<std::shared_mutex>,
                                      std::unique_lock<std::shared_mutex>>;
 using Factory = Bfr::RefinerSurfaceFactory<Cache>;
+
+/* The trees of patches that polygons with the same topology around them share. */
+class Trees : public Cache {
+  public:
+    using Cache::Add;
+    using Cache::DataType;
+    using Cache::Find;
+    using Cache::KeyType;
+};
+
+/* Hands on to the shared ones, and says which tree it was that a polygon was given. */
+class Witness : public Bfr::SurfaceFactoryCache {
+  public:
+    explicit Witness(Trees &trees) : trees_(trees) {
+    }
+    mutable const void *last = nullptr;
+
+  protected:
+    DataType Find(KeyType const &key) const override {
+        return seen(trees_.Find(key));
+    }
+    DataType Add(KeyType const &key, DataType const &data) override {
+        return seen(trees_.Add(key, data));
+    }
+
+  private:
+    DataType seen(DataType tree) const {
+        last = tree.get();
+        return tree;
+    }
+    Trees &trees_;
+};
 
 enum Side : uint8_t { kBottom = 1, kTop = 2, kLeft = 4, kRight = 8 };
 
@@ -63,17 +95,20 @@ void place_regular(const int controls[16], uint8_t open, const float *positions,
 struct Build {
     slv_surface *surface;
     const Topology *topology;
-    const Factory *factory;
+    Trees trees;
+    std::vector<const void *> tree; /* of a surface that moves: of each polygon, or none */
     uint64_t max_bytes;
     std::atomic<uint64_t> bytes{0};
     std::atomic<uint32_t> refused{0};
 };
 
-void prepare_polygon(Build &build, uint32_t poly, Chunk &chunk) {
+void prepare_polygon(Build &build, const Factory &factory, const Witness &witness, uint32_t poly,
+                     Chunk &chunk) {
     Patch &patch = build.surface->patches[poly];
     int face = build.topology->osd_face[poly];
     BfrSurface surface;
-    if (build.topology->refused[poly] || !build.factory->InitVertexSurface(face, &surface)) {
+    witness.last = nullptr;
+    if (build.topology->refused[poly] || !factory.InitVertexSurface(face, &surface)) {
         build.refused++;
         return;
     }
@@ -95,17 +130,27 @@ void prepare_polygon(Build &build, uint32_t poly, Chunk &chunk) {
     }
     patch.kind = build.surface->scheme == SLV_SCHEME_LOOP ? Kind::triangle : Kind::irregular;
     patch.surface = uint32_t(chunk.surfaces.size());
+    chunk.surfaces.push_back(surface);
+    if (build.surface->moves && witness.last) {
+        build.tree[poly] = witness.last;
+        return;
+    }
     chunk.points.resize(patch.points + 3 * size_t(surface.GetNumPatchPoints()));
     surface.PreparePatchPoints(build.topology->positions.data(), 3, &chunk.points[patch.points], 3);
-    chunk.surfaces.push_back(surface);
 }
 
 slv_result prepare_range(void *user, uint64_t first, uint64_t end) {
     Build &build = *static_cast<Build *>(user);
     try {
         Chunk &chunk = build.surface->chunks[first / kChunk];
+        Witness witness(build.trees);
+        Factory::Options options;
+        options.SetApproxLevelSmooth(kSmoothLevel)
+            .SetApproxLevelSharp(kSharpLevel)
+            .SetExternalCache(&witness);
+        Factory factory(*build.topology->refiner, options);
         for (uint64_t p = first; p < end; p++)
-            prepare_polygon(build, uint32_t(p), chunk);
+            prepare_polygon(build, factory, witness, uint32_t(p), chunk);
         chunk.points.shrink_to_fit();
         chunk.surfaces.shrink_to_fit();
         chunk.controls.shrink_to_fit();
@@ -131,11 +176,9 @@ slv_result build_patches(const slv_env *env, const slv_mesh *mesh, slv_surface *
     build.surface = s;
     build.topology = &topology;
     build.max_bytes = s->env.max_bytes;
+    if (s->moves)
+        build.tree.assign(npolys, nullptr);
     if (topology.refiner) {
-        Factory::Options options;
-        options.SetApproxLevelSmooth(kSmoothLevel).SetApproxLevelSharp(kSharpLevel);
-        Factory factory(*topology.refiner, options);
-        build.factory = &factory;
         if ((result = slvi_parallel_for(env, npolys, kChunk, prepare_range, &build)))
             return slvi_fail(env, result, "surface: could not be prepared: %s",
                              slv_result_string(result));
@@ -145,6 +188,8 @@ slv_result build_patches(const slv_env *env, const slv_mesh *mesh, slv_surface *
     if (s->moves) {
         s->origin.swap(topology.origin);
         s->placed.swap(topology.positions);
+        if ((result = make_batches(env, *s, build.tree, build.bytes)))
+            return result;
     }
     if (build.refused)
         slvi_logf(env, SLV_LOG_WARNING,
@@ -188,7 +233,7 @@ slv_result move_range(void *user, uint64_t first, uint64_t end) {
     Chunk &chunk = s.chunks[first / kChunk];
     for (uint64_t p = first; p < end; p++) {
         const Patch &patch = s.patches[p];
-        if (patch.kind == Kind::bilinear)
+        if (patch.kind == Kind::bilinear || patch.lanes)
             continue;
         float *points = &chunk.points[patch.points];
         if (patch.kind == Kind::regular)
@@ -267,7 +312,8 @@ slv_result slv_surface_move(slv_surface *surface, uint32_t nverts, const float *
     for (size_t v = 0; v < s.origin.size(); v++)
         std::copy(positions + 3 * size_t(s.origin[v]), positions + 3 * size_t(s.origin[v]) + 3,
                   &s.placed[3 * v]);
-    return slvi_parallel_for(&s.env, s.patches.size(), kChunk, move_range, &s);
+    slv_result result = slvi_parallel_for(&s.env, s.patches.size(), kChunk, move_range, &s);
+    return result ? result : move_batches(s);
 }
 
 void slv_surface_destroy(slv_surface *surface) {
