@@ -21,8 +21,8 @@ refined_now() {
 }
 
 "$bin/selvage-assets" "$here/demo" >/dev/null
-start_display 1000x860
-start_studio --size 660x640 "$here/demo/scene_faces.ptx"
+start_display 1000x900
+start_studio --size 660x720 "$here/demo/scene_faces.ptx"
 take_window
 for i in 1 2 3 4 5 6; do xdotool mousemove $middle_x $((middle_y + 20)) click 4; done
 key strategy 1

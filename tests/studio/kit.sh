@@ -127,6 +127,22 @@ answer() { # KEY NUMBER
     grep '"event":"answer"' "$log" | tail -n 1 | grep -q "\"answer\":$2}" || fail "the answer was not $2"
     xdotool windowfocus "$window" 2>/dev/null || true
 }
+# Types a number into a question until it has been answered.
+answer_with() { # NUMBER
+    wanted=$(($(count_of '"event":"answer"') + 1))
+    tries=0
+    while [ "$(count_of '"event":"answer"')" -lt $wanted ]; do
+        tries=$((tries + 1))
+        [ $tries -lt 1200 ] || fail "the number has not been taken"
+        question=$(other_window)
+        if [ -n "$question" ] && [ $((tries % 100)) = 10 ]; then
+            xdotool windowfocus "$question" key ctrl+a type --delay 10 "$1" || true
+            xdotool key Return
+        fi
+        sleep 0.05
+    done
+    grep '"event":"answer"' "$log" | tail -n 1 | grep -q "\"answer\":$1}" || fail "the answer was not $1"
+}
 ends() { # waits for the end of the studio
     wait "$studio" || fail "the studio has ended with $?"
     studio=

@@ -42,12 +42,15 @@ key frame f
 key face-front KP_1
 does '"event":"chooser"' key F8
 choose '"event":"view-opened"' "$here/view.json"
-does '"event":"chooser"' key shift+F12
+does '"event":"question"' key shift+F12
+answer_with 12
 choose '"event":"turntable"' "$here/turn-##.png"
-[ "$(ls "$here" | grep -c '^turn-[0-9][0-9].png$')" = 36 ] || fail "there are not 36 pictures"
+[ "$(ls "$here" | grep -c '^turn-[0-9][0-9].png$')" = 12 ] || fail "there are not 12 pictures"
 apart window turn-01 lt 1
 if [ -n "${SELVAGE_TEST_EFFORT:-}" ]; then
-    "$bin/selvage" render "$here/cube.ptx" "$here/command-##.png" --view "$here/view.json" --background 0.03,0.03,0.035 --turntable 36 -q
+    key report-orbit ctrl+shift+r
+    wait_for '"event":"report"'
+    "$bin/selvage" render "$here/cube.ptx" "$here/command-##.png" --view "$here/view.json" --background 0.03,0.03,0.035 --turntable 12 -q
     apart turn-10 command-10 lt 8
 fi
 # in the light of an image, turned

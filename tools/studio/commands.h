@@ -63,6 +63,7 @@ void studio_do_screenshot_to(studio_app *app, const char *target);
 void studio_do_screenshot(studio_app *app, const char *target);
 void studio_do_turntable_to(studio_app *app, const char *target);
 void studio_do_turntable(studio_app *app, const char *target);
+void studio_do_turntable_count(studio_app *app, const char *target);
 void studio_do_turntable_cancel(studio_app *app, const char *target);
 void studio_do_shortcuts(studio_app *app, const char *target);
 void studio_do_about(studio_app *app, const char *target);
@@ -105,6 +106,7 @@ void studio_set_compare(studio_app *app, const char *target);
 void studio_do_other_next(studio_app *app, const char *target);
 void studio_do_seam_jump(studio_app *app, const char *target);
 void studio_do_report(studio_app *app, const char *target);
+void studio_do_report_orbit(studio_app *app, const char *target);
 void studio_do_report_cancel(studio_app *app, const char *target);
 void studio_do_report_show(studio_app *app, const char *target);
 

@@ -226,12 +226,23 @@ void studio_do_turntable_to(studio_app *app, const char *target) {
     studio_failed(app, studio_turntable_begin(app, target));
 }
 
-void studio_do_turntable(studio_app *app, const char *target) {
-    char *name = suggestion(app, "-####.png");
-    (void)target;
+void studio_do_turntable_count(studio_app *app, const char *target) {
+    app->turns = (uint32_t)CLAMP(strtoul(target, NULL, 10), 1, STUDIO_TURNS);
+}
+
+static void turns_told(studio_app *app, uint32_t count) {
+    char *name = suggestion(app, "-####.png"), text[16];
+    snprintf(text, sizeof text, "%u", count);
+    studio_actions_run(app, "turntable-count", text);
     studio_choose_file(app, "Save pictures from all around, numbered", GTK_FILE_CHOOSER_ACTION_SAVE,
                        name, turn);
     g_free(name);
+}
+
+void studio_do_turntable(studio_app *app, const char *target) {
+    (void)target;
+    studio_ask_number(app, "How many pictures from all around?", app->turns, STUDIO_TURNS,
+                      turns_told);
 }
 
 void studio_do_turntable_cancel(studio_app *app, const char *target) {

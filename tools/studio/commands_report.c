@@ -55,33 +55,76 @@ static void ended(GObject *source, GAsyncResult *answer, gpointer user) {
     g_object_unref(process);
 }
 
-void studio_do_report(studio_app *app, const char *target) {
+/* The orbit goes around as far away as the view is framed, from where it looks now. */
+static void put_orbit(const studio_app *app, GPtrArray *arguments) {
+    const studio_camera *c = &app->camera;
+    const struct {
+        const char *option;
+        double value;
+    } numbers[] = {{"--azimuth", (double)c->azimuth},
+                   {"--elevation", (double)c->elevation},
+                   {"--fov", c->orthographic ? 0 : (double)c->fov},
+                   {"--orbit", 360},
+                   {"--tilt", 0},
+                   {"--dolly", 1}};
+    for (size_t i = 0; i < G_N_ELEMENTS(numbers); i++) {
+        g_ptr_array_add(arguments, g_strdup(numbers[i].option));
+        g_ptr_array_add(arguments, g_strdup_printf("%.9g", numbers[i].value));
+    }
+}
+
+static void run(studio_app *app, const char *command, const char *folder, bool orbit) {
+    char *texture = g_build_filename(folder, "texture.ptx", NULL),
+         *view = g_build_filename(folder, "view.json", NULL);
+    g_free(app->report_path);
+    app->report_path = g_build_filename(folder, "report.html", NULL);
+    if (!studio_failed(app, write_texture(app, texture)) &&
+        !studio_failed(app, orbit ? SLV_OK : studio_view_save(app, view))) {
+        const char *const given[] = {command, "compare", texture, "--quick", "--out", folder};
+        GPtrArray *arguments = g_ptr_array_new_with_free_func(g_free);
+        for (size_t i = 0; i < G_N_ELEMENTS(given); i++)
+            g_ptr_array_add(arguments, g_strdup(given[i]));
+        if (orbit) {
+            put_orbit(app, arguments);
+        } else {
+            g_ptr_array_add(arguments, g_strdup("--view"));
+            g_ptr_array_add(arguments, g_strdup(view));
+        }
+        g_ptr_array_add(arguments, NULL);
+        app->report = g_subprocess_newv(
+            (const char *const *)arguments->pdata,
+            G_SUBPROCESS_FLAGS_STDOUT_SILENCE | G_SUBPROCESS_FLAGS_STDERR_PIPE, NULL);
+        g_ptr_array_unref(arguments);
+    }
+    if (app->report) {
+        g_subprocess_communicate_utf8_async(app->report, NULL, NULL, ended, app);
+        studio_say(app, "The strategies are being compared.", "Cancel", "report-cancel");
+    }
+    g_free(texture);
+    g_free(view);
+}
+
+static void report(studio_app *app, bool orbit) {
     char *folder = g_dir_make_tmp("selvage-report-XXXXXX", NULL), *command = find_command();
-    (void)target;
-    if (app->report || !folder || !command) {
+    if (app->report || !folder || !command)
         studio_say(app,
                    app->report ? "A report is being made."
                                : "The command selvage is not to be found.",
                    NULL, NULL);
-    } else {
-        char *texture = g_build_filename(folder, "texture.ptx", NULL),
-             *view = g_build_filename(folder, "view.json", NULL);
-        g_free(app->report_path);
-        app->report_path = g_build_filename(folder, "report.html", NULL);
-        if (!studio_failed(app, write_texture(app, texture)) &&
-            !studio_failed(app, studio_view_save(app, view)))
-            app->report = g_subprocess_new(
-                G_SUBPROCESS_FLAGS_STDOUT_SILENCE | G_SUBPROCESS_FLAGS_STDERR_PIPE, NULL, command,
-                "compare", texture, "--view", view, "--quick", "--out", folder, NULL);
-        if (app->report) {
-            g_subprocess_communicate_utf8_async(app->report, NULL, NULL, ended, app);
-            studio_say(app, "The strategies are being compared.", "Cancel", "report-cancel");
-        }
-        g_free(texture);
-        g_free(view);
-    }
+    else
+        run(app, command, folder, orbit);
     g_free(folder);
     g_free(command);
+}
+
+void studio_do_report(studio_app *app, const char *target) {
+    (void)target;
+    report(app, false);
+}
+
+void studio_do_report_orbit(studio_app *app, const char *target) {
+    (void)target;
+    report(app, true);
 }
 
 void studio_do_report_cancel(studio_app *app, const char *target) {

@@ -5,6 +5,8 @@ typedef struct question {
     studio_app *app;
     studio_answer_fn answer;
     studio_path_fn path;
+    studio_number_fn number;
+    GtkWidget *field; /* of a number */
     int last;
 } question;
 
@@ -32,6 +34,39 @@ void studio_ask(studio_app *app, const char *text, const char *more, const char 
     gtk_dialog_set_default_response(GTK_DIALOG(dialog), 0);
     g_signal_connect(dialog, "response", G_CALLBACK(answered), q);
     gtk_window_present(GTK_WINDOW(dialog));
+    studio_log(app, "\"event\":\"question\"");
+}
+
+static void numbered(GtkDialog *dialog, int response, gpointer user) {
+    question *q = user;
+    GtkSpinButton *spin = GTK_SPIN_BUTTON(q->field);
+    gtk_spin_button_update(spin);
+    uint32_t number = (uint32_t)gtk_spin_button_get_value_as_int(spin);
+    gtk_window_destroy(GTK_WINDOW(dialog));
+    studio_log(q->app, "\"event\":\"answer\",\"answer\":%d", response == 0 ? (int)number : 0);
+    if (response == 0)
+        q->number(q->app, number);
+    g_free(q);
+}
+
+void studio_ask_number(studio_app *app, const char *text, uint32_t value, uint32_t most,
+                       studio_number_fn done) {
+    question *q = g_new0(question, 1);
+    GtkWidget *dialog =
+        gtk_message_dialog_new(app->window, GTK_DIALOG_MODAL | GTK_DIALOG_DESTROY_WITH_PARENT,
+                               GTK_MESSAGE_QUESTION, GTK_BUTTONS_NONE, "%s", text);
+    GtkWidget *field = gtk_spin_button_new_with_range(1, most, 1);
+    *q = (question){.app = app, .number = done, .field = field};
+    gtk_spin_button_set_value(GTK_SPIN_BUTTON(field), value);
+    gtk_accessible_update_property(GTK_ACCESSIBLE(field), GTK_ACCESSIBLE_PROPERTY_LABEL, text, -1);
+    gtk_text_set_activates_default(GTK_TEXT(gtk_editable_get_delegate(GTK_EDITABLE(field))), TRUE);
+    gtk_box_append(GTK_BOX(gtk_message_dialog_get_message_area(GTK_MESSAGE_DIALOG(dialog))), field);
+    gtk_dialog_add_button(GTK_DIALOG(dialog), "_OK", 0);
+    gtk_dialog_add_button(GTK_DIALOG(dialog), "_Cancel", 1);
+    gtk_dialog_set_default_response(GTK_DIALOG(dialog), 0);
+    g_signal_connect(dialog, "response", G_CALLBACK(numbered), q);
+    gtk_window_present(GTK_WINDOW(dialog));
+    gtk_widget_grab_focus(field);
     studio_log(app, "\"event\":\"question\"");
 }
 

@@ -65,6 +65,7 @@ int main(int argc, char **argv) {
     app.look = studio_look_default();
     app.paint = studio_paint_default();
     studio_swatches_default(app.swatches);
+    app.turns = 36;
     app.camera = (studio_camera){.azimuth = 30, .elevation = 20, .fov = 35, .distance = 1};
     if (!read_arguments(&app, argc, argv))
         return EXIT_FAILED;

@@ -130,7 +130,7 @@ GtkWidget *studio_panel_brush(studio_app *app) {
     gtk_accessible_update_property(GTK_ACCESSIBLE(search), GTK_ACCESSIBLE_PROPERTY_LABEL,
                                    "Search brushes", -1);
     gtk_scrolled_window_set_child(GTK_SCROLLED_WINDOW(scrolled), app->brushes_list);
-    gtk_widget_set_size_request(scrolled, -1, 150);
+    gtk_widget_set_size_request(scrolled, -1, 160);
     gtk_grid_attach(GTK_GRID(grid), search, 0, SLIDERS + 1, 2, 1);
     gtk_grid_attach(GTK_GRID(grid), scrolled, 0, SLIDERS + 2, 2, 1);
     g_timeout_add_full(G_PRIORITY_LOW, 500, find_brushes, app, NULL);

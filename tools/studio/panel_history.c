@@ -3,7 +3,7 @@
 
 #include <string.h>
 
-enum { HEIGHT = 110, MOST = 400 }; /* rows; what is older can be reached by undoing */
+enum { HEIGHT = 102, MOST = 400 }; /* rows; what is older can be reached by undoing */
 
 static void chosen(GtkListBox *list, GtkListBoxRow *row, gpointer user) {
     studio_app *app = user;

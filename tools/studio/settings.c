@@ -50,6 +50,7 @@ void studio_settings_load(studio_app *app) {
         app->paint.color[0] = number_of(file, "red", 0, 1, app->paint.color[0]);
         app->paint.color[1] = number_of(file, "green", 0, 1, app->paint.color[1]);
         app->paint.color[2] = number_of(file, "blue", 0, 1, app->paint.color[2]);
+        app->turns = (uint32_t)number_of(file, "turns", 1, STUDIO_TURNS, (float)app->turns);
         int width = (int)number_of(file, "width", 640, 16384, 0),
             height = (int)number_of(file, "height", 400, 16384, 0);
         if (width && height && !app->size[0])
@@ -82,6 +83,7 @@ void studio_settings_save(studio_app *app) {
     g_key_file_set_double(file, "studio", "red", (double)app->paint.color[0]);
     g_key_file_set_double(file, "studio", "green", (double)app->paint.color[1]);
     g_key_file_set_double(file, "studio", "blue", (double)app->paint.color[2]);
+    g_key_file_set_integer(file, "studio", "turns", (int)app->turns);
     if (!app->size[0]) {
         g_key_file_set_integer(file, "studio", "width", width);
         g_key_file_set_integer(file, "studio", "height", height);

@@ -37,7 +37,7 @@ typedef enum studio_drag {
     STUDIO_DRAG_TEXELS
 } studio_drag;
 
-enum { STUDIO_BOOKMARKS = 4, STUDIO_RECENT = 8 };
+enum { STUDIO_BOOKMARKS = 4, STUDIO_RECENT = 8, STUDIO_TURNS = 10000 };
 
 typedef struct studio_app {
     GtkApplication *application;
@@ -100,6 +100,7 @@ typedef struct studio_app {
     char *screenshot;      /* to be written after the next fine picture */
     frames_list turntable; /* that is being written; no cameras: none is */
     uint32_t turned;       /* so many of its pictures are */
+    uint32_t turns;        /* of how many, if nobody asks for another number */
     char *turntable_path;
 } studio_app;
 
@@ -182,6 +183,11 @@ typedef void (*studio_answer_fn)(studio_app *app, int answer);
 /* Up to three answers, the last of which is what closing the question means. */
 void studio_ask(studio_app *app, const char *question, const char *more,
                 const char *const answers[3], studio_answer_fn done);
+
+typedef void (*studio_number_fn)(studio_app *app, uint32_t number);
+/* A number from 1 on, which closing the question leaves unasked. */
+void studio_ask_number(studio_app *app, const char *question, uint32_t value, uint32_t most,
+                       studio_number_fn done);
 
 /* settings.c */
 void studio_settings_load(studio_app *app);

@@ -2,8 +2,6 @@
  */
 #include "studio/studio.h"
 
-enum { PICTURES = 36 };
-
 void studio_turntable_stop(studio_app *app) {
     frames_free(&app->turntable);
     g_free(app->turntable_path);
@@ -26,13 +24,13 @@ slv_result studio_turntable_begin(studio_app *app, const char *path) {
     char name[FRAMES_PATH];
     studio_turntable_stop(app);
     const slv_camera camera = studio_area_camera(app, &width, &height);
-    if (!frames_name(path, PICTURES, name)) {
+    if (!frames_name(path, app->turns, name)) {
         studio_say(app, "The name of the pictures is too long.", NULL, NULL);
         return SLV_OK;
     }
     slv_result result =
         frames_turntable(&app->document.env, &camera, app->document.scene.bounds_min,
-                         app->document.scene.bounds_max, PICTURES, &app->turntable);
+                         app->document.scene.bounds_max, app->turns, &app->turntable);
     if (result)
         return result;
     app->turned = 0;
