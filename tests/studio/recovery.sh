@@ -55,6 +55,25 @@ for file in bad.ptx ${SELVAGE_TEST_EFFORT:+missing.ptx} old.selvage; do
     silent
 done
 
+# a file that takes for ever can be let go, and another one opened meanwhile
+mkfifo "$here/slow.obj"
+exec 9<>"$here/slow.obj"
+: >"$log"
+"$bin/selvage-studio" --log "$log" --size 320x200 "$here/slow.obj" >>"$err" 2>&1 & # the command would read the pipe itself
+studio=$!
+wait_for '"event":"window"'
+window=$(xdotool search --onlyvisible --name 'Selvage Studio' | tail -n 1)
+xdotool windowfocus --sync "$window"
+does '"event":"cancelled"' key ctrl+period
+does '"event":"chooser"' key ctrl+o
+choose '"event":"opened"' "$here/cube.ptx"
+exec 9>&-
+wait_for '"refined":true'
+key frame f
+xdotool key ctrl+q
+ends
+silent
+
 # no OpenGL 4.5: words in the window
 export MESA_GL_VERSION_OVERRIDE=3.3
 start_studio --size 320x200 "$here/cube.ptx"

@@ -19,6 +19,8 @@ static const row rows[] = {
     {"File", "Open…", "open", NULL, "<Control>o", studio_do_open, NULL, false},
     {"File", "Open Session…", "open-session", NULL, "<Control><Shift>o", studio_do_open_session,
      NULL, false},
+    {"File", "Stop Opening", "open-cancel", NULL, "<Control>period", studio_do_open_cancel, NULL,
+     false},
     {"File", "Save", "save", NULL, "<Control>s", studio_do_save, NULL, true},
     {"File", "Save As…", "save-as", NULL, "<Control><Shift>s", studio_do_save_as, NULL, true},
     {"File", "Export .ptx…", "export", NULL, "<Control>e", studio_do_export, NULL, true},
@@ -231,8 +233,8 @@ static const row *find(const char *name) {
 /* A stroke or a question is ended first. */
 void studio_actions_run(studio_app *app, const char *name, const char *target) {
     const row *found = find(name);
-    if (!found || app->loading || app->drag == STUDIO_DRAG_STROKE || app->touched ||
-        (found->needs && !app->document.texture))
+    if (!found || (app->loading && found->run != studio_do_open_cancel) ||
+        app->drag == STUDIO_DRAG_STROKE || app->touched || (found->needs && !app->document.texture))
         return;
     studio_log(app, "\"event\":\"action\",\"name\":\"%s\",\"target\":\"%s\"", name,
                target && !strchr(target, '"') && !strchr(target, '\\') ? target : "");

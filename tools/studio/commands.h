@@ -51,6 +51,7 @@ void studio_do_discard(studio_app *app, const char *target);
 void studio_do_quit(studio_app *app, const char *target);
 void studio_do_open_path(studio_app *app, const char *target);
 void studio_do_open(studio_app *app, const char *target);
+void studio_do_open_cancel(studio_app *app, const char *target);
 void studio_do_open_session(studio_app *app, const char *target);
 void studio_do_save_to(studio_app *app, const char *target);
 void studio_do_save_as(studio_app *app, const char *target);

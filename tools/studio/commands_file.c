@@ -103,6 +103,11 @@ void studio_do_open(studio_app *app, const char *target) {
     studio_choose_file(app, "Open a .ptx or a mesh", GTK_FILE_CHOOSER_ACTION_OPEN, NULL, opened);
 }
 
+void studio_do_open_cancel(studio_app *app, const char *target) {
+    (void)target;
+    studio_open_cancel(app);
+}
+
 void studio_do_open_session(studio_app *app, const char *target) {
     (void)target;
     studio_choose_file(app, "Open a session", GTK_FILE_CHOOSER_ACTION_SELECT_FOLDER, NULL, opened);

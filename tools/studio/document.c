@@ -21,22 +21,44 @@ void studio_document_note(void *message, slv_log_level level, const char *line) 
         snprintf(message, STUDIO_MESSAGE, "%s", line);
 }
 
+/* Much is asked for while files are opened, which makes this the place to end it. */
+static void *allocate(void *user, size_t bytes) {
+    const atomic_bool *cancelled = user;
+    return atomic_load(cancelled) ? NULL : malloc(bytes);
+}
+
+static void release(void *user, void *memory) {
+    (void)user;
+    free(memory);
+}
+
+void studio_document_cancel(studio_document *document) {
+    atomic_store(document->cancelled, true);
+}
+
 bool studio_document_init(studio_document *document) {
     memset(document, 0, sizeof *document);
     document->message = calloc(1, STUDIO_MESSAGE);
     document->env = cli_env(0);
     document->env.log = studio_document_note;
     document->env.log_user = document->message;
-    return document->message != NULL;
+    document->cancelled = calloc(1, sizeof *document->cancelled);
+    document->env.allocate = allocate;
+    document->env.release = release;
+    document->env.memory_user = document->cancelled;
+    return document->message && document->cancelled;
 }
 
 void studio_document_end(studio_document *document) {
     free(document->message);
+    free(document->cancelled);
     document->message = NULL;
+    document->cancelled = NULL;
 }
 
 void studio_document_close(studio_document *d) {
-    const studio_document kept = {.env = d->env, .message = d->message, .serial = d->serial + 1};
+    const studio_document kept = {
+        .env = d->env, .message = d->message, .cancelled = d->cancelled, .serial = d->serial + 1};
     displace_close(&d->scene.displace); /* looks at an adjacency that may be the session's */
     slv_session_destroy(d->session);
     slv_paint_surface_destroy(d->surface);

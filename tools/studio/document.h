@@ -7,6 +7,8 @@
 
 #include <selvage/session.h>
 
+#include <stdatomic.h>
+
 typedef enum studio_kind {
     STUDIO_NOTHING = 0,
     STUDIO_PTX,
@@ -19,8 +21,9 @@ typedef enum studio_kind {
 enum { STUDIO_MESSAGE = 512 };
 
 typedef struct studio_document {
-    slv_env env;   /* its log writes `message`, which what is made with it remembers */
-    char *message; /* what went wrong last, in words; STUDIO_MESSAGE bytes */
+    slv_env env;            /* its log writes `message`, which what is made with it remembers */
+    char *message;          /* what went wrong last, in words; STUDIO_MESSAGE bytes */
+    atomic_bool *cancelled; /* whoever works for it gets no more memory, and fails soon */
     studio_kind kind;
     char *path;   /* what was opened; absolute */
     char *target; /* where saving goes: a session, a .ptx; NULL: not known yet */
@@ -48,6 +51,8 @@ void studio_document_note(void *message, slv_log_level level, const char *line);
 void studio_document_close(studio_document *document);
 /* Opens in place of nothing: a .ptx (with a mesh, if it holds none), a mesh, a session. */
 slv_result studio_document_open(studio_document *document, const char *path, const char *mesh);
+/* From another thread: what it is doing fails, sooner or later. It is good for nothing then. */
+void studio_document_cancel(studio_document *document);
 
 /* The unfinished work that a file has, for free(); NULL: there is none. */
 char *studio_document_unfinished(const studio_document *document);

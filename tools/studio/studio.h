@@ -71,8 +71,10 @@ typedef struct studio_app {
     slv_gl_seam seam; /* of this strategy, as long as nothing has changed since */
     uint32_t seam_of;
     bool seam_known;
-    const char *pending; /* a file that is being opened */
-    char *mesh_path;     /* of the command line */
+    const char *pending;            /* a file that is to be opened */
+    struct studio_opening *opening; /* that is being opened; NULL: none is */
+    GtkWidget *opening_text, *opening_bar;
+    char *mesh_path; /* of the command line */
     bool loading, closing, syncing, dark;
     bool dirty;  /* the document is ahead of its texture */
     bool stale;  /* the picture is not what it was drawn of */
@@ -119,6 +121,8 @@ void studio_actions_run(studio_app *app, const char *name, const char *target);
 /* window.c */
 void studio_window_create(studio_app *app);
 void studio_open(studio_app *app, const char *path);
+/* Lets go of a file that is being opened: what was open before stays. */
+void studio_open_cancel(studio_app *app);
 /* After a change of the model: everything that shows it. */
 void studio_sync(studio_app *app);
 /* In words, above the picture; NULL takes it away. With `action` there is a button for it. */

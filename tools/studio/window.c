@@ -91,19 +91,18 @@ static GtkWidget *make_bar(studio_app *app) {
 
 /* ---- opening ---- */
 
-typedef struct opening {
+typedef struct studio_opening {
     studio_document document;
     char *path, *mesh;
     slv_result result;
+    bool failed; /* there was no memory to begin with */
 } opening;
 
 static void load(GTask *task, gpointer source, gpointer data, GCancellable *cancellable) {
     opening *o = data;
     (void)source;
     (void)cancellable;
-    o->result = studio_document_init(&o->document) ? SLV_OK : SLV_ERROR_MEMORY;
-    if (!o->result)
-        o->result = studio_document_open(&o->document, o->path, o->mesh);
+    o->result = o->failed ? SLV_ERROR_MEMORY : studio_document_open(&o->document, o->path, o->mesh);
     g_task_return_boolean(task, TRUE);
 }
 
@@ -153,9 +152,13 @@ static void offer(studio_app *app) {
 static void loaded(GObject *source, GAsyncResult *task, gpointer user) {
     studio_app *app = user;
     opening *o = g_task_get_task_data(G_TASK(task));
+    const bool wanted = !app->closing && app->opening == o;
     (void)source;
-    app->loading = false;
-    if (!app->closing && !o->result) {
+    if (wanted) {
+        app->loading = false;
+        app->opening = NULL;
+    }
+    if (wanted && !o->result) {
         studio_turntable_stop(app);
         studio_area_forget(app);
         studio_document_close(&app->document);
@@ -175,20 +178,43 @@ static void loaded(GObject *source, GAsyncResult *task, gpointer user) {
         studio_log(app, "\"event\":\"opened\"");
         offer(app);
         studio_area_redraw(app, false);
-    } else if (!app->closing) {
+    } else if (wanted) {
         snprintf(app->document.message, STUDIO_MESSAGE, "%s",
                  o->document.message ? o->document.message : "");
         studio_page(app, app->document.texture ? "picture" : "start", NULL);
         studio_failed(app, o->result);
     }
-    if (app->closing || o->result) {
+    if (!wanted || o->result) {
         studio_document_close(&o->document);
         studio_document_end(&o->document);
     }
     g_free(o->path);
-    if (!app->closing)
+    if (wanted)
         studio_sync(app);
     g_object_unref(app->application);
+}
+
+void studio_open_cancel(studio_app *app) {
+    if (!app->opening)
+        return;
+    studio_document_cancel(&app->opening->document);
+    app->opening = NULL; /* whoever opens it cleans up when that has ended */
+    app->loading = false;
+    studio_page(app, app->document.texture ? "picture" : "start", NULL);
+    studio_log(app, "\"event\":\"cancelled\"");
+    studio_sync(app);
+}
+
+/* How far it is nobody knows, but that it goes on, and for how long. */
+static gboolean tell_opening(gpointer user) {
+    studio_app *app = user;
+    char text[80];
+    if (app->closing || !app->opening)
+        return G_SOURCE_REMOVE;
+    snprintf(text, sizeof text, "for %.0f s", (double)(g_get_monotonic_time() - app->moved) * 1e-6);
+    gtk_progress_bar_pulse(GTK_PROGRESS_BAR(app->opening_bar));
+    gtk_progress_bar_set_text(GTK_PROGRESS_BAR(app->opening_bar), text);
+    return G_SOURCE_CONTINUE;
 }
 
 void studio_open(studio_app *app, const char *path) {
@@ -197,7 +223,15 @@ void studio_open(studio_app *app, const char *path) {
     o->path = g_strdup(path);
     o->mesh = app->mesh_path;
     app->mesh_path = NULL;
+    o->failed = !studio_document_init(&o->document);
     app->loading = true;
+    app->opening = o;
+    app->moved = g_get_monotonic_time();
+    char *base = g_path_get_basename(path), *text = g_strdup_printf("Opening %s…", base);
+    gtk_label_set_text(GTK_LABEL(app->opening_text), text);
+    g_free(text);
+    g_free(base);
+    g_timeout_add(100, tell_opening, app);
     studio_page(app, "loading", NULL);
     studio_sync(app);
     g_object_ref(app->application); /* stays until it is loaded */
@@ -266,13 +300,25 @@ static GtkWidget *make_start(studio_app *app) {
     return box;
 }
 
-static GtkWidget *make_loading(void) {
-    GtkWidget *box = gtk_box_new(GTK_ORIENTATION_VERTICAL, 16), *spinner = gtk_spinner_new();
-    gtk_spinner_start(GTK_SPINNER(spinner));
+static void cancel_pressed(GtkButton *button, gpointer user) {
+    (void)button;
+    studio_open_cancel(user);
+}
+
+static GtkWidget *make_loading(studio_app *app) {
+    GtkWidget *box = gtk_box_new(GTK_ORIENTATION_VERTICAL, 16),
+              *cancel = gtk_button_new_with_label("Cancel");
+    app->opening_text = gtk_label_new("");
+    app->opening_bar = gtk_progress_bar_new();
+    gtk_progress_bar_set_show_text(GTK_PROGRESS_BAR(app->opening_bar), TRUE);
+    gtk_label_set_ellipsize(GTK_LABEL(app->opening_text), PANGO_ELLIPSIZE_MIDDLE);
     gtk_widget_set_halign(box, GTK_ALIGN_CENTER);
     gtk_widget_set_valign(box, GTK_ALIGN_CENTER);
-    gtk_box_append(GTK_BOX(box), spinner);
-    gtk_box_append(GTK_BOX(box), gtk_label_new("Opening…"));
+    gtk_widget_set_halign(cancel, GTK_ALIGN_CENTER);
+    g_signal_connect(cancel, "clicked", G_CALLBACK(cancel_pressed), app);
+    gtk_box_append(GTK_BOX(box), app->opening_text);
+    gtk_box_append(GTK_BOX(box), app->opening_bar);
+    gtk_box_append(GTK_BOX(box), cancel);
     return box;
 }
 
@@ -339,7 +385,7 @@ static void make_pages(studio_app *app) {
     gtk_widget_set_margin_start(message, 40);
     gtk_widget_set_margin_end(message, 40);
     gtk_stack_add_named(app->stack, make_start(app), "start");
-    gtk_stack_add_named(app->stack, make_loading(), "loading");
+    gtk_stack_add_named(app->stack, make_loading(app), "loading");
     gtk_stack_add_named(app->stack, studio_area_create(app), "picture");
     gtk_stack_add_named(app->stack, message, "message");
 }
