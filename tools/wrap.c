@@ -5,6 +5,7 @@
 
 #include <selvage/wrap.h>
 
+#include <inttypes.h>
 #include <string.h>
 
 enum { VERTEX_BYTES = 32 }; /* of position, normal and texture coordinates in floats */
@@ -62,7 +63,9 @@ static json_t *report_json(const struct wrap_options *o, const slv_wrap_report *
         {"vertices_before", nbefore},
         {"vertices", r->nverts},
         {"welded", r->nwelded},
-        {"bytes_saved", (int64_t)r->nwelded * VERTEX_BYTES},
+        {"drawn_before", r->ndrawn_before},
+        {"drawn", r->ndrawn},
+        {"bytes_saved", ((int64_t)r->ndrawn_before - (int64_t)r->ndrawn) * VERTEX_BYTES},
         {"kept", r->nkept},
         {"close", r->nclose},
         {"first_close", r->nclose ? r->first_close + 1 : 0},
@@ -114,10 +117,13 @@ static int run_wrap(const struct wrap_options *o) {
         code = output_print_json(o->paths[1], report_json(o, &report, before));
     else if (!o->quiet) {
         output_terminal(stdout, o->paths[1], strlen(o->paths[1]), SIZE_MAX);
-        printf(": %u vertices of %u, %u duplicates welded (%u bytes of %d a vertex)\n"
+        printf(": %u vertices of %u, %u duplicates welded\n"
+               "  as drawn, one for each texture coordinate: %u of %u, %" PRId64
+               " bytes saved at %d each\n"
                "  %u polygons go over the end of u, %u over that of v: ",
-               report.nverts, before, report.nwelded, report.nwelded * VERTEX_BYTES, VERTEX_BYTES,
-               report.nseam[0], report.nseam[1]);
+               report.nverts, before, report.nwelded, report.ndrawn, report.ndrawn_before,
+               ((int64_t)report.ndrawn_before - (int64_t)report.ndrawn) * VERTEX_BYTES,
+               VERTEX_BYTES, report.nseam[0], report.nseam[1]);
         if (report.round)
             printf("draw it with --round %s\n", slv_wrap_round_name(report.round));
         else

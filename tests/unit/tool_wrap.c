@@ -235,6 +235,35 @@ static void check_apart(void) {
     HAS("83 vertices of 88, 5 duplicates welded");
 }
 
+/* A ring so flat that the two sides of its seam are near each other, and which has its copies: none
+ * of them is beside what it could be welded to. Of one that has no copy, that is said. */
+static void check_thin(void) {
+    enum { LONG = 24, SHORT = 8 };
+    for (int drifted = 0; drifted < 2; drifted++) {
+        FILE *file = fopen(tool_path("in.obj"), "w");
+        REQUIRE(file);
+        for (int y = 0; y <= SHORT; y++)
+            for (int x = 0; x <= LONG; x++) {
+                double a = TURN * (x % LONG) / LONG, b = TURN * (y % SHORT) / SHORT;
+                double off = drifted && x == LONG && y == 1 ? 1e-3 : 0;
+                fprintf(file, "v %.9g %.9g %.9g\nvt %.9g %.9g\n", sin(a) * (3 + cos(b)) + off,
+                        1e-3 * sin(b), cos(a) * (3 + cos(b)), (double)x / LONG, (double)y / SHORT);
+            }
+        for (int i = 0; i < LONG * SHORT; i++) {
+            int a = 1 + i / LONG * (LONG + 1) + i % LONG, d = a + LONG + 1;
+            fprintf(file, "f %d/%d %d/%d %d/%d %d/%d\n", a, a, a + 1, a + 1, d + 1, d + 1, d, d);
+        }
+        REQUIRE(fclose(file) == 0);
+        RUNS(0, "wrap in.obj out.obj");
+        if (drifted)
+            HAS("beside another");
+        else {
+            HAS("192 vertices of 225, 33 duplicates welded");
+            LACKS("beside another");
+        }
+    }
+}
+
 /* How often the map goes around, whole or not, and which way. */
 static void check_turns(void) {
     write_tube(1, 0, 3, 4, 4);
@@ -323,6 +352,7 @@ static void check_bands(void) {
 int main(void) {
     tool_begin();
     check_apart();
+    check_thin();
     check_turns();
     for (size_t i = 0; i < sizeof styles / sizeof *styles; i++) {
         if (styles[i].shared) {

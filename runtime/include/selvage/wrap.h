@@ -119,7 +119,9 @@ typedef struct slv_wrap_report {
                              or with KEEP as far as copies at its ends tell */
     uint32_t nbare;       /* with KEEP, polygons that have no texture coordinates at some corner */
     int32_t first_bare;
-    uint64_t reserved[4];
+    uint32_t ndrawn_before, ndrawn; /* vertices where the input and the result are drawn: one for
+                                       each texture coordinate that a vertex has in polygons */
+    uint64_t reserved[3];
 } slv_wrap_report;
 
 /* Joins vertices at one place (to within 5e-7 of the longest side of the mesh's box, since other

@@ -33,6 +33,9 @@ void slvi_wrap_find_round(const slvi_weld *w, slvi_wrap_values *c, slvi_wrap_nod
 void slvi_wrap_find_ends(const slvi_weld *w, const slvi_wrap_values *c, slvi_wrap_node *nodes,
                          const int32_t *poly_from, int32_t *user, slv_wrap_report *report);
 
+/* Different pairs of a vertex and its texture coordinates, or none, at sides of polygons. */
+slv_result slvi_wrap_count_drawn(const slv_env *env, const slv_mesh *mesh, uint32_t *out);
+
 static inline bool slvi_wrap_is_far(const float *at) {
     return fabsf(at[0]) > SLVI_WRAP_FARTHEST || fabsf(at[1]) > SLVI_WRAP_FARTHEST;
 }

@@ -178,23 +178,29 @@ done:
     return result;
 }
 
-/* Per vertex the first one at its place; those that are beside others are counted. */
+/* Per vertex the first one at its place; those that are beside others are counted, unless both have
+ * found their copies: thin bodies have sides that are near each other. */
 static slv_result find_places(const slv_env *env, const slv_mesh *mesh, int32_t *root,
                               slv_wrap_report *report) {
     const slv_mesh_view *view = &mesh->view;
     float *one = NULL, *close = NULL;
     int32_t *beside = NULL;
+    uint8_t *joined = NULL;
     slv_result result;
     if ((result = slvi_alloc(env, "vertices", view->nverts, sizeof *one, &one)) ||
+        (result = slvi_alloc(env, "vertices", view->nverts, 1, &joined)) ||
         (result = slvi_alloc(env, "vertices", view->nverts, sizeof *close, &close)) ||
         (result = slvi_alloc(env, "vertices", view->nverts, sizeof *beside, &beside)) ||
         (result = find_reach(env, mesh, one, close)) ||
         (result = find_roots(env, view, one, root)) ||
         (result = find_roots(env, view, close, beside)))
         goto done;
+    for (uint32_t v = 0; v < view->nverts; v++)
+        joined[root[v]] |= root[v] != (int32_t)v;
     for (uint32_t v = 0; v < view->nverts; v++) {
         int32_t other = beside[v];
-        if (root[v] != (int32_t)v || other == (int32_t)v || root[other] == (int32_t)v)
+        if (root[v] != (int32_t)v || other == (int32_t)v || root[other] == (int32_t)v ||
+            (joined[v] && joined[root[other]]))
             continue;
         if (report->nclose++)
             continue;
@@ -207,6 +213,7 @@ done:
     slvi_free(one);
     slvi_free(close);
     slvi_free(beside);
+    slvi_free(joined);
     return result;
 }
 

@@ -356,8 +356,15 @@ static slv_result make(const slv_env *env, const slv_mesh *mesh, const slv_wrap_
     view.nnormals = 0;
     view.normals = NULL;
     view.poly_normals = NULL;
-    result = slv_mesh_create(env, &view, out);
+    if ((result = slvi_wrap_count_drawn(env, mesh, &report->ndrawn_before)) ||
+        (result = slv_mesh_create(env, &view, out)))
+        goto done;
+    result = slvi_wrap_count_drawn(env, *out, &report->ndrawn);
 done:
+    if (result) {
+        slv_mesh_destroy(*out);
+        *out = NULL;
+    }
     slvi_free(c.at);
     slvi_free(c.values);
     slvi_free(c.index);
