@@ -104,9 +104,16 @@ static slv_result move(struct update *update, slv_gl_store *store, uint32_t item
         *(blocks ? &store->nclipped : &store->nwide) += wide ? 1u : UINT32_MAX;
     store->wide[item] = wide;
     if ((result = slvi_gl_item_res(source, store->pools.form, store->made, item,
-                                   &update->live->room_of_forms, &res)) ||
-        !slvi_gl_move_needed(store, item, res))
+                                   &update->live->room_of_forms, &res)))
         return result;
+    /* What has come to be of one colour keeps its place: under a brush faces do so one after the
+     * other, and with each of them batches were others, for which drivers compile shaders anew. */
+    const slv_res all = store->pools.form->res(store->made, item),
+                  now = store->pools.pools[store->pools.pool_of[item]].res;
+    if (!blocks && all.u == now.u && all.v == now.v)
+        res = all;
+    if (!slvi_gl_move_needed(store, item, res))
+        return SLV_OK;
     if ((result =
              slvi_gl_move_item(source, store, item, res, &update->live->room, fillers, &waits)))
         return result;

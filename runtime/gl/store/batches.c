@@ -26,39 +26,33 @@ slv_result slvi_gl_add_batch(const slv_env *env, slv_gl_batches *batches,
     return SLV_OK;
 }
 
-/* The faces of a pool that are in a chunk, if there are any. */
-static slv_result add_some(const slv_env *env, const slv_gl_pools *pools, uint32_t p,
-                           slv_gl_chunks chunks, uint32_t chunk, uint32_t *first,
-                           slv_gl_batches *out) {
-    const slv_gl_pool *pool = &pools->pools[p];
-    uint32_t end = *first;
-    slv_gl_batch_range *range;
-    for (uint32_t layer = 0; layer < pool->nlayers; layer++) {
-        out->faces[end] = pool->items[layer]; /* which the next one goes over unless it stays */
-        end += slv_gl_chunk_of(chunks, pool->items[layer]) == chunk;
-    }
-    if (end == *first)
-        return SLV_OK;
-    slv_result result = slvi_gl_add_batch(env, out, &range);
-    if (result)
-        return result;
-    *range = (slv_gl_batch_range){
-        .first = *first, .count = end - *first, .chunk = chunk, .npools = 1, .pools = {p}};
-    *first = end;
-    return SLV_OK;
-}
-
 slv_result slvi_gl_batches_by_pool(const slv_env *env, const slv_gl_pools *pools,
                                    slv_gl_chunks chunks, slv_gl_batches *out) {
-    uint32_t first = 0;
-    *out = (slv_gl_batches){0};
-    slv_result result = slvi_alloc_plain(env, "batches", (uint64_t)pools->nitems + 1,
-                                         sizeof *out->faces, &out->faces);
-    for (uint32_t p = 0; !result && p < pools->npools; p++)
-        for (uint32_t chunk = 0; !result && chunk < chunks.count; chunk++)
-            result = add_some(env, pools, p, chunks, chunk, &first, out);
+    uint32_t *batch_of = NULL;
+    slv_gl_batches batches = {0};
+    slv_result result;
+    if ((result =
+             slvi_alloc(env, "batches", pools->nitems, sizeof *batches.faces, &batches.faces)) ||
+        (result = slvi_alloc(env, "batches", pools->nitems, sizeof *batch_of, &batch_of)))
+        goto done;
+    for (uint32_t p = 0; !result && p < pools->npools; p++) {
+        slv_gl_batch_range *range = NULL;
+        if (!pools->pools[p].nlayers)
+            continue;
+        if ((result = slvi_gl_add_batch(env, &batches, &range)))
+            goto done;
+        range->count = pools->pools[p].nlayers;
+        range->npools = 1;
+        range->pools[0] = p;
+        for (uint32_t layer = 0; layer < range->count; layer++)
+            batch_of[pools->pools[p].items[layer]] = batches.count - 1;
+    }
+    result = slvi_gl_batches_list(env, &batches, pools->order, pools->nitems, chunks, batch_of);
+done:
+    slvi_free(batch_of);
     if (result)
-        slvi_gl_batches_free(out);
+        slvi_gl_batches_free(&batches);
+    *out = batches;
     return result;
 }
 

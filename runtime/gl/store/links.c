@@ -101,7 +101,7 @@ static uint32_t site_of(const slv_gl_source *source, const slv_gl_pools *layers,
     slv_res res = slv_levels_get_desc(source->levels)->res[face];
     return layers->layer_of[face] | (uint32_t)res.u << 16 | (uint32_t)res.v << 21 |
            slvi_gl_slot_of(range, layers->pool_of[face]) << 26 |
-           (uint32_t)slvi_gl_is_constant(source, (uint32_t)face) << 30;
+           (uint32_t)slvi_gl_is_single(source, layers, (uint32_t)face) << 30;
 }
 
 static void fill_link_row(const slv_gl_source *source, const slv_gl_pools *layers,

@@ -57,11 +57,20 @@ slv_result slvi_gl_long_table(const slv_gl_source *source, const char *what, con
                            : slvi_gl_buffer(source->gl, source->env, what, data, bytes, out);
 }
 
+bool slvi_gl_is_single(const slv_gl_source *source, const slv_gl_pools *pools, uint32_t face) {
+    if (!slvi_gl_is_constant(source, face))
+        return false;
+    if (pools->form != slv_form_bare())
+        return true;
+    const slv_res stored = pools->pools[pools->pool_of[face]].res;
+    return stored.u + stored.v == 0;
+}
+
 void slvi_gl_face_row(const slv_gl_source *source, const slv_gl_pools *pools, const void *made,
                       uint32_t face, uint32_t row[2]) {
     slv_res res = slv_levels_get_desc(source->levels)->res[face];
     uint32_t items[SLV_FORM_ITEMS];
-    bool single = slvi_gl_is_constant(source, face);
+    bool single = slvi_gl_is_single(source, pools, face);
     row[0] = 0;
     if (pools->form->items(made, face, items) == 1)
         row[0] = pools->pool_of[items[0]] | pools->layer_of[items[0]] << 16;

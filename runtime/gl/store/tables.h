@@ -20,6 +20,9 @@ slv_result slvi_gl_long_table(const slv_gl_source *source, const char *what, con
 /* Per face its resolution and, where it is an item itself, its pool and layer. */
 slv_result slvi_gl_face_table(const slv_gl_source *source, const slv_gl_pools *pools,
                               const void *made, GLuint *out, uint64_t *bytes);
+/* Whether all that is stored of a face is one texel. What of a texture that is followed has come to
+ * be constant may have kept its place. */
+bool slvi_gl_is_single(const slv_gl_source *source, const slv_gl_pools *pools, uint32_t face);
 /* A row of that table. */
 void slvi_gl_face_row(const slv_gl_source *source, const slv_gl_pools *pools, const void *made,
                       uint32_t face, uint32_t row[2]);

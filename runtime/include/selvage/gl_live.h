@@ -9,9 +9,11 @@
  * The texture knows what was changed since the last time. Of that and of what depends on it, texels
  * are made anew and uploaded, and nothing else: levels, borders of the faces around, values of
  * corners, samples on edges, squares, compressed blocks, for each strategy that the texture was
- * made for. Afterwards the GPU holds what a texture made afresh would hold, bit for bit. A face may
- * also get another resolution (slv_texture_set_resolution); then batches and links are made anew
- * for all faces, texels only where they depend on it. */
+ * made for. Afterwards the GPU holds the texels that a texture made afresh would hold, bit for bit;
+ * a face that has come to be of one value, of which that would store a single texel, keeps its
+ * place, so that painting changes no batches, and lookups there may differ in the last bits. A face
+ * may also get another resolution (slv_texture_set_resolution); then batches and links are made
+ * anew for all faces, texels only where they depend on it. */
 #ifndef SELVAGE_GL_LIVE_H
 #define SELVAGE_GL_LIVE_H
 
