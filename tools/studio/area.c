@@ -7,7 +7,7 @@
 /* A picture is refined so long after the last motion, in milliseconds. */
 enum { REST = 150 };
 #define SLOWEST                                                                                    \
-    (1 / 25.0) /* seconds of a draw, beyond which pictures that move are drawn smaller */
+    (1 / 28.0) /* seconds of a picture, beyond which those that move are drawn smaller */
 
 /* ---- redrawing ---- */
 
@@ -68,8 +68,16 @@ static void write_screenshot(studio_app *app) {
     g_free(path);
 }
 
-/* A smaller picture while it moves, if that is what it takes; larger again where there is time. */
-static void adapt(studio_app *app, double seconds) {
+/* A smaller picture while it moves, if that is what it takes; larger again where there is time.
+ * What the window takes to be put together counts as well. */
+static void adapt(GdkFrameClock *clock, gpointer user) {
+    studio_app *app = user;
+    (void)clock;
+    if (!app->began)
+        return;
+    const double whole = (double)(g_get_monotonic_time() - app->began) * 1e-6,
+                 seconds = fmax(whole, app->stats.seconds);
+    app->began = 0;
     if (seconds > SLOWEST && app->scale > 0.4f)
         app->scale *= 0.8f;
     else if (seconds < SLOWEST / 2 && app->scale < 1)
@@ -142,17 +150,18 @@ static gboolean render(GtkGLArea *area, GdkGLContext *context, gpointer user) {
         return TRUE;
     }
     double seconds = (double)(g_get_monotonic_time() - start) * 1e-6;
-    if (shot.coarse)
-        adapt(app, app->stats.seconds);
+    app->began = shot.coarse ? start : 0;
     if (shot.coarse && !app->rest)
         app->rest = g_timeout_add(REST, at_rest, app);
     app->refined = !shot.coarse;
     app->frames++;
     studio_log(app,
                "\"event\":\"frame\",\"number\":%u,\"ms\":%.2f,\"draw_ms\":%.2f,\"scale\":%.2f,"
-               "\"refined\":%s",
+               "\"input_ms\":%u,\"refined\":%s",
                app->frames, 1e3 * seconds, 1e3 * app->stats.seconds, (double)shot.scale,
+               app->input ? (guint32)(g_get_monotonic_time() / 1000) - app->input : 0,
                app->refined ? "true" : "false");
+    app->input = 0;
     if (app->refined && app->screenshot)
         write_screenshot(app);
     follow_soon(app);
@@ -201,12 +210,16 @@ static void realize(GtkWidget *widget, gpointer user) {
     const char *why = app->document.message;
     gtk_gl_area_make_current(app->area);
     const GError *error = gtk_gl_area_get_error(app->area);
-    (void)widget;
     app->document.message[0] = 0;
-    if (error)
+    if (error) {
         why = error->message;
-    else if (!studio_picture_create(&app->document.env, &app->picture))
+    } else if (!studio_picture_create(&app->document.env, &app->picture)) {
+        app->painted = g_signal_connect(gtk_widget_get_frame_clock(widget), "after-paint",
+                                        G_CALLBACK(adapt), app);
+        studio_log(app, "\"event\":\"driver\",\"name\":\"%s\"",
+                   studio_picture_info(app->picture)->renderer);
         return;
+    }
     snprintf(text, sizeof text,
              "This display has no OpenGL 4.5, with which pictures are drawn here.\n%s\n\nWithout a "
              "window, selvage render draws pictures, selvage compare compares strategies, and "
@@ -218,7 +231,9 @@ static void realize(GtkWidget *widget, gpointer user) {
 
 static void unrealize(GtkWidget *widget, gpointer user) {
     studio_app *app = user;
-    (void)widget;
+    if (app->painted)
+        g_signal_handler_disconnect(gtk_widget_get_frame_clock(widget), app->painted);
+    app->painted = 0;
     gtk_gl_area_make_current(app->area);
     if (!gtk_gl_area_get_error(app->area))
         studio_picture_destroy(app->picture);
@@ -267,8 +282,9 @@ void studio_area_pen(studio_app *app, studio_pen what, const slv_stroke_sample *
     if (!result && what == STUDIO_PEN_UP) {
         slv_stroke_stats stats = {0};
         result = slv_session_stroke_end(session, &stats);
-        studio_log(app, "\"event\":\"stroke\",\"dabs\":%llu,\"missed\":%llu",
-                   (unsigned long long)stats.dabs, (unsigned long long)stats.missed);
+        studio_log(app, "\"event\":\"stroke\",\"dabs\":%llu,\"missed\":%llu,\"texels\":%llu",
+                   (unsigned long long)stats.dabs, (unsigned long long)stats.missed,
+                   (unsigned long long)stats.texels);
     }
     if (result || what == STUDIO_PEN_UP)
         app->drag = STUDIO_DRAG_NONE;
@@ -513,7 +529,10 @@ static void leave(GtkEventControllerMotion *controller, gpointer user) {
 }
 
 static gboolean handle(GtkEventControllerLegacy *controller, GdkEvent *event, gpointer user) {
+    studio_app *app = user;
     (void)controller;
+    if (!app->input)
+        app->input = gdk_event_get_time(event);
     switch (gdk_event_get_event_type(event)) {
     case GDK_BUTTON_PRESS:
         return press(user, event);

@@ -1,6 +1,8 @@
 /* Draws the surface once more: faces' edges, triangles, sizes of textures. */
 #include "studio/overlay.h"
 
+#include "studio/screen.h"
+
 #include <selvage/tessellation.h>
 
 #include <epoxy/gl.h>

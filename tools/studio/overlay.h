@@ -21,7 +21,4 @@ slv_result studio_overlay_draw(studio_overlay_pass **pass, const studio_document
                                const studio_overlay_target *targets, uint32_t count);
 void studio_overlay_destroy(studio_overlay_pass *pass);
 
-/* A program of two texts; 0: the driver's words are in the log. */
-unsigned studio_program(const slv_env *env, const char *vertex, const char *fragment);
-
 #endif

@@ -3,6 +3,7 @@
 
 #include "command/output.h"
 #include "studio/overlay.h"
+#include "studio/screen.h"
 #include "studio/timer.h"
 
 #include <selvage/gl_live.h>
@@ -35,12 +36,11 @@ struct studio_picture {
     shown shown[STRATEGIES];
     const slv_mesh *mesh; /* for which all of it was made */
     uint64_t serial;
-    GLuint program, array, targets[2], framebuffers[2];
+    GLuint targets[2], framebuffers[2];
     uint32_t width, height; /* of the targets */
     uint32_t screen[2];     /* of what was drawn last */
     studio_timer timer;
-    GLuint stencil;
-    char *stencil_path; /* of the image that is in it */
+    studio_screen *to_screen;
 };
 
 /* ---- the context's functions ---- */
@@ -72,90 +72,6 @@ static slv_result wrap(const slv_env *env, slv_gl **out) {
     return result;
 }
 
-/* ---- the pass to the screen ---- */
-
-static const char vertex_text[] = "#version 450 core\n"
-                                  "void main() {\n"
-                                  "    gl_Position = vec4(gl_VertexID == 1 ? 3.0 : -1.0, "
-                                  "gl_VertexID == 2 ? 3.0 : -1.0, 0.0, 1.0);\n"
-                                  "}\n";
-
-static const char fragment_text[] =
-    "#version 450 core\n"
-    "layout(binding = 0) uniform sampler2D pictures[2];\n"
-    "layout(location = 0) uniform ivec4 mode; // compare, encoding, second, -\n"
-    "layout(location = 1) uniform vec4 numbers; // divider, gain, exposure, -\n"
-    "layout(location = 2) uniform vec2 size;\n"
-    "layout(location = 3) uniform vec3 cursor; // where, and how far around\n"
-    "layout(binding = 2) uniform sampler2D stencil;\n"
-    "layout(location = 4) uniform vec4 before; // where the stencil is, its width, and turned how\n"
-    "layout(location = 5) uniform float aspect;\n"
-    "layout(location = 0) out vec4 color;\n"
-    "vec3 map(float t) { // from dark blue to yellow, evenly\n"
-    "    t = clamp(t, 0.0, 1.0);\n"
-    "    const vec3 c[5] = vec3[](vec3(0.27, 0.0, 0.33), vec3(0.23, 0.32, 0.55),\n"
-    "        vec3(0.13, 0.57, 0.55), vec3(0.37, 0.79, 0.38), vec3(0.99, 0.91, 0.14));\n"
-    "    int i = min(int(t * 4.0), 3);\n"
-    "    return mix(c[i], c[i + 1], t * 4.0 - float(i));\n"
-    "}\n"
-    "vec3 encode(vec3 c) {\n"
-    "    c = clamp(c, 0.0, 1.0);\n"
-    "    return mix(12.92 * c, 1.055 * pow(max(c, vec3(1e-6)), vec3(1.0 / 2.4)) - 0.055,\n"
-    "               greaterThan(c, vec3(0.0031308)));\n"
-    "}\n"
-    "void main() {\n"
-    "    vec2 at = gl_FragCoord.xy / size;\n"
-    "    bool right = mode.x == 1 ? at.x >= numbers.x : mode.x == 3 && mode.z != 0;\n"
-    "    vec4 a = right ? texture(pictures[1], at) : texture(pictures[0], at);\n"
-    "    if (mode.x == 2)\n"
-    "        a.rgb = abs(a.rgb - texture(pictures[1], at).rgb) * numbers.y;\n"
-    "    a.rgb *= exp2(numbers.z);\n"
-    "    if (mode.y == 2)\n"
-    "        a.rgb = a.a > 0.0 ? map(dot(a.rgb, vec3(1.0 / 3.0))) : vec3(0.0);\n"
-    "    else if (mode.y == 0)\n"
-    "        a.rgb = encode(a.rgb);\n"
-    "    if (mode.x == 1 && abs(gl_FragCoord.x - numbers.x * size.x) < 1.0)\n"
-    "        a.rgb = vec3(1.0);\n"
-    "    if (before.z > 0.0) {\n"
-    "        vec2 p = (gl_FragCoord.xy - before.xy) * vec2(1.0, -1.0);\n"
-    "        float s = sin(before.w), c = cos(before.w);\n"
-    "        vec2 at = vec2(c * p.x + s * p.y, c * p.y - s * p.x) * vec2(1.0, aspect) / before.z;\n"
-    "        vec4 over = textureLod(stencil, at + 0.5, 0.0);\n"
-    "        if (all(lessThan(abs(at), vec2(0.5))))\n"
-    "            a.rgb = mix(a.rgb, over.rgb, 0.5 * over.a);\n"
-    "    }\n"
-    "    float off = abs(distance(gl_FragCoord.xy, cursor.xy) - cursor.z);\n"
-    "    if (cursor.z > 0.0 && off < 1.5)\n"
-    "        a.rgb = vec3(off < 0.75 ? 1.0 : 0.0);\n"
-    "    color = vec4(a.rgb, 1.0);\n"
-    "}\n";
-
-GLuint studio_program(const slv_env *env, const char *vertex, const char *fragment) {
-    const char *texts[2] = {vertex, fragment};
-    char log[512] = "";
-    GLint fine = 0;
-    GLuint program = glCreateProgram();
-    for (int i = 0; i < 2; i++) {
-        GLuint shader = glCreateShader(i ? GL_FRAGMENT_SHADER : GL_VERTEX_SHADER);
-        glShaderSource(shader, 1, &texts[i], NULL);
-        glCompileShader(shader);
-        glAttachShader(program, shader);
-        glGetShaderiv(shader, GL_COMPILE_STATUS, &fine);
-        if (!fine)
-            glGetShaderInfoLog(shader, sizeof log, NULL, log);
-        glDeleteShader(shader);
-    }
-    glLinkProgram(program);
-    glGetProgramiv(program, GL_LINK_STATUS, &fine);
-    if (fine)
-        return program;
-    if (!*log)
-        glGetProgramInfoLog(program, sizeof log, NULL, log);
-    (void)output_fail(env, SLV_ERROR_GL, "the driver refuses a shader: %s", log);
-    glDeleteProgram(program);
-    return 0;
-}
-
 static void free_targets(studio_picture *p) {
     glDeleteTextures(2, p->targets);
     glDeleteFramebuffers(2, p->framebuffers);
@@ -183,6 +99,14 @@ static void need_targets(studio_picture *p, uint32_t width, uint32_t height) {
 
 /* ---- making ---- */
 
+bool studio_picture_in_software(void) {
+    const slv_env quiet = {0};
+    slv_gl *gl = NULL;
+    bool software = !wrap(&quiet, &gl) && slv_gl_get_info(gl)->software;
+    slv_gl_destroy(gl);
+    return software;
+}
+
 slv_result studio_picture_create(const slv_env *env, studio_picture **out) {
     studio_picture *p = calloc(1, sizeof *p);
     *out = NULL;
@@ -192,10 +116,8 @@ slv_result studio_picture_create(const slv_env *env, studio_picture **out) {
     p->env.log = studio_document_note;
     p->env.log_user = p->message;
     slv_result result = wrap(&p->env, &p->gl);
-    if (!result && !(p->program = studio_program(&p->env, vertex_text, fragment_text)))
-        result = SLV_ERROR_GL;
     if (!result)
-        glCreateVertexArrays(1, &p->array);
+        result = studio_screen_create(&p->env, &p->to_screen);
     if (result) {
         env->log(env->log_user, SLV_LOG_ERROR, p->message);
         studio_picture_destroy(p);
@@ -223,13 +145,10 @@ void studio_picture_destroy(studio_picture *p) {
     if (p->gl) {
         studio_picture_forget(p);
         free_targets(p);
-        glDeleteProgram(p->program);
-        glDeleteVertexArrays(1, &p->array);
-        glDeleteTextures(1, &p->stencil);
+        studio_screen_destroy(p->to_screen);
         studio_timer_free(&p->timer);
     }
     slv_gl_destroy(p->gl);
-    free(p->stencil_path);
     free(p);
 }
 
@@ -358,92 +277,14 @@ static slv_result draw_one(studio_picture *p, const studio_document *d, const st
     return SLV_OK;
 }
 
-/* The stencil's image, as it is on the screen. */
-static slv_result need_stencil(studio_picture *p, const studio_stencil *stencil) {
-    slv_image image = {0};
-    GLint most = 0;
-    if (p->stencil_path && strcmp(p->stencil_path, stencil->path) == 0)
-        return SLV_OK;
-    slv_result result = slv_image_load(&p->env, stencil->path, &image);
-    if (result)
-        return result;
-    const size_t npixels = (size_t)image.width * image.height;
-    const uint32_t n = image.nchannels;
-    uint8_t *pixels = malloc(4 * npixels + 1);
-    char *path = strdup(stencil->path);
-    glGetIntegerv(GL_MAX_TEXTURE_SIZE, &most);
-    if (image.width > (uint32_t)most || image.height > (uint32_t)most)
-        result = output_fail(&p->env, SLV_ERROR_LIMIT, "%s: more than %d pixels wide or high",
-                             stencil->path, most);
-    else if (!pixels || !path)
-        result = output_fail(&p->env, SLV_ERROR_MEMORY, "%s: no memory", stencil->path);
-    for (size_t i = 0; !result && i < npixels; i++)
-        for (uint32_t c = 0; c < 4; c++) {
-            const float *from = image.pixels + i * n;
-            float value = c == 3 ? (n == 2 || n == 4 ? from[n - 1] : 1) : from[n < 3 ? 0 : c];
-            pixels[4 * i + c] = (uint8_t)(fminf(fmaxf(value, 0), 1) * 255 + 0.5f);
-        }
-    if (!result) {
-        glDeleteTextures(1, &p->stencil);
-        glCreateTextures(GL_TEXTURE_2D, 1, &p->stencil);
-        glTextureStorage2D(p->stencil, 1, GL_RGBA8, (GLsizei)image.width, (GLsizei)image.height);
-        glTextureParameteri(p->stencil, GL_TEXTURE_WRAP_S, GL_CLAMP_TO_EDGE);
-        glTextureParameteri(p->stencil, GL_TEXTURE_WRAP_T, GL_CLAMP_TO_EDGE);
-        glTextureParameteri(p->stencil, GL_TEXTURE_MIN_FILTER, GL_LINEAR);
-        glBindBuffer(GL_PIXEL_UNPACK_BUFFER, 0);
-        glPixelStorei(GL_UNPACK_ALIGNMENT, 1);
-        glPixelStorei(GL_UNPACK_ROW_LENGTH, 0);
-        glTextureSubImage2D(p->stencil, 0, 0, 0, (GLsizei)image.width, (GLsizei)image.height,
-                            GL_RGBA, GL_UNSIGNED_BYTE, pixels);
-        free(p->stencil_path);
-        p->stencil_path = path;
-        path = NULL;
-    }
-    free(path);
-    free(pixels);
-    slv_image_free(&image);
+static slv_result put_on_screen(studio_picture *p, const studio_shot *shot, GLuint framebuffer) {
+    const bool same_size = p->width == shot->width && p->height == shot->height;
+    slv_result result =
+        studio_screen_put(p->to_screen, &p->env, shot, p->targets, same_size, framebuffer);
+    GLenum error = glGetError();
+    if (!result && error)
+        result = output_fail(&p->env, SLV_ERROR_GL, "OpenGL has reported error 0x%x", error);
     return result;
-}
-
-static void put_stencil(const studio_picture *p, const studio_shot *shot) {
-    const studio_stencil *s = shot->stencil;
-    static const studio_stencil none = {.aspect = 1};
-    s = s ? s : &none;
-    glBindTextures(2, 1, &p->stencil);
-    glBindSampler(2, 0);
-    glProgramUniform4f(p->program, 4, 0.5f * (float)shot->width + s->at[0],
-                       0.5f * (float)shot->height - s->at[1], s->width,
-                       s->angle * 3.14159265f / 180);
-    glProgramUniform1f(p->program, 5, s->aspect);
-}
-
-static void to_screen(const studio_picture *p, const studio_shot *shot, GLuint framebuffer,
-                      bool two) {
-    const studio_look *look = &shot->look;
-    const GLuint textures[2] = {p->targets[0], p->targets[two]};
-    glBindFramebuffer(GL_FRAMEBUFFER, framebuffer);
-    glViewport(0, 0, (GLsizei)shot->width, (GLsizei)shot->height);
-    glDisable(GL_DEPTH_TEST);
-    glDisable(GL_BLEND);
-    glDisable(GL_CULL_FACE);
-    glDisable(GL_SCISSOR_TEST);
-    glDisable(GL_FRAMEBUFFER_SRGB);
-    glUseProgram(p->program);
-    glBindVertexArray(p->array);
-    glBindTextures(0, 2, textures);
-    glBindSampler(0, 0);
-    glBindSampler(1, 0);
-    glProgramUniform1iv(p->program, glGetUniformLocation(p->program, "pictures"), 2,
-                        (const GLint[]){0, 1});
-    glProgramUniform4i(p->program, 0, (GLint)look->compare, (GLint)look->encoding, look->second, 0);
-    glProgramUniform4f(p->program, 1, look->divider, look->gain, look->exposure, 0);
-    glProgramUniform2f(p->program, 2, (float)shot->width, (float)shot->height);
-    glProgramUniform3f(p->program, 3, shot->cursor[0], (float)shot->height - shot->cursor[1],
-                       shot->cursor[2]);
-    put_stencil(p, shot);
-    glDrawArrays(GL_TRIANGLES, 0, 3);
-    glBindVertexArray(0);
-    glUseProgram(0);
 }
 
 slv_result studio_picture_draw(studio_picture *p, studio_document *d, const studio_shot *shot,
@@ -452,7 +293,7 @@ slv_result studio_picture_draw(studio_picture *p, studio_document *d, const stud
     bool two = look->compare != STUDIO_WHOLE;
     float scale = shot->scale > 0 ? shot->scale : 1;
     GLint framebuffer = 0;
-    slv_result result;
+    slv_result result = SLV_OK;
     p->message[0] = 0;
     glGetIntegerv(GL_DRAW_FRAMEBUFFER_BINDING, &framebuffer);
     if (p->mesh != studio_document_mesh(d) || p->serial != d->serial) {
@@ -460,17 +301,11 @@ slv_result studio_picture_draw(studio_picture *p, studio_document *d, const stud
         p->mesh = studio_document_mesh(d);
         p->serial = d->serial;
     }
-    if (shot->stencil && (result = need_stencil(p, shot->stencil))) {
-        snprintf(d->message, STUDIO_MESSAGE, "%s", p->message);
-        return result;
-    }
-    if (shot->again && p->renderer && p->screen[0] == shot->width && p->screen[1] == shot->height) {
-        to_screen(p, shot, (GLuint)framebuffer, two);
-        return SLV_OK;
-    }
+    studio_timer_begin(&p->timer);
+    if (shot->again && p->renderer && p->screen[0] == shot->width && p->screen[1] == shot->height)
+        goto put;
     need_targets(p, (uint32_t)fmaxf(1, (float)shot->width * scale),
                  (uint32_t)fmaxf(1, (float)shot->height * scale));
-    studio_timer_begin(&p->timer);
     *stats = (studio_picture_stats){0};
     p->screen[0] = shot->width;
     p->screen[1] = shot->height;
@@ -488,19 +323,15 @@ slv_result studio_picture_draw(studio_picture *p, studio_document *d, const stud
     }
     stats->segments = p->segments;
     stats->triangles = slv_gl_renderer_triangles(p->renderer);
+put:
+    if (!result)
+        result = put_on_screen(p, shot, (GLuint)framebuffer);
+    studio_timer_end(&p->timer);
 done:
-    glBindFramebuffer(GL_FRAMEBUFFER, (GLuint)framebuffer);
     if (result) {
         static const float black[4] = {0, 0, 0, 1};
+        glBindFramebuffer(GL_FRAMEBUFFER, (GLuint)framebuffer);
         glClearBufferfv(GL_COLOR, 0, black);
-        snprintf(d->message, STUDIO_MESSAGE, "%s", p->message);
-        return result;
-    }
-    to_screen(p, shot, (GLuint)framebuffer, two);
-    studio_timer_end(&p->timer);
-    GLenum error = glGetError();
-    if (error) {
-        result = output_fail(&p->env, SLV_ERROR_GL, "OpenGL has reported error 0x%x", error);
         snprintf(d->message, STUDIO_MESSAGE, "%s", p->message);
     }
     return result;

@@ -11,6 +11,8 @@
 
 typedef struct studio_picture studio_picture;
 
+/* Whether the context that is current is one of a driver in software. */
+bool studio_picture_in_software(void);
 /* Uses the context that is current. */
 slv_result studio_picture_create(const slv_env *env, studio_picture **out);
 void studio_picture_destroy(studio_picture *picture);

@@ -86,8 +86,11 @@ typedef struct studio_app {
     double x, y, start_time; /* of the pointer, in pixels of the area */
     float pressure, tilt[2];
     bool pointer_inside;
-    gint64 moved; /* when something moved last, of the monotonic clock */
-    guint rest;   /* the timer that refines */
+    gint64 began;   /* when a picture of what moves was, which is not on the screen yet; 0: none */
+    gulong painted; /* the handler for when it is */
+    gint64 moved;   /* when something moved last, of the monotonic clock */
+    guint rest;     /* the timer that refines */
+    guint32 input;  /* the display's time of the oldest event that no picture shows yet; 0: none */
     uint32_t frames;
     bool refined;
     float scale;   /* of pictures that move */
