@@ -17,7 +17,8 @@ struct render {
     scene_options scene;
     const char *out;
     int strategy, context, pass;
-    bool raw, quiet, json, compress, even_levels;
+    bool raw, quiet, json, compress, even_given;
+    int plain_levels;
     uint32_t msaa, aniso, bits;
 };
 
@@ -142,7 +143,7 @@ static slv_result begin(const slv_env *env, struct drawing *d) {
     slv_gl_texture_params upload = {.strategies = &strategy,
                                     .nstrategies = 1,
                                     .anisotropy = r->aniso,
-                                    .even_levels = r->even_levels,
+                                    .even_levels = r->even_given ? !r->plain_levels : scene->even,
                                     .compression = r->compress ? SLV_GL_COMPRESSION_BLOCKS
                                                                : SLV_GL_COMPRESSION_NONE,
                                     .encoding = (slv_texture_encoding)r->scene.encoding,
@@ -303,7 +304,7 @@ static const char *options_problem(const struct render *r) {
     const char *problem = scene_options_problem(&r->scene);
     if (problem)
         return problem;
-    if (r->scene.uv && (r->compress || r->even_levels))
+    if (r->scene.uv && (r->compress || r->even_given))
         return r->compress ? "--compress is of per-face textures, not of --uv"
                            : "--even-levels is of per-face textures, not of --uv";
     if (r->scene.latlong && r->pass)
@@ -329,9 +330,7 @@ int verb_render(int argc, char **argv) {
         {"--msaa", CLI_UINT, &r.msaa,
          "samples per pixel: 1, 2, 4, 8, as far as the driver goes (4)", NULL, 1, 64, NULL},
         SCENE_ANISO(&r.aniso, "anisotropy, 1 (trilinear) to 16 (1)"),
-        {"--even-levels", CLI_FLAG, &r.even_levels,
-         "no seams between oblong faces seen from afar; one with few --aniso taps is blurred", NULL,
-         0, 0, NULL},
+        SCENE_EVEN_LEVELS(&r.plain_levels, &r.even_given),
         {"--compress", CLI_FLAG, &r.compress,
          "8-bit textures: keep blocks on the GPU (BC1 and its kin)", NULL, 0, 0, NULL},
         {"--raw", CLI_FLAG, &r.raw,

@@ -18,7 +18,7 @@ slv_site slv_across(uint there, int edge, int adjacent, float scale, float end, 
     f.dy = across * f.dy;
     f.axis = across * f.axis;
     vec2 measure = slv_measure(size);
-    float texels = max(length(f.dx * measure), length(f.dy * measure)) / float(f.taps);
+    float texels = max(length(f.dx * measure), length(f.dy * measure)) * f.wide / float(f.taps);
     f.level = log2(max(texels, 1e-12));
     uv = across * (uv - slv_edge_origin(edge)) + slv_edge_origin(adjacent) + along;
     vec2 texel = slv_texel_length(size, max(texels, 1.0));

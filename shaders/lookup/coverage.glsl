@@ -41,7 +41,7 @@ float slv_constant(bool constant, vec2 size, inout vec2 uv, inout slv_footprint 
     if (constant) {
         covered = slv_within(size, bvec4(true), uv, f);
         uv = vec2(0.5);
-        f = slv_footprint(vec2(0.0), vec2(0.0), vec2(0.0), 1, 0.0);
+        f = slv_footprint(vec2(0.0), vec2(0.0), vec2(0.0), 1, 0.0, 1.0);
     }
     return covered;
 }

@@ -7,6 +7,7 @@ struct slv_footprint {
     vec2 axis; // the longer side
     int taps;
     float level; // of each tap
+    float wide;  // how much longer each is than in a row of taps side by side
 };
 
 // Coordinates and derivatives at silhouettes and of degenerate triangles can be anything. What is no number counts as huge.
@@ -64,7 +65,29 @@ slv_footprint slv_footprint_of(vec2 size, vec2 dx, vec2 dy) {
     taps = SLV_HELPER ? 1 : taps;
 #endif
 #endif
-    return slv_footprint(dx, dy, axis, taps, log2(max(longest / float(taps), 1e-12)));
+    return slv_footprint(dx, dy, axis, taps, log2(max(longest / float(taps), 1e-12)), 1.0);
+}
+
+// The same in a place of a face. What lies across an edge has other texels, other ends and other faces around its vertices than a row
+// of even taps that begins on this side would find. So no row leaves the face, as an edge comes near it grows shorter, and within half
+// a tap of it it becomes a single one on the edge, which both faces make alike: at least as long as a part of the footprint, so that
+// what is small there does not fall between such taps.
+slv_footprint slv_footprint_at(vec2 size, vec2 uv, vec2 dx, vec2 dy) {
+    slv_footprint f = slv_footprint_of(size, dx, dy);
+#if SLV_EVEN && SLV_ANISOTROPY > 1
+#ifdef SLV_EDGE_TAP
+    const float least = SLV_EDGE_TAP;
+#else
+    const float least = 0.5;
+#endif
+    vec2 inside = min(uv, 1.0 - uv);
+    float taps = float(f.taps), row = max(length(f.axis), 1e-12);
+    float part = clamp(2.0 * min(inside.x, inside.y) * taps / row, 0.0, 1.0);
+    f.axis *= part * min(2.0 * inside / max(abs(f.axis), vec2(1e-12)), vec2(1.0));
+    f.wide = mix(max(least * taps, 1.0), 1.0, part);
+    f.level += log2(f.wide);
+#endif
+    return f;
 }
 
 // Where tap k = 1.. of a footprint lies, relative to its centre.

@@ -33,6 +33,8 @@
 //   SLV_OWN_ALPHA       with SLV_BLACK: 1 if alpha is a channel of the texels and not always 1
 // A strategy may define features:
 //   SLV_KEEPS_ROW       both sides of an edge look up the same texels: a footprint keeps its row of taps however small it is
+//   SLV_EDGE_TAP        how long the tap of even levels on an edge is at least, as a part of the footprint (1/2). Less where sides of
+//                       different texels meet exactly in edges and vertices when they are magnified, too
 
 #if SLV_EXPLICIT
 #define SLV_HELPER false

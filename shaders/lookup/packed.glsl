@@ -15,18 +15,18 @@ vec4 slv_sample_grad(int face, vec2 uv, vec2 dx, vec2 dy) {
     uint pool = store.x & 0xffffu;
     float layer = float(store.x >> 16);
     vec2 size = slv_face_size(face);
-    slv_footprint f = slv_footprint_of(size, dx, dy);
+    uv = slv_inside(uv);
+    slv_footprint f = slv_footprint_at(size, uv, dx, dy);
 #if SLV_CONSTANTS
     if ((store.y >> 20 & 1u) != 0u) { // one texel for all that lookups here can reach
         size = vec2(1.0);
         uv = vec2(0.5);
-        f = slv_footprint(vec2(0.0), vec2(0.0), vec2(0.0), 1, 0.0);
+        f = slv_footprint(vec2(0.0), vec2(0.0), vec2(0.0), 1, 0.0, 1.0);
     }
 #endif
     float coarsest = log2(max(size.x, size.y));
     float level = clamp(f.level, 0.0, coarsest);
     float fine = floor(level);
-    uv = slv_inside(uv);
     vec4 a = slv_packed_level(pool, layer, int(fine), size, uv, f);
     vec4 b = slv_packed_level(pool, layer, int(min(fine + 1.0, coarsest)), size, uv, f);
     return slv_value(mix(a, b, level - fine));

@@ -10,10 +10,14 @@ vec4 slv_packed_level(uint pool, float layer, int level, vec2 size, vec2 uv, slv
     return textureLod(slv_pool[0], p, 0.0);
 #else
     // the taps must stay inside this level's border: beside it lie other levels
+#if SLV_EVEN
+    vec2 scale = rect.xy;
+#else
     vec2 level_size = slv_level_size(size, float(level));
     vec2 room = min(vec2(SLV_BORDER), level_size) - 0.5;
     vec2 fit = room / max(0.5 * (abs(f.dx) + abs(f.dy)) * level_size, vec2(1e-12));
     vec2 scale = rect.xy * min(1.0, min(fit.x, fit.y));
+#endif
 #if SLV_TAPS
     vec4 sum = vec4(0.0);
     int k = 1;

@@ -1,4 +1,5 @@
 // Samples lie on the edges of faces, where both faces have the same ones.
+#define SLV_EDGE_TAP 0.25
 #include "lookup/interface.glsl"
 #include "lookup/footprint.glsl"
 #include "lookup/packed.glsl"

@@ -16,7 +16,7 @@ const float SLV_HYBRID_RANGE = 0.5; // levels over which one goes over into the 
 vec4 slv_sample_grad(int face, vec2 uv, vec2 dx, vec2 dy) {
     vec2 size = slv_face_size(face);
     uv = slv_inside(uv);
-    slv_footprint f = slv_footprint_of(size, dx, dy);
+    slv_footprint f = slv_footprint_at(size, uv, dx, dy);
     float crossing = clamp(1.0 - f.level / SLV_HYBRID_RANGE, 0.0, 1.0);
     bvec4 edges = slv_reached_edges(size, uv, f);
     edges = crossing > 0.0 ? edges : bvec4(false);

@@ -14,7 +14,7 @@
 vec4 slv_sample_grad(int face, vec2 uv, vec2 dx, vec2 dy) {
     vec2 size = slv_face_size(face);
     uv = slv_inside(uv);
-    slv_footprint f = slv_footprint_of(size, dx, dy);
+    slv_footprint f = slv_footprint_at(size, uv, dx, dy);
     slv_sums sum = slv_no_sums();
     return slv_value(slv_visit(face, size, uv, f, slv_reached_edges(size, uv, f), sum));
 }

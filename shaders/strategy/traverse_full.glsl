@@ -14,7 +14,7 @@ vec4 slv_sample_grad(int face, vec2 uv, vec2 dx, vec2 dy) {
     uvec2 links = slv_adjacent[SLV_ROW(face)].links;
     vec2 size = slv_face_size(face);
     uv = slv_inside(uv);
-    slv_footprint f = slv_footprint_of(size, dx, dy);
+    slv_footprint f = slv_footprint_at(size, uv, dx, dy);
     slv_sums sum = slv_no_sums();
     sum.own = slv_own(face, uv, f);
     slv_reach reach = slv_reach_of(links, slv_reached_edges(size, uv, f), uv, slv_extent(size, f));

@@ -2,8 +2,8 @@
  *
  * The seam jump of lookups at footprints of 2 to 16 texels, for each strategy that looks beyond a
  * face: of a quad .ptx as it is, with levels that agree at full resolution too, and of these looked
- * up in even levels; or of a torus of 128 faces under noise, of one resolution and of mixed ones,
- * if no file is named. */
+ * up in even levels, without and with anisotropy; or of a torus of 128 faces under noise, of one
+ * resolution and of mixed ones, if no file is named. */
 #include "kit/bench_kit.h"
 
 #include <selvage/bake.h>
@@ -35,10 +35,10 @@ static void print_row(const char *name, const char *strategy, const slv_gl_seam 
 }
 
 static void report(slv_gl *gl, const slv_texture *texture, const slv_adjacency *adjacency,
-                   const char *name, bool even, bool json) {
+                   const char *name, bool even, uint32_t anisotropy, bool json) {
     static const char *const strategies[] = {"clamp", "borders", "edge-aligned", "traverse",
                                              "htex"};
-    const slv_gl_texture_params uploaded = {.even_levels = even};
+    const slv_gl_texture_params uploaded = {.even_levels = even, .anisotropy = anisotropy};
     slv_gl_texture *made = NULL;
     bench_stop(slv_gl_texture_create(gl, &env, texture, adjacency, &uploaded, &made));
     for (size_t s = 0; s < sizeof strategies / sizeof *strategies; s++) {
@@ -68,12 +68,14 @@ static void report_both(slv_gl *gl, const slv_texture *texture, const slv_adjace
                         const char *name, bool json) {
     slv_texture *agreed = NULL;
     char named[64];
-    report(gl, texture, adjacency, name, false, json);
+    report(gl, texture, adjacency, name, false, 1, json);
     agree(texture, adjacency, &agreed);
     snprintf(named, sizeof named, "%s, agreeing", name);
-    report(gl, agreed, adjacency, named, false, json);
-    snprintf(named, sizeof named, "%s, even", name);
-    report(gl, agreed, adjacency, named, true, json);
+    report(gl, agreed, adjacency, named, false, 1, json);
+    for (uint32_t anisotropy = 1; anisotropy <= 16; anisotropy *= 16) {
+        snprintf(named, sizeof named, "%s, even, %ux", name, anisotropy);
+        report(gl, agreed, adjacency, named, true, anisotropy, json);
+    }
     slv_texture_destroy(agreed);
 }
 

@@ -8,10 +8,11 @@ static const char *const names[STRATEGIES] = {"borders", "edge-aligned", "traver
 static slv_gl *gl;
 static const slv_strategy *strategies[STRATEGIES];
 
-static slv_gl_texture *upload(const kit *k, bool even) {
+static slv_gl_texture *upload(const kit *k, bool even, uint32_t anisotropy) {
     return seam_upload(gl, k,
                        (slv_gl_texture_params){.strategies = strategies,
                                                .nstrategies = STRATEGIES,
+                                               .anisotropy = anisotropy,
                                                .even_levels = even});
 }
 
@@ -29,21 +30,22 @@ static void check(kit *k, const char *name, uint64_t *random) {
     bool subfaces = false;
     for (uint32_t f = 0; f < k->nfaces; f++)
         subfaces |= kit_sub(k, f);
-    for (uint32_t level = 1; level <= LAST_LEVEL; level++) {
-        if (test_skip(turn++, 6))
+    for (uint32_t i = 0; i < 2 * LAST_LEVEL; i++) {
+        uint32_t level = i / 2 + 1, anisotropy = i % 2 ? 16 : 1;
+        if (test_skip(turn++, 12))
             continue;
         any_shapes(k, level, random);
         kit_noise(k, level % 2 ? SLV_TYPE_U8 : SLV_TYPE_FLOAT, level == 2 ? 4 : 3, random);
-        slv_gl_texture *texture = upload(k, true);
-        for (uint32_t i = 0; i < 2 * STRATEGIES; i++) {
-            uint32_t s = i / 2, at = i % 2 ? level : 0;
+        slv_gl_texture *texture = upload(k, true, anisotropy);
+        for (uint32_t j = 0; j < 2 * STRATEGIES; j++) {
+            uint32_t s = j / 2, at = j % 2 ? level : 0;
             slv_gl_seam seam = seam_jump(texture, k, strategies[s],
                                          (slv_gl_seam_params){.samples = 33, .level = at});
             /* borders meet texels of another size, and sub-faces of two sizes, only nearly */
             CHECK_MSG(seam.max <= 1.0f / 255 || (s == 0 && (subfaces || at == 0)),
-                      "%s, footprint of %u: %s jumps by %g/255 at face %d edge %d t %g", name,
-                      at ? 1u << at : 0, names[s], (double)seam.max * 255, seam.face, seam.edge,
-                      (double)seam.t);
+                      "%s, footprint of %u, %ux: %s jumps by %g/255 at face %d edge %d t %g", name,
+                      at ? 1u << at : 0, anisotropy, names[s], (double)seam.max * 255, seam.face,
+                      seam.edge, (double)seam.t);
         }
         slv_gl_texture_destroy(texture);
     }
@@ -55,7 +57,7 @@ static void check_plain(uint64_t *random) {
     kit_grid(&k, 5, 4, true, 0, random, NULL);
     any_shapes(&k, 2, random);
     kit_noise(&k, SLV_TYPE_U8, 3, random);
-    slv_gl_texture *texture = upload(&k, false);
+    slv_gl_texture *texture = upload(&k, false, 1);
     for (uint32_t s = 0; s < STRATEGIES; s++) {
         slv_gl_seam seam = seam_jump(texture, &k, strategies[s], (slv_gl_seam_params){.level = 2});
         CHECK_MSG(seam.max > 10.0f / 255, "%s jumps by only %g/255 with plain levels", names[s],
@@ -75,7 +77,7 @@ static void check_squares(uint64_t *random) {
     kit_pentagons(&k, random);
     kit_mixed(&k, 5, random);
     kit_noise(&k, SLV_TYPE_FLOAT, 3, random);
-    slv_gl_texture *textures[2] = {upload(&k, false), upload(&k, true)};
+    slv_gl_texture *textures[2] = {upload(&k, false, 1), upload(&k, true, 1)};
     for (int i = 0; i < POINTS; i++) {
         faces[i] = (int32_t)(test_random(random) % k.nfaces);
         for (int c = 0; c < 2; c++)

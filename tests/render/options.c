@@ -282,6 +282,30 @@ static void check_focus(void) {
               "%d: %s", run.code, run.err);
 }
 
+/* Even levels are what a file is looked up in whose reductions agree, unless it is said otherwise.
+ */
+static void check_even_levels(void) {
+    static const char *const files[] = {"cube.ptx", "seamless.ptx"};
+    char from[2][KIT_PATH];
+    kit_join(from[0], scratch.root, files[0]);
+    kit_join(from[1], scratch.root, files[1]);
+    draw(ARGUMENTS("convert", from[0], from[1], "--reductions", "seamless", "--quiet"), NULL);
+    for (int i = 0; i < 2; i++) {
+        draw(ARGUMENTS("render", from[i], "--size", "12x12", "-q", "by_itself.exr"), NULL);
+        draw(ARGUMENTS("render", from[i], "--size", "12x12", "-q", "e.exr", "--even-levels"), NULL);
+        draw(ARGUMENTS("render", from[i], "--size", "12x12", "-q", "p.exr", "--even-levels", "no"),
+             NULL);
+        slv_image by_itself = load("by_itself.exr"), even = load("e.exr"), plain = load("p.exr");
+        size_t size = sizeof(float) * 4 * 12 * 12;
+        CHECK_MSG(memcmp(even.pixels, plain.pixels, size) != 0, "%s", files[i]);
+        CHECK_MSG(memcmp(by_itself.pixels, i ? even.pixels : plain.pixels, size) == 0, "%s",
+                  files[i]);
+        slv_image_free(&by_itself);
+        slv_image_free(&even);
+        slv_image_free(&plain);
+    }
+}
+
 /* Nothing is said of progress where nobody watches, unless somebody asks. */
 static void check_progress(void) {
     kit_selvage(&scratch, NULL, ARGUMENTS("reference", ptx, "--size", "64", "-o", "p.exr"), &run);
@@ -303,6 +327,7 @@ int main(void) {
     check_refused_fields();
     check_alpha();
     check_focus();
+    check_even_levels();
     check_progress();
     test_remove(scratch.root);
     return test_end();

@@ -229,6 +229,7 @@ slv_result scene_load_texels(const slv_env *env, const slv_ptx *ptx, const slv_r
     out->border_u = triangles ? SLV_BORDER_CLAMP : info->border_u;
     out->border_v = triangles ? SLV_BORDER_CLAMP : info->border_v;
     out->edge_filter = triangles ? SLV_EDGE_FILTER_NONE : info->edge_filter;
+    out->even = slv_ptx_find_meta(ptx, SLV_PTX_REDUCTIONS_KEY) != NULL;
     slv_result result = scene_check_memory(env, ptx, res);
     if (!result)
         result =

@@ -67,6 +67,7 @@ typedef struct scene {
     float bounds_min[3], bounds_max[3]; /* of the mesh, or of the group in focus */
     slv_border_mode border_u, border_v; /* how the texture is drawn */
     slv_edge_filter edge_filter;        /* likewise */
+    bool even;                          /* reductions agree: looked up in even levels */
     slv_alpha_mode alpha;               /* too: colours are then multiplied by alpha */
     bool premultiplied;                 /* they are in the file */
     bool raw;                           /* numbers are not light */
@@ -146,6 +147,13 @@ typedef struct scene_options {
         "--premultiplied", CLI_MODE, straight,                                                     \
             "colours are stored multiplied by alpha: yes, which the word alone says, or no",       \
             "yes|no", 0, 0, straight_given                                                         \
+    }
+#define SCENE_EVEN_LEVELS(value, given)                                                            \
+    {                                                                                              \
+        "--even-levels", CLI_MODE, value,                                                          \
+            "no seams between faces of different shapes seen from afar, and a little less sharp: " \
+            "yes, which the word alone says, or no (where the file's reductions agree)",           \
+            "yes|no", 0, 0, given                                                                  \
     }
 #define SCENE_UV(value)                                                                            \
     {                                                                                              \

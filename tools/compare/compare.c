@@ -18,8 +18,9 @@ struct compare {
     uint32_t narguments;
     const char *mesh, *out, *strategies, *focus, *msaa, *references, *uv;
     cli_list views;
-    int scheme, boundary, shading, context, adjacency, encoding, alpha, straight, round;
-    bool quick, quiet, json, progress, resume, compress, size_given, frames_given,
+    int scheme, boundary, shading, context, adjacency, encoding, alpha, straight, round,
+        plain_levels;
+    bool quick, quiet, json, progress, resume, compress, even_given, size_given, frames_given,
         reference_frames_given, samples_given, scheme_given;
     uint32_t size[2], aniso, frames, tess, threads, samples, accumulate, reference_frames;
     float azimuth, elevation, fov, orbit, tilt, dolly;
@@ -166,18 +167,19 @@ static json_t *conditions(const struct session *s) {
         if (r->reference.used[k])
             json_array_append_new(references, json_string(report_source_name((report_source)k)));
     return json_pack(
-        "{s:i, s:I, s:o, s:o, s:o, s:o, s:o, s:o, s:[I,I], s:I, s:I, s:I, s:I, s:I, "
+        "{s:i, s:I, s:o, s:o, s:o, s:o, s:o, s:o, s:[I,I], s:I, s:b, s:I, s:I, s:I, s:I, "
         "s:[f,f,f,f,f,f],"
         " s:o, s:[i,i,i], s:o, s:[i,b], s:s}",
         "schema", 2, "version", (json_int_t)slv_version(), "driver",
         output_json_text(r->gl.renderer, strlen(r->gl.renderer)), "texture", fingerprint(r->ptx),
         "mesh", fingerprint(r->mesh), "strategies", strategies, "msaa", rates, "reference",
         references, "size", (json_int_t)r->width, (json_int_t)r->height, "aniso",
-        (json_int_t)r->anisotropy, "frames", (json_int_t)r->frames, "reference-frames",
-        (json_int_t)r->reference.frames, "reference-samples", (json_int_t)r->reference.samples,
-        "tess", (json_int_t)r->segments, "orbit", (double)r->path.azimuth, (double)r->path.turn,
-        (double)r->path.elevation, (double)r->path.tilt, (double)r->path.fov, (double)r->path.dolly,
-        "focus", o->focus ? output_json_text(o->focus, strlen(o->focus)) : json_null(), "surface",
+        (json_int_t)r->anisotropy, "even-levels", (int)r->even_levels, "frames",
+        (json_int_t)r->frames, "reference-frames", (json_int_t)r->reference.frames,
+        "reference-samples", (json_int_t)r->reference.samples, "tess", (json_int_t)r->segments,
+        "orbit", (double)r->path.azimuth, (double)r->path.turn, (double)r->path.elevation,
+        (double)r->path.tilt, (double)r->path.fov, (double)r->path.dolly, "focus",
+        o->focus ? output_json_text(o->focus, strlen(o->focus)) : json_null(), "surface",
         o->scheme_given ? o->scheme : -1, o->boundary, o->shading, "views", views, "alpha",
         o->alpha, !o->straight, "texture-encoding",
         slv_texture_encoding_name((slv_texture_encoding)o->encoding));
@@ -234,6 +236,8 @@ static slv_result prepare(struct session *s) {
         return result;
     if (o->aniso > report->gl.max_anisotropy)
         report->anisotropy = report->gl.max_anisotropy;
+    report->even_levels = o->even_given ? !o->plain_levels : s->scene.even;
+    upload.even_levels = report->even_levels;
     orbit *path = &report->path;
     *path = (orbit){.azimuth = o->azimuth,
                     .turn = o->orbit,
@@ -519,6 +523,7 @@ int verb_compare(int argc, char **argv) {
          "make rates the driver lacks by averaging at most this many shifted pictures (1)", NULL, 1,
          64, NULL},
         SCENE_ANISO(&o.aniso, "anisotropy, 1 (trilinear) to 16 (16)"),
+        SCENE_EVEN_LEVELS(&o.plain_levels, &o.even_given),
         {"--compress", CLI_FLAG, &o.compress,
          "8-bit textures: also drawn from blocks on the GPU (BC1 and its kin)", NULL, 0, 0, NULL},
         SCENE_AZIMUTH(&o.azimuth, "where the orbit starts, degrees from +z (30)", NULL),

@@ -107,10 +107,11 @@ static void print_times(const report_data *report) {
                (double)row->stats.gpu_bytes / 1e6);
         print_jumps(&row->seams[0]);
     }
-    printf("(%s; %u frame%s of %u x %u, %ux MSAA, %ux anisotropy; ratios to %s, from - to with "
+    printf("(%s; %u frame%s of %u x %u, %ux MSAA, %ux anisotropy%s; ratios to %s, from - to with "
            "%.0f %% certainty; jumps of magnified lookups, full scale is 1)\n",
            report->gl.renderer, report->frames, report->frames == 1 ? "" : "s", report->width,
            report->height, report->rates[report->shown].samples, report->anisotropy,
+           report->even_levels ? ", even levels" : "",
            report->strategies[report_baseline(report)].strategy->name,
            100 * interval_coverage(report->frames));
 }

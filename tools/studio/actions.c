@@ -143,6 +143,8 @@ static const row rows[] = {
      false},
     {"View", "Anisotropy 16", "anisotropy", "16", "F4", studio_set_anisotropy,
      studio_get_anisotropy, false},
+    {"View", "Even Levels", "even-levels", NULL, "<Shift>l", studio_do_even_levels,
+     studio_get_even_levels, false},
     {"View", "Coarser Levels", "bias-up", NULL, "greater", studio_do_bias_up, NULL, true},
     {"View", "Finer Levels", "bias-down", NULL, "less", studio_do_bias_down, NULL, true},
     {"View", "Levels as They Are", "bias-none", NULL, "equal", studio_do_bias_none, NULL, true},

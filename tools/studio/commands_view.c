@@ -189,6 +189,16 @@ const char *studio_get_anisotropy(const studio_app *app) {
     return app->look.anisotropy > 4 ? "16" : app->look.anisotropy > 1 ? "4" : "1";
 }
 
+void studio_do_even_levels(studio_app *app, const char *target) {
+    (void)target;
+    app->look.other_levels = !app->look.other_levels;
+    changed(app);
+}
+
+const char *studio_get_even_levels(const studio_app *app) {
+    return app->document.scene.even != app->look.other_levels ? "on" : NULL;
+}
+
 void studio_set_msaa(studio_app *app, const char *target) {
     app->look.msaa = atoi(target) > 4 ? 8 : atoi(target) > 1 ? 4 : 1;
     changed(app);

@@ -44,6 +44,7 @@ typedef struct studio_look {
     float exposure;   /* stops */
     uint32_t channel; /* 0: colours; else that one, counted from 1 */
     uint32_t msaa, anisotropy;
+    bool other_levels; /* even levels unless the file asks for them */
     float level_bias;  /* of slv_frame */
     uint32_t segments; /* along an edge; 0: by the size of faces */
     float light_turn;  /* degrees, of the light of an image */

@@ -20,6 +20,7 @@ enum { STRATEGIES = 32 };
 typedef struct shown {
     slv_gl_texture *texture;
     uint32_t anisotropy, channel;
+    bool even;
 } shown;
 
 struct studio_picture {
@@ -163,7 +164,9 @@ static slv_result need_texture(studio_picture *p, const studio_document *d, cons
     *out = NULL;
     if (index >= STRATEGIES || !strategy)
         return output_fail(&p->env, SLV_ERROR_ARGUMENT, "there is no strategy %u", index);
-    if (s->texture && s->anisotropy == look->anisotropy && s->channel == look->channel) {
+    const bool even = d->scene.even != look->other_levels;
+    if (s->texture && s->anisotropy == look->anisotropy && s->channel == look->channel &&
+        s->even == even) {
         *out = s->texture;
         return SLV_OK;
     }
@@ -175,9 +178,10 @@ static slv_result need_texture(studio_picture *p, const studio_document *d, cons
                                           .border_u = d->scene.border_u,
                                           .border_v = d->scene.border_v,
                                           .edge_filter = d->scene.edge_filter,
-                                          .live = true};
+                                          .live = true,
+                                          .even_levels = even};
     slv_gl_texture_destroy(s->texture);
-    *s = (shown){.anisotropy = look->anisotropy, .channel = look->channel};
+    *s = (shown){.anisotropy = look->anisotropy, .channel = look->channel, .even = even};
     slv_result result = slv_gl_texture_create(p->gl, &p->env, d->texture,
                                               studio_document_adjacency(d), &params, &s->texture);
     *out = s->texture;

@@ -137,14 +137,28 @@ static void mirror_strip(const build *b, const slv_border_edge *edge, const slv_
     }
 }
 
+/* The innermost row where the face's own texels that count on the edge are another level's. */
+static void own_strip(const build *b, const slv_border_edge *edge, uint32_t j0, uint32_t j1) {
+    for (uint32_t j = j0; j < j1; j++) {
+        int32_t x, y;
+        float value[SLV_BORDER_CHANNELS];
+        slvi_border_across(&b->view, edge, j, value);
+        slvi_res_edge_texel(b->res, edge->edge, (int32_t)j, -1, &x, &y);
+        store(b, x, y, value);
+    }
+}
+
 static void fill_link(const build *b, const slv_border_edge *edge, const slv_border_link *link,
                       int32_t depth_count, uint32_t j0, uint32_t j1) {
     uint32_t from_j = slvi_border_link_index(edge, link, j0);
     int32_t last = (1 << slvi_res_across(link->res, link->to.edge)) - 1;
     for (int32_t depth = 1; depth <= depth_count; depth++) {
-        if (link->aligned || (depth == 1 && link->relation == SLV_BORDER_EXACT))
+        bool exact = link->relation == SLV_BORDER_EXACT;
+        if (link->aligned || (depth == 1 && exact && link->own == b->level))
             copy_strip(b, edge->edge, depth, j0, j1, (uint32_t)link->to.face, link->level,
                        link->to.edge, depth - 1 < last ? depth - 1 : last, from_j, -1);
+        else if (depth == 1 && exact)
+            own_strip(b, edge, j0, j1);
         else if (depth == 1)
             mirror_strip(b, edge, link, j0, j1);
         else

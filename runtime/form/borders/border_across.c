@@ -55,16 +55,32 @@ void slvi_border_function_at(const slv_border_view *view, slv_border_function *f
     }
 }
 
+/* Adds a part of what the face's own texel that counts on the edge is above this level's. */
+static void add_own(const slv_border_view *view, const slv_border_edge *edge,
+                    const slv_border_link *link, uint32_t j, float part, float *out) {
+    float counts[SLV_BORDER_CHANNELS], own[SLV_BORDER_CHANNELS];
+    if (!link || link->own == edge->level)
+        return;
+    slvi_border_own(view, edge, link, j, counts);
+    slvi_border_own(view, edge, NULL, j, own);
+    for (uint32_t c = 0; c < view->count; c++)
+        out[c] += part * (counts[c] - own[c]);
+}
+
 void slvi_border_across(const slv_border_view *view, const slv_border_edge *edge, uint32_t j,
                         float *out) {
     if (edge->nlinks && edge->links[0].relation == SLV_BORDER_FINER) {
         slvi_border_across_two(view, edge, out);
+        for (uint32_t i = 0; i < edge->nlinks; i++)
+            add_own(view, edge, &edge->links[i], 0, 0.5f, out);
         return;
     }
     const slv_border_link *link = slvi_border_link_at(edge, j);
     slvi_border_edge_from(view, edge, link, j, out);
-    if (!link || link->relation == SLV_BORDER_EXACT)
+    if (!link || link->relation == SLV_BORDER_EXACT) {
+        add_own(view, edge, link, j, 1.0f, out);
         return;
+    }
     float own[SLV_BORDER_CHANNELS];
     slv_border_function function;
     slvi_border_function_begin(view, link, &function);

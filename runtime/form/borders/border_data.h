@@ -48,6 +48,8 @@ typedef struct slv_border_link {
     slv_border_relation relation;
     uint32_t level;      /* of the neighbour */
     slv_res res;         /* of that level */
+    uint32_t own;        /* the level of the face itself whose texels count on the edge: this one,
+                            or one as coarse as the finest of a neighbour's even levels */
     bool aligned;        /* EXACT, and its texels are as long across the edge too */
     float slope, offset; /* t of this face's edge to the neighbour's: slope * t + offset */
 } slv_border_link;
@@ -68,6 +70,11 @@ static inline void slvi_border_turn_across(const slv_border_view *view, const sl
 
 slv_border_edge slvi_border_edge_at(const slv_border_view *view, uint32_t face, uint32_t level,
                                     uint32_t edge);
+
+/* The level of the face across at which the vertex between two sub-faces there has the value that
+ * the edge has at it: all levels 0 agree, also where the levels that meet do not. */
+uint32_t slvi_border_corner_level(const slv_border_view *view, const slv_border_edge *edge,
+                                  const slv_border_link *link);
 
 /* Where the centre of the texel at index j is along an edge. */
 static inline float slvi_border_centre(uint32_t exponent, uint32_t j) {
@@ -97,6 +104,10 @@ void slvi_border_function_begin(const slv_border_view *view, const slv_border_li
 void slvi_border_function_at(const slv_border_view *view, slv_border_function *function, float t,
                              float *out);
 
+/* The face's own texel at index j that counts on the edge beside a link (NULL at a boundary), raw,
+ * where it is not the neighbour that decides. */
+void slvi_border_own(const slv_border_view *view, const slv_border_edge *edge,
+                     const slv_border_link *link, uint32_t j, float *out);
 /* The neighbour's own texel where index j meets it, or the face's own if link is NULL, raw. */
 void slvi_border_edge_from(const slv_border_view *view, const slv_border_edge *edge,
                            const slv_border_link *link, uint32_t j, float *out);

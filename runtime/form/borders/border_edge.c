@@ -50,20 +50,42 @@ static int clamp_int(int value, int low, int high) {
     return value < low ? low : value > high ? high : value;
 }
 
+static int longer_side(slv_res res) {
+    return res.u > res.v ? res.u : res.v;
+}
+
+/* The neighbour's even level of which texels are as long; below 0 where it has none so fine. */
+static int level_alike(const slv_border_view *view, const slv_border_edge *edge,
+                       const slv_neighbour *to) {
+    return longer_side(view->levels->res[to->face]) + slvi_neighbour_halvings(to) +
+           (int)edge->level - longer_side(view->levels->res[edge->face]);
+}
+
+uint32_t slvi_border_corner_level(const slv_border_view *view, const slv_border_edge *edge,
+                                  const slv_border_link *link) {
+    if (!view->levels->even)
+        return edge->level ? link->level : 0;
+    return (uint32_t)clamp_int(level_alike(view, edge, &link->to), 0,
+                               longer_side(view->levels->res[link->to.face]));
+}
+
 /* Even levels meet where their texels are as long, and where they are not, as near to that as the
- * shorter side's texels along the edge allow. Level 0 meets the finest, so that what is magnified
- * on both sides agrees. */
+ * shorter side's texels along the edge allow. Where the neighbour has none so fine, the edge stays
+ * what it is where the two meet at its finest: so it is one function at each length of texels,
+ * whatever level a face has of that length, and does not change beyond the coarser face's. */
 static void meet_even(const slv_border_view *view, const slv_border_edge *edge, int halvings,
                       slv_border_link *link) {
-    slv_res own = view->levels->res[edge->face], res = view->levels->res[link->to.face];
-    int own_side = own.u > own.v ? own.u : own.v, side = res.u > res.v ? res.u : res.v;
+    slv_res res = view->levels->res[link->to.face];
+    int own_side = longer_side(view->levels->res[edge->face]), side = longer_side(res);
     int along = slvi_res_along(res, link->to.edge), want = (int)edge->exponent - halvings;
     int coarsest = side - clamp_int(want, 0, along), finest = want < along ? coarsest : 0;
-    int level = side - (own_side - (int)edge->level - halvings);
+    int level = level_alike(view, edge, &link->to);
+    int met = clamp_int((int)edge->level - level, (int)edge->level, own_side);
     link->relation = want > along ? SLV_BORDER_COARSER
                      : want < 0   ? SLV_BORDER_FINER
                                   : SLV_BORDER_EXACT;
-    link->level = (uint32_t)(edge->level ? clamp_int(level, finest, coarsest) : finest);
+    link->level = (uint32_t)clamp_int(level, finest, coarsest);
+    link->own = (uint32_t)met;
 }
 
 static void meet(const slv_border_view *view, const slv_border_edge *edge, slv_border_link *link) {
@@ -76,6 +98,7 @@ static void meet(const slv_border_view *view, const slv_border_edge *edge, slv_b
     link->offset = map_along(edge, to, 0.0f);
     link->slope = map_along(edge, to, 1.0f) - link->offset;
     link->level = 0;
+    link->own = edge->level;
     link->relation = SLV_BORDER_EXACT;
     if (view->levels->even) {
         meet_even(view, edge, halvings, link);
@@ -92,8 +115,8 @@ static void meet(const slv_border_view *view, const slv_border_edge *edge, slv_b
         link->level = (uint32_t)clamp_int(across - want_across, along, last);
     }
     link->res = slvi_res_level(res, link->level, view->levels->even);
-    link->aligned =
-        link->relation == SLV_BORDER_EXACT && slvi_res_across(link->res, to->edge) == want_across;
+    link->aligned = link->relation == SLV_BORDER_EXACT && link->own == edge->level &&
+                    slvi_res_across(link->res, to->edge) == want_across;
 }
 
 slv_border_edge slvi_border_edge_at(const slv_border_view *view, uint32_t face, uint32_t level,
@@ -130,6 +153,13 @@ void slvi_border_fetch_row(const slv_border_view *view, uint32_t face, uint32_t 
     int32_t x, y;
     slvi_res_edge_texel(res, edge, (int32_t)j, 0, &x, &y);
     slvi_border_fetch(view, face, level, (uint32_t)x, (uint32_t)y, out);
+}
+
+void slvi_border_own(const slv_border_view *view, const slv_border_edge *edge,
+                     const slv_border_link *link, uint32_t j, float *out) {
+    uint32_t level = link ? link->own : edge->level;
+    slvi_border_fetch_row(view, edge->face, level, slvi_level_res(view->levels, edge->face, level),
+                          edge->edge, j, out);
 }
 
 void slvi_border_edge_from(const slv_border_view *view, const slv_border_edge *edge,

@@ -259,7 +259,8 @@ static bool find_opposite(const slv_border_view *view, const ring_levels *levels
         return false;
     const slv_border_link *to_before = &starts.links[0], *to_after = &ends.links[ends.nlinks - 1];
     if (to_before->relation != SLV_BORDER_EXACT || to_before->level != before ||
-        to_after->relation != SLV_BORDER_EXACT || to_after->level != after)
+        to_before->own != level || to_after->relation != SLV_BORDER_EXACT ||
+        to_after->level != after || to_after->own != level)
         return false;
     uint32_t across = (position + 2) % 4;
     const slv_corner *opposite = &levels->ring.corners[across];

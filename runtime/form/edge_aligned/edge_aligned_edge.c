@@ -49,11 +49,11 @@ void slvi_edge_aligned_corner(const slv_border_view *view, bool rounded, uint32_
     slvi_border_turn(view, turns, out);
 }
 
-/* Own texel plus the one across, at index j; twice the own one at a boundary. */
+/* The own texel plus the one across, at index j; twice the own one at a boundary. */
 static void pair(const slv_border_view *view, const slv_border_edge *edge,
                  const slv_border_link *link, uint32_t j, float *out) {
     float across[SLV_BORDER_CHANNELS];
-    slvi_border_edge_from(view, edge, NULL, j, out);
+    slvi_border_own(view, edge, link, j, out);
     slvi_border_edge_from(view, edge, link, j, across);
     for (uint32_t c = 0; c < view->count; c++)
         out[c] += across[c];
@@ -70,9 +70,8 @@ static void middle(const slv_border_view *view, bool rounded, const slv_border_e
     const slv_border_link *link = &edge->links[0];
     /* Edges that meet run in opposite directions. */
     uint32_t corner = link->to.t0 > 0.25f ? slvi_edge_next(link->to.edge) : link->to.edge;
-    /* All levels 0 agree, even around a vertex at which the levels that meet do not. */
-    uint32_t level = edge->level ? link->level : 0;
-    slvi_edge_aligned_corner(view, rounded, (uint32_t)link->to.face, level, corner, out);
+    slvi_edge_aligned_corner(view, rounded, (uint32_t)link->to.face,
+                             slvi_border_corner_level(view, edge, link), corner, out);
     slvi_border_turn_across(view, edge, link, out);
 }
 

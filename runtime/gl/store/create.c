@@ -8,8 +8,21 @@
 
 #include <string.h>
 
-static slv_result fill_params(slv_gl *gl, const slv_env *env, const slv_texture_desc *desc,
+/* Whether all faces are squares of one size, of which even levels are the plain ones, and meet
+ * like to like. One that is live may change. */
+static bool is_regular(const slv_gl_given *given, bool live) {
+    const slv_texture_desc *desc = slv_texture_get_desc(given->texture);
+    bool same = !live && !given->resident;
+    for (uint32_t f = 0; same && f < desc->nfaces; f++)
+        same = desc->res[f].u == desc->res[0].u && desc->res[f].v == desc->res[0].u &&
+               slv_adjacency_is_subface(given->adjacency, (int32_t)f) ==
+                   slv_adjacency_is_subface(given->adjacency, 0);
+    return same;
+}
+
+static slv_result fill_params(slv_gl *gl, const slv_env *env, const slv_gl_given *from,
                               const slv_gl_texture_params *given, slv_gl_texture_params *out) {
+    const slv_texture_desc *desc = slv_texture_get_desc(from->texture);
     slv_gl_texture_params params = {0};
     if (given)
         params = *given;
@@ -54,8 +67,9 @@ static slv_result fill_params(slv_gl *gl, const slv_env *env, const slv_texture_
                   params.anisotropy, gl->info.max_anisotropy);
         params.anisotropy = gl->info.max_anisotropy;
     }
-    if (!params.border)
-        params.border = params.anisotropy;
+    params.even_levels = params.even_levels && !is_regular(from, params.live);
+    if (!params.border) /* no row of taps in even levels leaves a face */
+        params.border = params.even_levels ? 1 : params.anisotropy;
     params.border = params.border < 256 ? params.border : 256;
     if (!params.first_unit)
         params.first_unit = SLV_GL_FIRST_UNIT;
@@ -251,7 +265,7 @@ static slv_result prepare(slv_gl *gl, const slv_env *env, const slv_gl_given *gi
         made->env = *env;
     made->serial = ++gl->serial;
     made->nfaces = desc->nfaces;
-    if ((result = fill_params(gl, env, desc, params, &made->params)) ||
+    if ((result = fill_params(gl, env, given, params, &made->params)) ||
         (result = take_prefix(made, made->params.prefix)) || (result = list_slots(made, params)) ||
         (result = slvi_alloc(env, "face table", desc->nfaces, sizeof *made->res, &made->res)) ||
         (result = slvi_gl_making_begin(made)) ||

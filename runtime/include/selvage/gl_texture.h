@@ -109,9 +109,12 @@ typedef struct slv_gl_texture_params {
      * longer side of an oblong face is halved first, until the face is square, and lookups choose
      * levels by the length of their footprint in (u,v). Both sides of an edge then average over the
      * same, whatever their shapes. Footprints that are longer in one of u and v than in the other
-     * are blurred along the other one, as far as there are no taps (anisotropy) for it; oblong
-     * faces take several lookups with traverse and hybrid. Squares are looked up as ever, and so
-     * are all faces with the other strategies. Taps are then made by shaders. */
+     * are blurred along the other one, as far as there are no taps (anisotropy) for it; taps are
+     * made by shaders and stay within the face, on its edges as a single one, so that borders need
+     * no more than one texel; oblong faces take several lookups with traverse and hybrid. Textures
+     * of which all faces are squares of one size, none or all sub-faces, are looked up as ever,
+     * unless they are live or resident, and so are all textures with the other strategies.
+     * (SLV_PTX_REDUCTIONS_KEY of ptx.h says what a file asks for.) */
     bool even_levels;
     uint64_t reserved[2];
 } slv_gl_texture_params;

@@ -204,8 +204,9 @@ SLV_NODISCARD SLV_API slv_result slv_ptx_load_meta(const slv_ptx *ptx, uint32_t 
 /* Text metadata that says what the colours of a file are, linear, srgb or data, where that is not
  * what its type says; slv_ptx_save writes it. */
 #define SLV_PTX_ENCODING_KEY "TextureEncoding"
-/* "seamless" where reductions agree along edges (slv_ptx_seams). Written by the writer alone: given
- * to slv_ptx_writer_set_meta it is left out. */
+/* "seamless" where reductions agree along edges (slv_ptx_seams); the command's verbs that draw look
+ * such files up in even levels (even_levels of gl_texture.h). Written by the writer alone: given to
+ * slv_ptx_writer_set_meta it is left out. */
 #define SLV_PTX_REDUCTIONS_KEY "TextureReductions"
 /* What the colours of a file are, never SLV_TEXTURE_AUTO: what this metadata says, or the colour
  * space that other programs note (ColorSpace, oiio:ColorSpace); else data if its edge filter is for

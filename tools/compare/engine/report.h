@@ -171,6 +171,7 @@ typedef struct report_data {
     const char *ptx, *mesh;
     slv_gl_info gl;
     uint32_t nfaces, segments, frames, width, height, anisotropy;
+    bool even_levels; /* not of all strategies: see slv_gl_texture_params */
     report_rate rates[REPORT_MAX_RATES];
     uint32_t nrates, shown;      /* `shown` is the rate of the pictures */
     char left_out[160];          /* rates that the driver does not have, in words; or empty */

@@ -184,6 +184,10 @@ static slv_result facts(const page *p) {
     write_fact(p, "Orbit", text);
     snprintf(text, sizeof text, r->anisotropy > 1 ? "up to %u times" : "none", r->anisotropy);
     write_fact(p, "Anisotropic filtering, for slanted views", text);
+    write_fact(p, "Levels",
+               r->even_levels ? "even: borders, edge-aligned, traverse and hybrid halve the longer "
+                                "side of a face first"
+                              : "both sides of a face are halved");
     snprintf(text, sizeof text, "%u per strategy, %u strategies", r->frames, r->nstrategies);
     write_fact(p, "Frames timed", text);
     snprintf(text, sizeof text, "%u, at %u different resolutions", r->nfaces, r->nresolutions);

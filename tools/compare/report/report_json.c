@@ -242,15 +242,17 @@ static json_t *how_json(const report_data *report) {
 static json_t *conditions_json(const report_data *report) {
     const slv_gl_info *gl = &report->gl;
     return json_pack(
-        "{s:o, s:o, s:o, s:b, s:I, s:I, s:I, s:o, s:s, s:I, s:I, s:I, s:I, s:o, s:o, s:o, s:b}",
+        "{s:o, s:o, s:o, s:b, s:I, s:I, s:I, s:o, s:s, s:I, s:b, s:I, s:I, s:I, s:o, s:o, s:o, "
+        "s:b}",
         "vendor", text(gl->vendor), "renderer", text(gl->renderer), "gl_version", text(gl->version),
         "software", (int)gl->software, "width", (json_int_t)report->width, "height",
         (json_int_t)report->height, "msaa", (json_int_t)report->rates[report->shown].samples,
         "rates", how_json(report), "left_out", report->left_out, "anisotropy",
-        (json_int_t)report->anisotropy, "frames", (json_int_t)report->frames, "views",
-        (json_int_t)report->nviews, "segments", (json_int_t)report->segments, "orbit",
-        orbit_json(&report->path), "seconds", output_json_number(report->seconds), "others",
-        output_json_number(report->others), "disturbed", (int)report_disturbed(report));
+        (json_int_t)report->anisotropy, "even_levels", (int)report->even_levels, "frames",
+        (json_int_t)report->frames, "views", (json_int_t)report->nviews, "segments",
+        (json_int_t)report->segments, "orbit", orbit_json(&report->path), "seconds",
+        output_json_number(report->seconds), "others", output_json_number(report->others),
+        "disturbed", (int)report_disturbed(report));
 }
 
 static json_t *take_json(const report_data *report, const report_advice *advice) {
