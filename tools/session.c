@@ -11,6 +11,7 @@
 #include <inttypes.h>
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
 struct session {
     const char *path, *new_from, *replay, *script, *merge, *export, *edits, *between;
@@ -123,8 +124,10 @@ static slv_result run_script(const slv_env *env, struct session *s) {
         const char *end = memchr(text + at, '\n', size - at);
         size_t length = end ? (size_t)(end - (text + at)) : size - at;
         s->log.line++;
+        int silenced = output_silence();
         result =
             slv_session_run(s->session, layer, false, slash ? folder : NULL, text + at, length);
+        output_restore(silenced);
         if (!result && s->certify)
             result = certify_line(env, s, &info.lines);
         at += length + 1;
@@ -197,8 +200,11 @@ static void print_session(const struct session *s, const slv_session_info *info,
 
 /* Takes what another session has on faces that this one has not. */
 static slv_result merge(const slv_env *env, struct session *s) {
+    const slv_session_params look = {.unkept = true};
     slv_session *other = NULL;
-    slv_result result = slv_session_open(env, s->merge, NULL, &other);
+    int silenced = output_silence();
+    slv_result result = slv_session_open(env, s->merge, &look, &other);
+    output_restore(silenced);
     if (!result)
         result = slv_session_merge(s->session, other, &s->merged);
     slv_session_destroy(other);
@@ -231,15 +237,27 @@ static slv_result go_back(const slv_env *env, struct session *s) {
     return result;
 }
 
+/* Of a session that is not ours to write to, what is there can be looked at. */
+static bool is_only_read(const struct session *s) {
+    char journal[4096];
+    int length = snprintf(journal, sizeof journal, "%s/journal", s->path);
+    bool reads = !s->script && !s->undo && !s->redo && !s->merge && !s->save && !s->as_saved;
+    return reads && length > 0 && (size_t)length < sizeof journal && slv_session_is(s->path) &&
+           (access(s->path, W_OK) != 0 ||
+            (access(journal, F_OK) == 0 && access(journal, W_OK) != 0));
+}
+
 static slv_result work(const slv_env *env, struct session *s) {
-    const slv_session_params how = {.as_saved = s->as_saved};
+    const slv_session_params how = {.as_saved = s->as_saved, .unkept = is_only_read(s)};
     const bool makes = s->new_from || s->replay;
     if (makes)
         cli_catch_interrupts();
+    int silenced = output_silence();
     slv_result result =
         s->new_from ? make(env, s)
         : s->replay ? slv_session_replay(env, s->replay, s->path, log2_of(s->scale), &s->session)
                     : slv_session_open(env, s->path, &how, &s->session);
+    output_restore(silenced);
     if (!makes) /* what is only read is lost by nobody */
         cli_catch_interrupts();
     const char *const inputs[] = {result ? NULL : slv_session_made_of(s->session)};

@@ -239,13 +239,48 @@ static void laid(void) {
     RUNS(0, "paint l.selvage s.jsonl --layer 1");
     RUNS(1, "paint blank.ptx s.jsonl out.ptx");
     HAS("where: expected no layer");
+    RUNS(0, "new box.obj bytes.ptx --size 16");
+    write_script("{\"op\": \"fill\", \"face\": 2, \"color\": [0, 255, 0]}\n"
+                 "{\"op\": \"fill\", \"face\": 3, \"color\": [0, 1, 0]}");
+    RUNS(0, "paint bytes.ptx s.jsonl out.ptx");
+    HAS("line 1: color: 255 becomes 1");
+    LACKS("line 2");
+    write_script("{\"op\": \"fill\", \"face\": 2, \"color\": [0, -3, 0]}");
+    RUNS(0, "paint bytes.ptx s.jsonl out.ptx");
+    HAS("line 1: color: -3 becomes 0");
+    RUNS(0, "new box.obj half.ptx --size 16 --type half");
+    RUNS(0, "paint half.ptx s.jsonl out.ptx");
+    LACKS("becomes");
 }
 
+/* As many lines as there are ways to be wrong, since they are one table. */
 static void wrong_scripts(void) {
     static const struct {
         const char *text, *says;
     } scripts[] = {
         {"{", "line 1"},
+        {"{\"samples\": [[0, 0.5, 0.5]], \"unit\": \"pixels\", \"radius\": 3}",
+         "line 1: unit: expected world or texels"},
+        {"{\"samples\": [[0, 0.5, 0.5]], \"unit\": \"texels\"}", "line 1: radius: expected one"},
+        {"{\"samples\": [[0, 0.5, 0.5]], \"radius\": 1, \"mirror\": [{\"point\": [0,0,0], "
+         "\"normal\": [0,0,0]}]}",
+         "mirror: expected normals of some length"},
+        {"{\"samples\": [[0, 0.5, 0.5]], \"radius\": 1, \"where\": {\"faces\": [0, 99]}}",
+         "where: there is no face 99, they are 0 to 5"},
+        {"{\"samples\": [[0, 0.5, 0.5]], \"radius\": 1, \"where\": {\"channel\": 7}}",
+         "where: there is no channel 7, they are 0 to 2"},
+        {"{\"samples\": [[0, 0.5, 0.5]], \"radius\": 1, \"where\": {\"towards\": [0,0,0], "
+         "\"degrees\": 30}}",
+         "where: expected towards as three numbers"},
+        {"{\"samples\": [[0, 0.5, 0.5]], \"radius\": 1, \"where\": {\"degrees\": 300}}",
+         "where: expected degrees as a number, more than 0"},
+        {"{\"samples\": [[0, 0.5, 0.5]], \"radius\": 1, \"symmetry\": {\"face\": 0, \"edge\": 7}}",
+         "symmetry: there is no edge 7, they are 0 to 3"},
+        {"{\"samples\": [[0, 0.5, 0.5]], \"radius\": 1, \"symmetry\": {\"pair\": [[0, 1], [77, "
+         "1]]}}",
+         "symmetry: there is no face 77"},
+        {"{\"camera\": {\"fov\": 175}, \"size\": [9, 9], \"samples\": [[1, 1]]}",
+         "fov: expected degrees, up to 170"},
         {"\n\n[]", "line 3"},
         {"{\"op\": \"dance\"}", "op: expected"},
         {"{\"radious\": 1, \"samples\": [[0, 0, 0]]}",
@@ -273,7 +308,6 @@ static void wrong_scripts(void) {
         {"{\"brush\": {\"aspect\": 0.5}}", "brush: aspect: expected a number from 1 to 1000"},
         {"{\"brush\": {\"follow\": 1}}", "brush: follow: expected true or false"},
         {"{\"radius\": 1, \"camera\": {}, \"samples\": [[0, 0]]}", "size"},
-        {"{\"radius\": 1, \"unit\": \"pixels\", \"samples\": [[0, 0, 0]]}", "radius"},
         {"{\"radius\": 1, \"size\": [9, 9], \"camera\": {\"azimut\": 3}, \"samples\": [[1, 1]]}",
          "camera: expected world_to_camera"},
         {"{\"radius\": 1, \"size\": [9, 9], \"camera\": {\"world_to_camera\": [0,0,0,0,0,0,0,0,0,0,"
@@ -299,7 +333,7 @@ static void wrong_scripts(void) {
         {"{\"op\": \"fill\", \"face\": 1, \"samples\": [[0, 0, 0]]}", "samples: expected"},
         {"{\"radius\": 1, \"samples\": [[0, 0, 0]], \"mirror\": [{\"point\": [0, 0, 0], "
          "\"normal\": [0, 0, 0]}]}",
-         "mirrors"}};
+         "mirror: expected normals of some length"}};
     for (size_t i = 0; i < sizeof scripts / sizeof *scripts; i++) {
         write_script(scripts[i].text);
         unlink(tool_path("out.ptx"));

@@ -2,6 +2,8 @@
 #include "kit/mesh_shapes.h"
 #include "kit/tool_kit.h"
 
+#include <sys/stat.h>
+
 #include <selvage/file.h>
 
 static const char box[] = "v 0 0 0\nv 2 0 0\nv 2 1 0\nv 0 1 0\nv 0 0 2\nv 2 0 2\nv 2 1 2\nv 0 1 2\n"
@@ -136,6 +138,45 @@ static void check_lost(void) {
     REQUIRE(unlink(tool_path("lost.selvage/texture-4-0.ptx")) == 0);
     RUNS(1, "session lost.selvage");
     HAS("line 4 cannot be done now (lost.selvage/texture-4-0.ptx: No such file");
+    HAS("--as-saved");
+    RUNS(0, "session lost.selvage --as-saved");
+    REQUIRE(unlink(tool_path("lost.selvage/journal")) == 0);
+    RUNS(0, "session lost.selvage");
+    HAS("lost.selvage/journal: is missing");
+    HAS("2 layers");
+    RUNS(0, "session lost.selvage");
+    LACKS("missing"); /* it is there again */
+}
+
+/* What may only be read can be looked at, exported and certified, and nothing else. */
+static void read_only(void) {
+    RUNS(0, "session read.selvage --new in.ptx --scheme bilinear -q");
+    RUNS(0, "session read.selvage --script s.jsonl --export written.ptx -q");
+    REQUIRE(chmod(tool_path("read.selvage/journal"), 0444) == 0);
+    REQUIRE(chmod(tool_path("read.selvage"), 0555) == 0 && chmod(test_folder, 0777) == 0);
+    fflush(NULL);
+    pid_t child = fork(); /* as one who is not above permissions */
+    REQUIRE(child >= 0);
+    if (child == 0) {
+        if (geteuid() == 0 && (setgid(65534) != 0 || setuid(65534) != 0))
+            _exit(0);
+        RUNS(0, "session read.selvage --certify");
+        HAS("2 since it was saved");
+        HAS("seams after");
+        RUNS(0, "session read.selvage --export read.ptx -q");
+        RUNS(0, "paint read.selvage s.jsonl painted.ptx -q");
+        RUNS(1, "session read.selvage --script s.jsonl");
+        HAS("Permission denied");
+        RUNS(1, "session read.selvage --undo 1");
+        HAS("Permission denied");
+        fflush(NULL);
+        _exit(test_end() != 0);
+    }
+    int status = 1;
+    CHECK(waitpid(child, &status, 0) == child && status == 0);
+    if (access(tool_path("read.ptx"), F_OK) == 0)
+        RUNS(0, "diff written.ptx read.ptx");
+    REQUIRE(chmod(tool_path("read.selvage"), 0755) == 0);
 }
 
 int main(void) {
@@ -191,6 +232,7 @@ int main(void) {
     RUNS(0, "session other.selvage --export merged.ptx");
     RUNS(0, "diff out.ptx merged.ptx");
     check_lost();
+    read_only();
     /* all of it again, from the samples, and at twice the resolution */
     RUNS(0, "session again.selvage --replay s.selvage --export again.ptx");
     HAS("6 faces, 2 layers");

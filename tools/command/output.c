@@ -5,12 +5,14 @@
 #include <selvage/folder.h>
 #include <selvage/session.h>
 
+#include <fcntl.h>
 #include <math.h>
 #include <signal.h>
 #include <stdarg.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
+#include <unistd.h>
 
 #define NOT_UTF8 UINT32_MAX
 
@@ -238,4 +240,22 @@ int output_print_json(const char *path, json_t *root) {
         code = cli_error("%s: no memory to print it", path);
     json_decref(root);
     return code;
+}
+
+int output_silence(void) {
+    fflush(stdout);
+    int kept = dup(STDOUT_FILENO), nothing = open("/dev/null", O_WRONLY | O_CLOEXEC);
+    if (kept >= 0 && nothing >= 0)
+        dup2(nothing, STDOUT_FILENO);
+    if (nothing >= 0)
+        close(nothing);
+    return kept;
+}
+
+void output_restore(int silenced) {
+    fflush(stdout);
+    if (silenced < 0)
+        return;
+    dup2(silenced, STDOUT_FILENO);
+    close(silenced);
 }

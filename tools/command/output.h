@@ -39,6 +39,10 @@ json_t *output_json_text(const char *text, size_t size);
 /* The name of a file, as cli_shown has it. */
 json_t *output_json_name(const char *path);
 json_t *output_json_number(double value); /* null if it is not finite */
+/* libmypaint prints on standard output where its times get mixed up by rounding: between these two,
+ * in which the command itself says nothing there, that goes nowhere. */
+int output_silence(void);
+void output_restore(int silenced);
 /* Prints and releases; NULL means that there was no memory for it. Returns an exit code. */
 int output_print_json(const char *path, json_t *root);
 

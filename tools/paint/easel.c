@@ -102,7 +102,9 @@ static void choose_layer(easel *e, uint32_t layer) {
 slv_result easel_open_session(const slv_env *env, easel *e, uint32_t layer, bool unkept) {
     const slv_session_params how = {.unkept = unkept};
     const slv_env own = line_log_begin(&e->log, env, NULL);
+    int silenced = output_silence();
     slv_result result = slv_session_open(&own, e->name, &how, &e->session);
+    output_restore(silenced);
     if (!result)
         choose_layer(e, layer);
     return result;
@@ -137,8 +139,12 @@ void easel_close(easel *e) {
 slv_result easel_begin(const slv_env *env, easel *e, const char *script,
                        void (*unknown)(void *user, const char *brush, const char *setting),
                        void *user) {
-    const slv_script_params params = {
-        .name = script, .folder = e->folder, .unknown = unknown, .user = user};
+    const slv_script_params params = {.name = script,
+                                      .folder = e->folder,
+                                      .unknown = unknown,
+                                      .user = user,
+                                      .integers = e->writer.type == SLV_TYPE_U8 ||
+                                                  e->writer.type == SLV_TYPE_U16};
     if ((size_t)snprintf(e->folder, sizeof e->folder, "%s", script) >= sizeof e->folder)
         return output_fail(env, SLV_ERROR_IO, "%s: its name is too long", script);
     e->log.path = script;
@@ -152,9 +158,11 @@ slv_result easel_begin(const slv_env *env, easel *e, const char *script,
 
 slv_result easel_run(easel *e, uint64_t number, const char *line, size_t size) {
     e->log.line = number;
+    int silenced = output_silence();
     slv_result result = e->session ? slv_session_run(e->session, e->layer, false,
                                                      *e->folder ? e->folder : NULL, line, size)
                                    : slv_script_run(e->script, number, line, size);
+    output_restore(silenced);
     e->log.line = 0;
     return result;
 }

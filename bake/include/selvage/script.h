@@ -31,7 +31,8 @@ typedef struct slv_script_params {
     /* Of what is painted on: another layer, or its mask, which a line wants to be masked by. NULL:
      * there are none. What is wrong is told. */
     slv_result (*layer)(void *user, uint32_t id, bool mask, slv_canvas *out);
-    uint64_t reserved[3];
+    bool integers; /* of what is painted only 0 to 1 will stay: colours beyond are warned of */
+    uint64_t reserved[2];
 } slv_script_params;
 
 /* Painter and canvas must outlive it. */

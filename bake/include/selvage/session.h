@@ -33,8 +33,9 @@ typedef struct slv_session_params {
     slv_scheme scheme; /* of the surface that is painted on */
     bool relaxed;  /* do not wait for the disk: a power cut may lose what it had not been told */
     bool as_saved; /* open without what came after the last save, and forget that */
-    /* Nothing that is done is kept: the folder is opened to be looked at, and written to by no
-     * call. Saving is SLV_ERROR_ARGUMENT. Not for new sessions. */
+    /* Nothing that is done is kept: the folder, which may be one that can only be read, is opened
+     * to be looked at, and written to by no call. Saving is SLV_ERROR_ARGUMENT. Not for new
+     * sessions. */
     bool unkept;
     /* For new sessions: the file that it is made of, which is kept as a full path for those who ask
      * what must not be written over. NULL: none. */

@@ -168,103 +168,154 @@ slv_result slvi_script_read_clone(slvi_reading *r, const char *key, json_t *valu
     return SLV_OK;
 }
 
+/* What there is less of than was asked for. */
+static slv_result too_large(const slvi_reading *r, const char *key, const char *what, double number,
+                            unsigned count) {
+    return slvi_fail(&r->script->env, SLV_ERROR_FORMAT,
+                     "%s: line %llu: %s: there is no %s %g, they are 0 to %u", r->script->name,
+                     (unsigned long long)r->number, key, what, number, count - 1);
+}
+
 /* Faces that a mask names, in bytes of the line's. */
-static bool read_faces(slvi_reading *r, json_t *list) {
+static slv_result read_faces(slvi_reading *r, const char *key, json_t *list) {
     slv_script *s = r->script;
     json_t *entry;
     size_t i;
     if (!json_is_array(list))
-        return false;
+        return wrong(r, key, "faces as a list of their numbers");
     memset(s->line_faces, 0, s->nfaces);
     json_array_foreach(list, i, entry) {
         json_int_t face = json_integer_value(entry);
-        if (!json_is_integer(entry) || face < 0 || (uint64_t)face >= s->nfaces)
-            return false;
+        if (!json_is_integer(entry))
+            return wrong(r, key, "faces as a list of their numbers");
+        if (face < 0 || (uint64_t)face >= s->nfaces)
+            return too_large(r, key, "face", (double)face, s->nfaces);
         s->line_faces[face] = 1;
     }
     r->line->lay.mask.faces = s->line_faces;
-    return true;
+    return SLV_OK;
+}
+
+/* The layer that a mask reads, or this one. */
+static slv_result read_layer(slvi_reading *r, const char *key, json_t *layer, bool of_mask) {
+    slv_script *s = r->script;
+    json_int_t id = json_integer_value(layer);
+    slv_canvas_desc desc;
+    slv_result result = SLV_OK;
+    r->line->masked = true;
+    r->line->mask_canvas = s->inner;
+    if (layer && (!json_is_integer(layer) || id < 1 || id > UINT32_MAX))
+        return wrong(r, key, "layer as its id");
+    if (layer && !s->params.layer)
+        return wrong(r, key, "no layer: there are none here");
+    if (layer)
+        result = s->params.layer(s->params.user, (uint32_t)id, of_mask, &r->line->mask_canvas);
+    if (!result)
+        result = r->line->mask_canvas.fns->describe(r->line->mask_canvas.user, &desc);
+    if (!result && r->line->lay.mask.channel >= desc.nchannels)
+        return too_large(r, key, "channel", r->line->lay.mask.channel, desc.nchannels);
+    return result;
 }
 
 slv_result slvi_script_read_where(slvi_reading *r, const char *key, json_t *value) {
     static const char *const known[] = {"faces",   "towards", "degrees", "facing",
                                         "channel", "layer",   "mask",    "inverse"};
     slv_mask *mask = &r->line->lay.mask;
-    slv_script *s = r->script;
     json_t *faces = json_object_get(value, "faces"), *layer = json_object_get(value, "layer"),
            *channel = json_object_get(value, "channel"),
            *towards = json_object_get(value, "towards");
-    json_int_t id = json_integer_value(layer);
+    slv_result result;
     bool of_mask;
     float number = 0;
     *mask = (slv_mask){0};
     r->line->facing = r->line->masked = false;
     if (json_is_null(value))
         return SLV_OK;
-    if (!slvi_script_knows(value, known, 8) || !get(value, "degrees", 1e-3, 180, &mask->degrees) ||
-        !get(value, "channel", 0, 65535, &number) || !get_flag(value, "facing", &r->line->facing) ||
-        !get_flag(value, "mask", &of_mask) || !get_flag(value, "inverse", &mask->inverse) ||
-        (faces && !read_faces(r, faces)) ||
-        (towards && !slvi_script_numbers(towards, 3, 3, mask->towards)) ||
-        (layer && (!json_is_integer(layer) || id < 1 || id > UINT32_MAX)))
+    if (!slvi_script_knows(value, known, 8))
         return wrong(r, key,
                      "an object with faces, towards [x, y, z] and degrees, facing, or "
                      "layer, mask, channel and inverse");
+    if (!get_flag(value, "facing", &r->line->facing) || !get_flag(value, "mask", &of_mask) ||
+        !get_flag(value, "inverse", &mask->inverse))
+        return wrong(r, key, "facing, mask and inverse as true or false");
+    if (!get(value, "degrees", 1e-3, 180, &mask->degrees))
+        return wrong(r, key, "degrees as a number, more than 0 and up to 180");
+    if (!get(value, "channel", 0, 65535, &number) || number != floorf(number))
+        return wrong(r, key, "channel as its number, from 0 on");
+    if (towards &&
+        (!slvi_script_numbers(towards, 3, 3, mask->towards) ||
+         !(fabsf(mask->towards[0]) + fabsf(mask->towards[1]) + fabsf(mask->towards[2]) > 0)))
+        return wrong(r, key, "towards as three numbers, a direction");
     if ((towards != NULL) != (mask->degrees > 0))
         return wrong(r, key, "towards and degrees together");
     mask->channel = (uint32_t)number;
-    r->line->masked = layer || channel;
-    r->line->mask_canvas = s->inner;
-    if (!layer)
-        return SLV_OK;
-    if (!s->params.layer)
-        return wrong(r, key, "no layer: there are none here");
-    return s->params.layer(s->params.user, (uint32_t)id, of_mask, &r->line->mask_canvas);
+    if (faces && (result = read_faces(r, key, faces)))
+        return result;
+    return layer || channel ? read_layer(r, key, layer, of_mask) : SLV_OK;
 }
 
-static bool read_edge(const slvi_reading *r, json_t *face, json_t *edge, uint32_t *f, unsigned *e) {
+/* A face and its edge; `*fine` if they are numbers. */
+static slv_result read_edge(const slvi_reading *r, const char *key, json_t *face, json_t *edge,
+                            uint32_t *f, unsigned *e, bool *fine) {
     json_int_t a = json_integer_value(face), b = json_integer_value(edge);
     *f = (uint32_t)a;
     *e = (unsigned)b;
-    return json_is_integer(face) && json_is_integer(edge) && a >= 0 &&
-           (uint64_t)a < r->script->nfaces && b >= 0 && b < 4;
+    *fine = *fine && json_is_integer(face) && json_is_integer(edge);
+    if (*fine && (a < 0 || (uint64_t)a >= r->script->nfaces))
+        return too_large(r, key, "face", (double)a, r->script->nfaces);
+    return *fine && (b < 0 || b > 3) ? too_large(r, key, "edge", (double)b, 4) : SLV_OK;
 }
 
-slv_result slvi_script_read_symmetry(slvi_reading *r, const char *key, json_t *value) {
+/* The two edges that are each other's images. */
+static slv_result read_edges(slvi_reading *r, const char *key, json_t *value, uint32_t face[2],
+                             unsigned edge[2]) {
     static const char *const known[] = {"face", "edge", "pair"};
-    slv_script *s = r->script;
     const slv_adjacency *adjacency =
-        slv_paint_surface_adjacency(slv_painter_get_surface(s->painter));
+        slv_paint_surface_adjacency(slv_painter_get_surface(r->script->painter));
     json_t *pair = json_object_get(value, "pair");
-    uint32_t face[2];
-    unsigned edge[2];
-    r->line->lay.symmetry = NULL;
-    if (json_is_null(value))
-        return SLV_OK;
-    bool fine = slvi_script_knows(value, known, 3);
-    if (pair) {
-        for (size_t i = 0; fine && i < 2; i++) {
-            json_t *one = json_array_get(pair, i);
-            fine = json_array_size(pair) == 2 && json_array_size(one) == 2 &&
-                   read_edge(r, json_array_get(one, 0), json_array_get(one, 1), &face[i], &edge[i]);
-        }
-    } else if ((fine = fine && read_edge(r, json_object_get(value, "face"),
-                                         json_object_get(value, "edge"), &face[0], &edge[0]))) {
-        slv_neighbour list[2];
-        if (slv_adjacency_neighbours(adjacency, (int32_t)face[0], edge[0], list) != 1)
-            return wrong(r, key, "an edge between two faces");
-        face[1] = (uint32_t)list[0].face;
-        edge[1] = list[0].edge;
+    slv_neighbour list[2];
+    bool fine = slvi_script_knows(value, known, 3) && (!pair || json_array_size(pair) == 2);
+    slv_result result = SLV_OK;
+    for (size_t i = 0; pair && fine && i < 2 && !result; i++) {
+        json_t *one = json_array_get(pair, i);
+        fine = json_array_size(one) == 2;
+        result = read_edge(r, key, json_array_get(one, 0), json_array_get(one, 1), &face[i],
+                           &edge[i], &fine);
     }
+    if (!pair && fine)
+        result = read_edge(r, key, json_object_get(value, "face"), json_object_get(value, "edge"),
+                           &face[0], &edge[0], &fine);
+    if (result)
+        return result;
     if (!fine)
         return wrong(r, key,
                      "an object with face and edge, of the middle line, or a pair "
                      "[[face, edge], [face, edge]]");
+    if (pair)
+        return SLV_OK;
+    if (slv_adjacency_neighbours(adjacency, (int32_t)face[0], edge[0], list) != 1)
+        return wrong(r, key, "an edge between two faces");
+    face[1] = (uint32_t)list[0].face;
+    edge[1] = list[0].edge;
+    return SLV_OK;
+}
+
+slv_result slvi_script_read_symmetry(slvi_reading *r, const char *key, json_t *value) {
+    slv_script *s = r->script;
+    const slv_adjacency *adjacency =
+        slv_paint_surface_adjacency(slv_painter_get_surface(s->painter));
+    uint32_t face[2];
+    unsigned edge[2];
+    slv_result result;
+    r->line->lay.symmetry = NULL;
+    if (json_is_null(value))
+        return SLV_OK;
+    if ((result = read_edges(r, key, value, face, edge)))
+        return result;
     const uint32_t named[4] = {face[0], edge[0], face[1], edge[1]};
     if (!s->symmetry || memcmp(named, s->symmetry_of, sizeof named) != 0) {
         slv_symmetry *made;
-        slv_result result = slv_symmetry_create(&s->env, adjacency, face, edge, &made, NULL);
-        if (result)
+        if ((result = slv_symmetry_create(&s->env, adjacency, face, edge, &made, NULL)))
             return result;
         /* what was set before may still be meant by what comes after */
         slv_symmetry_destroy(s->old_symmetry);

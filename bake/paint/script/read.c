@@ -45,6 +45,14 @@ static slv_result read_color(slvi_reading *r, const char *key, json_t *value) {
     memset(paint->color, 0, sizeof paint->color);
     if (!slvi_script_numbers(value, 1, SLV_PAINT_CHANNELS, paint->color))
         return slvi_script_wrong(r, key, "1 to 8 numbers, as the texture stores them");
+    for (size_t c = 0; c < json_array_size(value); c++)
+        if (r->script->params.integers && !(paint->color[c] >= 0 && paint->color[c] <= 1)) {
+            slvi_logf(&r->script->env, SLV_LOG_WARNING,
+                      "%s: line %llu: color: %g becomes %d: numbers go from 0 to 1 here",
+                      r->script->name, (unsigned long long)r->number, (double)paint->color[c],
+                      paint->color[c] > 1);
+            break;
+        }
     for (size_t c = json_array_size(value); c < SLV_PAINT_CHANNELS; c++)
         paint->color[c] = 1; /* alpha, where it is not given */
     return SLV_OK;
@@ -128,7 +136,7 @@ static slv_result read_mirror(slvi_reading *r, const char *key, json_t *value) {
     slvi_line *line = r->line;
     size_t count = json_array_size(value);
     if ((!json_is_array(value) && !json_is_null(value)) || count > SLV_MIRRORS)
-        return slvi_script_wrong(r, key, "up to 3 planes");
+        return slvi_script_wrong(r, key, "a list of up to 3 planes, or null");
     for (size_t i = 0; i < count; i++) {
         json_t *plane = json_array_get(value, i);
         if (!slvi_script_knows(plane, known, SLVI_COUNT(known)) ||
@@ -136,6 +144,9 @@ static slv_result read_mirror(slvi_reading *r, const char *key, json_t *value) {
             !slvi_script_numbers(json_object_get(plane, "normal"), 3, 3, line->mirrors[i].normal))
             return slvi_script_wrong(r, key,
                                      "planes with a point and a normal, three numbers each");
+        const float *n = line->mirrors[i].normal;
+        if (!(fabsf(n[0]) + fabsf(n[1]) + fabsf(n[2]) > 0))
+            return slvi_script_wrong(r, key, "normals of some length");
     }
     line->stroke.nmirrors = (uint32_t)count;
     return SLV_OK;
@@ -261,12 +272,15 @@ static slv_result make_camera(const slvi_reading *r) {
     const struct {
         const char *key;
         float *value;
-        double most;
-    } angles[] = {{"azimuth", &azimuth, 360}, {"elevation", &elevation, 90}, {"fov", &fov, 170}};
+        double least, most;
+        const char *expected;
+    } angles[] = {{"azimuth", &azimuth, -360, 360, "degrees, -360 to 360"},
+                  {"elevation", &elevation, -90, 90, "degrees, -90 to 90"},
+                  {"fov", &fov, -170, 170, "degrees, up to 170; 0 is for parallel rays"}};
     for (size_t i = 0; i < SLVI_COUNT(angles); i++) {
         json_t *value = json_object_get(camera, angles[i].key);
-        if (value && !slvi_script_number(value, -angles[i].most, angles[i].most, angles[i].value))
-            return slvi_script_wrong(r, angles[i].key, "degrees");
+        if (value && !slvi_script_number(value, angles[i].least, angles[i].most, angles[i].value))
+            return slvi_script_wrong(r, angles[i].key, angles[i].expected);
     }
     slv_paint_surface_bounds(slv_painter_get_surface(r->script->painter), low, high);
     s->camera =
@@ -309,6 +323,11 @@ slv_result slvi_script_read(slv_script *script, uint64_t number, json_t *root, s
         return slvi_script_wrong(&r, "face", "a fill, which has \"op\": \"fill\"");
     if (out->op == SLVI_SCRIPT_STROKE && out->stroke.project && !out->stroke.in_picture)
         return slvi_script_wrong(&r, "project", "a camera and a size of the picture beside it");
+    if (out->op == SLVI_SCRIPT_STROKE && !out->stroke.in_picture &&
+        out->stroke.unit == SLV_SIZE_PIXELS)
+        return slvi_script_wrong(&r, "unit", "world or texels: there is no picture with pixels");
+    if (out->op == SLVI_SCRIPT_STROKE && !out->stroke.in_picture && !(out->stroke.radius > 0))
+        return slvi_script_wrong(&r, "radius", "one, as there is no picture that a brush is for");
     if (out->op == SLVI_SCRIPT_FILL && out->face < 0)
         return slvi_script_wrong(&r, "face", "the face that a fill begins at");
     return SLV_OK;

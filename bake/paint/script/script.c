@@ -23,13 +23,19 @@ static bool is_covered(const slv_patch *patch) {
 
 static slv_result begin(void *user, const slv_patches *patches) {
     slv_script *s = user;
-    slv_result result = s->inner.fns->begin ? s->inner.fns->begin(s->inner.user, patches) : SLV_OK;
+    uint64_t most = (uint64_t)s->stats.faces + patches->count, room = most + most / 2;
+    slv_result result = SLV_OK;
+    if (most > s->list_room &&
+        !(result = slvi_grow(&s->env, "script", room, sizeof *s->list, &s->list)))
+        s->list_room = room;
+    if (!result && s->inner.fns->begin)
+        result = s->inner.fns->begin(s->inner.user, patches);
     for (uint32_t i = 0; i < patches->count && !result; i++) {
-        uint8_t *touched = &s->touched[patches->list[i].face];
-        if (*touched || !is_covered(&patches->list[i])) /* a mask may have left nothing */
+        uint32_t face = patches->list[i].face;
+        if (s->touched[face] || !is_covered(&patches->list[i])) /* a mask may have left nothing */
             continue;
-        s->stats.faces++;
-        *touched = 1;
+        s->list[s->stats.faces++] = face;
+        s->touched[face] = 1;
     }
     return result;
 }
@@ -103,12 +109,17 @@ void slv_script_destroy(slv_script *script) {
     slvi_free(script->name);
     slvi_free(script->folder);
     slvi_free(script->touched);
+    slvi_free(script->list);
     slvi_free(script->selected);
     slvi_free(script);
 }
 
 void slv_script_get_stats(const slv_script *script, slv_script_stats *out) {
     *out = script->stats;
+}
+
+const uint32_t *slvi_script_faces(const slv_script *script) {
+    return script->list;
 }
 
 bool slv_script_touched(const slv_script *script, uint32_t face) {

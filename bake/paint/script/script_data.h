@@ -65,6 +65,8 @@ struct slv_script {
     uint32_t symmetry_of[4];
     uint8_t *line_faces, *set_faces; /* of masks */
     uint8_t *touched, *selected;
+    uint32_t *list; /* stats.faces that are touched */
+    uint64_t list_room;
     uint32_t nfaces, nchannels;
     slv_script_stats stats;
 };
@@ -73,6 +75,8 @@ struct slv_script {
 slv_result slvi_script_read(slv_script *script, uint64_t number, json_t *root, slvi_line *out);
 /* Begins the stroke of a line that has no samples. The script outlives it. */
 slv_result slvi_script_stroke(slv_script *script, uint64_t number, json_t *root, slv_stroke **out);
+/* The faces that were touched, stats.faces of them. */
+const uint32_t *slvi_script_faces(const slv_script *script);
 /* Whether paint is more than a colour. */
 bool slvi_script_is_laid(const slv_lay *lay);
 /* Does the fill of a line. */

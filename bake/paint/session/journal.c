@@ -33,8 +33,9 @@ uint32_t slvi_crc(uint32_t crc, const void *data, size_t size) {
     return ~crc;
 }
 
-slv_result slvi_journal_open(const slv_env *env, const char *path, bool create,
+slv_result slvi_journal_open(const slv_env *env, const char *path, bool read, bool *missing,
                              slvi_journal *journal) {
+    const int flags = (read ? O_RDONLY : O_RDWR) | O_CLOEXEC | O_NOFOLLOW;
     struct stat status;
     size_t size = strlen(path) + 1;
     *journal = (slvi_journal){.env = *env, .file = -1, .next = 1};
@@ -42,7 +43,14 @@ slv_result slvi_journal_open(const slv_env *env, const char *path, bool create,
     if (result)
         return result;
     memcpy(journal->path, path, size);
-    journal->file = open(path, O_RDWR | O_CLOEXEC | O_NOFOLLOW | (create ? O_CREAT : 0), 0666);
+    journal->file = open(path, flags);
+    bool none = journal->file < 0 && errno == ENOENT;
+    if (missing)
+        *missing = none;
+    if (none && read)
+        return SLV_OK;
+    if (none)
+        journal->file = open(path, flags | O_CREAT, 0666);
     if (journal->file < 0 || fstat(journal->file, &status) != 0 || !S_ISREG(status.st_mode))
         return slvi_fail(env, SLV_ERROR_IO, "%s: %s", path,
                          journal->file < 0 ? strerror(errno) : "is no file");
@@ -86,7 +94,7 @@ slv_result slvi_journal_scan(const slvi_journal *journal, slvi_journal_text *out
     slv_result result = slvi_alloc_plain(&journal->env, "journal", size + 1, 1, &out->text);
     if (result)
         return result;
-    int reason = slvi_read_at(journal->file, out->text, size, 0);
+    int reason = size ? slvi_read_at(journal->file, out->text, size, 0) : 0;
     if (reason)
         return slvi_fail(&journal->env, slvi_io_error(reason), "%s: %s", journal->path,
                          strerror(reason));

@@ -97,7 +97,7 @@ static slv_result open_there(const slv_session *session, const char *folder, cha
         memcpy(*path, folder, size);
         result = slvi_session_path(&session->env, folder, "journal", &name);
     }
-    if (!result && !(result = slvi_journal_open(&session->env, name, false, journal))) {
+    if (!result && !(result = slvi_journal_open(&session->env, name, false, NULL, journal))) {
         journal->next = session->journal.next;
         journal->relaxed = session->journal.relaxed;
     }
@@ -161,7 +161,7 @@ slv_result slv_session_remove(const slv_env *env, const char *path) {
     if (!slv_session_is(path))
         return slvi_fail(&found, SLV_ERROR_IO, "%s: is no session", path);
     slv_result result = slvi_session_path(&found, path, "journal", &name);
-    if (!result && !(result = slvi_journal_open(&found, name, true, &journal)))
+    if (!result && !(result = slvi_journal_open(&found, name, false, NULL, &journal)))
         slvi_beside_remove_folder(path);
     if (!result && slv_session_is(path))
         result = slvi_fail(&found, SLV_ERROR_IO, "%s: cannot be removed", path);

@@ -139,7 +139,10 @@ static slv_result replay(slv_session *session, const slvi_journal_text *text, co
         result = replay_line(session, text, live[i]);
         session->quiet = false;
         if (will_pass(result)) {
-            slvi_logf(&session->env, SLV_LOG_ERROR, "%s: line %" PRIu64 " cannot be done now (%s)",
+            slvi_logf(&session->env, SLV_LOG_ERROR,
+                      "%s: line %" PRIu64
+                      " cannot be done now (%s); as saved (--as-saved) it opens "
+                      "without that line and all after it",
                       session->journal.path, text->lines[live[i]].number, why(session, result));
             break;
         }

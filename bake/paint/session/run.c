@@ -8,6 +8,7 @@
 #include "base/memory.h"
 #include "base/output.h"
 #include "history/history.h"
+#include "script/script_data.h"
 
 #include <selvage/ptx.h>
 
@@ -124,10 +125,12 @@ static slv_result find_layer(void *user, uint32_t id, bool mask, slv_canvas *out
 }
 
 slv_result slvi_session_script(slv_session *session, uint32_t layer, bool mask, slv_script **out) {
+    const slv_type type = session->document->flat.type;
     const slv_script_params params = {.name = session->journal.path,
                                       .folder = session->path,
                                       .user = session,
-                                      .layer = find_layer};
+                                      .layer = find_layer,
+                                      .integers = type == SLV_TYPE_U8 || type == SLV_TYPE_U16};
     slv_painter *painter;
     slv_canvas canvas;
     slv_result result = slv_session_painter(session, &painter);
@@ -146,11 +149,11 @@ slv_result slvi_session_note(slv_session *session, const slv_script *script) {
                             : slvi_alloc(&session->env, "session", nfaces, 1, &session->touched);
     if (result || session->replaying)
         return result;
-    for (uint32_t face = 0; stats.faces && face < nfaces; face++)
-        if (slv_script_touched(script, face) && !session->touched[face]) {
-            session->touched[face] = 1;
-            all->faces++;
-        }
+    const uint32_t *faces = slvi_script_faces(script);
+    for (uint32_t i = 0; i < stats.faces; i++) {
+        all->faces += !session->touched[faces[i]];
+        session->touched[faces[i]] = 1;
+    }
     all->operations += stats.operations;
     all->dabs += stats.dabs;
     all->missed += stats.missed;

@@ -17,12 +17,13 @@
 static slv_result open_all(slv_session *session, const slv_session_params *params) {
     const slv_env *env = &session->env;
     char *about = NULL, *mesh = NULL, *journal = NULL;
+    bool missing = false;
     slv_result result;
     if ((result = slvi_session_path(env, session->path, "session.json", &about)) ||
         (result = slvi_session_path(env, session->path, "mesh.obj", &mesh)) ||
         (result = slvi_session_path(env, session->path, "journal", &journal)) ||
         (result = slvi_session_read_description(env, about, &session->params, &session->began)) ||
-        (result = slvi_journal_open(env, journal, true, &session->journal)) ||
+        (result = slvi_journal_open(env, journal, params->unkept, &missing, &session->journal)) ||
         (result = slv_mesh_load(env, mesh, &session->mesh)) ||
         (result = slv_mesh_adjacency(env, session->mesh, &session->adjacency)))
         goto done;
@@ -32,6 +33,10 @@ static slv_result open_all(slv_session *session, const slv_session_params *param
                            (unsigned)session->params.document.flat.nfaces);
         goto done;
     }
+    if (missing)
+        slvi_logf(env, SLV_LOG_WARNING,
+                  "%s: is missing: there is only what was saved, and nothing that came after",
+                  session->journal.path);
     session->params.relaxed = session->journal.relaxed = params->relaxed;
     session->params.as_saved = params->as_saved;
     session->params.unkept = params->unkept;

@@ -13,7 +13,7 @@
 typedef struct slvi_journal {
     slv_env env;
     char *path; /* for messages */
-    int file;   /* locked; -1: none */
+    int file;   /* locked; -1: none, or there is none to be read */
     uint64_t size;
     uint64_t next; /* the number of the next line */
     bool relaxed;
@@ -31,7 +31,9 @@ typedef struct slvi_journal_text {
     uint64_t count, end;
 } slvi_journal_text;
 
-slv_result slvi_journal_open(const slv_env *env, const char *path, bool create,
+/* Where there is none (it was deleted) an empty one, which is made unless it is only to be `read`;
+ * `*missing` (may be NULL) says so. */
+slv_result slvi_journal_open(const slv_env *env, const char *path, bool read, bool *missing,
                              slvi_journal *journal);
 void slvi_journal_close(slvi_journal *journal);
 slv_result slvi_journal_scan(const slvi_journal *journal, slvi_journal_text *out);

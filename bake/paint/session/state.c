@@ -5,6 +5,7 @@
 #include "base/log.h"
 #include "base/output.h"
 
+#include <errno.h>
 #include <stdio.h>
 #include <string.h>
 
@@ -16,12 +17,14 @@ static const char magic[16] = "selvage-state-1";
 typedef struct writing {
     FILE *stream;
     uint32_t crc;
-    bool failed;
+    int reason; /* errno of the first failure */
 } writing;
 
 static void put(writing *w, const void *data, size_t size) {
     w->crc = slvi_crc(w->crc, data, size);
-    w->failed = w->failed || (size && fwrite(data, size, 1, w->stream) != 1);
+    errno = 0;
+    if (!w->reason && size && fwrite(data, size, 1, w->stream) != 1)
+        w->reason = errno ? errno : EIO;
 }
 
 static void put_u32(writing *w, uint32_t value) {
@@ -86,10 +89,10 @@ slv_result slvi_state_write(const slv_env *env, const char *path, const slv_docu
     for (uint32_t i = 0; i < document->nlayers; i++)
         put_layer(&w, document->stack[i]);
     put_u32(&w, w.crc);
-    if (!w.failed)
+    if (!w.reason)
         return slvi_output_commit(&output, true);
     slvi_output_discard(&output);
-    return slvi_fail(env, SLV_ERROR_IO, "%s: cannot be written", path);
+    return slvi_fail(env, SLV_ERROR_IO, "%s: cannot be written: %s", path, strerror(w.reason));
 }
 
 /* ---- reading ---- */
