@@ -106,6 +106,12 @@ static int run_wrap(const struct wrap_options *o) {
         slv_mesh_wrap(&env, mesh, &params, &report, &made) ||
         !cli_progress_report(&progress, 20, 30))
         goto done;
+    if (!slv_mesh_get_view(made)->npolys) {
+        (void)output_fail(&env, SLV_ERROR_UNSUPPORTED,
+                          "%s: no polygon has vertices at three places, and nothing is left",
+                          o->paths[0]);
+        goto done;
+    }
     cli_catch_interrupts();
     if (slv_mesh_save_obj(&env, made, o->paths[1]))
         goto done;

@@ -264,6 +264,17 @@ static void check_thin(void) {
     }
 }
 
+/* A mesh of which nothing is left is none that could be read again. */
+static void check_nothing_left(void) {
+    FILE *file = fopen(tool_path("in.obj"), "w");
+    REQUIRE(file);
+    fputs("v 0 0 0\nv 0 0 0\nv 1 0 0\nvt 0 0\nf 1/1 2/1 3/1\n", file);
+    REQUIRE(fclose(file) == 0);
+    RUNS(1, "wrap in.obj nothing.obj");
+    HAS("in.obj: no polygon has vertices at three places");
+    CHECK(access(tool_path("nothing.obj"), F_OK) != 0);
+}
+
 /* How often the map goes around, whole or not, and which way. */
 static void check_turns(void) {
     write_tube(1, 0, 3, 4, 4);
@@ -353,6 +364,7 @@ int main(void) {
     tool_begin();
     check_apart();
     check_thin();
+    check_nothing_left();
     check_turns();
     for (size_t i = 0; i < sizeof styles / sizeof *styles; i++) {
         if (styles[i].shared) {
