@@ -151,6 +151,32 @@ static void shapes(void) {
     slv_mesh_destroy(mesh);
 }
 
+/* Two fans back to back: so many polygons around a vertex that their weights are not kept. */
+static void crowded(void) {
+    enum { AROUND = 210 };
+    slv_env env = test_env();
+    shape s = {0};
+    slv_mesh *mesh;
+    for (int i = 0; i < AROUND; i++) {
+        float a = 6.2831853f * (float)i / AROUND;
+        shape_vertex(&s, cosf(a), 0, sinf(a));
+    }
+    const int32_t top = shape_vertex(&s, 0, 1, 0), bottom = shape_vertex(&s, 0, -1, 0);
+    for (int32_t i = 0; i < AROUND; i++) {
+        shape_polygon(&s, 3, (int32_t[]){(i + 1) % AROUND, i, top});
+        shape_polygon(&s, 3, (int32_t[]){i, (i + 1) % AROUND, bottom});
+    }
+    const slv_mesh_view view = {.nverts = s.nverts,
+                                .positions = s.positions,
+                                .npolys = s.npolys,
+                                .poly_sizes = s.sizes,
+                                .poly_verts = s.verts};
+    MUST(slv_mesh_create(&env, &view, &mesh));
+    try_mesh("fans", mesh, SLV_SCHEME_CATMARK);
+    slv_mesh_destroy(mesh);
+    shape_clear(&s);
+}
+
 /* OpenSubdiv's own shapes, all kinds of tags and corners. */
 static void shapes_of_others(const char *folder) {
     slv_env env = test_env();
@@ -214,6 +240,7 @@ static void many_frames(void) {
 int main(void) {
     const char *meshes = getenv("SELVAGE_MESHES");
     shapes();
+    crowded();
     if (meshes && *meshes)
         shapes_of_others(meshes);
     many_frames();
