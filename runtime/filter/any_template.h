@@ -4,6 +4,7 @@
 #define SLV_FILTER_ANY_TEMPLATE_H
 
 #include "filter/apron_template.h"
+#include "filter/patch_template.h"
 #include "filter/point_template.h"
 #include "filter/variants.h"
 
@@ -50,10 +51,11 @@ static inline void any_kernel(lookup_state *state, uint32_t face, cache_face *f,
         seam_inside(state, face, f, k);
         return;
     }
+    if (cache_is_plain(f) && !state->sampler->no_edge_blend &&
+        (patch_apply(state, face, f, k) || lookup_is_over(state)))
+        return;
     kernel_axis_strip(&k->a[0]);
     kernel_axis_strip(&k->a[1]);
-    if (cache_is_plain(f) && !state->sampler->no_edge_blend && seam_one_edge(state, face, f, k))
-        return;
     seam_across(state, face, k);
 }
 
