@@ -88,8 +88,10 @@ static inline bool any_is_sound(const slv_sampler *s, const slv_lookup *l) {
     return position == 0 && (s->shape.filter == SLV_FILTER_POINT || footprint == footprint);
 }
 
-/* The thread is pinned. `room`: how many values to set, or 0 for as many as the file gives. */
-static inline slv_result any_look_up(slv_sampler *s, const slv_lookup *l, size_t room, float *out) {
+/* The thread is pinned. `room`: how many values to set, or 0 for as many as the file gives. Not
+ * inlined, so that lookups that need none of it save no registers for it. */
+static __attribute__((noinline)) slv_result any_look_up(slv_sampler *s, const slv_lookup *l,
+                                                        size_t room, float *out) {
     for (;;) {
         cache_tables *t = cache_find_tables(s->thread.view, l->file);
         if (!t) {

@@ -14,24 +14,25 @@
 #pragma GCC diagnostic ignored "-Wmaybe-uninitialized"
 #endif
 
-/* The columns of sums over rows, each of `n` values, weighted by an axis. No function, in which
- * compilers would not see how long the sums are, and so not unroll what is short. */
-#define GATHER_COLUMNS(sums, n, axis, out)                                                         \
+/* `count` columns of sums over rows, each of `n` values, times weights that lie `stride` apart. No
+ * function, in which compilers would not see how long the sums are, and so not unroll what is
+ * short. */
+#define GATHER_COLUMN(sums, n, weights, stride, at, out)                                           \
     do {                                                                                           \
-        v4f even = {0, 0, 0, 0}, odd = even;                                                       \
+        v4f column;                                                                                \
+        memcpy(&column, (sums) + (size_t)(at) * (n), sizeof column);                               \
+        (out) += column * (weights)[(at) * (stride)];                                              \
+    } while (0)
+#define GATHER_COLUMNS(sums, n, weights, stride, count, out)                                       \
+    do {                                                                                           \
+        v4f even = -(v4f){0, 0, 0, 0}, odd = even; /* -0 + x is x, which compilers know */         \
         int at = 0;                                                                                \
-        for (; at + 1 < (axis).n; at += 2) {                                                       \
-            v4f a, b;                                                                              \
-            memcpy(&a, (sums) + (size_t)at * (n), sizeof a);                                       \
-            memcpy(&b, (sums) + (size_t)(at + 1) * (n), sizeof b);                                 \
-            even += a * (axis).k[at];                                                              \
-            odd += b * (axis).k[at + 1];                                                           \
+        for (; at + 1 < (count); at += 2) {                                                        \
+            GATHER_COLUMN(sums, n, weights, stride, at, even);                                     \
+            GATHER_COLUMN(sums, n, weights, stride, at + 1, odd);                                  \
         }                                                                                          \
-        if (at < (axis).n) {                                                                       \
-            v4f a;                                                                                 \
-            memcpy(&a, (sums) + (size_t)at * (n), sizeof a);                                       \
-            even += a * (axis).k[at];                                                              \
-        }                                                                                          \
+        if (at < (count))                                                                          \
+            GATHER_COLUMN(sums, n, weights, stride, at, even);                                     \
         (out) = even + odd;                                                                        \
     } while (0)
 
@@ -82,14 +83,13 @@
         const T *p = texels + (size_t)k->a[1].start * pitch + (size_t)k->a[0].start * n;           \
         gather_rows_few_##TYPE(p, pitch, &k->a[1], ((size_t)k->a[0].n * n + 7) / 8, acc.v);        \
         v4f sum;                                                                                   \
-        GATHER_COLUMNS(acc.f, n, k->a[0], sum);                                                    \
+        GATHER_COLUMNS(acc.f, n, k->a[0].k, 1, k->a[0].n, sum);                                                    \
         return sum;                                                                                \
     }                                                                                              \
-    /* Values from `first` on, of rows `pitch` values apart, added up as far as a group reaches.   \
-     */                                                                                            \
-    static void gather_band_##TYPE(const void *texels, size_t pitch, size_t first,                 \
-                                   const kernel_axis *v, size_t nvectors, v8f *acc) {              \
-        const T *p = (const T *)texels + (size_t)v->start * pitch + first;                         \
+    /* Rows `pitch` values apart, added up as far as a group reaches. */                           \
+    static void gather_band_##TYPE(const void *texels, size_t pitch, const kernel_axis *v,         \
+                                   size_t nvectors, v8f *acc) {                                    \
+        const T *p = (const T *)texels + (size_t)v->start * pitch;                                 \
         for (; nvectors > 4; nvectors -= 4, p += 32, acc += 4)                                     \
             gather_rows_##TYPE(p, pitch, v, 4, acc);                                               \
         gather_rows_few_##TYPE(p, pitch, v, nvectors, acc);                                        \
@@ -156,8 +156,8 @@ gather_few(const cache_tables *t, const uint8_t *texels, size_t pitch, const ker
     return gather_functions[t->type][t->nchannels - 1](texels, pitch, k);
 }
 
-typedef void (*gather_band_function)(const void *texels, size_t pitch, size_t first,
-                                     const kernel_axis *v, size_t nvectors, v8f *acc);
+typedef void (*gather_band_function)(const void *texels, size_t pitch, const kernel_axis *v,
+                                     size_t nvectors, v8f *acc);
 
 static const gather_band_function gather_bands[] = {[SLV_TYPE_U8] = gather_band_u8,
                                                     [SLV_TYPE_U16] = gather_band_u16,

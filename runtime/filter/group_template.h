@@ -110,60 +110,164 @@ typedef struct group_face {
  * of texels, with those that vectors read beyond. */
 #define GROUP_BAND 256
 
-/* Kernels that are one along v and side by side along u, as along rows of pixels or texels: rows of
- * texels are added up once for all that reach no edge. Returns which were done. */
-static inline __attribute__((always_inline)) v8i
-group_add_band(slv_sampler *s, const group *g, const kernel_shape *shape, const group_spans *spans,
-               const group_face *on, group_out *out) {
-    union {
-        v8f v[GROUP_BAND / 8];
-        float f[GROUP_BAND];
-    } sums;
-    cache_tables *t = on->tables;
-    if (!v8_none(spans->small) || v8_none(spans->inside))
-        return (v8i){0};
+/* Rows of texels under kernels that are one along v and side by side along u. */
+typedef struct group_band {
+    kernel_axis rows;
+    float weight;         /* of the rows */
+    v8i there;            /* which kernels lie on it */
+    int first, end;       /* their first texel along u, and the one behind the last */
+    const uint8_t *texels; /* that first one's, in the row that `rows` begins at */
+    size_t pitch;
+    uint8_t copies[(GROUP_BAND / 4 + PATCH_GAP) * PATCH_PIXEL * KERNEL_MAX + CACHE_PADDING];
+} group_band;
+
+static inline __attribute__((always_inline)) size_t group_band_vectors(const group_band *band,
+                                                                       size_t channels) {
+    return ((size_t)(band->end - band->first) * channels + 7) / 8;
+}
+
+static inline __attribute__((always_inline)) void group_measure_band(const group_spans *spans,
+                                                                     group_band *band) {
+    const v8i none = {0};
+    v8f start = v8_select(band->there, (v8f)spans->u.start, (v8f)(none + INT32_MAX));
+    v8f end = v8_select(band->there, (v8f)(spans->u.start + spans->u.n), (v8f)(none + INT32_MIN));
+    band->first = v8_least((v8i)start);
+    band->end = v8_most((v8i)end);
+}
+
+/* A band that reaches beyond its face. False if it is none that can be a patch. */
+static __attribute__((noinline)) bool group_patch_band(slv_sampler *s, const group_face *on,
+                                                       int res_u, group_band *band) {
+    lookup_state state = {.sampler = s, .tables = on->tables, .count = on->tables->nchannels};
+    patch p;
+    int width = band->end - band->first;
+    if (!patch_cut(res_u, band->first, width, &p.a[0]) ||
+        !patch_cut(band->rows.res, band->rows.start, band->rows.n, &p.a[1]) ||
+        !patch_find(&state, on->id, on->face, &p))
+        return false;
+    band->pitch = (size_t)width + PATCH_GAP;
+    patch_copy(&p, on->tables->pixel_size, band->pitch, band->copies);
+    band->rows.start = 0;
+    band->texels = band->copies;
+    cache_count(&s->thread.pieces, state.pieces);
+    return true;
+}
+
+/* False if there is none. */
+static inline __attribute__((always_inline)) bool
+group_find_band(slv_sampler *s, const kernel_shape *shape, const group_spans *spans,
+                const group_face *on, group_band *band) {
+    const v8i none = {0};
+    const cache_tables *t = on->tables;
     v8i same = (spans->u.res == spans->u.res[0]) & (spans->v.res == spans->v.res[0]) &
                (spans->v.start == spans->v.start[0]) & (spans->v.n == spans->v.n[0]) &
                (spans->v.a == spans->v.a[0]) & (spans->v.b == spans->v.b[0]) &
                (spans->v.coarse == spans->v.coarse[0]);
-    v8i done = spans->inside;
-    if (!v8_all(same))
-        return (v8i){0};
+    if (!v8_none(spans->small) || !v8_all(same))
+        return false;
+    int res_u = spans->u.res[0];
+    band->weight = kernel_weigh_axis(shape, &spans->v, 0, &band->rows);
+    if (!v8_all(spans->inside) && !s->no_edge_blend) {
+        band->there = ~none;
+        group_measure_band(spans, band);
+        uint64_t moves = s->thread.moves;
+        if (group_band_vectors(band, t->nchannels) < GROUP_BAND / 8 &&
+            group_patch_band(s, on, res_u, band))
+            return true;
+        if (s->thread.moves != moves)
+            return false;
+    }
+    band->there = spans->inside;
+    if (v8_none(band->there))
+        return false;
+    group_measure_band(spans, band);
     kernel k;
-    size_t pitch, n = t->nchannels;
     quick_last last = {0};
-    float weight = kernel_weigh_axis(shape, &spans->v, 0, &k.a[1]);
-    k.a[0].res = spans->u.res[0];
-    const uint8_t *texels =
-        quick_find_texels(s->thread.view, t, on->id, on->face, false, true, &k, &last, &pitch);
-    int first = v8_least(v8_select_int(done, spans->u.start, (v8i){0} + INT32_MAX));
-    int end = v8_most(v8_select_int(done, spans->u.start + spans->u.n, (v8i){0}));
-    size_t nvectors = ((size_t)(end - first) * n + 7) / 8;
-    if (!texels || nvectors >= GROUP_BAND / 8)
-        return (v8i){0};
-    gather_bands[t->type](texels, pitch * n, (size_t)first * n, &k.a[1], nvectors, sums.v);
-    bool zeros = on->channels < s->nchannels, two = shape->filter == SLV_FILTER_BILINEAR;
-    v8f scales = t->scale / ((spans->u.a + spans->u.b) * weight); /* of two columns */
-    v8i columns = (spans->u.start - first) * (int)n;
+    k.a[0].res = res_u;
+    k.a[1].res = band->rows.res;
+    band->texels = quick_find_texels(s->thread.view, t, on->id, on->face, false, true, &k, &last,
+                                     &band->pitch);
+    if (!band->texels || group_band_vectors(band, t->nchannels) >= GROUP_BAND / 8)
+        return false;
+    band->texels += (size_t)band->first * t->pixel_size;
+    return true;
+}
+
+/* What a band gives: sums of its rows, and how columns of them are weighed. */
+typedef struct group_columns {
+    union {
+        v8f v[GROUP_BAND / 8];
+        float f[GROUP_BAND];
+    } sums;
+    union {
+        v8f v[KERNEL_GROUP];
+        float f[KERNEL_GROUP * GROUP_SIZE];
+    } weights;
+    v8f scales;
+    v8i at; /* the first of each kernel among the sums */
+} group_columns;
+
+/* The values of lookups whose kernels have `count` columns each, a constant, so that there are no
+ * loops; 0: they differ. */
+static inline __attribute__((always_inline)) void
+group_put_band(const slv_sampler *s, const group *g, const group_columns *columns, v8i counts,
+               int count, const group_band *band, const group_face *on, group_out *out) {
+    size_t n = on->tables->nchannels;
+    bool zeros = on->channels < s->nchannels, all = v8_all(band->there);
     for (int i = 0; i < g->n; i++) {
-        if (!done[i])
+        if (!all && !band->there[i])
             continue;
         float *to = out->values + g->at[i] * out->stride;
-        const float *column = sums.f + columns[i];
+        const float *sums = columns->sums.f + columns->at[i];
         v4f sum;
-        if (two) {
-            sum = gather_two_columns(column, n, spans->u.a[i], spans->u.b[i]) * scales[i];
-        } else {
-            float whole = weight * kernel_weigh_axis(shape, &spans->u, i, &k.a[0]);
-            GATHER_COLUMNS(column, n, k.a[0], sum);
-            sum *= t->scale / whole;
-        }
+        GATHER_COLUMNS(sums, n, columns->weights.f + i, GROUP_SIZE, count ? count : counts[i], sum);
         if (zeros)
             quick_put_zeros(s, on->channels, to);
-        quick_put(sum + 0, on->channels, to);
+        quick_put(sum * columns->scales[i] + 0, on->channels, to);
         group_note_result(out, g->at[i], SLV_OK);
     }
-    return done;
+}
+
+/* Kernels side by side, as along rows of pixels or texels: rows of texels are added up once for all
+ * of them. Returns which were done. */
+static inline __attribute__((always_inline)) v8i
+group_add_band(slv_sampler *s, const group *g, const kernel_shape *shape, const group_spans *spans,
+               const group_face *on, group_out *out) {
+    group_band band;
+    group_columns columns;
+    const cache_tables *t = on->tables;
+    v8i counts = spans->u.n;
+    int longest = v8_most(counts);
+    v8f whole = v8_splat(1);
+    if (!kernel_weigh_group(shape, &spans->u, longest, columns.weights.v, &whole) ||
+        !group_find_band(s, shape, spans, on, &band))
+        return (v8i){0};
+    gather_bands[t->type](band.texels, band.pitch * t->nchannels, &band.rows,
+                          group_band_vectors(&band, t->nchannels), columns.sums.v);
+    columns.scales = t->scale / (whole * band.weight);
+    columns.at = (spans->u.start - band.first) * (int)t->nchannels;
+#define GROUP_PUT(COUNT) group_put_band(s, g, &columns, counts, COUNT, &band, on, out)
+    switch (v8_all(counts == longest) ? longest : 0) {
+    case 2:
+        GROUP_PUT(2);
+        break;
+    case 3:
+        GROUP_PUT(3);
+        break;
+    case 5:
+        GROUP_PUT(5);
+        break;
+    case 6:
+        GROUP_PUT(6);
+        break;
+    case 7:
+        GROUP_PUT(7);
+        break;
+    default:
+        GROUP_PUT(0);
+    }
+#undef GROUP_PUT
+    return band.there;
 }
 
 /* A group on one face. Returns false, and nothing is done, if it is none. */
@@ -206,6 +310,8 @@ group_look_up_alike(slv_sampler *s, const group *g, const group_places *at, slv_
     uint64_t moves = s->thread.moves;
     group_face on = {t, f, face, channels};
     v8i done = group_add_band(s, g, &shape, &spans, &on, out);
+    if (v8_all(done))
+        return true;
     kernel k;
     k.turns = 0;
     for (int i = 0; i < g->n; i++) {

@@ -69,17 +69,21 @@ static inline __attribute__((always_inline)) void kernel_span_wide(v8f x, v8f w,
     w = v8_min(v8_max(w, v8_power_of_two(-face_res)), v8_splat(1));
     out->res = 127 - ((v8i)w >> 23);
     v8f size = v8_power_of_two(out->res), p = w * size, middle = x - 0.5f;
+    out->coarse = lerp ? p - 1 : v8_splat(0);
+    if (v8_all(out->res > 2)) {
+        x = x * size - 0.5f;
+        v8i odd = lerp ? (p != 1.0f) & 1 : (v8i){0};
+        out->start = v8_ceil(x - 2 * p) & ~odd;
+        out->n = ((v8_ceil(x + 2 * p) + odd) & ~odd) - out->start;
+        out->a = v8_to_float(out->start) - x;
+        out->b = 1 / p;
+        return;
+    }
     v8i is_one = out->res == 0, is_two = out->res == 1, is_four = out->res == 2;
     x = x * size - 0.5f;
     v8f radius = v8_select(is_four, v8_splat(2), 2 * p);
-    v8i even = is_four, start = v8_ceil(x - radius), end = v8_ceil(x + radius);
-    out->coarse = v8_splat(0);
-    if (lerp) {
-        out->coarse = p - 1;
-        even |= p != 1.0f;
-    }
-    start &= ~(even & 1);
-    end = (end + (even & 1)) & ~(even & 1);
+    v8i odd = (lerp ? is_four | (p != 1.0f) : is_four) & 1;
+    v8i start = v8_ceil(x - radius) & ~odd, end = (v8_ceil(x + radius) + odd) & ~odd;
     v8i below = v8_floor(middle);
     start = v8_select_int(is_one | is_two, below + (below & is_two), start);
     out->start = start;
@@ -183,6 +187,65 @@ static inline __attribute__((always_inline)) float kernel_weigh_axis(const kerne
         return sum;
     }
     return kernel_weigh_wide(shape, a, b, spans->coarse[lane], out);
+}
+
+/* Kernels of eight at once come in columns: weights[i] are their weights i, zeros where they have
+ * none. */
+#define KERNEL_GROUP 8
+
+/* The weights of gaussians and cubics: two columns, as kernel_weigh_wide() has them. */
+static inline __attribute__((always_inline)) void
+kernel_weigh_pair(const kernel_shape *shape, const kernel_spans *spans, bool fine, int at, v8f *out) {
+    v8f x = spans->a, step = spans->b;
+    if (fine) {
+        out[0] = kernel_curve(shape, (x + (float)at) * step);
+        out[1] = kernel_curve(shape, (x + (float)(at + 1)) * step);
+        return;
+    }
+    v8f a = (x + (float)at) * step;
+    v8f far = spans->coarse * kernel_curve(shape, (a + (a + step)) * 0.5f);
+    out[0] = (1 - spans->coarse) * kernel_curve(shape, a) + far;
+    out[1] = (1 - spans->coarse) * kernel_curve(shape, a + step) + far;
+}
+
+/* Makes the kernels of all spans, if these are short and simple enough; their sums, as
+ * kernel_weigh_axis() has them, go to *sums. */
+static inline __attribute__((always_inline)) bool kernel_weigh_group(const kernel_shape *shape,
+                                                                     const kernel_spans *spans,
+                                                                     int longest, v8f *weights,
+                                                                     v8f *sums) {
+    if (shape->filter == SLV_FILTER_BILINEAR) {
+        weights[0] = spans->a;
+        weights[1] = spans->b;
+        *sums = spans->a + spans->b;
+        return true;
+    }
+    if (longest > KERNEL_GROUP)
+        return false;
+    if (shape->filter == SLV_FILTER_BOX) {
+        *sums = spans->a + spans->b + v8_to_float(spans->n - 2);
+        weights[0] = v8_select(spans->n == 1, *sums, spans->a);
+        for (int i = 1; i < longest; i++)
+            weights[i] = v8_select(spans->n == i + 1, spans->b, v8_splat(1));
+        return true;
+    }
+    v8i whole = spans->coarse == 0.0f;
+    bool fine = v8_all(whole);
+    if (!v8_all(spans->res > 2) || (!fine && !v8_none(whole)))
+        return false;
+    v8f w[KERNEL_GROUP];
+    _Pragma("GCC unroll 4") for (int i = 0; i < KERNEL_GROUP; i += 2) {
+        w[i] = w[i + 1] = v8_splat(0);
+        if (i >= longest)
+            continue;
+        kernel_weigh_pair(shape, spans, fine, i, w + i);
+        w[i] = v8_select(spans->n > i, w[i], v8_splat(0));
+        w[i + 1] = v8_select(spans->n > i + 1, w[i + 1], v8_splat(0));
+        weights[i] = w[i];
+        weights[i + 1] = w[i + 1];
+    }
+    *sums = ((w[0] + w[4]) + (w[2] + w[6])) + ((w[1] + w[5]) + (w[3] + w[7]));
+    return true;
 }
 
 /* Makes the kernel of a lookup; returns its whole weight. */

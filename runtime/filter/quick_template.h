@@ -138,6 +138,11 @@ quick_between_four(const slv_sampler *s, const cache_tables *t, cache_face *f,
     return true;
 }
 
+/* One along u and one along v, as often as there is room. */
+static inline __attribute__((always_inline)) v8i quick_both(int u, int v) {
+    return (v8i){u, v, u, v, u, v, u, v};
+}
+
 /* Most lookups: on a quad whose texels are of few channels, from the first on. Returns false if
  * this is not one of them, or if the tables were dropped on the way. */
 static inline __attribute__((always_inline)) bool quick_look_up(slv_sampler *s, const slv_lookup *l,
@@ -181,7 +186,7 @@ static inline __attribute__((always_inline)) bool quick_look_up(slv_sampler *s, 
     kernel_spans spans;
     quick_reach reach;
     kernel k;
-    kernel_span_axes(&shape, v8_join(at, at), v8_join(sides, sides), (v8i){f->res_u, f->res_v},
+    kernel_span_axes(&shape, v8_join(at, at), v8_join(sides, sides), quick_both(f->res_u, f->res_v),
                      &spans);
     if (filter == SLV_FILTER_BILINEAR && spans.res[0] == f->res_u && spans.res[1] == f->res_v &&
         (f->res_u > APRON_LOG2 || f->res_v > APRON_LOG2) &&
