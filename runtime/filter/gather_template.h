@@ -83,7 +83,7 @@
         const T *p = texels + (size_t)k->a[1].start * pitch + (size_t)k->a[0].start * n;           \
         gather_rows_few_##TYPE(p, pitch, &k->a[1], ((size_t)k->a[0].n * n + 7) / 8, acc.v);        \
         v4f sum;                                                                                   \
-        GATHER_COLUMNS(acc.f, n, k->a[0].k, 1, k->a[0].n, sum);                                                    \
+        GATHER_COLUMNS(acc.f, n, k->a[0].k, 1, k->a[0].n, sum);                                    \
         return sum;                                                                                \
     }                                                                                              \
     /* Rows `pitch` values apart, added up as far as a group reaches. */                           \

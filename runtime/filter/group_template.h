@@ -30,6 +30,7 @@ typedef struct group {
     const uint8_t *texels[GROUP_SIZE]; /* NULL: to be looked for */
     size_t pitch[GROUP_SIZE];
     bool ready[GROUP_SIZE]; /* false: not one of most lookups, see look_up_quick() */
+    uint64_t moves;         /* of the thread, when it was prepared */
     float scale[GROUP_SIZE], weight[GROUP_SIZE];
     kernel kernels[GROUP_SIZE];
 } group;
@@ -113,9 +114,9 @@ typedef struct group_face {
 /* Rows of texels under kernels that are one along v and side by side along u. */
 typedef struct group_band {
     kernel_axis rows;
-    float weight;         /* of the rows */
-    v8i there;            /* which kernels lie on it */
-    int first, end;       /* their first texel along u, and the one behind the last */
+    float weight;          /* of the rows */
+    v8i there;             /* which kernels lie on it */
+    int first, end;        /* their first texel along u, and the one behind the last */
     const uint8_t *texels; /* that first one's, in the row that `rows` begins at */
     size_t pitch;
     uint8_t copies[(GROUP_BAND / 4 + PATCH_GAP) * PATCH_PIXEL * KERNEL_MAX + CACHE_PADDING];
@@ -358,6 +359,28 @@ static inline __attribute__((always_inline)) void group_fetch_ahead(const group 
     }
 }
 
+/* The same for one that reaches over edges: its own face's part, and what is known of the others.
+ */
+static inline void group_fetch_around(const slv_sampler *s, const group *g, int i) {
+    const kernel_axis *u = &g->kernels[i].a[0], *v = &g->kernels[i].a[1];
+    const cache_tables *t = g->tables[i];
+    cache_face *f = g->faces[i];
+    for (int e = 0; e < 4; e++) {
+        const kernel_axis *a = slvi_edge_along_v((unsigned)e) ? u : v;
+        bool over = slvi_edge_is_far((unsigned)e) ? a->start + a->n > 1 << a->res : a->start < 0;
+        if (over && f->adjacent[e] >= 0)
+            __builtin_prefetch(&t->faces[f->adjacent[e]]);
+    }
+    const uint8_t *at = cache_find_full(s->thread.view, f);
+    if (!at || u->res != f->res_u || v->res != f->res_v)
+        return;
+    int first = v->start < 0 ? 0 : v->start, end = v->start + v->n, size = 1 << v->res;
+    size_t pitch = (size_t)t->pixel_size << u->res;
+    at += (size_t)(u->start < 0 ? 0 : u->start) * t->pixel_size + (size_t)first * pitch;
+    for (; first < end && first < size; first++, at += pitch)
+        __builtin_prefetch(at);
+}
+
 /* Finds tables and faces. */
 static inline __attribute__((always_inline)) void group_find_faces(const slv_sampler *s, group *g) {
     const cache_view *cache = s->thread.view;
@@ -425,26 +448,33 @@ group_prepare(slv_sampler *s, group *g, group_places *at, slv_filter filter, siz
     }
 }
 
-/* A group on more than one face. */
-static inline __attribute__((always_inline)) void group_look_up_spread(slv_sampler *s, group *g,
-                                                                       group_places *at,
-                                                                       slv_filter filter,
-                                                                       group_out *out) {
+/* A group on more than one face: what it reads is found and asked for, ... */
+static inline __attribute__((always_inline)) void
+group_begin_spread(slv_sampler *s, group *g, group_places *at, slv_filter filter, size_t room) {
     uintptr_t near = 0;
-    group_prepare(s, g, at, filter, out->room);
+    group_prepare(s, g, at, filter, room);
     for (int i = 0; i < g->n; i++) {
-        /* neighbours are in the processor's cache, or soon will be */
-        if (!g->ready[i] || !g->texels[i])
+        if (!g->ready[i])
             continue;
+        if (!g->texels[i]) {
+            group_fetch_around(s, g, i);
+            continue;
+        }
+        /* neighbours are in the processor's cache, or soon will be */
         if ((uintptr_t)g->texels[i] - near + 2048 > 4096)
             group_fetch_ahead(g, i, filter);
         near = (uintptr_t)g->texels[i];
     }
-    uint64_t moves = s->thread.moves;
+    g->moves = s->thread.moves;
+}
+
+/* ... and looked up once it is there. */
+static inline __attribute__((always_inline)) void
+group_end_spread(slv_sampler *s, group *g, slv_filter filter, group_out *out) {
     for (int i = 0; i < g->n; i++) {
         slv_result result = SLV_OK;
         float *to = out->values + g->at[i] * out->stride;
-        if (!g->ready[i] || s->thread.moves != moves) {
+        if (!g->ready[i] || s->thread.moves != g->moves) {
             group_note_result(out, g->at[i], any_look_up(s, g->lookups[i], out->room, to));
             continue;
         }
@@ -463,25 +493,41 @@ static inline __attribute__((always_inline)) void group_look_up_spread(slv_sampl
     }
 }
 
+/* How many groups go by until memory that was thrown away meanwhile can be used anew. */
+#define GROUP_PINNED 64
+
 static inline __attribute__((always_inline)) slv_result
 group_look_up_many(slv_sampler *s, const slv_lookup *lookups, const uint32_t *order, size_t count,
                    slv_filter filter, float *values, size_t stride, slv_result *results) {
     group_out out = {values,  stride, s->nchannels == UINT32_MAX ? stride : s->nchannels,
                      results, SLV_OK, count};
-    group g;
+    group groups[2], *waiting = NULL; /* for what it has asked for */
+    int next = 0;
     for (size_t begin = 0; begin < count; begin += GROUP_SIZE) {
-        g.n = count - begin < GROUP_SIZE ? (int)(count - begin) : GROUP_SIZE;
+        group *g = &groups[next];
+        g->n = count - begin < GROUP_SIZE ? (int)(count - begin) : GROUP_SIZE;
         for (int i = 0; i < GROUP_SIZE; i++) {
-            size_t each = begin + (size_t)(i < g.n ? i : g.n - 1);
-            g.at[i] = order ? order[each] : each;
-            g.lookups[i] = &lookups[g.at[i]];
+            size_t each = begin + (size_t)(i < g->n ? i : g->n - 1);
+            g->at[i] = order ? order[each] : each;
+            g->lookups[i] = &lookups[g->at[i]];
         }
         group_places at;
-        group_load_places(s, &g, &at);
-        cache_pin(&s->thread);
-        if (!group_look_up_alike(s, &g, &at, filter, &out))
-            group_look_up_spread(s, &g, &at, filter, &out);
-        cache_unpin(&s->thread);
+        group_load_places(s, g, &at);
+        if (begin / GROUP_SIZE % GROUP_PINNED == 0)
+            cache_pin(&s->thread);
+        bool alike = group_look_up_alike(s, g, &at, filter, &out);
+        if (!alike)
+            group_begin_spread(s, g, &at, filter, out.room);
+        if (waiting)
+            group_end_spread(s, waiting, filter, &out);
+        waiting = alike ? NULL : g;
+        next ^= !alike;
+        if (begin / GROUP_SIZE % GROUP_PINNED == GROUP_PINNED - 1 || begin + GROUP_SIZE >= count) {
+            if (waiting)
+                group_end_spread(s, waiting, filter, &out);
+            waiting = NULL;
+            cache_unpin(&s->thread);
+        }
     }
     cache_count(&s->thread.lookups, count);
     return out.first;

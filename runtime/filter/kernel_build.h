@@ -194,8 +194,9 @@ static inline __attribute__((always_inline)) float kernel_weigh_axis(const kerne
 #define KERNEL_GROUP 8
 
 /* The weights of gaussians and cubics: two columns, as kernel_weigh_wide() has them. */
-static inline __attribute__((always_inline)) void
-kernel_weigh_pair(const kernel_shape *shape, const kernel_spans *spans, bool fine, int at, v8f *out) {
+static inline __attribute__((always_inline)) void kernel_weigh_pair(const kernel_shape *shape,
+                                                                    const kernel_spans *spans,
+                                                                    bool fine, int at, v8f *out) {
     v8f x = spans->a, step = spans->b;
     if (fine) {
         out[0] = kernel_curve(shape, (x + (float)at) * step);

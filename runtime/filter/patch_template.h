@@ -1,8 +1,8 @@
-/* Template: kernels over edges, for most that cross any: the texels under one are copied to lie side
- * by side in a patch, turned as its face is, and summed up like those of one face. That is so where
- * all faces under it are plain and as fine, and four meet at a vertex; all others are taken apart by
- * seams_template.h. Which way a lookup takes depends on the file and the lookup alone, never on
- * what is cached. */
+/* Template: kernels over edges, for most that cross any: the texels under one are copied to lie
+ * side by side in a patch, turned as its face is, and summed up like those of one face. That is so
+ * where all faces under it are plain and as fine, and four meet at a vertex; all others are taken
+ * apart by seams_template.h. Which way a lookup takes depends on the file and the lookup alone,
+ * never on what is cached. */
 #ifndef SLV_FILTER_PATCH_TEMPLATE_H
 #define SLV_FILTER_PATCH_TEMPLATE_H
 
@@ -120,7 +120,8 @@ static inline bool patch_find_part(lookup_state *state, patch *p, uint32_t face,
                                    const cache_face *f, int part_u, int part_v) {
     if (part_u == 1 && part_v == 1)
         return patch_find_on(state, p, 1, 1, face, 0);
-    unsigned across_u = slvi_edge_at(false, part_u == 2), across_v = slvi_edge_at(true, part_v == 2);
+    unsigned across_u = slvi_edge_at(false, part_u == 2),
+             across_v = slvi_edge_at(true, part_v == 2);
     if (part_u != 1 && f->adjacent[across_u] < 0)
         patch_find_border(state, p, part_u, part_v, false);
     else if (part_v != 1 && f->adjacent[across_v] < 0)
@@ -159,12 +160,13 @@ static bool patch_find(lookup_state *state, uint32_t face, const cache_face *f, 
 
 #define PATCH_COPY(BYTES)                                                                          \
     for (int y = 0; y < height; y++)                                                               \
-        memcpy(to + (size_t)y * row, at + y * from->step_v, BYTES)
+    memcpy(to + (size_t)y * row, at + y * from->step_v, BYTES)
 
 /* Copies a part to rows that are `row` bytes apart, and up to 15 bytes more behind each. */
-static inline __attribute__((always_inline)) void
-patch_copy_part(const patch_source *from, size_t pixel, int width, int height, size_t row,
-                uint8_t *to) {
+static inline __attribute__((always_inline)) void patch_copy_part(const patch_source *from,
+                                                                  size_t pixel, int width,
+                                                                  int height, size_t row,
+                                                                  uint8_t *to) {
     const uint8_t *at = from->at, *end = to + (size_t)width * pixel;
     if (from->step_u == (ptrdiff_t)pixel)
         for (; to < end; to += 16, at += 16)
@@ -193,8 +195,8 @@ static void patch_copy(const patch *p, size_t pixel, size_t pitch, uint8_t *to) 
     }
 }
 
-/* Sums up the texels under a kernel that reaches beyond a plain face. False, and nothing was summed,
- * if it must be taken apart, or when state says why. */
+/* Sums up the texels under a kernel that reaches beyond a plain face. False, and nothing was
+ * summed, if it must be taken apart, or when state says why. */
 static bool patch_apply(lookup_state *state, uint32_t face, const cache_face *f, kernel *k) {
     uint8_t texels[(KERNEL_MAX + PATCH_GAP) * KERNEL_MAX * PATCH_PIXEL + CACHE_PADDING];
     patch p;
