@@ -29,6 +29,22 @@ does '"event":"done","name":"faces-coarser"' keydown shift mousemove "$middle_x"
 [ "$(faces_of 8)" -gt 0 ] || fail "no face has fewer texels"
 key undo ctrl+z
 key undo ctrl+z
+# with a density as its aim it gives all faces that, however many texels they had
+xdotool mousemove $middle_x $middle_y
+key density-take ctrl+t
+xdotool mousemove $middle_x $((middle_y - 40))
+key texels-more ctrl+plus
+[ "$(faces_of 32)" = 1 ] || fail "not one face has more texels"
+drag '"event":"done","name":"faces-density"' 1 0 -40 0 10 8
+[ "$(faces_of 16)" = 6 ] || fail "not all faces have the density that was aimed for"
+key density-more ctrl+bracketright
+key density-more ctrl+bracketright
+does '"event":"done","name":"faces-density"' mousemove $middle_x $middle_y mousedown 1 mouseup 1
+[ "$(faces_of 32)" -gt 0 ] || fail "twice the density is not twice the texels"
+key undo ctrl+z
+key density-none ctrl+shift+t
+key undo ctrl+z
+key undo ctrl+z
 [ "$(faces_of 16)" = 6 ] || fail "undoing twice does not bring the sizes back"
 
 # an image before the picture: beside it nothing is painted, through it its colours are

@@ -9,6 +9,14 @@ typedef void (*studio_command)(studio_app *app, const char *target);
 /* The value that is chosen, a word; of what is on or off NULL for off. */
 typedef const char *(*studio_state)(const studio_app *app);
 
+/* What actions that change the document share: after something was done to it, well or not; its
+ * layers, with a session made if need be, or NULL when it has been said why there are none; the one
+ * that is painted on; the face under the pointer. */
+void studio_edited(studio_app *app, slv_result result);
+slv_document *studio_layers_of(studio_app *app);
+bool studio_layer_now(const studio_app *app, slv_layer_info *info, uint32_t *index);
+bool studio_face_under(studio_app *app, slv_paint_hit *hit);
+
 void studio_do_undo(studio_app *app, const char *target);
 void studio_do_redo(studio_app *app, const char *target);
 void studio_do_history(studio_app *app, const char *target);
@@ -32,6 +40,11 @@ void studio_do_texels_more(studio_app *app, const char *target);
 void studio_do_texels_fewer(studio_app *app, const char *target);
 void studio_do_faces_finer(studio_app *app, const char *target);
 void studio_do_faces_coarser(studio_app *app, const char *target);
+void studio_do_faces_density(studio_app *app, const char *target);
+void studio_do_density_take(studio_app *app, const char *target);
+void studio_do_density_more(studio_app *app, const char *target);
+void studio_do_density_less(studio_app *app, const char *target);
+void studio_do_density_none(studio_app *app, const char *target);
 void studio_do_select_none(studio_app *app, const char *target);
 void studio_do_select_face(studio_app *app, const char *target);
 void studio_do_fill_face(studio_app *app, const char *target);

@@ -6,7 +6,7 @@
 #include <string.h>
 
 /* The document after something was done to it, well or not. */
-static void edited(studio_app *app, slv_result result) {
+void studio_edited(studio_app *app, slv_result result) {
     studio_failed(app, result);
     app->dirty = true;
     studio_failed(app, studio_document_refresh(&app->document));
@@ -14,7 +14,7 @@ static void edited(studio_app *app, slv_result result) {
 }
 
 /* The layers, with a session made if need be; NULL: it has been said why there are none. */
-static slv_document *layers_of(studio_app *app) {
+slv_document *studio_layers_of(studio_app *app) {
     return studio_failed(app, studio_document_need_session(&app->document))
                ? NULL
                : studio_document_layers(&app->document);
@@ -31,7 +31,7 @@ static void step(studio_app *app, bool redo) {
         studio_say(app, redo ? "There is nothing to redo." : "There is nothing to undo.", NULL,
                    NULL);
     else
-        edited(app, redo ? slv_document_redo(layers) : slv_document_undo(layers));
+        studio_edited(app, redo ? slv_document_redo(layers) : slv_document_undo(layers));
 }
 
 void studio_do_undo(studio_app *app, const char *target) {
@@ -57,13 +57,13 @@ void studio_do_history(studio_app *app, const char *target) {
         result = slv_document_undo(layers);
     for (uint32_t i = info.undos; i < wanted && i < info.undos + info.redos && !result; i++)
         result = slv_document_redo(layers);
-    edited(app, result);
+    studio_edited(app, result);
 }
 
 /* ---- layers ---- */
 
 /* That is painted on; false: there is none. */
-static bool layer_now(const studio_app *app, slv_layer_info *info, uint32_t *index) {
+bool studio_layer_now(const studio_app *app, slv_layer_info *info, uint32_t *index) {
     slv_document *layers = studio_document_layers(&app->document);
     if (!layers || !slv_document_layer(layers, app->document.layer, info))
         return false;
@@ -74,7 +74,7 @@ static bool layer_now(const studio_app *app, slv_layer_info *info, uint32_t *ind
 }
 
 void studio_do_layer_add(studio_app *app, const char *target) {
-    slv_document *layers = layers_of(app);
+    slv_document *layers = studio_layers_of(app);
     slv_layer_props props = {.opacity = 1};
     uint32_t id;
     (void)target;
@@ -85,11 +85,11 @@ void studio_do_layer_add(studio_app *app, const char *target) {
     slv_result result = slv_document_add_layer(layers, &params, &id);
     if (!result)
         app->document.layer = id;
-    edited(app, result);
+    studio_edited(app, result);
 }
 
 void studio_do_layer_duplicate(studio_app *app, const char *target) {
-    slv_document *layers = layers_of(app);
+    slv_document *layers = studio_layers_of(app);
     uint32_t id;
     (void)target;
     if (!layers)
@@ -97,25 +97,25 @@ void studio_do_layer_duplicate(studio_app *app, const char *target) {
     slv_result result = slv_document_duplicate_layer(layers, app->document.layer, &id);
     if (!result)
         app->document.layer = id;
-    edited(app, result);
+    studio_edited(app, result);
 }
 
 void studio_do_layer_remove(studio_app *app, const char *target) {
-    slv_document *layers = layers_of(app);
+    slv_document *layers = studio_layers_of(app);
     (void)target;
     if (layers)
-        edited(app, slv_document_remove_layer(layers, app->document.layer));
+        studio_edited(app, slv_document_remove_layer(layers, app->document.layer));
 }
 
 static void move(studio_app *app, int by) {
-    slv_document *layers = layers_of(app);
+    slv_document *layers = studio_layers_of(app);
     slv_layer_info info;
     uint32_t index;
-    if (!layers || !layer_now(app, &info, &index))
+    if (!layers || !studio_layer_now(app, &info, &index))
         return;
     int64_t to = (int64_t)index + by;
     if (to >= 0 && to < slv_document_layer_count(layers))
-        edited(app, slv_document_move_layer(layers, info.id, (uint32_t)to));
+        studio_edited(app, slv_document_move_layer(layers, info.id, (uint32_t)to));
 }
 
 void studio_do_layer_raise(studio_app *app, const char *target) {
@@ -129,10 +129,10 @@ void studio_do_layer_lower(studio_app *app, const char *target) {
 }
 
 void studio_do_layer_merge(studio_app *app, const char *target) {
-    slv_document *layers = layers_of(app);
+    slv_document *layers = studio_layers_of(app);
     (void)target;
     if (layers)
-        edited(app, slv_document_merge_down(layers, app->document.layer));
+        studio_edited(app, slv_document_merge_down(layers, app->document.layer));
 }
 
 /* Changes a property of a layer, which may be another than that which is painted on. */
@@ -140,14 +140,14 @@ static void set_props(studio_app *app, uint32_t id, const slv_layer_props *props
     slv_layer_info info;
     slv_document *layers = studio_document_layers(&app->document);
     if (slv_document_layer(layers, id, &info) && memcmp(&info.props, props, sizeof *props) != 0)
-        edited(app, slv_document_set_layer(layers, id, props));
+        studio_edited(app, slv_document_set_layer(layers, id, props));
 }
 
 void studio_do_layer_hide(studio_app *app, const char *target) {
     slv_layer_info info;
     uint32_t index;
     (void)target;
-    if (!layers_of(app) || !layer_now(app, &info, &index))
+    if (!studio_layers_of(app) || !studio_layer_now(app, &info, &index))
         return;
     info.props.hidden = !info.props.hidden;
     set_props(app, info.id, &info.props);
@@ -156,14 +156,14 @@ void studio_do_layer_hide(studio_app *app, const char *target) {
 const char *studio_get_layer_hide(const studio_app *app) {
     slv_layer_info info;
     uint32_t index;
-    return layer_now(app, &info, &index) && info.props.hidden ? "on" : NULL;
+    return studio_layer_now(app, &info, &index) && info.props.hidden ? "on" : NULL;
 }
 
 void studio_do_layer_lock(studio_app *app, const char *target) {
     slv_layer_info info;
     uint32_t index;
     (void)target;
-    if (!layers_of(app) || !layer_now(app, &info, &index))
+    if (!studio_layers_of(app) || !studio_layer_now(app, &info, &index))
         return;
     info.props.locked = !info.props.locked;
     set_props(app, info.id, &info.props);
@@ -172,7 +172,7 @@ void studio_do_layer_lock(studio_app *app, const char *target) {
 const char *studio_get_layer_lock(const studio_app *app) {
     slv_layer_info info;
     uint32_t index;
-    return layer_now(app, &info, &index) && info.props.locked ? "on" : NULL;
+    return studio_layer_now(app, &info, &index) && info.props.locked ? "on" : NULL;
 }
 
 void studio_do_layer_show(studio_app *app, const char *target) {
@@ -187,7 +187,7 @@ void studio_do_layer_show(studio_app *app, const char *target) {
 void studio_do_layer_name(studio_app *app, const char *target) {
     slv_layer_info info;
     uint32_t index;
-    if (!layer_now(app, &info, &index))
+    if (!studio_layer_now(app, &info, &index))
         return;
     memset(info.props.name, 0, sizeof info.props.name);
     g_utf8_strncpy(info.props.name, target, 15); /* of up to four bytes */
@@ -197,7 +197,7 @@ void studio_do_layer_name(studio_app *app, const char *target) {
 void studio_do_layer_opacity(studio_app *app, const char *target) {
     slv_layer_info info;
     uint32_t index;
-    if (!layer_now(app, &info, &index))
+    if (!studio_layer_now(app, &info, &index))
         return;
     info.props.opacity = CLAMP((float)g_ascii_strtod(target, NULL), 0, 1);
     set_props(app, info.id, &info.props);
@@ -206,7 +206,7 @@ void studio_do_layer_opacity(studio_app *app, const char *target) {
 void studio_do_layer_blend(studio_app *app, const char *target) {
     slv_layer_info info;
     uint32_t index;
-    if (layer_now(app, &info, &index) && slv_blend_from_name(target, &info.props.blend))
+    if (studio_layer_now(app, &info, &index) && slv_blend_from_name(target, &info.props.blend))
         set_props(app, info.id, &info.props);
 }
 
@@ -216,24 +216,24 @@ void studio_set_layer(studio_app *app, const char *target) {
 }
 
 void studio_do_mask_add(studio_app *app, const char *target) {
-    slv_document *layers = layers_of(app);
+    slv_document *layers = studio_layers_of(app);
     (void)target;
     if (layers)
-        edited(app, slv_document_add_mask(layers, app->document.layer, 1));
+        studio_edited(app, slv_document_add_mask(layers, app->document.layer, 1));
 }
 
 void studio_do_mask_remove(studio_app *app, const char *target) {
-    slv_document *layers = layers_of(app);
+    slv_document *layers = studio_layers_of(app);
     (void)target;
     if (layers)
-        edited(app, slv_document_remove_mask(layers, app->document.layer));
+        studio_edited(app, slv_document_remove_mask(layers, app->document.layer));
 }
 
 void studio_do_mask_paint(studio_app *app, const char *target) {
     slv_layer_info info;
     uint32_t index;
     (void)target;
-    if (layer_now(app, &info, &index) && info.has_mask)
+    if (studio_layer_now(app, &info, &index) && info.has_mask)
         app->document.mask = !app->document.mask;
     else
         studio_say(app, "This layer has no mask.", "Add a Mask", "mask-add");
@@ -246,7 +246,7 @@ const char *studio_get_mask_paint(const studio_app *app) {
 /* ---- faces ---- */
 
 /* Under the pointer. */
-static bool face_under(studio_app *app, slv_paint_hit *hit) {
+bool studio_face_under(studio_app *app, slv_paint_hit *hit) {
     uint32_t width, height;
     slv_camera camera = studio_area_camera(app, &width, &height);
     if (studio_document_pick(&app->document, &camera, width, height, (float)app->x, (float)app->y,
@@ -256,93 +256,16 @@ static bool face_under(studio_app *app, slv_paint_hit *hit) {
     return false;
 }
 
-static int8_t other_size(int8_t size, int by) {
-    return (int8_t)CLAMP(size + by, 0, 12);
-}
-
-/* Of the document, and of the layer that is painted on: more texels of one alone would not show. */
-static void resize(studio_app *app, uint32_t count, const uint32_t *faces, int by) {
-    slv_layer_info info;
-    uint32_t index;
-    slv_document *layers = layers_of(app);
-    if (!count || !layers || !layer_now(app, &info, &index))
-        return;
-    slv_res *res = g_new(slv_res, count), *own = g_new(slv_res, count);
-    for (uint32_t i = 0; i < count; i++) {
-        const slv_res flat = slv_document_get_desc(layers)->res[faces[i]],
-                      layer = info.res[faces[i]];
-        res[i] = (slv_res){other_size(flat.u, by), other_size(flat.v, by)};
-        own[i] = (slv_res){other_size(layer.u, by), other_size(layer.v, by)};
-    }
-    slv_result result = SLV_OK;
-    if (slv_document_resize_bytes(layers, 0, count, faces, res) > slv_memory_available()) {
-        studio_say(app, "There is not enough memory for that many texels.", NULL, NULL);
-    } else if (!(result = slv_document_begin(layers, "texels"))) {
-        if (!(result = slv_document_resize(layers, 0, count, faces, res)) && !info.props.locked)
-            result = slv_document_resize(layers, info.id, count, faces, own);
-        if (result)
-            slv_document_cancel(layers);
-        else
-            result = slv_document_end(layers);
-    }
-    g_free(res);
-    g_free(own);
-    edited(app, result);
-}
-
-static void resize_under(studio_app *app, int by) {
-    slv_paint_hit hit;
-    if (!face_under(app, &hit))
-        return;
-    const uint32_t face = (uint32_t)hit.point.face;
-    resize(app, 1, &face, by);
-}
-
-/* By so many steps, all faces of a list of numbers. */
-static void resize_listed(studio_app *app, const char *target, int by) {
-    slv_document *layers = layers_of(app);
-    const uint32_t nfaces = layers ? slv_document_get_desc(layers)->nfaces : 0;
-    GArray *faces = g_array_new(FALSE, FALSE, sizeof(uint32_t));
-    uint32_t last = 0;
-    for (char *end; *target; target = end) {
-        const uint32_t face = (uint32_t)strtoul(target, &end, 10);
-        if (end == target || face >= nfaces || (faces->len && face <= last))
-            break;
-        g_array_append_val(faces, face);
-        last = face;
-    }
-    resize(app, faces->len, (const uint32_t *)(const void *)faces->data, by);
-    g_array_free(faces, TRUE);
-}
-
-void studio_do_texels_more(studio_app *app, const char *target) {
-    (void)target;
-    resize_under(app, 1);
-}
-
-void studio_do_texels_fewer(studio_app *app, const char *target) {
-    (void)target;
-    resize_under(app, -1);
-}
-
-void studio_do_faces_finer(studio_app *app, const char *target) {
-    resize_listed(app, target, 1);
-}
-
-void studio_do_faces_coarser(studio_app *app, const char *target) {
-    resize_listed(app, target, -1);
-}
-
 void studio_do_select_none(studio_app *app, const char *target) {
-    slv_document *layers = layers_of(app);
+    slv_document *layers = studio_layers_of(app);
     (void)target;
     if (layers)
-        edited(app, slv_document_select(layers, 0, NULL));
+        studio_edited(app, slv_document_select(layers, 0, NULL));
 }
 
 /* One more face, or one fewer. */
 void studio_do_select_face(studio_app *app, const char *target) {
-    slv_document *layers = layers_of(app);
+    slv_document *layers = studio_layers_of(app);
     uint32_t face = (uint32_t)strtoul(target, NULL, 10), count = 0;
     uint32_t nfaces = layers ? slv_document_get_desc(layers)->nfaces : 0;
     bool all = true;
@@ -356,12 +279,12 @@ void studio_do_select_face(studio_app *app, const char *target) {
         if (f == face ? !was : was)
             faces[count++] = f;
     }
-    edited(app, slv_document_select(layers, count, faces));
+    studio_edited(app, slv_document_select(layers, count, faces));
     g_free(faces);
 }
 
 void studio_do_fill_face(studio_app *app, const char *target) {
-    slv_document *layers = layers_of(app);
+    slv_document *layers = studio_layers_of(app);
     if (!layers)
         return;
     char *line = studio_fill_line(&app->paint, &app->document, (uint32_t)strtoul(target, NULL, 10),
@@ -370,7 +293,7 @@ void studio_do_fill_face(studio_app *app, const char *target) {
                                                app->document.mask, NULL, line, strlen(line))
                              : SLV_ERROR_MEMORY;
     free(line);
-    edited(app, result);
+    studio_edited(app, result);
 }
 
 /* ---- what is painted with ---- */
@@ -381,7 +304,7 @@ void studio_set_tool(studio_app *app, const char *target) {
             app->tool = (studio_tool)i;
     studio_say(app, NULL, NULL, NULL); /* what was said is of what was done before */
     if (app->tool != STUDIO_VIEW && app->tool != STUDIO_PICK)
-        (void)layers_of(app); /* so that the first stroke need not wait for it */
+        (void)studio_layers_of(app); /* so that the first stroke need not wait for it */
 }
 
 const char *studio_get_tool(const studio_app *app) {
@@ -393,7 +316,7 @@ void studio_do_pick_color(studio_app *app, const char *target) {
     const slv_texture *texture = app->document.texture;
     const slv_texture_desc *desc = slv_texture_get_desc(texture);
     (void)target;
-    if (!face_under(app, &hit))
+    if (!studio_face_under(app, &hit))
         return;
     uint32_t face = (uint32_t)hit.point.face;
     slv_res res = slv_texture_is_constant(texture, face) ? (slv_res){0, 0} : desc->res[face];
@@ -407,7 +330,7 @@ void studio_do_pick_color(studio_app *app, const char *target) {
         texel[1] = texel[2] = texel[0];
     studio_paint_color(&app->document, texel, false, app->paint.color);
     app->tool = STUDIO_PAINT;
-    (void)layers_of(app);
+    (void)studio_layers_of(app);
 }
 
 void studio_do_color(studio_app *app, const char *target) {

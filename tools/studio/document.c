@@ -9,6 +9,7 @@
 
 #include <errno.h>
 #include <limits.h>
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
@@ -357,16 +358,30 @@ slv_result studio_document_export(studio_document *d, const char *path) {
     return result ? result : slv_session_export(d->session, path);
 }
 
-bool studio_document_pick(studio_document *d, const slv_camera *camera, uint32_t width,
-                          uint32_t height, float x, float y, slv_paint_hit *out) {
+/* For picking and measuring; NULL: want of memory. */
+static const slv_paint_surface *surface_of(studio_document *d) {
     const slv_paint_surface *surface = d->surface;
     slv_painter *painter;
-    float origin[3], direction[3];
     if (d->session && !slv_session_painter(d->session, &painter))
         surface = slv_painter_get_surface(painter);
     else if (!d->session && !surface && d->scene.mesh &&
              !slv_paint_surface_create(&d->env, d->scene.mesh, NULL, &d->surface))
         surface = d->surface;
+    return surface;
+}
+
+float studio_document_density(studio_document *d, uint32_t face) {
+    const slv_paint_surface *surface = surface_of(d);
+    float area = surface ? slv_paint_surface_texel_area(surface, face,
+                                                        slv_texture_get_desc(d->texture)->res[face])
+                         : 0;
+    return area > 0 ? 1 / sqrtf(area) : 0;
+}
+
+bool studio_document_pick(studio_document *d, const slv_camera *camera, uint32_t width,
+                          uint32_t height, float x, float y, slv_paint_hit *out) {
+    const slv_paint_surface *surface = surface_of(d);
+    float origin[3], direction[3];
     return surface &&
            slv_paint_surface_ray(surface, camera, width, height, x, y, origin, direction) &&
            slv_paint_surface_hit(surface, origin, direction, out);

@@ -86,6 +86,10 @@ const slv_adjacency *studio_document_adjacency(const studio_document *document);
 bool studio_document_pick(studio_document *document, const slv_camera *camera, uint32_t width,
                           uint32_t height, float x, float y, slv_paint_hit *out);
 
+/* Texels a unit of the mesh along a face, of what is shown: the root of how many a square has. 0:
+ * want of memory. */
+float studio_document_density(studio_document *document, uint32_t face);
+
 /* The faces that a disc of a picture covers, of those that are
  * selected: bytes of `touched`, one for each face, become 1. There must be a session. */
 slv_result studio_document_cover(studio_document *document, const slv_screen_dab *dab,

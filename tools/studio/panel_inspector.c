@@ -4,7 +4,8 @@
 #include <math.h>
 #include <string.h>
 
-enum { MOST_LOG2 = 14 }; /* texels of a face whose statistics are shown */
+enum { DENSITY_LINE = 3 }; /* of the words about a face */
+enum { MOST_LOG2 = 14 };   /* texels of a face whose statistics are shown */
 
 GtkWidget *studio_panel_inspector(studio_app *app) {
     GtkWidget *box = gtk_box_new(GTK_ORIENTATION_VERTICAL, 6);
@@ -81,6 +82,9 @@ static void show_face(studio_app *app) {
         else
             g_string_append_printf(text, " %d:%u", (int)a->face[e], a->edge[e]);
     }
+    g_string_append_printf(text, "\n%.4g texels a unit", (double)studio_document_density(d, face));
+    if (app->tool == STUDIO_TEXELS && app->density > 0)
+        g_string_append_printf(text, ", aim %.4g", (double)app->density);
     put_texel(text, d->texture, &hit);
     put_statistics(text, d->texture, face);
     g_string_append_printf(text, "\npressure %.2f tilt %.2f %.2f", (double)app->pressure,
@@ -89,14 +93,17 @@ static void show_face(studio_app *app) {
     g_string_free(text, TRUE);
 }
 
-/* In one line, since the panel may be scrolled away. */
+/* In one line, since the panel may be scrolled away; with the resolution brush the density too. */
 static void show_status(studio_app *app) {
-    const char *words = gtk_label_get_text(GTK_LABEL(app->inspector));
+    char **words = g_strsplit(gtk_label_get_text(GTK_LABEL(app->inspector)), "\n", -1);
+    const bool density = app->tool == STUDIO_TEXELS && g_strv_length(words) > DENSITY_LINE;
     char *text =
-        g_strdup_printf("%.*s   |   %.1f ms a picture   |   %s", (int)strcspn(words, "\n"), words,
+        g_strdup_printf("%s%s%s   |   %.1f ms a picture   |   %s", words[0] ? words[0] : "",
+                        density ? ", " : "", density ? words[DENSITY_LINE] : "",
                         1e3 * app->stats.seconds, studio_picture_info(app->picture)->renderer);
     gtk_label_set_text(GTK_LABEL(app->status), text);
     g_free(text);
+    g_strfreev(words);
 }
 
 void studio_panel_inspector_sync(studio_app *app) {
@@ -105,7 +112,7 @@ void studio_panel_inspector_sync(studio_app *app) {
     double cpu, gpu;
     if (!app->document.texture || !app->picture)
         return;
-    if (app->drag == STUDIO_DRAG_NONE)
+    if (app->drag == STUDIO_DRAG_NONE || app->drag == STUDIO_DRAG_TEXELS)
         show_face(app);
     gtk_gl_area_make_current(app->area);
     studio_picture_times(app->picture, &cpu, &gpu);

@@ -83,6 +83,7 @@ typedef struct studio_app {
     studio_drag drag;
     uint8_t *touched;        /* of each face, whether a drag of the resolution brush was there */
     bool fewer;              /* that drag takes texels away */
+    float density;           /* texels a unit that it gives instead; 0: none */
     double x, y, start_time; /* of the pointer, in pixels of the area */
     float pressure, tilt[2];
     bool pointer_inside;

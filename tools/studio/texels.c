@@ -30,8 +30,14 @@ void studio_texels_end(studio_app *app) {
     g_free(app->touched);
     app->touched = NULL;
     app->drag = STUDIO_DRAG_NONE;
-    if (faces->len)
+    if (faces->len && app->density > 0) {
+        char density[G_ASCII_DTOSTR_BUF_SIZE];
+        g_string_prepend_c(faces, ' ');
+        g_string_prepend(faces, g_ascii_dtostr(density, sizeof density, (double)app->density));
+        studio_actions_run(app, "faces-density", faces->str);
+    } else if (faces->len) {
         studio_actions_run(app, app->fewer ? "faces-coarser" : "faces-finer", faces->str);
+    }
     g_string_free(faces, TRUE);
 }
 
