@@ -53,6 +53,12 @@ if [ -n "${SELVAGE_TEST_EFFORT:-}" ]; then
     "$bin/selvage" render "$here/cube.ptx" "$here/command-##.png" --view "$here/view.json" --background 0.03,0.03,0.035 --turntable 12 -q
     apart turn-10 command-10 lt 8
 fi
+# square faces are the same by even levels
+key even-levels shift+l
+take even
+apart window even lt 8
+key even-levels shift+l
+
 # in the light of an image, turned
 convert -size 64x32 'gradient:#ffe0b0-#203060' "$here/sky.png"
 does '"event":"chooser"' key ctrl+i

@@ -364,12 +364,11 @@ slv_result studio_picture_read(studio_picture *p, slv_image *out) {
     return SLV_OK;
 }
 
-slv_result studio_picture_seam(studio_picture *p, studio_document *d, uint32_t strategy,
+slv_result studio_picture_seam(studio_picture *p, studio_document *d, const studio_look *look,
                                slv_gl_seam *out) {
-    const studio_look look = {.anisotropy = 1};
     slv_gl_texture *texture;
-    slv_result result = need_texture(p, d, &look, strategy, &texture);
+    slv_result result = need_texture(p, d, look, look->strategy, &texture);
     return result ? result
-                  : slv_gl_texture_seam_jump(texture, &p->env, slv_strategy_at(strategy),
+                  : slv_gl_texture_seam_jump(texture, &p->env, slv_strategy_at(look->strategy),
                                              studio_document_adjacency(d), NULL, out);
 }
