@@ -19,6 +19,16 @@ faces_of() { # SIZE: how many there are
     "$bin/selvage" info "$here/now.ptx" --faces | grep -c "^ *[0-9]*  *$1 x $1 " || true
 }
 
+# size and opacity by a drag with Ctrl: 30 pixels to the right, 100 down
+key tool b
+xdotool keydown ctrl
+drag '"event":"brush"' 1 0 -50 3 10 10
+xdotool keyup ctrl
+grep -q '"event":"brush","radius":50.0,"opacity":0.500' "$log" || fail "the drag has not changed size and opacity"
+xdotool keydown ctrl
+drag '"event":"brush"' 1 0 50 -3 -10 10
+xdotool keyup ctrl
+
 # the resolution brush: a drag over faces is one entry of the history, and more texels where it was
 key tool r
 drag '"event":"done","name":"faces-finer"' 1 -40 10 10 0 8

@@ -103,12 +103,11 @@ static void follow_soon(studio_app *app) {
 
 /* A ring as large as the brush. */
 static void put_cursor(const studio_app *app, studio_shot *shot) {
-    bool paints =
-        app->tool == STUDIO_PAINT || app->tool == STUDIO_ERASE || app->tool == STUDIO_TEXELS;
-    if (!paints || !app->pointer_inside || app->screenshot)
+    const bool held = app->drag == STUDIO_DRAG_BRUSH;
+    if (!studio_sizing_has_brush(app) || !app->pointer_inside || app->screenshot)
         return;
-    shot->cursor[0] = (float)app->x;
-    shot->cursor[1] = (float)app->y;
+    shot->cursor[0] = (float)(held ? app->held[0] : app->x);
+    shot->cursor[1] = (float)(held ? app->held[1] : app->y);
     shot->cursor[2] = app->paint.radius;
 }
 
@@ -420,6 +419,8 @@ static gboolean press(studio_app *app, GdkEvent *event) {
         app->drag = turns ? STUDIO_DRAG_ZOOM : STUDIO_DRAG_ORBIT;
     else if (button == 1 && turns)
         app->drag = STUDIO_DRAG_ORBIT;
+    else if (button == 1 && (state & GDK_CONTROL_MASK) && studio_sizing_has_brush(app))
+        studio_sizing_begin(app);
     else if (button == 1 && (app->tool == STUDIO_PAINT || app->tool == STUDIO_ERASE))
         studio_area_pen(app, STUDIO_PEN_DOWN, sample, 1, is_eraser(event));
     else if (button == 1 && app->tool == STUDIO_TEXELS)
@@ -480,6 +481,8 @@ static gboolean motion(studio_app *app, GdkEvent *event) {
         }
     } else if (app->drag == STUDIO_DRAG_STENCIL || app->drag == STUDIO_DRAG_STENCIL_TURN) {
         drag_stencil(app, dx, dy);
+    } else if (app->drag == STUDIO_DRAG_BRUSH) {
+        studio_sizing_drag(app, dx, dy);
     } else if (app->drag != STUDIO_DRAG_NONE) {
         drag_view(app, dx, dy);
     } else {
@@ -494,6 +497,8 @@ static gboolean release(studio_app *app) {
         studio_area_pen(app, STUDIO_PEN_UP, NULL, 0, false);
     else if (app->touched)
         studio_texels_end(app);
+    else if (app->drag == STUDIO_DRAG_BRUSH)
+        studio_sizing_end(app);
     else if (app->drag != STUDIO_DRAG_NONE)
         studio_log(app, "\"event\":\"view\",\"azimuth\":%.3f,\"elevation\":%.3f,\"distance\":%.5g",
                    (double)app->camera.azimuth, (double)app->camera.elevation,

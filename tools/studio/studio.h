@@ -34,7 +34,8 @@ typedef enum studio_drag {
     STUDIO_DRAG_STENCIL,
     STUDIO_DRAG_STENCIL_TURN,
     STUDIO_DRAG_STROKE,
-    STUDIO_DRAG_TEXELS
+    STUDIO_DRAG_TEXELS,
+    STUDIO_DRAG_BRUSH /* its size and opacity */
 } studio_drag;
 
 enum { STUDIO_BOOKMARKS = 4, STUDIO_RECENT = 8, STUDIO_TURNS = 10000 };
@@ -85,6 +86,7 @@ typedef struct studio_app {
     bool fewer;              /* that drag takes texels away */
     float density;           /* texels a unit that it gives instead; 0: none */
     double x, y, start_time; /* of the pointer, in pixels of the area */
+    double held[2];          /* where a drag of size and opacity began */
     float pressure, tilt[2];
     bool pointer_inside;
     gint64 began;   /* when a picture of what moves was, which is not on the screen yet; 0: none */
@@ -151,6 +153,14 @@ slv_camera studio_area_camera(const studio_app *app, uint32_t *width, uint32_t *
 typedef enum studio_pen { STUDIO_PEN_DOWN, STUDIO_PEN_MOVE, STUDIO_PEN_UP } studio_pen;
 void studio_area_pen(studio_app *app, studio_pen what, const slv_stroke_sample *samples,
                      uint32_t count, bool eraser);
+
+/* sizing.c */
+/* Whether the tool has a brush; a drag that changes its size to the sides and its opacity up and
+ * down, around where it began. */
+bool studio_sizing_has_brush(const studio_app *app);
+void studio_sizing_begin(studio_app *app);
+void studio_sizing_drag(studio_app *app, double dx, double dy);
+void studio_sizing_end(studio_app *app);
 
 /* texels.c */
 /* A drag of the resolution brush begins where the pointer is, goes there, and ends: then it is one
