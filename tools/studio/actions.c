@@ -96,72 +96,74 @@ static const row rows[] = {
      true},
     {"View", "Set Bookmark 3", "bookmark-set", "3", "<Shift>F7", studio_do_bookmark_set, NULL,
      true},
-    {"View", "Brighter", "exposure-up", NULL, "period", studio_do_brighter, NULL, false},
-    {"View", "Darker", "exposure-down", NULL, "comma", studio_do_darker, NULL, false},
-    {"View", "Encoding: sRGB", "encoding", "srgb", "<Control>1", studio_set_encoding,
-     studio_get_encoding, false},
-    {"View", "Encoding: Numbers as They Are", "encoding", "linear", "<Control>2",
-     studio_set_encoding, studio_get_encoding, false},
-    {"View", "Encoding: Colour Map", "encoding", "data", "<Control>3", studio_set_encoding,
-     studio_get_encoding, false},
-    {"View", "Shading: Headlight", "shading", "headlight", "h", studio_set_shading,
-     studio_get_shading, false},
-    {"View", "Shading: Both Sides", "shading", "headlight-abs", "<Shift>h", studio_set_shading,
-     studio_get_shading, false},
-    {"View", "Shading: Unlit", "shading", "unlit", "u", studio_set_shading, studio_get_shading,
-     false},
-    {"View", "Shading: Image", "shading", "image", "<Shift>i", studio_set_shading,
-     studio_get_shading, false},
-    {"View", "Light from an Image…", "light", NULL, "<Control>i", studio_do_light, NULL, false},
-    {"View", "Turn the Light to the Left", "light-left", NULL, "braceleft", studio_do_light_left,
-     NULL, false},
-    {"View", "Turn the Light to the Right", "light-right", NULL, "braceright",
-     studio_do_light_right, NULL, false},
-    {"View", "Next Channel", "channel-next", NULL, "c", studio_do_channel, NULL, true},
-    {"View", "No Overlay", "overlay", "none", "<Alt>0", studio_set_overlay, studio_get_overlay,
-     false},
-    {"View", "Faces", "overlay", "faces", "<Alt>1", studio_set_overlay, studio_get_overlay, false},
-    {"View", "Resolution", "overlay", "resolution", "<Alt>2", studio_set_overlay,
-     studio_get_overlay, false},
-    {"View", "Levels", "overlay", "levels", "<Alt>3", studio_set_overlay, studio_get_overlay,
-     false},
-    {"View", "Widened Faces", "overlay", "widened", "<Alt>4", studio_set_overlay,
-     studio_get_overlay, false},
-    {"View", "Damaged Faces", "overlay", "damaged", "<Alt>5", studio_set_overlay,
-     studio_get_overlay, false},
-    {"View", "Seams", "seams", NULL, "l", studio_do_seams, studio_get_seams, false},
-    {"View", "Wireframe", "wires", NULL, "w", studio_do_wires, studio_get_wires, false},
-    {"View", "Finer Surface", "segments-more", NULL, "Page_Up", studio_do_segments_more, NULL,
-     true},
-    {"View", "Coarser Surface", "segments-fewer", NULL, "Page_Down", studio_do_segments_fewer, NULL,
-     true},
-    {"View", "Displace by a File…", "displace", NULL, "<Control><Shift>d", studio_do_displace, NULL,
-     true},
-    {"View", "Displace by the Next Channel", "displace-channel", NULL, "<Shift>c",
-     studio_do_displace_channel, NULL, true},
-    {"View", "Displace Further", "displace-more", NULL, "<Shift>Page_Up", studio_do_displace_more,
-     NULL, true},
-    {"View", "Displace Less", "displace-less", NULL, "<Shift>Page_Down", studio_do_displace_less,
-     NULL, true},
-    {"View", "Displace Nothing", "displace-none", NULL, "<Alt>d", studio_do_displace_none, NULL,
-     true},
-    {"View", "Anisotropy 1", "anisotropy", "1", "F2", studio_set_anisotropy, studio_get_anisotropy,
-     false},
-    {"View", "Anisotropy 4", "anisotropy", "4", "F3", studio_set_anisotropy, studio_get_anisotropy,
-     false},
-    {"View", "Anisotropy 16", "anisotropy", "16", "F4", studio_set_anisotropy,
-     studio_get_anisotropy, false},
-    {"View", "Even Levels", "even-levels", NULL, "<Shift>l", studio_do_even_levels,
-     studio_get_even_levels, false},
-    {"View", "Coarser Levels", "bias-up", NULL, "greater", studio_do_bias_up, NULL, true},
-    {"View", "Finer Levels", "bias-down", NULL, "less", studio_do_bias_down, NULL, true},
-    {"View", "Levels as They Are", "bias-none", NULL, "equal", studio_do_bias_none, NULL, true},
-    {"View", "1 Sample a Pixel", "msaa", "1", "<Shift>F2", studio_set_msaa, studio_get_msaa, false},
-    {"View", "4 Samples a Pixel", "msaa", "4", "<Shift>F3", studio_set_msaa, studio_get_msaa,
-     false},
-    {"View", "8 Samples a Pixel", "msaa", "8", "<Shift>F4", studio_set_msaa, studio_get_msaa,
-     false},
     {"View", "Dark", "dark", NULL, "<Control>d", studio_do_dark, studio_get_dark, false},
+    {"Look", "Brighter", "exposure-up", NULL, "period", studio_do_brighter, NULL, false},
+    {"Look", "Darker", "exposure-down", NULL, "comma", studio_do_darker, NULL, false},
+    {"Look", "Encoding: sRGB", "encoding", "srgb", "<Control>1", studio_set_encoding,
+     studio_get_encoding, false},
+    {"Look", "Encoding: Numbers as They Are", "encoding", "linear", "<Control>2",
+     studio_set_encoding, studio_get_encoding, false},
+    {"Look", "Encoding: Colour Map", "encoding", "data", "<Control>3", studio_set_encoding,
+     studio_get_encoding, false},
+    {"Look", "Shading: Headlight", "shading", "headlight", "h", studio_set_shading,
+     studio_get_shading, false},
+    {"Look", "Shading: Both Sides", "shading", "headlight-abs", "<Shift>h", studio_set_shading,
+     studio_get_shading, false},
+    {"Look", "Shading: Unlit", "shading", "unlit", "u", studio_set_shading, studio_get_shading,
+     false},
+    {"Look", "Shading: Image", "shading", "image", "<Shift>i", studio_set_shading,
+     studio_get_shading, false},
+    {"Look", "Light from an Image…", "light", NULL, "<Control>i", studio_do_light, NULL, false},
+    {"Look", "Turn the Light to the Left", "light-left", NULL, "braceleft", studio_do_light_left,
+     NULL, false},
+    {"Look", "Turn the Light to the Right", "light-right", NULL, "braceright",
+     studio_do_light_right, NULL, false},
+    {"Look", "Next Channel", "channel-next", NULL, "c", studio_do_channel, NULL, true},
+    {"Overlay", "No Overlay", "overlay", "none", "<Alt>0", studio_set_overlay, studio_get_overlay,
+     false},
+    {"Overlay", "Faces", "overlay", "faces", "<Alt>1", studio_set_overlay, studio_get_overlay,
+     false},
+    {"Overlay", "Resolution", "overlay", "resolution", "<Alt>2", studio_set_overlay,
+     studio_get_overlay, false},
+    {"Overlay", "Levels", "overlay", "levels", "<Alt>3", studio_set_overlay, studio_get_overlay,
+     false},
+    {"Overlay", "Widened Faces", "overlay", "widened", "<Alt>4", studio_set_overlay,
+     studio_get_overlay, false},
+    {"Overlay", "Damaged Faces", "overlay", "damaged", "<Alt>5", studio_set_overlay,
+     studio_get_overlay, false},
+    {"Overlay", "Seams", "seams", NULL, "l", studio_do_seams, studio_get_seams, false},
+    {"Overlay", "Wireframe", "wires", NULL, "w", studio_do_wires, studio_get_wires, false},
+    {"Surface", "Finer Surface", "segments-more", NULL, "Page_Up", studio_do_segments_more, NULL,
+     true},
+    {"Surface", "Coarser Surface", "segments-fewer", NULL, "Page_Down", studio_do_segments_fewer,
+     NULL, true},
+    {"Surface", "Displace by a File…", "displace", NULL, "<Control><Shift>d", studio_do_displace,
+     NULL, true},
+    {"Surface", "Displace by the Next Channel", "displace-channel", NULL, "<Shift>c",
+     studio_do_displace_channel, NULL, true},
+    {"Surface", "Displace Further", "displace-more", NULL, "<Shift>Page_Up",
+     studio_do_displace_more, NULL, true},
+    {"Surface", "Displace Less", "displace-less", NULL, "<Shift>Page_Down", studio_do_displace_less,
+     NULL, true},
+    {"Surface", "Displace Nothing", "displace-none", NULL, "<Alt>d", studio_do_displace_none, NULL,
+     true},
+    {"Lookups", "Anisotropy 1", "anisotropy", "1", "F2", studio_set_anisotropy,
+     studio_get_anisotropy, false},
+    {"Lookups", "Anisotropy 4", "anisotropy", "4", "F3", studio_set_anisotropy,
+     studio_get_anisotropy, false},
+    {"Lookups", "Anisotropy 16", "anisotropy", "16", "F4", studio_set_anisotropy,
+     studio_get_anisotropy, false},
+    {"Lookups", "Even Levels", "even-levels", NULL, "<Shift>l", studio_do_even_levels,
+     studio_get_even_levels, false},
+    {"Lookups", "Coarser Levels", "bias-up", NULL, "greater", studio_do_bias_up, NULL, true},
+    {"Lookups", "Finer Levels", "bias-down", NULL, "less", studio_do_bias_down, NULL, true},
+    {"Lookups", "Levels as They Are", "bias-none", NULL, "equal", studio_do_bias_none, NULL, true},
+    {"Lookups", "1 Sample a Pixel", "msaa", "1", "<Shift>F2", studio_set_msaa, studio_get_msaa,
+     false},
+    {"Lookups", "4 Samples a Pixel", "msaa", "4", "<Shift>F3", studio_set_msaa, studio_get_msaa,
+     false},
+    {"Lookups", "8 Samples a Pixel", "msaa", "8", "<Shift>F4", studio_set_msaa, studio_get_msaa,
+     false},
     STRATEGY("1"),
     STRATEGY("2"),
     STRATEGY("3"),
@@ -388,22 +390,32 @@ GtkWidget *studio_actions_buttons(const studio_button *buttons, size_t count) {
     return box;
 }
 
+/* A section for each menu, in groups that a small display has room for: the toolkit divides none.
+ */
 GtkWidget *studio_actions_shortcuts(studio_app *app) {
+    enum { GROUP = 16 };
+    static const char group[] =
+        "<child><object class=\"GtkShortcutsGroup\"><property name=\"title\">";
     GString *xml = g_string_new("<interface><object class=\"GtkShortcutsWindow\" id=\"window\">"
-                                "<property name=\"modal\">1</property><child>"
-                                "<object class=\"GtkShortcutsSection\">"
-                                "<property name=\"section-name\">all</property>"
-                                "<property name=\"max-height\">16</property>");
+                                "<property name=\"modal\">1</property>");
     const char *now = "";
+    int count = 0;
     for (int i = 0; i < ROWS && rows[i].menu; i++) {
         const char *label, *target;
         if (!words_of(i, &label, &target) || !rows[i].keys)
             continue;
-        if (strcmp(rows[i].menu, now) != 0)
+        const bool begins = strcmp(rows[i].menu, now) != 0;
+        if (begins)
             g_string_append_printf(xml,
-                                   "%s<child><object class=\"GtkShortcutsGroup\">"
-                                   "<property name=\"title\">%s</property>",
-                                   *now ? "</object></child>" : "", rows[i].menu);
+                                   "%s<child><object class=\"GtkShortcutsSection\">"
+                                   "<property name=\"section-name\">%s</property>"
+                                   "<property name=\"title\">%s</property>"
+                                   "<property name=\"max-height\">%d</property>%s%s</property>",
+                                   *now ? "</object></child></object></child>" : "", rows[i].menu,
+                                   rows[i].menu, GROUP + 1, group, rows[i].menu);
+        else if (count % GROUP == 0)
+            g_string_append_printf(xml, "</object></child>%s </property>", group);
+        count = begins ? 1 : count + 1;
         now = rows[i].menu;
         char *line = g_markup_printf_escaped(
             "<child><object class=\"GtkShortcutsShortcut\"><property name=\"accelerator\">%s"

@@ -296,8 +296,8 @@ void studio_do_seam_jump(studio_app *app, const char *target) {
     if (!app->picture)
         return;
     gtk_gl_area_make_current(app->area);
-    if (studio_failed(
-            app, studio_picture_seam(app->picture, &app->document, &app->look, &app->seam)))
+    if (studio_failed(app,
+                      studio_picture_seam(app->picture, &app->document, &app->look, &app->seam)))
         return;
     app->seam_of = app->look.strategy;
     app->seam_known = true;
