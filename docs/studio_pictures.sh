@@ -39,3 +39,17 @@ take studio
 kill -9 "$studio"
 wait "$studio" 2>/dev/null || true
 studio=
+
+# another scene, in the light of an image that is bright on one side, moved by its own colours
+convert -size 256x128 gradient:'#c8dcff-#503820' -fill '#fff0c0' -draw 'rectangle 20,30 70,60' "$here/sky.png"
+start_studio --size 660x720 "$here/demo/scene.ptx"
+take_window
+for i in 1 2 3 4 5 6; do xdotool mousemove $middle_x $((middle_y + 20)) click 4; done
+does '"event":"chooser"' key ctrl+i
+choose '"event":"done","name":"light-path"' "$here/sky.png"
+key displace-channel shift+c
+for i in 1 2 3 4 5 6; do key displace-less shift+Page_Down; done
+take studio_light
+kill -9 "$studio"
+wait "$studio" 2>/dev/null || true
+studio=

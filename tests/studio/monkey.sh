@@ -14,7 +14,8 @@ take_window
 # what would leave the window, and what opens another, is not among them
 keys="1 2 3 4 5 6 7 8 bar d k Escape t v b e g i s f o c l w u x p period comma bracketleft bracketright ctrl+z ctrl+z
 ctrl+shift+z ctrl+shift+n ctrl+j ctrl+m ctrl+Up ctrl+Down ctrl+h ctrl+plus ctrl+minus ctrl+k ctrl+Delete F5 shift+F5 j
-r a y greater less ctrl+minus ctrl+minus ctrl+minus"
+r a y greater less ctrl+minus ctrl+minus ctrl+minus h shift+h alt+2 alt+4 alt+5 alt+0 Page_Up Page_Down shift+c shift+Page_Up alt+d
+shift+l F2 F3 braceleft ctrl+t ctrl+bracketright ctrl+shift+t ctrl+d"
 awk -v seed="${SELVAGE_MONKEY_SEED:-1}" -v steps="$steps" -v keys="$keys" -v x="$middle_x" -v y="$middle_y" '
 function below(n) { state = (state * 1103515245 + 12345) % 2147483648; return int(state / 65536) % n }
 BEGIN {
