@@ -34,8 +34,8 @@ struct studio_picture {
     bool even;         /* the renderer, too; else each face has what it needs for */
     slv_camera camera; /* this, in a picture so large */
     uint32_t seen[2];
-    shown shown[STRATEGIES];
-    const slv_mesh *mesh; /* for which all of it was made */
+    shown shown[STRATEGIES][2]; /* without anisotropy, which is what moves; and with it */
+    const slv_mesh *mesh;       /* for which all of it was made */
     uint64_t serial;
     GLuint targets[2], framebuffers[2];
     uint32_t width, height; /* of the targets */
@@ -130,7 +130,8 @@ slv_result studio_picture_create(const slv_env *env, studio_picture **out) {
 
 void studio_picture_forget(studio_picture *p) {
     for (uint32_t i = 0; i < STRATEGIES; i++)
-        slv_gl_texture_destroy(p->shown[i].texture);
+        for (int k = 0; k < 2; k++)
+            slv_gl_texture_destroy(p->shown[i][k].texture);
     memset(p->shown, 0, sizeof p->shown);
     slv_gl_renderer_destroy(p->renderer);
     p->renderer = NULL;
@@ -158,21 +159,21 @@ const slv_gl_info *studio_picture_info(const studio_picture *p) {
 }
 
 static slv_result need_texture(studio_picture *p, const studio_document *d, const studio_look *look,
-                               uint32_t index, slv_gl_texture **out) {
-    shown *s = &p->shown[index < STRATEGIES ? index : 0];
+                               uint32_t index, uint32_t anisotropy, slv_gl_texture **out) {
+    shown *s = &p->shown[index < STRATEGIES ? index : 0][anisotropy > 1];
     const slv_strategy *strategy = slv_strategy_at(index);
     *out = NULL;
     if (index >= STRATEGIES || !strategy)
         return output_fail(&p->env, SLV_ERROR_ARGUMENT, "there is no strategy %u", index);
     const bool even = d->scene.even != look->other_levels;
-    if (s->texture && s->anisotropy == look->anisotropy && s->channel == look->channel &&
+    if (s->texture && s->anisotropy == anisotropy && s->channel == look->channel &&
         s->even == even) {
         *out = s->texture;
         return SLV_OK;
     }
     const slv_gl_texture_params params = {.strategies = &strategy,
                                           .nstrategies = 1,
-                                          .anisotropy = look->anisotropy,
+                                          .anisotropy = anisotropy,
                                           .first_channel = look->channel ? look->channel - 1 : 0,
                                           .nchannels = look->channel ? 1 : 0,
                                           .border_u = d->scene.border_u,
@@ -181,7 +182,7 @@ static slv_result need_texture(studio_picture *p, const studio_document *d, cons
                                           .live = true,
                                           .even_levels = even};
     slv_gl_texture_destroy(s->texture);
-    *s = (shown){.anisotropy = look->anisotropy, .channel = look->channel, .even = even};
+    *s = (shown){.anisotropy = anisotropy, .channel = look->channel, .even = even};
     slv_result result = slv_gl_texture_create(p->gl, &p->env, d->texture,
                                               studio_document_adjacency(d), &params, &s->texture);
     *out = s->texture;
@@ -246,6 +247,11 @@ static slv_shading shading_of(const studio_look *look) {
                                                     : look->shading;
 }
 
+/* Pictures that move do without. */
+static uint32_t anisotropy_of(const studio_shot *shot) {
+    return shot->coarse ? 1 : shot->look.anisotropy;
+}
+
 /* One strategy into one of the targets. */
 static slv_result draw_one(studio_picture *p, const studio_document *d, const studio_shot *shot,
                            uint32_t index, int target, studio_picture_stats *stats) {
@@ -263,7 +269,7 @@ static slv_result draw_one(studio_picture *p, const studio_document *d, const st
                        .light = &shot->light,
                        .level_bias = shot->look.level_bias};
     memcpy(frame.background, shot->background, sizeof frame.background);
-    slv_result result = need_texture(p, d, &shot->look, index, &texture);
+    slv_result result = need_texture(p, d, &shot->look, index, anisotropy_of(shot), &texture);
     if (!result)
         result = slv_gl_texture_update(texture, &p->env, NULL);
     stats->update += cli_now() - start;
@@ -305,9 +311,11 @@ slv_result studio_picture_draw(studio_picture *p, studio_document *d, const stud
         p->mesh = studio_document_mesh(d);
         p->serial = d->serial;
     }
-    studio_timer_begin(&p->timer);
-    if (shot->again && p->renderer && p->screen[0] == shot->width && p->screen[1] == shot->height)
+    const bool again =
+        shot->again && p->renderer && p->screen[0] == shot->width && p->screen[1] == shot->height;
+    if (again)
         goto put;
+    studio_timer_begin(&p->timer);
     need_targets(p, (uint32_t)fmaxf(1, (float)shot->width * scale),
                  (uint32_t)fmaxf(1, (float)shot->height * scale));
     *stats = (studio_picture_stats){0};
@@ -321,7 +329,8 @@ slv_result studio_picture_draw(studio_picture *p, studio_document *d, const stud
         const uint32_t which[2] = {look->strategy, look->other};
         studio_overlay_target over[2];
         for (int i = 0; i < 2; i++)
-            over[i] = (studio_overlay_target){p->framebuffers[i], p->shown[which[i]].texture,
+            over[i] = (studio_overlay_target){p->framebuffers[i],
+                                              p->shown[which[i]][anisotropy_of(shot) > 1].texture,
                                               slv_strategy_at(which[i])};
         result = studio_overlay_draw(&p->overlay, d, shot, p->segments, over, 1 + two);
     }
@@ -330,7 +339,8 @@ slv_result studio_picture_draw(studio_picture *p, studio_document *d, const stud
 put:
     if (!result)
         result = put_on_screen(p, shot, (GLuint)framebuffer);
-    studio_timer_end(&p->timer);
+    if (!again)
+        studio_timer_end(&p->timer);
 done:
     if (result) {
         static const float black[4] = {0, 0, 0, 1};
@@ -367,7 +377,7 @@ slv_result studio_picture_read(studio_picture *p, slv_image *out) {
 slv_result studio_picture_seam(studio_picture *p, studio_document *d, const studio_look *look,
                                slv_gl_seam *out) {
     slv_gl_texture *texture;
-    slv_result result = need_texture(p, d, look, look->strategy, &texture);
+    slv_result result = need_texture(p, d, look, look->strategy, look->anisotropy, &texture);
     return result ? result
                   : slv_gl_texture_seam_jump(texture, &p->env, slv_strategy_at(look->strategy),
                                              studio_document_adjacency(d), NULL, out);
