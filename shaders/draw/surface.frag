@@ -3,9 +3,7 @@ layout(location = 0) in vec2 surface_uv;
 layout(location = 1) in vec3 eye_position;
 layout(location = 2) in vec3 eye_normal;
 layout(location = 3) flat in int surface_face;
-layout(location = 4) centroid in vec3 covered_normal; // where the triangle is: beyond one that is smaller than a pixel it could be any
 
-layout(location = 3) uniform int shading; // slv_shading
 layout(location = 4) uniform int perspective;
 layout(location = 5) uniform vec2 ambient_diffuse; // ka, kd
 layout(location = 0) uniform mat4 world_to_eye;
@@ -13,10 +11,17 @@ layout(location = 8) uniform mat4 light[3]; // of slv_light, for normals in the 
 
 layout(location = 0) out vec4 color;
 
-// Before this stands SURFACE_ALPHA, a slv_alpha_mode: colours of textures are multiplied by alpha if it is not 0. To blend, fragments
-// are kept in lists, one a pixel; SURFACE_STORAGE is where, SURFACE_MSAA how many samples a pixel has.
+// Before this stands SURFACE_SHADING, a slv_shading, so that drivers that run both sides of a branch run no other; and SURFACE_ALPHA, a
+// slv_alpha_mode: colours of textures are multiplied by alpha if it is not 0. To blend, fragments are kept in lists, one a pixel;
+// SURFACE_STORAGE is where, SURFACE_MSAA how many samples a pixel has.
+#ifndef SURFACE_SHADING
+#define SURFACE_SHADING 0
+#endif
 #ifndef SURFACE_ALPHA
 #define SURFACE_ALPHA 0
+#endif
+#ifndef SURFACE_MSAA
+#define SURFACE_MSAA 1
 #endif
 #ifndef SURFACE_BIASED
 #define SURFACE_BIASED 0
@@ -80,9 +85,13 @@ float covered_part(float a) {
 #endif
 
 void main() {
-    vec3 n = eye_normal / max(length(eye_normal), 1e-20), there = covered_normal / max(length(covered_normal), 1e-20);
+    vec3 n = eye_normal / max(length(eye_normal), 1e-20);
+#if SURFACE_MSAA > 1
+    vec3 there = interpolateAtCentroid(eye_normal); // within the triangle: beyond one that is smaller than a pixel it could be any
+    there /= max(length(there), 1e-20);
     n = mix(n, there, clamp(length(n - there) * 30.0 - 1.0, 0.0, 1.0));
     n /= max(length(n), 1e-20);
+#endif
     vec3 i = perspective != 0 ? normalize(eye_position) : vec3(0.0, 0.0, -1.0);
     float ka = ambient_diffuse.x, kd = ambient_diffuse.y;
     float facing = -dot(n, i);
@@ -98,23 +107,23 @@ void main() {
 #endif
     float headlight = kd * max(facing, 0.0) + ka;
     float headlight_abs = kd * clamp(abs(facing) + ka, 0.0, 1.0);
-    if (shading == 0) {
+    if (SURFACE_SHADING == 0) {
         c.rgb *= headlight;
-    } else if (shading == 1) {
+    } else if (SURFACE_SHADING == 1) {
         c.rgb *= headlight_abs;
-    } else if (shading == 5) {
+    } else if (SURFACE_SHADING == 5) {
         c.rgb *= ka + kd * facing * facing;
-    } else if (shading == 6) {
+    } else if (SURFACE_SHADING == 6) {
         vec4 at = vec4(normalize(transpose(mat3(world_to_eye)) * n), 1.0);
         c.rgb *= max(vec3(dot(at, light[0] * at), dot(at, light[1] * at), dot(at, light[2] * at)), 0.0);
-    } else if (shading == 3) {
+    } else if (SURFACE_SHADING == 3) {
         uint h = uint(surface_face) * 0x9E3779B9u;
         h = (h ^ h >> 15) * 0x85EBCA6Bu;
         h ^= h >> 13;
         vec2 d = abs(surface_uv - 0.5);
         vec3 base = mix(vec3(0.8), hue(float(h & 1023u) / 1024.0), 0.6);
         c.rgb = base * (abs(facing) * kd + ka) * (max(d.x, d.y) > 0.48 ? 0.6 : 1.0) * c.a;
-    } else if (shading == 4) {
+    } else if (SURFACE_SHADING == 4) {
         vec2 dx = dFdx(surface_uv), dy = dFdy(surface_uv);
 #if SURFACE_BIASED
         dx *= stretch, dy *= stretch;

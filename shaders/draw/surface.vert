@@ -12,13 +12,12 @@ layout(location = 0) out vec2 surface_uv;
 layout(location = 1) out vec3 eye_position;
 layout(location = 2) out vec3 eye_normal;
 layout(location = 3) flat out int surface_face;
-layout(location = 4) centroid out vec3 covered_normal;
 
 void main() {
     vec4 eye = world_to_eye * vec4(position, 1.0);
     surface_uv = uv;
     eye_position = eye.xyz;
-    eye_normal = covered_normal = normal_to_eye * normal;
+    eye_normal = normal_to_eye * normal;
     surface_face = face;
 #ifdef SLV_HANDS_ON
     slv_hand_on(face, uv);

@@ -207,12 +207,13 @@ static slv_result surface_program(slv_gl_renderer *renderer, const slv_env *env,
                                   const slv_frame *frame, const struct subject *subject,
                                   const char *lookups, GLuint *out) {
     char head[192], *text = NULL;
-    int length = snprintf(head, sizeof head,
-                          "#define SURFACE_ALPHA %d\n#define SURFACE_MSAA %u\n"
-                          "#define SURFACE_STORAGE %u\n#define SURFACE_IMAGES %d\n"
-                          "#define SURFACE_BIASED %d\n",
-                          (int)frame->alpha, frame->alpha ? frame->msaa : 1, storage_of(subject),
-                          subject->images != NULL, frame->level_bias != 0 && !subject->images);
+    int length =
+        snprintf(head, sizeof head,
+                 "#define SURFACE_ALPHA %d\n#define SURFACE_MSAA %u\n"
+                 "#define SURFACE_STORAGE %u\n#define SURFACE_IMAGES %d\n"
+                 "#define SURFACE_BIASED %d\n#define SURFACE_SHADING %d\n",
+                 (int)frame->alpha, frame->msaa, storage_of(subject), subject->images != NULL,
+                 frame->level_bias != 0 && !subject->images, (int)frame->shading);
     size_t size = strlen(lookups) + 1;
     slv_result result;
     for (uint32_t i = 0; i < renderer->nprograms; i++) {
@@ -351,7 +352,6 @@ static void set_frame(const slv_gl_renderer *renderer, const slv_frame *frame, G
     api->ProgramUniformMatrix4fv(program, 0, 1, GL_FALSE, to_eye);
     api->ProgramUniformMatrix4fv(program, 1, 1, GL_FALSE, to_clip);
     api->ProgramUniformMatrix3fv(program, 2, 1, GL_TRUE, normals);
-    api->ProgramUniform1i(program, 3, (GLint)frame->shading);
     api->ProgramUniform1i(program, 4, frame->camera.perspective);
     api->ProgramUniform2f(program, 5, frame->ka, frame->kd);
     if (frame->shading == SLV_SHADE_IMAGE) /* as the camera carries normals, but the other way */
