@@ -5,6 +5,7 @@
  * faces, of one resolution and of mixed ones, under noise, and under noise with a colour for each
  * face. */
 #include "kit/bench_kit.h"
+#include "kit/strategy_kit.h"
 
 #include <selvage/bake.h>
 #include <selvage/gl_texture.h>
@@ -68,8 +69,8 @@ static slv_result measure(const scene *s, int log2, uint32_t nchannels, bool mix
         (result = slv_bake_procedural(&env, s->torus.surface, &noise, NULL, texture)))
         goto done;
     for (int i = 0; i < 2 && !result; i++) {
-        slv_gl_texture_params params = {.compression = i ? SLV_GL_COMPRESSION_BLOCKS
-                                                         : SLV_GL_COMPRESSION_NONE};
+        slv_gl_texture_params params = {KIT_ALL, .compression = i ? SLV_GL_COMPRESSION_BLOCKS
+                                                                  : SLV_GL_COMPRESSION_NONE};
         result =
             slv_gl_texture_create(s->gl, &env, texture, s->torus.adjacency, &params, &textures[i]);
     }

@@ -5,6 +5,7 @@
  * up in even levels, without and with anisotropy; or of a torus of 128 faces under noise, of one
  * resolution and of mixed ones, if no file is named. */
 #include "kit/bench_kit.h"
+#include "kit/strategy_kit.h"
 
 #include <selvage/bake.h>
 #include <selvage/gl_texture.h>
@@ -38,7 +39,7 @@ static void report(slv_gl *gl, const slv_texture *texture, const slv_adjacency *
                    const char *name, bool even, uint32_t anisotropy, bool json) {
     static const char *const strategies[] = {"clamp", "borders", "edge-aligned", "traverse",
                                              "htex"};
-    const slv_gl_texture_params uploaded = {.even_levels = even, .anisotropy = anisotropy};
+    const slv_gl_texture_params uploaded = {KIT_ALL, .even_levels = even, .anisotropy = anisotropy};
     slv_gl_texture *made = NULL;
     bench_stop(slv_gl_texture_create(gl, &env, texture, adjacency, &uploaded, &made));
     for (size_t s = 0; s < sizeof strategies / sizeof *strategies; s++) {

@@ -2,6 +2,7 @@
  * interleaved, so that whatever else the machine does falls on all alike; medians are compared.
  * Uses the demo scene that selvage-assets makes. */
 #include "kit/bench_scene.h"
+#include "kit/strategy_kit.h"
 
 #include <selvage/gl_renderer.h>
 
@@ -169,7 +170,7 @@ static slv_result run(const options *o, const char *folder) {
         const slv_gl_info *info = slv_gl_get_info(s.gl);
         uint32_t anisotropy =
             anisotropies[a] < info->max_anisotropy ? anisotropies[a] : info->max_anisotropy;
-        slv_gl_texture_params params = {.anisotropy = anisotropy};
+        slv_gl_texture_params params = {KIT_ALL, .anisotropy = anisotropy};
         slv_gl_texture *texture = NULL;
         if (o->anisotropy && o->anisotropy != anisotropies[a])
             continue;

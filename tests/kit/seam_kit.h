@@ -3,12 +3,18 @@
 #define SEAM_KIT_H
 
 #include "kit/border_kit.h"
+#include "kit/strategy_kit.h"
 
 #include <selvage/gl_texture.h>
 
+/* For all strategies, unless a list is given. */
 static inline slv_gl_texture *seam_upload(slv_gl *gl, const kit *k, slv_gl_texture_params params) {
     slv_env env = test_env();
     slv_gl_texture *texture = NULL;
+    if (!params.nstrategies) {
+        params.strategies = kit_strategies();
+        params.nstrategies = slv_strategy_count();
+    }
     REQUIRE(slv_gl_texture_create(gl, &env, k->texture, k->adjacency, &params, &texture) == SLV_OK);
     return texture;
 }

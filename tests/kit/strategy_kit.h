@@ -1,4 +1,4 @@
-/* Strategies by name, and lists of one. */
+/* Strategies by name, and lists of all and of one. */
 #ifndef STRATEGY_KIT_H
 #define STRATEGY_KIT_H
 
@@ -14,7 +14,16 @@ static inline const slv_strategy *kit_strategy(const char *name) {
     return strategy;
 }
 
+static inline const slv_strategy *const *kit_strategies(void) {
+    static const slv_strategy *list[KIT_STRATEGIES];
+    REQUIRE(slv_strategy_count() <= KIT_STRATEGIES);
+    for (uint32_t i = 0; i < slv_strategy_count(); i++)
+        list[i] = slv_strategy_at(i);
+    return list;
+}
+
 /* Members of slv_gl_texture_params. */
+#define KIT_ALL .strategies = kit_strategies(), .nstrategies = slv_strategy_count()
 #define KIT_ONLY(strategy) .strategies = (const slv_strategy *const[]){strategy}, .nstrategies = 1
 
 #endif

@@ -19,7 +19,7 @@ static float uniform(uint64_t *random) {
 
 static slv_gl_texture *upload(const kit *k, uint32_t anisotropy, slv_gl_branching branching) {
     slv_env env = test_env();
-    slv_gl_texture_params params = {.anisotropy = anisotropy, .branching = branching};
+    slv_gl_texture_params params = {KIT_ALL, .anisotropy = anisotropy, .branching = branching};
     slv_gl_texture *texture = NULL;
     REQUIRE(slv_gl_texture_create(gl, &env, k->texture, k->adjacency, &params, &texture) == SLV_OK);
     return texture;

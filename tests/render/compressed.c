@@ -135,7 +135,7 @@ static void check_threads(const kit *k) {
     slv_gl_texture_stats stats[2];
     for (uint32_t i = 0; i < 2; i++) {
         slv_env env = test_env();
-        slv_gl_texture_params params = {.compression = SLV_GL_COMPRESSION_BLOCKS};
+        slv_gl_texture_params params = {KIT_ALL, .compression = SLV_GL_COMPRESSION_BLOCKS};
         slv_gl_texture *texture = NULL;
         env.threads = i ? 5 : 1;
         REQUIRE(slv_gl_texture_create(gl, &env, k->texture, k->adjacency, &params, &texture) ==

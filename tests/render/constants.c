@@ -151,15 +151,17 @@ int main(void) {
     uint64_t random = 3;
     slv_env env = test_env();
     REQUIRE(slv_gl_create(&env, SLV_GL_AUTO, &gl) == SLV_OK);
-    check(0, SLV_TYPE_U8, 3, (slv_gl_texture_params){.anisotropy = 8}, &random);
+    check(0, SLV_TYPE_U8, 3, (slv_gl_texture_params){KIT_ALL, .anisotropy = 8}, &random);
     if (!test_brief())
-        check(0, SLV_TYPE_FLOAT, 4, (slv_gl_texture_params){.anisotropy = 1}, &random);
-    check(1, SLV_TYPE_HALF, 1, (slv_gl_texture_params){.anisotropy = 4, .live = true}, &random);
+        check(0, SLV_TYPE_FLOAT, 4, (slv_gl_texture_params){KIT_ALL, .anisotropy = 1}, &random);
+    check(1, SLV_TYPE_HALF, 1, (slv_gl_texture_params){KIT_ALL, .anisotropy = 4, .live = true},
+          &random);
     check(2, SLV_TYPE_U8, 3,
-          (slv_gl_texture_params){.branching = SLV_GL_BRANCHING_REAL, .live = true}, &random);
+          (slv_gl_texture_params){KIT_ALL, .branching = SLV_GL_BRANCHING_REAL, .live = true},
+          &random);
     alike = true;
-    check(0, SLV_TYPE_U8, 3, (slv_gl_texture_params){.anisotropy = 4}, &random);
-    check(1, SLV_TYPE_U8, 4, (slv_gl_texture_params){.live = true}, &random);
+    check(0, SLV_TYPE_U8, 3, (slv_gl_texture_params){KIT_ALL, .anisotropy = 4}, &random);
+    check(1, SLV_TYPE_U8, 4, (slv_gl_texture_params){KIT_ALL, .live = true}, &random);
     slv_gl_destroy(gl);
     return test_end();
 }

@@ -12,7 +12,7 @@ static slv_image draw(slv_gl *gl, const kit *k, const slv_strategy *strategy, ui
     slv_gl_texture *texture = NULL;
     slv_gl_renderer *renderer = NULL;
     slv_image image = {0};
-    slv_gl_texture_params params = {.anisotropy = 4};
+    slv_gl_texture_params params = {KIT_ONLY(strategy), .anisotropy = 4};
     const float low[3] = {-1, -1, -1}, high[3] = {1, 1, 1};
     slv_frame frame = {.width = 160,
                        .height = 120,

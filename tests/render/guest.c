@@ -5,6 +5,7 @@
 #include "kit/strategy_kit.h"
 
 #include <selvage/gl_context.h>
+#include <selvage/gl_images.h>
 #include <selvage/gl_live.h>
 
 #include <GL/glcorearb.h>
@@ -230,12 +231,31 @@ static const GLenum states[] = {GL_BLEND,
                                 GL_PACK_ALIGNMENT,
                                 GL_PACK_SKIP_PIXELS,
                                 GL_PIXEL_UNPACK_BUFFER_BINDING,
-                                GL_PIXEL_PACK_BUFFER_BINDING};
+                                GL_PIXEL_PACK_BUFFER_BINDING,
+                                GL_SHADER_STORAGE_BUFFER_BINDING};
 enum { STATES = sizeof states / sizeof *states };
 
 static void get_states(GLint out[STATES]) {
     for (size_t i = 0; i < STATES; i++)
         api.GetIntegerv(states[i], &out[i]);
+}
+
+static void white(const void *user, uint32_t tile, uint32_t x, uint32_t y, uint32_t count,
+                  float *rgba) {
+    (void)user, (void)tile, (void)x, (void)y;
+    for (uint32_t i = 0; i < 4 * count; i++)
+        rgba[i] = 1;
+}
+
+static void make_images(void) {
+    static const slv_uv_tile tile = {0, 0, 5, 3};
+    static const float corners[8] = {0, 0, 1, 0, 1, 1, 0, 1};
+    const slv_uv_images given = {
+        .nfaces = 1, .texcoords = corners, .ntiles = 1, .tiles = &tile, .pixels = white};
+    slv_env env = test_env();
+    slv_gl_images *images = NULL;
+    REQUIRE(slv_gl_images_create(gl, &env, &given, 4, &images) == SLV_OK);
+    slv_gl_images_destroy(images);
 }
 
 /* Textures are made, uploaded, updated and read amid a host's frame, whose state stays, and is none
@@ -263,8 +283,12 @@ static void check_states(void) {
     api.PixelStorei(GL_PACK_SKIP_PIXELS, 5);
     api.BindBuffer(GL_PIXEL_UNPACK_BUFFER, buffer);
     api.BindBuffer(GL_PIXEL_PACK_BUFFER, buffer);
+    slv_gl_texture *bound = make(&params);
+    slv_gl_texture_bind(bound, NULL, 0);
+    api.BindBuffer(GL_SHADER_STORAGE_BUFFER, buffer);
     get_states(before);
-    slv_gl_texture_destroy(make(&params));
+    slv_gl_texture_destroy(bound);
+    make_images();
     REQUIRE(slv_gl_texture_prepare(gl, &env, cube.texture, cube.adjacency, &params, &guest) ==
             SLV_OK);
     while (!upload.ready)

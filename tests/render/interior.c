@@ -102,7 +102,7 @@ static void check_scene(const char *obj, const char *texels, const char *name) {
     REQUIRE(slv_gl_renderer_create(gl, &env, mesh, surface, SEGMENTS, &renderer) == SLV_OK);
     const slv_res *res = slv_texture_get_desc(texture)->res;
     for (uint32_t anisotropy = 1; anisotropy <= 16; anisotropy *= 16) {
-        slv_gl_texture_params params = {.anisotropy = anisotropy};
+        slv_gl_texture_params params = {KIT_ALL, .anisotropy = anisotropy};
         slv_gl_texture *uploaded = NULL;
         REQUIRE(slv_gl_texture_create(gl, &env, texture, adjacency, &params, &uploaded) == SLV_OK);
         for (uint32_t v = 0; v < sizeof views / sizeof *views; v++) {

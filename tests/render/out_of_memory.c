@@ -4,6 +4,7 @@
 #include "kit/border_kit.h"
 #include "kit/host_kit.h"
 #include "kit/memory_kit.h"
+#include "kit/strategy_kit.h"
 
 #include <selvage/gl_images.h>
 #include <selvage/gl_live.h>
@@ -85,14 +86,14 @@ static slv_result call_images(const slv_env *env) {
 }
 
 static slv_result call_blocks(const slv_env *env) {
-    return create(
-        env, &(slv_gl_texture_params){.compression = SLV_GL_COMPRESSION_BLOCKS, .prefix = "mine_"});
+    return create(env, &(slv_gl_texture_params){KIT_ALL, .compression = SLV_GL_COMPRESSION_BLOCKS,
+                                                .prefix = "mine_"});
 }
 
 /* What follows changes of its texels. */
 static slv_result call_live(const slv_env *env) {
     static uint8_t texels[16 * 3];
-    const slv_gl_texture_params params = {.live = true, .even_levels = true};
+    const slv_gl_texture_params params = {KIT_ALL, .live = true, .even_levels = true};
     const slv_strategy *borders = slv_strategy_find("borders");
     slv_gl_texture *texture = NULL;
     uint64_t bytes;

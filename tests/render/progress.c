@@ -1,6 +1,7 @@
 /* Making a texture on the GPU says how far it is and can be stopped at any report. */
 #include "kit/border_kit.h"
 #include "kit/progress_kit.h"
+#include "kit/strategy_kit.h"
 
 #include <selvage/gl_texture.h>
 
@@ -8,7 +9,7 @@ static slv_gl *gl;
 static kit grid;
 
 static slv_result create(const slv_env *env, slv_progress progress) {
-    const slv_gl_texture_params params = {.progress = progress, .pool_layers = 4};
+    const slv_gl_texture_params params = {KIT_ALL, .progress = progress, .pool_layers = 4};
     slv_gl_texture *texture = NULL;
     slv_result result =
         slv_gl_texture_create(gl, env, grid.texture, grid.adjacency, &params, &texture);

@@ -347,6 +347,12 @@ static void check_failures(void) {
         nanosleep(&(struct timespec){.tv_nsec = 1000000}, NULL);
     }
     CHECK(state.failed == 1);
+    for (uint32_t i = 0; i < 20; i++) {
+        slv_camera wrong = camera;
+        *(i < 16 ? &wrong.world_to_camera[i] : &wrong.window[i - 16]) = i & 1 ? NAN : -INFINITY;
+        CHECK(slv_gl_residency_update(residency, &quiet, &wrong, SIZE, SIZE, NULL) ==
+              SLV_ERROR_ARGUMENT);
+    }
     while (!state.settled)
         REQUIRE(slv_gl_residency_update(residency, &env, &camera, SIZE, SIZE, &state) == SLV_OK);
     slv_gl_residency_destroy(residency);

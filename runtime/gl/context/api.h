@@ -164,9 +164,10 @@ bool slvi_gl_symbol(void *library, const char *name, void *out);
 
 enum { SLV_GL_PIXELS = 14 }; /* of glPixelStore, that transfers depend on */
 
-/* A host's state of transfers. */
+/* A host's state of transfers, and of what making and changing tables touches beside. */
 typedef struct slv_gl_transfer {
-    GLint pixels[SLV_GL_PIXELS], buffers[2];
+    GLint pixels[SLV_GL_PIXELS], unpack, pack;
+    GLint storage; /* which a driver may unbind with a table that is replaced while it is bound */
 } slv_gl_transfer;
 
 /* Puts what uploading and reading depend on, and nothing else, into the state that a fresh context

@@ -231,8 +231,9 @@ slv_gl_transfer slvi_gl_transfer_begin(const slv_gl *gl) {
     slv_gl_transfer before;
     for (size_t i = 0; i < SLV_GL_PIXELS; i++)
         gl->api.GetIntegerv(pixels[i], &before.pixels[i]);
-    gl->api.GetIntegerv(GL_PIXEL_UNPACK_BUFFER_BINDING, &before.buffers[0]);
-    gl->api.GetIntegerv(GL_PIXEL_PACK_BUFFER_BINDING, &before.buffers[1]);
+    gl->api.GetIntegerv(GL_PIXEL_UNPACK_BUFFER_BINDING, &before.unpack);
+    gl->api.GetIntegerv(GL_PIXEL_PACK_BUFFER_BINDING, &before.pack);
+    gl->api.GetIntegerv(GL_SHADER_STORAGE_BUFFER_BINDING, &before.storage);
     set_transfer(gl);
     return before;
 }
@@ -240,8 +241,9 @@ slv_gl_transfer slvi_gl_transfer_begin(const slv_gl *gl) {
 void slvi_gl_transfer_end(const slv_gl *gl, const slv_gl_transfer *before) {
     for (size_t i = 0; i < SLV_GL_PIXELS; i++)
         gl->api.PixelStorei(pixels[i], before->pixels[i]);
-    gl->api.BindBuffer(GL_PIXEL_UNPACK_BUFFER, (GLuint)before->buffers[0]);
-    gl->api.BindBuffer(GL_PIXEL_PACK_BUFFER, (GLuint)before->buffers[1]);
+    gl->api.BindBuffer(GL_PIXEL_UNPACK_BUFFER, (GLuint)before->unpack);
+    gl->api.BindBuffer(GL_PIXEL_PACK_BUFFER, (GLuint)before->pack);
+    gl->api.BindBuffer(GL_SHADER_STORAGE_BUFFER, (GLuint)before->storage);
 }
 
 void slvi_gl_set_state(const slv_gl *gl) {

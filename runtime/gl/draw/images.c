@@ -292,7 +292,7 @@ slv_result slv_gl_images_create(slv_gl *gl, const slv_env *env, const slv_uv_ima
     made->round[0] = images->round_u;
     made->round[1] = images->round_v;
     made->bytes = (uint64_t)images->nfaces * 8 * sizeof(float);
-    slvi_gl_set_state(gl);
+    slv_gl_transfer before = slvi_gl_transfer_begin(gl);
     make_sampler(made, images, anisotropy);
     if ((result = make_textures(made, env, images)) || (result = make_batches(made, env, images)) ||
         (result = slvi_gl_buffer(gl, env, "texture coordinates", images->texcoords,
@@ -304,6 +304,7 @@ slv_result slv_gl_images_create(slv_gl *gl, const slv_env *env, const slv_uv_ima
     made = NULL;
 done:
     slv_gl_images_destroy(made);
+    slvi_gl_transfer_end(gl, &before);
     return result;
 }
 

@@ -109,12 +109,11 @@ static slv_result list_faces(slv_gl_residency *r, slv_res *res) {
 static uint64_t host_texel_of(const slv_gl_residency *r, const slv_texture_desc *desc) {
     const slv_gl_texture_params *params = &r->params.texture;
     uint64_t type = slv_type_size(desc->type), bytes = (4 * type + 2) / 3;
-    uint32_t count = params->nstrategies ? params->nstrategies : slv_strategy_count();
-    for (uint32_t i = 0; i < count; i++) {
-        const slv_strategy *strategy =
-            params->nstrategies ? params->strategies[i] : slv_strategy_at(i);
-        bytes += strategy->form()->refresh ? 3 * type : 0;
-    }
+    const slv_strategy *one[1];
+    uint32_t count;
+    const slv_strategy *const *list = slvi_gl_strategies(params, one, &count);
+    for (uint32_t i = 0; i < count; i++)
+        bytes += list[i]->form()->refresh ? 3 * type : 0;
     return bytes * desc->nchannels;
 }
 
@@ -467,6 +466,8 @@ slv_result slv_gl_residency_update(slv_gl_residency *r, const slv_env *env,
     slv_gl_residency_state state = {0};
     uint32_t pending = 0, crowded = 0;
     struct allowance left = allowance_of(r);
+    if (!slvi_camera_is_finite(camera))
+        return slvi_fail(env, SLV_ERROR_ARGUMENT, "a camera that is not finite");
     slv_result result = slvi_gl_need_current(r->texture->gl, env);
     if (result)
         return result;

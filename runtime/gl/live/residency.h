@@ -63,6 +63,7 @@ typedef struct slvi_view {
     const slv_camera *camera;
     float pixel; /* its size on the plane at distance 1, or anywhere without perspective */
 } slvi_view;
+bool slvi_camera_is_finite(const slv_camera *camera);
 slvi_view slvi_view_of(const slv_camera *camera, uint32_t width, uint32_t height);
 /* `closer` times as many texels as are needed. */
 bool slvi_view_level(const slvi_view *view, const float corners[12], slv_res res, float closer,

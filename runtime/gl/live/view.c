@@ -12,6 +12,15 @@ slvi_view slvi_view_of(const slv_camera *camera, uint32_t width, uint32_t height
     return (slvi_view){camera, fminf(fabsf(across), fabsf(up))};
 }
 
+bool slvi_camera_is_finite(const slv_camera *camera) {
+    float sum = 0; /* of zeros, or no number */
+    for (uint32_t i = 0; i < 16; i++)
+        sum += 0 * camera->world_to_camera[i];
+    for (uint32_t i = 0; i < 4; i++)
+        sum += 0 * camera->window[i];
+    return sum == 0;
+}
+
 static float edge_length(const float *a, const float *b) {
     float x = a[0] - b[0], y = a[1] - b[1], z = a[2] - b[2];
     return sqrtf(x * x + y * y + z * z);

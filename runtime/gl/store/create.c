@@ -133,10 +133,11 @@ static slv_result check_strategy(const slv_env *env, const slv_strategy *strateg
     return SLV_OK;
 }
 
-/* One slot for each strategy of the list, or of the table. */
+/* One slot for each strategy of the list. */
 static slv_result list_slots(slv_gl_texture *texture, const slv_gl_texture_params *given) {
-    bool all = !given || !given->nstrategies;
-    uint32_t count = all ? slv_strategy_count() : given->nstrategies;
+    const slv_strategy *one[1];
+    uint32_t count;
+    const slv_strategy *const *list = slvi_gl_strategies(given, one, &count);
     const slv_env *env = &texture->env;
     slv_result result =
         slvi_alloc(env, "strategies", count, sizeof *texture->slots, &texture->slots);
@@ -145,7 +146,7 @@ static slv_result list_slots(slv_gl_texture *texture, const slv_gl_texture_param
     if (!result)
         result = slvi_alloc(env, "strategies", count, sizeof *texture->reaches, &texture->reaches);
     for (uint32_t i = 0; !result && i < count; i++) {
-        const slv_strategy *strategy = all ? slv_strategy_at(i) : given->strategies[i];
+        const slv_strategy *strategy = list[i];
         if ((result = check_strategy(env, strategy)))
             break;
         if (texture->nslots && slvi_gl_texture_slot(texture, strategy))

@@ -3,6 +3,17 @@
 
 #include "base/log.h"
 
+const slv_strategy *const *slvi_gl_strategies(const slv_gl_texture_params *params,
+                                              const slv_strategy *one[1], uint32_t *count) {
+    if (params && params->nstrategies) {
+        *count = params->nstrategies;
+        return params->strategies;
+    }
+    *count = 1;
+    one[0] = slv_strategy_default();
+    return one;
+}
+
 slv_gl_slot *slvi_gl_texture_slot(const slv_gl_texture *texture, const slv_strategy *strategy) {
     for (uint32_t i = 0; i < texture->nslots; i++)
         if (!strategy || texture->slots[i].strategy == strategy)

@@ -17,6 +17,8 @@ void slv_gl_texture_destroy(slv_gl_texture *texture) {
     if (!texture)
         return;
     const slv_gl_api *api = &texture->gl->api;
+    GLint storage = 0; /* a driver may unbind it with a table of ours that is still bound */
+    api->GetIntegerv(GL_SHADER_STORAGE_BUFFER_BINDING, &storage);
     for (uint32_t k = 0; k < texture->nstores; k++)
         slvi_gl_store_free(texture->gl, &texture->stores[k]);
     for (uint32_t k = 0; k < texture->nreaches; k++)
@@ -33,6 +35,7 @@ void slv_gl_texture_destroy(slv_gl_texture *texture) {
         }
     }
     slvi_gl_making_free(texture);
+    api->BindBuffer(GL_SHADER_STORAGE_BUFFER, (GLuint)storage);
     slvi_gl_live_destroy(texture->live);
     slvi_free(texture->stores);
     slvi_free(texture->reaches);

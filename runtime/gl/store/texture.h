@@ -52,6 +52,9 @@ struct slv_gl_texture {
     uint32_t nstores, nreaches, nslots;
 };
 
+/* The strategies that are asked for: the caller's list, or `one`, filled with the default. */
+const slv_strategy *const *slvi_gl_strategies(const slv_gl_texture_params *params,
+                                              const slv_strategy *one[1], uint32_t *count);
 /* The slot of a strategy, or for NULL the first; NULL if the texture was not made for it. */
 slv_gl_slot *slvi_gl_texture_slot(const slv_gl_texture *texture, const slv_strategy *strategy);
 /* The same with an error message. */

@@ -16,7 +16,8 @@ typedef struct slv_gl_images slv_gl_images;
 /* Uploads all of them, with levels of their own that are means over areas, whatever their sizes:
  * 8 bytes a pixel and a third, 16 of `wide` and 4 of `narrow` ones. Lookups are bilinear and
  * trilinear, with up to `anisotropy` (1 to 16) taps of the sampler; they stop at the edge of a
- * tile. An image larger than the driver takes is SLV_ERROR_LIMIT. `images` is not kept. */
+ * tile. An image larger than the driver takes is SLV_ERROR_LIMIT. `images` is not kept.
+ * Leaves GL state as it was. */
 SLV_NODISCARD SLV_API slv_result slv_gl_images_create(slv_gl *gl, const slv_env *env,
                                                       const slv_uv_images *images,
                                                       uint32_t anisotropy, slv_gl_images **out);

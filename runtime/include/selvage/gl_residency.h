@@ -70,8 +70,8 @@ SLV_NODISCARD SLV_API slv_result slv_gl_residency_create(
 SLV_API void slv_gl_residency_destroy(slv_gl_residency *residency);
 
 /* Takes what was read since the last time, and decides what is read next for a camera and a picture
- * of so many pixels. Never waits for the source. On the thread of the context; `out` may be NULL.
- * Leaves GL state as it was. */
+ * of so many pixels; one with a number that is not finite is SLV_ERROR_ARGUMENT. Never waits for
+ * the source. On the thread of the context; `out` may be NULL. Leaves GL state as it was. */
 SLV_NODISCARD SLV_API slv_result slv_gl_residency_update(slv_gl_residency *residency,
                                                          const slv_env *env,
                                                          const slv_camera *camera, uint32_t width,

@@ -68,8 +68,9 @@ SLV_API const char *slv_gl_taps_name(slv_gl_taps taps); /* auto, sampler, shader
 typedef struct slv_gl_texture_params {
     const slv_strategy *const *strategies; /* those that will be drawn, which must outlive the
                                               texture */
-    uint32_t nstrategies;                  /* 0 means all of the library, of which htex and borders
-                                              take most of the memory */
+    uint32_t nstrategies;                  /* 0 means slv_strategy_default alone: traverse, which
+                                              hides seams and stores texels once. htex and borders
+                                              take several times its memory */
     uint32_t first_channel;                /* of the texture, shown as red */
     uint32_t nchannels;   /* 1 (shown as grey) to 4; 0 means as many as there are, up to 4 */
     uint32_t anisotropy;  /* 1 to 16, cut to what the driver has; 0 means 1: trilinear */
