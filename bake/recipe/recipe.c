@@ -68,14 +68,19 @@ static slv_result read_reductions(const recipe_reader *r, slv_bake_recipe *recip
 static slv_result read_numbers(const recipe_reader *r, slv_bake_recipe *recipe) {
     slv_bake_job *job = &recipe->job;
     double density = 0, match = 0, error = 0, texels = 0, bytes = 0, compression = 0, miss = 0,
-           pixels = 0;
+           over = 0, pixels = 0;
     const struct {
         const char *key;
         double low, high, *out;
-    } numbers[] = {{"density", 1e-30, 1e30, &density}, {"match", 1e-6, 1e6, &match},
-                   {"error", 1e-9, 1e9, &error},       {"texels", 1, 1e18, &texels},
-                   {"bytes", 1, 1e18, &bytes},         {"compression", 1, 12, &compression},
-                   {"max-miss", 0, 1, &miss},          {"texels-per-pixel", 1e-6, 1e6, &pixels}};
+    } numbers[] = {{"density", 1e-30, 1e30, &density},
+                   {"match", 1e-6, 1e6, &match},
+                   {"error", 1e-9, 1e9, &error},
+                   {"texels", 1, 1e18, &texels},
+                   {"bytes", 1, 1e18, &bytes},
+                   {"compression", 1, 12, &compression},
+                   {"max-miss", 0, 1, &miss},
+                   {"max-over", 0, 1, &over},
+                   {"texels-per-pixel", 1e-6, 1e6, &pixels}};
     for (size_t i = 0; i < sizeof numbers / sizeof *numbers; i++) {
         slv_result result = slvi_recipe_number(r, "recipe", recipe->root, numbers[i].key,
                                                numbers[i].low, numbers[i].high, numbers[i].out);
@@ -90,14 +95,16 @@ static slv_result read_numbers(const recipe_reader *r, slv_bake_recipe *recipe) 
     job->compression = (int)compression;
     job->texels_per_pixel = (float)pixels;
     recipe->max_miss = (float)miss;
+    recipe->max_over = (float)over;
     return SLV_OK;
 }
 
 static slv_result read_job(const recipe_reader *r, slv_bake_recipe *recipe) {
     static const char *const keys[] = {
-        "$schema",  "source",     "size",        "density",     "match", "texels",
-        "bytes",    "error",      "min-size",    "max-size",    "type",  "scheme",
-        "max-miss", "reductions", "compression", "least-error", "views", "texels-per-pixel"};
+        "$schema",     "source",      "size",     "density",         "match",
+        "texels",      "bytes",       "error",    "min-size",        "max-size",
+        "type",        "scheme",      "max-miss", "max-over",        "reductions",
+        "compression", "least-error", "views",    "texels-per-pixel"};
     int type = 0, scheme = 0;
     json_t *root = recipe->root;
     recipe->job.min_res = (slv_res){0, 0};
@@ -267,6 +274,10 @@ const slv_bake_job *slv_bake_recipe_job(const slv_bake_recipe *recipe) {
 
 float slv_bake_recipe_max_miss(const slv_bake_recipe *recipe) {
     return recipe->max_miss;
+}
+
+float slv_bake_recipe_max_over(const slv_bake_recipe *recipe) {
+    return recipe->max_over;
 }
 
 const char *slv_bake_recipe_views(const slv_bake_recipe *recipe) {

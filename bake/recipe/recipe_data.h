@@ -13,7 +13,7 @@ struct slv_bake_recipe {
     json_t *root, *files; /* all of it; the names in it */
     char *text;
     slv_bake_job job;
-    float max_miss;
+    float max_miss, max_over;
     slv_surface **surfaces; /* that sources needed */
     uint32_t nsurfaces;
 };

@@ -196,6 +196,60 @@ static void find_encoding(png_structp png, png_infop info, slv_image *image) {
     image->encoding_is_assumed = !srgb && !some;
 }
 
+/* A chunk before the pixels, or NULL; its length. */
+static const uint8_t *find_chunk(const struct png_stream *stream, const char *name,
+                                 uint32_t *length) {
+    for (size_t at = 8; stream->size - at >= 12;) {
+        const uint8_t *chunk = stream->source + at;
+        *length = png_get_uint_32(chunk);
+        if (*length > stream->size - at - 12 || memcmp(chunk + 4, "IDAT", 4) == 0)
+            return NULL;
+        if (memcmp(chunk + 4, name, 4) == 0)
+            return chunk + 8;
+        at += 12 + (size_t)*length;
+    }
+    return NULL;
+}
+
+/* Whether primaries are sRGB's, to the precision that programs write them with. */
+static bool are_srgb(const uint8_t *chromaticities) {
+    static const int32_t srgb[8] = {31270, 32900, 64000, 33000, 30000, 60000, 15000, 6000};
+    for (int i = 0; i < 8; i++) {
+        int64_t off = (int64_t)png_get_uint_32(chromaticities + 4 * i) - srgb[i];
+        if (off < -200 || off > 200)
+            return false;
+    }
+    return true;
+}
+
+/* Colours are taken for those of sRGB's primaries, along its curve or as light. A file that says
+ * otherwise is named. */
+static void tell_of_space(png_structp png, png_infop info, const struct png_stream *stream) {
+    uint32_t length;
+    int intent;
+    const uint8_t *chunk = find_chunk(stream, "cICP", &length);
+    char space[112] = "";
+    if (chunk && length == 4) {
+        if (chunk[0] != 1 || chunk[1] != 13)
+            snprintf(space, sizeof space, "cICP: primaries %u, transfer %u", chunk[0], chunk[1]);
+    } else if (png_get_sRGB(png, info, &intent)) {
+        return;
+    } else if ((chunk = find_chunk(stream, "iCCP", &length))) {
+        char name[80] = "";
+        for (uint32_t i = 0; i < length && i < 79 && chunk[i]; i++)
+            name[i] = chunk[i] >= ' ' && chunk[i] < 127 ? (char)chunk[i] : '?';
+        if (!strstr(name, "sRGB"))
+            snprintf(space, sizeof space, "iCCP: profile '%s'", name);
+    } else if ((chunk = find_chunk(stream, "cHRM", &length)) && length == 32 && !are_srgb(chunk)) {
+        snprintf(space, sizeof space, "cHRM: other primaries");
+    }
+    if (space[0])
+        slvi_logf(stream->env, SLV_LOG_WARNING,
+                  "%s: its colours are of another space (%s), which is not converted: they are "
+                  "taken for sRGB's",
+                  stream->path, space);
+}
+
 static bool read_png_rows(png_structp png, struct png_stream *stream) {
     if (setjmp(png_jmpbuf(png)))
         return false;
@@ -226,6 +280,7 @@ static slv_result decode(png_structp png, png_infop info, struct png_stream *str
         (result = slv_image_create(stream->env, width, height, n, out)))
         return result;
     find_encoding(png, info, out);
+    tell_of_space(png, info, stream);
     out->type = bits == 8 ? SLV_TYPE_U8 : SLV_TYPE_U16;
     for (uint32_t y = 0; y < height; y++)
         stream->row_pointers[y] = stream->rows + y * row;

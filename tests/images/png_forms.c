@@ -127,6 +127,55 @@ static void check_form(const png_form *form) {
     slv_image_free(&image);
 }
 
+/* Colour spaces that are not converted are named, each by what says so. */
+static void check_space(const char *what, const char *warning) {
+    static const double p3[8] = {0.3127, 0.329, 0.68, 0.32, 0.265, 0.69, 0.15, 0.06},
+                        srgb[8] = {0.3127, 0.329, 0.64, 0.33, 0.3, 0.6, 0.15, 0.06};
+    const double *xy = strstr(what, "P3") ? p3 : srgb;
+    static png_byte pixel[3] = {10, 20, 30}, bt2100[4] = {9, 16, 0, 1};
+    png_bytep row = pixel;
+    png_structp png = png_create_write_struct(PNG_LIBPNG_VER_STRING, NULL, NULL, NULL);
+    png_infop info = png ? png_create_info_struct(png) : NULL;
+    FILE *file = fopen(path, "wb");
+    slv_env env = test_env();
+    slv_image image = {0};
+    REQUIRE(info && file);
+    png_init_io(png, file);
+    png_set_IHDR(png, info, 1, 1, 8, PNG_COLOR_TYPE_RGB, PNG_INTERLACE_NONE,
+                 PNG_COMPRESSION_TYPE_DEFAULT, PNG_FILTER_TYPE_DEFAULT);
+    png_write_info(png, info); /* chunks that the library would not write are written by hand */
+    if (strstr(what, "cHRM")) {
+        png_byte chunk[32];
+        for (int i = 0; i < 8; i++)
+            png_save_uint_32(chunk + 4 * i, (png_uint_32)(xy[i] * 100000 + 0.5));
+        png_write_chunk(png, (png_const_bytep) "cHRM", chunk, sizeof chunk);
+    }
+    if (strstr(what, "cICP"))
+        png_write_chunk(png, (png_const_bytep) "cICP", bt2100, sizeof bt2100);
+    if (strstr(what, "iCCP"))
+        png_write_chunk(png, (png_const_bytep) "iCCP",
+                        (png_const_bytep)(strstr(what, "P3") ? "Display P3\0\0x" : "my sRGB\0\0x"),
+                        strstr(what, "P3") ? 13 : 10);
+    png_write_row(png, row);
+    png_write_end(png, info);
+    png_destroy_write_struct(&png, &info);
+    fclose(file);
+    test_last_log[0] = 0;
+    REQUIRE(slv_image_load(&env, path, &image) == SLV_OK);
+    CHECK_MSG(warning ? strstr(test_last_log, warning) != NULL : !test_last_log[0], "%s: '%s'",
+              what, test_last_log);
+    slv_image_free(&image);
+}
+
+static void check_spaces(void) {
+    check_space("cHRM of sRGB", NULL);
+    check_space("cHRM of P3", "cHRM: other primaries");
+    check_space("iCCP of sRGB", NULL);
+    check_space("iCCP of P3", "iCCP: profile 'Display P3'");
+    check_space("cICP", "cICP: primaries 9, transfer 16");
+    check_space("nothing", NULL);
+}
+
 int main(void) {
     static const struct {
         int colour, bits[6];
@@ -155,6 +204,7 @@ int main(void) {
                     check_form(&form);
                 }
             }
+    check_spaces();
     remove(path);
     return test_end();
 }

@@ -31,7 +31,7 @@ bake() { # NAME START...
     shift
     "$@" bake strip.obj --rays ao --samples 128 --size 16 -o "$name.rays.ptx" --quiet
     "$@" bake strip.obj --uv image.png --match 4 --max-miss 1 --miss-map "$name.map.ptx" -o "$name.uv.ptx" --json >"$name.json"
-    "$@" bake strip.obj --uv image.png --error 1/16 --max-miss 1 -o "$name.error.ptx" --quiet
+    "$@" bake strip.obj --uv image.png --error 1/16 --max-miss 1 --max-over 1 -o "$name.error.ptx" --quiet
 }
 bake plain "$selvage"
 for n in 1 2 4; do

@@ -101,6 +101,13 @@ static void misses(void) {
     RUNS(0, "check map.ptx");
     RUNS(1, "bake half.obj --uv rgb.png -o out.ptx --size 8 --max-miss 0.49 --json --quiet");
     HAS("\"no-uv\": 64");
+    RUNS(1, "bake quad.obj --uv rgb.png --error 1/255 -o out.ptx");
+    HAS("1 of 1 faces are not within 0.00392157 of the source");
+    HAS("--max-over 0");
+    RUNS(0, "check out.ptx");
+    RUNS(0, "bake quad.obj --uv rgb.png --error 1/255 --max-over 1 -o out.ptx");
+    RUNS(2, "bake quad.obj --uv rgb.png --max-over 1 -o none.ptx");
+    RUNS(2, "bake quad.obj --uv rgb.png --error 1/255 --max-over 2 -o none.ptx");
     RUNS(1, "bake bare.obj --uv rgb.png -o none.ptx");
     HAS("no texture coordinates");
     CHECK(access(tool_path("none.ptx"), F_OK) != 0);

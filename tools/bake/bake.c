@@ -61,7 +61,7 @@ static int bake_it(const bake_options *o, const slv_env *env, slv_bake_recipe *r
             if (!result && !writes)
                 code = EXIT_OK;
             else if (!result)
-                code = bake_report_tell(o, &job, slv_bake_recipe_max_miss(recipe), &report, source);
+                code = bake_report_tell(o, recipe, &report, source);
         }
     }
     slv_bake_source_destroy(source);
@@ -180,6 +180,10 @@ int verb_bake(int argc, char **argv) {
         {"--max-miss", CLI_FLOAT, &o.max_miss,
          "the share of texels that may have no value before the exit code is 1 (0)", "X", 0, 0,
          &o.max_miss_given},
+        {"--max-over", CLI_FLOAT, &o.max_over,
+         "the share of faces that may stay further from the source than --error before the exit "
+         "code is 1 (0)",
+         "X", 0, 0, &o.max_over_given},
         {"--miss-map", CLI_TEXT, &o.miss_map, "write a texture that shows which have none, and why",
          "FILE.ptx", 0, 0, NULL},
         {"--scheme", CLI_CHOICE, &o.scheme, "subdivision scheme of the surface (catmark)",
@@ -212,8 +216,8 @@ int verb_bake(int argc, char **argv) {
         CLI_TAKES(options, 1, 1, o.paths, &narguments),
         .output = &o.paths[1],
         .output_needed = true,
-        .exits = "0 success; 1 failure, or more texels without a value than --max-miss; 2 wrong "
-                 "usage"};
+        .exits = "0 success; 1 failure, or more texels without a value than --max-miss, or faces "
+                 "further from the source than --max-over; 2 wrong usage"};
     int code = cli_parse(&command, argc, argv);
     if (code >= 0)
         return code;

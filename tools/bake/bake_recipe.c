@@ -92,6 +92,10 @@ static int check(const cli_command *command, const bake_options *o) {
         return cli_usage(command, "--least-error: --texels or --bytes is missing");
     if (!(o->max_miss >= 0 && o->max_miss <= 1))
         return cli_usage(command, "--max-miss: expected a share, 0 to 1");
+    if (!(o->max_over >= 0 && o->max_over <= 1))
+        return cli_usage(command, "--max-over: expected a share, 0 to 1");
+    if (o->max_over_given && !o->error_given && !o->recipe)
+        return cli_usage(command, "--max-over: --error is missing");
     if (o->miss_map && !ptx_name_is_safe(o->miss_map))
         return ptx_name_usage(command, o->miss_map);
     if (!o->uv && !o->texture && !o->recipe && o->match_given)
@@ -204,6 +208,7 @@ static int changes_of(const cli_command *command, const bake_options *o, json_t 
     number(changes, o->texels_per_pixel > 0, "texels-per-pixel", (double)o->texels_per_pixel);
     number(changes, o->error_given, "error", (double)o->error);
     number(changes, o->max_miss_given, "max-miss", (double)o->max_miss);
+    number(changes, o->max_over_given, "max-over", (double)o->max_over);
     whole(changes, o->texels != NULL, "texels", texels);
     whole(changes, o->bytes != NULL, "bytes", bytes);
     whole(changes, o->compression != 0, "compression", o->compression);

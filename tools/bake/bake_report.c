@@ -99,9 +99,24 @@ static int judge(const bake_options *o, float max_miss, const slv_bake_report *r
                      (unsigned long long)report->texels, text, (double)max_miss);
 }
 
-int bake_report_tell(const bake_options *o, const slv_bake_job *job, float max_miss,
+/* Likewise of faces that are further from the source than was asked for. */
+static int judge_error(const bake_options *o, const slv_bake_job *job, float max_over,
+                       const slv_bake_report *report) {
+    if (!(job->max_error > 0) ||
+        !((double)report->faces_over > (double)max_over * (double)report->faces))
+        return EXIT_OK;
+    return cli_error("%s: is written, but %llu of %llu faces are not within %g of the source even "
+                     "at the largest size that they may have, more than --max-over %g",
+                     o->paths[1], (unsigned long long)report->faces_over,
+                     (unsigned long long)report->faces, (double)job->max_error, (double)max_over);
+}
+
+int bake_report_tell(const bake_options *o, const slv_bake_recipe *recipe,
                      const slv_bake_report *report, const slv_bake_source *source) {
-    int code = judge(o, max_miss, report);
+    const slv_bake_job *job = slv_bake_recipe_job(recipe);
+    int over = judge_error(o, job, slv_bake_recipe_max_over(recipe), report),
+        missing_too = judge(o, slv_bake_recipe_max_miss(recipe), report),
+        code = over ? over : missing_too;
     if (o->json && output_print_json(o->paths[1], bake_json(o, job, report, source)))
         return EXIT_FAILED;
     if (!o->json && !o->quiet)

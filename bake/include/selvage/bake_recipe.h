@@ -27,6 +27,8 @@ SLV_API const char *slv_bake_recipe_text(const slv_bake_recipe *recipe);
 SLV_API const slv_bake_job *slv_bake_recipe_job(const slv_bake_recipe *recipe);
 /* The share of texels that may have no value (max-miss): 0 unless it says so. */
 SLV_API float slv_bake_recipe_max_miss(const slv_bake_recipe *recipe);
+/* The share of faces that may stay further from the source than `error` (max-over): likewise. */
+SLV_API float slv_bake_recipe_max_over(const slv_bake_recipe *recipe);
 /* The view file by whose cameras faces are sized, whose reading is the caller's; NULL if there is
  * none. Owned by the recipe. */
 SLV_API const char *slv_bake_recipe_views(const slv_bake_recipe *recipe);
