@@ -158,6 +158,8 @@ slv_result slv_bake_save(const slv_env *env, const slv_mesh *mesh, const slv_bak
         bool bound = most.u || most.v;
         wider.min_res.u += !wider.min_res.u && !(bound && !most.u);
         wider.min_res.v += !wider.min_res.v && !(bound && !most.v);
+        wider.seams = SLV_PTX_SEAMS_ALL;
+        wider.seams_given = true;
         b.job = &wider;
     }
     *b.report = (slv_bake_report){.faces = source->nfaces};

@@ -66,6 +66,48 @@ static void tell(const slv_res *res, uint32_t nfaces, slv_bake_report *report) {
     }
 }
 
+/* The two texels of a whole quad's edge beside two sub-faces are its corners', and none is left for
+ * the vertex in its middle: such a quad gets four, as far as it may. */
+static void widen_quads(const slv_adjacency *adjacency, slv_res high, uint64_t room, slv_res *res) {
+    uint32_t nfaces = slv_adjacency_face_count(adjacency);
+    for (uint32_t face = 0; face < nfaces; face++)
+        for (unsigned edge = 0; edge < 4; edge++) {
+            slv_neighbour across[2];
+            int8_t *side = edge % 2 ? &res[face].v : &res[face].u;
+            uint64_t more = UINT64_C(1) << (res[face].u + res[face].v);
+            if (*side != 1 || (edge % 2 ? high.v : high.u) < 2 || more > room ||
+                !slv_adjacency_neighbours(adjacency, (int32_t)face, edge, across) ||
+                across[0].scale <= 1)
+                continue;
+            *side = 2;
+            room -= more;
+        }
+}
+
+static slv_result widen(const slv_env *env, const slv_mesh *mesh, const slv_bake_job *job,
+                        uint64_t most, slv_res *res) {
+    const slv_mesh_view *view = slv_mesh_get_view(mesh);
+    slv_res high = job->max_res;
+    uint64_t room = most ? most : UINT64_MAX;
+    uint32_t poly = 0;
+    slv_adjacency *adjacency = NULL;
+    while (poly < view->npolys && view->poly_sizes[poly] == 4)
+        poly++;
+    if (poly == view->npolys)
+        return SLV_OK;
+    if (!high.u && !high.v)
+        high = (slv_res){DEFAULT_MAX_LOG2, DEFAULT_MAX_LOG2};
+    for (uint32_t face = 0; most && face < slv_mesh_face_count(mesh); face++) {
+        uint64_t texels = UINT64_C(1) << (res[face].u + res[face].v);
+        room = room > texels ? room - texels : 0;
+    }
+    slv_result result = slv_mesh_adjacency(env, mesh, &adjacency);
+    if (!result)
+        widen_quads(adjacency, high, room, res);
+    slv_adjacency_destroy(adjacency);
+    return result;
+}
+
 slv_result slvi_bake_plan(const slv_env *env, const slv_mesh *mesh, const slv_bake_source *source,
                           const slv_bake_job *job, const encoder *e, slv_res **out,
                           slv_bake_report *report) {
@@ -120,6 +162,8 @@ slv_result slvi_bake_plan(const slv_env *env, const slv_mesh *mesh, const slv_ba
     } else {
         result = slv_blank_plan(env, mesh, &blank, out, NULL);
     }
+    if (!result && job->seams_given && job->seams == SLV_PTX_SEAMS_ALL && !job->uniform)
+        result = widen(env, mesh, job, most, *out);
     if (!result) {
         tell(*out, source->nfaces, report);
         return SLV_OK;

@@ -1,5 +1,6 @@
 /* Baked edges, however two faces are turned against each other: all 16 pairs of edges, at equal and
- * different resolutions; and a model carried over to itself, which stays what it is. */
+ * different resolutions; those of a pentagon; and a model carried over to itself, which stays what
+ * it is. */
 #include "kit/mesh_shapes.h"
 #include "kit/tool_kit.h"
 
@@ -97,9 +98,28 @@ static void onto_itself(void) {
     RUNS(0, "diff self.ptx copied.ptx --texels");
 }
 
+/* A pentagon's sub-faces and the quads around it, at sizes of which the least would leave a quad no
+ * texel for the middle of its edge. */
+static void pentagon(void) {
+    static const char mesh[] =
+        "v 1 0 0\nv .31 .95 0\nv -.81 .59 0\nv -.81 -.59 0\nv .31 -.95 0\n"
+        "v 2.2 0 -.4\nv .68 2.09 -.4\nv -1.78 1.29 -.4\nv -1.78 -1.29 -.4\nv .68 -2.09 -.4\n"
+        "f 1 2 3 4 5\nf 1 6 7 2\nf 2 7 8 3\nf 3 8 9 4\nf 4 9 10 5\nf 5 10 6 1\n";
+    FILE *file = fopen(tool_path("pentagon.obj"), "w");
+    REQUIRE(file && fputs(mesh, file) >= 0 && fclose(file) == 0);
+    for (int density = 1; density <= 8; density *= 2) {
+        RUNS(
+            0,
+            "bake pentagon.obj --pattern noise --frequency 3 --density %d --type uint8 -q -o p.ptx",
+            density);
+        RUNS(0, "check p.ptx --seams 0.0042 --strict");
+    }
+}
+
 int main(void) {
     tool_begin();
     edges();
+    pentagon();
     onto_itself();
     tool_end();
     return test_end();
