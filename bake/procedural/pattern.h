@@ -47,9 +47,6 @@ static inline float slvi_pattern_place(const slv_procedural *resolved, float pos
     return (position - resolved->offset[axis]) * resolved->frequency;
 }
 
-/* and the colour there. */
-void slvi_pattern_at(const slv_procedural *resolved, int32_t face, const float p[3], float rgba[4]);
-
 /* slv_procedural_evaluate of a resolved pattern. */
 void slvi_pattern_evaluate(const slv_procedural *resolved, int32_t face, const float position[3],
                            float rgba[4]);

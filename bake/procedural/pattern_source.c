@@ -10,8 +10,6 @@
 #include <math.h>
 #include <string.h>
 
-enum { SIDE = 2, EACH = SIDE * SIDE }; /* samples a texel, where they are taken one by one */
-
 typedef struct pattern_source {
     slv_bake_source base;
     const slv_surface *surface;
@@ -29,9 +27,9 @@ typedef struct pattern_work {
 /* The corners below row y of texels. */
 static slv_result find_corners(const pattern_source *s, uint32_t face, slv_res res, uint32_t x,
                                uint32_t y, uint32_t width, pattern_work *work, unsigned which) {
+    const float du = 1 / (float)(1u << res.u), v = (float)y / (float)(1u << res.v);
     for (uint32_t i = 0; i <= width; i++)
-        work->points[i] = (slv_surface_point){(int32_t)face, (float)(x + i) / (float)(1u << res.u),
-                                              (float)y / (float)(1u << res.v)};
+        work->points[i] = (slv_surface_point){(int32_t)face, (float)(x + i) * du, v};
     const slv_surface_arrays arrays = {.positions = work->positions[0]};
     slv_result result = slv_surface_evaluate(s->surface, width + 1, work->points, &arrays);
     for (int axis = 0; axis < 3 && !result; axis++) {
@@ -46,46 +44,69 @@ static slv_result find_corners(const pattern_source *s, uint32_t face, slv_res r
     return result;
 }
 
-static void texel_mean(const pattern_source *s, uint32_t face, const slvi_pattern_rows *rows,
-                       uint32_t i, unsigned lower, float *out) {
-    uint32_t n = s->base.desc.nchannels;
-    float sum[4] = {0}, rgba[4], p[3];
-    for (uint32_t k = 0; k < EACH; k++) {
-        float u = ((float)(k % SIDE) + 0.5f) / SIDE, v = ((float)(k / SIDE) + 0.5f) / SIDE;
-        for (int axis = 0; axis < 3; axis++) {
-            const float *low = rows->corners[lower][axis] + i,
-                        *high = rows->corners[!lower][axis] + i;
-            const float below = SLVI_MIX(low[0], low[1], u), above = SLVI_MIX(high[0], high[1], u);
-            p[axis] = SLVI_MIX(below, above, v);
-        }
-        slvi_pattern_at(&s->pattern, (int32_t)face, p, rgba);
-        for (int channel = 0; channel < 4; channel++)
-            sum[channel] += rgba[channel] * (channel < 3 && n == 4 ? rgba[3] : 1);
+typedef float four __attribute__((vector_size(16)));
+
+/* Two colours mixed by the value, alpha too: what is multiplied by it has the value's square. */
+static void see_through_row(const float dark[4], const float light[4],
+                            const slvi_pattern_rows *rows, uint32_t width, float *out) {
+    four base = {0, 0, 0, dark[3]}, first = {0, 0, 0, light[3] - dark[3]}, second = {0};
+    for (int c = 0; c < 3; c++) {
+        base[c] = dark[c] * dark[3];
+        first[c] = dark[c] * (light[3] - dark[3]) + (light[c] - dark[c]) * dark[3];
+        second[c] = (light[c] - dark[c]) * (light[3] - dark[3]);
     }
-    for (uint32_t channel = 0; channel < n; channel++)
-        out[channel] = sum[channel] / EACH;
-    for (uint32_t channel = 0; n == 4 && channel < 3 && sum[3] > 0; channel++)
-        out[channel] = sum[channel] / sum[3];
+    for (uint32_t i = 0; i < width; i++, out += 4) {
+        four color = base + first * rows->means[i] + second * rows->squares[i];
+        const float alpha = color[3];
+        if (alpha > 0)
+            color /= (four){alpha, alpha, alpha, 1};
+        else
+            for (int c = 0; c < 3; c++)
+                color[c] = SLVI_MIX(dark[c], light[c], rows->means[i]);
+        memcpy(out, &color, sizeof color);
+    }
 }
 
-/* Whether colours are linear in one value, so that the mean of these is enough. */
-static bool is_linear(const pattern_source *s) {
-    slv_pattern pattern = s->pattern.pattern;
-    return s->base.desc.nchannels < 4 && pattern != SLV_PATTERN_FACE_COLOR &&
-           pattern != SLV_PATTERN_POSITION;
-}
-
-static void linear_row(const pattern_source *s, uint32_t face, slvi_pattern_rows *rows,
-                       uint32_t width, unsigned lower, float *out) {
+static void mixed_row(const pattern_source *s, uint32_t face, slvi_pattern_rows *rows,
+                      uint32_t width, unsigned lower, float *out) {
     static const float unused[3];
-    uint32_t n = s->base.desc.nchannels;
+    const uint32_t n = s->base.desc.nchannels;
     float dark[4], light[4];
     slvi_pattern_color(&s->pattern, (int32_t)face, unused, 0, dark);
     slvi_pattern_color(&s->pattern, (int32_t)face, unused, 1, light);
     s->means(&s->pattern, s->octaves, rows, lower, width);
+    if (n == 4) {
+        see_through_row(dark, light, rows, width, out);
+        return;
+    }
     for (uint32_t i = 0; i < width; i++, out += n)
         for (uint32_t c = 0; c < n; c++)
             out[c] = SLVI_MIX(dark[c], light[c], rows->means[i]);
+}
+
+/* Places are their own colours. */
+static void position_row(const pattern_source *s, uint32_t face, const slvi_pattern_rows *rows,
+                         uint32_t width, unsigned lower, float *out) {
+    static const float nowhere[3];
+    float tint[4];
+    slvi_pattern_color(&s->pattern, (int32_t)face, nowhere, 0, tint);
+    for (int axis = 0; axis < 3; axis++) {
+        const float *low = rows->corners[lower][axis], *high = rows->corners[!lower][axis];
+        for (uint32_t i = 0; i < width; i++) {
+            const float mean = 0.25f * ((low[i] + low[i + 1]) + (high[i] + high[i + 1]));
+            out[(size_t)i * 3 + (size_t)axis] = mean * (1 - s->pattern.face_tint) + tint[axis];
+        }
+    }
+}
+
+/* One colour all over. */
+static void face_color(const pattern_source *s, uint32_t face, size_t count, float *values) {
+    static const float unused[3];
+    const uint32_t n = s->base.desc.nchannels;
+    float rgba[4];
+    slvi_pattern_color(&s->pattern, (int32_t)face, unused, 0, rgba);
+    for (size_t i = 0; i < count; i++)
+        memcpy(values + i * n, rgba, n * sizeof *rgba);
 }
 
 static void find_senseless(uint32_t n, size_t count, float *values, uint8_t *misses) {
@@ -105,6 +126,10 @@ static slv_result evaluate(const slv_bake_source *source, const slv_env *env, ui
     const pattern_source *s = (const pattern_source *)source;
     uint32_t n = s->base.desc.nchannels;
     pattern_work *work = NULL;
+    if (s->pattern.pattern == SLV_PATTERN_FACE_COLOR) {
+        face_color(s, face, (size_t)rect.width * rect.height, values);
+        return SLV_OK;
+    }
     slv_result result = slvi_alloc_plain(env, "bake: samples", 1, sizeof *work, &work);
     for (uint32_t x = 0; x < rect.width && !result; x += SLVI_ROW_TEXELS) {
         uint32_t width = rect.width - x < SLVI_ROW_TEXELS ? rect.width - x : SLVI_ROW_TEXELS;
@@ -113,10 +138,10 @@ static slv_result evaluate(const slv_bake_source *source, const slv_env *env, ui
         for (uint32_t y = 0; y < rect.height && !result; y++, lower = !lower) {
             result = find_corners(s, face, res, rect.x + x, rect.y + y + 1, width, work, !lower);
             float *row = values + ((size_t)y * rect.width + x) * n;
-            if (!result && is_linear(s))
-                linear_row(s, face, &work->rows, width, lower, row);
-            for (uint32_t i = 0; i < width && !result && !is_linear(s); i++)
-                texel_mean(s, face, &work->rows, i, lower, row + (size_t)i * n);
+            if (!result && s->pattern.pattern == SLV_PATTERN_POSITION)
+                position_row(s, face, &work->rows, width, lower, row);
+            else if (!result)
+                mixed_row(s, face, &work->rows, width, lower, row);
         }
     }
     slvi_free(work);

@@ -167,17 +167,12 @@ static float value_at(const slv_procedural *resolved, const float p[3]) {
     return 0.0f;
 }
 
-void slvi_pattern_at(const slv_procedural *resolved, int32_t face, const float p[3],
-                     float rgba[4]) {
-    slvi_pattern_color(resolved, face, p, value_at(resolved, p), rgba);
-}
-
 void slvi_pattern_evaluate(const slv_procedural *resolved, int32_t face, const float position[3],
                            float rgba[4]) {
     float p[3];
     for (int i = 0; i < 3; i++)
         p[i] = slvi_pattern_place(resolved, position[i], i);
-    slvi_pattern_at(resolved, face, p, rgba);
+    slvi_pattern_color(resolved, face, p, value_at(resolved, p), rgba);
 }
 
 void slvi_pattern_color(const slv_procedural *resolved, int32_t face, const float p[3], float value,

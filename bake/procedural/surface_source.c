@@ -50,26 +50,30 @@ static float curvature_of(const points *work, uint32_t first, slv_res res) {
     return area > 0 ? (e * k - 2 * f * m + g * l) / (2 * area) : 0;
 }
 
-static void mean_of(const surface_source *s, const points *work, uint32_t texel, uint32_t face,
-                    slv_res res, float *out) {
-    float sum[3] = {0};
-    for (uint32_t k = texel * EACH; k < (texel + 1) * EACH; k++)
+static void add_samples(const float samples[EACH][3], float sum[3]) {
+    for (uint32_t k = 0; k < EACH; k++)
         for (int c = 0; c < 3; c++)
-            sum[c] += s->kind == SLV_BAKE_NORMAL ? work->normals[k][c] : work->positions[k][c];
+            sum[c] += samples[k][c];
+}
+
+static void mean_of(const surface_source *s, const points *work, uint32_t texel, slv_res res,
+                    float *out) {
+    float sum[3] = {0};
     switch (s->kind) {
     case SLV_BAKE_POSITION:
+        add_samples(work->positions + (size_t)texel * EACH, sum);
         for (int c = 0; c < 3; c++)
             out[c] = sum[c] / EACH;
         break;
     case SLV_BAKE_NORMAL: {
+        add_samples(work->normals + (size_t)texel * EACH, sum);
         float length = sqrtf(sum[0] * sum[0] + sum[1] * sum[1] + sum[2] * sum[2]);
         for (int c = 0; c < 3; c++)
             out[c] = length > 0 ? sum[c] / length : 0;
         break;
     }
     case SLV_BAKE_FACE_ID:
-        out[0] = (float)face;
-        break;
+        break; /* the same everywhere */
     case SLV_BAKE_CURVATURE:
         out[0] = curvature_of(work, texel * EACH, res);
         break;
@@ -87,8 +91,13 @@ static slv_result evaluate(const slv_bake_source *source, const slv_env *env, ui
                            slv_res res, slv_rect rect, float *values, uint8_t *misses) {
     const surface_source *s = (const surface_source *)source;
     uint32_t n = s->base.desc.nchannels, total = rect.width * rect.height;
+    const slv_bake_surface_kind kind = s->kind;
     points *work = NULL;
     (void)misses; /* a surface is everywhere */
+    for (uint32_t i = 0; i < total && kind == SLV_BAKE_FACE_ID; i++)
+        values[i] = (float)face;
+    if (kind == SLV_BAKE_FACE_ID)
+        return SLV_OK;
     slv_result result = slvi_alloc_plain(env, "bake: samples", 1, sizeof *work, &work);
     for (uint32_t first = 0; first < total && !result; first += AT_ONCE) {
         uint32_t count = total - first < AT_ONCE ? total - first : AT_ONCE;
@@ -99,13 +108,16 @@ static slv_result evaluate(const slv_bake_source *source, const slv_env *env, ui
             work->at[i] = (slv_surface_point){(int32_t)face, x / (float)(1u << res.u),
                                               y / (float)(1u << res.v)};
         }
-        const slv_surface_arrays arrays = {.positions = work->positions[0],
-                                           .normals = work->normals[0],
-                                           .du = work->du[0],
-                                           .dv = work->dv[0]};
+        const bool turns = kind == SLV_BAKE_NORMAL || kind == SLV_BAKE_CURVATURE,
+                   stretches = kind == SLV_BAKE_DENSITY || kind == SLV_BAKE_CURVATURE;
+        const slv_surface_arrays arrays = {
+            .positions = kind == SLV_BAKE_POSITION ? work->positions[0] : NULL,
+            .normals = turns ? work->normals[0] : NULL,
+            .du = stretches ? work->du[0] : NULL,
+            .dv = stretches ? work->dv[0] : NULL};
         result = slv_surface_evaluate(s->surface, (size_t)count * EACH, work->at, &arrays);
         for (uint32_t i = 0; i < count && !result; i++)
-            mean_of(s, work, i, face, res, values + (size_t)(first + i) * n);
+            mean_of(s, work, i, res, values + (size_t)(first + i) * n);
     }
     slvi_free(work);
     return result;

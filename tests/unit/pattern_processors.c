@@ -53,15 +53,21 @@ int main(void) {
             memset(&found, 0, sizeof found);
             memcpy(found.corners, want.corners, sizeof found.corners);
             kinds[k].means(&pattern, octaves, &found, round & 1, width);
-            if (k == COUNT - 1)
+            if (k == COUNT - 1) {
                 memcpy(want.means, found.means, sizeof want.means);
-            CHECK_MSG(memcmp(want.means, found.means, width * sizeof *want.means) == 0,
+                memcpy(want.squares, found.squares, sizeof want.squares);
+            }
+            CHECK_MSG(memcmp(want.means, found.means, width * sizeof *want.means) == 0 &&
+                          memcmp(want.squares, found.squares, width * sizeof *want.squares) == 0,
                       "round %d: %s differs", round, kinds[k].name);
             ran += k < COUNT - 1;
         }
         for (uint32_t i = 0; i < width; i++)
-            CHECK_MSG(want.means[i] >= 0 && want.means[i] <= 1, "round %d: %g", round,
-                      (double)want.means[i]);
+            CHECK_MSG(want.means[i] >= 0 && want.means[i] <= 1 &&
+                          want.squares[i] <= want.means[i] + 1e-6f &&
+                          want.squares[i] >= want.means[i] * want.means[i] - 1e-6f,
+                      "round %d: %g, and %g of its square", round, (double)want.means[i],
+                      (double)want.squares[i]);
     }
     if (!ran) {
         fprintf(stderr, "this processor has no AVX2: nothing to compare\n");

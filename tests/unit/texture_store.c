@@ -45,6 +45,31 @@ static void test_types(void) {
           !strcmp(slv_type_name(SLV_TYPE_HALF), "half"));
 }
 
+/* Many at once become what each becomes by itself, whatever lies beside it. */
+static void halves_at_once(void) {
+    enum { MANY = 300 };
+    float values[MANY];
+    uint16_t halves[MANY];
+    uint64_t random = 17;
+    for (int round = 0; round < 400; round++) {
+        uint32_t count = 1 + test_random(&random) % MANY;
+        for (uint32_t i = 0; i < count; i++) {
+            uint32_t bits = test_random(&random) << 16 | test_random(&random) % 65536;
+            const uint32_t most = 0x38800000u + bits % 0xeff0000u,
+                           ends[] = {0x38800000u, 0x477ff000u};
+            if (round % 4) /* as large as most are, or nearly so, or zero */
+                bits = (bits & 0x80000000u) |
+                       (round % 4 == 1 ? most : ends[bits % 2] - 8 + bits / 2 % (round % 4 * 4));
+            if (test_random(&random) % 8 == 0)
+                bits &= 0x80000000u;
+            memcpy(&values[i], &bits, sizeof bits);
+        }
+        slv_type_from_float(SLV_TYPE_HALF, values, count, halves);
+        for (uint32_t i = 0; i < count; i++)
+            CHECK(halves[i] == slv_half_from_float(values[i]));
+    }
+}
+
 static void test_resolutions(void) {
     slv_res res = {5, 2};
     CHECK(slv_res_level_count(res) == 6);
@@ -363,6 +388,7 @@ static void test_filling(void) {
 
 int main(void) {
     test_types();
+    halves_at_once();
     test_resolutions();
     test_store();
     test_filling();

@@ -85,6 +85,15 @@ static void put(const mixing *m, float amount, float *texel) {
         texel[m->alpha] = result;
 }
 
+/* put_normal() of a texel of three colours and alpha, which is what layers of pictures have. */
+static inline void put_rgba(float amount, const float *color, float *texel) {
+    float below = texel[3], result = amount + below * (1 - amount);
+    float share = below == 1 ? amount : result > 0 ? amount / result : 0;
+    for (int c = 0; c < 3; c++)
+        texel[c] += share * (color[c] - texel[c]);
+    texel[3] = result;
+}
+
 void slvi_blend_texels(const slv_canvas_desc *canvas, const slv_paint *paint, const float *coverage,
                        const float *colors, uint64_t count, float *texels) {
     uint32_t n = canvas->nchannels, room = paint->nchannels ? paint->nchannels : SLV_PAINT_CHANNELS;
@@ -97,6 +106,15 @@ void slvi_blend_texels(const slv_canvas_desc *canvas, const slv_paint *paint, co
     m.colours = m.end - m.first;
     if (m.alpha >= (int32_t)m.first && m.alpha < (int32_t)m.end)
         m.colours--;
+    if (paint->blend == SLV_BLEND_NORMAL && !paint->erase && !paint->lock_alpha && m.alpha == 3 &&
+        !m.first && m.end == 4) {
+        for (uint64_t i = 0; i < count; i++, texels += n) {
+            float amount = coverage[i] * paint->opacity;
+            if (amount > 0)
+                put_rgba(amount, colors ? colors + i * SLV_PAINT_CHANNELS : paint->color, texels);
+        }
+        return;
+    }
     for (uint64_t i = 0; i < count; i++, texels += n) {
         float amount = coverage[i] * paint->opacity;
         if (!(amount > 0))
@@ -115,7 +133,13 @@ void slvi_blend_layer(const slv_canvas_desc *canvas, slv_blend blend, float opac
     uint32_t n = canvas->nchannels;
     slv_paint paint = {.opacity = 1, .blend = blend};
     mixing m = {&paint, 0, n, canvas->alpha_channel, n - 1, NULL};
-    for (uint64_t i = 0; i < count; i++, texels += n, above += n) {
+    bool rgba = blend == SLV_BLEND_NORMAL && n == 4 && canvas->alpha_channel == 3;
+    for (uint64_t i = 0; rgba && i < count; i++, texels += 4, above += 4) {
+        float amount = opacity * (mask ? mask[i] : 1) * above[3];
+        if (amount > 0)
+            put_rgba(amount < 1 ? amount : 1, above, texels);
+    }
+    for (uint64_t i = 0; !rgba && i < count; i++, texels += n, above += n) {
         float amount = opacity * (mask ? mask[i] : 1) * above[canvas->alpha_channel];
         if (!(amount > 0))
             continue;

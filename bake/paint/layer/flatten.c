@@ -29,13 +29,14 @@ static void flatten_piece(const slv_document *document, uint32_t face, slv_rect 
     float texels[SLVI_BLOCK_SIDE * SLVI_BLOCK_SIDE * SLVI_MOST_CHANNELS];
     size_t count = (size_t)rect.width * rect.height,
            size = slv_type_size(document->flat.type) * kept;
-    for (size_t i = 0; i < count; i++)
-        memcpy(texels + i * n, document->background, n * sizeof *texels);
+    memcpy(texels, document->background, n * sizeof *texels);
+    slvi_repeat(texels, n * sizeof *texels, count * n * sizeof *texels);
     for (uint32_t i = 0; i < document->nlayers; i++)
         if (!document->stack[i]->props.hidden)
             slvi_layer_over(document, document->stack[i], face, document->res[face], rect, texels);
     for (size_t i = 0; kept != n && i < count; i++)
-        memmove(texels + i * kept, texels + i * n, kept * sizeof *texels);
+        for (uint32_t c = 0; c < kept; c++) /* shorter than a call */
+            texels[i * kept + c] = texels[i * n + c];
     for (uint32_t y = 0; y < rect.height; y++)
         slv_type_from_float(document->flat.type, texels + (size_t)y * rect.width * kept,
                             (size_t)rect.width * kept, out + y * pitch * size);

@@ -6,30 +6,45 @@
 
 #include <string.h>
 
-slv_result slvi_block_create(const slvi_plane *plane, slv_res res, uint64_t entry,
+void slvi_repeat(void *texels, size_t size, size_t bytes) {
+    unsigned char *out = texels;
+    for (size_t done = size, next; done < bytes; done += next) {
+        next = done < bytes - done ? done : bytes - done;
+        memcpy(out + done, out, next);
+    }
+}
+
+/* Texels that are yet to be filled. */
+static slv_result make_block(const slvi_plane *plane, slv_res res, uint64_t entry,
                              slvi_block **out) {
-    slv_result result =
-        slvi_alloc(&plane->env, "layer", 1, sizeof **out + slvi_block_bytes(plane, res), out);
+    size_t bytes = slvi_block_bytes(plane, res);
+    slv_result result = slvi_alloc_plain(&plane->env, "layer", 1, sizeof **out + bytes, out);
     if (result)
         return result;
     (*out)->entry = entry;
-    (*out)->bytes = (uint32_t)slvi_block_bytes(plane, res);
+    (*out)->bytes = (uint32_t)bytes;
     atomic_init(&(*out)->refs, 1);
     return SLV_OK;
 }
 
+slv_result slvi_block_create(const slvi_plane *plane, slv_res res, uint64_t entry,
+                             slvi_block **out) {
+    slv_result result = make_block(plane, res, entry, out);
+    if (!result)
+        memset((*out)->texels, 0, (*out)->bytes);
+    return result;
+}
+
 slv_result slvi_block_copy(const slvi_plane *plane, slv_res res, const slvi_block *block,
                            uint64_t entry, slvi_block **out) {
-    slv_result result = slvi_block_create(plane, res, entry, out);
-    size_t bytes = slvi_block_bytes(plane, res), size = plane->texel_size;
+    slv_result result = make_block(plane, res, entry, out);
     if (result)
         return result;
     if (block) {
-        memcpy((*out)->texels, block->texels, bytes);
-    } else if (plane->filled) {
+        memcpy((*out)->texels, block->texels, block->bytes);
+    } else {
         slv_type_from_float(plane->type, plane->fill, plane->nchannels, (*out)->texels);
-        for (size_t at = size; at < bytes; at += size)
-            memcpy((*out)->texels + at, (*out)->texels, size);
+        slvi_repeat((*out)->texels, plane->texel_size, (*out)->bytes);
     }
     return SLV_OK;
 }
@@ -175,8 +190,10 @@ void slvi_plane_read(const slvi_plane *plane, uint32_t face, slv_rect rect, floa
             float *to = out + ((size_t)y * rect.width + x) * n;
             if (block)
                 slv_type_to_float(plane->type, block->texels + r.at, (size_t)r.length * n, to);
-            for (size_t i = 0; !block && i < r.length; i++)
-                memcpy(to + i * n, plane->fill, n * sizeof *to);
+            if (!block) {
+                memcpy(to, plane->fill, n * sizeof *to);
+                slvi_repeat(to, n * sizeof *to, (size_t)r.length * n * sizeof *to);
+            }
             x += r.length;
         }
 }

@@ -80,6 +80,8 @@ static inline slv_rect slvi_rect_blocks(slv_res res, slv_rect rect) {
     return out;
 }
 
+/* Copies the first `size` bytes into all of them. */
+void slvi_repeat(void *texels, size_t size, size_t bytes);
 /* Texels as if all were zero but the header. */
 slv_result slvi_block_create(const slvi_plane *plane, slv_res res, uint64_t entry,
                              slvi_block **out);
