@@ -140,16 +140,22 @@ void slvi_ray_scene_free(ray_scene *scene) {
     slvi_free(scene->triangles);
 }
 
-bool slvi_ray_is_blocked(const ray_scene *scene, const float origin[3], const float direction[3],
-                         float distance) {
-    struct RTCRay ray = embree_ray(origin, direction, distance);
+void slvi_rays_block(const ray_scene *scene, struct RTCRay *rays, uint32_t count) {
 #if SLV_EMBREE_VERSION >= 4
-    rtcOccluded1(scene->scene, &ray, NULL);
+    for (uint32_t i = 0; i < count; i++)
+        rtcOccluded1(scene->scene, &rays[i], NULL);
 #else
     struct RTCIntersectContext context;
     rtcInitIntersectContext(&context);
-    rtcOccluded1(scene->scene, &context, &ray);
+    for (uint32_t i = 0; i < count; i++)
+        rtcOccluded1(scene->scene, &context, &rays[i]);
 #endif
+}
+
+bool slvi_ray_is_blocked(const ray_scene *scene, const float origin[3], const float direction[3],
+                         float distance) {
+    struct RTCRay ray = embree_ray(origin, direction, distance);
+    slvi_rays_block(scene, &ray, 1);
     return ray.tfar < 0;
 }
 

@@ -29,6 +29,8 @@ void slvi_ray_scene_free(ray_scene *scene);
 /* Whether anything lies on a ray within `distance`. `direction` has length 1. */
 bool slvi_ray_is_blocked(const ray_scene *scene, const float origin[3], const float direction[3],
                          float distance);
+/* So for many rays; those that meet something end there, at less than 0. */
+void slvi_rays_block(const ray_scene *scene, struct RTCRay *rays, uint32_t count);
 /* The first thing on a ray: its distance, or infinity. The triangle and the place in it may be
  * NULL.
  */

@@ -59,7 +59,8 @@ static inline void reference_eye_ray(const reference_eye *e, float x, float y, f
 typedef struct reference_sampler {
     slv_pixel_filter filter;
     uint32_t seed;
-    uint32_t *sobol;  /* the second dimension, bits reversed; the first one's are the index */
+    uint32_t mask;    /* one less than the power of two of samples */
+    uint32_t *sobol;  /* of so many the second dimension, bits reversed; the first is the index */
     float *positions; /* Mitchell: bounds of equally likely intervals */
 } reference_sampler;
 
@@ -74,6 +75,40 @@ typedef struct reference_sequence {
 } reference_sequence;
 reference_sequence slvi_reference_sequence_begin(const reference_sampler *sampler, uint32_t x,
                                                  uint32_t y, uint32_t half);
+static inline uint32_t reference_reverse(uint32_t x) {
+    x = x >> 16 | x << 16;
+    x = (x & 0xff00ff00u) >> 8 | (x & 0x00ff00ffu) << 8;
+    x = (x & 0xf0f0f0f0u) >> 4 | (x & 0x0f0f0f0fu) << 4;
+    x = (x & 0xccccccccu) >> 2 | (x & 0x33333333u) << 2;
+    return (x & 0xaaaaaaaau) >> 1 | (x & 0x55555555u) << 1;
+}
+
+/* Owen's scrambling as a hash of the reversed bits in which a bit depends on lower ones only
+ * (Laine and Karras 2011; constants of Burley 2020, with Vegdahl's first step). */
+static inline uint32_t reference_hash(uint32_t reversed, uint32_t seed) {
+    uint32_t x = reversed;
+    x ^= x * 0x3d20adeau;
+    x += seed;
+    x *= seed >> 16 | 1;
+    x ^= x * 0x05526c56u;
+    x ^= x * 0x53a22864u;
+    return x;
+}
+
+static inline float reference_scramble(uint32_t reversed, uint32_t seed) {
+    /* 24 bits are what a float below 1 can hold; signed integers become one by a step of processors
+     */
+    return (float)(int32_t)(reference_reverse(reference_hash(reversed, seed)) >> 8) *
+           (1.0f / 16777216);
+}
+
+/* The number of a sample in an order of one's own, of 2^n, `mask` being one less: what is sampled
+ * side by side by sequences in one order would go together, since each one's first bit is its
+ * number's lowest (Burley 2020, section 4). */
+static inline uint32_t reference_shuffle(uint32_t index, uint32_t seed, uint32_t mask) {
+    return reference_reverse(reference_hash(reference_reverse(index), seed)) & mask;
+}
+
 /* Sample `index`: its offset from the pixel's upper left corner and its weight. */
 float slvi_reference_sample(const reference_sampler *sampler, const reference_sequence *sequence,
                             uint32_t index, float offset[2]);

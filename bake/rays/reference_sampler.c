@@ -67,29 +67,24 @@ static slv_result make_positions(const slv_env *env, float **out) {
     return SLV_OK;
 }
 
-static uint32_t reverse_bits(uint32_t x) {
-    x = x >> 16 | x << 16;
-    x = (x & 0xff00ff00u) >> 8 | (x & 0x00ff00ffu) << 8;
-    x = (x & 0xf0f0f0f0u) >> 4 | (x & 0x0f0f0f0fu) << 4;
-    x = (x & 0xccccccccu) >> 2 | (x & 0x33333333u) << 2;
-    return (x & 0xaaaaaaaau) >> 1 | (x & 0x55555555u) << 1;
-}
-
 slv_result slvi_reference_sampler_create(const slv_env *env, slv_pixel_filter filter, uint32_t seed,
                                          uint32_t samples, reference_sampler *out) {
     slv_result result;
     *out = (reference_sampler){.filter = filter, .seed = seed};
-    if ((result = slvi_alloc(env, "samples", samples, sizeof *out->sobol, &out->sobol)) ||
+    while (out->mask + 1 < samples)
+        out->mask = 2 * out->mask + 1;
+    const uint32_t count = out->mask + 1;
+    if ((result = slvi_alloc(env, "samples", count, sizeof *out->sobol, &out->sobol)) ||
         (filter == SLV_PIXEL_MITCHELL && (result = make_positions(env, &out->positions)))) {
         slvi_reference_sampler_free(out);
         return result;
     }
     /* The direction numbers of Sobol's second dimension: Pascal's triangle modulo 2. */
-    for (uint32_t i = 0; i < samples; i++) {
+    for (uint32_t i = 0; i < count; i++) {
         uint32_t value = 0, direction = UINT32_C(1) << 31;
         for (uint32_t bits = i; bits; bits >>= 1, direction ^= direction >> 1)
             value ^= bits & 1 ? direction : 0;
-        out->sobol[i] = reverse_bits(value);
+        out->sobol[i] = reference_reverse(value);
     }
     return SLV_OK;
 }
@@ -113,24 +108,11 @@ reference_sequence slvi_reference_sequence_begin(const reference_sampler *sample
     return (reference_sequence){{mix(h, 1), mix(h, 2)}};
 }
 
-/* Owen's scrambling as a hash of the reversed bits in which a bit depends on lower ones only
- * (Laine and Karras 2011; constants of Burley 2020, with Vegdahl's first step). */
-static float scramble(uint32_t reversed, uint32_t seed) {
-    uint32_t x = reversed;
-    x ^= x * 0x3d20adeau;
-    x += seed;
-    x *= seed >> 16 | 1;
-    x ^= x * 0x05526c56u;
-    x ^= x * 0x53a22864u;
-    /* 24 bits are what a float below 1 can hold */
-    return (float)(reverse_bits(x) >> 8) * (1.0f / 16777216);
-}
-
 float slvi_reference_sample(const reference_sampler *sampler, const reference_sequence *sequence,
                             uint32_t index, float offset[2]) {
     float weight = 1;
-    offset[0] = scramble(index, sequence->scramble[0]);
-    offset[1] = scramble(sampler->sobol[index], sequence->scramble[1]);
+    offset[0] = reference_scramble(index, sequence->scramble[0]);
+    offset[1] = reference_scramble(sampler->sobol[index], sequence->scramble[1]);
     if (sampler->filter == SLV_PIXEL_BOX)
         return weight;
     for (int axis = 0; axis < 2; axis++) {

@@ -49,12 +49,13 @@ static int bake_it(const bake_options *o, const slv_env *env, slv_bake_recipe *r
     else if (!key)
         code = cli_error("no memory for the recipe");
     else if (!writes || !check_outputs(env, o, recipe, part)) {
-        cli_catch_interrupts();
+        /* an interrupt while all is read and rays are set up kills: there is nothing to tidy up */
         if (!slv_mesh_load(env, cli_input(o->paths[0]), &mesh) &&
             !bake_views_load(env, slv_bake_recipe_views(recipe), mesh, &views, &job) &&
             !slv_bake_recipe_source(env, recipe, mesh, &source)) {
             if (writes)
                 bake_mesh_tell(env, o->paths[0], mesh);
+            cli_catch_interrupts();
             slv_result result = slv_bake_save(env, mesh, source, &job, o->paths[1], &report);
             cli_progress_end(&progress);
             team->complete = !result;
