@@ -369,7 +369,7 @@ static slv_result search_by(const slv_env *env, const slv_mesh *other, carry *s)
     if (!result)
         result = slv_tessellate(env, other, s->other, adjacency, 2 * segments, &s->triangles);
     if (!result)
-        result = slvi_ray_scene_of_surface(env, &s->triangles, &s->scene);
+        result = slvi_ray_scene_of_surface(env, &s->triangles, NULL, &s->scene);
     slv_adjacency_destroy(adjacency);
     s->look.scene = &s->scene;
     return result;

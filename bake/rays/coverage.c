@@ -5,6 +5,7 @@
 
 #include "base/log.h"
 #include "base/parallel.h"
+#include "base/progress.h"
 
 #include <math.h>
 
@@ -19,9 +20,10 @@ typedef struct eye {
 typedef struct coverage {
     const slv_tessellation *triangles;
     const ray_scene *scene;
-    const slv_bake_view *views;
-    uint32_t nviews;
+    const slv_bake_job *job;
     float offset, *sizes;
+    const slv_env *env;
+    slvi_steps steps;
 } coverage;
 
 typedef struct seen_point {
@@ -114,17 +116,17 @@ static void measure(const coverage *c, const eye *e, uint32_t face, float size[2
 }
 
 static slv_result measure_faces(void *user, uint64_t first, uint64_t end) {
-    const coverage *c = user;
+    coverage *c = user;
     for (uint64_t face = first; face < end; face++) {
         float *size = c->sizes + 2 * face;
         size[0] = size[1] = 0;
-        for (uint32_t i = 0; i < c->nviews; i++) {
+        for (uint32_t i = 0; i < c->job->nviews; i++) {
             eye e;
-            if (make_eye(&c->views[i], &e))
+            if (make_eye(&c->job->views[i], &e))
                 measure(c, &e, (uint32_t)face, size);
         }
     }
-    return SLV_OK;
+    return slvi_steps_add(&c->steps, c->env, "bake", end - first);
 }
 
 static slv_result check(const slv_env *env, const slv_bake_view *views, uint32_t nviews) {
@@ -140,27 +142,41 @@ static slv_result check(const slv_env *env, const slv_bake_view *views, uint32_t
     return SLV_OK;
 }
 
-slv_result slvi_coverage(const slv_env *env, const slv_mesh *mesh, slv_scheme scheme,
-                         const slv_bake_view *views, uint32_t nviews, float *sizes) {
-    const slv_surface_params how = {.scheme = scheme};
+/* How much work lies behind it nobody knows yet. */
+static bool ask(void *user, uint64_t done, uint64_t total) {
+    const slv_progress *progress = user;
+    (void)done;
+    (void)total;
+    return progress->report(progress->user, 0, 1);
+}
+
+slv_result slvi_coverage(const slv_env *env, const slv_mesh *mesh, const slv_bake_job *job,
+                         float *sizes) {
+    const slv_surface_params how = {.scheme = job->scheme};
+    slv_progress progress = job->progress;
     slv_surface *surface = NULL;
     slv_adjacency *adjacency = NULL;
     slv_tessellation triangles = {0};
     ray_scene scene = {0};
-    coverage c = {&triangles, &scene, views, nviews, 0, sizes};
+    coverage c = {&triangles, &scene, job, 0, sizes, env, {.done = 0}};
     double diagonal = 0;
-    slv_result result = check(env, views, nviews);
+    slv_result result = check(env, job->views, job->nviews);
     if (result || (result = slv_surface_create(env, mesh, &how, &surface)) ||
         (result = slv_mesh_adjacency(env, mesh, &adjacency)) ||
+        (result = slvi_progress(&progress, env, "bake", 0, 1)) ||
         (result = slv_tessellate(env, mesh, surface, adjacency, SEGMENTS, &triangles)) ||
-        (result = slvi_ray_scene_of_surface(env, &triangles, &scene)))
+        (result = slvi_progress(&progress, env, "bake", 0, 1)) ||
+        (result = slvi_ray_scene_of_surface(env, &triangles, &progress, &scene)))
         goto done;
     for (int k = 0; k < 3; k++) {
         double side = (double)triangles.bounds_max[k] - (double)triangles.bounds_min[k];
         diagonal += side * side;
     }
     c.offset = OFF * (float)sqrt(diagonal);
+    slvi_steps_begin(&c.steps, (slv_progress){progress.report ? ask : NULL, &progress},
+                     slv_mesh_face_count(mesh));
     result = slvi_parallel_for(env, slv_mesh_face_count(mesh), 16, measure_faces, &c);
+    slvi_steps_end(&c.steps);
 done:
     slvi_ray_scene_free(&scene);
     slv_tessellation_free(&triangles);

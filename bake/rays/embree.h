@@ -30,12 +30,15 @@ typedef struct embree_faces {
     uint64_t count;
     const float *low, *high; /* the box of the points */
     bool copied;
+    const slv_progress *progress; /* asked whether to go on; or NULL */
 } embree_faces;
 
 static inline slv_result embree_result(const slv_env *env, const char *what, RTCDevice device) {
     enum RTCError error = rtcGetDeviceError(device);
     if (device && error == RTC_ERROR_NONE)
         return SLV_OK;
+    if (error == RTC_ERROR_CANCELLED)
+        return slvi_fail(env, SLV_ERROR_CANCELLED, "%s: cancelled", what);
     if (error == RTC_ERROR_OUT_OF_MEMORY)
         return slvi_fail(env, SLV_ERROR_MEMORY, "%s: Embree has no memory", what);
     return slvi_fail(env, SLV_ERROR_UNSUPPORTED, "%s: Embree fails with its error %d", what,
@@ -52,6 +55,12 @@ static inline slv_result embree_check_box(const slv_env *env, const char *what, 
                              "at most",
                              what, (double)low[k], (double)high[k], k, (double)EMBREE_FARTHEST);
     return SLV_OK;
+}
+
+static inline bool embree_ask(void *user, double share) {
+    const slv_progress *progress = user;
+    (void)share;
+    return progress->report(progress->user, 0, 1);
 }
 
 /* Both are released by embree_release, after a failure too. One thread builds the tree, so that
@@ -83,7 +92,13 @@ static inline slv_result embree_build(const slv_env *env, const embree_faces *fa
         rtcAttachGeometry(*scene, geometry);
         rtcReleaseGeometry(geometry);
     }
+    slv_progress asked = {0};
+    if (faces->progress && faces->progress->report) {
+        asked = *faces->progress;
+        rtcSetSceneProgressMonitorFunction(*scene, embree_ask, &asked);
+    }
     rtcCommitScene(*scene);
+    rtcSetSceneProgressMonitorFunction(*scene, NULL, NULL);
     return embree_result(env, faces->what, *device);
 }
 

@@ -162,7 +162,7 @@ slv_result slv_bake_from_rays(const slv_env *env, const slv_mesh *mesh, const sl
                                          bent ? 3 : 1, SLV_NO_ALPHA, SLV_TEXTURE_DATA}};
     if ((result = slv_mesh_adjacency(env, mesh, &adjacency)) ||
         (result = slv_tessellate(env, mesh, surface, adjacency, own.segments, &o->tessellation)) ||
-        (result = slvi_ray_scene_of_surface(env, &o->tessellation, &o->scene)) ||
+        (result = slvi_ray_scene_of_surface(env, &o->tessellation, NULL, &o->scene)) ||
         (result =
              slvi_reference_sampler_create(env, SLV_PIXEL_BOX, own.seed, own.samples, &o->sampler)))
         goto done;

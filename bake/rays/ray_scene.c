@@ -8,7 +8,7 @@
 #include <math.h>
 #include <string.h>
 
-static slv_result commit(const slv_env *env, ray_scene *s) {
+static slv_result commit(const slv_env *env, const slv_progress *progress, ray_scene *s) {
     for (int k = 0; k < 3; k++) {
         s->low[k] = FLT_MAX;
         s->high[k] = -FLT_MAX;
@@ -25,7 +25,8 @@ static slv_result commit(const slv_env *env, ray_scene *s) {
                           .corners = s->triangles,
                           .count = s->ntriangles,
                           .low = s->low,
-                          .high = s->high};
+                          .high = s->high,
+                          .progress = progress};
     return embree_build(env, &faces, &s->device, &s->scene);
 }
 
@@ -44,7 +45,7 @@ static slv_result reserve(const slv_env *env, uint64_t nvertices, uint64_t ntria
 }
 
 slv_result slvi_ray_scene_of_surface(const slv_env *env, const slv_tessellation *tessellation,
-                                     ray_scene *out) {
+                                     const slv_progress *progress, ray_scene *out) {
     uint64_t nvertices = tessellation->first[tessellation->nfaces], ntriangles = 0;
     *out = (ray_scene){0};
     for (uint32_t face = 0; face < tessellation->nfaces; face++)
@@ -57,7 +58,7 @@ slv_result slvi_ray_scene_of_surface(const slv_env *env, const slv_tessellation 
     uint32_t *to = out->triangles;
     for (uint32_t face = 0; face < tessellation->nfaces; face++)
         to += slv_tessellation_indices(tessellation, face, to);
-    return commit(env, out);
+    return commit(env, progress, out);
 }
 
 /* A triangle's normal to each of its corners, by the angle there (Thürmer and Wüthrich 1998), so
@@ -129,7 +130,7 @@ slv_result slvi_ray_scene_of_polygons(const slv_env *env, const slv_mesh *mesh,
         }
     }
     out->ntriangles = (uint64_t)(to - out->triangles) / 3;
-    return commit(env, out);
+    return commit(env, NULL, out);
 }
 
 void slvi_ray_scene_free(ray_scene *scene) {

@@ -17,9 +17,9 @@ typedef struct ray_scene {
     float low[3], high[3];
 } ray_scene;
 
-/* The limit surface as a tessellation has it. */
+/* The limit surface as a tessellation has it. `progress` is asked whether to go on, or NULL. */
 slv_result slvi_ray_scene_of_surface(const slv_env *env, const slv_tessellation *tessellation,
-                                     ray_scene *out);
+                                     const slv_progress *progress, ray_scene *out);
 /* The polygons of a mesh as they stand, holes left out, relative to `origin`; with the mesh's own
  * normals, and where it has none the vertices', each the mean of its polygons' by their angles. */
 slv_result slvi_ray_scene_of_polygons(const slv_env *env, const slv_mesh *mesh,

@@ -45,7 +45,7 @@ static slv_result by_views(const slv_env *env, const slv_mesh *mesh, const slv_b
     if (!result)
         result = slvi_alloc(env, "resolutions", nfaces, 2 * sizeof *sizes, &sizes);
     if (!result)
-        result = slvi_coverage(env, mesh, job->scheme, job->views, job->nviews, sizes);
+        result = slvi_coverage(env, mesh, job, sizes);
     for (uint32_t face = 0; face < nfaces && !result; face++) {
         const float *size = sizes + 2 * (size_t)face;
         (*out)[face] = (slv_res){within(log2((double)size[0] * scale), low.u, high.u),

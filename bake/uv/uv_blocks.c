@@ -56,25 +56,38 @@ static bool find_part(const uv_face *f, slv_rect rect, uv_part *part) {
             high[axis] = fmax(high[axis], at[k][axis]);
         }
     }
+    const uv_set *set = &f->source->set;
+    bool repeats[2];
     for (int axis = 0; axis < 2; axis++) {
+        repeats[axis] = !set->udim && set->wrap == SLV_BAKE_WRAP_REPEAT && !set->ends[axis];
         part->cell[axis] = slvi_uv_clamp((int32_t)floor(low[axis]), f->own[axis], f->own[2 + axis]);
-        if (low[axis] < part->cell[axis] || high[axis] > part->cell[axis] + 1)
+        if (low[axis] < part->cell[axis] || (high[axis] > part->cell[axis] + 1 && !repeats[axis]))
             return false;
     }
-    part->tile = slvi_uv_set_at(&f->source->set, part->cell[0], part->cell[1]);
+    part->tile = slvi_uv_set_at(set, part->cell[0], part->cell[1]);
     if (!part->tile)
         return false;
     double w = part->tile->width, h = part->tile->height;
-    part->left = (int32_t)floor((low[0] - part->cell[0]) * w - 0.5 - MARGIN);
-    part->top = (int32_t)floor((part->cell[1] + 1 - high[1]) * h - 0.5 - MARGIN);
-    double right = floor((high[0] - part->cell[0]) * w - 0.5 + MARGIN) + 1,
+    double left = floor((low[0] - part->cell[0]) * w - 0.5 - MARGIN),
+           top = floor((part->cell[1] + 1 - high[1]) * h - 0.5 - MARGIN),
+           right = floor((high[0] - part->cell[0]) * w - 0.5 + MARGIN) + 1,
            bottom = floor((part->cell[1] + 1 - low[1]) * h - 0.5 + MARGIN) + 1;
-    part->left = part->left < -1 ? -1 : part->left;
-    part->top = part->top < -1 ? -1 : part->top;
-    part->width = (uint32_t)((right < w ? right : w) - part->left) + 1;
-    part->height = (uint32_t)((bottom < h ? bottom : h) - part->top) + 1;
+    if (!repeats[0]) {
+        left = left < -1 ? -1 : left;
+        right = right < w ? right : w;
+    }
+    if (!repeats[1]) {
+        top = top < -1 ? -1 : top;
+        bottom = bottom < h ? bottom : h;
+    }
+    if ((right - left + 1) * (bottom - top + 1) > MOST_PIXELS)
+        return false;
+    part->left = (int32_t)left;
+    part->top = (int32_t)top;
+    part->width = (uint32_t)(right - left) + 1;
+    part->height = (uint32_t)(bottom - top) + 1;
     draw_lines(at, part);
-    return (uint64_t)part->width * part->height <= MOST_PIXELS;
+    return true;
 }
 
 /* The pixels of row j that samples reach: those between the lines from a row above to one below. */

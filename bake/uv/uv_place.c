@@ -26,8 +26,8 @@ const uv_tile *slvi_uv_reach(const uv_face *f, const uv_tile *tile, const int32_
     if (!du && !dv)
         return tile;
     if (!set->udim && set->wrap == SLV_BAKE_WRAP_REPEAT) {
-        *x = set->ends[0] ? slvi_uv_clamp(*x, 0, w - 1) : (*x + w) % w;
-        *y = set->ends[1] ? slvi_uv_clamp(*y, 0, h - 1) : (*y + h) % h;
+        *x = set->ends[0] ? slvi_uv_clamp(*x, 0, w - 1) : (*x % w + w) % w;
+        *y = set->ends[1] ? slvi_uv_clamp(*y, 0, h - 1) : (*y % h + h) % h;
         return tile;
     }
     const uv_tile *next = NULL;

@@ -36,7 +36,8 @@ static inline int32_t slvi_uv_clamp(int32_t x, int32_t low, int32_t high) {
 
 /* uv_place.c. The cells that a face itself lies in: u0, v0, u1, v1, both included. */
 void slvi_uv_own_cells(const float *corners, int32_t cells[4]);
-/* A pixel next to a sample whose own tile is that of `cell`; (x, y) may be one beyond it. */
+/* A pixel next to a sample whose own tile is that of `cell`; (x, y) may be beyond it, by one
+ * pixel where the image does not repeat. */
 const uv_tile *slvi_uv_reach(const uv_face *f, const uv_tile *tile, const int32_t cell[2],
                              int32_t *x, int32_t *y);
 /* The texture coordinates of a place on a face. */

@@ -1,4 +1,9 @@
-/* How many texels a second and processor come out of each source of a bake. */
+/* bench_bake [--json] [--smoke] [--large]
+ *
+ * How many texels a second and processor come out of each source of a bake, beside the bar of 20
+ * million; with --large how much memory 4 GiB of output take, beside that of 512 MiB. What rays
+ * cost beside Embree bench_occlusion says.
+ */
 #include "kit/bench_kit.h"
 
 #include <selvage/bake.h>
@@ -7,6 +12,7 @@
 #include <string.h>
 
 enum { SIDE = 16 };
+#define LEAST 20.0 /* million texels a second and core */
 
 /* A plane of faces over an image, whose coordinates go along its axes or lean by so many degrees.
  */
@@ -82,11 +88,47 @@ static double time_file(const slv_env *env, const slv_mesh *mesh, const slv_bake
     return (double)report.texels / (bench_seconds(CLOCK_PROCESS_CPUTIME_ID) - before) * 1e-6;
 }
 
-int main(int argc, char **argv) {
+typedef struct settings {
+    const slv_env *env;
+    bool json, smoke;
+    const char *folder;
+    bench_bars bars;
+} settings;
+
+static void bench_images(settings *s, const slv_mesh *mesh, const slv_mesh *leaning) {
     static const struct {
         const char *name;
         uint32_t channels;
     } images[] = {{"bake.png", 3}, {"bake4.png", 4}, {"bake.exr", 3}};
+    /* they repeat where they lean over the image's ends */
+    const slv_bake_uv repeat = {.wrap = SLV_BAKE_WRAP_REPEAT};
+    char path[300], out[300], what[100];
+    snprintf(out, sizeof out, "%s/out.ptx", s->folder);
+    for (size_t i = 0; i < sizeof images / sizeof *images; i++) {
+        slv_bake_source *source = NULL, *turned = NULL;
+        snprintf(path, sizeof path, "%s/%s", s->folder, images[i].name);
+        make_image(s->env, path, s->smoke ? 128 : 2048, images[i].channels);
+        bench_stop(slv_bake_from_uv(s->env, mesh, path, NULL, &source));
+        bench_stop(slv_bake_from_uv(s->env, leaning, path, &repeat, &turned));
+        for (int8_t shift = -1; shift < 2; shift++) {
+            int8_t log2 = (int8_t)((s->smoke ? 3 : 7) + shift);
+            const slv_res res = {log2, log2};
+            snprintf(what, sizeof what, "%s, %.3g pixels a texel", images[i].name,
+                     exp2((double)-shift));
+            bench_bar(&s->bars, s->json, what, "Mtexel/s a core",
+                      time_values(s->env, source, SIDE * SIDE, res), LEAST, false);
+            bench_bar(&s->bars, s->json, "  coordinates that lean by 30 degrees", "Mtexel/s a core",
+                      time_values(s->env, turned, SIDE * SIDE, res), LEAST, false);
+            if (!shift)
+                bench_report(s->json, "  with packing into a .ptx of noise", "Mtexel/s a core",
+                             time_file(s->env, mesh, source, res, out));
+        }
+        slv_bake_source_destroy(source);
+        slv_bake_source_destroy(turned);
+    }
+}
+
+static void bench_patterns(settings *s, const slv_surface *surface) {
     /* a face of 64 x 64 texels is two units of the pattern long */
     static const struct {
         const char *name;
@@ -94,55 +136,69 @@ int main(int argc, char **argv) {
     } patterns[] = {
         {"stripes", {.frequency = 2}},
         {"stripes, bent", {.frequency = 2, .warp = 0.5f}},
+        {"stripes, bent, with alpha", {.frequency = 2, .warp = 0.5f, .color0 = {1, 0, 0, 0.5f}}},
         {"cubes", {.pattern = SLV_PATTERN_CHECKER, .frequency = 2}},
         {"noise, 1 octave", {.pattern = SLV_PATTERN_NOISE, .frequency = 2, .octaves = 1}},
         {"noise, 4 octaves", {.pattern = SLV_PATTERN_NOISE, .frequency = 2}},
+        {"noise, 4 octaves, with alpha",
+         {.pattern = SLV_PATTERN_NOISE, .frequency = 2, .color0 = {1, 0, 0, 0.5f}}},
+        {"colours of faces", {.pattern = SLV_PATTERN_FACE_COLOR}},
+        {"positions", {.pattern = SLV_PATTERN_POSITION}},
     };
-    bool smoke = argc > 1 && strcmp(argv[1], "--smoke") == 0;
-    uint32_t side = smoke ? 128 : 2048;
-    char folder[] = "/tmp/selvage_bench_XXXXXX", path[300], out[300], what[100], line[400];
-    slv_env env = {.log = bench_log, .threads = 1};
+    const int8_t log2 = s->smoke ? 2 : 6;
+    for (size_t i = 0; i < sizeof patterns / sizeof *patterns; i++) {
+        slv_bake_source *source = NULL;
+        bench_stop(slv_bake_from_pattern(s->env, surface, &patterns[i].pattern, &source));
+        bench_bar(&s->bars, s->json, patterns[i].name, "Mtexel/s a core",
+                  time_values(s->env, source, SIDE * SIDE, (slv_res){log2, log2}), LEAST, false);
+        slv_bake_source_destroy(source);
+    }
+}
+
+/* 4 GiB of four floats a texel, that agree where faces meet. */
+static void bench_memory(settings *s, const slv_mesh *mesh, const slv_surface *surface) {
+    const slv_procedural pattern = {.frequency = 0.3f, .color0 = {1, 0, 0, 0.5f}};
+    const int8_t log2 = s->smoke ? 2 : 10;
+    const slv_bake_job job = {
+        .uniform = true, .res = {log2, log2}, .type_given = true, .type = SLV_TYPE_FLOAT};
+    char out[300];
+    slv_bake_source *source = NULL;
+    slv_bake_report report;
+    snprintf(out, sizeof out, "%s/large.ptx", s->folder);
+    bench_stop(slv_bake_from_pattern(s->env, surface, &pattern, &source));
+    bench_stop(slv_bake_save(s->env, mesh, source, &job, out, &report));
+    bench_report(s->json, "output, unpacked", "MiB",
+                 (double)report.texels * 4 * sizeof(float) / (1 << 20));
+    bench_bar(&s->bars, s->json, "  memory at most", "MiB",
+              (double)bench_status_bytes("VmHWM") / (1 << 20), 512, true);
+    slv_bake_source_destroy(source);
+}
+
+int main(int argc, char **argv) {
+    char folder[] = "/tmp/selvage_bench_XXXXXX", line[400];
+    const slv_env env = {.log = bench_log, .threads = 1};
+    settings s = {.env = &env, .folder = folder};
+    const char *none = "";
+    bool large = false;
+    for (int i = 1; i < argc; i++)
+        if (strcmp(argv[i], "--large") == 0) {
+            large = true;
+            argv[i--] = argv[--argc];
+        }
+    if (!bench_arguments(argc, argv, "--large", &none, &s.json, &s.smoke))
+        return 2;
     if (!mkdtemp(folder))
         return 1;
     slv_mesh *mesh = make_mesh(&env, 0), *leaning = make_mesh(&env, 30);
-    snprintf(out, sizeof out, "%s/out.ptx", folder);
-    for (size_t i = 0; i < sizeof images / sizeof *images; i++) {
-        slv_bake_source *source = NULL, *turned = NULL;
-        snprintf(path, sizeof path, "%s/%s", folder, images[i].name);
-        make_image(&env, path, side, images[i].channels);
-        bench_stop(slv_bake_from_uv(&env, mesh, path, NULL, &source));
-        bench_stop(slv_bake_from_uv(&env, leaning, path, NULL, &turned));
-        for (int8_t shift = -1; shift < 2; shift++) {
-            int8_t log2 = (int8_t)((smoke ? 3 : 7) + shift);
-            const slv_res res = {log2, log2};
-            snprintf(what, sizeof what, "%s, %.3g pixels a texel", images[i].name,
-                     exp2((double)-shift));
-            bench_report(false, what, "Mtexel/s a core",
-                         time_values(&env, source, SIDE * SIDE, res));
-            bench_report(false, "  coordinates that lean by 30 degrees", "Mtexel/s a core",
-                         time_values(&env, turned, SIDE * SIDE, res));
-            if (!shift)
-                bench_report(false, "  with packing into a .ptx of noise", "Mtexel/s a core",
-                             time_file(&env, mesh, source, res, out));
-        }
-        slv_bake_source_destroy(source);
-        slv_bake_source_destroy(turned);
-    }
     slv_surface *surface = NULL;
-    slv_bake_source *source = NULL;
     bench_stop(slv_surface_create(&env, mesh, NULL, &surface));
-    for (size_t i = 0; i < sizeof patterns / sizeof *patterns; i++) {
-        const int8_t log2 = smoke ? 2 : 6;
-        bench_stop(slv_bake_from_pattern(&env, surface, &patterns[i].pattern, &source));
-        bench_report(false, patterns[i].name, "Mtexel/s a core",
-                     time_values(&env, source, SIDE * SIDE, (slv_res){log2, log2}));
-        slv_bake_source_destroy(source);
+    if (large || s.smoke)
+        bench_memory(&s, mesh, surface);
+    if (!large || s.smoke) {
+        bench_images(&s, mesh, leaning);
+        bench_patterns(&s, surface);
     }
-    const slv_bake_rays rays = {.samples = 64};
-    bench_stop(slv_bake_from_rays(&env, mesh, surface, &rays, &source));
-    bench_report(false, "ambient occlusion of a plane", "Mray/s a core",
-                 64 * time_values(&env, source, SIDE * SIDE, (slv_res){smoke ? 0 : 3, 3}));
-    slv_bake_source_destroy(source);
+    bench_bars_end(&s.bars, s.json);
     slv_surface_destroy(surface);
     slv_mesh_destroy(mesh);
     slv_mesh_destroy(leaning);

@@ -122,7 +122,9 @@ int main(int argc, char **argv) {
     bench_report(json, "ambient occlusion", "Mray/s a core", (double)kept.count / ours * 1e-6);
     bench_report(json, "Embree alone, the same rays", "Mray/s a core",
                  (double)kept.count / alone * 1e-6);
-    bench_report(json, "share of what Embree alone reaches", "", alone / ours);
+    bench_bars bars = {0};
+    bench_bar(&bars, json, "share of what Embree alone reaches", "", alone / ours, 0.7, false);
+    bench_bars_end(&bars, json);
     free(all);
     slv_bake_source_destroy(source);
     slv_surface_destroy(surface);

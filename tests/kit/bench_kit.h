@@ -75,6 +75,37 @@ static inline void bench_report(bool json, const char *what, const char *unit, d
     fflush(stdout);
 }
 
+/* Bars that were asked for, and those that hold. */
+typedef struct bench_bars {
+    uint32_t asked, held;
+} bench_bars;
+
+/* A value that is to be at least a bar, or at most. */
+static inline void bench_bar(bench_bars *bars, bool json, const char *what, const char *unit,
+                             double value, double bar, bool at_most) {
+    const bool holds = at_most ? value <= bar : value >= bar;
+    bars->asked++;
+    bars->held += holds;
+    if (json)
+        printf("{\"what\": \"%s\", \"unit\": \"%s\", \"value\": %.3f, \"%s\": %g, \"holds\": %s}\n",
+               what, unit, value, at_most ? "most" : "least", bar, holds ? "true" : "false");
+    else
+        printf("%-40s %10.2f %-16s %s of %s %g\n", what, value, unit, holds ? "pass" : "MISS",
+               at_most ? "at most" : "at least", bar);
+    fflush(stdout);
+}
+
+/* How many hold, and on what. */
+static inline void bench_bars_end(const bench_bars *bars, bool json) {
+    const long processors = sysconf(_SC_NPROCESSORS_ONLN);
+    if (json)
+        printf("{\"bars\": %u, \"hold\": %u, \"processors\": %ld}\n", bars->asked, bars->held,
+               processors);
+    else
+        printf("%u of %u bars hold on this machine of %ld processors\n", bars->held, bars->asked,
+               processors);
+}
+
 /* Makes an empty file; `path` has room for 64 bytes. */
 static inline void bench_temporary(char *path) {
     snprintf(path, 64, "/tmp/" BENCH_NAME "_XXXXXX");

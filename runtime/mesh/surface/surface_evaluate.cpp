@@ -14,6 +14,10 @@ struct Point {
     float position[3], du[3], dv[3];
 };
 
+float clamp_unit(float x) {
+    return x > 0 ? (x < 1 ? x : 1) : 0;
+}
+
 /* One face, ready for any number of points. */
 struct Prepared {
     Kind kind;
@@ -27,12 +31,17 @@ struct Prepared {
     float row[4][3], row_dv[4][3];
 };
 
-void bspline(float t, float w[4], float d[4]) {
+inline void bspline(float t, float w[4]) {
     float s = 1 - t, t2 = t * t, s2 = s * s;
     w[0] = s2 * s * (1.0f / 6);
     w[1] = (4 - 6 * t2 + 3 * t2 * t) * (1.0f / 6);
     w[2] = (4 - 6 * s2 + 3 * s2 * s) * (1.0f / 6);
     w[3] = t2 * t * (1.0f / 6);
+}
+
+void bspline(float t, float w[4], float d[4]) {
+    float s = 1 - t, t2 = t * t, s2 = s * s;
+    bspline(t, w);
     d[0] = -0.5f * s2;
     d[1] = t * (1.5f * t - 2);
     d[2] = s * (2 - 1.5f * s);
@@ -63,6 +72,39 @@ void evaluate_regular(Prepared &face, float u, float v, bool derivatives, Point 
         return;
     combine(d, face.row, out.du);
     combine(w, face.row_dv, out.dv);
+}
+
+constexpr size_t kAtOnce = 16;
+
+/* How many of the first points lie on one line of constant v, as far as evaluate_row goes. */
+size_t row_of(const slv_surface_point *points, size_t count) {
+    size_t n = 1;
+    while (n < count && n < kAtOnce && points[n].face == points[0].face &&
+           points[n].v == points[0].v)
+        n++;
+    return n;
+}
+
+/* Positions of so many points: those of evaluate_regular to the bit, several at a time. */
+void evaluate_row(Prepared &face, const slv_surface_point *points, size_t n, float *out) {
+    float u[kAtOnce], w[4][kAtOnce], at[3][kAtOnce];
+    Point first;
+    for (size_t i = 0; i < kAtOnce; i++)
+        u[i] = clamp_unit(points[i < n ? i : 0].u);
+    evaluate_regular(face, u[0], clamp_unit(points[0].v), false, first); /* sums the rows up */
+    for (size_t i = 0; i < kAtOnce; i++) {
+        float each[4];
+        bspline(u[i], each);
+        for (size_t k = 0; k < 4; k++)
+            w[k][i] = each[k];
+    }
+    for (size_t c = 0; c < 3; c++)
+        for (size_t i = 0; i < kAtOnce; i++)
+            at[c][i] = w[0][i] * face.row[0][c] + w[1][i] * face.row[1][c] +
+                       w[2][i] * face.row[2][c] + w[3][i] * face.row[3][c];
+    for (size_t i = 0; i < n; i++)
+        for (size_t c = 0; c < 3; c++)
+            out[3 * i + c] = at[c][i];
 }
 
 void evaluate_bilinear(const Prepared &face, float u, float v, Point &out) {
@@ -177,10 +219,6 @@ void evaluate_normal(Prepared &face, float u, float v, const Point &point, float
     out[2] = 1;
 }
 
-float clamp_unit(float x) {
-    return x > 0 ? (x < 1 ? x : 1) : 0;
-}
-
 /* The corners of a face of the flat polygon, and how far the polygon reaches. */
 void prepare_corners(const slv_surface &s, slv_mesh_face face, Prepared &out) {
     size_t size = size_t(s.sizes[size_t(face.poly)]);
@@ -281,7 +319,8 @@ slv_result slv_surface_evaluate(const slv_surface *surface, size_t count,
     return guarded(&surface->env, [&]() -> slv_result {
         Prepared face;
         int64_t prepared = INT64_MIN; /* no face has this number */
-        for (size_t i = 0; i < count; i++) {
+        const bool positions_only = out->positions && !out->du && !out->dv && !out->normals;
+        for (size_t i = 0; i < count;) {
             if (points[i].face != prepared) {
                 if (!face_exists(surface, points[i].face))
                     return slvi_fail(&surface->env, SLV_ERROR_ARGUMENT,
@@ -290,7 +329,13 @@ slv_result slv_surface_evaluate(const slv_surface *surface, size_t count,
                 prepared = points[i].face;
                 prepare_face(*surface, prepared, face);
             }
-            evaluate_into(face, points[i].u, points[i].v, *out, i);
+            const bool rows = positions_only && face.kind == Kind::regular;
+            const size_t n = rows ? row_of(points + i, count - i) : 1;
+            if (n > kAtOnce / 4)
+                evaluate_row(face, points + i, n, out->positions + 3 * i);
+            for (size_t k = i; n <= kAtOnce / 4 && k < i + n; k++)
+                evaluate_into(face, points[k].u, points[k].v, *out, k);
+            i += n;
         }
         return SLV_OK;
     });
