@@ -6,11 +6,6 @@
 #include <stdbool.h>
 
 #ifdef SLV_HAVE_AVX2
-static inline bool slvi_has_avx512(void) {
-    return __builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512bw") &&
-           __builtin_cpu_supports("avx512dq") && __builtin_cpu_supports("avx512vl");
-}
-
 static inline bool slvi_has_avx2(void) {
     /* no processor has these without F16C, which not all compilers can ask for */
     return __builtin_cpu_supports("avx2") && __builtin_cpu_supports("bmi2");

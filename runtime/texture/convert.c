@@ -102,6 +102,30 @@ static inline float clamp_to(float value, float one) {
     return (scaled < one ? scaled : one) + 0.5f;
 }
 
+enum { HALVES = 64 };
+
+/* slvi_half_from_float, many at once where all are zero or as large as most are: from 2^-14 up to
+ * what rounds to 65504. */
+static void halves_from_float(const float *in, size_t count, uint16_t *out) {
+    const uint32_t least = 0x38800000u, end = 0x477ff000u;
+    for (size_t first = 0, n; first < count; first += n, in += n, out += n) {
+        uint32_t bits[HALVES], others = 0;
+        n = count - first < HALVES ? count - first : HALVES;
+        memcpy(bits, in, n * sizeof *bits);
+        for (size_t i = 0; i < n; i++) {
+            uint32_t magnitude = bits[i] & 0x7fffffffu;
+            others |= (uint32_t)(magnitude != 0) & (uint32_t)(magnitude - least >= end - least);
+        }
+        for (size_t i = 0; i < n && others; i++)
+            out[i] = slvi_half_from_float(in[i]);
+        for (size_t i = 0; i < n && !others; i++) {
+            uint32_t magnitude = bits[i] & 0x7fffffffu;
+            uint32_t half = ((magnitude - 0x38000000u + 0x1000u) >> 13) | (bits[i] >> 16 & 0x8000u);
+            out[i] = (uint16_t)(magnitude ? half : 0);
+        }
+    }
+}
+
 void slv_type_from_float(slv_type type, const float *values, size_t count, void *out) {
     switch (type) {
     case SLV_TYPE_U8: {
@@ -116,12 +140,9 @@ void slv_type_from_float(slv_type type, const float *values, size_t count, void 
             to[i] = (uint16_t)(int32_t)clamp_to(values[i], 65535.0f);
         break;
     }
-    case SLV_TYPE_HALF: {
-        uint16_t *to = out;
-        for (size_t i = 0; i < count; i++)
-            to[i] = slvi_half_from_float(values[i]);
+    case SLV_TYPE_HALF:
+        halves_from_float(values, count, out);
         break;
-    }
     case SLV_TYPE_FLOAT:
         memcpy(out, values, count * sizeof *values);
         break;

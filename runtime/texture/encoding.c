@@ -91,6 +91,11 @@ static void begin_decoding(const slv_texture_desc *from, bool curve, struct deco
 
 static void decode_bytes(const struct decoding *d, const uint8_t *from, uint64_t count,
                          uint16_t *to) {
+    if (d->from->alpha_channel < 0) {
+        for (uint64_t i = 0; i < count * d->from->nchannels; i++)
+            to[i] = d->u8[from[i]];
+        return;
+    }
     for (uint64_t i = 0; i < count; i++)
         for (uint32_t c = 0; c < d->from->nchannels; c++, from++)
             *to++ = (int32_t)c == d->from->alpha_channel ? slv_half_from_float((float)*from / 255)

@@ -12,7 +12,7 @@
 
 /* Sums of integers up to 4 * 65535 are exact, so this is the float mean, rounded to nearest and up
  * at a half. */
-#define DEFINE_MEANS(name, value_type, SUM2, SUM4)                                                 \
+#define DEFINE_PAIRS(name, value_type, SUM2)                                                       \
     static void name##_pairs(const void *from, size_t step, size_t count, size_t nchannels,        \
                              void *to) {                                                           \
         const value_type *a = from, *b = a + step;                                                 \
@@ -20,7 +20,8 @@
         for (size_t i = 0; i < count; i++, a += 2 * nchannels, b += 2 * nchannels)                 \
             for (size_t c = 0; c < nchannels; c++)                                                 \
                 *out++ = SUM2(a[c], b[c]);                                                         \
-    }                                                                                              \
+    }
+#define DEFINE_QUADS(name, value_type, SUM4)                                                       \
     static void name##_quads(const void *from, size_t pitch, size_t count, size_t nchannels,       \
                              void *to) {                                                           \
         const value_type *a = from, *b = a + pitch;                                                \
@@ -43,10 +44,37 @@
     slvi_half_from_float(FLOAT_4(slvi_half_to_float(a), slvi_half_to_float(b),                     \
                                  slvi_half_to_float(c), slvi_half_to_float(d)))
 
-DEFINE_MEANS(u8, uint8_t, U8_2, U8_4)
-DEFINE_MEANS(u16, uint16_t, U16_2, U16_4)
-DEFINE_MEANS(half, uint16_t, HALF_2, HALF_4)
-DEFINE_MEANS(float, float, FLOAT_2, FLOAT_4)
+DEFINE_PAIRS(u8, uint8_t, U8_2)
+DEFINE_PAIRS(u16, uint16_t, U16_2)
+DEFINE_PAIRS(half, uint16_t, HALF_2)
+DEFINE_PAIRS(float, float, FLOAT_2)
+DEFINE_QUADS(u8, uint8_t, U8_4)
+DEFINE_QUADS(u16, uint16_t, U16_4)
+DEFINE_QUADS(half_each, uint16_t, HALF_4)
+DEFINE_QUADS(float, float, FLOAT_4)
+
+/* As floats in between, many of which are converted at once. */
+static void half_quads(const void *from, size_t pitch, size_t count, size_t nchannels, void *to) {
+    enum { VALUES = 512 };
+    float rows[2 * VALUES], means[VALUES / 2];
+    const uint16_t *at = from;
+    uint16_t *out = to;
+    size_t most = VALUES / 2 / nchannels;
+    if (!most) {
+        half_each_quads(from, pitch, count, nchannels, to);
+        return;
+    }
+    for (size_t first = 0, n; first < count; first += n) {
+        n = count - first < most ? count - first : most;
+        size_t values = 2 * n * nchannels;
+        slv_type_to_float(SLV_TYPE_HALF, at, values, rows);
+        slv_type_to_float(SLV_TYPE_HALF, at + pitch, values, rows + VALUES);
+        float_quads(rows, VALUES, n, nchannels, means);
+        slv_type_from_float(SLV_TYPE_HALF, means, values / 2, out);
+        at += values;
+        out += values / 2;
+    }
+}
 
 typedef void (*mean_fn)(const void *from, size_t step, size_t count, size_t nchannels, void *to);
 

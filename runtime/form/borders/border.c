@@ -1,6 +1,7 @@
 /* Levels with a border: the interior, sides and corners filled in. */
 #include "form/borders/border_data.h"
 
+#include "base/half.h"
 #include "base/log.h"
 #include "texture/bilinear.h"
 
@@ -53,10 +54,15 @@ static void copy_run(const build *b, const unsigned char *from, ptrdiff_t from_s
         for (uint32_t i = 0; i < count; i++, at += from_step, to += to_step)
             for (uint32_t c = 0; c < channels; c++)
                 to[c] = (float)at[c] / 65535.0f;
+    } else if (type == SLV_TYPE_HALF) {
+        const uint16_t *at = (const uint16_t *)(const void *)from;
+        for (uint32_t i = 0; i < count; i++, at += from_step, to += to_step)
+            for (uint32_t c = 0; c < channels; c++)
+                to[c] = slvi_half_to_float(at[c]);
     } else {
-        from_step *= (ptrdiff_t)b->value_size;
-        for (uint32_t i = 0; i < count; i++, from += from_step, to += to_step)
-            slv_type_to_float(type, from, channels, to);
+        const float *at = (const float *)(const void *)from;
+        for (uint32_t i = 0; i < count; i++, at += from_step, to += to_step)
+            memcpy(to, at, channels * sizeof *to);
     }
 }
 

@@ -1,6 +1,8 @@
 /* Texels, and how a face meets its neighbours along an edge. */
 #include "form/borders/border_data.h"
 
+#include "base/half.h"
+
 slv_border_view slvi_border_view_begin(const slv_levels *levels, const slv_adjacency *adjacency) {
     slv_border_view view = {.levels = levels, .adjacency = adjacency, .one = 1.0f};
     if (levels->desc.type == SLV_TYPE_U8)
@@ -32,9 +34,12 @@ void slvi_border_fetch(const slv_border_view *view, uint32_t face, uint32_t leve
         const uint16_t *from = (const uint16_t *)(const void *)texels + value;
         for (uint32_t c = 0; c < view->count; c++)
             out[c] = from[c];
+    } else if (levels->desc.type == SLV_TYPE_HALF) {
+        const uint16_t *from = (const uint16_t *)(const void *)texels + value;
+        for (uint32_t c = 0; c < view->count; c++)
+            out[c] = slvi_half_to_float(from[c]);
     } else {
-        slv_type_to_float(levels->desc.type, texels + value * slv_type_size(levels->desc.type),
-                          view->count, out);
+        memcpy(out, texels + value * sizeof *out, view->count * sizeof *out);
     }
 }
 

@@ -66,8 +66,9 @@ void slvi_gl_srgb_fill(uint8_t *srgb) {
 }
 
 /* Alpha, the fourth component, is never encoded. */
-static void encode_texel(const slv_gl_format *format, const float *texel, uint8_t *out) {
-    for (uint32_t c = 0; c < format->nsource; c++) {
+static inline void encode_texel(const slv_gl_format *format, uint32_t count, const float *texel,
+                                uint8_t *out) {
+    for (uint32_t c = 0; c < count; c++) {
         float value = texel[c] > 0 ? texel[c] < 1 ? texel[c] : 1 : 0;
         out[c] = c < 3 ? format->srgb[slvi_half_from_float(value)] : (uint8_t)(255 * value + 0.5f);
     }
@@ -150,11 +151,18 @@ void slvi_gl_convert_float(const slv_gl_format *format, const float *texels, uin
     size_t size = slv_type_size(format->type), last = size * (format->ncomponents - 1);
     unsigned char *to = out;
     unsigned char one[4];
+    if (format->srgb && format->nsource == 3 && format->coverage) { /* by far the most common */
+        for (texels += format->first; count; count--, texels += nchannels, to += 4) {
+            encode_texel(format, 3, texels, to);
+            to[3] = 255;
+        }
+        return;
+    }
     one_of(format->type, one);
     for (size_t i = 0; i < count; i++, texels += nchannels, to += format->texel_bytes) {
         memset(to, 0, format->texel_bytes);
         if (format->srgb)
-            encode_texel(format, texels + format->first, to);
+            encode_texel(format, format->nsource, texels + format->first, to);
         else
             slv_type_from_float(format->type, texels + format->first, format->nsource, to);
         if (format->coverage)
