@@ -16,7 +16,7 @@ struct render {
     const char *ptx;
     scene_options scene;
     const char *out;
-    int strategy, context, pass;
+    int strategy, context, pass, layout;
     bool raw, quiet, json, compress, even_given;
     int plain_levels;
     uint32_t msaa, aniso, bits;
@@ -144,6 +144,7 @@ static slv_result begin(const slv_env *env, struct drawing *d) {
                                     .nstrategies = 1,
                                     .anisotropy = r->aniso,
                                     .even_levels = r->even_given ? !r->plain_levels : scene->even,
+                                    .layout = (slv_gl_layout)r->layout,
                                     .compression = r->compress ? SLV_GL_COMPRESSION_BLOCKS
                                                                : SLV_GL_COMPRESSION_NONE,
                                     .encoding = (slv_texture_encoding)r->scene.encoding,
@@ -304,16 +305,17 @@ static const char *options_problem(const struct render *r) {
     const char *problem = scene_options_problem(&r->scene);
     if (problem)
         return problem;
-    if (r->scene.uv && (r->compress || r->even_given))
-        return r->compress ? "--compress is of per-face textures, not of --uv"
-                           : "--even-levels is of per-face textures, not of --uv";
+    if (r->scene.uv && (r->compress || r->even_given || r->layout))
+        return r->compress     ? "--compress is of per-face textures, not of --uv"
+               : r->even_given ? "--even-levels is of per-face textures, not of --uv"
+                               : "--layout is of per-face textures, not of --uv";
     if (r->scene.latlong && r->pass)
         return "--pass ids is of a surface, not of --latlong";
     return r->msaa & (r->msaa - 1) ? "--msaa: expected 1, 2, 4 or 8" : NULL;
 }
 
 int verb_render(int argc, char **argv) {
-    enum { OWN = 21 };
+    enum { OWN = 22 };
     struct render r = {.scene = scene_options_default(), .msaa = 4, .aniso = 1};
     r.scene.numbered = true;
     char strategies[SCENE_STRATEGIES_SIZE], how[80], buffer[512];
@@ -330,6 +332,7 @@ int verb_render(int argc, char **argv) {
         {"--msaa", CLI_UINT, &r.msaa,
          "samples per pixel: 1, 2, 4, 8, as far as the driver goes (4)", NULL, 1, 64, NULL},
         SCENE_ANISO(&r.aniso, "anisotropy, 1 (trilinear) to 16 (1)"),
+        SCENE_LAYOUT(&r.layout),
         SCENE_EVEN_LEVELS(&r.plain_levels, &r.even_given),
         {"--compress", CLI_FLAG, &r.compress,
          "8-bit textures: keep blocks on the GPU (BC1 and its kin)", NULL, 0, 0, NULL},

@@ -30,8 +30,10 @@
 //   SLV_BLACK           1 if the texture is black beyond its boundary: what the strategy defines is then renamed, and beyond.glsl
 //                       takes away what lies there
 //   SLV_TURNS           1 if the first two channels are a vector in each face's own frame: those of neighbours are turned
+//   SLV_SHARED_PAGES    1 if several items may lie in one layer
 //   SLV_OWN_ALPHA       with SLV_BLACK: 1 if alpha is a channel of the texels and not always 1
 // A strategy may define features:
+//   SLV_ONE_LEVEL       of levels side by side the nearest alone is looked up: bilinear filtering, with steps between levels
 //   SLV_KEEPS_ROW       both sides of an edge look up the same texels: a footprint keeps its row of taps however small it is
 //   SLV_EDGE_TAP        how long the tap of even levels on an edge is at least, as a part of the footprint (1/2). Less where sides of
 //                       different texels meet exactly in edges and vertices when they are magnified, too
@@ -50,7 +52,7 @@ layout(binding = SLV_FIRST_UNIT) uniform sampler2DArray slv_pool[SLV_POOLS];
 #define SLV_ROW(face) (face)
 #endif
 
-// Per face: pool | layer << 16, and log2 width | log2 height << 8 | the edges beyond which it is black << 16 |
+// Per face: pool | layer << 16 (or the number of its cell), and log2 width | log2 height << 8 | the edges beyond which it is black << 16 |
 // whether it has one texel for all << 20.
 layout(std430, binding = SLV_FIRST_STORAGE) readonly buffer slv_store_block {
     uvec2 slv_store[];

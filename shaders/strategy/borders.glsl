@@ -3,8 +3,7 @@
 #include "lookup/footprint.glsl"
 #include "lookup/packed.glsl"
 
-vec4 slv_packed_level(uint pool, float layer, int level, vec2 size, vec2 uv, slv_footprint f) {
-    vec4 rect = slv_rect[int(pool) * SLV_LEVELS + level];
+vec4 slv_packed_level(float layer, vec4 rect, int level, vec2 size, vec2 uv, slv_footprint f) {
     vec3 p = vec3(uv * rect.xy + rect.zw, layer);
 #if SLV_ANISOTROPY == 1
     return textureLod(slv_pool[0], p, 0.0);
@@ -14,7 +13,7 @@ vec4 slv_packed_level(uint pool, float layer, int level, vec2 size, vec2 uv, slv
     vec2 scale = rect.xy;
 #else
     vec2 level_size = slv_level_size(size, float(level));
-    vec2 room = min(vec2(SLV_BORDER), level_size) - 0.5;
+    vec2 room = min(vec2(SLV_BORDER), level_size) - 0.5078125; // and a little, for coordinates are rounded
     vec2 fit = room / max(0.5 * (abs(f.dx) + abs(f.dy)) * level_size, vec2(1e-12));
     vec2 scale = rect.xy * min(1.0, min(fit.x, fit.y));
 #endif

@@ -6,8 +6,7 @@
 
 // A lookup of the value on the edge depends on the samples there only, which both faces share. So that this holds for a row of
 // taps too, none leaves the face, and the row grows narrower across an edge as it comes near.
-vec4 slv_packed_level(uint pool, float layer, int level, vec2 size, vec2 uv, slv_footprint f) {
-    vec4 rect = slv_rect[int(pool) * SLV_LEVELS + level];
+vec4 slv_packed_level(float layer, vec4 rect, int level, vec2 size, vec2 uv, slv_footprint f) {
 #if SLV_ANISOTROPY == 1
     return textureLod(slv_pool[0], vec3(uv * rect.xy + rect.zw, layer), 0.0);
 #else

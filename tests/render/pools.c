@@ -25,6 +25,43 @@ static void look_up(const kit *k, const slv_gl_texture_params *params, const slv
     slv_gl_texture_destroy(texture);
 }
 
+static float largest_difference(const float *a, const float *b) {
+    float largest = 0;
+    for (int i = 0; i < 4 * NPOINTS; i++)
+        largest = fmaxf(largest, fabsf(a[i] - b[i]));
+    return largest;
+}
+
+/* Faces that share pages are looked up as those that have a layer each, but for rounding, in few
+ * batches, and take about the same memory: of many faces of any size, with few pages to an array,
+ * too. */
+static void check_pages(uint64_t *random) {
+    static const char *const names[] = {"borders", "edge-aligned"};
+    static float apart[4 * NPOINTS], together[4 * NPOINTS];
+    for (uint32_t i = 0; i < 12; i++) {
+        const slv_strategy *strategy = kit_strategy(names[i % 2]);
+        uint32_t many, few, side = i / 2 % 3 == 2 ? 90 : 8;
+        kit k;
+        if (test_skip(i, 3))
+            continue;
+        kit_grid(&k, side, side, false, 0, random, NULL);
+        kit_mixed(&k, side > 8 ? 4 : i / 6 ? 5 : 8, random);
+        kit_noise(&k, SLV_TYPE_U8, 1 + i % 4, random);
+        random_points(&k, random);
+        slv_gl_texture_params params = {KIT_ONLY(strategy), .layout = SLV_GL_LAYOUT_SEPARATE,
+                                        .anisotropy = 1 + i % 3 * 4};
+        look_up(&k, &params, strategy, apart, &many);
+        params.layout = SLV_GL_LAYOUT_PAGES;
+        params.pool_layers = i % 4 ? 0 : 1;
+        look_up(&k, &params, strategy, together, &few);
+        CHECK_MSG(few < many && few <= (i % 4 ? 6 : 40), "%s: %u batches, %u with a layer each",
+                  strategy->name, few, many);
+        float largest = largest_difference(apart, together);
+        CHECK_MSG(largest <= 2e-4f, "%s: %g", strategy->name, (double)largest);
+        kit_free(&k);
+    }
+}
+
 static void check_spread(kit *k, slv_type type, uint32_t nchannels, uint64_t *random) {
     static float whole[4 * NPOINTS], spread[4 * NPOINTS];
     kit_noise(k, type, nchannels, random);
@@ -34,17 +71,16 @@ static void check_spread(kit *k, slv_type type, uint32_t nchannels, uint64_t *ra
         uint32_t few, many;
         if (test_brief() && s != 2)
             continue; /* programs for 32 arrays take a second each to compile */
-        slv_gl_texture_params plain = {KIT_ONLY(strategy)};
-        slv_gl_texture_params cut = {KIT_ONLY(strategy), .pool_layers = 1};
+        slv_gl_texture_params plain = {KIT_ONLY(strategy), .layout = SLV_GL_LAYOUT_SEPARATE};
+        slv_gl_texture_params cut = plain;
+        cut.pool_layers = 1;
         look_up(k, &plain, strategy, whole, &few);
         look_up(k, &cut, strategy, spread, &many);
         /* more arrays than units, in as many batches where each reads its own array first */
         CHECK(many > few && (many > 32 || strategy->reach == SLV_GL_REACH_SQUARES));
-        float largest = 0;
-        for (int i = 0; i < 4 * NPOINTS; i++) {
+        for (int i = 0; i < 4 * NPOINTS; i++)
             CHECK(isfinite(whole[i]));
-            largest = fmaxf(largest, fabsf(whole[i] - spread[i]));
-        }
+        float largest = largest_difference(whole, spread);
         CHECK_MSG(largest <= 1e-6f, "%s %s: %g", strategy->name, slv_type_name(type),
                   (double)largest);
     }
@@ -215,6 +251,7 @@ int main(void) {
     kit_mixed(&k, 4, &random);
     check_spread(&k, SLV_TYPE_HALF, 4, &random);
     kit_free(&k);
+    check_pages(&random);
     check_extremes();
     check_missing_neighbours(&random);
     check_refusals();

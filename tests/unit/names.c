@@ -100,6 +100,7 @@ int main(void) {
                 i == SLV_GL_HOST || leads_back_slv_gl_backend(name, i));
     CHECK_NAMES(slv_gl_branching, SLV_GL_BRANCHING_VECTORS, slv_gl_branching_name, true);
     CHECK_NAMES(slv_gl_compression, SLV_GL_COMPRESSION_BLOCKS, slv_gl_compression_name, true);
+    CHECK_NAMES(slv_gl_layout, SLV_GL_LAYOUT_PAGES, slv_gl_layout_name, true);
     CHECK_NAMES(slv_gl_taps, SLV_GL_TAPS_SHADER, slv_gl_taps_name, true);
     CHECK_NAMES(slv_gl_packing, SLV_GL_PAGES, slv_gl_packing_name, true);
     CHECK_NAMES(slv_gl_wrapping, SLV_GL_WRAP_MIRROR, slv_gl_wrapping_name, true);

@@ -254,6 +254,13 @@ typedef struct scene_options {
     }
 #define SCENE_ANISO(value, help)                                                                   \
     { "--aniso", CLI_UINT, value, help, NULL, 1, 16, NULL }
+/* slv_gl_layout */
+#define SCENE_LAYOUT(value)                                                                        \
+    {                                                                                              \
+        "--layout", CLI_CHOICE, value,                                                             \
+            "borders, edge-aligned: a layer for each face, or pages that many share (pages)",      \
+            "auto|separate|pages", 0, 0, NULL                                                      \
+    }
 
 enum { SCENE_OPTION_ROWS = 19 + DISPLACE_OPTION_ROWS };
 

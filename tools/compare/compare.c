@@ -19,7 +19,7 @@ struct compare {
     const char *mesh, *out, *strategies, *focus, *msaa, *references, *uv;
     cli_list views;
     int scheme, boundary, shading, context, adjacency, encoding, alpha, straight, round,
-        plain_levels;
+        plain_levels, layout;
     bool quick, quiet, json, progress, resume, compress, even_given, size_given, frames_given,
         reference_frames_given, samples_given, scheme_given;
     uint32_t size[2], aniso, frames, tess, threads, samples, accumulate, reference_frames;
@@ -169,7 +169,7 @@ static json_t *conditions(const struct session *s) {
     return json_pack(
         "{s:i, s:I, s:o, s:o, s:o, s:o, s:o, s:o, s:[I,I], s:I, s:b, s:I, s:I, s:I, s:I, "
         "s:[f,f,f,f,f,f],"
-        " s:o, s:[i,i,i], s:o, s:[i,b], s:s}",
+        " s:o, s:[i,i,i], s:o, s:[i,b], s:s, s:s}",
         "schema", 2, "version", (json_int_t)slv_version(), "driver",
         output_json_text(r->gl.renderer, strlen(r->gl.renderer)), "texture", fingerprint(r->ptx),
         "mesh", fingerprint(r->mesh), "strategies", strategies, "msaa", rates, "reference",
@@ -182,7 +182,8 @@ static json_t *conditions(const struct session *s) {
         o->focus ? output_json_text(o->focus, strlen(o->focus)) : json_null(), "surface",
         o->scheme_given ? o->scheme : -1, o->boundary, o->shading, "views", views, "alpha",
         o->alpha, !o->straight, "texture-encoding",
-        slv_texture_encoding_name((slv_texture_encoding)o->encoding));
+        slv_texture_encoding_name((slv_texture_encoding)o->encoding), "layout",
+        slv_gl_layout_name((slv_gl_layout)o->layout));
 }
 
 /* Before anything is measured, since textures other than 8-bit are refused. */
@@ -210,6 +211,7 @@ static slv_result prepare(struct session *s) {
     const slv_strategy *strategies[REPORT_MAX_STRATEGIES + 1];
     slv_gl_texture_params upload = {.strategies = strategies,
                                     .anisotropy = o->aniso,
+                                    .layout = (slv_gl_layout)o->layout,
                                     .encoding = (slv_texture_encoding)o->encoding};
     slv_result result;
     for (uint32_t k = 0; k < report->nstrategies; k++)
@@ -523,6 +525,7 @@ int verb_compare(int argc, char **argv) {
          "make rates the driver lacks by averaging at most this many shifted pictures (1)", NULL, 1,
          64, NULL},
         SCENE_ANISO(&o.aniso, "anisotropy, 1 (trilinear) to 16 (16)"),
+        SCENE_LAYOUT(&o.layout),
         SCENE_EVEN_LEVELS(&o.plain_levels, &o.even_given),
         {"--compress", CLI_FLAG, &o.compress,
          "8-bit textures: also drawn from blocks on the GPU (BC1 and its kin)", NULL, 0, 0, NULL},

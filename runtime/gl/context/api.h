@@ -86,6 +86,7 @@
     X(PFNGLNAMEDFRAMEBUFFERRENDERBUFFERPROC, NamedFramebufferRenderbuffer)                         \
     X(PFNGLCHECKNAMEDFRAMEBUFFERSTATUSPROC, CheckNamedFramebufferStatus)                           \
     X(PFNGLCLEARNAMEDFRAMEBUFFERFVPROC, ClearNamedFramebufferfv)                                   \
+    X(PFNGLCLEARTEXIMAGEPROC, ClearTexImage)                                                       \
     X(PFNGLBLITNAMEDFRAMEBUFFERPROC, BlitNamedFramebuffer)                                         \
     X(PFNGLCREATERENDERBUFFERSPROC, CreateRenderbuffers)                                           \
     X(PFNGLDELETERENDERBUFFERSPROC, DeleteRenderbuffers)                                           \

@@ -51,16 +51,6 @@ static slv_result append(const slv_env *env, struct joined *to, const char *text
     return SLV_OK;
 }
 
-static slv_result append_part(const slv_env *env, struct joined *to, const char *name) {
-    const char *text;
-    char *owned;
-    slv_result result = slvi_gl_shader_text(env, name, &text, &owned);
-    if (!result)
-        result = append(env, to, text, strlen(text));
-    slvi_free(owned);
-    return result;
-}
-
 /* Where the next line that names a part begins, or the end. */
 static const char *next_include(const char *text) {
     static const char word[] = "#include ";
@@ -71,25 +61,36 @@ static const char *next_include(const char *text) {
     return text;
 }
 
-slv_result slvi_gl_shader_with_parts(const slv_env *env, const char *name, const char *glsl,
-                                     char **out) {
-    struct joined joined = {0};
+enum { MOST_NESTED = 4 };
+
+/* A text with its parts, and theirs. */
+static slv_result append_all(const slv_env *env, const char *name, const char *glsl, uint32_t depth,
+                             struct joined *to) {
     const char *text = glsl;
     char *owned = NULL, part[64];
     slv_result result = glsl ? SLV_OK : slvi_gl_shader_text(env, name, &text, &owned);
     while (!result && *text) {
         const char *line = next_include(text);
-        result = append(env, &joined, text, (size_t)(line - text));
+        result = append(env, to, text, (size_t)(line - text));
         text = line;
         if (result || !*line)
             continue;
-        if (sscanf(text, "#include \"%63[^\"\n]\"", part) == 1)
-            result = append_part(env, &joined, part);
-        else
+        if (sscanf(text, "#include \"%63[^\"\n]\"", part) != 1)
             result = slvi_fail(env, SLV_ERROR_ARGUMENT, "shader %s: #include without a name", name);
+        else if (depth == MOST_NESTED)
+            result = slvi_fail(env, SLV_ERROR_ARGUMENT, "shader %s: parts of parts of parts", name);
+        else
+            result = append_all(env, part, NULL, depth + 1, to);
         text += strcspn(text, "\n");
     }
     slvi_free(owned);
+    return result;
+}
+
+slv_result slvi_gl_shader_with_parts(const slv_env *env, const char *name, const char *glsl,
+                                     char **out) {
+    struct joined joined = {0};
+    slv_result result = append_all(env, name, glsl, 0, &joined);
     if (result)
         slvi_free(joined.text);
     *out = result ? NULL : joined.text;

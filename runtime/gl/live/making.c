@@ -105,14 +105,12 @@ static slv_result upload_layers(slv_gl_texture *texture, slv_gl_store *store,
     uint64_t left = bounds->end - making->done, most = left < bounds->bytes ? left : bounds->bytes;
     slv_result result = SLV_OK;
     if (!pool->texture) {
-        bool may =
-            may_make(making, slvi_gl_layer_bytes(&store->pools, pool) * pool->capacity, bounds);
+        bool may = slv_gl_pool_array(&store->pools, pool).texture ||
+                   may_make(making, slvi_gl_array_bytes(&store->pools, pool), bounds);
         if (!may || (result = slvi_gl_store_make_pool(source, store, pool)) || bounds->over)
             return result;
     }
-    most = most / each ? most / each : 1;
-    layers.count = pool->nlayers - making->layer;
-    layers.count = layers.count < most ? layers.count : (uint32_t)most;
+    layers.count = slvi_gl_layers_fitting(&store->pools, &layers, most);
     if ((result = slvi_gl_upload_layers(source, &store->pools, store->made, &layers,
                                         &making->staging, &store->error)))
         return result;

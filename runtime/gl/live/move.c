@@ -42,7 +42,7 @@ static slv_result look_for_pool(const slv_gl_source *source, const slv_gl_store 
 
 /* What one more pool takes besides its layers: coverage, and a row of the table of levels. */
 static uint64_t pool_bytes(const slv_gl_store *store, slv_res res) {
-    uint64_t bytes = store->pools.packing == SLV_GL_PAGES ? 16 * SLV_GL_LEVELS : 0;
+    uint64_t bytes = store->pools.packing == SLV_GL_PAGES ? 16 * SLV_GL_LEVEL_ROWS : 0;
     for (uint32_t level = 0; store->coverage && level < slv_res_level_count(res); level++)
         bytes += slvi_texels_in(slv_res_level(res, level));
     return bytes;

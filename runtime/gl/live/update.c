@@ -82,10 +82,11 @@ static slv_result upload_whole(struct update *update, slv_gl_store *store, uint3
                                          &update->live->staging, &update->done.bytes);
         return result;
     }
-    uint32_t longest = slvi_gl_longest_run(pools, pool);
-    if (first % longest && goes_whole(update, store, pool->items[first - 1]))
+    if (!slvi_gl_begins_run(pools, pool, first) &&
+        goes_whole(update, store, pool->items[first - 1]))
         return SLV_OK;
-    while (end < pool->nlayers && end % longest && goes_whole(update, store, pool->items[end]))
+    while (end < pool->nlayers && !slvi_gl_begins_run(pools, pool, end) &&
+           goes_whole(update, store, pool->items[end]))
         end++;
     return slvi_gl_upload_run(source, pools, store->made, pool, first, end - first,
                               &update->live->staging, &update->done.bytes);

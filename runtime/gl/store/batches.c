@@ -28,28 +28,37 @@ slv_result slvi_gl_add_batch(const slv_env *env, slv_gl_batches *batches,
 
 slv_result slvi_gl_batches_by_pool(const slv_env *env, const slv_gl_pools *pools,
                                    slv_gl_chunks chunks, slv_gl_batches *out) {
-    uint32_t *batch_of = NULL;
+    uint32_t *batch_of = NULL, *of_sheet = NULL; /* one more than its batch's number */
     slv_gl_batches batches = {0};
     slv_result result;
     if ((result =
              slvi_alloc(env, "batches", pools->nitems, sizeof *batches.faces, &batches.faces)) ||
+        (result = slvi_alloc(env, "batches", pools->nsheets, sizeof *of_sheet, &of_sheet)) ||
         (result = slvi_alloc(env, "batches", pools->nitems, sizeof *batch_of, &batch_of)))
         goto done;
     for (uint32_t p = 0; !result && p < pools->npools; p++) {
+        const slv_gl_pool *pool = &pools->pools[p];
         slv_gl_batch_range *range = NULL;
-        if (!pools->pools[p].nlayers)
+        uint32_t number = pool->columns ? of_sheet[pool->sheet] : 0;
+        if (!pool->nlayers)
             continue;
-        if ((result = slvi_gl_add_batch(env, &batches, &range)))
-            goto done;
-        range->count = pools->pools[p].nlayers;
-        range->npools = 1;
-        range->pools[0] = p;
-        for (uint32_t layer = 0; layer < range->count; layer++)
-            batch_of[pools->pools[p].items[layer]] = batches.count - 1;
+        if (!number) {
+            if ((result = slvi_gl_add_batch(env, &batches, &range)))
+                goto done;
+            range->npools = 1;
+            range->pools[0] = p;
+            number = batches.count;
+            if (pool->columns)
+                of_sheet[pool->sheet] = number;
+        }
+        batches.ranges[number - 1].count += pool->nlayers;
+        for (uint32_t layer = 0; layer < pool->nlayers; layer++)
+            batch_of[pool->items[layer]] = number - 1;
     }
     result = slvi_gl_batches_list(env, &batches, pools->order, pools->nitems, chunks, batch_of);
 done:
     slvi_free(batch_of);
+    slvi_free(of_sheet);
     if (result)
         slvi_gl_batches_free(&batches);
     *out = batches;

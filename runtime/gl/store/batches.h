@@ -29,7 +29,7 @@ uint32_t slvi_gl_add_pool(uint32_t *pools, uint32_t *npools, uint32_t pool);
 /* The place of a pool in a batch, or its number of pools. */
 uint32_t slvi_gl_slot_of(const slv_gl_batch_range *range, uint32_t pool);
 
-/* One batch a pool and chunk, of faces that are items. */
+/* One batch an array and chunk, of faces that are items. */
 slv_result slvi_gl_batches_by_pool(const slv_env *env, const slv_gl_pools *pools,
                                    slv_gl_chunks chunks, slv_gl_batches *out);
 /* One more, empty; the pointer holds until the next. */

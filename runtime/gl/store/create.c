@@ -45,9 +45,12 @@ static slv_result fill_params(slv_gl *gl, const slv_env *env, const slv_gl_given
                          (int)params.encoding);
     if ((unsigned)params.branching > SLV_GL_BRANCHING_VECTORS ||
         (unsigned)params.compression > SLV_GL_COMPRESSION_BLOCKS ||
-        (unsigned)params.taps > SLV_GL_TAPS_SHADER)
-        return slvi_fail(env, SLV_ERROR_ARGUMENT, "unknown branching %d, compression %d or taps %d",
-                         (int)params.branching, (int)params.compression, (int)params.taps);
+        (unsigned)params.taps > SLV_GL_TAPS_SHADER || (unsigned)params.layout > SLV_GL_LAYOUT_PAGES)
+        return slvi_fail(
+            env, SLV_ERROR_ARGUMENT, "unknown branching %d, compression %d, taps %d or layout %d",
+            (int)params.branching, (int)params.compression, (int)params.taps, (int)params.layout);
+    if (params.layout == SLV_GL_LAYOUT_AUTO)
+        params.layout = SLV_GL_LAYOUT_PAGES;
     if ((unsigned)params.border_u > SLV_BORDER_PERIODIC ||
         (unsigned)params.border_v > SLV_BORDER_PERIODIC)
         return slvi_fail(env, SLV_ERROR_ARGUMENT, "unknown border mode %d or %d",
@@ -175,6 +178,17 @@ static bool needs_coverage(const slv_gl_texture *texture, const slv_strategy *st
     return needs;
 }
 
+/* Whether items share pages: those that nobody looks up but for their own face, in levels that
+ * lookups never leave. */
+static bool shares_pages(const slv_gl_texture *texture, const slv_strategy *strategy) {
+    bool shares = texture->params.layout == SLV_GL_LAYOUT_PAGES &&
+                  strategy->packing == SLV_GL_PAGES && !needs_coverage(texture, strategy);
+    for (uint32_t i = 0; i < texture->nslots; i++)
+        shares &= !same_store(texture->slots[i].strategy, strategy) ||
+                  texture->slots[i].strategy->reach == SLV_GL_REACH_OWN;
+    return shares;
+}
+
 /* The reach of a slot, shared with those before it or built. */
 static slv_result find_reach(const slv_gl_source *source, slv_gl_texture *texture,
                              slv_gl_slot *slot) {
@@ -205,6 +219,7 @@ static slv_result prepare_store(const slv_gl_source *source, slv_gl_texture *tex
                                      source->adjacency, slvi_gl_border(&source->params), &made);
     if (!result)
         result = slvi_gl_store_prepare(source, form, made, strategy->packing,
+                                       shares_pages(texture, strategy),
                                        needs_coverage(texture, strategy), &texture->stores[store]);
     if (!result)
         texture->nstores++;

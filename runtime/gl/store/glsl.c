@@ -58,7 +58,7 @@ static slv_result write_variant(const slv_gl_texture *texture, const slv_gl_slot
     bool turns = params->edge_filter == SLV_EDGE_FILTER_TANVEC && params->first_channel == 0 &&
                  params->nchannels > 1;
     snprintf(*out, size,
-             "#define SLV_POOLS %u\n#define SLV_SUBFACES %u\n"
+             "#define SLV_POOLS %u\n#define SLV_SUBFACES %u\n#define SLV_SHARED_PAGES %d\n"
              "#define SLV_SPLIT_COVERAGE %d\n#define SLV_ANISOTROPY %u\n#define SLV_BORDER %u\n"
              "#define SLV_TAPS %d\n#define SLV_VECTORS %d\n#define SLV_FIRST_UNIT %u\n#define "
              "SLV_FIRST_STORAGE %u\n#define SLV_CHUNK %u\n#define SLV_EXPLICIT %d\n#define "
@@ -67,10 +67,11 @@ static slv_result write_variant(const slv_gl_texture *texture, const slv_gl_slot
              "%d\n#define SLV_TURNS %d\n#define SLV_SCALE "
              "vec4(vec3(%.1f), "
              "%.1f)\n%s\n",
-             slv_gl_variant_pools(variant), variant & 1, slot->split_coverage, params->anisotropy,
-             params->border, even || slvi_gl_taps_in_shader(texture), in_vectors(texture),
-             params->first_unit, params->first_storage, chunk_of(texture, slot),
-             params->explicit_only, even, texture->constants, slvi_gl_is_black(params),
+             slv_gl_variant_pools(variant), variant & 1, texture->stores[slot->store].pools.shares,
+             slot->split_coverage, params->anisotropy, params->border,
+             even || slvi_gl_taps_in_shader(texture), in_vectors(texture), params->first_unit,
+             params->first_storage, chunk_of(texture, slot), params->explicit_only, even,
+             texture->constants, slvi_gl_is_black(params),
              slvi_gl_is_black(params) && slvi_gl_own_alpha(params), texture->scaled, turns,
              (double)scale, (double)(slvi_gl_own_alpha(params) ? scale : 1), slot->lookups);
     return SLV_OK;

@@ -1,24 +1,42 @@
 /* Where items lie: a layer each, of which OpenGL knows the levels, or levels beside one another in
- * a page. */
+ * a layer or in a cell of a page. */
 #include "gl/store/place.h"
 
 #include "gl/store/compress.h"
 
-slv_gl_place slvi_gl_place(const slv_gl_pools *pools, uint32_t item, uint32_t level) {
-    const slv_gl_pool *pool = &pools->pools[pools->pool_of[item]];
-    slv_gl_place place = {
-        .pool = pool, .format = slv_gl_pool_format(pools, pool), .layer = pools->layer_of[item]};
-    if (pools->packing == SLV_GL_PAGES) {
-        const slv_gl_rect *rect = &pool->rects[level];
-        place.x = rect->x;
-        place.y = rect->y;
-        place.width = rect->width + 2 * rect->bu + pools->form->samples;
-        place.height = rect->height + 2 * rect->bv + pools->form->samples;
-    } else {
+slv_gl_place slvi_gl_place_cell(const slv_gl_pools *pools, const slv_gl_pool *pool, uint32_t layer,
+                                uint32_t level) {
+    slv_gl_sheet array = slv_gl_pool_array(pools, pool);
+    slv_gl_place place = {.pool = pool,
+                          .format = slv_gl_pool_format(pools, pool),
+                          .layer = layer,
+                          .width = pool->width,
+                          .height = pool->height,
+                          .array_width = array.width,
+                          .array_height = array.height};
+    if (pool->columns) {
+        place.layer = pool->page;
+        place.x = pool->x + layer % pool->columns * pool->width;
+        place.y = pool->y + layer / pool->columns * pool->height;
+    }
+    if (pools->packing != SLV_GL_PAGES) {
         slv_res res = slv_res_level(pool->res, level);
         place.level = level;
-        place.width = 1u << res.u;
-        place.height = 1u << res.v;
+        place.width = place.array_width = 1u << res.u;
+        place.height = place.array_height = 1u << res.v;
+    }
+    return place;
+}
+
+slv_gl_place slvi_gl_place(const slv_gl_pools *pools, uint32_t item, uint32_t level) {
+    const slv_gl_pool *pool = &pools->pools[pools->pool_of[item]];
+    slv_gl_place place = slvi_gl_place_cell(pools, pool, pools->layer_of[item], level);
+    if (pools->packing == SLV_GL_PAGES) {
+        const slv_gl_rect *rect = &pool->rects[level];
+        place.x += rect->x;
+        place.y += rect->y;
+        place.width = rect->width + 2 * rect->bu + pools->form->samples;
+        place.height = rect->height + 2 * rect->bv + pools->form->samples;
     }
     return place;
 }
@@ -29,17 +47,13 @@ slv_gl_place slvi_gl_place_part(const slv_gl_place *place, slv_rect rect) {
     part.x += rect.x;
     part.y += rect.y;
     if (place->format->block) {
-        /* an edge of the texture may end a block early */
-        uint32_t width = place->pool->width >> place->level;
-        uint32_t height = place->pool->height >> place->level;
         part.x = part.x / 4 * 4;
         part.y = part.y / 4 * 4;
         end_x = (end_x + 3) / 4 * 4;
         end_y = (end_y + 3) / 4 * 4;
-        width = width ? width : 1;
-        height = height ? height : 1;
-        end_x = end_x < width ? end_x : width;
-        end_y = end_y < height ? end_y : height;
+        /* an edge of the texture may end a block early */
+        end_x = end_x < place->array_width ? end_x : place->array_width;
+        end_y = end_y < place->array_height ? end_y : place->array_height;
     }
     part.width = end_x - part.x;
     part.height = end_y - part.y;

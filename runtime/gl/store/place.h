@@ -4,15 +4,20 @@
 
 #include "gl/store/pools.h"
 
-/* width x height texels of one layer, what surrounds the item's own texels included. */
+/* width x height texels of one layer of an array, what surrounds the item's own texels included. */
 typedef struct slv_gl_place {
     const slv_gl_pool *pool;
     const slv_gl_format *format;
     uint32_t level; /* OpenGL's */
     uint32_t layer, x, y, width, height;
+    uint32_t array_width, array_height; /* of the array at that level */
 } slv_gl_place;
 
 slv_gl_place slvi_gl_place(const slv_gl_pools *pools, uint32_t item, uint32_t level);
+
+/* All that an item has of a level that OpenGL knows of: its cell, of levels side by side. */
+slv_gl_place slvi_gl_place_cell(const slv_gl_pools *pools, const slv_gl_pool *pool, uint32_t layer,
+                                uint32_t level);
 
 /* A rectangle of a place's texels, to be put there by itself; of blocks those that it touches,
  * which may begin or end outside of the place, where there are no other texels. */

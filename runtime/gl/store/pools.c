@@ -4,6 +4,7 @@
 #include "base/log.h"
 #include "base/memory.h"
 #include "gl/store/compress.h"
+#include "gl/store/sheets.h"
 
 #include <selvage/border.h>
 #include <selvage/edge_aligned.h>
@@ -46,7 +47,7 @@ slv_form_extent slvi_gl_extent(const slv_gl_source *source, const slv_form *form
                                                   : slv_form_level_extent(form, res, level, border);
 }
 
-/* Lays all levels of a size class out in a page, side by side. */
+/* Lays all levels of a size class out in a cell, side by side. */
 static void pack_levels(const slv_gl_source *source, const slv_form *form, bool blocks,
                         slv_gl_pool *pool) {
     uint32_t x = 0, y = 0, shelf = 0;
@@ -130,6 +131,21 @@ uint64_t slvi_gl_layer_bytes(const slv_gl_pools *pools, const slv_gl_pool *pool)
     return bytes;
 }
 
+uint64_t slvi_gl_array_bytes(const slv_gl_pools *pools, const slv_gl_pool *pool) {
+    if (!pool->columns)
+        return slvi_gl_layer_bytes(pools, pool) * pool->capacity;
+    const slv_gl_sheet *sheet = &pools->sheets[pool->sheet];
+    const slv_gl_pool page = {.wide = pool->wide, .width = sheet->width, .height = sheet->height};
+    return slvi_gl_layer_bytes(pools, &page) * sheet->npages;
+}
+
+uint32_t slvi_gl_array_count(const slv_gl_pools *pools) {
+    uint32_t count = pools->nsheets;
+    for (uint32_t p = 0; p < pools->npools; p++)
+        count += pools->pools[p].capacity && !pools->pools[p].columns;
+    return count;
+}
+
 /* The size of a class's layers, and how many one array may have. */
 static slv_result lay_out_class(const slv_gl_source *source, const slv_gl_pools *pools,
                                 slv_gl_pool *pool) {
@@ -140,6 +156,14 @@ static slv_result lay_out_class(const slv_gl_source *source, const slv_gl_pools 
     pool->height = 1u << pool->res.v;
     if (pools->packing == SLV_GL_PAGES)
         pack_levels(source, pools->form, slv_gl_pool_format(pools, pool)->block, pool);
+    slv_type type = slv_gl_pool_format(pools, pool)->type;
+    bool wild = type == SLV_TYPE_HALF || type == SLV_TYPE_FLOAT;
+    if (pools->shares && pools->form->samples && wild) {
+        /* A lookup of the last sample has next to nothing of the texel beyond, which in another
+         * face may be huge or no number. */
+        pool->width++;
+        pool->height++;
+    }
     if (pool->width > limit || pool->height > limit)
         return slvi_fail(
             source->env, SLV_ERROR_LIMIT,
@@ -152,23 +176,41 @@ static slv_result lay_out_class(const slv_gl_source *source, const slv_gl_pools 
     return SLV_OK;
 }
 
-/* `templates` has one pool a class with as many layers as it may have, `start` where a class ends
- * in the order. */
-static void cut_classes(const slv_gl_pool *templates, const uint32_t *start, slv_gl_pools *out) {
+/* A pool of a class that is full, with `count` of the items from `first`. */
+static void add_full(const slv_gl_pool *class, uint32_t first, uint32_t count, slv_gl_pools *out) {
+    slv_gl_pool *pool = &out->pools[out->npools];
+    *pool = *class;
+    pool->items = out->items + first;
+    pool->nlayers = pool->capacity = count;
+    for (uint32_t layer = 0; layer < count; layer++) {
+        out->pool_of[pool->items[layer]] = out->npools;
+        out->layer_of[pool->items[layer]] = layer;
+    }
+    out->npools++;
+}
+
+/* `classes` have pools with as many layers as they may have, `start` where a class ends in the
+ * order. */
+static void cut_classes(const slv_gl_class *classes, const slv_gl_plan *plan, const uint32_t *start,
+                        slv_gl_pools *out) {
     for (uint32_t c = 0; c < NCLASSES; c++) {
         uint32_t end = start[c], first = c ? start[c - 1] : 0;
-        uint32_t most = templates[c].nlayers;
-        for (; first < end; first += most) {
-            slv_gl_pool *pool = &out->pools[out->npools];
-            *pool = templates[c];
-            pool->items = out->items + first;
-            pool->nlayers = pool->capacity = end - first < most ? end - first : most;
-            for (uint32_t layer = 0; layer < pool->nlayers; layer++) {
-                out->pool_of[pool->items[layer]] = out->npools;
-                out->layer_of[pool->items[layer]] = layer;
-            }
-            out->npools++;
-        }
+        uint32_t most = classes[c].pool.columns ? 0 : classes[c].pool.nlayers;
+        for (; most && first < end; first += most)
+            add_full(&classes[c].pool, first, end - first < most ? end - first : most, out);
+    }
+    for (uint32_t g = 0, first = 0; g < plan->count; g++) {
+        const slv_gl_grid *grid = &plan->grids[g];
+        slv_gl_pool pool = classes[grid->class].pool;
+        if (!g || grid->class != grid[-1].class)
+            first = grid->class ? start[grid->class - 1] : 0;
+        pool.columns = grid->columns;
+        pool.sheet = grid->sheet;
+        pool.page = grid->page;
+        pool.x = grid->x;
+        pool.y = grid->y;
+        add_full(&pool, first, grid->columns * grid->rows, out);
+        first += grid->columns * grid->rows;
     }
 }
 
@@ -177,9 +219,10 @@ slv_result slvi_gl_pools_assign(const slv_gl_source *source, const slv_gl_items 
     const slv_env *env = source->env;
     slv_result result = SLV_OK;
     uint32_t count_all = out->nitems = items->count, npools = 0, *start = NULL;
-    slv_gl_pool *templates = NULL;
+    slv_gl_class *classes = NULL;
+    slv_gl_plan plan = {0};
     if ((result = slvi_alloc(env, "size classes", NCLASSES + 1, sizeof *start, &start)) ||
-        (result = slvi_alloc(env, "size classes", NCLASSES, sizeof *templates, &templates)) ||
+        (result = slvi_alloc(env, "size classes", NCLASSES, sizeof *classes, &classes)) ||
         (result = slvi_alloc(env, "layers", count_all, sizeof *out->items, &out->items)) ||
         (result = slvi_alloc(env, "pools", count_all, sizeof *out->pool_of, &out->pool_of)) ||
         (result = slvi_alloc(env, "layers", count_all, sizeof *out->layer_of, &out->layer_of)))
@@ -187,17 +230,22 @@ slv_result slvi_gl_pools_assign(const slv_gl_source *source, const slv_gl_items 
     for (uint32_t i = 0; i < count_all; i++)
         start[class_of(items->res[i], items->wide[i]) + 1]++;
     for (uint32_t c = 0; c < NCLASSES; c++) {
-        slv_gl_pool *pool = &templates[c];
-        uint32_t count = start[c + 1];
-        if (count) {
+        slv_gl_pool *pool = &classes[c].pool;
+        classes[c].count = start[c + 1];
+        if (classes[c].count) {
             pool->res = (slv_res){(int8_t)(c >> 5 & 31), (int8_t)(c & 31)};
             pool->wide = c >> 10;
             if ((result = lay_out_class(source, out, pool)))
                 goto done;
-            npools += (count + pool->nlayers - 1) / pool->nlayers;
         }
         start[c + 1] += start[c];
     }
+    if (out->shares && (result = slvi_gl_sheets_plan(source, classes, NCLASSES, out, &plan)))
+        goto done;
+    npools = plan.count;
+    for (uint32_t c = 0; c < NCLASSES; c++)
+        if (classes[c].count && !classes[c].pool.columns)
+            npools += (classes[c].count + classes[c].pool.nlayers - 1) / classes[c].pool.nlayers;
     if (npools > MOST_POOLS) {
         result = too_many(env, npools);
         goto done;
@@ -210,10 +258,11 @@ slv_result slvi_gl_pools_assign(const slv_gl_source *source, const slv_gl_items 
     }
     out->order = out->items;
     /* start[c] is now where class c ends */
-    cut_classes(templates, start, out);
+    cut_classes(classes, &plan, start, out);
 done:
     slvi_free(start);
-    slvi_free(templates);
+    slvi_free(classes);
+    slvi_gl_plan_free(&plan);
     return result;
 }
 
@@ -294,6 +343,7 @@ void slvi_gl_pools_free(slv_gl_pools *pools) {
     if (pools->order != pools->items)
         slvi_free(pools->order);
     slvi_free(pools->items);
+    slvi_free(pools->sheets);
     slvi_free(pools->pools);
     slvi_free(pools->pool_of);
     slvi_free(pools->layer_of);

@@ -6,25 +6,39 @@
 #include "gl/store/source.h"
 
 #define SLV_GL_LEVELS (SLV_MAX_LOG2_RES + 1)
+#define SLV_GL_LEVEL_ROWS (SLV_GL_LEVELS + 1) /* of a pool, in the table of levels */
 
 typedef struct slv_gl_rect {
-    uint32_t x, y;          /* of the bordered level's first texel in the page */
+    uint32_t x, y;          /* of the bordered level's first texel in the item's cell */
     uint32_t bu, bv;        /* border */
     uint32_t width, height; /* inside, without border; of samples on edges the intervals between
                                them, of which there is one less */
 } slv_gl_rect;
 
+/* Cells for items of one class: layers of an array of its own, or a grid on a page. Of a grid, too,
+ * a cell is called a layer where it is all the same. */
 typedef struct slv_gl_pool {
-    GLuint texture, coverage;
+    GLuint texture; /* of a grid: its sheet's */
+    GLuint coverage;
     slv_res res;
     bool wide;
     uint32_t nlayers, width, height, nlevels;
-    uint32_t capacity; /* layers of the array, of which the first nlayers are in use */
-    uint32_t reserved; /* of those that are free: for items that are about to move */
-    uint32_t *items;   /* of each layer */
-    bool own_items;    /* no part of slv_gl_pools.items */
-    slv_gl_rect rects[SLV_GL_LEVELS]; /* of pages only */
+    uint32_t columns;     /* of a grid; 0: its own layers */
+    uint32_t sheet, page; /* which a grid is on */
+    uint32_t x, y;        /* of a grid's first texel */
+    uint32_t capacity;    /* layers of the array, of which the first nlayers are in use */
+    uint32_t reserved;    /* of those that are free: for items that are about to move */
+    uint32_t *items;      /* of each layer */
+    bool own_items;       /* no part of slv_gl_pools.items */
+    slv_gl_rect rects[SLV_GL_LEVELS]; /* of levels side by side only */
 } slv_gl_pool;
+
+/* An array texture whose layers are pages, of grids of one type. */
+typedef struct slv_gl_sheet {
+    GLuint texture;
+    bool wide;
+    uint32_t width, height, npages;
+} slv_gl_sheet;
 
 static inline uint64_t slvi_texels_in(slv_res res) {
     return UINT64_C(1) << (res.u + res.v);
@@ -42,7 +56,10 @@ typedef struct slv_gl_items {
 typedef struct slv_gl_pools {
     const slv_form *form;
     slv_gl_packing packing;
+    bool shares; /* several items lie on a page, where they are small enough */
     slv_gl_format format, wide_format;
+    slv_gl_sheet *sheets;
+    uint32_t nsheets;
     slv_gl_pool *pools;
     uint32_t npools, nitems;
     uint32_t *items; /* of the layers of the first pools */
@@ -51,7 +68,8 @@ typedef struct slv_gl_pools {
 } slv_gl_pools;
 
 /* Sorts items into classes, keeping their order, and cuts the classes into pools, whose textures
- * are still to be made. `out` has form, packing and formats; on failure it is to be freed too. */
+ * are still to be made. `out` has form, packing, shares and formats; on failure it is to be freed
+ * too. */
 slv_result slvi_gl_pools_assign(const slv_gl_source *source, const slv_gl_items *items,
                                 slv_gl_pools *out);
 /* Adds a pool of a class without layers in use, to be made with `capacity` of them or as many as
@@ -104,5 +122,19 @@ static inline uint32_t slv_gl_pool_levels(const slv_gl_pools *pools, const slv_g
     return pools->packing == SLV_GL_PAGES ? 1 : pool->nlevels;
 }
 uint64_t slvi_gl_layer_bytes(const slv_gl_pools *pools, const slv_gl_pool *pool);
+/* Bytes of the array that a pool is in. */
+uint64_t slvi_gl_array_bytes(const slv_gl_pools *pools, const slv_gl_pool *pool);
+/* How many arrays there are. */
+uint32_t slvi_gl_array_count(const slv_gl_pools *pools);
+
+/* The size of the layers of a pool's array. */
+static inline slv_gl_sheet slv_gl_pool_array(const slv_gl_pools *pools, const slv_gl_pool *pool) {
+    return pool->columns ? pools->sheets[pool->sheet]
+                         : (slv_gl_sheet){.texture = pool->texture,
+                                          .wide = pool->wide,
+                                          .width = pool->width,
+                                          .height = pool->height,
+                                          .npages = pool->capacity};
+}
 
 #endif

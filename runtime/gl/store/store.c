@@ -184,12 +184,20 @@ slv_result slvi_gl_store_make_pool(const slv_gl_source *source, slv_gl_store *st
     const slv_gl_api *api = &source->gl->api;
     const slv_gl_pools *pools = &store->pools;
     const slv_gl_format *format = slv_gl_pool_format(pools, pool);
+    slv_gl_sheet array = slv_gl_pool_array(pools, pool);
     uint32_t nlevels = slv_gl_pool_levels(pools, pool);
-    api->CreateTextures(GL_TEXTURE_2D_ARRAY, 1, &pool->texture);
-    api->TextureStorage3D(pool->texture, (GLsizei)nlevels, format->internal, (GLsizei)pool->width,
-                          (GLsizei)pool->height, (GLsizei)pool->capacity);
-    api->TextureParameteriv(pool->texture, GL_TEXTURE_SWIZZLE_RGBA, format->swizzle);
-    store->bytes += slvi_gl_layer_bytes(pools, pool) * pool->capacity;
+    if (!array.texture) {
+        api->CreateTextures(GL_TEXTURE_2D_ARRAY, 1, &array.texture);
+        api->TextureStorage3D(array.texture, (GLsizei)nlevels, format->internal,
+                              (GLsizei)array.width, (GLsizei)array.height, (GLsizei)array.npages);
+        api->TextureParameteriv(array.texture, GL_TEXTURE_SWIZZLE_RGBA, format->swizzle);
+        store->bytes += slvi_gl_array_bytes(pools, pool);
+        if (pool->columns && !format->block) /* what is between cells */
+            api->ClearTexImage(array.texture, 0, format->external, format->data, NULL);
+    }
+    pool->texture = array.texture;
+    if (pool->columns)
+        pools->sheets[pool->sheet].texture = array.texture;
     return store->coverage && format->own_alpha
                ? make_coverage(source, pool, &store->coverage_bytes)
                : SLV_OK;
@@ -206,15 +214,17 @@ static slv_result begin_following(const slv_gl_source *source, uint32_t nitems,
 }
 
 slv_result slvi_gl_store_prepare(const slv_gl_source *source, const slv_form *form, void *made,
-                                 slv_gl_packing packing, bool coverage, slv_gl_store *out) {
+                                 slv_gl_packing packing, bool shares, bool coverage,
+                                 slv_gl_store *out) {
     slv_type type = slv_levels_get_desc(source->levels)->type;
     const slv_gl_texture_params *params = &source->params;
     slv_gl_items items = {0};
     slv_gl_pools *pools = &out->pools;
     slv_result result = SLV_OK;
     bool blocks = source->params.compression == SLV_GL_COMPRESSION_BLOCKS;
-    *out = (slv_gl_store){
-        .pools = {.form = form, .packing = packing}, .made = made, .coverage = coverage};
+    *out = (slv_gl_store){.pools = {.form = form, .packing = packing, .shares = shares},
+                          .made = made,
+                          .coverage = coverage};
     pools->format = source->srgb
                         ? slvi_gl_format_srgb(source->gl, source->srgb, params, coverage, blocks)
                         : slvi_gl_format_for(type, params, coverage);
@@ -250,8 +260,11 @@ void slvi_gl_store_let_go(slv_gl_store *store) {
 }
 
 void slvi_gl_store_free(const slv_gl *gl, slv_gl_store *store) {
+    for (uint32_t s = 0; s < store->pools.nsheets; s++)
+        slvi_gl_delete(gl->api.DeleteTextures, &store->pools.sheets[s].texture);
     for (uint32_t p = 0; p < store->pools.npools; p++) {
-        slvi_gl_delete(gl->api.DeleteTextures, &store->pools.pools[p].texture);
+        if (!store->pools.pools[p].columns)
+            slvi_gl_delete(gl->api.DeleteTextures, &store->pools.pools[p].texture);
         slvi_gl_delete(gl->api.DeleteTextures, &store->pools.pools[p].coverage);
     }
     slvi_gl_store_let_go(store);

@@ -27,12 +27,14 @@ typedef struct slv_gl_store {
 /* All but what takes OpenGL: arrays and texels are still to be made. `made` is what the form has
  * made of the source, which the store takes, also if it fails. `out` stays where it is. */
 slv_result slvi_gl_store_prepare(const slv_gl_source *source, const slv_form *form, void *made,
-                                 slv_gl_packing packing, bool coverage, slv_gl_store *out);
+                                 slv_gl_packing packing, bool shares, bool coverage,
+                                 slv_gl_store *out);
 /* Whether an item needs a wider type than the texture's, as it is now; works in the staging
  * memory. */
 slv_result slvi_gl_store_is_wide(const slv_gl_source *source, const slv_gl_store *store,
                                  uint32_t item, slv_gl_staging *staging, bool *out);
-/* Makes the array of a pool; what the driver says to that is still to be asked. */
+/* Makes the array of a pool, if there is none; what the driver says to that is still to be asked.
+ */
 slv_result slvi_gl_store_make_pool(const slv_gl_source *source, slv_gl_store *store,
                                    slv_gl_pool *pool);
 /* Gives back what only following changes takes. */

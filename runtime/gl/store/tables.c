@@ -103,19 +103,28 @@ slv_result slvi_gl_face_table(const slv_gl_source *source, const slv_gl_pools *p
 slv_result slvi_gl_level_table(const slv_gl_source *source, const slv_gl_pools *pools, GLuint *out,
                                uint64_t *bytes) {
     float *rects = NULL, first_sample = pools->form->samples ? 0.5f : 0.0f;
-    uint64_t size = (uint64_t)pools->npools * SLV_GL_LEVELS * 4 * sizeof *rects;
+    uint64_t size = (uint64_t)pools->npools * SLV_GL_LEVEL_ROWS * 4 * sizeof *rects;
     slv_result result = slvi_alloc(source->env, "level table", size, 1, &rects);
     if (result)
         return result;
     for (uint32_t p = 0; p < pools->npools; p++) {
         const slv_gl_pool *pool = &pools->pools[p];
-        for (uint32_t level = 0; level < pool->nlevels; level++) {
+        slv_gl_sheet array = slv_gl_pool_array(pools, pool);
+        float width = (float)array.width, height = (float)array.height;
+        float *row = rects + (size_t)p * SLV_GL_LEVEL_ROWS * 4;
+        for (uint32_t level = 0; level < pool->nlevels; level++, row += 4) {
             const slv_gl_rect *rect = &pool->rects[level];
-            float *row = rects + (p * SLV_GL_LEVELS + level) * 4;
-            row[0] = (float)rect->width / (float)pool->width;
-            row[1] = (float)rect->height / (float)pool->height;
-            row[2] = ((float)(rect->x + rect->bu) + first_sample) / (float)pool->width;
-            row[3] = ((float)(rect->y + rect->bv) + first_sample) / (float)pool->height;
+            row[0] = (float)rect->width / width;
+            row[1] = (float)rect->height / height;
+            row[2] = ((float)(pool->x + rect->x + rect->bu) + first_sample) / width;
+            row[3] = ((float)(pool->y + rect->y + rect->bv) + first_sample) / height;
+        }
+        if (pool->columns) {
+            row = rects + ((size_t)p * SLV_GL_LEVEL_ROWS + SLV_GL_LEVELS) * 4;
+            row[0] = (float)pool->columns;
+            row[1] = (float)pool->page;
+            row[2] = (float)pool->width / width;
+            row[3] = (float)pool->height / height;
         }
     }
     *bytes += size;

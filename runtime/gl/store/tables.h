@@ -26,7 +26,8 @@ bool slvi_gl_is_single(const slv_gl_source *source, const slv_gl_pools *pools, u
 /* A row of that table. */
 void slvi_gl_face_row(const slv_gl_source *source, const slv_gl_pools *pools, const void *made,
                       uint32_t face, uint32_t row[2]);
-/* Of pages: where in a pool's layers each level is. */
+/* Of levels side by side: where in a pool's layers, or in the first cell of a grid, each level is;
+ * of a grid the columns, the page and the size of a cell, too. */
 slv_result slvi_gl_level_table(const slv_gl_source *source, const slv_gl_pools *pools, GLuint *out,
                                uint64_t *bytes);
 /* A value with all channels as shaders read it: those that are shown, grey as all three, alpha 1.

@@ -54,7 +54,7 @@ slv_gl_texture_stats slv_gl_texture_get_stats(const slv_gl_texture *texture,
     const slv_gl_store *store = &texture->stores[slot->store];
     const slv_gl_reach *reach = reach_of(texture, slot);
     stats.gpu_bytes = store->bytes + reach->bytes;
-    stats.pools = store->pools.npools;
+    stats.pools = slvi_gl_array_count(&store->pools);
     stats.batches = reach->batches.count;
     stats.widened = store->nwide;
     stats.clipped = store->nclipped;

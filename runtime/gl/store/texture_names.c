@@ -8,6 +8,11 @@ const char *slv_gl_taps_name(slv_gl_taps taps) {
     return slvi_name_of(names, SLVI_COUNT(names), (int)taps);
 }
 
+const char *slv_gl_layout_name(slv_gl_layout layout) {
+    static const char *const names[] = {"auto", "separate", "pages"};
+    return slvi_name_of(names, SLVI_COUNT(names), (int)layout);
+}
+
 const char *slv_gl_branching_name(slv_gl_branching branching) {
     static const char *const names[] = {"auto", "real", "vectors"};
     return slvi_name_of(names, SLVI_COUNT(names), (int)branching);

@@ -128,8 +128,9 @@ static slv_result fill_level(const struct origin *from, uint32_t item, uint32_t 
 
 struct fill_job {
     struct origin from;
-    slv_gl_place place; /* all that one layer gets */
+    slv_gl_place place; /* the first of the layers; of a grid the first of its cells */
     uint32_t first_layer, level;
+    uint32_t across;                 /* cells in a row of what is filled: 1, but for grids */
     uint64_t layer_size, block_size; /* of a layer before and after compression */
     unsigned char *staging, *blocks;
     unsigned char *used;        /* NULL: all texels */
@@ -142,14 +143,15 @@ static slv_result fill_layer(const struct fill_job *job, uint32_t layer, float *
     uint32_t item = pool->items[job->first_layer + layer];
     uint32_t first = pools->packing == SLV_GL_PAGES ? 0 : job->level;
     uint32_t end = pools->packing == SLV_GL_PAGES ? pool->nlevels : job->level + 1;
+    size_t pitch = (size_t)job->across * job->place.width;
+    slv_gl_place cell = slvi_gl_place_cell(pools, pool, job->first_layer + layer, job->level);
+    size_t corner = layer / job->across * pitch * cell.height + layer % job->across * cell.width;
     slv_result result = SLV_OK;
     for (uint32_t level = first; !result && level < end; level++) {
         slv_gl_place place = slvi_gl_place(pools, item, level);
-        size_t at = (size_t)place.y * job->place.width + place.x;
+        size_t at = corner + (place.y - cell.y) * pitch + (place.x - cell.x);
         result = fill_level(&job->from, item, level, (slv_rect){0, 0, place.width, place.height},
-                            scratch,
-                            job->staging + layer * job->layer_size + at * place.format->texel_bytes,
-                            job->place.width);
+                            scratch, job->staging + at * place.format->texel_bytes, pitch);
     }
     return result;
 }
@@ -176,13 +178,14 @@ static slv_result fill(void *user, uint64_t first, uint64_t end) {
     return result;
 }
 
-/* Which texels of a page belong to a level. */
+/* Which texels of a cell belong to a level. */
 static void mark_used(const struct fill_job *job) {
     const slv_gl_pool *pool = job->place.pool;
     for (uint32_t level = 0; level < pool->nlevels; level++) {
-        slv_gl_place place = slvi_gl_place(job->from.pools, pool->items[0], level);
+        slv_gl_place place = slvi_gl_place(job->from.pools, pool->items[job->first_layer], level);
+        uint32_t left = place.x - job->place.x, low = place.y - job->place.y;
         for (uint32_t y = 0; y < place.height; y++)
-            memset(job->used + (size_t)(place.y + y) * job->place.width + place.x, 1, place.width);
+            memset(job->used + (size_t)(low + y) * job->place.width + left, 1, place.width);
     }
 }
 
@@ -226,33 +229,52 @@ static slv_result make_room(const slv_env *env, uint64_t bytes, slv_gl_staging *
     return result;
 }
 
-/* Layers are filled as one rectangle each, whatever lies in them. */
-static slv_gl_place whole_layer(const slv_gl_pools *pools, const slv_gl_pool *pool,
-                                uint32_t level) {
-    slv_gl_place place = {.pool = pool, .format = slv_gl_pool_format(pools, pool)};
-    slv_res res = slv_res_level(pool->res, level);
-    bool pages = pools->packing == SLV_GL_PAGES;
-    place.level = level;
-    place.width = pages ? pool->width : 1u << res.u;
-    place.height = pages ? pool->height : 1u << res.v;
-    return place;
+uint64_t slvi_gl_layers_bytes(const slv_gl_pools *pools, const slv_gl_layers *layers) {
+    slv_gl_place place = slvi_gl_place_cell(pools, layers->pool, layers->first, layers->level);
+    return slvi_gl_place_bytes(&place);
 }
 
-uint64_t slvi_gl_layers_bytes(const slv_gl_pools *pools, const slv_gl_layers *layers) {
-    slv_gl_place place = whole_layer(pools, layers->pool, layers->level);
-    return slvi_gl_place_bytes(&place);
+uint32_t slvi_gl_layers_fitting(const slv_gl_pools *pools, const slv_gl_layers *layers,
+                                uint64_t bytes) {
+    uint32_t left = layers->pool->nlayers - layers->first, columns = layers->pool->columns;
+    uint64_t count = bytes / slvi_gl_layers_bytes(pools, layers);
+    count = columns ? count / columns * columns : count;
+    count = count ? count : columns ? columns : 1;
+    return count < left ? (uint32_t)count : left;
+}
+
+/* Of a grid one rectangle, but for blocks, which are made cell by cell. */
+static void send(const struct fill_job *job, uint32_t count) {
+    const slv_gl_pools *pools = job->from.pools;
+    const slv_gl *gl = job->from.source->gl;
+    slv_gl_place place = job->place;
+    if (!place.pool->columns) {
+        slvi_gl_place_send(gl, &place, count, job->blocks ? job->blocks : job->staging);
+    } else if (job->blocks) {
+        for (uint32_t i = 0; i < count; i++) {
+            place = slvi_gl_place_cell(pools, place.pool, job->first_layer + i, job->level);
+            slvi_gl_place_send(gl, &place, 1, job->blocks + i * job->block_size);
+        }
+    } else {
+        place.width *= job->across;
+        place.height *= count / job->across;
+        slvi_gl_place_send(gl, &place, 1, job->staging);
+    }
 }
 
 /* The filling of layers in a row at a level that OpenGL knows of, to staging memory. */
 static slv_result begin_fill(const slv_gl_source *source, const slv_gl_pools *pools,
                              const void *made, const slv_gl_layers *layers, slv_gl_staging *staging,
                              struct fill_job *out) {
-    slv_gl_place place = whole_layer(pools, layers->pool, layers->level);
+    slv_gl_place place = slvi_gl_place_cell(pools, layers->pool, layers->first, layers->level);
+    uint32_t columns = place.format->block ? 0 : layers->pool->columns;
     *out = (struct fill_job){.from = {source, pools, made, place.format},
                              .place = place,
                              .first_layer = layers->first,
-                             .level = layers->level};
-    out->place.layer = layers->first;
+                             .level = layers->level,
+                             .across = 1};
+    if (columns)
+        out->across = columns < layers->count ? columns : layers->count;
     out->layer_size = (uint64_t)place.width * place.height * place.format->texel_bytes;
     slv_result result = make_room(source->env, out->layer_size * layers->count, staging);
     out->staging = staging->memory;
@@ -276,7 +298,7 @@ slv_result slvi_gl_upload_layers(const slv_gl_source *source, const slv_gl_pools
         result =
             slvi_parallel_for(source->env, count, count > 512 ? 64 : count / 8 + 1, fill, &job);
     if (!result)
-        slvi_gl_place_send(source->gl, &job.place, count, blocks ? job.blocks : job.staging);
+        send(&job, count);
     for (uint32_t i = 0; !result && blocks && i < count; i++)
         slvi_gl_block_error_add(error, &job.errors[i]);
     end_blocks(&job);
@@ -306,10 +328,11 @@ static slv_result make_scratch(const struct origin *from, const slv_gl_place *pl
                                        : SLV_OK;
 }
 
-uint32_t slvi_gl_longest_run(const slv_gl_pools *pools, const slv_gl_pool *pool) {
+bool slvi_gl_begins_run(const slv_gl_pools *pools, const slv_gl_pool *pool, uint32_t layer) {
     enum { RUN_BYTES = 1 << 18 }; /* which a processor's caches hold */
-    uint64_t layer = slvi_gl_layer_bytes(pools, pool);
-    return layer < RUN_BYTES ? (uint32_t)(RUN_BYTES / layer) : 1;
+    uint64_t bytes = slvi_gl_layer_bytes(pools, pool);
+    uint32_t longest = bytes < RUN_BYTES ? (uint32_t)(RUN_BYTES / bytes) : 1;
+    return (pool->columns ? layer % pool->columns : layer) % longest == 0;
 }
 
 slv_result slvi_gl_upload_run(const slv_gl_source *source, const slv_gl_pools *pools,
@@ -326,7 +349,7 @@ slv_result slvi_gl_upload_run(const slv_gl_source *source, const slv_gl_pools *p
             result = fill_layer(&job, layer, staging->scratch);
         if (result)
             return result;
-        slvi_gl_place_send(source->gl, &job.place, count, job.staging);
+        send(&job, count);
         *sent += slvi_gl_place_bytes(&job.place) * count;
     }
     return result;

@@ -26,18 +26,26 @@ typedef struct slv_gl_layers {
 /* Bytes of one of them, as the GPU has it. */
 uint64_t slvi_gl_layers_bytes(const slv_gl_pools *pools, const slv_gl_layers *layers);
 
-/* Fills them on threads and uploads them in one call. What blocks lose is added to *error. */
+/* How many from the first on are uploaded together within so many bytes: of a grid whole rows of
+ * cells, at least one. */
+uint32_t slvi_gl_layers_fitting(const slv_gl_pools *pools, const slv_gl_layers *layers,
+                                uint64_t bytes);
+
+/* Fills them on threads and uploads them in one call, blocks of a grid in one for each cell. What
+ * blocks lose is added to *error. */
 slv_result slvi_gl_upload_layers(const slv_gl_source *source, const slv_gl_pools *pools,
                                  const void *made, const slv_gl_layers *layers,
                                  slv_gl_staging *staging, slv_gl_block_error *error);
 
 /* All levels of items of which nothing is compressed, whose layers lie in a row: in as few calls as
- * there are levels that OpenGL knows of, however many items. On this thread. Of how many the
- * staging memory stays small. *sent grows by the bytes handed to the driver. */
+ * there are levels that OpenGL knows of, however many items. On this thread. *sent grows by the
+ * bytes handed to the driver. */
 slv_result slvi_gl_upload_run(const slv_gl_source *source, const slv_gl_pools *pools,
                               const void *made, const slv_gl_pool *pool, uint32_t first,
                               uint32_t count, slv_gl_staging *staging, uint64_t *sent);
-uint32_t slvi_gl_longest_run(const slv_gl_pools *pools, const slv_gl_pool *pool);
+/* Whether a layer goes into no run with the one before: so that the staging memory stays small, and
+ * a run of cells within a row. */
+bool slvi_gl_begins_run(const slv_gl_pools *pools, const slv_gl_pool *pool, uint32_t layer);
 
 /* Whether an item has so much inside that its rim is worth being uploaded apart. */
 bool slvi_gl_has_rim(const slv_gl_source *source, const slv_gl_pools *pools, const void *made,

@@ -14,8 +14,9 @@ extern "C" {
 /* Where items go. */
 typedef enum slv_gl_packing {
     SLV_GL_LAYERS = 0, /* a layer each, with OpenGL's levels */
-    SLV_GL_PAGES       /* all levels of an item side by side in one layer: needed by forms with
-                          borders or samples, possible for lookups that never leave a level */
+    SLV_GL_PAGES       /* all levels of an item side by side in one layer, which it may share with
+                          others ("lookup/packed.glsl" finds it): needed by forms with borders or
+                          samples, possible for lookups that never leave a level */
 } slv_gl_packing;
 SLV_API const char *slv_gl_packing_name(slv_gl_packing packing); /* layers, pages */
 
@@ -51,8 +52,8 @@ typedef struct slv_strategy {
                         as samplers do it: of a resampled form it is slightly blurred */
     bool comparison; /* of use in comparisons only: drawn where it is asked for by name */
     /* The GLSL: of a file in shaders/, or itself. A line #include "NAME" stands for a part of
-     * shaders/; "lookup/interface.glsl" says what a strategy finds and defines, and
-     * "lookup/footprint.glsl" has the rest of that. */
+     * shaders/, or a strategy's file with its parts; "lookup/interface.glsl" says what a strategy
+     * finds and defines, and "lookup/footprint.glsl" has the rest of that. */
     const char *file, *glsl;
     uint64_t reserved[4];
 } slv_strategy;

@@ -1,10 +1,11 @@
 /* Per-face textures on the GPU, for the strategies by which a lookup crosses a seam
  * (gl_strategy.h).
  *
- * Each face is a layer of an array texture of its size class (a pool); a class with more faces than
- * one array holds has several. Draws go in batches: a batch is a set of faces whose pools, and for
- * `traverse` and `hybrid` their neighbours' pools, fit the texture units that it binds. A host
- * draws every batch with a program whose fragment shader contains the text of slv_gl_texture_glsl:
+ * Each face is a layer of an array texture of its size class (a pool), or a cell of a page that it
+ * shares with others (slv_gl_layout); a class with more faces than one array holds has several.
+ * Draws go in batches: a batch is a set of faces whose pools, and for `traverse` and `hybrid` their
+ * neighbours' pools, fit the texture units that it binds. A host draws every batch with a program
+ * whose fragment shader contains the text of slv_gl_texture_glsl:
  *
  *     for (uint32_t i = 0; i < slv_gl_texture_batch_count(texture, strategy); i++) {
  *         slv_gl_batch batch = slv_gl_texture_batch(texture, strategy, i);
@@ -64,6 +65,19 @@ typedef enum slv_gl_taps {
 
 SLV_API const char *slv_gl_taps_name(slv_gl_taps taps); /* auto, sampler, shader */
 
+/* How many faces share a layer, where lookups never leave a level of their own face (borders,
+ * edge-aligned): one, in an array for each size; or as many as fit on a page, whatever their size
+ * (Purnomo 2004, 3.3 and 3.4), so that a mesh is a draw or a few. Faces that would leave much of a
+ * page empty have a layer each then, too, as have those that get another size while they are drawn.
+ * Texels are the same. */
+typedef enum slv_gl_layout {
+    SLV_GL_LAYOUT_AUTO = 0, /* pages */
+    SLV_GL_LAYOUT_SEPARATE,
+    SLV_GL_LAYOUT_PAGES
+} slv_gl_layout;
+
+SLV_API const char *slv_gl_layout_name(slv_gl_layout layout); /* auto, separate, pages */
+
 /* Zero means default. */
 typedef struct slv_gl_texture_params {
     const slv_strategy *const *strategies; /* those that will be drawn, which must outlive the
@@ -79,7 +93,7 @@ typedef struct slv_gl_texture_params {
     uint32_t batch_pools; /* most array textures that a batch binds, rounded down to a power of two;
                              0 means 16, or what the driver has units for; below 9 a face can have
                              neighbours that do not fit. htex binds 4 at least */
-    uint32_t pool_layers; /* most layers in one array; 0 means what the driver has */
+    uint32_t pool_layers; /* most layers, or pages, in one array; 0 means what the driver has */
     slv_gl_branching branching;
     slv_gl_compression compression; /* of textures other than 8-bit: SLV_ERROR_UNSUPPORTED */
     slv_texture_encoding encoding; /* of the colours; default: as slv_texture_get_encoding has it */
@@ -88,6 +102,7 @@ typedef struct slv_gl_texture_params {
                   encoded colours */
     slv_progress progress; /* faces, once for each form in which they are stored; on this thread */
     slv_gl_taps taps;
+    slv_gl_layout layout;
     /* For a host that has bindings of its own, or several textures in one shader: */
     uint32_t first_unit;    /* texture unit; 0 means SLV_GL_FIRST_UNIT */
     uint32_t first_storage; /* storage binding; 0 means SLV_GL_FIRST_STORAGE */
