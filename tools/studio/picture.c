@@ -14,7 +14,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { STRATEGIES = 32 };
+/* Of so many texels blank faces take memory, too, so that painting on them is not held up. */
+enum { STRATEGIES = 32, MOST_WHOLE = 1 << 25 };
 
 /* A texture of one strategy, and for what it was made. */
 typedef struct shown {
@@ -158,6 +159,14 @@ const slv_gl_info *studio_picture_info(const studio_picture *p) {
     return slv_gl_get_info(p->gl);
 }
 
+static uint64_t texels_of(const slv_texture *texture) {
+    const slv_texture_desc *desc = slv_texture_get_desc(texture);
+    uint64_t total = 0;
+    for (uint32_t f = 0; f < desc->nfaces; f++)
+        total += UINT64_C(1) << (desc->res[f].u + desc->res[f].v);
+    return total;
+}
+
 static slv_result need_texture(studio_picture *p, const studio_document *d, const studio_look *look,
                                uint32_t index, uint32_t anisotropy, slv_gl_texture **out) {
     shown *s = &p->shown[index < STRATEGIES ? index : 0][anisotropy > 1];
@@ -179,6 +188,7 @@ static slv_result need_texture(studio_picture *p, const studio_document *d, cons
                                           .border_u = d->scene.border_u,
                                           .border_v = d->scene.border_v,
                                           .edge_filter = d->scene.edge_filter,
+                                          .whole = texels_of(d->texture) <= MOST_WHOLE,
                                           .live = true,
                                           .even_levels = even};
     slv_gl_texture_destroy(s->texture);

@@ -105,10 +105,11 @@ slv_result slvi_gl_item_res(const slv_gl_source *source, const slv_form *form, c
                             uint32_t item, slv_form_room *room, slv_res *out) {
     const slv_res one = {0, 0};
     struct alike alike = {.source = source};
-    bool single = form == slv_form_bare() && slvi_gl_is_constant(source, item);
+    const bool may_be = !source->params.whole;
+    bool single = may_be && form == slv_form_bare() && slvi_gl_is_constant(source, item);
     slv_result result = SLV_OK;
     /* one vector is another pair of numbers in the next face's frame */
-    if (!single && form->needs && source->light && !source->bare_only &&
+    if (may_be && !single && form->needs && source->light && !source->bare_only &&
         !source->params.edge_filter) {
         result = form->needs(made, item, room, is_alike, &alike);
         single = !result && alike.any;

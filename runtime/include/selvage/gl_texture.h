@@ -132,6 +132,9 @@ typedef struct slv_gl_texture_params {
      * unless they are live or resident, and so are all textures with the other strategies.
      * (SLV_PTX_REDUCTIONS_KEY of ptx.h says what a file asks for.) */
     bool even_levels;
+    /* Faces of one value get room for all their texels, too, in place of one: with `live` painting
+     * on them then moves nothing, and needs no batches and shaders but those that there are. */
+    bool whole;
     uint64_t reserved[2];
 } slv_gl_texture_params;
 
