@@ -42,7 +42,7 @@ rate() { # NAME BAR
         match($0, /"t":[0-9.]*/); t = substr($0, RSTART + 4, RLENGTH - 4)
         match($0, /"scale":[0-9.]*/); scale += substr($0, RSTART + 8, RLENGTH - 8)
         match($0, /"ms":[0-9.]*/); ms += substr($0, RSTART + 5, RLENGTH - 5)
-        match($0, /"input_ms":[0-9.]*/); age = substr($0, RSTART + 11, RLENGTH - 11)
+        match($0, /"input_ms":[0-9.]*/); age = substr($0, RSTART + 11, RLENGTH - 11) + 0
         if (n > 1 && age > 0) { aged++; if (age > 1e3 * (t - last2) + 1) late++ }
         if (!n++) from = t
         last2 = last; last = t
@@ -51,8 +51,9 @@ rate() { # NAME BAR
     set -- "$1" "$2" $moving
     say "$1" "$3" "pictures a second" "$2"
     awk -v ms="$4" -v scale="$5" -v n="$6" -v cpu="$(((after - before) * 1000 / ticks))" \
-        'BEGIN { printf "    %d pictures, %.1f ms each, %.1f ms of processor time, at a scale of %.2f\n", n, ms, n ? cpu / n : 0, scale }'
-    [ "$8" = 0 ] || say "$1: input older than 2" "$(awk -v l="$7" -v n="$8" 'BEGIN { print 100 * l / n }')" "% of pictures" -5
+        'BEGIN { printf "    %d pictures, %.1f ms each, %.1f ms of processor time (of one alone %.0f a second), at a scale of %.2f\n",
+            n, ms, n ? cpu / n : 0, cpu ? 1000 * n / cpu : 0, scale }'
+    [ "$8" = 0 ] || say "$1: input older than 2" "$(awk -v l="$7" -v n="$8" 'BEGIN { print 100 * l / n }')" "% of pictures" -1
 }
 # From the end of a drag to the fine picture.
 rest() { # NAME WORDS

@@ -57,6 +57,14 @@ key undo ctrl+z
 key undo ctrl+z
 [ "$(faces_of 16)" = 6 ] || fail "undoing twice does not bring the sizes back"
 
+# no face is given more texels than can be painted fluently, and it is said
+xdotool mousemove "$middle_x" "$middle_y"
+for _ in 1 2 3 4 5 6; do key texels-more ctrl+plus; done
+[ "$(faces_of 1024)" = 1 ] || fail "no face has 1024 texels each way"
+does '"event":"said"' key ctrl+plus
+[ "$(faces_of 1024)" = 1 ] || fail "a face has more than 1024 texels each way"
+for _ in 1 2 3 4 5 6; do key undo ctrl+z; done
+
 # an image before the picture: beside it nothing is painted, through it its colours are
 does '"event":"chooser"' key ctrl+y
 choose '"event":"done","name":"stencil-path"' "$here/image.png"

@@ -219,6 +219,7 @@ static const row rows[] = {
      false},
     {NULL, "Save to a path", "save-to", "", NULL, studio_do_save_to, NULL, true},
     {NULL, "Export to a path", "export-to", "", NULL, studio_do_export_to, NULL, true},
+    {NULL, "Stop the stroke", "stroke-stop", NULL, NULL, studio_do_stroke_stop, NULL, false},
     {NULL, "Stop the report", "report-cancel", NULL, NULL, studio_do_report_cancel, NULL, false},
     {NULL, "Show the report", "report-show", NULL, NULL, studio_do_report_show, NULL, false},
     {NULL, "Throw unsaved work away", "discard", NULL, NULL, studio_do_discard, NULL, true},
@@ -246,6 +247,9 @@ static const row *find(const char *name) {
 /* A stroke or a question is ended first. */
 void studio_actions_run(studio_app *app, const char *name, const char *target) {
     const row *found = find(name);
+    if (found && (found->run == studio_do_undo || found->run == studio_do_quit ||
+                  found->run == studio_do_stroke_stop))
+        studio_stroke_stop(app);
     if (!found || (app->loading && found->run != studio_do_open_cancel) ||
         app->drag == STUDIO_DRAG_STROKE || app->touched || (found->needs && !app->document.texture))
         return;

@@ -78,7 +78,7 @@ static void adapt(GdkFrameClock *clock, gpointer user) {
     const double whole = (double)(g_get_monotonic_time() - app->began) * 1e-6,
                  seconds = fmax(whole, app->stats.seconds);
     app->began = 0;
-    if (seconds > SLOWEST && app->scale > 0.4f)
+    if (seconds > SLOWEST && app->scale > 0.3f)
         app->scale *= 0.8f;
     else if (seconds < SLOWEST / 2 && app->scale < 1)
         app->scale = fminf(1, app->scale * 1.1f);
@@ -249,51 +249,6 @@ static void resized(GtkGLArea *area, int width, int height, gpointer user) {
 
 /* ---- the pointer ---- */
 
-static slv_result begin_stroke(studio_app *app, bool eraser) {
-    uint32_t width, height;
-    slv_camera camera = studio_area_camera(app, &width, &height);
-    studio_paint paint = app->paint;
-    slv_result result = studio_document_need_session(&app->document);
-    if (result)
-        return result;
-    paint.erase = paint.erase || eraser || app->tool == STUDIO_ERASE;
-    char *line = studio_paint_line(&paint, &app->document, &camera, width, height);
-    result = line ? slv_session_stroke_begin(app->document.session, app->document.layer,
-                                             app->document.mask, NULL, line, strlen(line))
-                  : SLV_ERROR_MEMORY;
-    free(line);
-    return result;
-}
-
-void studio_area_pen(studio_app *app, studio_pen what, const slv_stroke_sample *samples,
-                     uint32_t count, bool eraser) {
-    slv_session *session = app->document.session;
-    app->document.message[0] = 0;
-    if (what == STUDIO_PEN_DOWN) {
-        if (studio_failed(app, begin_stroke(app, eraser)))
-            return;
-        session = app->document.session;
-        app->drag = STUDIO_DRAG_STROKE;
-    }
-    if (app->drag != STUDIO_DRAG_STROKE)
-        return;
-    slv_result result = count ? slv_session_stroke_add(session, samples, count) : SLV_OK;
-    if (!result && what == STUDIO_PEN_UP) {
-        slv_stroke_stats stats = {0};
-        result = slv_session_stroke_end(session, &stats);
-        studio_log(app, "\"event\":\"stroke\",\"dabs\":%llu,\"missed\":%llu,\"texels\":%llu",
-                   (unsigned long long)stats.dabs, (unsigned long long)stats.missed,
-                   (unsigned long long)stats.texels);
-    }
-    if (result || what == STUDIO_PEN_UP)
-        app->drag = STUDIO_DRAG_NONE;
-    app->dirty = true;
-    studio_failed(app, result);
-    studio_area_redraw(app, true);
-    if (what == STUDIO_PEN_UP || result)
-        studio_sync(app);
-}
-
 static double axis_of(const double *axes, GdkAxisFlags has, GdkAxisFlags flag, GdkAxisUse use,
                       double otherwise) {
     return has & flag ? axes[use] : otherwise;
@@ -422,7 +377,7 @@ static gboolean press(studio_app *app, GdkEvent *event) {
     else if (button == 1 && (state & GDK_CONTROL_MASK) && studio_sizing_has_brush(app))
         studio_sizing_begin(app);
     else if (button == 1 && (app->tool == STUDIO_PAINT || app->tool == STUDIO_ERASE))
-        studio_area_pen(app, STUDIO_PEN_DOWN, sample, 1, is_eraser(event));
+        studio_stroke_pen(app, STUDIO_PEN_DOWN, sample, 1, is_eraser(event));
     else if (button == 1 && app->tool == STUDIO_TEXELS)
         studio_texels_begin(app, (state & GDK_SHIFT_MASK) || is_eraser(event));
     else if (button == 1)
@@ -470,9 +425,9 @@ static gboolean motion(studio_app *app, GdkEvent *event) {
     app->tilt[0] = last->tilt_x;
     app->tilt[1] = last->tilt_y;
     app->pointer_inside = true;
-    if (app->drag == STUDIO_DRAG_STROKE) {
+    if (app->drag == STUDIO_DRAG_STROKE && !app->stroke.lifted) {
         studio_log(app, "\"event\":\"samples\",\"count\":%u", count);
-        studio_area_pen(app, STUDIO_PEN_MOVE, samples, count, false);
+        studio_stroke_pen(app, STUDIO_PEN_MOVE, samples, count, false);
     } else if (app->drag == STUDIO_DRAG_TEXELS) {
         for (uint32_t i = 0; i < count && app->drag == STUDIO_DRAG_TEXELS; i++) {
             app->x = (double)samples[i].x;
@@ -483,7 +438,7 @@ static gboolean motion(studio_app *app, GdkEvent *event) {
         drag_stencil(app, dx, dy);
     } else if (app->drag == STUDIO_DRAG_BRUSH) {
         studio_sizing_drag(app, dx, dy);
-    } else if (app->drag != STUDIO_DRAG_NONE) {
+    } else if (app->drag != STUDIO_DRAG_NONE && app->drag != STUDIO_DRAG_STROKE) {
         drag_view(app, dx, dy);
     } else {
         follow_soon(app);
@@ -493,9 +448,11 @@ static gboolean motion(studio_app *app, GdkEvent *event) {
 }
 
 static gboolean release(studio_app *app) {
-    if (app->drag == STUDIO_DRAG_STROKE)
-        studio_area_pen(app, STUDIO_PEN_UP, NULL, 0, false);
-    else if (app->touched)
+    if (app->drag == STUDIO_DRAG_STROKE) { /* it may go on for a while */
+        studio_stroke_pen(app, STUDIO_PEN_UP, NULL, 0, false);
+        return FALSE;
+    }
+    if (app->touched)
         studio_texels_end(app);
     else if (app->drag == STUDIO_DRAG_BRUSH)
         studio_sizing_end(app);

@@ -18,6 +18,7 @@ bool studio_layer_now(const studio_app *app, slv_layer_info *info, uint32_t *ind
 bool studio_face_under(studio_app *app, slv_paint_hit *hit);
 
 void studio_do_undo(studio_app *app, const char *target);
+void studio_do_stroke_stop(studio_app *app, const char *target);
 void studio_do_redo(studio_app *app, const char *target);
 void studio_do_history(studio_app *app, const char *target);
 void studio_do_layer_add(studio_app *app, const char *target);

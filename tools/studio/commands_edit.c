@@ -39,6 +39,12 @@ void studio_do_undo(studio_app *app, const char *target) {
     step(app, false);
 }
 
+/* What is left of a stroke is stopped before actions of its kind are run. */
+void studio_do_stroke_stop(studio_app *app, const char *target) {
+    (void)app;
+    (void)target;
+}
+
 void studio_do_redo(studio_app *app, const char *target) {
     (void)target;
     step(app, true);

@@ -3,9 +3,26 @@
 
 #include <math.h>
 #include <stdlib.h>
+#include <string.h>
+
+/* What the studio gives faces: with more a dab could take seconds. What a file has already stays.
+ */
+enum { MOST_LOG2 = 10, MOST_TEXELS = 1 << 24 };
 
 static int8_t other_size(int8_t size, int by) {
-    return (int8_t)CLAMP(size + by, 0, 12);
+    return (int8_t)MAX(size + MIN(by, MAX(MOST_LOG2 - size, 0)), 0);
+}
+
+/* Of the document, when these faces have other sizes; of none: as it is. */
+static uint64_t texels_with(const slv_texture_desc *desc, uint32_t count, const uint32_t *faces,
+                            const slv_res *res) {
+    uint64_t total = 0;
+    for (uint32_t f = 0; f < desc->nfaces; f++)
+        total += UINT64_C(1) << (desc->res[f].u + desc->res[f].v);
+    for (uint32_t i = 0; i < count; i++)
+        total += (UINT64_C(1) << (res[i].u + res[i].v)) -
+                 (UINT64_C(1) << (desc->res[faces[i]].u + desc->res[faces[i]].v));
+    return total;
 }
 
 /* Of the document, and of the layer that is painted on: more texels of one alone would not show. */
@@ -15,15 +32,26 @@ static void resize(studio_app *app, uint32_t count, const uint32_t *faces, const
     slv_document *layers = studio_layers_of(app);
     if (!count || !layers || !studio_layer_now(app, &info, &index))
         return;
+    const slv_texture_desc *desc = slv_document_get_desc(layers);
     slv_res *res = g_new(slv_res, count), *own = g_new(slv_res, count);
+    bool changes = false;
     for (uint32_t i = 0; i < count; i++) {
-        const slv_res flat = slv_document_get_desc(layers)->res[faces[i]],
-                      layer = info.res[faces[i]];
+        const slv_res flat = desc->res[faces[i]], layer = info.res[faces[i]];
         res[i] = (slv_res){other_size(flat.u, by[i]), other_size(flat.v, by[i])};
         own[i] = (slv_res){other_size(layer.u, by[i]), other_size(layer.v, by[i])};
+        changes = changes || memcmp(&res[i], &flat, sizeof flat) != 0;
     }
     slv_result result = SLV_OK;
-    if (slv_document_resize_bytes(layers, 0, count, faces, res) > slv_memory_available()) {
+    const uint64_t texels = texels_with(desc, count, faces, res);
+    if (!changes) {
+        studio_say(app,
+                   "These faces have as many texels as they are given here: 1 to 1024 each way.",
+                   NULL, NULL);
+    } else if (texels > MOST_TEXELS && texels > texels_with(desc, 0, NULL, NULL)) {
+        studio_say(
+            app, "That would be more than 16 million texels, which could not be painted fluently.",
+            NULL, NULL);
+    } else if (slv_document_resize_bytes(layers, 0, count, faces, res) > slv_memory_available()) {
         studio_say(app, "There is not enough memory for that many texels.", NULL, NULL);
     } else if (!(result = slv_document_begin(layers, "texels"))) {
         if (!(result = slv_document_resize(layers, 0, count, faces, res)) && !info.props.locked)

@@ -23,8 +23,8 @@ static void play_line(studio_app *app, const char *line) {
                                           .tilt_y = (float)tilt[1],
                                           .time = ms / 1000};
         if (app->document.texture && !app->loading)
-            studio_area_pen(app, (studio_pen)i, &sample, i != STUDIO_PEN_UP,
-                            strcmp(last, "eraser") == 0);
+            studio_stroke_pen(app, (studio_pen)i, &sample, i != STUDIO_PEN_UP,
+                              strcmp(last, "eraser") == 0);
     }
 }
 

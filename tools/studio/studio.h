@@ -40,6 +40,14 @@ typedef enum studio_drag {
 
 enum { STUDIO_BOOKMARKS = 4, STUDIO_RECENT = 8, STUDIO_TURNS = 10000 };
 
+/* A stroke from pen down until all of it is painted. */
+typedef struct studio_stroke {
+    GArray *waiting; /* samples that no dabs were made of yet */
+    gint64 lifted;   /* when the pen was; 0: it is down */
+    guint work;      /* the idle moment in which it goes on */
+    bool said;       /* that it takes long */
+} studio_stroke;
+
 typedef struct studio_app {
     GtkApplication *application;
     GtkWindow *window;
@@ -82,6 +90,7 @@ typedef struct studio_app {
     bool framed; /* the camera fits what is open */
 
     studio_drag drag;
+    studio_stroke stroke;
     uint8_t *touched;        /* of each face, whether a drag of the resolution brush was there */
     bool fewer;              /* that drag takes texels away */
     float density;           /* texels a unit that it gives instead; 0: none */
@@ -149,10 +158,14 @@ void studio_area_redraw(studio_app *app, bool moving);
 /* Before the document is another: what OpenGL has of it. */
 void studio_area_forget(studio_app *app);
 slv_camera studio_area_camera(const studio_app *app, uint32_t *width, uint32_t *height);
+
+/* stroke.c */
 /* Something of a pen at a place of the area, in pixels. */
 typedef enum studio_pen { STUDIO_PEN_DOWN, STUDIO_PEN_MOVE, STUDIO_PEN_UP } studio_pen;
-void studio_area_pen(studio_app *app, studio_pen what, const slv_stroke_sample *samples,
-                     uint32_t count, bool eraser);
+void studio_stroke_pen(studio_app *app, studio_pen what, const slv_stroke_sample *samples,
+                       uint32_t count, bool eraser);
+/* Ends a stroke whose pen was lifted where it is by now. */
+void studio_stroke_stop(studio_app *app);
 
 /* sizing.c */
 /* Whether the tool has a brush; a drag that changes its size to the sides and its opacity up and

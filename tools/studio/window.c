@@ -225,6 +225,7 @@ void studio_open(studio_app *app, const char *path) {
     app->mesh_path = NULL;
     o->failed = !studio_document_init(&o->document);
     app->loading = true;
+    app->drag = STUDIO_DRAG_NONE; /* the picture goes, and with it what would end a drag */
     app->opening = o;
     app->moved = g_get_monotonic_time();
     char *base = g_path_get_basename(path), *text = g_strdup_printf("Opening %s…", base);
