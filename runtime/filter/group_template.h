@@ -164,7 +164,7 @@ group_find_band(slv_sampler *s, const kernel_shape *shape, const group_spans *sp
                (spans->v.start == spans->v.start[0]) & (spans->v.n == spans->v.n[0]) &
                (spans->v.a == spans->v.a[0]) & (spans->v.b == spans->v.b[0]) &
                (spans->v.coarse == spans->v.coarse[0]);
-    if (!v8_none(spans->small) || !v8_all(same))
+    if (!v8_all(same))
         return false;
     int res_u = spans->u.res[0];
     band->weight = kernel_weigh_axis(shape, &spans->v, 0, &band->rows);
@@ -310,7 +310,9 @@ group_look_up_alike(slv_sampler *s, const group *g, const group_places *at, slv_
     quick_last last = {0};
     uint64_t moves = s->thread.moves;
     group_face on = {t, f, face, channels};
-    v8i done = group_add_band(s, g, &shape, &spans, &on, out);
+    v8i done = {0};
+    if (v8_none(spans.small))
+        done = group_add_band(s, g, &shape, &spans, &on, out);
     if (v8_all(done))
         return true;
     kernel k;
