@@ -69,6 +69,12 @@ does '"event":"chooser"' key ctrl+o
 choose '"event":"opened"' "$here/cube.ptx"
 exec 9>&-
 wait_for '"refined":true'
+cp "$here/cube.ptx" "$here/again.ptx"
+# and one more, whose pictures ask nothing of the document that is gone
+does '"event":"chooser"' key ctrl+o
+wanted_pictures=$(($(count_of '"refined":true') + 1))
+choose '"event":"opened"' "$here/again.ptx"
+wait_for '"refined":true' $wanted_pictures
 key frame f
 xdotool key ctrl+q
 ends

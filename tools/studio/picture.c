@@ -117,6 +117,10 @@ slv_result studio_picture_create(const slv_env *env, studio_picture **out) {
     p->env = *env;
     p->env.log = studio_document_note;
     p->env.log_user = p->message;
+    /* it outlives the document, and so what gives that memory */
+    p->env.allocate = NULL;
+    p->env.release = NULL;
+    p->env.memory_user = NULL;
     slv_result result = wrap(&p->env, &p->gl);
     if (!result)
         result = studio_screen_create(&p->env, &p->to_screen);
