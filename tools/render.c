@@ -17,7 +17,7 @@ struct render {
     scene_options scene;
     const char *out;
     int strategy, context, pass, layout;
-    bool raw, quiet, json, compress, even_given;
+    bool raw, quiet, json, compress, even_given, strategy_given;
     int plain_levels;
     uint32_t msaa, aniso, bits;
 };
@@ -305,10 +305,16 @@ static const char *options_problem(const struct render *r) {
     const char *problem = scene_options_problem(&r->scene);
     if (problem)
         return problem;
-    if (r->scene.uv && (r->compress || r->even_given || r->layout))
-        return r->compress     ? "--compress is of per-face textures, not of --uv"
-               : r->even_given ? "--even-levels is of per-face textures, not of --uv"
-                               : "--layout is of per-face textures, not of --uv";
+    const struct {
+        bool given;
+        const char *problem;
+    } faces[] = {{r->compress, "--compress is of per-face textures, not of --uv"},
+                 {r->even_given, "--even-levels is of per-face textures, not of --uv"},
+                 {r->layout != 0, "--layout is of per-face textures, not of --uv"},
+                 {r->strategy_given, "--strategy is of per-face textures, not of --uv"}};
+    for (size_t i = 0; i < sizeof faces / sizeof *faces && r->scene.uv; i++)
+        if (faces[i].given)
+            return faces[i].problem;
     if (r->scene.latlong && r->pass)
         return "--pass ids is of a surface, not of --latlong";
     return r->msaa & (r->msaa - 1) ? "--msaa: expected 1, 2, 4 or 8" : NULL;
@@ -324,7 +330,7 @@ int verb_render(int argc, char **argv) {
     cli_option options[OWN + SCENE_OPTION_ROWS] = {
         CLI_OUT(&r.out, "picture, .png or .exr (the texture's name with .png)", "FILE"),
         {"--strategy|-s", CLI_CHOICE, &r.strategy, how,
-         scene_strategies(strategies, sizeof strategies), 0, 0, NULL},
+         scene_strategies(strategies, sizeof strategies), 0, 0, &r.strategy_given},
         {"--pass", CLI_CHOICE, &r.pass,
          "the picture, or the face of each pixel: EXR its number, -1 for none; PNG a colour that "
          "stands for it",

@@ -67,9 +67,11 @@ static json_t *report_json(const struct wrap_options *o, const slv_wrap_report *
         {"drawn", r->ndrawn},
         {"bytes_saved", ((int64_t)r->ndrawn_before - (int64_t)r->ndrawn) * VERTEX_BYTES},
         {"kept", r->nkept},
+        {"first_kept", r->nkept ? r->first_kept + 1 : 0},
         {"close", r->nclose},
         {"first_close", r->nclose ? r->first_close + 1 : 0},
         {"collapsed", r->ncollapsed},
+        {"first_collapsed", r->ncollapsed ? r->first_collapsed + 1 : 0},
         {"seam_u", r->nseam[0]},
         {"seam_v", r->nseam[1]},
         {"wide", r->nwide},
@@ -87,8 +89,10 @@ static json_t *report_json(const struct wrap_options *o, const slv_wrap_report *
                              "round", slv_wrap_round_name(r->round));
     for (size_t i = 0; i < sizeof numbers / sizeof *numbers && json; i++)
         json_object_set_new(json, numbers[i].name, json_integer((json_int_t)numbers[i].value));
-    if (json && r->nends)
+    if (json && r->nends) {
         json_object_set_new(json, "end_apart", json_real((double)r->end_apart));
+        json_object_set_new(json, "end_axis", json_string(r->end_axis ? "v" : "u"));
+    }
     return json;
 }
 

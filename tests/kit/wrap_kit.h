@@ -279,13 +279,13 @@ static const char wrap_fragment[] =
     "}\n";
 
 /* The include stands before main, with what main does chosen before it. */
-static inline GLuint wrap_program(const char *include, const char *defines) {
+static inline GLuint wrap_link(const char *version, const char *include, const char *defines,
+                               const char *vertex, const char *fragment) {
     GLuint program = wrap_api.CreateProgram();
     GLint fine = 0;
     for (int stage = 0; stage < 2; stage++) {
-        const char *texts[] = {"#version 450 core\n", defines,
-                               stage ? "#define SLV_WRAP_FRAGMENT\n" : "", include,
-                               stage ? wrap_fragment : wrap_vertex};
+        const char *texts[] = {version, defines, stage ? "#define SLV_WRAP_FRAGMENT\n" : "",
+                               include, stage ? fragment : vertex};
         GLuint shader = wrap_api.CreateShader(stage ? GL_FRAGMENT_SHADER : GL_VERTEX_SHADER);
         char log[1024] = "";
         wrap_api.ShaderSource(shader, 5, texts, NULL);
@@ -301,6 +301,10 @@ static inline GLuint wrap_program(const char *include, const char *defines) {
     if (!fine)
         wrap_stop("the program does not link");
     return program;
+}
+
+static inline GLuint wrap_program(const char *include, const char *defines) {
+    return wrap_link("#version 450 core\n", include, defines, wrap_vertex, wrap_fragment);
 }
 
 /* RGB floats, row 0 at v = 0, as a texture that repeats. */

@@ -151,6 +151,37 @@ static void shapes(void) {
     slv_mesh_destroy(mesh);
 }
 
+static size_t held(void) {
+    struct mallinfo2 info = mallinfo2();
+    return info.uordblks + info.hblkhd;
+}
+
+static void note_held(void *user, slv_log_level level, const char *message) {
+    (void)message;
+    if (level == SLV_LOG_ERROR)
+        *(size_t *)user = held();
+}
+
+/* What is more than allowed is refused before it is there. */
+static void within(const slv_mesh *mesh) {
+    const slv_surface_params params = {.moves = true};
+    slv_env env = test_env(), small = env;
+    size_t before = held(), when_refused = 0;
+    slv_surface *surface = NULL;
+    MUST(slv_surface_create(&env, mesh, &params, &surface));
+    const size_t whole = held() - before;
+    slv_surface_destroy(surface);
+    surface = NULL;
+    before = held();
+    small.max_bytes = 1 << 20;
+    small.log = note_held;
+    small.log_user = &when_refused;
+    CHECK(slv_surface_create(&small, mesh, &params, &surface) == SLV_ERROR_LIMIT && !surface);
+    if (!TEST_SANITIZED)
+        CHECK_MSG(when_refused > 0 && when_refused - before < whole / 2,
+                  "%zu bytes were there when refused, of %zu", when_refused - before, whole);
+}
+
 /* Two fans back to back: so many polygons around a vertex that their weights are not kept. */
 static void crowded(void) {
     enum { AROUND = 210 };
@@ -173,6 +204,7 @@ static void crowded(void) {
                                 .poly_verts = s.verts};
     MUST(slv_mesh_create(&env, &view, &mesh));
     try_mesh("fans", mesh, SLV_SCHEME_CATMARK);
+    within(mesh);
     slv_mesh_destroy(mesh);
     shape_clear(&s);
 }

@@ -282,6 +282,7 @@ static void refused(void) {
         {1, "compare tube.ptx --mesh tube.obj --uv alpha.png -o no", "has alpha"},
         {1, "compare tube.ptx --mesh tube.obj --uv 'w.<UDIM>.png' --round u -o no", "one image"},
         {1, "compare data.ptx --mesh tube.obj --uv waves.png -o no", "--texture-encoding"},
+        {2, "render tube.obj --uv waves.png -s clamp -o no", "--strategy"},
     };
     write_image("alpha.png", 4, 0);
     FILE *from = fopen(tool_path("tube.obj"), "r"), *to = fopen(tool_path("bare.obj"), "w");

@@ -289,6 +289,8 @@ static void check_turns(void) {
     HAS("5 of these lie where the map ends 2.5 after it begins along u, which is no whole number "
         "of "
         "repetitions: the first is 1, of polygon");
+    RUNS(0, "wrap in.obj out.obj --json");
+    HAS("\"end_axis\": \"u\"");
     write_tube(1, 0, 0.9999, 4, 4);
     RUNS(0, "wrap in.obj out.obj");
     HAS("5 of these lie where the map ends 0.9999 after it begins along u");
@@ -358,6 +360,19 @@ static void check_bands(void) {
     RUNS(0, "wrap in.obj out.obj");
     HAS("2 vertices stay beside others at their place, since an edge would have more than two "
         "sides, or two that run the same way: the first is 17");
+    RUNS(0, "wrap in.obj out.obj --json");
+    HAS("\"first_kept\": 17");
+}
+
+/* Two signs of nothing are one coordinate, and one vertex to draw. */
+static void check_signs(void) {
+    static const char quads[] =
+        "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv -1 0 0\nv -1 1 0\nvt 0 0\nvt 0.3 0\nvt 0.3 1\n"
+        "vt 0 1\nvt -0.0 0\nvt -0.0 1\nvt -0.3 0\nvt -0.3 1\nf 1/1 2/2 3/3 4/4\n"
+        "f 5/7 1/5 4/6 6/8\n";
+    tool_write_file("signs.obj", quads, sizeof quads - 1);
+    RUNS(0, "wrap signs.obj out.obj");
+    HAS("as drawn, one for each texture coordinate: 6 of 6, 0 bytes saved");
 }
 
 int main(void) {
@@ -377,6 +392,7 @@ int main(void) {
     }
     check_whole();
     check_bands();
+    check_signs();
     RUNS(2, "wrap in.obj out.obj --axis z");
     HAS("--map is missing");
     tool_end();

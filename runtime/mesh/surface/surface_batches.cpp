@@ -4,6 +4,7 @@
 #include "mesh/surface/surface_data.h"
 
 #include <algorithm>
+#include <cmath>
 #include <cstring>
 #include <unordered_map>
 
@@ -90,7 +91,7 @@ struct Finding {
 
 /* What OpenSubdiv makes of controls that are 1 in one place each are the weights. They are kept if
  * the points that come of them are OpenSubdiv's own, which they are not where it was compiled to
- * round otherwise. */
+ * round otherwise. That shows in controls that are no round numbers, as the mesh's own may be. */
 void find_weights(const slv_surface &s, uint32_t poly, Weights &w) {
     const BfrSurface &surface = surface_of(s, poly);
     const size_t n = w.controls, all = n + w.rows;
@@ -101,8 +102,9 @@ void find_weights(const slv_surface &s, uint32_t poly, Weights &w) {
         units[i * n + i] = 1;
     surface.ComputePatchPoints(units.data(), int(n));
     w.values.assign(units.begin() + std::ptrdiff_t(n * n), units.end());
-    surface.PreparePatchPoints(s.placed.data(), 3, expected.data(), 3);
-    std::copy_n(expected.begin(), 3 * n, own.begin());
+    for (size_t i = 0; i < 3 * n; i++)
+        own[i] = expected[i] = std::fmod(float(i + 1) * 0.618034f, 1.0f) - 0.5f;
+    surface.ComputePatchPoints(expected.data(), 3);
     weigh<1>(w, 3, own.data(), own.data() + 3 * n);
     if (std::memcmp(own.data(), expected.data(), 3 * all * sizeof(float)) != 0)
         w.values.clear();
@@ -121,8 +123,9 @@ slv_result find_range(void *user, uint64_t first, uint64_t end) {
     }
 }
 
-/* Numbers the trees as polygons meet them, and fills each tree's batches one after the other. */
-void gather(slv_surface &s, const std::vector<const void *> &trees, Finding &finding) {
+/* Numbers the trees as polygons meet them, and fills each tree's batches one after the other.
+ * Returns how many floats their points are. */
+size_t gather(slv_surface &s, const std::vector<const void *> &trees, Finding &finding) {
     std::unordered_map<const void *, uint32_t> numbers;
     std::vector<std::vector<uint32_t>> polys;
     for (uint32_t p = 0; p < trees.size(); p++) {
@@ -155,7 +158,7 @@ void gather(slv_surface &s, const std::vector<const void *> &trees, Finding &fin
             points += 3 * batch.count * size_t(s.weights[t].controls + s.weights[t].rows) + 4;
             s.batches.push_back(batch);
         }
-    s.points.resize(points);
+    return points;
 }
 
 void make_units(slv_surface &s) {
@@ -181,13 +184,16 @@ slv_result make_batches(const slv_env *env, slv_surface &s, const std::vector<co
                         uint64_t bytes) {
     Finding finding;
     finding.surface = &s;
-    gather(s, trees, finding);
-    bytes += s.points.size() * sizeof(float);
+    const size_t points = gather(s, trees, finding);
+    bytes += points * sizeof(float);
     for (const Weights &w : s.weights)
-        bytes += std::min<uint64_t>(uint64_t(w.controls) * w.rows, kMostWeights) * sizeof(float);
-    slv_result result = bytes > s.env.max_bytes
-                            ? SLV_ERROR_LIMIT
-                            : slvi_parallel_for(env, s.weights.size(), 1, find_range, &finding);
+        if (uint64_t(w.controls) * w.rows <= kMostWeights)
+            bytes += uint64_t(w.controls) * w.rows * sizeof(float);
+    slv_result result = SLV_ERROR_LIMIT;
+    if (bytes <= s.env.max_bytes) {
+        s.points.resize(points);
+        result = slvi_parallel_for(env, s.weights.size(), 1, find_range, &finding);
+    }
     if (result)
         return slvi_fail(env, result, "surface: could not be prepared: %s",
                          slv_result_string(result));

@@ -25,9 +25,11 @@ slv_result slvi_wrap_count_drawn(const slv_env *env, const slv_mesh *mesh, uint3
         return result;
     for (uint32_t s = 0; s < nsides; s++) {
         const int32_t id = view->poly_texcoords ? view->poly_texcoords[s] : -1;
-        const float none[2] = {NAN, NAN};
+        float at[2] = {NAN, NAN};
+        for (size_t k = 0; k < 2 && id >= 0; k++)
+            at[k] = view->texcoords[2 * (size_t)id + k] + 0.0f; /* of nothing one sign */
         pairs[s].vertex = view->poly_verts[s];
-        memcpy(pairs[s].at, id < 0 ? none : view->texcoords + 2 * (size_t)id, sizeof none);
+        memcpy(pairs[s].at, at, sizeof at);
     }
     qsort(pairs, nsides, sizeof *pairs, by_bits);
     for (uint32_t s = 0; s < nsides; s++)
