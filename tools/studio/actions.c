@@ -250,6 +250,8 @@ void studio_actions_run(studio_app *app, const char *name, const char *target) {
     if (found && (found->run == studio_do_undo || found->run == studio_do_quit ||
                   found->run == studio_do_stroke_stop))
         studio_stroke_stop(app);
+    else /* no key is lost because a stroke takes longer than the hand */
+        studio_stroke_finish(app);
     if (!found || (app->loading && found->run != studio_do_open_cancel) ||
         app->drag == STUDIO_DRAG_STROKE || app->touched || (found->needs && !app->document.texture))
         return;

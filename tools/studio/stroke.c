@@ -109,3 +109,8 @@ void studio_stroke_stop(studio_app *app) {
     g_array_set_size(app->stroke.waiting, 0);
     work(app);
 }
+
+void studio_stroke_finish(studio_app *app) {
+    while (app->stroke.lifted)
+        work(app);
+}

@@ -166,6 +166,8 @@ void studio_stroke_pen(studio_app *app, studio_pen what, const slv_stroke_sample
                        uint32_t count, bool eraser);
 /* Ends a stroke whose pen was lifted where it is by now. */
 void studio_stroke_stop(studio_app *app);
+/* Paints all that is left of it. */
+void studio_stroke_finish(studio_app *app);
 
 /* sizing.c */
 /* Whether the tool has a brush; a drag that changes its size to the sides and its opacity up and
