@@ -17,9 +17,25 @@ lookup_one(slv_sampler *s, const slv_lookup *l, slv_filter filter, float *out) {
     return result;
 }
 
+static inline __attribute__((always_inline)) bool
+lookup_at_once(slv_sampler *s, const slv_lookup *l, slv_filter filter, float *out) {
+    if (filter != SLV_FILTER_POINT && filter != SLV_FILTER_BILINEAR)
+        return false;
+    cache_pin(&s->thread);
+    bool done = quick_at_once(s, l, filter, out);
+    cache_unpin(&s->thread);
+    if (done)
+        cache_count(&s->thread.lookups, 1);
+    return done;
+}
+
 #define LOOKUP_DEFINE(CODE, FILTER)                                                                \
-    static slv_result lookup_one_##CODE(slv_sampler *s, const slv_lookup *l, float *out) {         \
+    static __attribute__((noinline))                                                               \
+    slv_result lookup_slowly_##CODE(slv_sampler *s, const slv_lookup *l, float *out) {             \
         return lookup_one(s, l, FILTER, out);                                                      \
+    }                                                                                              \
+    static slv_result lookup_one_##CODE(slv_sampler *s, const slv_lookup *l, float *out) {         \
+        return lookup_at_once(s, l, FILTER, out) ? SLV_OK : lookup_slowly_##CODE(s, l, out);       \
     }                                                                                              \
     static slv_result lookup_many_##CODE(slv_sampler *s, const slv_lookup *l,                      \
                                          const uint32_t *order, size_t count, float *out,          \

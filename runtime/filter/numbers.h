@@ -5,6 +5,12 @@
 #include <stdint.h>
 #include <string.h>
 
+static inline uint32_t num_bits(float x) {
+    uint32_t bits;
+    memcpy(&bits, &x, sizeof bits);
+    return bits;
+}
+
 /* -floor(log2 w), for normal w */
 static inline int num_negative_log2(float w) {
     int32_t bits;

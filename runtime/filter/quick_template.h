@@ -114,28 +114,38 @@ quick_put_texel(const cache_tables *t, const uint8_t *texel, uint32_t channels, 
     quick_put(__builtin_shufflevector(values, values, 0, 1, 2, 3) * t->scale + 0, channels, out);
 }
 
-/* The bilinear ones among them that lie between four texels of a face at full resolution, and
- * nothing else: as few steps as there can be. The values are those of all the others' way. */
+/* What is looked at first, of a lookup that may be quick: u and v, and the footprint along them, as
+ * often as there is room. */
+typedef struct quick_place {
+    cache_tables *tables;
+    cache_face *face;
+    uint32_t channels;
+    v4f at, sides;
+} quick_place;
+
+/* Returns false if it is none of most lookups. */
 static inline __attribute__((always_inline)) bool
-quick_between_four(const slv_sampler *s, const cache_tables *t, cache_face *f,
-                   const kernel_spans *spans, uint32_t channels, float *out) {
-    union {
-        v8f v;
-        float f[8];
-    } rows;
-    const uint8_t *texels = cache_find_full(s->thread.view, f);
-    int x = spans->start[0], y = spans->start[1];
-    if ((x | y | ((1 << f->res_u) - 2 - x) | ((1 << f->res_v) - 2 - y)) < 0 || !texels)
+quick_find_place(const slv_sampler *s, const slv_lookup *l, slv_filter filter, quick_place *out) {
+    cache_tables *t = cache_find_tables(s->thread.view, l->file);
+    if (!t || l->face >= t->nfaces)
         return false;
-    v8f total = spans->a + spans->b;
-    size_t pitch = (size_t)t->pixel_size << f->res_u;
-    texels += (size_t)y * pitch + (size_t)x * t->pixel_size;
-    rows.v = gather_load(t->type, texels) * spans->a[1];
-    rows.v += gather_load(t->type, texels + pitch) * spans->b[1];
-    v4f sum = gather_two_columns(rows.f, t->nchannels, spans->a[0], spans->b[0]);
-    quick_put_zeros(s, channels, out);
-    quick_put(sum * (t->scale / (total[0] * total[1])) + 0, channels, out);
-    return true;
+    out->tables = t;
+    out->face = &t->faces[l->face];
+    out->channels = t->nchannels < s->nchannels ? t->nchannels : s->nchannels;
+    if (!quick_fits(s, out->face))
+        return false;
+    if (filter == SLV_FILTER_POINT)
+        return num_bits(l->u) < QUICK_UNIT_BITS && num_bits(l->v) < QUICK_UNIT_BITS;
+    v8f row;
+    memcpy(&row, l, sizeof row);
+    out->at = __builtin_shufflevector(row, row, 2, 3, 2, 3);
+    v4f sides = __builtin_shufflevector(row, row, 4, 5, 6, 7);
+    v4i sound = (v4i)((v4u32)out->at < QUICK_UNIT_BITS);
+    sides = (v4f)((v4i)sides & 0x7fffffff);
+    sides += __builtin_shufflevector(sides, sides, 2, 3, 0, 1);
+    out->sides = sides * s->width + s->blur;
+    sound &= out->sides < INFINITY;
+    return (sound[0] & sound[1]) != 0;
 }
 
 /* One along u and one along v, as often as there is room. */
@@ -143,55 +153,72 @@ static inline __attribute__((always_inline)) v8i quick_both(int u, int v) {
     return (v8i){u, v, u, v, u, v, u, v};
 }
 
+static inline __attribute__((always_inline)) void
+quick_find_spans(const kernel_shape *shape, const quick_place *p, kernel_spans *out) {
+    kernel_span_axes(shape, v8_join(p->at, p->at), v8_join(p->sides, p->sides),
+                     quick_both(p->face->res_u, p->face->res_v), out);
+}
+
+/* Those that are one texel, and bilinear ones that lie between four texels of a face at full
+ * resolution: as few steps as there can be, and no call, so that no registers are saved. Returns
+ * false for all others. The values are those of the others' way. */
+static inline __attribute__((always_inline)) bool
+quick_at_once(const slv_sampler *s, const slv_lookup *l, slv_filter filter, float *out) {
+    quick_place p;
+    if (!quick_find_place(s, l, filter, &p))
+        return false;
+    const cache_tables *t = p.tables;
+    cache_face *f = p.face;
+    const uint8_t *texels = cache_find_full(s->thread.view, f);
+    bool zeros = p.channels < s->nchannels && s->nchannels != UINT32_MAX; /* to be put behind */
+    if (!texels || zeros)
+        return false;
+    if (filter == SLV_FILTER_POINT) {
+        size_t place = point_place(l->u, l->v, f->res_u, f->res_v);
+        quick_put_texel(t, texels + place * t->pixel_size, p.channels, out);
+        return true;
+    }
+    union {
+        v8f v;
+        float f[8];
+    } rows;
+    kernel_shape shape = {.filter = filter};
+    kernel_spans spans;
+    quick_find_spans(&shape, &p, &spans);
+    int x = spans.start[0], y = spans.start[1];
+    if (spans.res[0] != f->res_u || spans.res[1] != f->res_v ||
+        (f->res_u <= APRON_LOG2 && f->res_v <= APRON_LOG2) ||
+        (x | y | ((1 << f->res_u) - 2 - x) | ((1 << f->res_v) - 2 - y)) < 0)
+        return false;
+    v8f total = spans.a + spans.b;
+    size_t pitch = (size_t)t->pixel_size << f->res_u;
+    texels += (size_t)y * pitch + (size_t)x * t->pixel_size;
+    rows.v = gather_load(t->type, texels) * spans.a[1];
+    rows.v += gather_load(t->type, texels + pitch) * spans.b[1];
+    v4f sum = gather_two_columns(rows.f, t->nchannels, spans.a[0], spans.b[0]);
+    quick_put(sum * (t->scale / (total[0] * total[1])) + 0, p.channels, out);
+    return true;
+}
+
 /* Most lookups: on a quad whose texels are of few channels, from the first on. Returns false if
  * this is not one of them, or if the tables were dropped on the way. */
 static inline __attribute__((always_inline)) bool quick_look_up(slv_sampler *s, const slv_lookup *l,
                                                                 slv_filter filter, float *out,
                                                                 slv_result *result) {
-    if (filter == SLV_FILTER_ANISOTROPIC)
+    quick_place p;
+    if (filter == SLV_FILTER_ANISOTROPIC || filter == SLV_FILTER_POINT ||
+        !quick_find_place(s, l, filter, &p))
         return false;
     const cache_view *cache = s->thread.view;
-    cache_tables *t = cache_find_tables(cache, l->file);
-    if (!t || l->face >= t->nfaces)
-        return false;
-    cache_face *f = &t->faces[l->face];
-    if (!quick_fits(s, f))
-        return false;
-    uint32_t channels = t->nchannels < s->nchannels ? t->nchannels : s->nchannels;
-    v8f row;
-    memcpy(&row, l, sizeof row);
-    /* u and v, as often as there is room */
-    v4f at = __builtin_shufflevector(row, row, 2, 3, 2, 3);
-    v4f sides = __builtin_shufflevector(row, row, 4, 5, 6, 7);
-    v4i sound = (v4i)((v4u32)at < QUICK_UNIT_BITS);
-    if (filter == SLV_FILTER_POINT) {
-        if (!(sound[0] & sound[1]))
-            return false;
-        const uint8_t *texels = cache_find_full(cache, f);
-        if (!texels)
-            return false;
-        quick_put_zeros(s, channels, out);
-        size_t place = point_place(l->u, l->v, f->res_u, f->res_v);
-        quick_put_texel(t, texels + place * t->pixel_size, channels, out);
-        return true;
-    }
-    sides = (v4f)((v4i)sides & 0x7fffffff);
-    sides += __builtin_shufflevector(sides, sides, 2, 3, 0, 1);
-    sides = sides * s->width + s->blur;
-    sound &= sides < INFINITY;
-    if (!(sound[0] & sound[1]))
-        return false;
+    cache_tables *t = p.tables;
+    cache_face *f = p.face;
+    uint32_t channels = p.channels;
     kernel_shape shape = s->shape;
     shape.filter = filter;
     kernel_spans spans;
     quick_reach reach;
     kernel k;
-    kernel_span_axes(&shape, v8_join(at, at), v8_join(sides, sides), quick_both(f->res_u, f->res_v),
-                     &spans);
-    if (filter == SLV_FILTER_BILINEAR && spans.res[0] == f->res_u && spans.res[1] == f->res_v &&
-        (f->res_u > APRON_LOG2 || f->res_v > APRON_LOG2) &&
-        quick_between_four(s, t, f, &spans, channels, out))
-        return true;
+    quick_find_spans(&shape, &p, &spans);
     quick_find_reach(s, &spans, &reach);
     k.turns = 0;
     float weight = kernel_weigh_axis(&shape, &spans, 0, &k.a[0]);
