@@ -43,6 +43,7 @@ static kit cube;
     X(PFNGLCLIPCONTROLPROC, ClipControl)                                                           \
     X(PFNGLPIXELSTOREIPROC, PixelStorei)                                                           \
     X(PFNGLBINDBUFFERPROC, BindBuffer)                                                             \
+    X(PFNGLISBUFFERPROC, IsBuffer)                                                                 \
     X(PFNGLGETINTEGERVPROC, GetIntegerv)
 static struct {
 #define MEMBER(type, name) type name;
@@ -233,7 +234,7 @@ static const GLenum states[] = {GL_BLEND,
                                 GL_PIXEL_UNPACK_BUFFER_BINDING,
                                 GL_PIXEL_PACK_BUFFER_BINDING,
                                 GL_SHADER_STORAGE_BUFFER_BINDING};
-enum { STATES = sizeof states / sizeof *states };
+enum { STATES = sizeof states / sizeof *states, NAMES = 4096 };
 
 static void get_states(GLint out[STATES]) {
     for (size_t i = 0; i < STATES; i++)
@@ -247,14 +248,26 @@ static void white(const void *user, uint32_t tile, uint32_t x, uint32_t y, uint3
         rgba[i] = 1;
 }
 
-static void make_images(void) {
+/* Images go while the one table that they have is bound, and another is the host's. */
+static void make_images(GLuint host) {
+    static bool was[NAMES];
     static const slv_uv_tile tile = {0, 0, 5, 3};
     static const float corners[8] = {0, 0, 1, 0, 1, 1, 0, 1};
     const slv_uv_images given = {
         .nfaces = 1, .texcoords = corners, .ntiles = 1, .tiles = &tile, .pixels = white};
     slv_env env = test_env();
     slv_gl_images *images = NULL;
+    for (GLuint name = 1; name < NAMES; name++)
+        was[name] = api.IsBuffer(name);
     REQUIRE(slv_gl_images_create(gl, &env, &given, 4, &images) == SLV_OK);
+    uint32_t tables = 0;
+    for (GLuint name = 1; name < NAMES; name++)
+        if (!was[name] && api.IsBuffer(name)) {
+            api.BindBufferBase(GL_SHADER_STORAGE_BUFFER, SLV_GL_FIRST_STORAGE, name);
+            tables++;
+        }
+    CHECK(tables == 1);
+    api.BindBuffer(GL_SHADER_STORAGE_BUFFER, host);
     slv_gl_images_destroy(images);
 }
 
@@ -288,7 +301,7 @@ static void check_states(void) {
     api.BindBuffer(GL_SHADER_STORAGE_BUFFER, buffer);
     get_states(before);
     slv_gl_texture_destroy(bound);
-    make_images();
+    make_images(buffer);
     REQUIRE(slv_gl_texture_prepare(gl, &env, cube.texture, cube.adjacency, &params, &guest) ==
             SLV_OK);
     while (!upload.ready)

@@ -312,9 +312,12 @@ void slv_gl_images_destroy(slv_gl_images *images) {
     if (!images)
         return;
     const slv_gl_api *api = &images->gl->api;
+    GLint storage = 0; /* a driver may unbind it with a table of ours that is still bound */
+    api->GetIntegerv(GL_SHADER_STORAGE_BUFFER_BINDING, &storage);
     api->DeleteTextures((GLsizei)images->ntextures, images->textures);
     api->DeleteSamplers(1, &images->sampler);
     api->DeleteBuffers(1, &images->corners);
+    api->BindBuffer(GL_SHADER_STORAGE_BUFFER, (GLuint)storage);
     slvi_gl_batches_free(&images->batches);
     slvi_free(images->squares);
     slvi_free(images->textures);
