@@ -174,7 +174,7 @@ static void fill_link(const build *b, const slv_border_edge *edge, const slv_bor
 
 static void fill_boundary(const build *b, const slv_border_edge *edge, int32_t depth_count,
                           uint32_t j0, uint32_t j1) {
-    for (int32_t depth = 1; depth <= depth_count; depth++)
+    for (int32_t depth = 1; j0 < j1 && depth <= depth_count; depth++)
         copy_strip(b, edge->edge, depth, j0, j1, b->face, b->level, edge->edge, 0, j0, 1);
 }
 

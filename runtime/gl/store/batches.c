@@ -26,42 +26,58 @@ slv_result slvi_gl_add_batch(const slv_env *env, slv_gl_batches *batches,
     return SLV_OK;
 }
 
+/* The faces in a chunk of a pool and of those after it, as `next` says, if there are any. */
+static slv_result add_some(const slv_env *env, const slv_gl_pools *pools, uint32_t p,
+                           const uint32_t *next, slv_gl_chunks chunks, uint32_t chunk,
+                           uint32_t *first, slv_gl_batches *out) {
+    uint32_t end = *first;
+    slv_gl_batch_range *range;
+    for (uint32_t q = p + 1; q; q = next[q - 1]) {
+        const slv_gl_pool *pool = &pools->pools[q - 1];
+        for (uint32_t layer = 0; layer < pool->nlayers; layer++) {
+            out->faces[end] = pool->items[layer]; /* which the next one goes over unless it stays */
+            end += slv_gl_chunk_of(chunks, pool->items[layer]) == chunk;
+        }
+    }
+    if (end == *first)
+        return SLV_OK;
+    slv_result result = slvi_gl_add_batch(env, out, &range);
+    if (result)
+        return result;
+    *range = (slv_gl_batch_range){
+        .first = *first, .count = end - *first, .chunk = chunk, .npools = 1, .pools = {p}};
+    *first = end;
+    return SLV_OK;
+}
+
 slv_result slvi_gl_batches_by_pool(const slv_env *env, const slv_gl_pools *pools,
                                    slv_gl_chunks chunks, slv_gl_batches *out) {
-    uint32_t *batch_of = NULL, *of_sheet = NULL; /* one more than its batch's number */
-    slv_gl_batches batches = {0};
+    uint32_t first = 0, *next = NULL, *of_sheet = NULL; /* one more than a pool's number */
     slv_result result;
-    if ((result =
-             slvi_alloc(env, "batches", pools->nitems, sizeof *batches.faces, &batches.faces)) ||
+    *out = (slv_gl_batches){0};
+    if ((result = slvi_alloc(env, "batches", pools->npools, sizeof *next, &next)) ||
         (result = slvi_alloc(env, "batches", pools->nsheets, sizeof *of_sheet, &of_sheet)) ||
-        (result = slvi_alloc(env, "batches", pools->nitems, sizeof *batch_of, &batch_of)))
+        (result = slvi_alloc_plain(env, "batches", (uint64_t)pools->nitems + 1, sizeof *out->faces,
+                                   &out->faces)))
         goto done;
+    for (uint32_t p = pools->npools; p--;) { /* so that the first of a sheet's pools leads */
+        const slv_gl_pool *pool = &pools->pools[p];
+        if (!pool->columns || !pool->nlayers)
+            continue;
+        next[p] = of_sheet[pool->sheet];
+        of_sheet[pool->sheet] = p + 1;
+    }
     for (uint32_t p = 0; !result && p < pools->npools; p++) {
         const slv_gl_pool *pool = &pools->pools[p];
-        slv_gl_batch_range *range = NULL;
-        uint32_t number = pool->columns ? of_sheet[pool->sheet] : 0;
-        if (!pool->nlayers)
-            continue;
-        if (!number) {
-            if ((result = slvi_gl_add_batch(env, &batches, &range)))
-                goto done;
-            range->npools = 1;
-            range->pools[0] = p;
-            number = batches.count;
-            if (pool->columns)
-                of_sheet[pool->sheet] = number;
-        }
-        batches.ranges[number - 1].count += pool->nlayers;
-        for (uint32_t layer = 0; layer < pool->nlayers; layer++)
-            batch_of[pool->items[layer]] = number - 1;
+        bool leads = pool->nlayers && (!pool->columns || of_sheet[pool->sheet] == p + 1);
+        for (uint32_t chunk = 0; leads && !result && chunk < chunks.count; chunk++)
+            result = add_some(env, pools, p, next, chunks, chunk, &first, out);
     }
-    result = slvi_gl_batches_list(env, &batches, pools->order, pools->nitems, chunks, batch_of);
 done:
-    slvi_free(batch_of);
+    slvi_free(next);
     slvi_free(of_sheet);
     if (result)
-        slvi_gl_batches_free(&batches);
-    *out = batches;
+        slvi_gl_batches_free(out);
     return result;
 }
 
