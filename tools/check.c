@@ -205,7 +205,8 @@ int verb_check(int argc, char **argv) {
         {"--mesh|-m", CLI_TEXT, &c.mesh, "compare with this control mesh too", "FILE.obj", 0, 0,
          NULL},
         {"--seams", CLI_FLOAT, &c.seams,
-         "also compare both sides of every shared edge; how far they may differ, integers as 0..1",
+         "also compare both sides of every shared edge at full resolution; how far they may "
+         "differ, integers as 0..1",
          "X", 0, 0, &c.seams_given},
         {"--tables", CLI_FLAG, &c.tables, "look at the tables only, not at texels", NULL, 0, 0,
          NULL},

@@ -162,6 +162,7 @@ static int make_params(const cli_command *command, struct new_options *o, slv_bl
     if (o->alpha_given && o->alpha >= o->channels)
         return cli_usage(command, "--alpha %u: there are %u channels", o->alpha, o->channels);
     p->uniform = o->size_given;
+    p->max_given = o->max_given;
     p->density = o->density;
     p->square = o->square;
     p->type = (slv_type)o->type;

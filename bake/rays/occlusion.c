@@ -8,6 +8,7 @@
 #include "base/log.h"
 #include "base/memory.h"
 #include "base/processor.h"
+#include "base/progress.h"
 
 #include <math.h>
 #include <string.h>
@@ -151,6 +152,7 @@ slv_result slv_bake_from_rays(const slv_env *env, const slv_mesh *mesh, const sl
     if (result || (result = slvi_alloc(env, "bake: rays", 1, sizeof *o, &o)))
         return result;
     o->params = own;
+    o->params.progress = (slv_progress){0};
     o->texel_rays = best_rays();
     bool bent = own.kind == SLV_BAKE_BENT_NORMAL;
     o->base = (slv_bake_source){.fns = &fns,
@@ -161,8 +163,10 @@ slv_result slv_bake_from_rays(const slv_env *env, const slv_mesh *mesh, const sl
                                                                  : SLV_TYPE_FLOAT,
                                          bent ? 3 : 1, SLV_NO_ALPHA, SLV_TEXTURE_DATA}};
     if ((result = slv_mesh_adjacency(env, mesh, &adjacency)) ||
+        (result = slvi_progress(&own.progress, env, "bake", 0, 1)) ||
         (result = slv_tessellate(env, mesh, surface, adjacency, own.segments, &o->tessellation)) ||
-        (result = slvi_ray_scene_of_surface(env, &o->tessellation, NULL, &o->scene)) ||
+        (result = slvi_progress(&own.progress, env, "bake", 0, 1)) ||
+        (result = slvi_ray_scene_of_surface(env, &o->tessellation, &own.progress, &o->scene)) ||
         (result =
              slvi_reference_sampler_create(env, SLV_PIXEL_BOX, own.seed, own.samples, &o->sampler)))
         goto done;

@@ -155,7 +155,7 @@ slv_result slv_bake_save(const slv_env *env, const slv_mesh *mesh, const slv_bak
     slv_bake_job wider = *b.job;
     if (seams_of(&b) == SLV_PTX_SEAMS_ALL && !wider.uniform) {
         slv_res most = wider.max_res;
-        bool bound = most.u || most.v;
+        bool bound = wider.max_given || most.u || most.v;
         wider.min_res.u += !wider.min_res.u && !(bound && !most.u);
         wider.min_res.v += !wider.min_res.v && !(bound && !most.v);
         wider.seams = SLV_PTX_SEAMS_ALL;

@@ -14,10 +14,9 @@
 #include <string.h>
 
 enum {
-    FINER = 2,       /* log2 of samples for each pixel or texel along an axis */
-    MOST_LOG2 = 20,  /* of samples on a face */
-    BLIND_LOG2 = 8,  /* along an axis, of sources without a resolution */
-    DEFAULT_MAX = 12 /* log2 of texels */
+    FINER = 2,      /* log2 of samples for each pixel or texel along an axis */
+    MOST_LOG2 = 20, /* of samples on a face */
+    BLIND_LOG2 = 8  /* along an axis, of sources without a resolution */
 };
 
 typedef struct fit {
@@ -67,8 +66,6 @@ static void halve(const face_fit *f, slv_res from, slv_res to) {
 static slv_res fine_res(const fit *t, uint32_t face) {
     slv_res high = t->job->max_res, out = {BLIND_LOG2, BLIND_LOG2};
     float size[2] = {0, 0};
-    if (!high.u && !high.v)
-        high = (slv_res){DEFAULT_MAX, DEFAULT_MAX};
     if (t->source->fns->extent) {
         t->source->fns->extent(t->source, face, size);
         out.u = (int8_t)(size[0] > 1 ? ceilf(log2f(fminf(size[0], 65536))) : 0);

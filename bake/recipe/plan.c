@@ -17,12 +17,22 @@ static int8_t within(double value, int low, int high) {
     return (int8_t)(value > low ? (value < high ? lround(value) : high) : low); /* NaN: low */
 }
 
+/* The job with what faces are kept within, though it leaves that to us; blank textures know what
+ * uniform ones are. */
+static slv_bake_job limited(const slv_bake_job *job) {
+    slv_bake_job out = *job;
+    if (!out.uniform && !out.max_given && !out.max_res.u && !out.max_res.v) {
+        out.max_res.u = out.min_res.u > DEFAULT_MAX_LOG2 ? out.min_res.u : DEFAULT_MAX_LOG2;
+        out.max_res.v = out.min_res.v > DEFAULT_MAX_LOG2 ? out.min_res.v : DEFAULT_MAX_LOG2;
+        out.max_given = true;
+    }
+    return out;
+}
+
 static slv_result match(const slv_env *env, const slv_bake_source *source, const slv_bake_job *job,
                         slv_res **out) {
     slv_res low = job->min_res, high = job->max_res;
     double scale = job->match > 0 ? (double)job->match : 1;
-    if (!high.u && !high.v)
-        high = (slv_res){DEFAULT_MAX_LOG2, DEFAULT_MAX_LOG2};
     slv_result result = slvi_alloc(env, "resolutions", source->nfaces, sizeof **out, out);
     for (uint32_t face = 0; face < source->nfaces && !result; face++) {
         float size[2];
@@ -39,8 +49,6 @@ static slv_result by_views(const slv_env *env, const slv_mesh *mesh, const slv_b
     slv_res low = job->min_res, high = job->max_res;
     double scale = job->texels_per_pixel > 0 ? (double)job->texels_per_pixel : 1;
     float *sizes = NULL;
-    if (!high.u && !high.v)
-        high = (slv_res){DEFAULT_MAX_LOG2, DEFAULT_MAX_LOG2};
     slv_result result = slvi_alloc(env, "resolutions", nfaces, sizeof **out, out);
     if (!result)
         result = slvi_alloc(env, "resolutions", nfaces, 2 * sizeof *sizes, &sizes);
@@ -95,8 +103,6 @@ static slv_result widen(const slv_env *env, const slv_mesh *mesh, const slv_bake
         poly++;
     if (poly == view->npolys)
         return SLV_OK;
-    if (!high.u && !high.v)
-        high = (slv_res){DEFAULT_MAX_LOG2, DEFAULT_MAX_LOG2};
     for (uint32_t face = 0; most && face < slv_mesh_face_count(mesh); face++) {
         uint64_t texels = UINT64_C(1) << (res[face].u + res[face].v);
         room = room > texels ? room - texels : 0;
@@ -109,8 +115,9 @@ static slv_result widen(const slv_env *env, const slv_mesh *mesh, const slv_bake
 }
 
 slv_result slvi_bake_plan(const slv_env *env, const slv_mesh *mesh, const slv_bake_source *source,
-                          const slv_bake_job *job, const encoder *e, slv_res **out,
+                          const slv_bake_job *asked, const encoder *e, slv_res **out,
                           slv_bake_report *report) {
+    const slv_bake_job own_job = limited(asked), *job = &own_job;
     slv_type type = job->type_given ? job->type : source->desc.type;
     uint64_t most = job->max_texels;
     if (job->max_bytes)
@@ -122,6 +129,7 @@ slv_result slvi_bake_plan(const slv_env *env, const slv_mesh *mesh, const slv_ba
                                     .max_texels = most,
                                     .min_res = job->min_res,
                                     .max_res = job->max_res,
+                                    .max_given = job->max_given,
                                     .scheme = job->scheme};
     *out = NULL;
     int given = (job->uniform != 0) + (job->density != 0) + (job->max_texels != 0) +

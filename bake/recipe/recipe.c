@@ -113,7 +113,7 @@ static slv_result read_job(const recipe_reader *r, slv_bake_recipe *recipe) {
         (result = read_numbers(r, recipe)) ||
         (result = read_size(r, root, "size", &recipe->job.res, &recipe->job.uniform)) ||
         (result = read_size(r, root, "min-size", &recipe->job.min_res, NULL)) ||
-        (result = read_size(r, root, "max-size", &recipe->job.max_res, NULL)) ||
+        (result = read_size(r, root, "max-size", &recipe->job.max_res, &recipe->job.max_given)) ||
         (result = slvi_recipe_word(r, "recipe", root, "type", type_name, &type)) ||
         (result = slvi_recipe_word(r, "recipe", root, "scheme", scheme_name, &scheme)) ||
         (result = read_reductions(r, recipe)))

@@ -97,6 +97,10 @@ static double find_density(const plan *p, uint64_t texels) {
     return exp2(whole ? high : low);
 }
 
+static bool is_limited(const slv_blank_params *params) {
+    return params->max_given || params->max_res.u || params->max_res.v;
+}
+
 static slv_result check(const slv_env *env, const slv_blank_params *params) {
     uint32_t n = params->nchannels ? params->nchannels : 3;
     if ((params->uniform != 0) + (params->density != 0) + (params->max_texels != 0) > 1)
@@ -111,7 +115,7 @@ static slv_result check(const slv_env *env, const slv_blank_params *params) {
         return slvi_fail(env, SLV_ERROR_ARGUMENT,
                          "new texture: 2^%d x 2^%d texels, expected 0 to %d", params->res.u,
                          params->res.v, SLV_MAX_LOG2_RES);
-    if ((params->max_res.u || params->max_res.v) &&
+    if (is_limited(params) &&
         (params->min_res.u > params->max_res.u || params->min_res.v > params->max_res.v))
         return slvi_fail(env, SLV_ERROR_ARGUMENT,
                          "new texture: no face smaller than %ux%u and none larger than %ux%u",
@@ -169,7 +173,7 @@ slv_result slv_blank_plan(const slv_env *env, const slv_mesh *mesh, const slv_bl
     p.nfaces = slv_mesh_face_count(mesh);
     p.low = p.params->min_res;
     p.high = p.params->max_res;
-    if (!p.high.u && !p.high.v)
+    if (!is_limited(p.params))
         p.high = p.params->uniform ? (slv_res){SLV_MAX_LOG2_RES, SLV_MAX_LOG2_RES}
                                    : (slv_res){DEFAULT_MAX_LOG2, DEFAULT_MAX_LOG2};
     p.high.u = p.high.u > p.low.u ? p.high.u : p.low.u;

@@ -49,22 +49,21 @@ if mpirun -n 3 "$selvage" bake missing.obj --rays ao -o none.ptx >out 2>&1; then
 grep -q "missing.obj" out || fail "which mesh is missing"
 [ ! -e none.ptx ] || fail "a file of nothing"
 
-# A rank that is killed ends all, and the old file stays.
+# A rank that is killed while texels are baked ends all, and the old file stays.
 cp plain.rays.ptx old.ptx
-mpirun -n 3 "$selvage" bake strip.obj --rays ao --samples 65536 --size 64 -o old.ptx --quiet >out 2>&1 &
+mpirun -n 3 "$selvage" bake strip.obj --rays ao --samples 65536 --size 16 -o old.ptx --resume --quiet >out 2>&1 &
 running=$!
-victim=
-for _ in $(seq 400); do
+for _ in $(seq 1200); do
+    [ ! -s old.ptx.part ] || break
     sleep 0.05
-    victim=$(pgrep -P "$running" | sed -n 3p)
-    [ -z "$victim" ] || break
 done
+[ -s old.ptx.part ] || fail "no rank bakes anything"
+victim=$(pgrep -P "$running" | sed -n 3p)
 [ -n "$victim" ] || fail "no ranks"
-sleep 0.5
 kill -9 "$victim"
 if wait "$running"; then fail "exit code 0 with a rank killed"; fi
 running=
-[ -s out ] || fail "no message of a rank that was killed"
+grep -q "signal 9" out || fail "no message of a rank that was killed"
 cmp old.ptx plain.rays.ptx || fail "the old file is another"
-ls | grep -v -E '^(a|b|out|image\.(ptx|png)|strip\.obj|old\.ptx|(plain|n[124])\..*)$' && fail "something was left"
+ls | grep -v -E '^(a|b|out|image\.(ptx|png)|strip\.obj|old\.ptx(\.part)?|(plain|n[124])\..*)$' && fail "something was left"
 echo "the same bytes by 1, 2 and 4 processes"

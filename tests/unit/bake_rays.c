@@ -278,8 +278,6 @@ static const char box[] =
     "v -1 -1 -1\nv 1 -1 -1\nv 1 1 -1\nv -1 1 -1\nv -1 -1 1\nv 1 -1 1\nv 1 1 1\nv -1 1 1\n"
     "f 4 3 2 1\nf 5 6 7 8\nf 1 2 6 5\nf 3 4 8 7\nf 1 5 8 4\nf 2 3 7 6\n";
 
-/* A model onto itself: nothing is displaced, and normals are its own where they are not those of
- * rounded corners. */
 /* Vectors to a leaning plane are across it, whichever way the face's u goes. */
 static void vectors(void) {
     slv_env env = test_env();
@@ -317,6 +315,8 @@ static void vectors(void) {
     slv_mesh_destroy(plane);
 }
 
+/* A model onto itself: nothing is displaced, and normals are its own where they are not those of
+ * rounded corners. */
 static void itself(void) {
     slv_env env = test_env();
     float values[64 * 3], own[64 * 3];
@@ -446,6 +446,14 @@ static void interrupts(void) {
     slv_bake_job job = {.uniform = true, .res = {6, 2}, .progress = {step, &last}};
     MUST(slv_bake_from_rays(&env, s.mesh, s.surface, &rays, &source));
     MUST(slv_bake_from_rays(&env, s.mesh, s.surface, &cheap, &few));
+    for (stop_after = 1; stop_after <= 2; stop_after++) {
+        slv_bake_rays stopped = {.progress = {step, &last}};
+        slv_bake_source *none = NULL;
+        steps = 0;
+        CHECK(slv_bake_from_rays(&env, s.mesh, s.surface, &stopped, &none) == SLV_ERROR_CANCELLED &&
+              !none);
+    }
+    last = steps = 0;
     stop_after = 5;
     CHECK(slv_bake_save(&env, s.mesh, source, &job, tool_path("stopped.ptx"), NULL) ==
           SLV_ERROR_CANCELLED);

@@ -147,6 +147,12 @@ static void refused(void) {
         RUNS(2, "bake quad.obj %s --size 8 -o none.ptx", without[i]);
         HAS(": goes with --");
     }
+    RUNS(0, "bake quad.obj --uv rgb.png --max-size 1 -o one.ptx");
+    HAS("faces of 1x1 to 1x1");
+    RUNS(0, "bake quad.obj --pattern noise --max-size 1x1 -o one.ptx");
+    HAS("faces of 1x1 to 1x1");
+    RUNS(0, "bake quad.obj --uv rgb.png --error 1/255 --max-size 1 --max-over 1 -o one.ptx");
+    HAS("faces of 1x1 to 1x1");
     RUNS(2, "bake quad.obj --uv rgb.png --min-size 64 --max-size 8 -o none.ptx");
     HAS("contradict");
     RUNS(2, "bake quad.obj --uv rgb.png --size 8 --min-size 16 -o none.ptx");

@@ -71,6 +71,8 @@ static void budgets(void) {
     RUNS(0, "new four.obj out.ptx --scheme bilinear --texels 1G --max-size 64");
     HAS("64x64 texels, 45.25 texels a unit");
     LACKS("warning");
+    RUNS(0, "new four.obj out.ptx --max-size 1");
+    HAS("faces of 1x1 to 1x1 texels");
     RUNS(0, "new four.obj out.ptx --min-size 8192x1 --texels 9000");
     LACKS("warning");
     RUNS(0, "new box.obj out.ptx --bytes 6k --quiet");

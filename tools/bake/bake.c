@@ -217,12 +217,13 @@ int verb_bake(int argc, char **argv) {
         CLI_TAKES(options, 1, 1, o.paths, &narguments),
         .output = &o.paths[1],
         .output_needed = true,
+        .output_spared = &o.print_recipe,
         .exits = "0 success; 1 failure, or more texels without a value than --max-miss, or faces "
                  "further from the source than --max-over; 2 wrong usage"};
     int code = cli_parse(&command, argc, argv);
     if (code >= 0)
         return code;
-    if (!ptx_name_is_safe(o.paths[1]))
+    if (o.paths[1] && !ptx_name_is_safe(o.paths[1]))
         return ptx_name_usage(&command, o.paths[1]);
     return run_bake(&command, &o);
 }

@@ -85,6 +85,7 @@ typedef struct cli_command {
      * its value (CLI_OUT), or from an argument behind the inputs. */
     const char **output;
     bool output_needed;
+    const bool *output_spared; /* an option with which nothing is written after all; or NULL */
     bool output_is_new; /* one more argument may be meant as an input: it must not exist yet */
     const char *reads, *writes; /* in words */
     const char *exits; /* what exit codes mean; NULL: 0 success, 1 failure, 2 wrong usage */

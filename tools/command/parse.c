@@ -164,7 +164,8 @@ static int take_output(const cli_command *command, const char *extra) {
                          extra);
     if (extra)
         *command->output = extra;
-    if (command->output_needed && !*command->output)
+    bool spared = command->output_spared && *command->output_spared;
+    if (command->output_needed && !spared && !*command->output)
         return cli_usage(command,
                          "the output is missing: name it behind the inputs, or with --out%s",
                          many ? " if it exists" : "");

@@ -249,7 +249,8 @@ typedef struct slv_bake_rays {
     float distance;    /* what is further away does not count; default: everything counts */
     uint32_t segments; /* of the triangles that rays are cast at, as slv_tessellate has them; 16 */
     uint32_t seed;
-    uint64_t reserved[4];
+    slv_progress progress; /* asked, while rays are set up, whether to go on; not kept */
+    uint64_t reserved[2];
 } slv_bake_rays;
 
 /* Rays of Embree at the tessellated limit surface, from points all over a texel, with directions as
@@ -366,6 +367,7 @@ typedef struct slv_bake_job {
     float match;              /* so many texels for one of the source; 1 is the default */
     slv_res min_res, max_res; /* what faces are kept within; default 1x1 and 4096x4096, or 65536 of
                                  `uniform` */
+    bool max_given;           /* max_res counts though it is 1x1 */
 
     bool type_given;
     slv_type type;     /* else the source's */

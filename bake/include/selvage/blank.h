@@ -17,6 +17,7 @@ typedef struct slv_blank_params {
     float density;            /* texels per unit of length: to the nearest power of two */
     uint64_t max_texels;      /* in all: the largest density that keeps within, or else min_res */
     slv_res min_res, max_res; /* what faces are kept within; default 1x1 and 4096x4096 */
+    bool max_given;           /* max_res counts though it is 1x1 */
     bool square;              /* faces as wide as high, though their sides differ */
 
     slv_type type;         /* default uint8 */

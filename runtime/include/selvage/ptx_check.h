@@ -37,7 +37,7 @@ typedef struct slv_check_finding {
 /* Zero means default. */
 typedef struct slv_ptx_check_params {
     const slv_mesh *mesh;  /* compare with this one too; the mesh inside is compared in any case */
-    bool seams;            /* compare the texels along shared edges */
+    bool seams;            /* compare full resolution along shared edges */
     float seam_tolerance;  /* the difference that a seam may have, integers as 0..1 */
     bool no_texels;        /* look at the tables only */
     uint32_t max_findings; /* of each kind that are kept, the first by face and edge; 0: 1000 */
