@@ -180,14 +180,13 @@ static void set_up_drawing(const float box[2][3], float to_clip[16]) {
 }
 
 /* 2. A draw can show the faces that are in one batch of either texture: for each batch of the one
- * those of its faces that are in a batch of the other. */
-static size_t common_faces(const slv_gl_batch *a, const slv_gl_batch *b, const slv_surface *surface,
-                           vertex *out) {
+ * those of its faces that are in a batch of the other. `batch_of` says in which each face is. */
+static size_t common_faces(const slv_gl_batch *batch, const uint32_t *batch_of, uint32_t other,
+                           const slv_surface *surface, vertex *out) {
     size_t count = 0;
-    for (uint32_t i = 0; i < a->nfaces; i++)
-        for (uint32_t k = 0; k < b->nfaces; k++)
-            if (a->faces[i] == b->faces[k])
-                count += add_face(surface, a->faces[i], out + count);
+    for (uint32_t i = 0; i < batch->nfaces; i++)
+        if (batch_of[batch->faces[i]] == other)
+            count += add_face(surface, batch->faces[i], out + count);
     return count;
 }
 
@@ -195,10 +194,15 @@ static int draw(const layer layers[2], const slv_surface *surface, uint32_t nfac
                 const float to_clip[16],
                 GLuint programs[SLV_GL_MAX_VARIANTS][SLV_GL_MAX_VARIANTS]) {
     vertex *vertices = malloc((size_t)nfaces * SEGMENTS * SEGMENTS * 6 * sizeof *vertices);
-    uint32_t counts[2];
-    int failed = !vertices;
+    uint32_t counts[2], *batch_of = malloc(nfaces * sizeof *batch_of);
+    int failed = !vertices || !batch_of;
     for (int i = 0; i < 2; i++)
         counts[i] = slv_gl_texture_batch_count(layers[i].uploaded, layers[i].strategy);
+    for (uint32_t k = 0; !failed && k < counts[1]; k++) {
+        slv_gl_batch batch = slv_gl_texture_batch(layers[1].uploaded, layers[1].strategy, k);
+        for (uint32_t i = 0; i < batch.nfaces; i++)
+            batch_of[batch.faces[i]] = k;
+    }
     gl.Clear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT);
     for (uint32_t i = 0; !failed && i < counts[0] * counts[1]; i++) {
         uint32_t index[2] = {i / counts[1], i % counts[1]}, variants[2];
@@ -207,7 +211,7 @@ static int draw(const layer layers[2], const slv_surface *surface, uint32_t nfac
             batches[k] = slv_gl_texture_batch(layers[k].uploaded, layers[k].strategy, index[k]);
             variants[k] = batches[k].variant;
         }
-        size_t count = common_faces(&batches[0], &batches[1], surface, vertices);
+        size_t count = common_faces(&batches[0], batch_of, index[1], surface, vertices);
         GLuint *made = &programs[variants[0]][variants[1]];
         if (!count)
             continue;
@@ -225,6 +229,7 @@ static int draw(const layer layers[2], const slv_surface *surface, uint32_t nfac
     }
     for (int k = 0; k < 2; k++)
         slv_gl_texture_unbind(layers[k].uploaded);
+    free(batch_of);
     free(vertices);
     return failed;
 }
