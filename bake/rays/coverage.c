@@ -142,14 +142,6 @@ static slv_result check(const slv_env *env, const slv_bake_view *views, uint32_t
     return SLV_OK;
 }
 
-/* How much work lies behind it nobody knows yet. */
-static bool ask(void *user, uint64_t done, uint64_t total) {
-    const slv_progress *progress = user;
-    (void)done;
-    (void)total;
-    return progress->report(progress->user, 0, 1);
-}
-
 slv_result slvi_coverage(const slv_env *env, const slv_mesh *mesh, const slv_bake_job *job,
                          float *sizes) {
     const slv_surface_params how = {.scheme = job->scheme};
@@ -173,8 +165,7 @@ slv_result slvi_coverage(const slv_env *env, const slv_mesh *mesh, const slv_bak
         diagonal += side * side;
     }
     c.offset = OFF * (float)sqrt(diagonal);
-    slvi_steps_begin(&c.steps, (slv_progress){progress.report ? ask : NULL, &progress},
-                     slv_mesh_face_count(mesh));
+    slvi_steps_begin(&c.steps, slvi_progress_asking(&progress), slv_mesh_face_count(mesh));
     result = slvi_parallel_for(env, slv_mesh_face_count(mesh), 16, measure_faces, &c);
     slvi_steps_end(&c.steps);
 done:

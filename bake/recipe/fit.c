@@ -271,24 +271,16 @@ static slv_result fit_faces(void *user, uint64_t first, uint64_t end) {
     return result;
 }
 
-/* How much work lies behind it nobody knows yet: it is asked whether to go on. */
-static bool ask(void *user, uint64_t done, uint64_t total) {
-    const fit *t = user;
-    (void)done;
-    (void)total;
-    return t->job->progress.report(t->job->progress.user, 0, 1);
-}
-
 slv_result slvi_bake_fit(const slv_env *env, const slv_bake_source *source, const slv_bake_job *job,
                          const encoder *e, slv_res *res, slv_bake_report *report) {
     fit t = {.source = source, .job = job, .e = e, .res = res, .report = report};
+    slv_progress progress = job->progress;
     slv_parallel_log *log = NULL;
     slv_result result = slvi_parallel_env_begin(env, &log, &t.env);
     if (result)
         return result;
     pthread_mutex_init(&t.lock, NULL);
-    slvi_steps_begin(&t.steps, (slv_progress){job->progress.report ? ask : NULL, &t},
-                     source->nfaces);
+    slvi_steps_begin(&t.steps, slvi_progress_asking(&progress), source->nfaces);
     result = slvi_parallel_for(&t.env, source->nfaces, 1, fit_faces, &t);
     slvi_steps_end(&t.steps);
     pthread_mutex_destroy(&t.lock);

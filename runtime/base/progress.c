@@ -33,3 +33,14 @@ slv_result slvi_progress(const slv_progress *progress, const slv_env *env, const
         return SLV_OK;
     return slvi_fail(env, SLV_ERROR_CANCELLED, "%s: cancelled", what);
 }
+
+static bool ask(void *user, uint64_t done, uint64_t total) {
+    const slv_progress *progress = user;
+    (void)done;
+    (void)total;
+    return progress->report(progress->user, 0, 1);
+}
+
+slv_progress slvi_progress_asking(slv_progress *progress) {
+    return (slv_progress){progress->report ? ask : NULL, progress};
+}

@@ -24,4 +24,8 @@ void slvi_steps_end(slvi_steps *steps);
 slv_result slvi_progress(const slv_progress *progress, const slv_env *env, const char *what,
                          uint64_t done, uint64_t total);
 
+/* Asks `progress`, which it points at, whether to go on, and never says how far work is: where
+ * nobody knows yet how much lies behind it. */
+slv_progress slvi_progress_asking(slv_progress *progress);
+
 #endif
