@@ -7,7 +7,8 @@
 
 void slvi_gl_batches_free(slv_gl_batches *batches) {
     slvi_free(batches->ranges);
-    slvi_free(batches->faces);
+    if (!batches->of_pools)
+        slvi_free(batches->faces);
     memset(batches, 0, sizeof *batches);
 }
 
@@ -34,6 +35,10 @@ static slv_result add_some(const slv_env *env, const slv_gl_pools *pools, uint32
     slv_gl_batch_range *range;
     for (uint32_t q = p + 1; q; q = next[q - 1]) {
         const slv_gl_pool *pool = &pools->pools[q - 1];
+        if (out->of_pools) {
+            end += pool->nlayers;
+            continue;
+        }
         for (uint32_t layer = 0; layer < pool->nlayers; layer++) {
             out->faces[end] = pool->items[layer]; /* which the next one goes over unless it stays */
             end += slv_gl_chunk_of(chunks, pool->items[layer]) == chunk;
@@ -56,10 +61,15 @@ slv_result slvi_gl_batches_by_pool(const slv_env *env, const slv_gl_pools *pools
     slv_result result;
     *out = (slv_gl_batches){0};
     if ((result = slvi_alloc(env, "batches", pools->npools, sizeof *next, &next)) ||
-        (result = slvi_alloc(env, "batches", pools->nsheets, sizeof *of_sheet, &of_sheet)) ||
-        (result = slvi_alloc_plain(env, "batches", (uint64_t)pools->nitems + 1, sizeof *out->faces,
-                                   &out->faces)))
+        (result = slvi_alloc(env, "batches", pools->nsheets, sizeof *of_sheet, &of_sheet)))
         goto done;
+    if (chunks.count == 1 && !pools->nsheets) { /* they are listed that way already */
+        out->of_pools = true;
+        out->faces = pools->order;
+    } else if ((result = slvi_alloc_plain(env, "batches", (uint64_t)pools->nitems + 1,
+                                          sizeof *out->faces, &out->faces))) {
+        goto done;
+    }
     for (uint32_t p = pools->npools; p--;) { /* so that the first of a sheet's pools leads */
         const slv_gl_pool *pool = &pools->pools[p];
         if (!pool->columns || !pool->nlayers)

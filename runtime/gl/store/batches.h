@@ -15,6 +15,7 @@ typedef struct slv_gl_batches {
     slv_gl_batch_range *ranges;
     uint32_t count, capacity;
     uint32_t *faces;
+    bool of_pools; /* `faces` is the pools' list of items, which they change when items move */
 } slv_gl_batches;
 
 /* Variants: the number of pools a shader can reach, 1 << (variant >> 1), and whether there are
