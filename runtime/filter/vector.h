@@ -68,7 +68,7 @@ static inline __attribute__((always_inline)) int v8_least(v8i x) {
 }
 
 static inline __attribute__((always_inline)) int v8_most(v8i x) {
-    return -v8_least(-x);
+    return ~v8_least(~x);
 }
 
 static inline __attribute__((always_inline)) v8f v8_abs(v8f x) {
