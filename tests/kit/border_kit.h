@@ -25,6 +25,7 @@ typedef struct kit {
 } kit;
 
 static inline void kit_poly(kit *k, int32_t size, const int32_t *verts, uint32_t turn) {
+    REQUIRE(k->npolys < KIT_POLYS);
     k->sizes[k->npolys++] = size;
     for (int32_t i = 0; i < size; i++) {
         int32_t vert = verts[((uint32_t)i + turn) % (uint32_t)size];

@@ -40,7 +40,7 @@ static void check_pages(uint64_t *random) {
     static float apart[4 * NPOINTS], together[4 * NPOINTS];
     for (uint32_t i = 0; i < 12; i++) {
         const slv_strategy *strategy = kit_strategy(names[i % 2]);
-        uint32_t many, few, side = i / 2 % 3 == 2 ? 90 : 8;
+        uint32_t many, few, side = i / 2 % 3 == 2 ? 15 : 8;
         kit k;
         if (test_skip(i, 3))
             continue;
