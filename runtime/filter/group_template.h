@@ -29,7 +29,7 @@ typedef struct group {
     cache_face *faces[GROUP_SIZE];
     const uint8_t *texels[GROUP_SIZE]; /* NULL: to be looked for */
     size_t pitch[GROUP_SIZE];
-    bool ready[GROUP_SIZE]; /* false: not one of most lookups, see look_up_quick() */
+    bool ready[GROUP_SIZE]; /* false: not one of most lookups, see quick_look_up() */
     uint64_t moves;         /* of the thread, when it was prepared */
     float scale[GROUP_SIZE], weight[GROUP_SIZE];
     kernel kernels[GROUP_SIZE];
@@ -130,10 +130,8 @@ static inline __attribute__((always_inline)) size_t group_band_vectors(const gro
 static inline __attribute__((always_inline)) void group_measure_band(const group_spans *spans,
                                                                      group_band *band) {
     const v8i none = {0};
-    v8f start = v8_select(band->there, (v8f)spans->u.start, (v8f)(none + INT32_MAX));
-    v8f end = v8_select(band->there, (v8f)(spans->u.start + spans->u.n), (v8f)(none + INT32_MIN));
-    band->first = v8_least((v8i)start);
-    band->end = v8_most((v8i)end);
+    band->first = v8_least(v8_select_int(band->there, spans->u.start, none + INT32_MAX));
+    band->end = v8_most(v8_select_int(band->there, spans->u.start + spans->u.n, none + INT32_MIN));
 }
 
 /* A band that reaches beyond its face. False if it is none that can be a patch. */
@@ -248,6 +246,7 @@ group_add_band(slv_sampler *s, const group *g, const kernel_shape *shape, const 
     columns.scales = t->scale / (whole * band.weight);
     columns.at = (spans->u.start - band.first) * (int)t->nchannels;
 #define GROUP_PUT(COUNT) group_put_band(s, g, &columns, counts, COUNT, &band, on, out)
+    /* the lengths of most footprints of up to two texels */
     switch (v8_all(counts == longest) ? longest : 0) {
     case 2:
         GROUP_PUT(2);
