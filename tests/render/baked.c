@@ -65,8 +65,8 @@ int main(void) {
     const char *samples = getenv("SELVAGE_SAMPLES");
     char mesh[KIT_PATH], image[KIT_PATH];
     uint32_t turn = 0;
-    if (!samples)
-        return test_end();
+    if (!samples || !*samples)
+        return 77; /* skipped */
     kit_scratch_make(&scratch);
     kit_join(mesh, samples, "spot/spot_control_mesh.obj");
     kit_join(image, samples, "spot/spot_texture.png");
