@@ -174,12 +174,27 @@ void slvi_document_touch(slv_document *document, const slvi_plane *plane, uint32
 void slvi_document_touch_layer(slv_document *document, const slvi_layer *layer);
 void slvi_document_touch_all(slv_document *document);
 
-/* A rectangle of a face at a resolution, of a plane that may have another. */
-void slvi_plane_sample(const slvi_plane *plane, const slv_adjacency *adjacency, uint32_t face,
-                       slv_res res, slv_rect rect, float *out);
-/* A layer over texels of the document's layers' channels. Work in pieces of at most
- * SLVI_BLOCK_SIDE squared. */
+/* Texels of a plane beyond the edges of faces, kept from piece to piece while neither the plane nor
+ * the resolutions wanted change: of another resolution each may be the mean of a million. */
+typedef struct slvi_tap {
+    const slvi_plane *plane; /* NULL: none yet */
+    uint32_t face;
+    int32_t x, y;
+    bool any;
+    float texel[SLVI_MOST_CHANNELS];
+} slvi_tap;
+
+enum { SLVI_TAPS = 128 };
+typedef struct slvi_taps {
+    slvi_tap list[SLVI_TAPS];
+} slvi_taps;
+
+/* A rectangle of a face at a resolution, of a plane that may have another: at most SLVI_BLOCK_SIDE
+ * squared. Whether there is anything to be seen: else all are zero. `taps` are zeros at first. */
+bool slvi_plane_sample(const slvi_plane *plane, const slv_adjacency *adjacency, uint32_t face,
+                       slv_res res, slv_rect rect, slvi_taps *taps, float *out);
+/* Such a piece of a layer over texels of the document's layers' channels. */
 void slvi_layer_over(const slv_document *document, const slvi_layer *layer, uint32_t face,
-                     slv_res res, slv_rect rect, float *texels);
+                     slv_res res, slv_rect rect, slvi_taps *taps, float *texels);
 
 #endif

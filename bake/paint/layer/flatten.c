@@ -7,24 +7,22 @@
 #include <string.h>
 
 void slvi_layer_over(const slv_document *document, const slvi_layer *layer, uint32_t face,
-                     slv_res res, slv_rect rect, float *texels) {
+                     slv_res res, slv_rect rect, slvi_taps *taps, float *texels) {
     const slvi_plane *plane = layer->colour;
     float above[SLVI_BLOCK_SIDE * SLVI_BLOCK_SIDE * SLVI_MOST_CHANNELS];
     float mask[SLVI_BLOCK_SIDE * SLVI_BLOCK_SIDE];
     slv_canvas_desc desc = {plane->nfaces, plane->nchannels, plane->alpha, NULL};
-    bool same = res.u == plane->res[face].u && res.v == plane->res[face].v;
-    if (!plane->tables[face] && !plane->filled && same)
+    if (!slvi_plane_sample(plane, document->adjacency, face, res, rect, taps, above))
         return;
-    slvi_plane_sample(plane, document->adjacency, face, res, rect, above);
     if (layer->mask)
-        slvi_plane_sample(layer->mask, document->adjacency, face, res, rect, mask);
+        slvi_plane_sample(layer->mask, document->adjacency, face, res, rect, taps, mask);
     slvi_blend_layer(&desc, layer->props.blend, layer->props.opacity, above,
                      layer->mask ? mask : NULL, (uint64_t)rect.width * rect.height, texels);
 }
 
 /* A piece of a face, flat, without what layers have beyond the document's channels. */
 static void flatten_piece(const slv_document *document, uint32_t face, slv_rect rect,
-                          unsigned char *out, size_t pitch) {
+                          slvi_taps *taps, unsigned char *out, size_t pitch) {
     uint32_t n = document->nchannels, kept = document->flat.nchannels;
     float texels[SLVI_BLOCK_SIDE * SLVI_BLOCK_SIDE * SLVI_MOST_CHANNELS];
     size_t count = (size_t)rect.width * rect.height,
@@ -33,7 +31,8 @@ static void flatten_piece(const slv_document *document, uint32_t face, slv_rect 
     slvi_repeat(texels, n * sizeof *texels, count * n * sizeof *texels);
     for (uint32_t i = 0; i < document->nlayers; i++)
         if (!document->stack[i]->props.hidden)
-            slvi_layer_over(document, document->stack[i], face, document->res[face], rect, texels);
+            slvi_layer_over(document, document->stack[i], face, document->res[face], rect, taps,
+                            texels);
     for (size_t i = 0; kept != n && i < count; i++)
         for (uint32_t c = 0; c < kept; c++) /* shorter than a call */
             texels[i * kept + c] = texels[i * n + c];
@@ -45,6 +44,7 @@ static void flatten_piece(const slv_document *document, uint32_t face, slv_rect 
 struct part {
     const slv_document *document;
     uint32_t face;
+    slvi_taps *taps;
 };
 
 static void flatten_part(void *user, void *texels, size_t pitch) {
@@ -58,7 +58,7 @@ static void flatten_part(void *user, void *texels, size_t pitch) {
             slv_rect piece = {rect.x + x, rect.y + y,
                               width < SLVI_BLOCK_SIDE ? width : SLVI_BLOCK_SIDE,
                               height < SLVI_BLOCK_SIDE ? height : SLVI_BLOCK_SIDE};
-            flatten_piece(document, part->face, piece,
+            flatten_piece(document, part->face, piece, part->taps,
                           (unsigned char *)texels + (y * pitch + x) * size, pitch);
         }
 }
@@ -66,14 +66,15 @@ static void flatten_part(void *user, void *texels, size_t pitch) {
 static slv_result flatten_some(void *user, uint64_t first, uint64_t end) {
     const slv_document *document = user;
     unsigned char texels[SLVI_BLOCK_SIDE * SLVI_BLOCK_SIDE * SLVI_MOST_CHANNELS * sizeof(float)];
+    slvi_taps taps = {0};
     slv_result result = SLV_OK;
     for (uint64_t i = first; !result && i < end; i++) {
-        struct part part = {document, document->dirty_faces[i]};
+        struct part part = {document, document->dirty_faces[i], &taps};
         slv_rect rect = document->dirty[part.face];
         /* many at a dab's rim stay of one value, and need no room */
         if (slv_texture_is_constant(document->texture, part.face) &&
             rect.width <= SLVI_BLOCK_SIDE && rect.height <= SLVI_BLOCK_SIDE) {
-            flatten_piece(document, part.face, rect, texels, rect.width);
+            flatten_piece(document, part.face, rect, &taps, texels, rect.width);
             result = slv_texture_set_rect(document->texture, part.face, rect, texels);
         } else {
             result = slv_texture_fill_rect(document->texture, part.face, rect, flatten_part, &part);

@@ -56,11 +56,12 @@ static slv_result add_face(slv_document *document, slvi_change *change, uint32_t
 typedef struct resampling {
     const slv_document *document;
     const slvi_plane *plane;
+    slvi_taps *taps;
 } resampling;
 
 static void resample(const void *user, uint32_t face, slv_res res, slv_rect rect, float *out) {
     const resampling *r = user;
-    slvi_plane_sample(r->plane, r->document->adjacency, face, res, rect, out);
+    slvi_plane_sample(r->plane, r->document->adjacency, face, res, rect, r->taps, out);
 }
 
 static bool same_res(slv_res a, slv_res b) {
@@ -68,7 +69,8 @@ static bool same_res(slv_res a, slv_res b) {
 }
 
 static slv_result resize_plane(slv_document *document, slvi_plane *plane, const slvi_op *op) {
-    resampling r = {document, plane};
+    slvi_taps taps = {0};
+    resampling r = {document, plane, &taps};
     slvi_change change;
     slv_result result = begin_faces(document, plane, op->count, &change);
     for (uint32_t i = 0; !result && i < op->count; i++) {
@@ -215,12 +217,13 @@ typedef struct merging {
     const slv_document *document;
     const slvi_layer *above;
     const slvi_plane *below;
+    slvi_taps *taps;
 } merging;
 
 static void merge(const void *user, uint32_t face, slv_res res, slv_rect rect, float *out) {
     const merging *m = user;
     slvi_plane_read(m->below, face, rect, out);
-    slvi_layer_over(m->document, m->above, face, res, rect, out);
+    slvi_layer_over(m->document, m->above, face, res, rect, m->taps, out);
 }
 
 /* Of faces of which nothing was painted there may be something through their edges. */
@@ -243,7 +246,8 @@ slv_result slv_document_merge_down(slv_document *document, uint32_t id) {
     if ((result = find_unlocked(document, document->stack[op.index - 1]->id, &below, NULL)) ||
         (result = slvi_edit_begin(document, "merge layers", &edit)))
         return result;
-    merging m = {document, layer, below->colour};
+    slvi_taps taps = {0};
+    merging m = {document, layer, below->colour, &taps};
     result = begin_faces(document, below->colour, document->flat.nfaces, &change);
     for (uint32_t face = 0; !result && !layer->props.hidden && face < document->flat.nfaces; face++)
         if (has_paint(&m, face))
