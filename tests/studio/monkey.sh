@@ -53,12 +53,14 @@ done <"$here/script"
 key tool v
 now=$(memory)
 echo "$n steps, $half kB at half of them, $now kB now"
-# from an action to its end, and a picture
+# from an action to its end, a picture, and anything for which the window takes nothing; with that what the processors worked in it
 awk '{ match($0, /"t":[0-9.]*/); t = substr($0, RSTART + 4, RLENGTH - 4) }
+    function field(name) { return match($0, "\"" name "\":[0-9.]*") ? substr($0, RSTART + length(name) + 3, RLENGTH - length(name) - 3) + 0 : 0 }
     /"event":"action"/ { began = t; match($0, /"name":"[a-z-]*"/); name = substr($0, RSTART + 8, RLENGTH - 9) }
     /"event":"done"/ && t - began > most { most = t - began; longest = name }
-    match($0, /"ms":[0-9.]*/) { ms = substr($0, RSTART + 5, RLENGTH - 5); if (ms + 0 > picture + 0) picture = ms }
-    END { printf "longest: %s %.3f s, a picture %.3f s\n", longest, most, picture / 1000 }' "$log"
+    field("ms") > picture { picture = field("ms") }
+    field("seconds") > held { held = field("seconds"); worked = field("worked"); after = name }
+    END { printf "longest: %s %.3f s, a picture %.3f s, held %.3f s (worked %.3f s) at %s\n", longest, most, picture / 1000, held, worked, after }' "$log"
 [ "$half" = 0 ] || [ "$now" -lt $((half + half / 2 + 65536)) ] || fail "memory has grown from $half to $now kB"
 ! grep -q 'gl-error' "$log" || fail "OpenGL has reported errors"
 does '"event":"question"' key ctrl+q

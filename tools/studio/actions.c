@@ -244,23 +244,48 @@ static const row *find(const char *name) {
     return NULL;
 }
 
-/* A stroke or a question is ended first. */
+static void run(studio_app *app, const row *r, const char *target) {
+    if ((app->loading && r->run != studio_do_open_cancel) || app->drag == STUDIO_DRAG_STROKE ||
+        app->touched || (r->needs && !app->document.texture))
+        return;
+    studio_log(app, "\"event\":\"action\",\"name\":\"%s\",\"target\":\"%s\"", r->name,
+               strchr(target, '"') || strchr(target, '\\') ? "" : target);
+    app->document.message[0] = 0;
+    r->run(app, target);
+    studio_sync(app);
+    studio_log(app, "\"event\":\"done\",\"name\":\"%s\"", r->name);
+}
+
+/* What was asked for while a stroke took longer than the hand. */
+typedef struct asked {
+    const row *row;
+    char target[];
+} asked;
+
 void studio_actions_run(studio_app *app, const char *name, const char *target) {
     const row *found = find(name);
-    if (found && (found->run == studio_do_undo || found->run == studio_do_quit ||
-                  found->run == studio_do_stroke_stop))
+    target = target ? target : "";
+    if (found && app->stroke.lifted &&
+        (found->run == studio_do_undo || found->run == studio_do_quit ||
+         found->run == studio_do_stroke_stop)) {
         studio_stroke_stop(app);
-    else /* no key is lost because a stroke takes longer than the hand */
-        studio_stroke_finish(app);
-    if (!found || (app->loading && found->run != studio_do_open_cancel) ||
-        app->drag == STUDIO_DRAG_STROKE || app->touched || (found->needs && !app->document.texture))
+    } else if (found && app->stroke.lifted) {
+        asked *later = g_malloc(sizeof *later + strlen(target) + 1);
+        later->row = found;
+        strcpy(later->target, target);
+        g_queue_push_tail(&app->asked, later);
         return;
-    studio_log(app, "\"event\":\"action\",\"name\":\"%s\",\"target\":\"%s\"", name,
-               target && !strchr(target, '"') && !strchr(target, '\\') ? target : "");
-    app->document.message[0] = 0;
-    found->run(app, target ? target : "");
-    studio_sync(app);
-    studio_log(app, "\"event\":\"done\",\"name\":\"%s\"", name);
+    }
+    if (found)
+        run(app, found, target);
+}
+
+void studio_actions_run_asked(studio_app *app) {
+    asked *next;
+    while (!app->stroke.lifted && (next = g_queue_pop_head(&app->asked))) {
+        run(app, next->row, next->target);
+        g_free(next);
+    }
 }
 
 static void activate(GSimpleAction *action, GVariant *parameter, gpointer user) {

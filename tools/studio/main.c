@@ -5,6 +5,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <time.h>
 
 /* Without a session bus nobody could ask for names and roles, or keep what file choosers remember,
  * and GTK would complain. */
@@ -30,6 +31,23 @@ static void choose_renderer(void) {
     g_clear_object(&context);
 }
 
+/* For the log: when the window takes nothing for a good while, and how much of it the processors
+ * worked here, since others may have had them. */
+static gboolean watch(gpointer user) {
+    enum { LONG = 500 * 1000 }; /* microseconds */
+    studio_app *app = user;
+    struct timespec time;
+    clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &time);
+    const gint64 now = g_get_monotonic_time();
+    const double worked = (double)time.tv_sec + (double)time.tv_nsec * 1e-9;
+    if (app->watched && now - app->watched > LONG)
+        studio_log(app, "\"event\":\"held\",\"seconds\":%.3f,\"worked\":%.3f",
+                   (double)(now - app->watched) * 1e-6, worked - app->worked);
+    app->watched = now;
+    app->worked = worked;
+    return G_SOURCE_CONTINUE;
+}
+
 static void activate(GtkApplication *application, gpointer user) {
     studio_app *app = user;
     const char *path = app->pending;
@@ -41,6 +59,8 @@ static void activate(GtkApplication *application, gpointer user) {
     studio_sync(app);
     gtk_window_present(app->window);
     studio_log(app, "\"event\":\"window\"");
+    if (app->log)
+        g_timeout_add(50, watch, app);
     if (path)
         studio_open(app, path);
     if (app->pen_path)
@@ -100,6 +120,7 @@ int main(int argc, char **argv) {
     studio_document_close(&app.document);
     studio_document_end(&app.document);
     studio_brushes_free(&app.brushes);
+    g_queue_clear_full(&app.asked, g_free);
     g_free(app.paint.stencil.path);
     g_free(app.report_path);
     g_free(app.light_path);

@@ -67,6 +67,7 @@ static void work(studio_app *app) {
         let_go(app);
         studio_failed(app, result);
         studio_sync(app);
+        studio_actions_run_asked(app);
     } else if (s->waiting->len && !s->work) {
         s->work = g_idle_add(work_on, app); /* after what is on the screen is another */
     }
@@ -108,9 +109,4 @@ void studio_stroke_stop(studio_app *app) {
         return;
     g_array_set_size(app->stroke.waiting, 0);
     work(app);
-}
-
-void studio_stroke_finish(studio_app *app) {
-    while (app->stroke.lifted)
-        work(app);
 }

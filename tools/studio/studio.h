@@ -62,6 +62,7 @@ typedef struct studio_app {
     GtkWidget *sliders[4], *color_button;
     GMenu *recent_menu;
 
+    GQueue asked; /* actions that wait for a stroke's end */
     studio_document document;
     studio_camera camera;
     studio_look look;
@@ -112,6 +113,8 @@ typedef struct studio_app {
     int size[2]; /* of the picture, as the command line wants it; 0: as it comes */
     const char *pen_path;
     FILE *log;           /* lines of what happens; NULL: nobody asked */
+    gint64 watched;      /* for it: when the window was last seen to answer */
+    double worked;       /* and the seconds of processors until then */
     GSubprocess *report; /* that is being made; NULL: none */
     char *report_path;
     char *screenshot;      /* to be written after the next fine picture */
@@ -130,8 +133,11 @@ typedef struct studio_button {
     const char *icon, *action, *tip;
 } studio_button;
 GtkWidget *studio_actions_buttons(const studio_button *buttons, size_t count);
-/* As menus and keys do. `target` may be NULL. */
+/* As menus and keys do. `target` may be NULL. While a stroke is still being painted whose pen was
+ * lifted, what neither ends nor undoes it waits for its end. */
 void studio_actions_run(studio_app *app, const char *name, const char *target);
+/* What has waited. */
+void studio_actions_run_asked(studio_app *app);
 
 /* window.c */
 void studio_window_create(studio_app *app);
@@ -166,8 +172,6 @@ void studio_stroke_pen(studio_app *app, studio_pen what, const slv_stroke_sample
                        uint32_t count, bool eraser);
 /* Ends a stroke whose pen was lifted where it is by now. */
 void studio_stroke_stop(studio_app *app);
-/* Paints all that is left of it. */
-void studio_stroke_finish(studio_app *app);
 
 /* sizing.c */
 /* Whether the tool has a brush; a drag that changes its size to the sides and its opacity up and
