@@ -279,6 +279,42 @@ static void check_transition(uint64_t *random) {
     kit_free(&k);
 }
 
+/* Parts of a mesh, of any sizes, are together the whole; and beyond its faces there is nothing. */
+static void check_parts(uint64_t *random) {
+    slv_env env = test_env();
+    const slv_strategy *strategy = kit_strategy("clamp");
+    kit k;
+    kit_pentagons(&k, random); /* with sub-faces */
+    kit_mixed(&k, 4, random);
+    kit_noise(&k, SLV_TYPE_U8, 3, random);
+    slv_gl_texture *texture = upload(&k, 1);
+    const slv_gl_seam whole = seam_jump(texture, &k, strategy, (slv_gl_seam_params){0});
+    slv_gl_seam sum = {0};
+    double mean = 0;
+    for (uint32_t f = 0, n; f < k.nfaces; f += n) {
+        n = 1 + test_random(random) % (k.nfaces - f);
+        const slv_gl_seam part =
+            seam_jump(texture, &k, strategy, (slv_gl_seam_params){.first_face = f, .nfaces = n});
+        if (part.nedges && (!sum.nedges || part.max > sum.max)) {
+            sum.max = part.max;
+            sum.face = part.face;
+            sum.edge = part.edge;
+        }
+        sum.nedges += part.nedges;
+        sum.nequal += part.nequal;
+        mean += (double)part.mean * part.nedges;
+    }
+    CHECK(whole.nedges > 0 && sum.nedges == whole.nedges && sum.nequal == whole.nequal);
+    CHECK(sum.max == whole.max && sum.face == whole.face && sum.edge == whole.edge);
+    CHECK(fabs(mean / sum.nedges - (double)whole.mean) < 1e-6);
+    slv_gl_seam_params beyond = {.first_face = 1, .nfaces = k.nfaces};
+    slv_gl_seam none;
+    CHECK(slv_gl_texture_seam_jump(texture, &env, strategy, k.adjacency, &beyond, &none) ==
+          SLV_ERROR_ARGUMENT);
+    slv_gl_texture_destroy(texture);
+    kit_free(&k);
+}
+
 int main(void) {
     static const int32_t valences[] = {3, 4, 5, 6, 8, 12};
     uint64_t random = 7;
@@ -320,6 +356,7 @@ int main(void) {
     check_no_inner_line(&random);
     check_transition(&random);
     check_samples(&random);
+    check_parts(&random);
     slv_gl_destroy(gl);
     return test_end();
 }

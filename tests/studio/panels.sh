@@ -11,6 +11,10 @@ click_at() { # WORDS X Y
     does "$1" mousemove "$2" "$3" click 1
 }
 
+# at rest the seam jump is measured by itself: of clamp, and of another strategy as soon as that is shown
+wait_for '"event":"seam","strategy":"traverse","max":0,"mean":0,"edges":12'
+does '"event":"seam","strategy":"clamp"' key 1
+
 # a colour of the list, then the brush's own is kept as the first of them
 click_at '"event":"done","name":"color"' $(($(field x swatches) + 10)) $(($(field y swatches) + 12))
 key tool b
@@ -19,6 +23,7 @@ journal=$(ls "$here"/state/selvage/unfinished/*/journal)
 tail -n 1 "$journal" | grep -q '"color":\[0.0,0.0,0.0\]' || fail "the first colour of the list is not black"
 key tool e
 drag '"event":"stroke"' 1 -20 0 5 5 4
+does '"event":"seam","strategy":"clamp","max":[0-9.]*[1-9]' key j # not before texels are others
 key tool g
 click_at '"event":"done","name":"fill-face"' $middle_x $middle_y
 key swatch-add a

@@ -121,7 +121,8 @@ static gboolean render(GtkGLArea *area, GdkGLContext *context, gpointer user) {
     gint64 start = g_get_monotonic_time();
     if (app->dirty && studio_failed(app, studio_document_refresh(&app->document)))
         return TRUE;
-    app->seam_known = app->seam_known && !app->dirty;
+    if (app->dirty)
+        studio_seam_forget(app);
     app->dirty = false;
     frame_if_new(app);
     shot.camera = studio_area_camera(app, &shot.width, &shot.height);
@@ -163,6 +164,8 @@ static gboolean render(GtkGLArea *area, GdkGLContext *context, gpointer user) {
     app->input = 0;
     if (app->refined && app->screenshot)
         write_screenshot(app);
+    if (app->refined)
+        studio_seam_soon(app);
     follow_soon(app);
     return TRUE;
 }

@@ -290,22 +290,6 @@ void studio_do_other_next(studio_app *app, const char *target) {
 }
 
 void studio_do_seam_jump(studio_app *app, const char *target) {
-    const slv_gl_seam *seam = &app->seam;
-    char text[256];
     (void)target;
-    if (!app->picture)
-        return;
-    gtk_gl_area_make_current(app->area);
-    if (studio_failed(app,
-                      studio_picture_seam(app->picture, &app->document, &app->look, &app->seam)))
-        return;
-    app->seam_of = app->look.strategy;
-    app->seam_known = true;
-    snprintf(text, sizeof text,
-             "Seam jump of %s: at most %.4g, %.4g in the mean, over %u edges; the most at face %d "
-             "edge %d",
-             studio_get_strategy(app), (double)seam->max, (double)seam->mean, seam->nedges,
-             seam->face, seam->edge);
-    studio_say(app, text, NULL, NULL);
-    changed(app);
+    studio_seam_ask(app);
 }

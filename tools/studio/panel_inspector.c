@@ -107,7 +107,7 @@ static void show_status(studio_app *app) {
 }
 
 void studio_panel_inspector_sync(studio_app *app) {
-    char text[512], times[64], seam[64] = "";
+    char text[512], times[64], seams[2][64];
     const studio_picture_stats *s = &app->stats;
     double cpu, gpu;
     if (!app->document.texture || !app->picture)
@@ -120,17 +120,16 @@ void studio_panel_inspector_sync(studio_app *app) {
     snprintf(times, sizeof times,
              gpu < 0 ? "CPU %.1f ms, GPU not told" : "CPU %.1f ms, GPU %.1f ms", 1e3 * cpu,
              1e3 * gpu);
-    if (app->seam_known && app->seam_of == app->look.strategy)
-        snprintf(seam, sizeof seam, "\nseam jump %.2g, mean %.2g", (double)app->seam.max,
-                 (double)app->seam.mean);
-    snprintf(text, sizeof text,
-             "%s%s%s\n%s\n%.1f ms of texels\n%.1f MB on the GPU, %u draws\n%llu "
-             "triangles%s\n%u faces widened%s",
-             slv_strategy_at(app->look.strategy)->name,
-             app->look.compare != STUDIO_WHOLE ? " and " : "",
-             app->look.compare != STUDIO_WHOLE ? slv_strategy_at(app->look.other)->name : "", times,
-             1e3 * s->update, (double)s->gpu_bytes / 1e6, s->draws,
-             (unsigned long long)s->triangles, app->refined ? ", refined" : "", s->widened, seam);
+    for (int side = 0; side < 2; side++)
+        studio_seam_words(app, side, seams[side], sizeof seams[side]);
+    snprintf(
+        text, sizeof text,
+        "%s%s%s\n%s\n%.1f ms of texels\n%.1f MB on the GPU, %u draws\n%llu "
+        "triangles%s\n%u faces widened%s%s",
+        slv_strategy_at(app->look.strategy)->name, app->look.compare != STUDIO_WHOLE ? " and " : "",
+        app->look.compare != STUDIO_WHOLE ? slv_strategy_at(app->look.other)->name : "", times,
+        1e3 * s->update, (double)s->gpu_bytes / 1e6, s->draws, (unsigned long long)s->triangles,
+        app->refined ? ", refined" : "", s->widened, seams[0], seams[1]);
     gtk_label_set_text(GTK_LABEL(app->live), text);
     show_status(app);
 }

@@ -389,10 +389,14 @@ slv_result studio_picture_read(studio_picture *p, slv_image *out) {
 }
 
 slv_result studio_picture_seam(studio_picture *p, studio_document *d, const studio_look *look,
+                               uint32_t strategy, const slv_gl_seam_params *params,
                                slv_gl_seam *out) {
     slv_gl_texture *texture;
-    slv_result result = need_texture(p, d, look, look->strategy, look->anisotropy, &texture);
-    return result ? result
-                  : slv_gl_texture_seam_jump(texture, &p->env, slv_strategy_at(look->strategy),
-                                             studio_document_adjacency(d), NULL, out);
+    slv_result result = need_texture(p, d, look, strategy, look->anisotropy, &texture);
+    if (!result)
+        result = slv_gl_texture_seam_jump(texture, &p->env, slv_strategy_at(strategy),
+                                          studio_document_adjacency(d), params, out);
+    if (result)
+        snprintf(d->message, STUDIO_MESSAGE, "%s", p->message);
+    return result;
 }

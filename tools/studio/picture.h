@@ -52,9 +52,10 @@ slv_result studio_picture_draw(studio_picture *picture, studio_document *documen
 void studio_picture_times(const studio_picture *picture, double *cpu, double *gpu);
 /* What was drawn last, as it is on the screen, 8 bits in sRGB. */
 slv_result studio_picture_read(studio_picture *picture, slv_image *out);
-/* The seam jump of a look's strategy at what is magnified. */
+/* The seam jump of one of a look's strategies at what is magnified. */
 slv_result studio_picture_seam(studio_picture *picture, studio_document *document,
-                               const studio_look *look, slv_gl_seam *out);
+                               const studio_look *look, uint32_t strategy,
+                               const slv_gl_seam_params *params, slv_gl_seam *out);
 /* Forgets what was made of the document that is open. */
 void studio_picture_forget(studio_picture *picture);
 

@@ -48,6 +48,15 @@ typedef struct studio_stroke {
     bool said;       /* that it takes long */
 } studio_stroke;
 
+/* The seam jump of a strategy, as far as it is measured: its first so many faces. */
+typedef struct studio_seam {
+    uint32_t strategy, channel, anisotropy;
+    bool other_levels;
+    uint32_t next;
+    double sum; /* of the means of all edges */
+    slv_gl_seam found;
+} studio_seam;
+
 typedef struct studio_app {
     GtkApplication *application;
     GtkWindow *window;
@@ -78,9 +87,10 @@ typedef struct studio_app {
 
     studio_picture *picture;
     studio_picture_stats stats;
-    slv_gl_seam seam; /* of this strategy, as long as nothing has changed since */
-    uint32_t seam_of;
-    bool seam_known;
+    studio_seam seams[2];           /* of what is shown, and of what is beside it */
+    uint32_t seam_faces;            /* so many are measured at once */
+    guint seam_work;                /* the moment in which they are */
+    bool seam_asked;                /* to be said above the picture */
     const char *pending;            /* a file that is to be opened */
     struct studio_opening *opening; /* that is being opened; NULL: none is */
     GtkWidget *opening_text, *opening_bar;
@@ -195,6 +205,16 @@ uint8_t *studio_texels_meant(const studio_app *app);
 slv_result studio_turntable_begin(studio_app *app, const char *path);
 void studio_turntable_next(studio_app *app);
 void studio_turntable_stop(studio_app *app);
+
+/* seam.c */
+/* Measures when the view has rested for a while; nothing if it has been done. */
+void studio_seam_soon(studio_app *app);
+/* Before texels are others. */
+void studio_seam_forget(studio_app *app);
+/* Says it above the picture, when it is known. */
+void studio_seam_ask(studio_app *app);
+/* A line for the panel, of the left side or the other one; empty: that is not shown. */
+void studio_seam_words(studio_app *app, int side, char *text, size_t size);
 
 /* pen.c */
 /* Plays the log of a pen, line by line as the file or pipe gives them. */

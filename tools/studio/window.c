@@ -167,7 +167,7 @@ static void loaded(GObject *source, GAsyncResult *task, gpointer user) {
         app->document = o->document;
         app->framed = false;
         app->look.channel = 0;
-        app->seam_known = false;
+        studio_seam_forget(app);
         app->look.encoding =
             slv_texture_get_encoding(app->document.texture, SLV_TEXTURE_AUTO) == SLV_TEXTURE_DATA
                 ? STUDIO_LINEAR
@@ -202,6 +202,7 @@ void studio_open_cancel(studio_app *app) {
     app->loading = false;
     studio_page(app, app->document.texture ? "picture" : "start", NULL);
     studio_log(app, "\"event\":\"cancelled\"");
+    studio_area_redraw(app, false);
     studio_sync(app);
 }
 

@@ -48,16 +48,19 @@ static void make_seam(const slv_res *table, int32_t face, unsigned edge,
                          .dv = texels * fmaxf(dv, other_dv)};
 }
 
-/* Each shared edge once: from the whole quad where sub-faces meet one, else from the side that
- * comes first. */
+/* Each shared edge of faces first..end-1 once: from the whole quad where sub-faces meet one, else
+ * from the side that comes first. */
 static slv_result find_seams(const slv_env *env, const slv_adjacency *adjacency,
-                             const slv_res *table, uint32_t level, struct seam **out,
-                             uint32_t *count) {
-    uint32_t nfaces = slv_adjacency_face_count(adjacency), found = 0;
+                             const slv_res *table, const slv_gl_seam_params *params,
+                             struct seam **out, uint32_t *count) {
+    const uint32_t first_face = params->first_face,
+                   all = slv_adjacency_face_count(adjacency) - first_face,
+                   nfaces = params->nfaces ? params->nfaces : all, level = params->level;
+    uint32_t found = 0;
     slv_result result = slvi_alloc(env, "seams", (uint64_t)nfaces * 8, sizeof **out, out);
     if (result)
         return result;
-    for (uint32_t f = 0; f < nfaces; f++) {
+    for (uint32_t f = first_face; f < first_face + nfaces; f++) {
         for (unsigned e = 0; e < 4; e++) {
             slv_neighbour neighbours[2];
             uint32_t n = slv_adjacency_neighbours(adjacency, (int32_t)f, e, neighbours);
@@ -131,8 +134,9 @@ static void measure(const struct seam *seams, uint32_t nseams, uint32_t samples,
 slv_result slv_gl_texture_seam_jump(slv_gl_texture *texture, const slv_env *env,
                                     const slv_strategy *strategy, const slv_adjacency *adjacency,
                                     const slv_gl_seam_params *params, slv_gl_seam *out) {
-    uint32_t samples = params && params->samples > 1 ? params->samples : 17;
-    uint32_t level = params ? params->level : 0, nseams = 0;
+    const slv_gl_seam_params p = params ? *params : (slv_gl_seam_params){0};
+    const uint32_t samples = p.samples > 1 ? p.samples : 17;
+    uint32_t nseams = 0;
     struct seam *seams = NULL;
     int32_t *faces = NULL;
     float *floats = NULL;
@@ -142,9 +146,12 @@ slv_result slv_gl_texture_seam_jump(slv_gl_texture *texture, const slv_env *env,
     if (slv_adjacency_face_count(adjacency) != texture->nfaces)
         return slvi_fail(env, SLV_ERROR_MISMATCH, "the texture has %u faces, the adjacency %u",
                          texture->nfaces, slv_adjacency_face_count(adjacency));
-    if (level > SLV_MAX_LOG2_RES)
-        return slvi_fail(env, SLV_ERROR_ARGUMENT, "there is no level %u", level);
-    if ((result = find_seams(env, adjacency, texture->res, level, &seams, &nseams)))
+    if (p.level > SLV_MAX_LOG2_RES)
+        return slvi_fail(env, SLV_ERROR_ARGUMENT, "there is no level %u", p.level);
+    if (p.first_face > texture->nfaces || p.nfaces > texture->nfaces - p.first_face)
+        return slvi_fail(env, SLV_ERROR_ARGUMENT, "%u faces from %u on: there are %u", p.nfaces,
+                         p.first_face, texture->nfaces);
+    if ((result = find_seams(env, adjacency, texture->res, &p, &seams, &nseams)))
         goto done;
     uint64_t count = 2 * (uint64_t)nseams * samples;
     if (count > UINT32_MAX) {

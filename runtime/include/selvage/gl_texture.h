@@ -246,7 +246,10 @@ typedef struct slv_gl_seam_params {
     uint32_t samples; /* along each edge, its ends included; default 17 */
     uint32_t
         level; /* footprint: 2^level texels of the coarser face; 0 is magnified, 1/64 of a texel */
-    uint64_t reserved[4];
+    /* Only edges that these faces name: each shared edge is named by one face, so that parts of a
+     * mesh, measured one after the other, are together the whole. nfaces 0: all from there on. */
+    uint32_t first_face, nfaces;
+    uint64_t reserved[3];
 } slv_gl_seam_params;
 
 typedef struct slv_gl_seam {
