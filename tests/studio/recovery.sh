@@ -64,12 +64,22 @@ studio=$!
 wait_for '"event":"window"'
 window=$(xdotool search --onlyvisible --name 'Selvage Studio' | tail -n 1)
 xdotool windowfocus --sync "$window"
+wait_for '"event":"opening","step":1'
 does '"event":"cancelled"' key ctrl+period
 does '"event":"chooser"' key ctrl+o
 choose '"event":"opened"' "$here/cube.ptx"
 exec 9>&-
 wait_for '"refined":true'
+# one that comes a little at a time says how far it is, to its end
+mkfifo "$here/tardy.obj"
+exec 9<>"$here/tardy.obj"
+does '"event":"chooser"' key ctrl+o
+choose '"event":"opening","step":1' "$here/tardy.obj"
+cat "$2/cube.obj" >&9
+exec 9>&-
+wait_for '"event":"opened"' 2
 cp "$here/cube.ptx" "$here/again.ptx"
+wait_for '"event":"opening","step":4'
 # and one more, whose pictures ask nothing of the document that is gone
 does '"event":"chooser"' key ctrl+o
 wanted_pictures=$(($(count_of '"refined":true') + 1))

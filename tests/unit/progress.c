@@ -152,6 +152,19 @@ static slv_result diff(const slv_env *env, slv_progress progress) {
     return result;
 }
 
+static slv_result load(const slv_env *env, slv_progress progress) {
+    const slv_ptx_open_params params = {.progress = progress};
+    slv_texture *loaded = NULL;
+    slv_ptx *ptx = NULL;
+    slv_result result = slv_ptx_open_with(env, file, &params, &ptx);
+    if (!result)
+        result = slv_ptx_load_texture(env, ptx, &loaded);
+    CHECK((loaded != NULL) == (result == SLV_OK));
+    slv_texture_destroy(loaded);
+    slv_ptx_close(ptx);
+    return result;
+}
+
 static slv_result transfer(const slv_env *env, slv_progress progress) {
     static slv_transfer_face faces[NFACES];
     slv_texture *moved = NULL;
@@ -203,6 +216,7 @@ int main(void) {
     progress_check("edit", edit);
     progress_check("check", check);
     progress_check("diff", diff);
+    progress_check("load", load);
     progress_check("transfer", transfer);
     progress_check("render", render);
     progress_check("PNG", save_png);

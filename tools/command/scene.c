@@ -1,7 +1,6 @@
 /* Loads the scene that a verb draws. */
 #include "command/scene.h"
 #include "command/output.h"
-#include "command/salvage.h"
 #include "command/words.h"
 
 #include <math.h>
@@ -143,11 +142,18 @@ static slv_result load_mesh(const slv_env *env, const scene_params *params, cons
     return out->mesh ? SLV_OK : scene_load_geometry(env, ptx, "--mesh FILE.obj", &out->mesh);
 }
 
+static void begin(const scene_params *params, scene_step step) {
+    if (params->begins)
+        params->begins(params->user, step);
+}
+
 slv_result scene_load_model(const slv_env *env, const scene_params *params, slv_ptx **ptx,
                             scene_data *out) {
+    const slv_ptx_open_params open = {.salvage = params->salvage, .progress = params->progress};
     slv_result result;
     memset(out, 0, sizeof *out);
-    if ((result = salvage_open(env, params->ptx, params->salvage, ptx)))
+    begin(params, SCENE_STEP_MESH);
+    if ((result = slv_ptx_open_with(env, params->ptx, &open, ptx)))
         goto done;
     const slv_ptx_info *info = slv_ptx_get_info(*ptx);
     const bool triangles = info->mesh_type == SLV_PTX_TRIANGLE;
@@ -155,6 +161,7 @@ slv_result scene_load_model(const slv_env *env, const scene_params *params, slv_
     result = load_mesh(env, params, *ptx, out);
     if (result || (params->adjacency == 0 && (result = slv_ptx_match_mesh(env, *ptx, out->mesh))))
         goto done;
+    begin(params, SCENE_STEP_ADJACENCY);
     result = params->adjacency == 1 ? slv_ptx_load_adjacency(env, *ptx, &out->adjacency)
                                     : slv_mesh_adjacency(env, out->mesh, &out->adjacency);
     if (result)
@@ -171,6 +178,7 @@ slv_result scene_load_model(const slv_env *env, const scene_params *params, slv_
         surface.scheme = SLV_SCHEME_LOOP;
     if (out->environment)
         surface.scheme = SLV_SCHEME_BILINEAR;
+    begin(params, SCENE_STEP_SURFACE);
     if ((result = slv_surface_create(env, out->mesh, &surface, &out->surface)))
         goto done;
     result = find_focus(env, params, out);
@@ -247,6 +255,7 @@ slv_result scene_load(const slv_env *env, const scene_params *params, scene_data
     if (!result) {
         out->alpha = scene_alpha_of(slv_ptx_get_info(ptx), params->alpha);
         out->premultiplied = params->premultiplied;
+        begin(params, SCENE_STEP_TEXELS);
         if ((result = scene_load_texels(env, ptx, NULL, params->encoding, out)))
             scene_free(out);
     }

@@ -43,6 +43,15 @@ slv_camera scene_view_camera(const scene_view *view, const slv_mesh *mesh);
 /* Makes a window wider or higher to have the proportions width / height = aspect. */
 void scene_fit_window(float window[4], float aspect);
 
+/* What loading a scene goes through, one after the other. */
+typedef enum scene_step {
+    SCENE_STEP_MESH = 0,
+    SCENE_STEP_ADJACENCY,
+    SCENE_STEP_SURFACE,
+    SCENE_STEP_TEXELS,
+    SCENE_STEPS
+} scene_step;
+
 typedef struct scene_params {
     const char *ptx, *mesh; /* mesh may be NULL: the geometry inside the .ptx */
     slv_scheme scheme;
@@ -56,6 +65,9 @@ typedef struct scene_params {
     slv_alpha_mode alpha;
     bool premultiplied; /* colours are stored multiplied by alpha */
     bool environment;   /* six faces are a sphere, whatever geometry there is */
+    void (*begins)(void *user, scene_step step); /* NULL: nobody is told */
+    void *user;
+    slv_progress progress; /* of the texels: as slv_ptx_open_params has it */
 } scene_params;
 
 typedef struct scene {

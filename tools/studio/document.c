@@ -24,8 +24,8 @@ void studio_document_note(void *message, slv_log_level level, const char *line) 
 
 /* Much is asked for while files are opened, which makes this the place to end it. */
 static void *allocate(void *user, size_t bytes) {
-    const atomic_bool *cancelled = user;
-    return atomic_load(cancelled) ? NULL : malloc(bytes);
+    const studio_work *work = user;
+    return atomic_load(&work->cancelled) ? NULL : malloc(bytes);
 }
 
 static void release(void *user, void *memory) {
@@ -34,7 +34,24 @@ static void release(void *user, void *memory) {
 }
 
 void studio_document_cancel(studio_document *document) {
-    atomic_store(document->cancelled, true);
+    atomic_store(&document->work->cancelled, true);
+}
+
+static void begin(studio_document *d, studio_step step) {
+    atomic_store(&d->work->part, 0);
+    atomic_store(&d->work->step, (int)step);
+}
+
+static void begin_scene(void *user, scene_step step) {
+    static const studio_step steps[SCENE_STEPS] = {STUDIO_STEP_MESH, STUDIO_STEP_ADJACENCY,
+                                                   STUDIO_STEP_SURFACE, STUDIO_STEP_TEXELS};
+    begin(user, steps[step]);
+}
+
+static bool go_on(void *user, uint64_t done, uint64_t total) {
+    studio_document *d = user;
+    atomic_store(&d->work->part, (unsigned)(1000 * done / (total ? total : 1)));
+    return !atomic_load(&d->work->cancelled);
 }
 
 bool studio_document_init(studio_document *document) {
@@ -43,23 +60,23 @@ bool studio_document_init(studio_document *document) {
     document->env = cli_env(0);
     document->env.log = studio_document_note;
     document->env.log_user = document->message;
-    document->cancelled = calloc(1, sizeof *document->cancelled);
+    document->work = calloc(1, sizeof *document->work);
     document->env.allocate = allocate;
     document->env.release = release;
-    document->env.memory_user = document->cancelled;
-    return document->message && document->cancelled;
+    document->env.memory_user = document->work;
+    return document->message && document->work;
 }
 
 void studio_document_end(studio_document *document) {
     free(document->message);
-    free(document->cancelled);
+    free(document->work);
     document->message = NULL;
-    document->cancelled = NULL;
+    document->work = NULL;
 }
 
 void studio_document_close(studio_document *d) {
     const studio_document kept = {
-        .env = d->env, .message = d->message, .cancelled = d->cancelled, .serial = d->serial + 1};
+        .env = d->env, .message = d->message, .work = d->work, .serial = d->serial + 1};
     displace_close(&d->scene.displace); /* looks at an adjacency that may be the session's */
     slv_session_destroy(d->session);
     slv_paint_surface_destroy(d->surface);
@@ -130,11 +147,13 @@ static slv_result open_session(studio_document *d, const char *path) {
     slv_result result = slv_session_open(&d->env, path, NULL, &d->session);
     if (result)
         return result;
+    begin(d, STUDIO_STEP_SURFACE);
     slv_surface_params surface = {.scheme = slv_session_scheme(d->session)};
     if ((result = slv_surface_create(&d->env, slv_session_mesh(d->session), &surface,
                                      &d->scene.surface)))
         return result;
     find_bounds(d);
+    begin(d, STUDIO_STEP_TEXELS);
     slv_session_info info;
     slv_session_get_info(d->session, &info);
     d->saved_lines = info.lines - info.unsaved;
@@ -146,11 +165,15 @@ static slv_result open_mesh(studio_document *d, const char *path) {
     static const float fill[3] = {BLANK_FILL, BLANK_FILL, BLANK_FILL};
     const slv_blank_params blank = {.fill = fill};
     const slv_surface_params surface = {0};
-    slv_result result;
-    if ((result = slv_mesh_load(&d->env, path, &d->scene.mesh)) ||
-        (result = slv_mesh_adjacency(&d->env, d->scene.mesh, &d->scene.adjacency)) ||
-        (result = slv_surface_create(&d->env, d->scene.mesh, &surface, &d->scene.surface)) ||
-        (result = slv_blank_create(&d->env, d->scene.mesh, &blank, &d->scene.texture, NULL)))
+    slv_result result = slv_mesh_load(&d->env, path, &d->scene.mesh);
+    begin(d, STUDIO_STEP_ADJACENCY);
+    if (result || (result = slv_mesh_adjacency(&d->env, d->scene.mesh, &d->scene.adjacency)))
+        return result;
+    begin(d, STUDIO_STEP_SURFACE);
+    if ((result = slv_surface_create(&d->env, d->scene.mesh, &surface, &d->scene.surface)))
+        return result;
+    begin(d, STUDIO_STEP_TEXELS);
+    if ((result = slv_blank_create(&d->env, d->scene.mesh, &blank, &d->scene.texture, NULL)))
         return result;
     find_bounds(d);
     d->texture = d->scene.texture;
@@ -178,7 +201,12 @@ slv_result studio_document_open(studio_document *d, const char *path, const char
         result = open_session(d, folder);
         snprintf(whole, sizeof whole, "%s", folder);
     } else if (ptx_name_is_safe(whole)) {
-        const scene_params scene = {.ptx = whole, .mesh = mesh, .salvage = true};
+        const scene_params scene = {.ptx = whole,
+                                    .mesh = mesh,
+                                    .salvage = true,
+                                    .begins = begin_scene,
+                                    .user = d,
+                                    .progress = {go_on, d}};
         d->kind = STUDIO_PTX;
         result = scene_load(&d->env, &scene, &d->scene);
         d->texture = d->scene.texture;

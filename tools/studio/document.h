@@ -16,14 +16,30 @@ typedef enum studio_kind {
     STUDIO_SESSION
 } studio_kind;
 
+/* What opening does, one after the other. */
+typedef enum studio_step {
+    STUDIO_STEP_MESH = 0, /* or the session */
+    STUDIO_STEP_ADJACENCY,
+    STUDIO_STEP_SURFACE,
+    STUDIO_STEP_TEXELS,
+    STUDIO_STEPS
+} studio_step;
+
+/* Between the thread that opens and the one that waits. */
+typedef struct studio_work {
+    atomic_bool cancelled; /* whoever works for it gets no more memory, and fails soon */
+    atomic_int step;       /* studio_step */
+    atomic_uint part; /* of that step, how many thousandths are done, as far as that is known */
+} studio_work;
+
 /* A file is shown as it is until something is done to it. Then there is a session in the folder of
  * unfinished work, named by the file's path, so that it is found there should the program end. */
 enum { STUDIO_MESSAGE = 512 };
 
 typedef struct studio_document {
-    slv_env env;            /* its log writes `message`, which what is made with it remembers */
-    char *message;          /* what went wrong last, in words; STUDIO_MESSAGE bytes */
-    atomic_bool *cancelled; /* whoever works for it gets no more memory, and fails soon */
+    slv_env env;   /* its log writes `message`, which what is made with it remembers */
+    char *message; /* what went wrong last, in words; STUDIO_MESSAGE bytes */
+    studio_work *work;
     studio_kind kind;
     char *path;   /* what was opened; absolute */
     char *target; /* where saving goes: a session, a .ptx; NULL: not known yet */

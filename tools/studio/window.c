@@ -149,12 +149,33 @@ static void offer(studio_app *app) {
     studio_log(app, "\"event\":\"recovered\"");
 }
 
+/* Which step it is at, how much of that is done if anybody knows, and for how long it has gone on.
+ */
+static gboolean tell_opening(gpointer user) {
+    static const char *const steps[STUDIO_STEPS] = {"reading the file", "finding how faces meet",
+                                                    "making the surface", "reading texels"};
+    studio_app *app = user;
+    char text[96];
+    if (app->closing || !app->opening)
+        return G_SOURCE_REMOVE;
+    const studio_work *work = app->opening->document.work;
+    const int step = work ? atomic_load(&work->step) : 0;
+    const double part = work ? 1e-3 * atomic_load(&work->part) : 0;
+    snprintf(text, sizeof text, "%d of %d: %s, for %.0f s", step + 1, STUDIO_STEPS, steps[step],
+             (double)(g_get_monotonic_time() - app->moved) * 1e-6);
+    gtk_progress_bar_set_fraction(GTK_PROGRESS_BAR(app->opening_bar), (step + part) / STUDIO_STEPS);
+    gtk_progress_bar_set_text(GTK_PROGRESS_BAR(app->opening_bar), text);
+    studio_log(app, "\"event\":\"opening\",\"step\":%d,\"part\":%.3f", step + 1, part);
+    return G_SOURCE_CONTINUE;
+}
+
 static void loaded(GObject *source, GAsyncResult *task, gpointer user) {
     studio_app *app = user;
     opening *o = g_task_get_task_data(G_TASK(task));
     const bool wanted = !app->closing && app->opening == o;
     (void)source;
     if (wanted) {
+        tell_opening(app);
         app->loading = false;
         app->opening = NULL;
     }
@@ -177,7 +198,7 @@ static void loaded(GObject *source, GAsyncResult *task, gpointer user) {
         studio_say(app, NULL, NULL, NULL);
         studio_log(app, "\"event\":\"opened\"");
         offer(app);
-        studio_area_redraw(app, false);
+        studio_area_redraw(app, true); /* a coarse picture is there sooner */
     } else if (wanted) {
         snprintf(app->document.message, STUDIO_MESSAGE, "%s",
                  o->document.message ? o->document.message : "");
@@ -206,18 +227,6 @@ void studio_open_cancel(studio_app *app) {
     studio_sync(app);
 }
 
-/* How far it is nobody knows, but that it goes on, and for how long. */
-static gboolean tell_opening(gpointer user) {
-    studio_app *app = user;
-    char text[80];
-    if (app->closing || !app->opening)
-        return G_SOURCE_REMOVE;
-    snprintf(text, sizeof text, "for %.0f s", (double)(g_get_monotonic_time() - app->moved) * 1e-6);
-    gtk_progress_bar_pulse(GTK_PROGRESS_BAR(app->opening_bar));
-    gtk_progress_bar_set_text(GTK_PROGRESS_BAR(app->opening_bar), text);
-    return G_SOURCE_CONTINUE;
-}
-
 void studio_open(studio_app *app, const char *path) {
     opening *o = g_new0(opening, 1);
     GTask *task = g_task_new(NULL, NULL, loaded, app);
@@ -233,6 +242,7 @@ void studio_open(studio_app *app, const char *path) {
     gtk_label_set_text(GTK_LABEL(app->opening_text), text);
     g_free(text);
     g_free(base);
+    tell_opening(app);
     g_timeout_add(100, tell_opening, app);
     studio_page(app, "loading", NULL);
     studio_sync(app);

@@ -70,7 +70,8 @@ typedef struct slv_ptx_open_params {
      * that cannot be read are left out. Each is told in a warning, faces beyond a hundred in one
      * for all. The header and the face table have to be sound. */
     bool salvage;
-    uint64_t reserved[4];
+    slv_progress progress; /* of slv_ptx_load_texture: faces; on any thread, one at a time */
+    uint64_t reserved[2];
 } slv_ptx_open_params;
 
 /* An open file. Any number of threads may read it at once. */

@@ -86,6 +86,7 @@ struct slv_ptx {
     char *name;
     slv_ptx_info info;
     bool premultiply, lenient, salvage;
+    slv_progress progress; /* of loading all texels */
     size_t pixel_size;
     uint32_t level_faces[PTX_MAX_LEVELS];
     uint64_t level_bytes[PTX_MAX_LEVELS];

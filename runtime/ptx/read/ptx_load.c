@@ -3,6 +3,7 @@
 
 #include "base/log.h"
 #include "base/memory.h"
+#include "base/progress.h"
 #include "mesh/mesh_data.h"
 
 #include <selvage/subface.h>
@@ -19,6 +20,7 @@ struct visit {
     uint32_t nfaces;
     const slv_res *res; /* at which faces are read; NULL: their own */
     ptx_errors errors;
+    slvi_steps *steps; /* NULL: nobody is told */
 };
 
 static slv_res res_of(const struct visit *visit, uint32_t face, const slv_ptx_face *f) {
@@ -56,7 +58,7 @@ static slv_result visit_range(void *user, uint64_t first, uint64_t end) {
     }
     slvi_free(texels.bytes);
     slvi_ptx_scratch_free(&scratch);
-    return result;
+    return result ? result : slvi_steps_add(visit->steps, &env, ptx->name, end - first);
 }
 
 /* Refuses before any memory is spent on them texels that cannot be there, or are more than allowed:
@@ -143,10 +145,16 @@ static slv_result load_texture(const slv_env *env, const slv_ptx *ptx, const slv
     slv_res *own = NULL;
     slv_texture *texture = NULL;
     uint64_t total;
+    slvi_steps steps;
     *out = NULL;
     slv_result result = ptx_need(ptx, texel_parts(ptx));
-    struct visit visit = {
-        .env = env, .ptx = ptx, .visit = store_face, .nfaces = ptx->info.nfaces, .res = res};
+    struct visit visit = {.env = env,
+                          .ptx = ptx,
+                          .visit = store_face,
+                          .nfaces = ptx->info.nfaces,
+                          .res = res,
+                          .steps = &steps};
+    slvi_steps_begin(&steps, ptx->progress, ptx->info.nfaces);
     if (result || (res && (result = check_res(env, ptx, res))) ||
         (result = check_sizes(&visit, true, &total)) ||
         (!res && (result = slvi_alloc(env, ptx->name, ptx->info.nfaces, sizeof *own, &own))))
@@ -167,6 +175,7 @@ static slv_result load_texture(const slv_env *env, const slv_ptx *ptx, const slv
     *out = texture;
     texture = NULL;
 done:
+    slvi_steps_end(&steps);
     slv_texture_destroy(texture);
     slvi_free(own);
     return result;

@@ -207,6 +207,7 @@ static slv_result open_within(const slv_env *env, const char *name, const slv_st
     ptx->premultiply = params && params->premultiply;
     ptx->lenient = params && params->lenient;
     ptx->salvage = params && params->salvage;
+    ptx->progress = params ? params->progress : (slv_progress){0};
     atomic_init(&ptx->nsalvaged, 0);
     ptx->info.level_faces = ptx->level_faces;
     ptx->info.level_bytes = ptx->level_bytes;
