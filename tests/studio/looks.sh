@@ -83,6 +83,8 @@ choose '"event":"view-saved"' "$here/view.json"
 render moved-command
 apart moved moved-command lt 8
 key displace-none alt+d
+key exposure-up period
+key encoding ctrl+2
 xdotool key ctrl+q
 ends
 
@@ -93,6 +95,12 @@ start_studio --size 320x200 "$here/hurt.ptx"
 take_window
 wait_for '"event":"said"'
 take hurt
+# the light, and what else was chosen, is as it was
+does '"event":"chooser"' key F9
+choose '"event":"view-saved"' "$here/view.json"
+grep -q '"light": ".*/sky.png"' "$here/view.json" && grep -q '"turn": 15' "$here/view.json" || fail "the light was not kept"
+grep -q '^exposure=0.25' "$here/config/selvage/studio.ini" || fail "the exposure was not kept"
+grep -q '^encoding=linear' "$here/config/selvage/studio.ini" || fail "the encoding was not kept"
 key overlay alt+5
 take damaged
 apart hurt damaged gt 20

@@ -15,6 +15,14 @@ bool studio_light_load(studio_app *app, const char *path) {
     return true;
 }
 
+void studio_light_recall(studio_app *app) {
+    if (app->look.shading != SLV_SHADE_IMAGE || app->light_path)
+        return;
+    if (!app->light_kept || !studio_light_load(app, app->light_kept))
+        app->look.shading = SLV_SHADE_HEADLIGHT;
+    g_clear_pointer(&app->light_kept, g_free);
+}
+
 void studio_do_light_path(studio_app *app, const char *target) {
     if (studio_light_load(app, target))
         app->look.light_turn = 0;

@@ -84,19 +84,21 @@ void studio_do_bookmark_set(studio_app *app, const char *target) {
 
 void studio_do_brighter(studio_app *app, const char *target) {
     (void)target;
-    app->look.exposure = fminf(app->look.exposure + 0.25f, 20);
+    app->look.exposure = fminf(app->look.exposure + 0.25f, STUDIO_EXPOSURE);
     changed(app);
 }
 
 void studio_do_darker(studio_app *app, const char *target) {
     (void)target;
-    app->look.exposure = fmaxf(app->look.exposure - 0.25f, -20);
+    app->look.exposure = fmaxf(app->look.exposure - 0.25f, -STUDIO_EXPOSURE);
     changed(app);
 }
 
 void studio_set_encoding(studio_app *app, const char *target) {
     app->look.encoding = (studio_encoding)word_of(studio_encoding_names, STUDIO_ENCODINGS, target,
                                                   app->look.encoding);
+    if (!studio_document_is_data(&app->document))
+        app->encoding = app->look.encoding;
     changed(app);
 }
 
@@ -108,11 +110,12 @@ void studio_set_shading(studio_app *app, const char *target) {
     slv_shading shading;
     if (!slv_shading_from_name(target, &shading))
         return;
-    if (shading == SLV_SHADE_IMAGE && !app->light_path) {
+    if (shading == SLV_SHADE_IMAGE && !app->light_path && !app->light_kept) {
         studio_do_light(app, "");
         return;
     }
     app->look.shading = shading;
+    studio_light_recall(app);
     changed(app);
 }
 

@@ -333,6 +333,10 @@ slv_result studio_document_refresh(studio_document *d) {
 
 /* ---- saving ---- */
 
+bool studio_document_is_data(const studio_document *d) {
+    return d->texture && slv_texture_get_encoding(d->texture, SLV_TEXTURE_AUTO) == SLV_TEXTURE_DATA;
+}
+
 bool studio_document_is_unsaved(const studio_document *d) {
     slv_session_info info;
     if (!d->session)

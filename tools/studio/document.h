@@ -81,6 +81,8 @@ slv_result studio_document_need_session(studio_document *document);
 slv_document *studio_document_layers(const studio_document *document); /* NULL: no session yet */
 /* After anything was done to the session: the texture follows. */
 slv_result studio_document_refresh(studio_document *document);
+/* Its numbers are no colours. False if nothing is open. */
+bool studio_document_is_data(const studio_document *document);
 bool studio_document_is_unsaved(const studio_document *document);
 
 /* To `target`. SLV_ERROR_ARGUMENT if it is not known. */

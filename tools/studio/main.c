@@ -124,6 +124,7 @@ int main(int argc, char **argv) {
     g_free(app.paint.stencil.path);
     g_free(app.report_path);
     g_free(app.light_path);
+    g_free(app.light_kept);
     studio_turntable_stop(&app);
     for (int i = 0; i < STUDIO_RECENT; i++)
         g_free(app.recent[i]);

@@ -1,4 +1,5 @@
-/* What is kept from one run to the next: looks, brush, size of the window, files that were open. */
+/* What is kept from one run to the next: looks, light, brush, size of the window, files that were
+ * open. */
 #include "studio/studio.h"
 
 #include <string.h>
@@ -23,6 +24,38 @@ static void show_recent(studio_app *app) {
         g_menu_append_item(app->recent_menu, item);
         g_object_unref(item);
     }
+}
+
+static void load_look(studio_app *app, GKeyFile *file) {
+    studio_look *look = &app->look;
+    char *shading = g_key_file_get_string(file, "studio", "shading", NULL),
+         *encoding = g_key_file_get_string(file, "studio", "encoding", NULL);
+    if (shading)
+        (void)slv_shading_from_name(shading, &look->shading);
+    for (int i = 0; encoding && i < STUDIO_ENCODINGS; i++)
+        if (strcmp(encoding, studio_encoding_names[i]) == 0)
+            app->encoding = (studio_encoding)i;
+    app->light_kept = g_key_file_get_string(file, "studio", "light", NULL);
+    look->light_turn = number_of(file, "light-turn", -360, 360, look->light_turn);
+    look->exposure = number_of(file, "exposure", -STUDIO_EXPOSURE, STUDIO_EXPOSURE, look->exposure);
+    look->anisotropy = (uint32_t)number_of(file, "anisotropy", 1, 16, (float)look->anisotropy);
+    look->msaa =
+        1u << (uint32_t)number_of(file, "msaa-log2", 0, 3, (float)g_bit_nth_msf(look->msaa, -1));
+    g_free(shading);
+    g_free(encoding);
+}
+
+static void save_look(const studio_app *app, GKeyFile *file) {
+    const studio_look *look = &app->look;
+    const char *light = app->light_path ? app->light_path : app->light_kept;
+    g_key_file_set_string(file, "studio", "shading", slv_shading_name(look->shading));
+    g_key_file_set_string(file, "studio", "encoding", studio_encoding_names[app->encoding]);
+    if (light)
+        g_key_file_set_string(file, "studio", "light", light);
+    g_key_file_set_double(file, "studio", "light-turn", (double)look->light_turn);
+    g_key_file_set_double(file, "studio", "exposure", (double)look->exposure);
+    g_key_file_set_integer(file, "studio", "anisotropy", (int)look->anisotropy);
+    g_key_file_set_integer(file, "studio", "msaa-log2", g_bit_nth_msf(look->msaa, -1));
 }
 
 void studio_settings_load(studio_app *app) {
@@ -50,6 +83,7 @@ void studio_settings_load(studio_app *app) {
         app->paint.color[0] = number_of(file, "red", 0, 1, app->paint.color[0]);
         app->paint.color[1] = number_of(file, "green", 0, 1, app->paint.color[1]);
         app->paint.color[2] = number_of(file, "blue", 0, 1, app->paint.color[2]);
+        load_look(app, file);
         app->turns = (uint32_t)number_of(file, "turns", 1, STUDIO_TURNS, (float)app->turns);
         int width = (int)number_of(file, "width", 640, 16384, 0),
             height = (int)number_of(file, "height", 400, 16384, 0);
@@ -83,6 +117,7 @@ void studio_settings_save(studio_app *app) {
     g_key_file_set_double(file, "studio", "red", (double)app->paint.color[0]);
     g_key_file_set_double(file, "studio", "green", (double)app->paint.color[1]);
     g_key_file_set_double(file, "studio", "blue", (double)app->paint.color[2]);
+    save_look(app, file);
     g_key_file_set_integer(file, "studio", "turns", (int)app->turns);
     if (!app->size[0]) {
         g_key_file_set_integer(file, "studio", "width", width);

@@ -39,6 +39,7 @@ typedef enum studio_drag {
 } studio_drag;
 
 enum { STUDIO_BOOKMARKS = 4, STUDIO_RECENT = 8, STUDIO_TURNS = 10000 };
+#define STUDIO_EXPOSURE 20.0f /* stops, at most */
 
 /* A stroke from pen down until all of it is painted. */
 typedef struct studio_stroke {
@@ -75,8 +76,10 @@ typedef struct studio_app {
     studio_document document;
     studio_camera camera;
     studio_look look;
-    slv_light light;  /* of an image, before it is turned */
-    char *light_path; /* of that image; NULL: none was chosen */
+    slv_light light;          /* of an image, before it is turned */
+    char *light_path;         /* of that image; NULL: none was chosen */
+    char *light_kept;         /* the one of the last time, until it is read */
+    studio_encoding encoding; /* that pictures of colours have */
     studio_paint paint;
     studio_brushes brushes;
     studio_swatch swatches[STUDIO_SWATCHES];
@@ -253,6 +256,8 @@ void studio_settings_opened(studio_app *app, const char *path);
 
 /* commands_light.c */
 bool studio_light_load(studio_app *app, const char *path);
+/* Reads the light of the last time, if there is to be one; else the light is at the eye. */
+void studio_light_recall(studio_app *app);
 
 /* views.c */
 slv_result studio_view_save(studio_app *app, const char *path);

@@ -190,12 +190,11 @@ static void loaded(GObject *source, GAsyncResult *task, gpointer user) {
         app->look.channel = 0;
         studio_seam_forget(app);
         app->look.encoding =
-            slv_texture_get_encoding(app->document.texture, SLV_TEXTURE_AUTO) == SLV_TEXTURE_DATA
-                ? STUDIO_LINEAR
-                : STUDIO_SRGB;
+            studio_document_is_data(&app->document) ? STUDIO_LINEAR : app->encoding;
         studio_settings_opened(app, app->document.path);
         studio_page(app, "picture", NULL);
         studio_say(app, NULL, NULL, NULL);
+        studio_light_recall(app);
         studio_log(app, "\"event\":\"opened\"");
         offer(app);
         studio_area_redraw(app, true); /* a coarse picture is there sooner */
