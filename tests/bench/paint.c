@@ -5,8 +5,9 @@
  * whole way, from the dab on a layer of a document to what the GPU holds (levels, borders, corners;
  * the software driver's threads count), on faces that were painted before and on faces that had one
  * value; and its undo. Then strokes of two sessions in turns: the last of N (10 thousand) beside
- * the tenth on. Medians of the processor's time, since others may use the machine. And what is
- * allocated a dab once it goes on. */
+ * the tenth on. And layers of other resolutions than the document's, flattened beside one of its
+ * own. Medians of the processor's time, since others may use the machine. And what is allocated a
+ * dab once it goes on. */
 #include "kit/bench_kit.h"
 #include "kit/count_kit.h"
 
@@ -409,6 +410,72 @@ static void run_strokes(const slv_env *env, uint32_t side, uint32_t count) {
         bench_stop(SLV_ERROR_IO);
 }
 
+/* Random texels in all faces of a layer, which is shown and hidden; the median for one that has the
+ * document's resolution is returned, and what the others take of it is printed. */
+static double time_layer(const slv_env *env, const slv_adjacency *adjacency, int8_t log2,
+                         const slv_res own[9], double same) {
+    slv_res res[9];
+    slv_document *document = NULL;
+    slv_texture *texture = NULL;
+    slv_layer_props props = {.opacity = 1};
+    uint32_t layer, state = 7;
+    double times[MOST];
+    for (int i = 0; i < 9; i++)
+        res[i] = (slv_res){log2, log2};
+    const slv_document_params params = {.flat = {.nfaces = 9,
+                                                 .type = SLV_TYPE_U8,
+                                                 .nchannels = 3,
+                                                 .alpha_channel = SLV_NO_ALPHA,
+                                                 .res = res}};
+    slv_texture_desc desc = params.flat;
+    desc.res = own;
+    uint8_t *texels = malloc((size_t)3 << 2 * (log2 + 1));
+    if (!texels)
+        bench_stop(SLV_ERROR_MEMORY);
+    for (size_t i = 0; i < (size_t)3 << 2 * (log2 + 1); i++)
+        texels[i] = (uint8_t)(bench_random(&state) >> 24);
+    bench_stop(slv_texture_create(env, &desc, &texture));
+    for (uint32_t face = 0; face < 9; face++)
+        bench_stop(slv_texture_set_rect(
+            texture, face, (slv_rect){0, 0, 1u << own[face].u, 1u << own[face].v}, texels));
+    bench_stop(slv_document_create(env, &params, adjacency, &document));
+    bench_stop(slv_document_add_layer(document, NULL, &layer));
+    bench_stop(slv_document_load_layer(document, layer, texture));
+    bench_stop(slv_document_flatten(document));
+    for (uint32_t i = 0; i < 9; i++) {
+        props.opacity = i % 2 ? 1 : 0.5f;
+        bench_stop(slv_document_set_layer(document, layer, &props));
+        double begin = now();
+        bench_stop(slv_document_flatten(document));
+        times[i] = now() - begin;
+    }
+    const double median = bench_median(times, 9);
+    printf("    a layer of %4d x %-4d and %4d x %-4d %8.2f ms, %.2f times\n", 1 << own[0].u,
+           1 << own[0].v, 1 << own[1].u, 1 << own[1].v, median, same > 0 ? median / same : 1);
+    slv_document_destroy(document);
+    slv_texture_destroy(texture);
+    free(texels);
+    return median;
+}
+
+static void run_resolutions(const slv_env *env, int8_t log2) {
+    static const int8_t by[][2] = {{0, 0}, {-1, -1}, {-3, -3}, {1, 1}, {-6, -1}};
+    slv_mesh *mesh = make_mesh(env, 3);
+    slv_adjacency *adjacency = NULL;
+    double same = 0;
+    bench_stop(slv_mesh_adjacency(env, mesh, &adjacency));
+    printf("9 faces of %d x %d flattened\n", 1 << log2, 1 << log2);
+    for (size_t k = 0; k < sizeof by / sizeof *by; k++) {
+        slv_res own[9];
+        for (int i = 0; i < 9; i++) /* every other face */
+            own[i] = (slv_res){(int8_t)(log2 + by[k][i % 2]), (int8_t)(log2 + by[k][i % 2])};
+        const double median = time_layer(env, adjacency, log2, own, same);
+        same = k ? same : median;
+    }
+    slv_adjacency_destroy(adjacency);
+    slv_mesh_destroy(mesh);
+}
+
 int main(int argc, char **argv) {
     slv_env env = {.log = bench_log, .allocate = count_allocation, .release = count_release};
     slv_threads *threads = NULL;
@@ -445,6 +512,7 @@ int main(int argc, char **argv) {
             run(&env, gl, n, false);
         run_strokes(&env, 100, strokes);
     }
+    run_resolutions(&env, smoke ? 6 : 9);
     slv_gl_destroy(gl);
     slv_threads_destroy(threads);
     return 0;
