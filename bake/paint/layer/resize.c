@@ -165,16 +165,24 @@ typedef struct loading {
 
 static void load(const void *user, uint32_t face, slv_res res, slv_rect rect, float *out) {
     const loading *l = user;
-    uint32_t kept = slv_texture_get_desc(l->texture)->nchannels;
-    (void)res;
-    for (uint32_t y = 0; y < rect.height; y++)
+    const slv_texture_desc *desc = slv_texture_get_desc(l->texture);
+    const unsigned char *texels = slv_texture_texels(l->texture, face);
+    const bool constant = slv_texture_is_constant(l->texture, face);
+    const size_t size = slv_type_size(desc->type) * desc->nchannels;
+    float row[SLVI_BLOCK_SIDE * SLVI_MOST_CHANNELS];
+    for (uint32_t y = 0; y < rect.height; y++) {
+        const size_t at = ((size_t)(rect.y + y) << res.u) + rect.x;
+        slv_type_to_float(desc->type, texels + (constant ? 0 : at * size),
+                          (size_t)desc->nchannels * (constant ? 1 : rect.width), row);
+        if (constant)
+            slvi_repeat(row, desc->nchannels * sizeof *row,
+                        (size_t)rect.width * desc->nchannels * sizeof *row);
         for (uint32_t x = 0; x < rect.width; x++, out += l->nchannels) {
-            bool constant = slv_texture_is_constant(l->texture, face);
-            if (kept < l->nchannels)
+            if (desc->nchannels < l->nchannels)
                 out[l->alpha] = 1;
-            slv_texture_fetch(l->texture, face, constant ? 0 : rect.x + x,
-                              constant ? 0 : rect.y + y, out);
+            memcpy(out, row + (size_t)x * desc->nchannels, desc->nchannels * sizeof *out);
         }
+    }
 }
 
 slv_result slv_document_load_layer(slv_document *document, uint32_t id,

@@ -7,6 +7,7 @@
 #include <errno.h>
 #include <fcntl.h>
 #include <inttypes.h>
+#include <libdeflate.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -20,17 +21,7 @@
 
 /* CRC-32 of IEEE 802.3. */
 uint32_t slvi_crc(uint32_t crc, const void *data, size_t size) {
-    static const uint32_t table[16] = {0x00000000, 0x1db71064, 0x3b6e20c8, 0x26d930ac,
-                                       0x76dc4190, 0x6b6b51f4, 0x4db26158, 0x5005713c,
-                                       0xedb88320, 0xf00f9344, 0xd6d6a3e8, 0xcb61b38c,
-                                       0x9b64c2b0, 0x86d3d2d4, 0xa00ae278, 0xbdbdf21c};
-    const unsigned char *bytes = data;
-    crc = ~crc;
-    for (size_t i = 0; i < size; i++) {
-        crc = crc >> 4 ^ table[(crc ^ bytes[i]) & 15];
-        crc = crc >> 4 ^ table[(crc ^ bytes[i] >> 4) & 15];
-    }
-    return ~crc;
+    return size ? libdeflate_crc32(crc, data, size) : crc;
 }
 
 slv_result slvi_journal_open(const slv_env *env, const char *path, bool read, bool *missing,
