@@ -36,22 +36,42 @@
         (out) = even + odd;                                                                        \
     } while (0)
 
-/* Few channels: rows are added up as they lie in memory, whole vectors at a time, and the columns
- * of the sum weighted at the end. Vectors may read beyond a row: texels have padding behind them.
- */
+/* Sums over rows, weighed: columns of three or four values, two to a vector. */
+static inline __attribute__((always_inline)) v4f gather_pairs(const v8f *sums, int nvectors,
+                                                              bool three, const kernel_axis *u) {
+    v8f both = -(v8f){0, 0, 0, 0, 0, 0, 0, 0};
+    int pairs = nvectors - (u->n & 1);
+    _Pragma("GCC unroll 9") for (int i = 0; i < nvectors; i++) {
+        v8f x = sums[i];
+        if (i == pairs)
+            break;
+        if (three)
+            x = __builtin_shufflevector(x, x, 0, 1, 2, 3, 3, 4, 5, 6);
+        both += x * v8_fours(u->k[2 * i], u->k[2 * i + 1]);
+    }
+    v4f even = v8_low(both), odd = v8_high(both);
+    if (pairs < nvectors)
+        even += v8_low(sums[nvectors - 1]) * u->k[2 * nvectors - 2];
+    return even + odd;
+}
+
+/* Few channels: rows are added up as they lie in memory, whole vectors of `step` values at a time,
+ * and the columns of the sum weighted at the end. Vectors may read beyond a row: texels have
+ * padding behind them. Columns that lie across the vectors of a sum that was stored a moment ago
+ * would have to wait for it, so that for three channels a vector has two texels. */
 #define DEFINE_GATHER_ROWS(TYPE, T)                                                                \
     static inline __attribute__((always_inline)) void gather_rows_##TYPE(                          \
-        const T *p, size_t pitch, const kernel_axis *v, size_t nvectors, v8f *acc) {               \
+        const T *p, size_t pitch, const kernel_axis *v, size_t step, size_t nvectors, v8f *acc) {  \
         int rows = v->n;                                                                           \
         float weight = v->k[0];                                                                    \
         v8f sums[GATHER_MAX_VECTORS];                                                              \
         _Pragma("GCC unroll 9") for (size_t i = 0; i < nvectors; i++) sums[i] =                    \
-            v8_load_##TYPE(p + 8 * i) * weight;                                                    \
+            v8_load_##TYPE(p + step * i) * weight;                                                 \
         for (int j = 1; j < rows; j++) {                                                           \
             p += pitch;                                                                            \
             weight = v->k[j];                                                                      \
             _Pragma("GCC unroll 9") for (size_t i = 0; i < nvectors; i++) sums[i] +=               \
-                v8_load_##TYPE(p + 8 * i) * weight;                                                \
+                v8_load_##TYPE(p + step * i) * weight;                                             \
         }                                                                                          \
         _Pragma("GCC unroll 9") for (size_t i = 0; i < nvectors; i++) acc[i] = sums[i];            \
     }                                                                                              \
@@ -59,29 +79,48 @@
         const T *p, size_t pitch, const kernel_axis *v, size_t nvectors, v8f *acc) {               \
         switch (nvectors) {                                                                        \
         case 1:                                                                                    \
-            gather_rows_##TYPE(p, pitch, v, 1, acc);                                               \
+            gather_rows_##TYPE(p, pitch, v, 8, 1, acc);                                            \
             break;                                                                                 \
         case 2:                                                                                    \
-            gather_rows_##TYPE(p, pitch, v, 2, acc);                                               \
+            gather_rows_##TYPE(p, pitch, v, 8, 2, acc);                                            \
             break;                                                                                 \
         case 3:                                                                                    \
-            gather_rows_##TYPE(p, pitch, v, 3, acc);                                               \
+            gather_rows_##TYPE(p, pitch, v, 8, 3, acc);                                            \
             break;                                                                                 \
         case 4:                                                                                    \
-            gather_rows_##TYPE(p, pitch, v, 4, acc);                                               \
+            gather_rows_##TYPE(p, pitch, v, 8, 4, acc);                                            \
             break;                                                                                 \
         default:                                                                                   \
-            gather_rows_##TYPE(p, pitch, v, nvectors, acc);                                        \
+            gather_rows_##TYPE(p, pitch, v, 8, nvectors, acc);                                     \
         }                                                                                          \
     }                                                                                              \
+    static inline __attribute__((always_inline)) v4f gather_pairs_##TYPE(                          \
+        const T *p, size_t pitch, size_t n, size_t nvectors, const kernel *k) {                    \
+        v8f sums[GATHER_MAX_VECTORS];                                                              \
+        gather_rows_##TYPE(p, pitch, &k->a[1], 2 * n, nvectors, sums);                             \
+        return gather_pairs(sums, (int)nvectors, n == 3, &k->a[0]);                                \
+    }                                                                                              \
     static inline __attribute__((always_inline))                                                   \
-    v4f gather_few_##TYPE(const T *texels, size_t pitch, size_t n, const kernel *k) {              \
+    v4f gather_few_##TYPE(const T *p, size_t pitch, size_t n, const kernel *k) {                   \
+        size_t width = (size_t)k->a[0].n;                                                          \
+        if (n >= 3)                                                                                \
+            switch ((width + 1) / 2) {                                                             \
+            case 1:                                                                                \
+                return gather_pairs_##TYPE(p, pitch, n, 1, k);                                     \
+            case 2:                                                                                \
+                return gather_pairs_##TYPE(p, pitch, n, 2, k);                                     \
+            case 3:                                                                                \
+                return gather_pairs_##TYPE(p, pitch, n, 3, k);                                     \
+            case 4:                                                                                \
+                return gather_pairs_##TYPE(p, pitch, n, 4, k);                                     \
+            default:                                                                               \
+                return gather_pairs_##TYPE(p, pitch, n, (width + 1) / 2, k);                       \
+            }                                                                                      \
         union {                                                                                    \
             v8f v[GATHER_MAX_VECTORS + 1];                                                         \
             float f[8 * GATHER_MAX_VECTORS + 8];                                                   \
         } acc;                                                                                     \
-        const T *p = texels + (size_t)k->a[1].start * pitch + (size_t)k->a[0].start * n;           \
-        gather_rows_few_##TYPE(p, pitch, &k->a[1], ((size_t)k->a[0].n * n + 7) / 8, acc.v);        \
+        gather_rows_few_##TYPE(p, pitch, &k->a[1], (width * n + 7) / 8, acc.v);                    \
         v4f sum;                                                                                   \
         GATHER_COLUMNS(acc.f, n, k->a[0].k, 1, k->a[0].n, sum);                                    \
         return sum;                                                                                \
@@ -91,7 +130,7 @@
                                    size_t nvectors, v8f *acc) {                                    \
         const T *p = (const T *)texels + (size_t)v->start * pitch;                                 \
         for (; nvectors > 4; nvectors -= 4, p += 32, acc += 4)                                     \
-            gather_rows_##TYPE(p, pitch, v, 4, acc);                                               \
+            gather_rows_##TYPE(p, pitch, v, 8, 4, acc);                                            \
         gather_rows_few_##TYPE(p, pitch, v, nvectors, acc);                                        \
     }                                                                                              \
     /* Any number of channels, of which `count` are wanted. */                                     \
@@ -123,8 +162,8 @@ DEFINE_GATHER_ROWS(u16, uint16_t)
 DEFINE_GATHER_ROWS(half, uint16_t)
 DEFINE_GATHER_ROWS(float, float)
 
-/* The sum over up to four channels, all of them, of texels in rows `pitch` texels apart. Not
- * inlined: there is too much of it. */
+/* The sum over up to four channels, all of them, of texels in rows `pitch` texels apart, from the
+ * first under a kernel on. Not inlined: there is too much of it. */
 #define DEFINE_GATHER_CHANNELS(TYPE, T, N)                                                         \
     static __attribute__((noinline))                                                               \
     v4f gather_##TYPE##_##N(const void *texels, size_t pitch, const kernel *k) {                   \
@@ -151,9 +190,16 @@ static const gather_function gather_functions[][4] = {
     [SLV_TYPE_FLOAT] = {gather_float_1, gather_float_2, gather_float_3, gather_float_4},
 };
 
+/* From the first texel under the kernel on. */
+static inline __attribute__((always_inline)) v4f
+gather_from(const cache_tables *t, const uint8_t *first, size_t pitch, const kernel *k) {
+    return gather_functions[t->type][t->nchannels - 1](first, pitch, k);
+}
+
 static inline __attribute__((always_inline)) v4f
 gather_few(const cache_tables *t, const uint8_t *texels, size_t pitch, const kernel *k) {
-    return gather_functions[t->type][t->nchannels - 1](texels, pitch, k);
+    size_t first = (size_t)k->a[1].start * pitch + (size_t)k->a[0].start;
+    return gather_from(t, texels + first * t->pixel_size, pitch, k);
 }
 
 typedef void (*gather_band_function)(const void *texels, size_t pitch, const kernel_axis *v,
@@ -177,15 +223,6 @@ static inline __attribute__((always_inline)) v8f gather_load(slv_type type, cons
     default:
         return v8_load_float(p);
     }
-}
-
-/* Two columns of sums over rows, each of `n` values, as GATHER_COLUMNS adds them. */
-static inline __attribute__((always_inline)) v4f gather_two_columns(const float *sums, size_t n,
-                                                                    float a, float b) {
-    v4f first, second;
-    memcpy(&first, sums, sizeof first);
-    memcpy(&second, sums + n, sizeof second);
-    return first * a + second * b;
 }
 
 /* Adds `count` values of a texel, from `first` on, times a weight. */

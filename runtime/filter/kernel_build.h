@@ -31,61 +31,67 @@ typedef struct kernel_spans {
     /* bilinear: the two weights; box: the first and the last weight; gaussian and cubics: from the
      * position to `start` in texels, and how much a texel is in units of the filter's width */
     v8f a, b;
+    v8f whole;  /* bilinear and box: the sum of weights */
     v8f coarse; /* gaussian and cubics: how much of the next coarser resolution is in it */
 } kernel_spans;
 
-/* At positions x, w wide, no finer than 2^-face_res, all in units of the face. */
-static inline __attribute__((always_inline)) void kernel_span_bilinear(v8f x, v8f w, v8i face_res,
-                                                                       kernel_spans *out) {
-    w = v8_min(v8_max(w, v8_power_of_two(-face_res)), v8_splat(1));
-    out->res = 127 - ((v8i)w >> 23);
-    x = x * v8_power_of_two(out->res) - 0.5f;
+/* At positions x of spans that are p wide, both in texels of a resolution of more than four. */
+static inline __attribute__((always_inline)) void kernel_lay_bilinear(v8f x, kernel_spans *out) {
+    x -= 0.5f;
     out->start = v8_floor(x);
     out->b = x - v8_to_float(out->start);
     out->a = 1 - out->b;
     out->n = (v8i){2, 2, 2, 2, 2, 2, 2, 2};
+    out->whole = out->a + out->b;
     out->coarse = v8_splat(0);
 }
 
-static inline __attribute__((always_inline)) void kernel_span_box(v8f x, v8f w, v8i face_res,
-                                                                  kernel_spans *out) {
-    w = v8_min(v8_max(w, v8_power_of_two(-face_res)), v8_splat(1));
-    out->res = 127 - ((v8i)w >> 23);
-    v8f size = v8_power_of_two(out->res), half = w * size * 0.5f;
-    x *= size;
-    v8f low = x - half, high = x + half;
+static inline __attribute__((always_inline)) void kernel_lay_box(v8f x, v8f p, kernel_spans *out) {
+    v8f half = p * 0.5f, low = x - half, high = x + half;
     v8i end = v8_ceil(high);
     out->start = v8_floor(low);
     out->n = end - out->start;
     out->a = 1 - (low - v8_to_float(out->start));
     out->b = 1 - (v8_to_float(end) - high);
+    out->whole = out->a + out->b + v8_to_float(out->n - 2);
     out->coarse = v8_splat(0);
 }
 
-/* The filters that span four texels at each resolution: gaussian and cubics. They have a shape of
- * their own at each of the coarsest three resolutions. */
-static inline __attribute__((always_inline)) void kernel_span_wide(v8f x, v8f w, v8i face_res,
-                                                                   bool lerp, kernel_spans *out) {
-    w = v8_min(v8_max(w, v8_power_of_two(-face_res)), v8_splat(1));
-    out->res = 127 - ((v8i)w >> 23);
-    v8f size = v8_power_of_two(out->res), p = w * size, middle = x - 0.5f;
+/* The filters that span four texels at each resolution: gaussian and cubics. */
+static inline __attribute__((always_inline)) void kernel_lay_wide(v8f x, v8f p, bool lerp,
+                                                                  kernel_spans *out) {
+    x -= 0.5f;
+    v8i odd = lerp ? (p != 1.0f) & 1 : (v8i){0};
+    out->whole = v8_splat(0);
     out->coarse = lerp ? p - 1 : v8_splat(0);
-    if (v8_all(out->res > 2)) {
-        x = x * size - 0.5f;
-        v8i odd = lerp ? (p != 1.0f) & 1 : (v8i){0};
-        out->start = v8_ceil(x - 2 * p) & ~odd;
-        out->n = ((v8_ceil(x + 2 * p) + odd) & ~odd) - out->start;
-        out->a = v8_to_float(out->start) - x;
-        out->b = 1 / p;
-        return;
-    }
+    out->start = v8_ceil(x - 2 * p) & ~odd;
+    out->n = ((v8_ceil(x + 2 * p) + odd) & ~odd) - out->start;
+    out->a = v8_to_float(out->start) - x;
+    out->b = 1 / p;
+}
+
+static inline __attribute__((always_inline)) void kernel_lay_axes(const kernel_shape *shape, v8f x,
+                                                                  v8f p, kernel_spans *out) {
+    if (shape->filter == SLV_FILTER_BILINEAR)
+        kernel_lay_bilinear(x, out);
+    else if (shape->filter == SLV_FILTER_BOX)
+        kernel_lay_box(x, p, out);
+    else
+        kernel_lay_wide(x, p, shape->lerp, out);
+}
+
+/* The wide ones have a shape of their own at each of the coarsest three resolutions. */
+static inline __attribute__((always_inline)) void kernel_lay_coarse(v8f x, v8f w, v8f p, v8f middle,
+                                                                    bool lerp, kernel_spans *out) {
     v8i is_one = out->res == 0, is_two = out->res == 1, is_four = out->res == 2;
-    x = x * size - 0.5f;
+    x -= 0.5f;
     v8f radius = v8_select(is_four, v8_splat(2), 2 * p);
     v8i odd = (lerp ? is_four | (p != 1.0f) : is_four) & 1;
     v8i start = v8_ceil(x - radius) & ~odd, end = (v8_ceil(x + radius) + odd) & ~odd;
     v8i below = v8_floor(middle);
     start = v8_select_int(is_one | is_two, below + (below & is_two), start);
+    out->whole = v8_splat(0);
+    out->coarse = lerp ? p - 1 : v8_splat(0);
     out->start = start;
     out->n = v8_select_int(is_one, (v8i){2, 2, 2, 2, 2, 2, 2, 2},
                            v8_select_int(is_two, (v8i){4, 4, 4, 4, 4, 4, 4, 4}, end - start));
@@ -93,14 +99,17 @@ static inline __attribute__((always_inline)) void kernel_span_wide(v8f x, v8f w,
     out->b = 1 / v8_select(is_four, w + 0.75f, v8_select(is_two, 1.5f * w + 0.5f, p));
 }
 
+/* At positions x, w wide, no finer than 2^-face_res, all in units of the face. */
 static inline __attribute__((always_inline)) void
 kernel_span_axes(const kernel_shape *shape, v8f x, v8f w, v8i face_res, kernel_spans *out) {
-    if (shape->filter == SLV_FILTER_BILINEAR)
-        kernel_span_bilinear(x, w, face_res, out);
-    else if (shape->filter == SLV_FILTER_BOX)
-        kernel_span_box(x, w, face_res, out);
+    bool wide = shape->filter != SLV_FILTER_BILINEAR && shape->filter != SLV_FILTER_BOX;
+    w = v8_min(v8_max(w, v8_power_of_two(-face_res)), v8_splat(1));
+    out->res = 127 - ((v8i)w >> 23);
+    v8f size = v8_power_of_two(out->res), p = w * size;
+    if (wide && !v8_all(out->res > 2))
+        kernel_lay_coarse(x * size, w, p, x - 0.5f, shape->lerp, out);
     else
-        kernel_span_wide(x, w, face_res, shape->lerp, out);
+        kernel_lay_axes(shape, x * size, p, out);
 }
 
 static inline __attribute__((always_inline)) v8f kernel_smooth_step(v8f x) {
@@ -130,13 +139,13 @@ static inline __attribute__((always_inline)) float kernel_store_weights(kernel_a
 
 /* Between resolutions the weights of pairs of texels go over to those of the next coarser one. */
 static inline __attribute__((always_inline)) float kernel_weigh_wide(const kernel_shape *shape,
-                                                                     float first, float step,
-                                                                     float coarse,
+                                                                     int res, float first,
+                                                                     float step, float coarse,
                                                                      kernel_axis *out) {
     const v8f each = {0, 1, 2, 3, 4, 5, 6, 7};
     const v8f even = {0, 0, 2, 2, 4, 4, 6, 6}, odd = {0, 1, 0, 1, 0, 1, 0, 1};
     float fine = 1 - coarse;
-    if (out->res > 2) {
+    if (res > 2) {
         if (coarse == 0)
             return kernel_store_weights(out, 0, kernel_curve(shape, (each + first) * step));
         float sum = 0;
@@ -148,13 +157,13 @@ static inline __attribute__((always_inline)) float kernel_weigh_wide(const kerne
         }
         return sum;
     }
-    if (out->res == 0) {
+    if (res == 0) {
         out->k[0] = (2 * -first - 3) * first * first + 1;
         out->k[1] = 1 - out->k[0];
         return out->k[0] + out->k[1];
     }
     v8f a = even + first, both = a + (a + 1), near;
-    if (out->res == 2) {
+    if (res == 2) {
         near = kernel_curve(shape, a + odd);
         both *= 0.25f;
     } else {
@@ -166,27 +175,33 @@ static inline __attribute__((always_inline)) float kernel_weigh_wide(const kerne
     return kernel_store_weights(out, 0, fine * near + coarse * kernel_smooth_step(both * step));
 }
 
-/* Makes the kernel of one span; returns the sum of its weights. */
-static inline __attribute__((always_inline)) float kernel_weigh_axis(const kernel_shape *shape,
+/* Makes the weights of one span; returns their sum. */
+static inline __attribute__((always_inline)) float kernel_weigh_span(const kernel_shape *shape,
                                                                      const kernel_spans *spans,
                                                                      int lane, kernel_axis *out) {
     float a = spans->a[lane], b = spans->b[lane];
-    out->res = spans->res[lane];
-    out->start = spans->start[lane];
     int n = out->n = spans->n[lane];
     if (shape->filter == SLV_FILTER_BILINEAR) {
         out->k[0] = a;
         out->k[1] = b;
-        return a + b;
+        return spans->whole[lane];
     }
     if (shape->filter == SLV_FILTER_BOX) {
-        float sum = a + b + (float)(n - 2);
         out->k[1] = 1;
         out->k[n - 1] = b;
-        out->k[0] = n == 1 ? sum : a;
-        return sum;
+        out->k[0] = n == 1 ? spans->whole[lane] : a;
+        return spans->whole[lane];
     }
-    return kernel_weigh_wide(shape, a, b, spans->coarse[lane], out);
+    return kernel_weigh_wide(shape, spans->res[lane], a, b, spans->coarse[lane], out);
+}
+
+/* Makes the kernel of one span; returns the sum of its weights. */
+static inline __attribute__((always_inline)) float kernel_weigh_axis(const kernel_shape *shape,
+                                                                     const kernel_spans *spans,
+                                                                     int lane, kernel_axis *out) {
+    out->res = spans->res[lane];
+    out->start = spans->start[lane];
+    return kernel_weigh_span(shape, spans, lane, out);
 }
 
 /* Kernels of eight at once come in columns: weights[i] are their weights i, zeros where they have
@@ -218,13 +233,13 @@ static inline __attribute__((always_inline)) bool kernel_weigh_group(const kerne
     if (shape->filter == SLV_FILTER_BILINEAR) {
         weights[0] = spans->a;
         weights[1] = spans->b;
-        *sums = spans->a + spans->b;
+        *sums = spans->whole;
         return true;
     }
     if (longest > KERNEL_GROUP)
         return false;
     if (shape->filter == SLV_FILTER_BOX) {
-        *sums = spans->a + spans->b + v8_to_float(spans->n - 2);
+        *sums = spans->whole;
         weights[0] = v8_select(spans->n == 1, *sums, spans->a);
         for (int i = 1; i < longest; i++)
             weights[i] = v8_select(spans->n == i + 1, spans->b, v8_splat(1));

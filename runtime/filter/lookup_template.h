@@ -19,8 +19,6 @@ lookup_one(slv_sampler *s, const slv_lookup *l, slv_filter filter, float *out) {
 
 static inline __attribute__((always_inline)) bool
 lookup_at_once(slv_sampler *s, const slv_lookup *l, slv_filter filter, float *out) {
-    if (filter != SLV_FILTER_POINT && filter != SLV_FILTER_BILINEAR)
-        return false;
     cache_pin(&s->thread);
     bool done = quick_at_once(s, l, filter, out);
     cache_unpin(&s->thread);

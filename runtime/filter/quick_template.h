@@ -125,7 +125,7 @@ typedef struct quick_place {
 
 /* Returns false if it is none of most lookups. */
 static inline __attribute__((always_inline)) bool
-quick_find_place(const slv_sampler *s, const slv_lookup *l, slv_filter filter, quick_place *out) {
+quick_find_place(const slv_sampler *s, const slv_lookup *l, quick_place *out) {
     cache_tables *t = cache_find_tables(s->thread.view, l->file);
     if (!t || l->face >= t->nfaces)
         return false;
@@ -134,8 +134,6 @@ quick_find_place(const slv_sampler *s, const slv_lookup *l, slv_filter filter, q
     out->channels = t->nchannels < s->nchannels ? t->nchannels : s->nchannels;
     if (!quick_fits(s, out->face))
         return false;
-    if (filter == SLV_FILTER_POINT)
-        return num_bits(l->u) < QUICK_UNIT_BITS && num_bits(l->v) < QUICK_UNIT_BITS;
     v8f row;
     memcpy(&row, l, sizeof row);
     out->at = __builtin_shufflevector(row, row, 2, 3, 2, 3);
@@ -159,44 +157,80 @@ quick_find_spans(const kernel_shape *shape, const quick_place *p, kernel_spans *
                      quick_both(p->face->res_u, p->face->res_v), out);
 }
 
-/* Those that are one texel, and bilinear ones that lie between four texels of a face at full
- * resolution: as few steps as there can be, and no call, so that no registers are saved. Returns
+/* Where a lookup lies on a face at full resolution. */
+typedef struct quick_inner {
+    cache_tables *tables;
+    const uint8_t *texels;
+    int res_u, res_v;
+    uint32_t channels;
+} quick_inner;
+
+static inline __attribute__((always_inline)) bool
+quick_find_inner(const slv_sampler *s, const slv_lookup *l, quick_inner *out) {
+    cache_tables *t = cache_find_tables(s->thread.view, l->file);
+    if (!t || l->face >= t->nfaces)
+        return false;
+    cache_face *f = &t->faces[l->face];
+    /* what has texels is known */
+    const uint8_t *texels = cache_find_full(s->thread.view, f);
+    if (!texels || !cache_is_plain(f) || t->nchannels < s->least)
+        return false;
+    *out = (quick_inner){t, texels, f->res_u, f->res_v,
+                         t->nchannels < s->nchannels ? t->nchannels : s->nchannels};
+    return true;
+}
+
+/* Those whose texels all lie on a face at full resolution: as few steps as there can be. Returns
  * false for all others. The values are those of the others' way. */
 static inline __attribute__((always_inline)) bool
 quick_at_once(const slv_sampler *s, const slv_lookup *l, slv_filter filter, float *out) {
-    quick_place p;
-    if (!quick_find_place(s, l, filter, &p))
+    quick_inner on;
+    if (filter == SLV_FILTER_ANISOTROPIC || !quick_find_inner(s, l, &on))
         return false;
-    const cache_tables *t = p.tables;
-    cache_face *f = p.face;
-    const uint8_t *texels = cache_find_full(s->thread.view, f);
-    bool zeros = p.channels < s->nchannels && s->nchannels != UINT32_MAX; /* to be put behind */
-    if (!texels || zeros)
-        return false;
+    const cache_tables *t = on.tables;
     if (filter == SLV_FILTER_POINT) {
-        size_t place = point_place(l->u, l->v, f->res_u, f->res_v);
-        quick_put_texel(t, texels + place * t->pixel_size, p.channels, out);
+        if (num_bits(l->u) >= QUICK_UNIT_BITS || num_bits(l->v) >= QUICK_UNIT_BITS)
+            return false;
+        size_t place = point_place(l->u, l->v, on.res_u, on.res_v);
+        quick_put_texel(t, on.texels + place * t->pixel_size, on.channels, out);
         return true;
     }
-    union {
-        v8f v;
-        float f[8];
-    } rows;
-    kernel_shape shape = {.filter = filter};
-    kernel_spans spans;
-    quick_find_spans(&shape, &p, &spans);
-    int x = spans.start[0], y = spans.start[1];
-    if (spans.res[0] != f->res_u || spans.res[1] != f->res_v ||
-        (f->res_u <= APRON_LOG2 && f->res_v <= APRON_LOG2) ||
-        (x | y | ((1 << f->res_u) - 2 - x) | ((1 << f->res_v) - 2 - y)) < 0)
+    v4f at, sides, others;
+    memcpy(&at, &l->u, sizeof at);
+    memcpy(&sides, &l->uw1, sizeof sides);
+    sides = (v4f)((v4i)sides & 0x7fffffff);
+    others = __builtin_shufflevector(sides, sides, 2, 3, 2, 3);
+    /* the first two lanes, in texels; what is in the others is not looked at */
+    kernel_spans spans = {.res = {on.res_u, on.res_v}};
+    v8f size = v8_power_of_two(spans.res);
+    v8f wide = v8_widen((sides + others) * s->width + s->blur) * size;
+    kernel_shape shape = s->shape;
+    shape.filter = filter;
+    /* what is not a number or far away must not overflow, and is outside where it is put */
+    v8f x = v8_min(v8_max(v8_widen(at), v8_splat(0)), v8_splat(1)) * size;
+    v8f p = v8_min(v8_max(wide, v8_splat(1)), v8_splat(2));
+    kernel_lay_axes(&shape, x, p, &spans);
+    v8i outside = spans.start | (v8_to_int(size) - spans.n - spans.start);
+    if (!v8_first_two_negative((wide < 2.0f) & (APRON_LOG2 - spans.res) & ~outside))
         return false;
-    v8f total = spans.a + spans.b;
-    size_t pitch = (size_t)t->pixel_size << f->res_u;
-    texels += (size_t)y * pitch + (size_t)x * t->pixel_size;
-    rows.v = gather_load(t->type, texels) * spans.a[1];
-    rows.v += gather_load(t->type, texels + pitch) * spans.b[1];
-    v4f sum = gather_two_columns(rows.f, t->nchannels, spans.a[0], spans.b[0]);
-    quick_put(sum * (t->scale / (total[0] * total[1])) + 0, p.channels, out);
+    size_t pitch = (size_t)1 << on.res_u, pixel = t->pixel_size;
+    const uint8_t *first =
+        on.texels + ((size_t)spans.start[1] * pitch + (size_t)spans.start[0]) * pixel;
+    v4f sum;
+    float weight;
+    if (filter == SLV_FILTER_BILINEAR) {
+        v8f rows = gather_load(t->type, first) * spans.a[1];
+        rows += gather_load(t->type, first + pitch * pixel) * spans.b[1];
+        rows = v8_two_fours(rows, (int)t->nchannels) * v8_fours(spans.a[0], spans.b[0]);
+        sum = v8_low(rows) + v8_high(rows);
+        weight = spans.whole[0] * spans.whole[1];
+    } else {
+        kernel k;
+        weight = kernel_weigh_span(&shape, &spans, 0, &k.a[0]);
+        weight *= kernel_weigh_span(&shape, &spans, 1, &k.a[1]);
+        sum = gather_from(t, first, pitch, &k);
+    }
+    quick_put(sum * (t->scale / weight) + 0, on.channels, out);
     return true;
 }
 
@@ -207,7 +241,7 @@ static inline __attribute__((always_inline)) bool quick_look_up(slv_sampler *s, 
                                                                 slv_result *result) {
     quick_place p;
     if (filter == SLV_FILTER_ANISOTROPIC || filter == SLV_FILTER_POINT ||
-        !quick_find_place(s, l, filter, &p))
+        !quick_find_place(s, l, &p))
         return false;
     const cache_view *cache = s->thread.view;
     cache_tables *t = p.tables;

@@ -71,6 +71,7 @@ slv_result slv_sampler_create(slv_cache *cache, const slv_filter_params *params,
     s->no_edge_blend = p.no_edge_blend;
     s->first_channel = p.first_channel;
     s->nchannels = p.nchannels ? p.nchannels : UINT32_MAX;
+    s->least = p.first_channel ? UINT32_MAX : p.nchannels;
     s->functions = best_functions()[p.filter];
     slvi_cache_thread_begin(cache, &s->thread);
     *out = s;

@@ -19,6 +19,7 @@ struct slv_sampler {
     float width, blur;
     bool no_edge_blend;
     uint32_t first_channel, nchannels;
+    uint32_t least; /* channels of files in which a lookup needs nothing but the first ones */
     lookup_functions functions;
 };
 

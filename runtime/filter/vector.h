@@ -30,6 +30,24 @@ static inline __attribute__((always_inline)) v8f v8_join(v4f low, v4f high) {
     return __builtin_shufflevector(low, high, 0, 1, 2, 3, 4, 5, 6, 7);
 }
 
+/* Four times a, four times b: compilers make it in memory otherwise, and wait for that. */
+static inline __attribute__((always_inline)) v8f v8_fours(float a, float b) {
+    return v8_join((v4f){a, a, a, a}, (v4f){b, b, b, b});
+}
+
+/* Whatever in the upper half: code for four lanes takes no more steps than that. */
+static inline __attribute__((always_inline)) v8f v8_widen(v4f low) {
+    return __builtin_shufflevector(low, low, 0, 1, 2, 3, -1, -1, -1, -1);
+}
+
+static inline __attribute__((always_inline)) v4f v8_low(v8f x) {
+    return __builtin_shufflevector(x, x, 0, 1, 2, 3);
+}
+
+static inline __attribute__((always_inline)) v4f v8_high(v8f x) {
+    return __builtin_shufflevector(x, x, 4, 5, 6, 7);
+}
+
 static inline __attribute__((always_inline)) v8f v8_select(v8i mask, v8f yes, v8f no) {
     return (v8f)(((v8i)yes & mask) | ((v8i)no & ~mask));
 }
@@ -56,6 +74,15 @@ static inline __attribute__((always_inline)) bool v8_none(v8i mask) {
     typedef int64_t v4i64 __attribute__((vector_size(32)));
     v4i64 x = (v4i64)mask;
     return (x[0] | x[1] | x[2] | x[3]) == 0;
+#endif
+}
+
+/* Whether the first two lanes are negative. */
+static inline __attribute__((always_inline)) bool v8_first_two_negative(v8i x) {
+#if defined(__AVX2__)
+    return (_mm_movemask_ps(_mm256_castps256_ps128((__m256)x)) & 3) == 3;
+#else
+    return (x[0] & x[1]) < 0;
 #endif
 }
 
@@ -146,6 +173,20 @@ static inline __attribute__((always_inline)) v8f v8_low_half(v8f x, v8f y) {
 
 static inline __attribute__((always_inline)) v8f v8_high_half(v8f x, v8f y) {
     return __builtin_shufflevector(x, y, 4, 5, 6, 7, 12, 13, 14, 15);
+}
+
+/* The first four lanes, and four from `at` <= 4 on. */
+static inline __attribute__((always_inline)) v8f v8_two_fours(v8f x, int at) {
+#if defined(__AVX2__)
+    const v8i each = {0, 1, 2, 3, 0, 1, 2, 3}, second = {0, 0, 0, 0, -1, -1, -1, -1};
+    return (v8f)_mm256_permutevar8x32_ps((__m256)x, (__m256i)(each + (second & at)));
+#else
+    float lanes[8];
+    v4f from;
+    memcpy(lanes, &x, sizeof lanes);
+    memcpy(&from, lanes + at, sizeof from);
+    return v8_join(v8_low(x), from);
+#endif
 }
 
 static inline __attribute__((always_inline)) v8f v8_reverse(v8f x) {
