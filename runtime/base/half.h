@@ -12,15 +12,14 @@ static inline float slvi_half_float_of(uint32_t bits) {
     return value;
 }
 
+/* Without branches, so that the compiler can do many at once: the scaling by 2^112 moves the
+ * exponent's bias and normalises small numbers in one exact multiplication. */
 static inline float slvi_half_to_float(uint16_t half) {
-    uint32_t sign = (uint32_t)(half & 0x8000u) << 16;
-    uint32_t exponent = (half >> 10) & 0x1f, mantissa = half & 0x3ffu;
-    if (exponent == 31)
-        return slvi_half_float_of(sign | 0x7f800000u | mantissa << 13);
-    if (exponent)
-        return slvi_half_float_of(sign | (exponent + 112) << 23 | mantissa << 13);
-    float magnitude = (float)mantissa * 0x1p-24f;
-    return sign ? -magnitude : magnitude;
+    uint32_t magnitude = (uint32_t)(half & 0x7fffu) << 13, sign = (uint32_t)(half & 0x8000u) << 16;
+    float scaled = slvi_half_float_of(magnitude) * 0x1p112f;
+    uint32_t bits;
+    memcpy(&bits, &scaled, sizeof bits);
+    return slvi_half_float_of((magnitude >= 0x0f800000u ? magnitude | 0x7f800000u : bits) | sign);
 }
 
 static inline uint16_t slvi_half_from_float(float value) {

@@ -56,22 +56,6 @@ uint32_t slv_res_level_count(slv_res res) {
     return 1 + (uint32_t)(res.u > res.v ? res.u : res.v);
 }
 
-/* slv_half_to_float without branches, so that the compiler can do many at once: the scaling by
- * 2^112 moves the exponent's bias and normalises small numbers in one exact multiplication. */
-static void halves_to_float(const uint16_t *in, size_t count, float *out) {
-    for (size_t i = 0; i < count; i++) {
-        uint32_t magnitude = (uint32_t)(in[i] & 0x7fff) << 13, sign = (uint32_t)(in[i] & 0x8000)
-                                                                      << 16;
-        float scaled;
-        memcpy(&scaled, &magnitude, sizeof scaled);
-        scaled *= 0x1p112f;
-        uint32_t bits;
-        memcpy(&bits, &scaled, sizeof bits);
-        bits = (magnitude >= 0x0f800000u ? magnitude | 0x7f800000u : bits) | sign;
-        memcpy(&out[i], &bits, sizeof bits);
-    }
-}
-
 void slv_type_to_float(slv_type type, const void *values, size_t count, float *out) {
     switch (type) {
     case SLV_TYPE_U8: {
@@ -86,9 +70,12 @@ void slv_type_to_float(slv_type type, const void *values, size_t count, float *o
             out[i] = (float)in[i] / 65535.0f;
         break;
     }
-    case SLV_TYPE_HALF:
-        halves_to_float(values, count, out);
+    case SLV_TYPE_HALF: {
+        const uint16_t *in = values;
+        for (size_t i = 0; i < count; i++)
+            out[i] = slvi_half_to_float(in[i]);
         break;
+    }
     case SLV_TYPE_FLOAT:
         memcpy(out, values, count * sizeof *out);
         break;

@@ -174,6 +174,39 @@ static void test_seams(void) {
     }
 }
 
+/* Faces among squares of one resolution have a way of their own, and the samples that the way of
+ * all faces finds. */
+static void test_alike(void) {
+    static const int grids[] = {10, 16, 17, 18, 19};
+    uint64_t random = 15;
+    for (int i = 0; i < 5; i++) {
+        kit k;
+        make(&k, grids[i], &random);
+        for (int type = 0; type < 4; type++) {
+            kit_equal(&k, (i + type) % 4);
+            kit_noise(&k, (slv_type)type, type == 1 ? 18 : 3, &random);
+            slv_edge_aligned *aligned = convert(&k, 0);
+            for (uint32_t face = 0; face < k.nfaces; face++)
+                for (uint32_t level = 0; level < slv_levels_count(k.levels, face); level++) {
+                    float *values = build(&k, face, level);
+                    uint64_t count = slv_edge_aligned_count(slv_res_level(k.res[face], level));
+                    size_t n = (size_t)count * k.nchannels;
+                    void *rounded = malloc(n * sizeof(float));
+                    REQUIRE(rounded);
+                    slv_type_from_float(k.type, values, n, rounded);
+                    CHECK_MSG(memcmp(rounded, slv_edge_aligned_samples(aligned, face, level),
+                                     n * slv_type_size(k.type)) == 0,
+                              "%s: face %u level %u of grid %d", slv_type_name(k.type), face, level,
+                              grids[i]);
+                    free(values);
+                    free(rounded);
+                }
+            slv_edge_aligned_destroy(aligned);
+        }
+        kit_free(&k);
+    }
+}
+
 static void test_constant(void) {
     uint64_t random = 12;
     for (int which = 0; which < KINDS; which++) {
@@ -406,6 +439,7 @@ static void test_refused(void) {
 
 int main(void) {
     test_seams();
+    test_alike();
     test_constant();
     test_linear();
     test_threads();

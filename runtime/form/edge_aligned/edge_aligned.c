@@ -18,12 +18,9 @@ struct slv_edge_aligned {
     bool even; /* of even levels */
     size_t texel_size;
     size_t *first; /* per face: its first level in `at` */
-    uint8_t *most; /* levels that it has places for there */
     unsigned char **at;
-    size_t nat;
     uint64_t bytes;
-    unsigned char *samples; /* of all faces; those with another resolution since have their own */
-    uint64_t nsamples;
+    unsigned char *samples; /* of all faces */
 };
 
 uint64_t slv_edge_aligned_count(slv_res res) {
@@ -69,11 +66,17 @@ static void fill_edges(const slv_levels *levels, const slv_adjacency *adjacency,
     }
 }
 
-void slvi_edge_aligned_fill(const slv_levels *levels, const slv_adjacency *adjacency, bool rounded,
-                            uint32_t face, uint32_t level, float *out) {
+void slvi_edge_aligned_fill(const slv_levels *levels, const slv_adjacency *adjacency, uint32_t face,
+                            uint32_t level, bool rim, float *out) {
     slv_res res = slvi_level_res(levels, face, level);
-    fill_interior(levels, face, level, res, out);
-    fill_edges(levels, adjacency, rounded, face, level, res, out);
+    slv_ring rings[4];
+    uint32_t positions[4];
+    if (!rim)
+        fill_interior(levels, face, level, res, out);
+    if (slvi_edge_aligned_is_alike(levels, adjacency, face, rings, positions))
+        slvi_edge_aligned_fill_alike(levels, face, level, rings, positions, out);
+    else
+        fill_edges(levels, adjacency, true, face, level, res, out);
 }
 
 slv_result slv_edge_aligned_build(const slv_levels *levels, const slv_adjacency *adjacency,
@@ -87,7 +90,9 @@ slv_result slv_edge_aligned_build(const slv_levels *levels, const slv_adjacency 
         return slvi_fail(&levels->env, SLV_ERROR_ARGUMENT,
                          "edge-aligned: face %u of %u has no level %u", (unsigned)face,
                          (unsigned)desc->nfaces, (unsigned)level);
-    slvi_edge_aligned_fill(levels, adjacency, false, face, level, out);
+    slv_res res = slvi_level_res(levels, face, level);
+    fill_interior(levels, face, level, res, out);
+    fill_edges(levels, adjacency, false, face, level, res, out);
     return SLV_OK;
 }
 
@@ -114,7 +119,7 @@ static void fill_face(const struct fill *fill, uint32_t face, float *scratch) {
     for (uint32_t level = 0; level < slv_res_level_count(aligned->res[face]); level++) {
         uint64_t count =
             slv_edge_aligned_count(slvi_res_level(aligned->res[face], level, aligned->even));
-        slvi_edge_aligned_fill(fill->levels, fill->adjacency, true, face, level, scratch);
+        slvi_edge_aligned_fill(fill->levels, fill->adjacency, face, level, false, scratch);
         slv_type_from_float(aligned->desc.type, scratch, (size_t)count * aligned->desc.nchannels,
                             at[level]);
     }
@@ -149,7 +154,7 @@ static slv_result count_bytes(slv_edge_aligned *aligned) {
                              "edge-aligned: more than 2^64 bytes of samples");
         total += bytes;
     }
-    aligned->bytes = aligned->nsamples = total;
+    aligned->bytes = total;
     return SLV_OK;
 }
 
@@ -168,68 +173,9 @@ static void point_all(slv_edge_aligned *aligned) {
     size_t at = 0;
     for (uint32_t face = 0; face < aligned->desc.nfaces; face++) {
         aligned->first[face] = at;
-        aligned->most[face] = (uint8_t)slv_res_level_count(aligned->res[face]);
-        at += aligned->most[face];
+        at += slv_res_level_count(aligned->res[face]);
         next = point(aligned, face, next);
     }
-    aligned->nat = at;
-}
-
-static void free_own(const slv_edge_aligned *aligned, uint32_t face) {
-    unsigned char *own = aligned->at[aligned->first[face]];
-    uintptr_t at = (uintptr_t)own, first = (uintptr_t)aligned->samples;
-    if (at < first || at > first + aligned->nsamples)
-        slvi_free(own);
-}
-
-/* Another place for a face's levels if it has got another resolution. */
-static slv_result resize(slv_edge_aligned *aligned, uint32_t face, slv_res res) {
-    slv_res old = aligned->res[face];
-    size_t has = slv_res_level_count(res);
-    unsigned char *own = NULL;
-    slv_result result;
-    if (old.u == res.u && old.v == res.v)
-        return SLV_OK;
-    uint64_t before = face_bytes(aligned, face);
-    bool longer = has > aligned->most[face]; /* than ever */
-    if (longer && (result = slvi_grow(&aligned->env, "levels", aligned->nat + has,
-                                      sizeof *aligned->at, &aligned->at)))
-        return result;
-    aligned->res[face] = res;
-    uint64_t bytes = face_bytes(aligned, face);
-    if ((result = slvi_alloc_plain(&aligned->env, "samples of a face", bytes, 1, &own))) {
-        aligned->res[face] = old;
-        return result;
-    }
-    free_own(aligned, face);
-    if (longer) {
-        aligned->first[face] = aligned->nat;
-        aligned->most[face] = (uint8_t)has;
-        aligned->nat += has;
-    }
-    point(aligned, face, own);
-    aligned->bytes += bytes - before;
-    return SLV_OK;
-}
-
-slv_result slvi_edge_aligned_refresh(const slv_levels *levels, const slv_adjacency *adjacency,
-                                     const uint32_t *faces, uint32_t count,
-                                     slv_edge_aligned *aligned) {
-    struct fill fill = {levels, adjacency, aligned};
-    uint64_t most = 0;
-    float *scratch = NULL;
-    slv_result result = SLV_OK;
-    for (uint32_t i = 0; i < count; i++) {
-        if ((result = resize(aligned, faces[i], levels->res[faces[i]])))
-            return result;
-        uint64_t floats = slv_edge_aligned_floats(&aligned->desc, faces[i]);
-        most = floats > most ? floats : most;
-    }
-    result = slvi_alloc_plain(&aligned->env, "samples", most, sizeof *scratch, &scratch);
-    for (uint32_t i = 0; !result && i < count; i++)
-        fill_face(&fill, faces[i], scratch);
-    slvi_free(scratch);
-    return result;
 }
 
 static slv_result create(const slv_env *env, const slv_levels *levels,
@@ -255,7 +201,6 @@ static slv_result create(const slv_env *env, const slv_levels *levels,
              slvi_alloc(env, "resolutions", desc->nfaces, sizeof *aligned->res, &aligned->res)) ||
         (result =
              slvi_alloc(env, "faces", desc->nfaces, sizeof *aligned->first, &aligned->first)) ||
-        (result = slvi_alloc(env, "faces", desc->nfaces, 1, &aligned->most)) ||
         (result = slvi_alloc(env, "levels", nlevels, sizeof *aligned->at, &aligned->at)))
         goto done;
     if (desc->nfaces)
@@ -285,12 +230,9 @@ slv_result slv_edge_aligned_create(const slv_env *env, const slv_levels *levels,
 void slv_edge_aligned_destroy(slv_edge_aligned *aligned) {
     if (!aligned)
         return;
-    for (uint32_t face = 0; aligned->nat && face < aligned->desc.nfaces; face++)
-        free_own(aligned, face);
     slvi_free(aligned->samples);
     slvi_free(aligned->at);
     slvi_free(aligned->first);
-    slvi_free(aligned->most);
     slvi_free(aligned->res);
     slvi_parallel_env_end(aligned->log);
     slvi_free(aligned);

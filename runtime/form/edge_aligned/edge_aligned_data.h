@@ -7,11 +7,6 @@
 
 #include <selvage/edge_aligned.h>
 
-/* Makes all levels of some faces anew. */
-slv_result slvi_edge_aligned_refresh(const slv_levels *levels, const slv_adjacency *adjacency,
-                                     const uint32_t *faces, uint32_t count,
-                                     slv_edge_aligned *aligned);
-
 /* The value of a vertex as a face at some level has it. If `rounded`, what is interpolated between
  * samples is interpolated between samples that are rounded to the texture's type, as a lookup will
  * find them. */
@@ -23,11 +18,19 @@ void slvi_edge_aligned_corner(const slv_border_view *view, bool rounded, uint32_
 void slvi_edge_aligned_side(const slv_border_view *view, bool rounded, const slv_border_edge *edge,
                             float *to, ptrdiff_t step);
 
-/* slv_edge_aligned_build, which rounds nothing, or for samples that will be rounded. Checks
- * nothing.
- */
-void slvi_edge_aligned_fill(const slv_levels *levels, const slv_adjacency *adjacency, bool rounded,
-                            uint32_t face, uint32_t level, float *out);
+/* The samples of a level, to be rounded to the texture's type; with `rim` only the outermost. */
+void slvi_edge_aligned_fill(const slv_levels *levels, const slv_adjacency *adjacency, uint32_t face,
+                            uint32_t level, bool rim, float *out);
+
+/* Whether squares of one resolution, and nothing else, lie around a face; and the rings of its
+ * corners, with where it is in them. */
+bool slvi_edge_aligned_is_alike(const slv_levels *levels, const slv_adjacency *adjacency,
+                                uint32_t face, slv_ring rings[4], uint32_t positions[4]);
+
+/* The samples on the edges and vertices of such a face, the same to the bit as if it were
+ * any face. */
+void slvi_edge_aligned_fill_alike(const slv_levels *levels, uint32_t face, uint32_t level,
+                                  const slv_ring rings[4], const uint32_t positions[4], float *out);
 
 /* Floats that a face's level 0, the largest of its levels, takes. */
 static inline uint64_t slv_edge_aligned_floats(const slv_texture_desc *desc, uint32_t face) {
