@@ -317,8 +317,60 @@ static void around_corners(int valence) {
     scene_end(&s);
 }
 
+/* Hills, alike on all faces, so that they meet. */
+static slv_result hills(void *user, int32_t face, float spacing, size_t count, const float *uv,
+                        float *out) {
+    (void)user;
+    (void)face;
+    (void)spacing;
+    for (size_t i = 0; i < count; i++)
+        out[i] = 0.5f * sinf(3.14159265f * uv[2 * i]) * sinf(3.14159265f * uv[2 * i + 1]);
+    return SLV_OK;
+}
+
+/* A ray at a surface that is moved meets it where it is seen, and says where that is on the surface
+ * as it was: right below, since the hills are moved along its normal. */
+static void hills_of_a_plane(void) {
+    const slv_displacement displacement = {.space = SLV_DISPLACE_NORMAL, .evaluate = hills};
+    shape plane = paint_rectangle(3, 3, 3, 3, 1);
+    scene s = scene_of(&plane, SLV_SCHEME_BILINEAR, 4);
+    slv_env env = test_env();
+    slv_paint_surface *moved;
+    const slv_paint_surface_params params = {
+        .scheme = SLV_SCHEME_BILINEAR, .segments = 64, .displacement = &displacement};
+    MUST(slv_paint_surface_create(&env, s.mesh, &params, &moved));
+    float high[3], low[3], highest = 0;
+    slv_paint_surface_bounds(moved, low, high);
+    CHECK(fabsf(high[2] - 0.5f) < 1e-3f && fabsf(low[2]) < 1e-6f);
+    for (int i = 0; i < 900; i++) {
+        const float o[3] = {0.1f + 0.1f * (float)(i % 30), 0.1f + 0.1f * (float)(i / 30), 2},
+                    d[3] = {0.3f, -0.2f, -1};
+        float base[3];
+        slv_paint_hit hit;
+        if (!slv_paint_surface_hit(moved, o, d, &hit)) {
+            CHECK(o[0] > 2.3f || o[1] < 0.5f); /* beside the plane */
+            continue;
+        }
+        CHECK(slv_paint_surface_at(s.surface, hit.point, base, NULL, NULL));
+        for (int k = 0; k < 3; k++)
+            CHECK(fabsf(o[k] + hit.distance * d[k] - hit.position[k]) < 1e-4f);
+        const float u = base[0] - floorf(base[0]), v = base[1] - floorf(base[1]);
+        const float hill = 0.5f * sinf(3.14159265f * u) * sinf(3.14159265f * v);
+        CHECK_MSG(
+            fabsf(base[0] - hit.position[0]) < 1e-3f && fabsf(base[1] - hit.position[1]) < 1e-3f &&
+                fabsf(hill - hit.position[2]) < 2e-3f,
+            "ray %d: %g %g %g above %g %g", i, (double)hit.position[0], (double)hit.position[1],
+            (double)hit.position[2], (double)base[0], (double)base[1]);
+        highest = fmaxf(highest, hit.position[2]);
+    }
+    CHECK(highest > 0.45f);
+    slv_paint_surface_destroy(moved);
+    scene_end(&s);
+}
+
 int main(void) {
     planes_of_many_faces();
+    hills_of_a_plane();
     around_edges_of_boxes();
     for (int valence = 3; valence <= 8; valence++)
         around_corners(valence);

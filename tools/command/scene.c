@@ -178,6 +178,7 @@ slv_result scene_load_model(const slv_env *env, const scene_params *params, slv_
         surface.scheme = SLV_SCHEME_LOOP;
     if (out->environment)
         surface.scheme = SLV_SCHEME_BILINEAR;
+    out->scheme = surface.scheme;
     begin(params, SCENE_STEP_SURFACE);
     if ((result = slv_surface_create(env, out->mesh, &surface, &out->surface)))
         goto done;

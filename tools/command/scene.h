@@ -74,6 +74,7 @@ typedef struct scene {
     slv_mesh *mesh;
     slv_adjacency *adjacency;
     slv_surface *surface;
+    slv_scheme scheme; /* of the surface */
     slv_texture *texture;
     slv_texture *triangles;             /* NULL, or what the texture of sub-faces was made of */
     float bounds_min[3], bounds_max[3]; /* of the mesh, or of the group in focus */

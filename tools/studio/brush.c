@@ -164,6 +164,25 @@ static void put_paint(json_t *line, const studio_paint *paint, const studio_docu
     json_object_set_new(line, "lock_alpha", json_boolean(paint->lock_alpha));
 }
 
+/* What is of the picture alone. */
+static void put_picture(json_t *line, const studio_paint *paint, const slv_camera *camera,
+                        uint32_t width, uint32_t height) {
+    const studio_stencil *stencil = &paint->stencil;
+    json_object_set_new(line, "unit", json_string("pixels"));
+    json_object_set_new(line, "size", json_pack("[i, i]", (int)width, (int)height));
+    json_object_set_new(line, "camera",
+                        json_pack("{s:o, s:o, s:b}", "world_to_camera",
+                                  numbers(camera->world_to_camera, 16), "window",
+                                  numbers(camera->window, 4), "perspective", camera->perspective));
+    json_object_set_new(line, "project", json_boolean(paint->project));
+    if (stencil->path)
+        json_object_set_new(line, "image",
+                            json_pack("{s:s, s:[f, f], s:f, s:f}", "file", stencil->path, "at",
+                                      (double)(0.5f * (float)width + stencil->at[0]),
+                                      (double)(0.5f * (float)height + stencil->at[1]), "width",
+                                      (double)stencil->width, "angle", (double)stencil->angle));
+}
+
 char *studio_paint_line(const studio_paint *paint, const studio_document *d,
                         const slv_camera *camera, uint32_t width, uint32_t height) {
     json_t *line = json_object();
@@ -176,20 +195,8 @@ char *studio_paint_line(const studio_paint *paint, const studio_document *d,
                                       "pressure_radius", (double)paint->pressure_radius,
                                       "pressure_opacity", (double)paint->pressure_opacity));
     json_object_set_new(line, "radius", json_real((double)paint->radius));
-    json_object_set_new(line, "unit", json_string("pixels"));
-    json_object_set_new(line, "size", json_pack("[i, i]", (int)width, (int)height));
-    json_object_set_new(line, "camera",
-                        json_pack("{s:o, s:o, s:b}", "world_to_camera",
-                                  numbers(camera->world_to_camera, 16), "window",
-                                  numbers(camera->window, 4), "perspective", camera->perspective));
-    json_object_set_new(line, "project", json_boolean(paint->project));
-    const studio_stencil *stencil = &paint->stencil;
-    if (stencil->path)
-        json_object_set_new(line, "image",
-                            json_pack("{s:s, s:[f, f], s:f, s:f}", "file", stencil->path, "at",
-                                      (double)(0.5f * (float)width + stencil->at[0]),
-                                      (double)(0.5f * (float)height + stencil->at[1]), "width",
-                                      (double)stencil->width, "angle", (double)stencil->angle));
+    if (camera)
+        put_picture(line, paint, camera, width, height);
     if (paint->mirror) {
         float x = (d->scene.bounds_min[0] + d->scene.bounds_max[0]) / 2;
         json_object_set_new(line, "mirror",

@@ -41,7 +41,8 @@ void studio_swatches_default(studio_swatch list[STUDIO_SWATCHES]);
 void studio_swatches_add(studio_swatch list[STUDIO_SWATCHES], const float color[3]);
 
 studio_paint studio_paint_default(void);
-/* The line without its samples, which are places in a picture; for free(). NULL: no memory. */
+/* The line without its samples, which are places in a picture, or on the surface if there is no
+ * camera: then the radius is in units of the mesh. For free(); NULL: no memory. */
 char *studio_paint_line(const studio_paint *paint, const studio_document *document,
                         const slv_camera *camera, uint32_t width, uint32_t height);
 /* Fills from a face on. */

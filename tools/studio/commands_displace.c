@@ -11,9 +11,8 @@ static void displace(studio_app *app, const displace_settings *settings) {
         return;
     const displace_settings *d = &app->document.displace;
     char *base = g_path_get_basename(d->texture);
-    snprintf(text, sizeof text,
-             "Moved by channel %s of %s: 1 is %.4g. Paint goes where it would be without.",
-             d->channel, base, (double)d->scale);
+    snprintf(text, sizeof text, "Moved by channel %s of %s: 1 is %.4g.", d->channel, base,
+             (double)d->scale);
     studio_say(app, d->given ? text : NULL, d->given ? "Move Nothing" : NULL, "displace-none");
     g_free(base);
     studio_area_redraw(app, false);

@@ -9,7 +9,6 @@
 
 #include <errno.h>
 #include <limits.h>
-#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
@@ -77,6 +76,7 @@ void studio_document_end(studio_document *document) {
 void studio_document_close(studio_document *d) {
     const studio_document kept = {
         .env = d->env, .message = d->message, .work = d->work, .serial = d->serial + 1};
+    studio_document_forget_moved(d);
     displace_close(&d->scene.displace); /* looks at an adjacency that may be the session's */
     slv_session_destroy(d->session);
     slv_paint_surface_destroy(d->surface);
@@ -92,6 +92,7 @@ slv_result studio_document_displace(studio_document *d, const displace_settings 
                                                studio_document_mesh(d), &opened);
     if (result)
         return result;
+    studio_document_forget_moved(d);
     displace_close(&d->scene.displace);
     d->scene.displace = opened;
     d->displace = *settings;
@@ -105,6 +106,10 @@ const slv_displacement *studio_document_displacement(const studio_document *d) {
 
 const slv_mesh *studio_document_mesh(const studio_document *d) {
     return d->kind == STUDIO_SESSION ? slv_session_mesh(d->session) : d->scene.mesh;
+}
+
+slv_scheme studio_document_scheme(const studio_document *d) {
+    return d->session ? slv_session_scheme(d->session) : d->scene.scheme;
 }
 
 const slv_adjacency *studio_document_adjacency(const studio_document *d) {
@@ -307,7 +312,7 @@ slv_result studio_document_need_session(studio_document *d) {
         return output_fail(&d->env, SLV_ERROR_ARGUMENT, "nothing is open");
     if (!work_path(d, path, sizeof path) || !make_folders(path))
         return output_fail(&d->env, SLV_ERROR_IO, "%s: %s", path, strerror(errno));
-    const slv_session_params params = {.scheme = SLV_SCHEME_CATMARK};
+    const slv_session_params params = {.scheme = d->scene.scheme};
     slv_result result =
         slv_session_create_from(&d->env, path, d->scene.mesh, d->texture, &params, &d->session);
     if (result)
@@ -388,57 +393,4 @@ slv_result studio_document_save_as(studio_document *d, const char *path) {
 slv_result studio_document_export(studio_document *d, const char *path) {
     slv_result result = studio_document_need_session(d);
     return result ? result : slv_session_export(d->session, path);
-}
-
-/* For picking and measuring; NULL: want of memory. */
-static const slv_paint_surface *surface_of(studio_document *d) {
-    const slv_paint_surface *surface = d->surface;
-    slv_painter *painter;
-    if (d->session && !slv_session_painter(d->session, &painter))
-        surface = slv_painter_get_surface(painter);
-    else if (!d->session && !surface && d->scene.mesh &&
-             !slv_paint_surface_create(&d->env, d->scene.mesh, NULL, &d->surface))
-        surface = d->surface;
-    return surface;
-}
-
-float studio_document_density(studio_document *d, uint32_t face) {
-    const slv_paint_surface *surface = surface_of(d);
-    float area = surface ? slv_paint_surface_texel_area(surface, face,
-                                                        slv_texture_get_desc(d->texture)->res[face])
-                         : 0;
-    return area > 0 ? 1 / sqrtf(area) : 0;
-}
-
-bool studio_document_pick(studio_document *d, const slv_camera *camera, uint32_t width,
-                          uint32_t height, float x, float y, slv_paint_hit *out) {
-    const slv_paint_surface *surface = surface_of(d);
-    float origin[3], direction[3];
-    return surface &&
-           slv_paint_surface_ray(surface, camera, width, height, x, y, origin, direction) &&
-           slv_paint_surface_hit(surface, origin, direction, out);
-}
-
-/* Asked for few texels: which faces there are is all that is wanted. */
-slv_result studio_document_cover(studio_document *d, const slv_screen_dab *dab, uint8_t *touched) {
-    enum { SIZE = 3 };
-    const slv_document *layers = slv_session_document(d->session);
-    const uint32_t nfaces = slv_document_get_desc(layers)->nfaces;
-    slv_res *res = malloc(nfaces * sizeof *res + 1);
-    slv_painter *painter;
-    slv_patches patches;
-    slv_result result = res ? slv_session_painter(d->session, &painter) : SLV_ERROR_MEMORY;
-    for (uint32_t f = 0; res && f < nfaces; f++)
-        res[f] = (slv_res){SIZE, SIZE};
-    if (!result)
-        result = slv_painter_cover_screen(painter, res, dab, &patches);
-    for (uint32_t i = 0; !result && i < patches.count; i++) {
-        const slv_patch *patch = &patches.list[i];
-        const uint32_t ntexels = patch->rect.width * patch->rect.height;
-        for (uint32_t t = 0; t < ntexels; t++)
-            if (patch->coverage[t] > 0 && slv_document_selected(layers, patch->face))
-                touched[patch->face] = 1;
-    }
-    free(res);
-    return result;
 }

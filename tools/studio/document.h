@@ -47,6 +47,8 @@ typedef struct studio_document {
         scene; /* texture: NULL once there is a session. Of a session nothing but the surface */
     slv_session *session;
     slv_paint_surface *surface; /* for picking, while there is no session */
+    slv_paint_surface *moved;   /* the same as it is displaced; NULL: not needed yet */
+    slv_painter *moved_painter;
     bool working;               /* the session is among the unfinished work */
     uint32_t layer;             /* the id of the layer that is painted on */
     bool mask;                  /* its mask, that is */
@@ -92,15 +94,20 @@ slv_result studio_document_save_as(studio_document *document, const char *path);
 /* A .ptx, and nothing else changes. */
 slv_result studio_document_export(studio_document *document, const char *path);
 
-/* Moves the surface that is seen, as scene.displace does then; painting and picking go to the one
- * that is not moved. */
+/* Moves the surface that is seen, as scene.displace does then. What is picked lies on that; the
+ * session's own surface stays as it is. */
 slv_result studio_document_displace(studio_document *document, const displace_settings *settings);
 
 const slv_displacement *studio_document_displacement(const studio_document *document);
 
+slv_scheme studio_document_scheme(const studio_document *document);
 const slv_mesh *studio_document_mesh(const studio_document *document);
 const slv_adjacency *studio_document_adjacency(const studio_document *document);
-/* Where a place in a picture lies. False if nothing is there, or want of memory. */
+/* pick.c */
+/* Before what displaces the surface is another. */
+void studio_document_forget_moved(studio_document *document);
+/* Where a place in a picture lies, on the surface as it is seen. False if nothing is there, or want
+ * of memory. */
 bool studio_document_pick(studio_document *document, const slv_camera *camera, uint32_t width,
                           uint32_t height, float x, float y, slv_paint_hit *out);
 

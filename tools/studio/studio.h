@@ -44,9 +44,11 @@ enum { STUDIO_BOOKMARKS = 4, STUDIO_RECENT = 8, STUDIO_TURNS = 10000 };
 /* A stroke from pen down until all of it is painted. */
 typedef struct studio_stroke {
     GArray *waiting; /* samples that no dabs were made of yet */
-    gint64 lifted;   /* when the pen was; 0: it is down */
-    guint work;      /* the idle moment in which it goes on */
-    bool said;       /* that it takes long */
+    bool begun;      /* one of its samples has met the surface */
+    bool eraser;
+    gint64 lifted; /* when the pen was; 0: it is down */
+    guint work;    /* the idle moment in which it goes on */
+    bool said;     /* that it takes long */
 } studio_stroke;
 
 /* The seam jump of a strategy, as far as it is measured: its first so many faces. */

@@ -9,7 +9,7 @@
 #define SELVAGE_PAINT_H
 
 #include <selvage/camera.h>
-#include <selvage/surface.h>
+#include <selvage/tessellation.h>
 #include <selvage/texture.h>
 
 #ifdef __cplusplus
@@ -27,7 +27,10 @@ typedef struct slv_paint_surface_params {
     slv_boundary boundary;
     uint32_t segments; /* along an edge of a whole face, a power of two, 2 to 128; default: 8 to 2,
                           fewer the more faces there are */
-    uint64_t reserved[4];
+    /* Moves it, as slv_tessellate_with does: what is picked is then what is seen so. Asked only
+     * while the surface is made. NULL: nothing does. */
+    const slv_displacement *displacement;
+    uint64_t reserved[3];
 } slv_paint_surface_params;
 
 SLV_NODISCARD SLV_API slv_result slv_paint_surface_create(const slv_env *env, const slv_mesh *mesh,

@@ -5,8 +5,6 @@
 #include "base/log.h"
 #include "base/memory.h"
 
-#include <selvage/tessellation.h>
-
 #include <string.h>
 
 /* From here on the sum of the angles around a vertex counts as more than the plane has. */
@@ -232,11 +230,13 @@ static slv_result make(slv_paint_surface *s, const slv_mesh *mesh,
     slv_tessellation grids = {0};
     slv_result result;
     s->nfaces = slv_mesh_face_count(mesh);
+    const slv_tessellation_params tessellation = {
+        .segments = params->segments ? params->segments : choose_segments(s->nfaces),
+        .displacement = params->displacement};
     if (!(result = slv_mesh_adjacency(&s->env, mesh, &s->adjacency)) &&
         !(result = slv_surface_create(&s->env, mesh, &how, &surface)) &&
-        !(result = slv_tessellate(&s->env, mesh, surface, s->adjacency,
-                                  params->segments ? params->segments : choose_segments(s->nfaces),
-                                  &grids))) {
+        !(result =
+              slv_tessellate_with(&s->env, mesh, surface, s->adjacency, &tessellation, &grids))) {
         memcpy(s->low, grids.bounds_min, sizeof s->low);
         memcpy(s->high, grids.bounds_max, sizeof s->high);
         result = sew(s, &grids);
