@@ -65,6 +65,28 @@ does '"event":"said"' key ctrl+plus
 [ "$(faces_of 1024)" = 1 ] || fail "a face has more than 1024 texels each way"
 for _ in 1 2 3 4 5 6; do key undo ctrl+z; done
 
+# a gradient, from the brush's colour where a drag begins to the other one where it ends; one that ends beside the surface is none
+key tool shift+g
+drag '"event":"said"' 1 0 0 0 -18 10
+drag '"event":"done","name":"fill-gradient"' 1 -60 0 12 0 10
+grep -q '"gradient":{"from":\[.*\],"to":\[.*\],"color":\[1.0,1.0,1.0\],"radial":false}' "$here"/state/selvage/unfinished/*/journal ||
+    fail "the gradient is not in the journal"
+export_to "$here/gradient.ptx"
+"$bin/selvage" diff "$here/cube.ptx" "$here/gradient.ptx" >/dev/null && fail "the gradient has painted nothing"
+does '"event":"chooser"' key F12
+choose '"event":"screenshot"' "$here/gradient.png"
+red_at() { # X: of the screenshot, how much more red than green, in hundredths
+    convert "$here/gradient.png" -format "%[fx:int(100*(p{$((width / 2 + $1)),$((height / 2))}.r-p{$((width / 2 + $1)),$((height / 2))}.g))]" info:
+}
+[ "$(red_at -55)" -gt 40 ] && [ "$(red_at 55)" -lt 15 ] || fail "the gradient goes from $(red_at -55) to $(red_at 55)"
+key colors-swap shift+x
+key gradient-round ctrl+g
+drag '"event":"done","name":"fill-gradient"' 1 0 0 6 0 10
+grep -q '"color":\[1.0,1.0,1.0\].*"radial":true}' "$here"/state/selvage/unfinished/*/journal || fail "the gradient is not round"
+key colors-swap shift+x
+key undo ctrl+z
+key undo ctrl+z
+
 # an image before the picture: beside it nothing is painted, through it its colours are
 does '"event":"chooser"' key ctrl+y
 choose '"event":"done","name":"stencil-path"' "$here/image.png"

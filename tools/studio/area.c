@@ -104,6 +104,12 @@ static void follow_soon(studio_app *app) {
 /* A ring as large as the brush. */
 static void put_cursor(const studio_app *app, studio_shot *shot) {
     const bool held = app->drag == STUDIO_DRAG_BRUSH;
+    if (app->drag == STUDIO_DRAG_GRADIENT) { /* how far it reaches */
+        shot->cursor[0] = (float)app->held[0];
+        shot->cursor[1] = (float)app->held[1];
+        shot->cursor[2] = (float)hypot(app->x - app->held[0], app->y - app->held[1]);
+        return;
+    }
     if (!studio_sizing_has_brush(app) || !app->pointer_inside || app->screenshot)
         return;
     shot->cursor[0] = (float)(held ? app->held[0] : app->x);
@@ -381,6 +387,8 @@ static gboolean press(studio_app *app, GdkEvent *event) {
         studio_sizing_begin(app);
     else if (button == 1 && (app->tool == STUDIO_PAINT || app->tool == STUDIO_ERASE))
         studio_stroke_pen(app, STUDIO_PEN_DOWN, sample, 1, is_eraser(event));
+    else if (button == 1 && app->tool == STUDIO_GRADIENT)
+        studio_gradient_begin(app);
     else if (button == 1 && app->tool == STUDIO_TEXELS)
         studio_texels_begin(app, (state & GDK_SHIFT_MASK) || is_eraser(event));
     else if (button == 1)
@@ -441,6 +449,8 @@ static gboolean motion(studio_app *app, GdkEvent *event) {
         drag_stencil(app, dx, dy);
     } else if (app->drag == STUDIO_DRAG_BRUSH) {
         studio_sizing_drag(app, dx, dy);
+    } else if (app->drag == STUDIO_DRAG_GRADIENT) {
+        gtk_gl_area_queue_render(app->area);
     } else if (app->drag != STUDIO_DRAG_NONE && app->drag != STUDIO_DRAG_STROKE) {
         drag_view(app, dx, dy);
     } else {
@@ -459,6 +469,8 @@ static gboolean release(studio_app *app) {
         studio_texels_end(app);
     else if (app->drag == STUDIO_DRAG_BRUSH)
         studio_sizing_end(app);
+    else if (app->drag == STUDIO_DRAG_GRADIENT)
+        studio_gradient_end(app);
     else if (app->drag != STUDIO_DRAG_NONE)
         studio_log(app, "\"event\":\"view\",\"azimuth\":%.3f,\"elevation\":%.3f,\"distance\":%.5g",
                    (double)app->camera.azimuth, (double)app->camera.elevation,

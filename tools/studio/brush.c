@@ -118,8 +118,11 @@ void studio_swatches_add(studio_swatch list[STUDIO_SWATCHES], const float color[
 }
 
 studio_paint studio_paint_default(void) {
-    return (studio_paint){
-        .radius = 20, .opacity = 1, .hardness = 0.5f, .color = {0.8f, 0.15f, 0.1f}};
+    return (studio_paint){.radius = 20,
+                          .opacity = 1,
+                          .hardness = 0.5f,
+                          .color = {0.8f, 0.15f, 0.1f},
+                          .other = {1, 1, 1}};
 }
 
 static float to_light(float s) {
@@ -147,16 +150,24 @@ static json_t *numbers(const float *values, int count) {
     return list;
 }
 
-/* Of a texture with more than three colours the first three, with fewer their brightness. */
-static void put_paint(json_t *line, const studio_paint *paint, const studio_document *d) {
+static uint32_t colors_of(const studio_document *d) {
     const slv_texture_desc *desc = slv_texture_get_desc(d->texture);
-    uint32_t colors = desc->nchannels - (desc->alpha_channel != SLV_NO_ALPHA);
+    return desc->nchannels - (desc->alpha_channel != SLV_NO_ALPHA);
+}
+
+/* Of a texture with more than three colours the first three, with fewer their brightness. */
+static json_t *put_color(const studio_document *d, const float rgb[3]) {
+    const uint32_t colors = colors_of(d);
     float color[3];
-    studio_paint_color(d, paint->color, true, color);
+    studio_paint_color(d, rgb, true, color);
     if (colors < 3)
         color[0] = color[1] = 0.2126f * color[0] + 0.7152f * color[1] + 0.0722f * color[2];
-    json_object_set_new(line, "color", numbers(color, colors < 3 ? (int)colors : 3));
-    if (colors > 3)
+    return numbers(color, colors < 3 ? (int)colors : 3);
+}
+
+static void put_paint(json_t *line, const studio_paint *paint, const studio_document *d) {
+    json_object_set_new(line, "color", put_color(d, paint->color));
+    if (colors_of(d) > 3)
         json_object_set_new(line, "channels", json_pack("[i, i]", 0, 3));
     json_object_set_new(line, "opacity", json_real((double)paint->opacity));
     json_object_set_new(line, "blend", json_string(slv_blend_name(paint->blend)));
@@ -209,10 +220,15 @@ char *studio_paint_line(const studio_paint *paint, const studio_document *d,
 }
 
 char *studio_fill_line(const studio_paint *paint, const studio_document *d, uint32_t face,
-                       slv_select select) {
+                       slv_select select, const studio_gradient *gradient) {
     json_t *line = json_pack("{s:s, s:i, s:s}", "op", "fill", "face", (int)face, "select",
                              slv_select_name(select));
     put_paint(line, paint, d);
+    if (gradient)
+        json_object_set_new(line, "gradient",
+                            json_pack("{s:o, s:o, s:o, s:b}", "from", numbers(gradient->from, 3),
+                                      "to", numbers(gradient->to, 3), "color",
+                                      put_color(d, paint->other), "radial", gradient->radial));
     char *text = json_dumps(line, JSON_COMPACT | JSON_REAL_PRECISION(17));
     json_decref(line);
     return text;

@@ -24,6 +24,8 @@ typedef struct studio_paint {
     float radius;      /* pixels */
     float opacity, hardness;
     float color[3]; /* as they are on the screen, 0..1 */
+    float other[3]; /* that gradients end with */
+    bool radial;    /* gradients are, by the distance from where they begin */
     slv_blend blend;
     bool erase, lock_alpha, project;
     bool mirror; /* on the plane x = the middle of the surface */
@@ -45,9 +47,14 @@ studio_paint studio_paint_default(void);
  * camera: then the radius is in units of the mesh. For free(); NULL: no memory. */
 char *studio_paint_line(const studio_paint *paint, const studio_document *document,
                         const slv_camera *camera, uint32_t width, uint32_t height);
-/* Fills from a face on. */
+/* From one place of the mesh to another. */
+typedef struct studio_gradient {
+    float from[3], to[3];
+    bool radial;
+} studio_gradient;
+/* Fills from a face on, with the colour or, unless it is NULL, a gradient to the other one. */
 char *studio_fill_line(const studio_paint *paint, const studio_document *document, uint32_t face,
-                       slv_select select);
+                       slv_select select, const studio_gradient *gradient);
 /* A colour as the document's texels have it. */
 void studio_paint_color(const studio_document *document, const float rgb[3], bool to_texels,
                         float out[3]);

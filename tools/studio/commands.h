@@ -48,7 +48,13 @@ void studio_do_density_less(studio_app *app, const char *target);
 void studio_do_density_none(studio_app *app, const char *target);
 void studio_do_select_none(studio_app *app, const char *target);
 void studio_do_select_face(studio_app *app, const char *target);
+void studio_fill(studio_app *app, uint32_t face, slv_select select,
+                 const studio_gradient *gradient);
 void studio_do_fill_face(studio_app *app, const char *target);
+void studio_do_fill_gradient(studio_app *app, const char *target);
+void studio_do_gradient_round(studio_app *app, const char *target);
+const char *studio_get_gradient_round(const studio_app *app);
+void studio_do_colors_swap(studio_app *app, const char *target);
 void studio_set_tool(studio_app *app, const char *target);
 void studio_do_pick_color(studio_app *app, const char *target);
 void studio_do_stencil(studio_app *app, const char *target);

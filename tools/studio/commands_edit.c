@@ -289,17 +289,21 @@ void studio_do_select_face(studio_app *app, const char *target) {
     g_free(faces);
 }
 
-void studio_do_fill_face(studio_app *app, const char *target) {
-    slv_document *layers = studio_layers_of(app);
-    if (!layers)
+/* From a face on. */
+void studio_fill(studio_app *app, uint32_t face, slv_select select,
+                 const studio_gradient *gradient) {
+    if (!studio_layers_of(app))
         return;
-    char *line = studio_fill_line(&app->paint, &app->document, (uint32_t)strtoul(target, NULL, 10),
-                                  SLV_SELECT_FACE);
+    char *line = studio_fill_line(&app->paint, &app->document, face, select, gradient);
     slv_result result = line ? slv_session_run(app->document.session, app->document.layer,
                                                app->document.mask, NULL, line, strlen(line))
                              : SLV_ERROR_MEMORY;
     free(line);
     studio_edited(app, result);
+}
+
+void studio_do_fill_face(studio_app *app, const char *target) {
+    studio_fill(app, (uint32_t)strtoul(target, NULL, 10), SLV_SELECT_FACE, NULL);
 }
 
 /* ---- what is painted with ---- */

@@ -5,8 +5,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-const char *const studio_tool_names[STUDIO_TOOLS] = {"view", "paint",  "erase",   "fill",
-                                                     "pick", "select", "stencil", "texels"};
+const char *const studio_tool_names[STUDIO_TOOLS] = {
+    "view", "paint", "erase", "fill", "gradient", "pick", "select", "stencil", "texels"};
 
 static uint32_t word_of(const char *const *names, uint32_t count, const char *word,
                         uint32_t otherwise) {

@@ -111,6 +111,9 @@ void studio_document_forget_moved(studio_document *document);
 bool studio_document_pick(studio_document *document, const slv_camera *camera, uint32_t width,
                           uint32_t height, float x, float y, slv_paint_hit *out);
 
+/* Where a point lies on the surface that is painted on, which nothing displaces. */
+bool studio_document_place(studio_document *document, slv_surface_point point, float out[3]);
+
 /* Texels a unit of the mesh along a face, of what is shown: the root of how many a square has. 0:
  * want of memory. */
 float studio_document_density(studio_document *document, uint32_t face);

@@ -27,10 +27,12 @@ static void colored(GtkColorButton *button, GParamSpec *spec, gpointer user) {
     (void)spec;
     if (app->syncing)
         return;
+    float *color =
+        GTK_WIDGET(button) == app->color_buttons[0] ? app->paint.color : app->paint.other;
     gtk_color_chooser_get_rgba(GTK_COLOR_CHOOSER(button), &rgba);
-    app->paint.color[0] = rgba.red;
-    app->paint.color[1] = rgba.green;
-    app->paint.color[2] = rgba.blue;
+    color[0] = rgba.red;
+    color[1] = rgba.green;
+    color[2] = rgba.blue;
 }
 
 static void chosen(GtkListBox *list, GtkListBoxRow *row, gpointer user) {
@@ -95,10 +97,27 @@ static gboolean find_brushes(gpointer user) {
     return G_SOURCE_REMOVE;
 }
 
+/* The brush's, and the one that gradients end with. */
+static GtkWidget *make_colors(studio_app *app) {
+    static const char *const words[2] = {"Colour of the brush", "Colour that gradients end with"};
+    GtkWidget *box = gtk_box_new(GTK_ORIENTATION_HORIZONTAL, 4);
+    for (int i = 0; i < 2; i++) {
+        GtkWidget *button = gtk_color_button_new();
+        app->color_buttons[i] = button;
+        gtk_widget_set_hexpand(button, i == 0);
+        gtk_widget_set_tooltip_text(button, words[i]);
+        gtk_color_button_set_title(GTK_COLOR_BUTTON(button), words[i]);
+        gtk_accessible_update_property(GTK_ACCESSIBLE(button), GTK_ACCESSIBLE_PROPERTY_LABEL,
+                                       words[i], -1);
+        g_signal_connect(button, "notify::rgba", G_CALLBACK(colored), app);
+        gtk_box_append(GTK_BOX(box), button);
+    }
+    return box;
+}
+
 GtkWidget *studio_panel_brush(studio_app *app) {
     GtkWidget *grid = gtk_grid_new(), *search = gtk_search_entry_new(),
               *scrolled = gtk_scrolled_window_new();
-    const GdkRGBA black = {0, 0, 0, 1};
     gtk_grid_set_column_spacing(GTK_GRID(grid), 6);
     gtk_grid_set_row_spacing(GTK_GRID(grid), 2);
     for (int i = 0; i < SLIDERS; i++) {
@@ -116,13 +135,8 @@ GtkWidget *studio_panel_brush(studio_app *app) {
         gtk_grid_attach(GTK_GRID(grid), scale, 1, i, 1, 1);
         g_signal_connect(scale, "value-changed", G_CALLBACK(slid), app);
     }
-    app->color_button = gtk_color_button_new_with_rgba(&black);
-    gtk_color_button_set_title(GTK_COLOR_BUTTON(app->color_button), "Colour of the brush");
-    gtk_accessible_update_property(GTK_ACCESSIBLE(app->color_button), GTK_ACCESSIBLE_PROPERTY_LABEL,
-                                   "Colour", -1);
-    g_signal_connect(app->color_button, "notify::rgba", G_CALLBACK(colored), app);
     gtk_grid_attach(GTK_GRID(grid), gtk_label_new("Colour"), 0, SLIDERS, 1, 1);
-    gtk_grid_attach(GTK_GRID(grid), app->color_button, 1, SLIDERS, 1, 1);
+    gtk_grid_attach(GTK_GRID(grid), make_colors(app), 1, SLIDERS, 1, 1);
     app->brushes_list = gtk_list_box_new();
     gtk_list_box_set_filter_func(GTK_LIST_BOX(app->brushes_list), matches, search, NULL);
     g_signal_connect(search, "search-changed", G_CALLBACK(searched), app->brushes_list);
@@ -138,10 +152,12 @@ GtkWidget *studio_panel_brush(studio_app *app) {
 }
 
 void studio_panel_brush_sync(studio_app *app) {
-    const float *color = app->paint.color;
-    GdkRGBA rgba = {color[0], color[1], color[2], 1};
+    const float *colors[2] = {app->paint.color, app->paint.other};
     gtk_range_set_value(GTK_RANGE(app->sliders[SIZE]), (double)app->paint.radius);
     gtk_range_set_value(GTK_RANGE(app->sliders[OPACITY]), (double)app->paint.opacity);
     gtk_range_set_value(GTK_RANGE(app->sliders[HARDNESS]), (double)app->paint.hardness);
-    gtk_color_chooser_set_rgba(GTK_COLOR_CHOOSER(app->color_button), &rgba);
+    for (int i = 0; i < 2; i++) {
+        const GdkRGBA rgba = {colors[i][0], colors[i][1], colors[i][2], 1};
+        gtk_color_chooser_set_rgba(GTK_COLOR_CHOOSER(app->color_buttons[i]), &rgba);
+    }
 }

@@ -75,6 +75,11 @@ bool studio_document_pick(studio_document *d, const slv_camera *camera, uint32_t
            slv_paint_surface_hit(surface, origin, direction, out);
 }
 
+bool studio_document_place(studio_document *d, slv_surface_point point, float out[3]) {
+    const slv_paint_surface *surface = surface_of(d);
+    return surface && slv_paint_surface_at(surface, point, out, NULL, NULL);
+}
+
 /* Asked for few texels: which faces there are is all that is wanted. */
 slv_result studio_document_cover(studio_document *d, const slv_screen_dab *dab, uint8_t *touched) {
     enum { SIZE = 3 };

@@ -4,6 +4,10 @@
 
 #include <string.h>
 
+/* Of the brush, and of the other end of gradients. */
+static const char *const colors[2][3] = {{"red", "green", "blue"},
+                                         {"other-red", "other-green", "other-blue"}};
+
 static char *path_of(void) {
     return g_build_filename(g_get_user_config_dir(), "selvage", "studio.ini", NULL);
 }
@@ -80,9 +84,10 @@ void studio_settings_load(studio_app *app) {
         app->paint.radius = number_of(file, "radius", 0.5f, 500, app->paint.radius);
         app->paint.opacity = number_of(file, "opacity", 0, 1, app->paint.opacity);
         app->paint.hardness = number_of(file, "hardness", 0.02f, 1, app->paint.hardness);
-        app->paint.color[0] = number_of(file, "red", 0, 1, app->paint.color[0]);
-        app->paint.color[1] = number_of(file, "green", 0, 1, app->paint.color[1]);
-        app->paint.color[2] = number_of(file, "blue", 0, 1, app->paint.color[2]);
+        for (int c = 0; c < 3; c++) {
+            app->paint.color[c] = number_of(file, colors[0][c], 0, 1, app->paint.color[c]);
+            app->paint.other[c] = number_of(file, colors[1][c], 0, 1, app->paint.other[c]);
+        }
         load_look(app, file);
         app->turns = (uint32_t)number_of(file, "turns", 1, STUDIO_TURNS, (float)app->turns);
         int width = (int)number_of(file, "width", 640, 16384, 0),
@@ -114,9 +119,10 @@ void studio_settings_save(studio_app *app) {
     g_key_file_set_double(file, "studio", "radius", (double)app->paint.radius);
     g_key_file_set_double(file, "studio", "opacity", (double)app->paint.opacity);
     g_key_file_set_double(file, "studio", "hardness", (double)app->paint.hardness);
-    g_key_file_set_double(file, "studio", "red", (double)app->paint.color[0]);
-    g_key_file_set_double(file, "studio", "green", (double)app->paint.color[1]);
-    g_key_file_set_double(file, "studio", "blue", (double)app->paint.color[2]);
+    for (int c = 0; c < 3; c++) {
+        g_key_file_set_double(file, "studio", colors[0][c], (double)app->paint.color[c]);
+        g_key_file_set_double(file, "studio", colors[1][c], (double)app->paint.other[c]);
+    }
     save_look(app, file);
     g_key_file_set_integer(file, "studio", "turns", (int)app->turns);
     if (!app->size[0]) {

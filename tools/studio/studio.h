@@ -16,10 +16,11 @@ typedef enum studio_tool {
     STUDIO_PAINT,
     STUDIO_ERASE,
     STUDIO_FILL,
-    STUDIO_PICK,    /* takes up a colour */
-    STUDIO_SELECT,  /* faces that take paint */
-    STUDIO_STENCIL, /* moves the image that is painted through */
-    STUDIO_TEXELS,  /* more texels, or fewer, where the brush goes */
+    STUDIO_GRADIENT, /* fills between two places */
+    STUDIO_PICK,     /* takes up a colour */
+    STUDIO_SELECT,   /* faces that take paint */
+    STUDIO_STENCIL,  /* moves the image that is painted through */
+    STUDIO_TEXELS,   /* more texels, or fewer, where the brush goes */
     STUDIO_TOOLS
 } studio_tool;
 extern const char *const studio_tool_names[STUDIO_TOOLS];
@@ -35,6 +36,7 @@ typedef enum studio_drag {
     STUDIO_DRAG_STENCIL_TURN,
     STUDIO_DRAG_STROKE,
     STUDIO_DRAG_TEXELS,
+    STUDIO_DRAG_GRADIENT,
     STUDIO_DRAG_BRUSH /* its size and opacity */
 } studio_drag;
 
@@ -71,7 +73,7 @@ typedef struct studio_app {
     const char *bar_action; /* what its button does */
     uint32_t history_first; /* how many things its first row has done */
     guint history_scroll;   /* an idle moment in which it is scrolled */
-    GtkWidget *sliders[4], *color_button;
+    GtkWidget *sliders[4], *color_buttons[2];
     GMenu *recent_menu;
 
     GQueue asked; /* actions that wait for a stroke's end */
@@ -111,7 +113,7 @@ typedef struct studio_app {
     bool fewer;              /* that drag takes texels away */
     float density;           /* texels a unit that it gives instead; 0: none */
     double x, y, start_time; /* of the pointer, in pixels of the area */
-    double held[2];          /* where a drag of size and opacity began */
+    double held[2];          /* where a drag began: of size and opacity, or of a gradient */
     float pressure, tilt[2];
     bool pointer_inside;
     gint64 began;   /* when a picture of what moves was, which is not on the screen yet; 0: none */
@@ -195,6 +197,11 @@ bool studio_sizing_has_brush(const studio_app *app);
 void studio_sizing_begin(studio_app *app);
 void studio_sizing_drag(studio_app *app, double dx, double dy);
 void studio_sizing_end(studio_app *app);
+
+/* gradient.c */
+/* A drag from where the pointer is now to where it is when it ends. */
+void studio_gradient_begin(studio_app *app);
+void studio_gradient_end(studio_app *app);
 
 /* texels.c */
 /* A drag of the resolution brush begins where the pointer is, goes there, and ends: then it is one

@@ -335,13 +335,14 @@ static GtkWidget *make_loading(studio_app *app) {
 
 /* The tools, which a new user looks for first. */
 static GtkWidget *make_tools(void) {
-    static const char *const words[STUDIO_TOOLS] = {"View", "Paint",  "Erase",   "Fill",
-                                                    "Pick", "Select", "Stencil", "Texels"};
+    static const char *const words[STUDIO_TOOLS] = {
+        "View", "Paint", "Erase", "Fill", "Gradient", "Pick", "Select", "Stencil", "Texels"};
     static const char *const tips[STUDIO_TOOLS] = {
         "Turn the view: drag; Shift pans, the wheel zooms (V)",
         "Paint with the brush (B)",
         "Take paint away (E)",
         "Fill a face (G)",
+        "Fill with a gradient: drag from where it begins to where it ends (Shift+G)",
         "Take up a colour from the surface (I)",
         "Choose the faces that take paint (S)",
         "Place the image that is painted through: drag moves it, Shift turns, the wheel sizes (Y)",
