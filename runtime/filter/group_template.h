@@ -53,21 +53,21 @@ static inline void group_note_result(group_out *out, size_t at, slv_result resul
     }
 }
 
-/* Turns rows into columns. */
+/* Turns rows into columns; without loops, so that none of it goes through memory. */
 static inline __attribute__((always_inline)) void
 group_load_places(const slv_sampler *s, const group *g, group_places *out) {
     v8f rows[GROUP_SIZE], pairs[GROUP_SIZE], fours[GROUP_SIZE];
-    for (int i = 0; i < GROUP_SIZE; i++)
-        memcpy(&rows[i], g->lookups[i], sizeof rows[i]);
-    for (int i = 0; i < GROUP_SIZE; i += 2) {
+    _Pragma("GCC unroll 8") for (int i = 0; i < GROUP_SIZE; i++) rows[i] =
+        v8_load_float((const float *)(const void *)g->lookups[i]);
+    _Pragma("GCC unroll 4") for (int i = 0; i < GROUP_SIZE; i += 2) {
         pairs[i] = v8_low_pairs(rows[i], rows[i + 1]);
         pairs[i + 1] = v8_high_pairs(rows[i], rows[i + 1]);
     }
-    for (int i = 0; i < GROUP_SIZE; i += 4)
-        for (int j = 0; j < 2; j++) {
-            fours[i + 2 * j] = v8_low_fours(pairs[i + j], pairs[i + 2 + j]);
-            fours[i + 2 * j + 1] = v8_high_fours(pairs[i + j], pairs[i + 2 + j]);
-        }
+    _Pragma("GCC unroll 2") for (int i = 0; i < GROUP_SIZE; i += 4)
+        _Pragma("GCC unroll 2") for (int j = 0; j < 2; j++) {
+        fours[i + 2 * j] = v8_low_fours(pairs[i + j], pairs[i + 2 + j]);
+        fours[i + 2 * j + 1] = v8_high_fours(pairs[i + j], pairs[i + 2 + j]);
+    }
     v8f uw1 = v8_high_half(fours[0], fours[4]), vw1 = v8_high_half(fours[1], fours[5]);
     v8f uw2 = v8_high_half(fours[2], fours[6]), vw2 = v8_high_half(fours[3], fours[7]);
     out->file = (v8i)v8_low_half(fours[0], fours[4]);
@@ -218,10 +218,10 @@ group_put_band(const slv_sampler *s, const group *g, const group_columns *column
             continue;
         float *to = out->values + g->at[i] * out->stride;
         const float *sums = columns->sums.f + columns->at[i];
-        v4f sum;
-        GATHER_COLUMNS(sums, n, columns->weights.f + i, GROUP_SIZE, count ? count : counts[i], sum);
         if (zeros)
             quick_put_zeros(s, on->channels, to);
+        v4f sum;
+        GATHER_COLUMNS(sums, n, columns->weights.f + i, GROUP_SIZE, count ? count : counts[i], sum);
         quick_put(sum * columns->scales[i] + 0, on->channels, to);
         group_note_result(out, g->at[i], SLV_OK);
     }
@@ -409,6 +409,7 @@ group_prepare(slv_sampler *s, group *g, group_places *at, slv_filter filter, siz
     /* what is not a number, or huge, overflows integers in its lane */
     at->u = v8_select(sound, at->u, v8_splat(0));
     at->v = v8_select(sound, at->v, v8_splat(0));
+    g->moves = s->thread.moves;
     group_find_faces(s, g);
     for (int i = 0; i < g->n; i++) {
         const cache_face *f = g->faces[i];
@@ -449,48 +450,56 @@ group_prepare(slv_sampler *s, group *g, group_places *at, slv_filter filter, siz
     }
 }
 
-/* A group on more than one face: what it reads is found and asked for, ... */
+/* Asks for what a prepared lookup reads. `near` is where the one before did: neighbours are in the
+ * processor's cache, or soon will be. */
 static inline __attribute__((always_inline)) void
-group_begin_spread(slv_sampler *s, group *g, group_places *at, slv_filter filter, size_t room) {
-    uintptr_t near = 0;
-    group_prepare(s, g, at, filter, room);
-    for (int i = 0; i < g->n; i++) {
-        if (!g->ready[i])
-            continue;
-        if (!g->texels[i]) {
-            group_fetch_around(s, g, i);
-            continue;
-        }
-        /* neighbours are in the processor's cache, or soon will be */
-        if ((uintptr_t)g->texels[i] - near + 2048 > 4096)
-            group_fetch_ahead(g, i, filter);
-        near = (uintptr_t)g->texels[i];
+group_fetch(const slv_sampler *s, const group *g, int i, slv_filter filter, uintptr_t *near) {
+    if (!g->ready[i] || s->thread.moves != g->moves)
+        return;
+    if (!g->texels[i]) {
+        group_fetch_around(s, g, i);
+        return;
     }
-    g->moves = s->thread.moves;
+    if ((uintptr_t)g->texels[i] - *near + 2048 > 4096)
+        group_fetch_ahead(g, i, filter);
+    *near = (uintptr_t)g->texels[i];
 }
 
-/* ... and looked up once it is there. */
+/* Looks up one of a group that is spread over faces. */
+static inline __attribute__((always_inline)) slv_result
+group_look_up_spread(slv_sampler *s, group *g, int i, slv_filter filter, group_out *out) {
+    float *to = out->values + g->at[i] * out->stride;
+    if (!g->ready[i] || s->thread.moves != g->moves)
+        return any_look_up(s, g->lookups[i], out->room, to);
+    cache_tables *t = g->tables[i];
+    uint32_t channels = t->nchannels < s->nchannels ? t->nchannels : s->nchannels;
+    quick_put_zeros(s, channels, to);
+    if (filter == SLV_FILTER_POINT) {
+        quick_put_texel(t, g->texels[i], channels, to);
+        return SLV_OK;
+    }
+    if (g->texels[i]) {
+        v4f sum = gather_few(t, g->texels[i], g->pitch[i], &g->kernels[i]);
+        quick_put(sum * (g->scale[i] / g->weight[i]) + 0, channels, to);
+        return SLV_OK;
+    }
+    slv_result result = SLV_OK;
+    if (!quick_across(s, t, g->lookups[i]->face, g->faces[i], &g->kernels[i], g->weight[i],
+                      channels, to, &result))
+        result = any_look_up(s, g->lookups[i], out->room, to);
+    return result;
+}
+
+/* Looks up what the group before (or NULL) has asked for, and by turns asks for what the next one
+ * (or NULL) reads: all at once would be more than processors wait for at a time. */
 static inline __attribute__((always_inline)) void
-group_end_spread(slv_sampler *s, group *g, slv_filter filter, group_out *out) {
-    for (int i = 0; i < g->n; i++) {
-        slv_result result = SLV_OK;
-        float *to = out->values + g->at[i] * out->stride;
-        if (!g->ready[i] || s->thread.moves != g->moves) {
-            group_note_result(out, g->at[i], any_look_up(s, g->lookups[i], out->room, to));
-            continue;
-        }
-        cache_tables *t = g->tables[i];
-        uint32_t channels = t->nchannels < s->nchannels ? t->nchannels : s->nchannels;
-        quick_put_zeros(s, channels, to);
-        if (filter == SLV_FILTER_POINT) {
-            quick_put_texel(t, g->texels[i], channels, to);
-        } else if (g->texels[i]) {
-            v4f sum = gather_few(t, g->texels[i], g->pitch[i], &g->kernels[i]);
-            quick_put(sum * (g->scale[i] / g->weight[i]) + 0, channels, to);
-        } else if (!quick_across(s, t, g->lookups[i]->face, g->faces[i], &g->kernels[i],
-                                 g->weight[i], channels, to, &result))
-            result = any_look_up(s, g->lookups[i], out->room, to);
-        group_note_result(out, g->at[i], result);
+group_step(slv_sampler *s, group *before, const group *next, slv_filter filter, group_out *out) {
+    uintptr_t near = 0;
+    for (int i = 0; i < GROUP_SIZE; i++) {
+        if (next && i < next->n)
+            group_fetch(s, next, i, filter, &near);
+        if (before && i < before->n)
+            group_note_result(out, before->at[i], group_look_up_spread(s, before, i, filter, out));
     }
 }
 
@@ -518,14 +527,14 @@ group_look_up_many(slv_sampler *s, const slv_lookup *lookups, const uint32_t *or
             cache_pin(&s->thread);
         bool alike = group_look_up_alike(s, g, &at, filter, &out);
         if (!alike)
-            group_begin_spread(s, g, &at, filter, out.room);
-        if (waiting)
-            group_end_spread(s, waiting, filter, &out);
+            group_prepare(s, g, &at, filter, out.room);
+        if (waiting || !alike)
+            group_step(s, waiting, alike ? NULL : g, filter, &out);
         waiting = alike ? NULL : g;
         next ^= !alike;
         if (begin / GROUP_SIZE % GROUP_PINNED == GROUP_PINNED - 1 || begin + GROUP_SIZE >= count) {
             if (waiting)
-                group_end_spread(s, waiting, filter, &out);
+                group_step(s, waiting, NULL, filter, &out);
             waiting = NULL;
             cache_unpin(&s->thread);
         }
