@@ -192,6 +192,59 @@ static uint64_t flat_hash_afresh(slv_document *d) {
     return flat_hash(d);
 }
 
+/* A prism: five quads, and of each pentagon five faces of half the edges. */
+static shape prism(void) {
+    shape s = {0};
+    int32_t low[5] = {8, 6, 4, 2, 0}, high[5] = {1, 3, 5, 7, 9};
+    for (int32_t i = 0; i < 10; i++)
+        shape_vertex(&s, cosf(1.2566f * (float)(i / 2)), sinf(1.2566f * (float)(i / 2)),
+                     (float)(i % 2));
+    for (int32_t i = 0; i < 10; i += 2) {
+        const int32_t quad[4] = {i, (i + 2) % 10, (i + 2) % 10 + 1, i + 1};
+        shape_polygon(&s, 4, quad);
+    }
+    shape_polygon(&s, 5, low);
+    shape_polygon(&s, 5, high);
+    return s;
+}
+
+/* Single texels of a layer whose faces have all kinds of resolutions: seen from others or not. */
+static void texels_beside(uint64_t seed) {
+    enum { MOST_FACES = 15 };
+    slv_env env = test_env();
+    shape mesh = seed % 2 ? prism() : shape_cube();
+    paint_scene s = paint_scene_of(&env, &mesh, SLV_SCHEME_BILINEAR, 4, SLV_TYPE_U16, 3, -1);
+    slv_document *d = document_of(&env, &s, (slv_document_params){0});
+    slv_res res[MOST_FACES];
+    uint64_t random = seed;
+    uint32_t id;
+    slv_canvas canvas;
+    REQUIRE(s.nfaces <= MOST_FACES);
+    MUST(slv_document_add_layer(d, NULL, &id));
+    for (int layer = 0; layer < 2; layer++) {
+        for (uint32_t i = 0; i < s.nfaces; i++)
+            res[i] =
+                (slv_res){(int8_t)(test_random(&random) % 7), (int8_t)(test_random(&random) % 7)};
+        MUST(slv_document_resize(d, layer ? id : 0, s.nfaces, NULL, res));
+    }
+    MUST(slv_document_canvas(d, id, false, &canvas));
+    for (int i = 0; i < 60; i++) {
+        const float one = 1;
+        uint32_t face = test_random(&random) % s.nfaces;
+        slv_patch patch = {.face = face, .rect = {0, 0, 1, 1}, .coverage = &one, .texel_area = 1};
+        slv_patches patches = {1, &patch, 1};
+        patch.rect.x = test_random(&random) % (1u << res[face].u);
+        patch.rect.y = test_random(&random) % (1u << res[face].v);
+        MUST(slv_painter_apply(s.painter, &canvas, &patches,
+                               &(slv_paint){.color = {1, 0.5f, 0.25f}, .opacity = 1}));
+        uint64_t flat = flat_hash(d);
+        CHECK_MSG(flat_hash_afresh(d) == flat, "seed %u, texel %d: not as afresh", (unsigned)seed,
+                  i);
+    }
+    slv_document_destroy(d);
+    paint_scene_end(&s);
+}
+
 enum { MOST = 4096 };
 
 static void random_histories(uint64_t seed, uint32_t steps, uint64_t memory, uint64_t disk) {
@@ -479,6 +532,8 @@ int main(void) {
     low_opacities_add_up();
     for (int i = 1; i <= 5; i++)
         resolutions(i, 4);
+    for (uint32_t seed = 1; seed <= test_effort(6); seed++)
+        texels_beside(seed);
     undo_memory();
     for (uint32_t seed = 1; seed <= test_effort(2); seed++) {
         random_histories(seed, 80, (uint64_t)1 << 30, (uint64_t)1 << 30);

@@ -57,8 +57,23 @@ static void stretch(int from, int to, uint32_t *first, uint32_t *count) {
     *count = end - begin;
 }
 
+/* How far from the edges texels of 2^size along a face can be told in faces beside it, which see
+ * others at 2^least x 2^most or the other way round: half of theirs away, twice as far where one
+ * face has half the other's edge, in one that may be a mean. */
+static uint32_t reach(int size, int least, int most) {
+    return (size > least ? 1u << (size - least) : 1) + (size > most ? 1u << (size - most) : 1);
+}
+
+static bool shows_beside(slv_res res, slv_rect rect, slv_res seen) {
+    int least = seen.u < seen.v ? seen.u : seen.v, most = seen.u < seen.v ? seen.v : seen.u;
+    uint32_t u = reach(res.u, least, most), v = reach(res.v, least, most);
+    return rect.x < u || rect.x + rect.width + u > 1u << res.u || rect.y < v ||
+           rect.y + rect.height + v > 1u << res.v;
+}
+
 /* Faces around one in which its texels may show, since theirs are larger there. */
-static void mark_around(slv_document *document, const slvi_plane *plane, uint32_t face) {
+static void mark_around(slv_document *document, const slvi_plane *plane, uint32_t face,
+                        slv_rect rect) {
     for (unsigned corner = 0; corner < 4; corner++) {
         slv_ring ring = slv_adjacency_ring(document->adjacency, (int32_t)face, corner, NULL);
         slv_neighbour across[2];
@@ -68,7 +83,9 @@ static void mark_around(slv_document *document, const slvi_plane *plane, uint32_
             uint32_t other =
                 (uint32_t)(i < ring.count ? ring.corners[i].face : across[i - ring.count].face);
             slv_res from = plane->res[other], to = document->res[other];
-            if (other != face && (from.u < to.u || from.v < to.v))
+            slv_res seen = {from.u < to.u ? from.u : to.u, from.v < to.v ? from.v : to.v};
+            if (other != face && (from.u < to.u || from.v < to.v) &&
+                shows_beside(plane->res[face], rect, seen))
                 mark(document, other, slvi_res_rect(to));
         }
     }
@@ -77,11 +94,11 @@ static void mark_around(slv_document *document, const slvi_plane *plane, uint32_
 void slvi_document_touch(slv_document *document, const slvi_plane *plane, uint32_t face,
                          slv_rect rect) {
     slv_res from = plane->res[face], to = document->res[face];
+    if (document->mixed && document->adjacency)
+        mark_around(document, plane, face, rect);
     stretch(from.u, to.u, &rect.x, &rect.width);
     stretch(from.v, to.v, &rect.y, &rect.height);
     mark(document, face, rect);
-    if (document->mixed && document->adjacency)
-        mark_around(document, plane, face);
 }
 
 void slvi_document_touch_all(slv_document *document) {
