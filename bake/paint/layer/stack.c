@@ -71,22 +71,29 @@ static bool shows_beside(slv_res res, slv_rect rect, slv_res seen) {
            rect.y + rect.height + v > 1u << res.v;
 }
 
-/* Faces around one in which its texels may show, since theirs are larger there. */
-static void mark_around(slv_document *document, const slvi_plane *plane, uint32_t face,
-                        slv_rect rect) {
+/* Of the faces around one those in which texels of `face` may show, since theirs are larger there.
+ * That is the same face, or one beside it: half of a quad with a single texel is the whole of a
+ * sub-face, and behind that is another. */
+static void mark_around(slv_document *document, const slvi_plane *plane, uint32_t around,
+                        uint32_t face, slv_rect rect) {
+    const slv_adjacency *adjacency = document->adjacency;
     for (unsigned corner = 0; corner < 4; corner++) {
-        slv_ring ring = slv_adjacency_ring(document->adjacency, (int32_t)face, corner, NULL);
+        slv_ring ring = slv_adjacency_ring(adjacency, (int32_t)around, corner, NULL);
         slv_neighbour across[2];
-        uint32_t count =
-            slv_adjacency_neighbours(document->adjacency, (int32_t)face, corner, across);
+        uint32_t count = slv_adjacency_neighbours(adjacency, (int32_t)around, corner, across);
         for (uint32_t i = 0; i < ring.count + count; i++) {
             uint32_t other =
                 (uint32_t)(i < ring.count ? ring.corners[i].face : across[i - ring.count].face);
             slv_res from = plane->res[other], to = document->res[other];
             slv_res seen = {from.u < to.u ? from.u : to.u, from.v < to.v ? from.v : to.v};
             if (other != face && (from.u < to.u || from.v < to.v) &&
+                (around == face || !seen.u || !seen.v) &&
                 shows_beside(plane->res[face], rect, seen))
                 mark(document, other, slvi_res_rect(to));
+            if (other != face && around == face &&
+                slv_adjacency_is_subface(adjacency, (int32_t)face) &&
+                slv_adjacency_is_subface(adjacency, (int32_t)other))
+                mark_around(document, plane, other, face, rect);
         }
     }
 }
@@ -95,7 +102,7 @@ void slvi_document_touch(slv_document *document, const slvi_plane *plane, uint32
                          slv_rect rect) {
     slv_res from = plane->res[face], to = document->res[face];
     if (document->mixed && document->adjacency)
-        mark_around(document, plane, face, rect);
+        mark_around(document, plane, face, face, rect);
     stretch(from.u, to.u, &rect.x, &rect.width);
     stretch(from.v, to.v, &rect.y, &rect.height);
     mark(document, face, rect);
