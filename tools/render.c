@@ -16,7 +16,7 @@ struct render {
     const char *ptx;
     scene_options scene;
     const char *out;
-    int strategy, context, pass, layout;
+    int strategy, context, pass, layout, binding;
     bool raw, quiet, json, compress, even_given, strategy_given;
     int plain_levels;
     uint32_t msaa, aniso, bits;
@@ -145,6 +145,7 @@ static slv_result begin(const slv_env *env, struct drawing *d) {
                                     .anisotropy = r->aniso,
                                     .even_levels = r->even_given ? !r->plain_levels : scene->even,
                                     .layout = (slv_gl_layout)r->layout,
+                                    .binding = (slv_gl_binding)r->binding,
                                     .compression = r->compress ? SLV_GL_COMPRESSION_BLOCKS
                                                                : SLV_GL_COMPRESSION_NONE,
                                     .encoding = (slv_texture_encoding)r->scene.encoding,
@@ -311,6 +312,7 @@ static const char *options_problem(const struct render *r) {
     } faces[] = {{r->compress, "--compress is of per-face textures, not of --uv"},
                  {r->even_given, "--even-levels is of per-face textures, not of --uv"},
                  {r->layout != 0, "--layout is of per-face textures, not of --uv"},
+                 {r->binding != 0, "--binding is of per-face textures, not of --uv"},
                  {r->strategy_given, "--strategy is of per-face textures, not of --uv"}};
     for (size_t i = 0; i < sizeof faces / sizeof *faces && r->scene.uv; i++)
         if (faces[i].given)
@@ -321,7 +323,7 @@ static const char *options_problem(const struct render *r) {
 }
 
 int verb_render(int argc, char **argv) {
-    enum { OWN = 22 };
+    enum { OWN = 23 };
     struct render r = {.scene = scene_options_default(), .msaa = 4, .aniso = 1};
     r.scene.numbered = true;
     char strategies[SCENE_STRATEGIES_SIZE], how[80], buffer[512];
@@ -339,6 +341,8 @@ int verb_render(int argc, char **argv) {
          "samples per pixel: 1, 2, 4, 8, as far as the driver goes (4)", NULL, 1, 64, NULL},
         SCENE_ANISO(&r.aniso, "anisotropy, 1 (trilinear) to 16 (1)"),
         SCENE_LAYOUT(&r.layout),
+        {"--binding", CLI_CHOICE, &r.binding,
+         "array textures: on units, or by the driver's handles", "auto|units|handles", 0, 0, NULL},
         SCENE_EVEN_LEVELS(&r.plain_levels, &r.even_given),
         {"--compress", CLI_FLAG, &r.compress,
          "8-bit textures: keep blocks on the GPU (BC1 and its kin)", NULL, 0, 0, NULL},

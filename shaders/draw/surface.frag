@@ -3,6 +3,9 @@ layout(location = 0) in vec2 surface_uv;
 layout(location = 1) in vec3 eye_position;
 layout(location = 2) in vec3 eye_normal;
 layout(location = 3) flat in int surface_face;
+#if SURFACE_DRAWS
+layout(location = 4) flat in int surface_draw;
+#endif
 
 layout(location = 4) uniform int perspective;
 layout(location = 5) uniform vec2 ambient_diffuse; // ka, kd
@@ -22,6 +25,9 @@ layout(location = 0) out vec4 color;
 #endif
 #ifndef SURFACE_MSAA
 #define SURFACE_MSAA 1
+#endif
+#ifndef SURFACE_DRAWS
+#define SURFACE_DRAWS 0
 #endif
 #ifndef SURFACE_BIASED
 #define SURFACE_BIASED 0
@@ -85,6 +91,9 @@ float covered_part(float a) {
 #endif
 
 void main() {
+#if SURFACE_DRAWS
+    slv_draw = surface_draw;
+#endif
     vec3 n = eye_normal / max(length(eye_normal), 1e-20);
 #if SURFACE_MSAA > 1
     vec3 there = interpolateAtCentroid(eye_normal); // within the triangle: beyond one that is smaller than a pixel it could be any

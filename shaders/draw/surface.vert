@@ -1,4 +1,5 @@
-// A tessellated limit surface. Lookups that fragments cannot make by themselves define SLV_HANDS_ON.
+// A tessellated limit surface. Lookups that fragments cannot make by themselves define SLV_HANDS_ON; SURFACE_DRAWS
+// stands before this where one draw shows many batches.
 layout(location = 0) in vec3 position;
 layout(location = 1) in vec3 normal;
 layout(location = 2) in vec2 uv;
@@ -12,6 +13,9 @@ layout(location = 0) out vec2 surface_uv;
 layout(location = 1) out vec3 eye_position;
 layout(location = 2) out vec3 eye_normal;
 layout(location = 3) flat out int surface_face;
+#ifdef SURFACE_DRAWS
+layout(location = 4) flat out int surface_draw;
+#endif
 
 void main() {
     vec4 eye = world_to_eye * vec4(position, 1.0);
@@ -19,6 +23,9 @@ void main() {
     eye_position = eye.xyz;
     eye_normal = normal_to_eye * normal;
     surface_face = face;
+#ifdef SURFACE_DRAWS
+    surface_draw = gl_DrawIDARB;
+#endif
 #ifdef SLV_HANDS_ON
     slv_hand_on(face, uv);
 #endif

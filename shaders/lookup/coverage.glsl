@@ -1,6 +1,6 @@
 // Colour, and how much of a filter's weight fell on texels, where a sampler adds nothing beyond a face. (Needs footprint.glsl.)
 
-#if SLV_SPLIT_COVERAGE
+#if SLV_SPLIT_COVERAGE && !SLV_HANDLES
 layout(binding = SLV_FIRST_UNIT + SLV_POOLS) uniform sampler2DArray slv_coverage[SLV_POOLS];
 #endif
 

@@ -11,6 +11,7 @@
 // Each strategy is a file in strategy/ that begins with the features it chooses, names the parts that it is made of, and defines
 // slv_sample_grad. Parts depend on two kinds of definitions. The library defines for each program, as numbers:
 //   SLV_POOLS           array textures bound; the batch's own is number 0, but for squares of edges
+//   SLV_HANDLES         0, or which storage buffer after the first has handles of array textures, which are bound to no units then
 //   SLV_SUBFACES        1 if faces of the batch are sub-faces or meet some
 //   SLV_SPLIT_COVERAGE  1 if coverage has textures of its own (four-channel data)
 //   SLV_ANISOTROPY      the most taps of a footprint
@@ -44,7 +45,21 @@
 #define SLV_HELPER gl_HelperInvocation
 #endif
 
+// Of the batches that a draw shows, the one that a fragment is of: a host's gl_DrawID, where one draw shows many.
+int slv_draw = 0;
+
+#if SLV_HANDLES
+struct slv_handle_row {
+    sampler2DArray pool[16], coverage[16];
+};
+layout(std430, binding = SLV_FIRST_STORAGE + SLV_HANDLES) readonly buffer slv_handles_block {
+    slv_handle_row slv_handles[];
+};
+#define slv_pool slv_handles[slv_draw].pool
+#define slv_coverage slv_handles[slv_draw].coverage
+#else
 layout(binding = SLV_FIRST_UNIT) uniform sampler2DArray slv_pool[SLV_POOLS];
+#endif
 
 #if SLV_CHUNK
 #define SLV_ROW(face) ((face) & (SLV_CHUNK - 1))

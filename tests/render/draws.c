@@ -73,11 +73,17 @@ static slv_env counting_env(void) {
     }
 COUNTED(COUNT)
 
-static void APIENTRY count_DrawElements(GLenum mode, GLsizei count, GLenum type, const void *at) {
+static void APIENTRY count_MultiDrawElements(GLenum mode, const GLsizei *counts, GLenum type,
+                                             const void *const *at, GLsizei ndraws) {
     /* Nothing is drawn: a software driver would compile a program for each set of arrays. */
     (void)mode, (void)type, (void)at;
     calls++;
-    draws += count > 0;
+    draws += ndraws > 0 && counts[0] > 0;
+}
+
+static GLboolean APIENTRY count_IsTextureHandleResidentARB(GLuint64 handle) {
+    calls++;
+    return real.IsTextureHandleResidentARB(handle);
 }
 
 static GLenum APIENTRY count_GetError(void) {
@@ -100,8 +106,10 @@ static slv_gl_proc counted(const char *name) {
         return (slv_gl_proc)count_##function;
     COUNTED(NAMED)
 #undef NAMED
-    if (strcmp(name, "glDrawElements") == 0)
-        return (slv_gl_proc)count_DrawElements;
+    if (strcmp(name, "glMultiDrawElements") == 0)
+        return (slv_gl_proc)count_MultiDrawElements;
+    if (strcmp(name, "glIsTextureHandleResidentARB") == 0)
+        return (slv_gl_proc)count_IsTextureHandleResidentARB;
     if (strcmp(name, "glIsSync") == 0)
         return (slv_gl_proc)count_IsSync;
     return strcmp(name, "glGetError") == 0 ? (slv_gl_proc)count_GetError : NULL;
@@ -121,6 +129,7 @@ static slv_gl_proc get_trap(void *user, const char *name) {
 static void load(slv_gl_api *api, slv_gl_get_proc from, void *user) {
 #define LOAD(type, name) api->name = (type)from(user, "gl" #name);
     SLV_GL_FUNCTIONS(LOAD)
+    SLV_GL_HANDLE_FUNCTIONS(LOAD)
 #undef LOAD
 }
 
@@ -129,7 +138,7 @@ static slv_gl_proc get_real(void *user, const char *name) {
 }
 
 static void count_frame(slv_gl *gl, slv_gl_renderer *renderer, slv_gl_texture *texture,
-                        const slv_strategy *strategy) {
+                        const slv_strategy *strategy, slv_gl_binding binding) {
     const float low[3] = {0, 0, -1}, high[3] = {COLUMNS, ROWS, 1};
     slv_env env = counting_env();
     slv_frame frame = {.width = 64, .height = 64, .strategy = strategy};
@@ -143,10 +152,11 @@ static void count_frame(slv_gl *gl, slv_gl_renderer *renderer, slv_gl_texture *t
     REQUIRE(result == SLV_OK);
     gl->api = all;
     bool reaches = strategy->reach == SLV_GL_REACH_NEIGHBOURS;
-    fprintf(stderr, "%-14s %4llu draws, %5llu calls\n", strategy->name, (unsigned long long)draws,
-            (unsigned long long)calls);
+    fprintf(stderr, "%-14s %-8s %4llu draws, %5llu calls\n", strategy->name,
+            slv_gl_binding_name(binding), (unsigned long long)draws, (unsigned long long)calls);
     CHECK_MSG(pieces == 0, "%s: %llu pieces of memory", strategy->name, (unsigned long long)pieces);
-    CHECK(draws > 0 && draws == slv_gl_texture_batch_count(texture, strategy));
+    CHECK(draws ==
+          (binding == SLV_GL_BINDING_HANDLES ? 1 : slv_gl_texture_batch_count(texture, strategy)));
     bool shares = strategy->packing == SLV_GL_PAGES; /* two types at most, in pages */
     CHECK_MSG(draws <= (reaches  ? 500
                         : shares ? 4
@@ -215,12 +225,16 @@ static void check(slv_gl *host, slv_gl *gl) {
     slv_gl_texture_params params = {.strategies = list};
     for (uint32_t k = 0; k < slv_strategy_count(); k++)
         list[params.nstrategies++] = slv_strategy_at(k);
-    result = slv_gl_texture_create(gl, &env, texels, adjacency, &params, &texture);
-    REQUIRE(result == SLV_OK);
-    for (uint32_t k = 0; k < params.nstrategies; k++)
-        count_frame(gl, renderer, texture, list[k]);
-    check_timed(host, gl, renderer, texture);
-    slv_gl_texture_destroy(texture);
+    for (params.binding = SLV_GL_BINDING_UNITS;
+         params.binding <= (gl->handles ? SLV_GL_BINDING_HANDLES : SLV_GL_BINDING_UNITS);
+         params.binding++) {
+        result = slv_gl_texture_create(gl, &env, texels, adjacency, &params, &texture);
+        REQUIRE(result == SLV_OK);
+        for (uint32_t k = 0; k < params.nstrategies; k++)
+            count_frame(gl, renderer, texture, list[k], params.binding);
+        check_timed(host, gl, renderer, texture);
+        slv_gl_texture_destroy(texture);
+    }
     slv_gl_renderer_destroy(renderer);
     slv_surface_destroy(surface);
     slv_adjacency_destroy(adjacency);

@@ -98,6 +98,7 @@ int main(void) {
     CHECK_NAMES(slv_exchange_images, SLV_EXCHANGE_EXR, slv_exchange_images_name, true);
     CHECK_NAMES(slv_gl_backend, SLV_GL_HOST, slv_gl_backend_name,
                 i == SLV_GL_HOST || leads_back_slv_gl_backend(name, i));
+    CHECK_NAMES(slv_gl_binding, SLV_GL_BINDING_HANDLES, slv_gl_binding_name, true);
     CHECK_NAMES(slv_gl_branching, SLV_GL_BRANCHING_VECTORS, slv_gl_branching_name, true);
     CHECK_NAMES(slv_gl_compression, SLV_GL_COMPRESSION_BLOCKS, slv_gl_compression_name, true);
     CHECK_NAMES(slv_gl_layout, SLV_GL_LAYOUT_PAGES, slv_gl_layout_name, true);

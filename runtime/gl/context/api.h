@@ -114,14 +114,23 @@
     X(PFNGLPROGRAMUNIFORM4FVPROC, ProgramUniform4fv)                                               \
     X(PFNGLDRAWARRAYSPROC, DrawArrays)                                                             \
     X(PFNGLDRAWELEMENTSPROC, DrawElements)                                                         \
+    X(PFNGLMULTIDRAWELEMENTSPROC, MultiDrawElements)                                               \
     X(PFNGLCREATEQUERIESPROC, CreateQueries)                                                       \
     X(PFNGLDELETEQUERIESPROC, DeleteQueries)                                                       \
     X(PFNGLQUERYCOUNTERPROC, QueryCounter)                                                         \
     X(PFNGLGETQUERYOBJECTUI64VPROC, GetQueryObjectui64v)
 
+/* Of GL_ARB_bindless_texture, which not every driver has. */
+#define SLV_GL_HANDLE_FUNCTIONS(X)                                                                 \
+    X(PFNGLGETTEXTURESAMPLERHANDLEARBPROC, GetTextureSamplerHandleARB)                             \
+    X(PFNGLMAKETEXTUREHANDLERESIDENTARBPROC, MakeTextureHandleResidentARB)                         \
+    X(PFNGLMAKETEXTUREHANDLENONRESIDENTARBPROC, MakeTextureHandleNonResidentARB)                   \
+    X(PFNGLISTEXTUREHANDLERESIDENTARBPROC, IsTextureHandleResidentARB)
+
 typedef struct slv_gl_api {
 #define SLV_GL_MEMBER(type, name) type name;
     SLV_GL_FUNCTIONS(SLV_GL_MEMBER)
+    SLV_GL_HANDLE_FUNCTIONS(SLV_GL_MEMBER)
 #undef SLV_GL_MEMBER
 } slv_gl_api;
 
@@ -141,6 +150,7 @@ struct slv_gl {
     uint64_t max_storage;     /* bytes of a shader storage block */
     uint32_t storage_bindings;
     bool ballot;              /* has GL_ARB_shader_ballot */
+    bool handles;             /* has GL_ARB_bindless_texture and GL_ARB_shader_draw_parameters */
     bool s3tc;                /* has GL_EXT_texture_compression_s3tc */
     bool narrow_srgb;         /* has GL_EXT_texture_sRGB_R8 and GL_EXT_texture_sRGB_RG8 */
     _Atomic(uint64_t) serial; /* of the last texture made, so that caches can tell textures apart */

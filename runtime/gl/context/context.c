@@ -33,6 +33,8 @@ static slv_result load_functions(const slv_env *env, slv_gl_api *api, slv_gl_get
     if (!proc)                                                                                     \
         missing = "gl" #name;                                                                      \
     api->name = (type)proc;
+    SLV_GL_HANDLE_FUNCTIONS(SLV_GL_LOAD)
+    missing = NULL;
     SLV_GL_FUNCTIONS(SLV_GL_LOAD)
 #undef SLV_GL_LOAD
     if (missing)
@@ -116,6 +118,8 @@ static slv_result fill_info(const slv_env *env, slv_gl *gl, slv_gl_backend backe
     api->GetInteger64v(GL_MAX_SHADER_STORAGE_BLOCK_SIZE, &storage);
     gl->max_storage = storage > 0 ? (uint64_t)storage : UINT64_C(1) << 27;
     gl->ballot = has_extension(api, "GL_ARB_shader_ballot");
+    gl->handles = has_extension(api, "GL_ARB_bindless_texture") &&
+                  has_extension(api, "GL_ARB_shader_draw_parameters");
     gl->s3tc = has_extension(api, "GL_EXT_texture_compression_s3tc");
     gl->narrow_srgb = has_extension(api, "GL_EXT_texture_sRGB_R8") &&
                       has_extension(api, "GL_EXT_texture_sRGB_RG8");

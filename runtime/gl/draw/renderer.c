@@ -1,6 +1,7 @@
 /* Frames of a tessellated surface: targets, triangles in the order of batches, programs. */
 #include "gl/draw/blend.h"
 #include "gl/draw/images.h"
+#include "gl/draw/indices.h"
 #include "gl/store/tables.h"
 #include "gl/store/texture.h"
 
@@ -23,15 +24,6 @@ struct target {
     GLuint framebuffers[2], colors[2], depth; /* drawn to, and resolved to */
 };
 
-/* Triangles in the order of one texture's batches. Each strategy keeps those that it drew last. */
-struct batch_indices {
-    uint64_t texture; /* serial; 0 is none */
-    const slv_strategy *strategy;
-    GLuint buffer, array;
-    uint32_t nbatches;
-    uint32_t *first; /* nbatches + 1 */
-};
-
 struct program {
     char *text; /* the lookup code that it was made with */
     GLuint program;
@@ -42,7 +34,7 @@ struct slv_gl_renderer {
     slv_tessellation mesh;
     GLuint vertices, queries[2];
     struct target target;
-    struct batch_indices *indices;
+    slv_gl_indices *indices;
     uint32_t nindices;
     struct program programs[MAX_PROGRAMS];
     uint32_t nprograms;
@@ -52,8 +44,9 @@ struct slv_gl_renderer {
 /* What a frame draws: a texture, or images. */
 struct subject {
     slv_gl_texture *texture;
+    const slv_gl_slot *slot; /* of the texture */
     const slv_gl_images *images;
-    const struct batch_indices *indices;
+    const slv_gl_indices *indices;
     GLuint programs[SLV_GL_MAX_VARIANTS];
 };
 
@@ -108,31 +101,8 @@ static slv_result make_target(const slv_gl *gl, const slv_env *env, const slv_fr
     return SLV_OK;
 }
 
-static GLuint make_array(const slv_gl_api *api, GLuint vertices, GLuint indices) {
-    GLuint array;
-    api->CreateVertexArrays(1, &array);
-    api->VertexArrayVertexBuffer(array, 0, vertices, 0, sizeof(slv_vertex));
-    api->VertexArrayElementBuffer(array, indices);
-    for (GLuint i = 0; i < 4; i++) {
-        api->EnableVertexArrayAttrib(array, i);
-        api->VertexArrayAttribBinding(array, i, 0);
-    }
-    api->VertexArrayAttribFormat(array, 0, 3, GL_FLOAT, GL_FALSE, offsetof(slv_vertex, position));
-    api->VertexArrayAttribFormat(array, 1, 3, GL_FLOAT, GL_FALSE, offsetof(slv_vertex, normal));
-    api->VertexArrayAttribFormat(array, 2, 2, GL_HALF_FLOAT, GL_FALSE, offsetof(slv_vertex, uv));
-    api->VertexArrayAttribIFormat(array, 3, 1, GL_INT, offsetof(slv_vertex, face));
-    return array;
-}
-
-static void free_indices(const slv_gl_api *api, struct batch_indices *indices) {
-    api->DeleteBuffers(1, &indices->buffer);
-    api->DeleteVertexArrays(1, &indices->array);
-    slvi_free(indices->first);
-    *indices = (struct batch_indices){.strategy = indices->strategy};
-}
-
 static slv_result indices_of(slv_gl_renderer *renderer, const slv_env *env,
-                             const slv_strategy *strategy, struct batch_indices **out) {
+                             const slv_strategy *strategy, slv_gl_indices **out) {
     uint32_t i = 0;
     while (i < renderer->nindices && renderer->indices[i].strategy != strategy)
         i++;
@@ -141,51 +111,11 @@ static slv_result indices_of(slv_gl_renderer *renderer, const slv_env *env,
             slvi_grow(env, "triangles", i + 1, sizeof *renderer->indices, &renderer->indices);
         if (result)
             return result;
-        renderer->indices[i] = (struct batch_indices){.strategy = strategy};
+        renderer->indices[i] = (slv_gl_indices){.strategy = strategy};
         renderer->nindices++;
     }
     *out = &renderer->indices[i];
     return SLV_OK;
-}
-
-/* The faces of the batches; one may be in several. `texture` is the serial of what they are of. */
-static slv_result make_indices(slv_gl_renderer *renderer, const slv_env *env, uint64_t texture,
-                               const slv_gl_batches *batches, struct batch_indices *out) {
-    const slv_gl_api *api = &renderer->gl->api;
-    uint32_t *list = NULL;
-    uint64_t count = 0;
-    slv_result result = SLV_OK;
-    if (out->texture == texture)
-        return SLV_OK;
-    free_indices(api, out);
-    for (uint32_t b = 0; b < batches->count; b++)
-        for (uint32_t i = 0; i < batches->ranges[b].count; i++)
-            count += slv_tessellation_indices(&renderer->mesh,
-                                              batches->faces[batches->ranges[b].first + i], NULL);
-    if (count > INT32_MAX)
-        return slvi_fail(env, SLV_ERROR_LIMIT, "too many triangles: choose a coarser tessellation");
-    if ((result = slvi_alloc(env, "triangles", count, sizeof *list, &list)) ||
-        (result = slvi_alloc(env, "batches", batches->count + 1, sizeof *out->first, &out->first)))
-        goto done;
-    uint32_t at = 0;
-    for (uint32_t b = 0; b < batches->count; b++) {
-        const slv_gl_batch_range *range = &batches->ranges[b];
-        for (uint32_t i = 0; i < range->count; i++)
-            at += slv_tessellation_indices(&renderer->mesh, batches->faces[range->first + i],
-                                           list + at);
-        out->first[b + 1] = at;
-    }
-    if ((result = slvi_gl_buffer(renderer->gl, env, "triangles", list, count * sizeof *list,
-                                 &out->buffer)))
-        goto done;
-    out->array = make_array(api, renderer->vertices, out->buffer);
-    out->nbatches = batches->count;
-    out->texture = texture;
-done:
-    slvi_free(list);
-    if (result)
-        free_indices(api, out);
-    return result;
 }
 
 static void free_programs(slv_gl_renderer *renderer) {
@@ -203,17 +133,24 @@ static uint32_t storage_of(const struct subject *subject) {
     return first >= 2 ? 0 : first + 4;
 }
 
+/* Of a vertex shader: which batch of a multi-draw it is of. */
+static const char draw_numbers[] = "#extension GL_ARB_shader_draw_parameters : require\n"
+                                   "#define SURFACE_DRAWS\n";
+
 static slv_result surface_program(slv_gl_renderer *renderer, const slv_env *env,
                                   const slv_frame *frame, const struct subject *subject,
                                   const char *lookups, GLuint *out) {
-    char head[192], *text = NULL;
+    char head[224], *text = NULL;
+    const bool draws = subject->slot && subject->slot->handles_at;
+    const char *hand_on = subject->images ? subject->images->hand_on : draws ? draw_numbers : NULL;
     int length =
         snprintf(head, sizeof head,
                  "#define SURFACE_ALPHA %d\n#define SURFACE_MSAA %u\n"
                  "#define SURFACE_STORAGE %u\n#define SURFACE_IMAGES %d\n"
-                 "#define SURFACE_BIASED %d\n#define SURFACE_SHADING %d\n",
+                 "#define SURFACE_BIASED %d\n#define SURFACE_SHADING %d\n"
+                 "#define SURFACE_DRAWS %d\n",
                  (int)frame->alpha, frame->msaa, storage_of(subject), subject->images != NULL,
-                 frame->level_bias != 0 && !subject->images, (int)frame->shading);
+                 frame->level_bias != 0 && !subject->images, (int)frame->shading, draws);
     size_t size = strlen(lookups) + 1;
     slv_result result;
     for (uint32_t i = 0; i < renderer->nprograms; i++) {
@@ -227,8 +164,7 @@ static slv_result surface_program(slv_gl_renderer *renderer, const slv_env *env,
         return result;
     memcpy(text, head, (size_t)length);
     memcpy(text + length, lookups, size);
-    if ((result = slvi_gl_program(renderer->gl, env, "surface",
-                                  subject->images ? subject->images->hand_on : NULL, text, out)))
+    if ((result = slvi_gl_program(renderer->gl, env, "surface", hand_on, text, out)))
         slvi_free(text);
     else
         renderer->programs[renderer->nprograms++] = (struct program){text, *out};
@@ -283,7 +219,7 @@ slv_result slv_gl_renderer_tessellate(slv_gl_renderer *renderer, const slv_env *
     slvi_free(grids.vertices); /* the driver has its own copy */
     grids.vertices = NULL;
     for (uint32_t i = 0; i < renderer->nindices; i++)
-        free_indices(api, &renderer->indices[i]);
+        slvi_gl_indices_free(renderer->gl, &renderer->indices[i]);
     api->DeleteBuffers(1, &renderer->vertices);
     slv_tessellation_free(&renderer->mesh);
     renderer->vertices = vertices;
@@ -297,7 +233,7 @@ void slv_gl_renderer_destroy(slv_gl_renderer *renderer) {
     const slv_gl_api *api = &renderer->gl->api;
     free_target(api, &renderer->target);
     for (uint32_t i = 0; i < renderer->nindices; i++)
-        free_indices(api, &renderer->indices[i]);
+        slvi_gl_indices_free(renderer->gl, &renderer->indices[i]);
     slvi_free(renderer->indices);
     free_programs(renderer);
     slvi_gl_blender_free(renderer->gl, &renderer->blender);
@@ -362,28 +298,26 @@ static void set_frame(const slv_gl_renderer *renderer, const slv_frame *frame, G
 }
 
 static void draw_batches(const slv_gl_renderer *renderer, slv_gl_texture *texture,
-                         const struct batch_indices *indices,
+                         const slv_gl_indices *indices,
                          const GLuint programs[SLV_GL_MAX_VARIANTS]) {
     const slv_gl_api *api = &renderer->gl->api;
-    const slv_gl_batches *batches = slvi_gl_texture_batches(texture, indices->strategy);
     GLuint current = 0;
+    slv_gl_run run;
     api->BindVertexArray(indices->array);
     slv_gl_texture_bind_shared(texture, indices->strategy);
-    for (uint32_t b = 0; b < batches->count; b++) {
-        uint32_t count = indices->first[b + 1] - indices->first[b];
-        GLuint program = programs[batches->ranges[b].variant];
-        if (!count)
-            continue;
+    for (uint32_t b = 0; (run = slv_gl_texture_run(texture, indices->strategy, b)).nbatches;
+         b += run.nbatches) {
+        GLuint program = programs[run.variant];
         if (program != current)
             api->UseProgram(program);
         current = program;
         slv_gl_texture_bind_batch(texture, indices->strategy, b);
-        api->DrawElements(GL_TRIANGLES, (GLsizei)count, GL_UNSIGNED_INT,
-                          (const void *)(uintptr_t)(indices->first[b] * sizeof(uint32_t)));
+        api->MultiDrawElements(GL_TRIANGLES, indices->counts + b, GL_UNSIGNED_INT, indices->at + b,
+                               (GLsizei)run.nbatches);
     }
 }
 
-static void draw_images(const slv_gl_images *images, const struct batch_indices *indices,
+static void draw_images(const slv_gl_images *images, const slv_gl_indices *indices,
                         GLuint program) {
     const slv_gl_api *api = &images->gl->api;
     api->BindVertexArray(indices->array);
@@ -391,9 +325,7 @@ static void draw_images(const slv_gl_images *images, const struct batch_indices 
     slvi_gl_images_bind(images);
     for (uint32_t b = 0; b < images->batches.count; b++) {
         slvi_gl_images_bind_batch(images, b, program);
-        api->DrawElements(GL_TRIANGLES, (GLsizei)(indices->first[b + 1] - indices->first[b]),
-                          GL_UNSIGNED_INT,
-                          (const void *)(uintptr_t)(indices->first[b] * sizeof(uint32_t)));
+        api->DrawElements(GL_TRIANGLES, indices->counts[b], GL_UNSIGNED_INT, indices->at[b]);
     }
     slvi_gl_images_unbind(images);
 }
@@ -549,7 +481,7 @@ slv_result slv_gl_renderer_draw(slv_gl_renderer *renderer, const slv_env *env,
     slv_frame frame = with_defaults(given);
     struct subject subject = {.texture = texture};
     const slv_gl_batches *batches = slvi_gl_texture_batches(texture, frame.strategy);
-    struct batch_indices *indices = NULL;
+    slv_gl_indices *indices = NULL;
     slv_gl_slot *slot = NULL;
     slv_result result = slvi_gl_texture_need(texture, env, frame.strategy, &slot);
     if (result || (result = check_frame(renderer, env, &frame, "the texture has",
@@ -557,9 +489,11 @@ slv_result slv_gl_renderer_draw(slv_gl_renderer *renderer, const slv_env *env,
         return result;
     if ((result = make_target(renderer->gl, env, &frame, &renderer->target)) ||
         (result = indices_of(renderer, env, slot->strategy, &indices)) ||
-        (result = make_indices(renderer, env, texture->serial, batches, indices)))
+        (result = slvi_gl_indices_make(renderer->gl, env, &renderer->mesh, renderer->vertices,
+                                       texture->serial, batches, indices)))
         return result;
     subject.indices = indices;
+    subject.slot = slot;
     /* A viewer that keeps making textures starts afresh now and then: before a frame has collected
      * its programs, not amid. */
     if (renderer->nprograms + SLV_GL_MAX_VARIANTS > MAX_PROGRAMS)
@@ -583,11 +517,12 @@ slv_result slv_gl_renderer_draw_images(slv_gl_renderer *renderer, const slv_env 
                                        slv_image *image, double *seconds) {
     slv_frame frame = with_defaults(given);
     struct subject subject = {.images = images};
-    struct batch_indices *indices = NULL;
+    slv_gl_indices *indices = NULL;
     slv_result result = check_frame(renderer, env, &frame, "the images are for", images->nfaces);
     if (result || (result = make_target(renderer->gl, env, &frame, &renderer->target)) ||
         (result = indices_of(renderer, env, NULL, &indices)) ||
-        (result = make_indices(renderer, env, images->serial, &images->batches, indices)))
+        (result = slvi_gl_indices_make(renderer->gl, env, &renderer->mesh, renderer->vertices,
+                                       images->serial, &images->batches, indices)))
         return result;
     subject.indices = indices;
     if (renderer->nprograms == MAX_PROGRAMS)

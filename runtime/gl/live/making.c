@@ -198,7 +198,8 @@ slv_result slvi_gl_making_end(slv_gl_texture *texture) {
     for (uint32_t i = 0; i < texture->nslots; i++)
         if (!texture->slots[i].sampler)
             texture->slots[i].sampler = make_sampler(texture, texture->slots[i].strategy);
-    if ((result = slvi_gl_check(texture->gl, &texture->env, "GL texture")))
+    if ((result = slvi_gl_texture_take_handles(texture)) ||
+        (result = slvi_gl_check(texture->gl, &texture->env, "GL texture")))
         return result;
     live->source.steps = NULL;
     live->source.put_off = NULL;

@@ -25,6 +25,8 @@ static void fill_params(const slv_gl_residency_params *given, slv_gl_residency_p
     if (given)
         *out = *given;
     out->texture.live = true;
+    out->texture.binding = SLV_GL_BINDING_UNITS; /* handles would be others after each update, and
+                                                    their table grows with arrays that come */
     out->gpu_bytes = out->gpu_bytes ? out->gpu_bytes : DEFAULT_BYTES;
     out->host_bytes = out->host_bytes ? out->host_bytes : DEFAULT_BYTES;
     out->upload_bytes = out->upload_bytes ? out->upload_bytes : DEFAULT_UPLOAD;

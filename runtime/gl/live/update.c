@@ -172,7 +172,10 @@ static slv_result update_store(struct update *update, slv_gl_store *store) {
     for (uint32_t i = 0; !result && bare && i < live->nchanges; i++)
         if (!goes_whole(update, store, live->changes[i].face))
             result = upload_part(update, store, live->changes[i].face, live->changes[i].rect);
-    return result || !store->moved ? result : slvi_gl_move_end(&live->source, store);
+    if (result || !store->moved)
+        return result;
+    slvi_gl_texture_leave_handles(update->texture); /* of arrays that go, or lie elsewhere */
+    return slvi_gl_move_end(&live->source, store);
 }
 
 /* Faces that have got another resolution: their rows in the tables of faces. */
@@ -222,7 +225,7 @@ static slv_result update_all(struct update *update) {
     }
     for (uint32_t i = 0; !result && i < texture->nstores; i++)
         texture->stores[i].moved = false;
-    return result;
+    return result ? result : slvi_gl_texture_take_handles(texture);
 }
 
 static slv_result update_within(struct update *update) {

@@ -77,11 +77,12 @@ slv_result slvi_gl_batches_by_pool(const slv_env *env, const slv_gl_pools *pools
         next[p] = of_sheet[pool->sheet];
         of_sheet[pool->sheet] = p + 1;
     }
-    for (uint32_t p = 0; !result && p < pools->npools; p++) {
-        const slv_gl_pool *pool = &pools->pools[p];
-        bool leads = pool->nlayers && (!pool->columns || of_sheet[pool->sheet] == p + 1);
-        for (uint32_t chunk = 0; leads && !result && chunk < chunks.count; chunk++)
-            result = add_some(env, pools, p, next, chunks, chunk, &first, out);
+    for (uint32_t chunk = 0; chunk < chunks.count; chunk++) {
+        for (uint32_t p = 0; !result && p < pools->npools; p++) {
+            const slv_gl_pool *pool = &pools->pools[p];
+            if (pool->nlayers && (!pool->columns || of_sheet[pool->sheet] == p + 1))
+                result = add_some(env, pools, p, next, chunks, chunk, &first, out);
+        }
     }
 done:
     slvi_free(next);
@@ -111,6 +112,17 @@ uint32_t slvi_gl_variant_for(uint32_t npools, bool subfaces) {
     while (1u << log2 < npools)
         log2++;
     return log2 << 1 | subfaces;
+}
+
+void slvi_gl_batches_unite(slv_gl_batches *batches) {
+    uint32_t pools = 0, subfaces = 0;
+    for (uint32_t b = 0; b < batches->count; b++) {
+        uint32_t variant = batches->ranges[b].variant;
+        pools = variant >> 1 > pools ? variant >> 1 : pools;
+        subfaces |= variant & 1;
+    }
+    for (uint32_t b = 0; b < batches->count; b++)
+        batches->ranges[b].variant = pools << 1 | subfaces;
 }
 
 /* The number of each batch of a chunk: *batches has the batches of all chunks afterwards, those
@@ -154,9 +166,10 @@ slv_result slvi_gl_batches_list(const slv_env *env, slv_gl_batches *batches, con
     if (result || (result = slvi_alloc(env, "batches", batches->count, sizeof *place, &place)) ||
         (result = slvi_alloc(env, "batches", batches->count, sizeof *sorted, &sorted)))
         goto done;
-    for (uint32_t variant = 0, at = 0; variant < SLV_GL_MAX_VARIANTS; variant++) {
+    for (uint32_t i = 0, at = 0; i < chunks.count * SLV_GL_MAX_VARIANTS; i++) {
         for (uint32_t b = 0; b < batches->count; b++) {
-            if (batches->ranges[b].variant != variant)
+            const slv_gl_batch_range *range = &batches->ranges[b];
+            if (range->chunk * SLV_GL_MAX_VARIANTS + range->variant != i)
                 continue;
             place[b] = at;
             sorted[at] = batches->ranges[b];

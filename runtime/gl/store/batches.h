@@ -35,11 +35,13 @@ slv_result slvi_gl_batches_by_pool(const slv_env *env, const slv_gl_pools *pools
                                    slv_gl_chunks chunks, slv_gl_batches *out);
 /* One more, empty; the pointer holds until the next. */
 slv_result slvi_gl_add_batch(const slv_env *env, slv_gl_batches *batches, slv_gl_batch_range **out);
-/* Sorts batches by variant, so that few draws change the program, and lists the faces of each in
- * the order of `order`, a batch for each chunk; batches->faces has room for them. `batch_of` has
- * the new numbers afterwards. */
+/* Sorts batches by chunk and variant, so that few draws change what is bound, and lists the faces
+ * of each in the order of `order`, a batch for each chunk; batches->faces has room for them.
+ * `batch_of` has the new numbers afterwards. */
 slv_result slvi_gl_batches_list(const slv_env *env, slv_gl_batches *batches, const uint32_t *order,
                                 uint32_t nfaces, slv_gl_chunks chunks, uint32_t *batch_of);
+/* Gives all of them the variant that does for each, so that one program draws them. */
+void slvi_gl_batches_unite(slv_gl_batches *batches);
 void slvi_gl_batches_free(slv_gl_batches *batches);
 
 #endif

@@ -20,10 +20,39 @@ static bool is_regular(const slv_gl_given *given, bool live) {
     return same;
 }
 
+/* That each choice is one that there is, and that the driver has. */
+static slv_result check_choices(const slv_gl *gl, const slv_env *env,
+                                const slv_gl_texture_params *params) {
+    if ((unsigned)params->encoding > SLV_TEXTURE_DATA)
+        return slvi_fail(env, SLV_ERROR_ARGUMENT, "unknown texture encoding %d",
+                         (int)params->encoding);
+    if ((unsigned)params->branching > SLV_GL_BRANCHING_VECTORS ||
+        (unsigned)params->compression > SLV_GL_COMPRESSION_BLOCKS ||
+        (unsigned)params->taps > SLV_GL_TAPS_SHADER ||
+        (unsigned)params->layout > SLV_GL_LAYOUT_PAGES ||
+        (unsigned)params->binding > SLV_GL_BINDING_HANDLES)
+        return slvi_fail(env, SLV_ERROR_ARGUMENT,
+                         "unknown branching %d, compression %d, taps %d, layout %d or binding %d",
+                         (int)params->branching, (int)params->compression, (int)params->taps,
+                         (int)params->layout, (int)params->binding);
+    if (params->binding == SLV_GL_BINDING_HANDLES && !gl->handles)
+        return slvi_fail(env, SLV_ERROR_UNSUPPORTED,
+                         "the driver has no handles of textures (GL_ARB_bindless_texture)");
+    if ((unsigned)params->border_u > SLV_BORDER_PERIODIC ||
+        (unsigned)params->border_v > SLV_BORDER_PERIODIC)
+        return slvi_fail(env, SLV_ERROR_ARGUMENT, "unknown border mode %d or %d",
+                         (int)params->border_u, (int)params->border_v);
+    if ((unsigned)params->edge_filter > SLV_EDGE_FILTER_TANVEC)
+        return slvi_fail(env, SLV_ERROR_ARGUMENT, "unknown edge filter %d",
+                         (int)params->edge_filter);
+    return SLV_OK;
+}
+
 static slv_result fill_params(slv_gl *gl, const slv_env *env, const slv_gl_given *from,
                               const slv_gl_texture_params *given, slv_gl_texture_params *out) {
     const slv_texture_desc *desc = slv_texture_get_desc(from->texture);
     slv_gl_texture_params params = {0};
+    slv_result result;
     if (given)
         params = *given;
     if (!params.nchannels && !params.first_channel)
@@ -40,24 +69,13 @@ static slv_result fill_params(slv_gl *gl, const slv_env *env, const slv_gl_given
     if (params.grey_alpha && params.nchannels != 2)
         return slvi_fail(env, SLV_ERROR_ARGUMENT, "grey and alpha are two channels and not %u",
                          params.nchannels);
-    if ((unsigned)params.encoding > SLV_TEXTURE_DATA)
-        return slvi_fail(env, SLV_ERROR_ARGUMENT, "unknown texture encoding %d",
-                         (int)params.encoding);
-    if ((unsigned)params.branching > SLV_GL_BRANCHING_VECTORS ||
-        (unsigned)params.compression > SLV_GL_COMPRESSION_BLOCKS ||
-        (unsigned)params.taps > SLV_GL_TAPS_SHADER || (unsigned)params.layout > SLV_GL_LAYOUT_PAGES)
-        return slvi_fail(
-            env, SLV_ERROR_ARGUMENT, "unknown branching %d, compression %d, taps %d or layout %d",
-            (int)params.branching, (int)params.compression, (int)params.taps, (int)params.layout);
+    if ((result = check_choices(gl, env, &params)))
+        return result;
+    if (params.binding == SLV_GL_BINDING_AUTO)
+        params.binding =
+            gl->handles && !gl->info.software ? SLV_GL_BINDING_HANDLES : SLV_GL_BINDING_UNITS;
     if (params.layout == SLV_GL_LAYOUT_AUTO)
         params.layout = SLV_GL_LAYOUT_PAGES;
-    if ((unsigned)params.border_u > SLV_BORDER_PERIODIC ||
-        (unsigned)params.border_v > SLV_BORDER_PERIODIC)
-        return slvi_fail(env, SLV_ERROR_ARGUMENT, "unknown border mode %d or %d",
-                         (int)params.border_u, (int)params.border_v);
-    if ((unsigned)params.edge_filter > SLV_EDGE_FILTER_TANVEC)
-        return slvi_fail(env, SLV_ERROR_ARGUMENT, "unknown edge filter %d",
-                         (int)params.edge_filter);
     if (desc->nchannels < 2)
         params.edge_filter = SLV_EDGE_FILTER_NONE;
     if (params.edge_filter && params.compression == SLV_GL_COMPRESSION_BLOCKS)
@@ -136,6 +154,14 @@ static slv_result check_strategy(const slv_env *env, const slv_strategy *strateg
     return SLV_OK;
 }
 
+/* Which of the storage bindings a strategy leaves free, or 0: that of what a lookup needs to go
+ * further, or that of levels. */
+static uint32_t free_binding(const slv_strategy *strategy) {
+    if (strategy->reach == SLV_GL_REACH_OWN)
+        return 1;
+    return strategy->packing == SLV_GL_LAYERS ? 2 : 0;
+}
+
 /* One slot for each strategy of the list. */
 static slv_result list_slots(slv_gl_texture *texture, const slv_gl_texture_params *given) {
     const slv_strategy *one[1];
@@ -157,6 +183,8 @@ static slv_result list_slots(slv_gl_texture *texture, const slv_gl_texture_param
         slv_gl_slot *slot = &texture->slots[texture->nslots++];
         slot->strategy = strategy;
         slot->split_coverage = slvi_gl_own_alpha(&texture->params) && strategy->coverage;
+        if (texture->params.binding == SLV_GL_BINDING_HANDLES)
+            slot->handles_at = free_binding(strategy);
         result = slvi_gl_slot_read(texture, slot);
     }
     return result;

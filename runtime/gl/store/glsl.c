@@ -7,6 +7,9 @@
 #include <stdio.h>
 #include <string.h>
 
+#define HANDLES_EXTENSION "#extension GL_ARB_bindless_texture : require\n"
+#define BALLOT_EXTENSION "#extension GL_ARB_shader_ballot : require\n"
+
 /* Software samplers take an anisotropic footprint from neighbouring fragments' coordinates and
  * ignore explicit derivatives; of an isotropic one they only estimate the length. */
 bool slvi_gl_taps_in_shader(const slv_gl_texture *texture) {
@@ -47,7 +50,7 @@ static uint32_t chunk_of(const slv_gl_texture *texture, const slv_gl_slot *slot)
 static slv_result write_variant(const slv_gl_texture *texture, const slv_gl_slot *slot,
                                 uint32_t variant, char **out) {
     const slv_gl_texture_params *params = &texture->params;
-    size_t size = strlen(slot->lookups) + 512;
+    size_t size = strlen(slot->lookups) + 640;
     slv_result result = slvi_alloc_plain(&texture->env, "text of a strategy", size, 1, out);
     if (result)
         return result;
@@ -58,7 +61,8 @@ static slv_result write_variant(const slv_gl_texture *texture, const slv_gl_slot
     bool turns = params->edge_filter == SLV_EDGE_FILTER_TANVEC && params->first_channel == 0 &&
                  params->nchannels > 1;
     snprintf(*out, size,
-             "#define SLV_POOLS %u\n#define SLV_SUBFACES %u\n#define SLV_SHARED_PAGES %d\n"
+             "%s#define SLV_HANDLES %u\n#define SLV_POOLS %u\n#define SLV_SUBFACES %u\n#define "
+             "SLV_SHARED_PAGES %d\n"
              "#define SLV_SPLIT_COVERAGE %d\n#define SLV_ANISOTROPY %u\n#define SLV_BORDER %u\n"
              "#define SLV_TAPS %d\n#define SLV_VECTORS %d\n#define SLV_FIRST_UNIT %u\n#define "
              "SLV_FIRST_STORAGE %u\n#define SLV_CHUNK %u\n#define SLV_EXPLICIT %d\n#define "
@@ -67,6 +71,7 @@ static slv_result write_variant(const slv_gl_texture *texture, const slv_gl_slot
              "%d\n#define SLV_TURNS %d\n#define SLV_SCALE "
              "vec4(vec3(%.1f), "
              "%.1f)\n%s\n",
+             slot->handles_at ? HANDLES_EXTENSION : "", slot->handles_at,
              slv_gl_variant_pools(variant), variant & 1, texture->stores[slot->store].pools.shares,
              slot->split_coverage, params->anisotropy, params->border,
              even || slvi_gl_taps_in_shader(texture), in_vectors(texture), params->first_unit,
@@ -153,5 +158,7 @@ slv_result slv_gl_texture_key(slv_gl_texture *texture, const slv_strategy *strat
 }
 
 const char *slv_gl_texture_extensions(const slv_gl_texture *texture) {
-    return in_vectors(texture) ? "#extension GL_ARB_shader_ballot : require\n" : "";
+    static const char *const lines[2][2] = {
+        {"", BALLOT_EXTENSION}, {HANDLES_EXTENSION, HANDLES_EXTENSION BALLOT_EXTENSION}};
+    return lines[texture->params.binding == SLV_GL_BINDING_HANDLES][in_vectors(texture)];
 }

@@ -47,6 +47,8 @@ slv_result slvi_gl_reach_build(const slv_gl_source *source, slv_gl_reach_kind ki
     result = kinds[kind].build(source, pools, made, out);
     if (result)
         slvi_gl_reach_free(source->gl, out);
+    else if (source->params.binding == SLV_GL_BINDING_HANDLES)
+        slvi_gl_batches_unite(&out->batches);
     if (!result && !source->params.live) {
         slvi_free(out->corners.where);
         out->corners.where = NULL;

@@ -19,6 +19,7 @@ void slv_gl_texture_destroy(slv_gl_texture *texture) {
     const slv_gl_api *api = &texture->gl->api;
     GLint storage = 0; /* a driver may unbind it with a table of ours that is still bound */
     api->GetIntegerv(GL_SHADER_STORAGE_BUFFER_BINDING, &storage);
+    slvi_gl_texture_leave_handles(texture);
     for (uint32_t k = 0; k < texture->nstores; k++)
         slvi_gl_store_free(texture->gl, &texture->stores[k]);
     for (uint32_t k = 0; k < texture->nreaches; k++)
@@ -53,7 +54,7 @@ slv_gl_texture_stats slv_gl_texture_get_stats(const slv_gl_texture *texture,
         return stats;
     const slv_gl_store *store = &texture->stores[slot->store];
     const slv_gl_reach *reach = reach_of(texture, slot);
-    stats.gpu_bytes = store->bytes + reach->bytes;
+    stats.gpu_bytes = store->bytes + reach->bytes + slot->handles.bytes;
     stats.pools = slvi_gl_array_count(&store->pools);
     stats.batches = reach->batches.count;
     stats.widened = store->nwide;
@@ -107,24 +108,48 @@ slv_gl_batch slv_gl_texture_batch(const slv_gl_texture *texture, const slv_strat
     return batch;
 }
 
+slv_gl_run slv_gl_texture_run(const slv_gl_texture *texture, const slv_strategy *strategy,
+                              uint32_t first) {
+    const slv_gl_slot *slot = slvi_gl_texture_slot(texture, strategy);
+    const slv_gl_batches *batches = slvi_gl_texture_batches(texture, strategy);
+    slv_gl_run run = {0};
+    if (first >= batches->count)
+        return run;
+    const slv_gl_batch_range *ranges = batches->ranges + first;
+    run = (slv_gl_run){1, ranges[0].variant};
+    while (slot->handles_at && run.nbatches < batches->count - first &&
+           ranges[run.nbatches].chunk == ranges[0].chunk)
+        run.nbatches++;
+    return run;
+}
+
 /* Units that any batch of a strategy takes. */
 static uint32_t units_of(const slv_gl_texture *texture, const slv_gl_slot *slot) {
+    if (slot->handles_at)
+        return 0;
     uint32_t pools = slvi_gl_reach_pools(slot->strategy->reach, &texture->params);
     return pools * (slot->split_coverage ? 2 : 1);
 }
 
-/* Shows draws the rows of one chunk, in one call for tables side by side. */
-static void bind_tables(const slv_gl_texture *texture, const slv_gl_slot *slot, uint32_t chunk) {
+/* Shows draws the rows of one chunk, and handles from a batch on, in one call for tables side by
+ * side. */
+static void bind_tables(const slv_gl_texture *texture, const slv_gl_slot *slot, uint32_t chunk,
+                        uint32_t batch) {
     const slv_gl_store *store = &texture->stores[slot->store];
     const slv_gl_reach *reach = reach_of(texture, slot);
     const slv_gl_part none = {0}, *part = reach->parts ? &reach->parts[chunk] : &none;
-    const GLuint tables[4] = {store->table, part->ways, store->rects, part->values};
+    GLuint tables[4] = {store->table, part->ways, store->rects, part->values};
     uint64_t face = chunk ? (uint64_t)chunk << reach->chunks.log2 : 0, end = texture->nfaces;
     if (reach->chunks.count > 1 && chunk + 1 < reach->chunks.count)
         end = (uint64_t)(chunk + 1) << reach->chunks.log2;
-    const GLintptr at[4] = {(GLintptr)(8 * face)};
-    const GLsizeiptr size[4] = {(GLsizeiptr)(8 * (end - face)), (GLsizeiptr)part->way_bytes,
-                                (GLsizeiptr)store->rect_bytes, (GLsizeiptr)part->value_bytes};
+    GLintptr at[4] = {(GLintptr)(8 * face)};
+    GLsizeiptr size[4] = {(GLsizeiptr)(8 * (end - face)), (GLsizeiptr)part->way_bytes,
+                          (GLsizeiptr)store->rect_bytes, (GLsizeiptr)part->value_bytes};
+    if (slot->handles_at) {
+        tables[slot->handles_at] = slot->handles.table;
+        at[slot->handles_at] = (GLintptr)(batch * sizeof(slv_gl_handle_row));
+        size[slot->handles_at] = (GLsizeiptr)slot->handles.bytes - at[slot->handles_at];
+    }
     for (uint32_t first = 0; first < 4; first++) {
         uint32_t last = first;
         while (last < 4 && tables[last] && size[last])
@@ -145,8 +170,10 @@ void slv_gl_texture_bind_shared(slv_gl_texture *texture, const slv_strategy *str
     uint32_t units = units_of(texture, slot);
     for (uint32_t k = 0; k < units; k++)
         samplers[k] = slot->sampler;
-    texture->gl->api.BindSamplers(texture->params.first_unit, (GLsizei)units, samplers);
-    bind_tables(texture, slot, 0);
+    if (units)
+        texture->gl->api.BindSamplers(texture->params.first_unit, (GLsizei)units, samplers);
+    slvi_gl_handles_need(texture->gl, &slot->handles);
+    bind_tables(texture, slot, 0, 0);
 }
 
 void slv_gl_texture_bind_batch(slv_gl_texture *texture, const slv_strategy *strategy,
@@ -158,6 +185,10 @@ void slv_gl_texture_bind_batch(slv_gl_texture *texture, const slv_strategy *stra
     const slv_gl_pools *pools = &texture->stores[slot->store].pools;
     const slv_gl_batch_range *range = &reach_of(texture, slot)->batches.ranges[index];
     uint32_t npools = slv_gl_variant_pools(range->variant), units = npools;
+    if (slot->handles_at) {
+        bind_tables(texture, slot, range->chunk, index);
+        return;
+    }
     for (uint32_t k = 0; k < npools; k++) {
         const slv_gl_pool *pool = &pools->pools[range->pools[k < range->npools ? k : 0]];
         arrays[k] = pool->texture;
@@ -167,7 +198,7 @@ void slv_gl_texture_bind_batch(slv_gl_texture *texture, const slv_strategy *stra
     units *= slot->split_coverage ? 2 : 1;
     texture->gl->api.BindTextures(texture->params.first_unit, (GLsizei)units, arrays);
     if (reach_of(texture, slot)->chunks.count > 1)
-        bind_tables(texture, slot, range->chunk);
+        bind_tables(texture, slot, range->chunk, index);
 }
 
 void slv_gl_texture_bind(slv_gl_texture *texture, const slv_strategy *strategy, uint32_t index) {
@@ -183,5 +214,6 @@ void slv_gl_texture_unbind(slv_gl_texture *texture) {
         uint32_t bound = units_of(texture, &texture->slots[k]);
         units = units > bound ? units : bound;
     }
-    texture->gl->api.BindSamplers(texture->params.first_unit, (GLsizei)units, NULL);
+    if (units)
+        texture->gl->api.BindSamplers(texture->params.first_unit, (GLsizei)units, NULL);
 }

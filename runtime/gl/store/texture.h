@@ -3,11 +3,12 @@
 #define SLV_GL_TEXTURE_DATA_H
 
 #include "gl/live/live.h"
+#include "gl/store/handles.h"
 #include "gl/store/reach.h"
 #include "gl/store/store.h"
 
 /* Units that a draw can take: 16 pools, each with its coverage. */
-#define SLV_GL_MAX_UNITS 32
+#define SLV_GL_MAX_UNITS (2 * SLV_GL_ROW_POOLS)
 
 /* Whether zeros lie beyond a boundary. */
 static inline bool slvi_gl_is_black(const slv_gl_texture_params *params) {
@@ -20,7 +21,9 @@ typedef struct slv_gl_slot {
     uint32_t store, reach; /* which of the texture's */
     GLuint sampler;
     bool split_coverage; /* coverage has arrays of its own */
-    char *lookups;       /* its GLSL, without a variant's definitions */
+    uint32_t handles_at; /* which storage binding has the table of handles; 0: arrays are bound */
+    slv_gl_handles handles;
+    char *lookups; /* its GLSL, without a variant's definitions */
     char *glsl[SLV_GL_MAX_VARIANTS];
     char *named[SLV_GL_MAX_VARIANTS]; /* the same with the host's prefix */
     GLuint lookup_programs[SLV_GL_MAX_VARIANTS];
@@ -72,6 +75,11 @@ slv_result slvi_gl_texture_prepare(slv_gl *gl, const slv_env *env, const slv_gl_
                                    slv_gl_texture **out);
 /* All of a texture that follows changes anew, in the same place. */
 slv_result slvi_gl_texture_renew(slv_gl_texture *texture);
+
+/* The tables of handles that are not there, of batches as they are; and before arrays are deleted,
+ * that there are none. */
+slv_result slvi_gl_texture_take_handles(slv_gl_texture *texture);
+void slvi_gl_texture_leave_handles(slv_gl_texture *texture);
 
 /* Whether shaders take the taps of a long footprint themselves, where the sampler would not. */
 bool slvi_gl_taps_in_shader(const slv_gl_texture *texture);

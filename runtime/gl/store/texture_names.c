@@ -13,6 +13,11 @@ const char *slv_gl_layout_name(slv_gl_layout layout) {
     return slvi_name_of(names, SLVI_COUNT(names), (int)layout);
 }
 
+const char *slv_gl_binding_name(slv_gl_binding binding) {
+    static const char *const names[] = {"auto", "units", "handles"};
+    return slvi_name_of(names, SLVI_COUNT(names), (int)binding);
+}
+
 const char *slv_gl_branching_name(slv_gl_branching branching) {
     static const char *const names[] = {"auto", "real", "vectors"};
     return slvi_name_of(names, SLVI_COUNT(names), (int)branching);

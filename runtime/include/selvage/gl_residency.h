@@ -30,7 +30,8 @@ extern "C" {
 
 /* Zero means default. */
 typedef struct slv_gl_residency_params {
-    slv_gl_texture_params texture; /* `live` is set, compression goes through */
+    slv_gl_texture_params texture; /* `live` is set, and `binding` to units, since arrays come and
+                                      go in each update; compression goes through */
     uint64_t gpu_bytes;  /* most bytes of arrays and tables at any moment; 0 means 256 MiB */
     uint64_t host_bytes; /* most bytes of texels held here, levels and what is being read included;
                             what the source holds is not. 0 means 256 MiB */

@@ -78,6 +78,19 @@ typedef enum slv_gl_layout {
 
 SLV_API const char *slv_gl_layout_name(slv_gl_layout layout); /* auto, separate, pages */
 
+/* How draws find array textures: bound to texture units, one batch at a time; or by handles
+ * (GL_ARB_bindless_texture, and GL_ARB_shader_draw_parameters) that stand in a table, so that no
+ * units are taken and one multi-draw shows many batches (slv_gl_texture_run). What is drawn is the
+ * same. Handles are resident in the contexts where the texture is bound, until an update after
+ * which arrays are others, or until it is destroyed. */
+typedef enum slv_gl_binding {
+    SLV_GL_BINDING_AUTO = 0, /* handles where the driver has them, unless it is one in software */
+    SLV_GL_BINDING_UNITS,
+    SLV_GL_BINDING_HANDLES /* SLV_ERROR_UNSUPPORTED where it has not */
+} slv_gl_binding;
+
+SLV_API const char *slv_gl_binding_name(slv_gl_binding binding); /* auto, units, handles */
+
 /* Zero means default. */
 typedef struct slv_gl_texture_params {
     const slv_strategy *const *strategies; /* those that will be drawn, which must outlive the
@@ -135,6 +148,7 @@ typedef struct slv_gl_texture_params {
     /* Faces of one value get room for all their texels, too, in place of one: with `live` painting
      * on them then moves nothing, and needs no batches and shaders but those that there are. */
     bool whole;
+    slv_gl_binding binding;
     uint64_t reserved[2];
 } slv_gl_texture_params;
 
@@ -200,6 +214,28 @@ SLV_API uint32_t slv_gl_texture_batch_count(const slv_gl_texture *texture,
 SLV_API slv_gl_batch slv_gl_texture_batch(const slv_gl_texture *texture,
                                           const slv_strategy *strategy, uint32_t index);
 
+/* As many batches as one draw can show, from batch `first` on: one, or, of a texture that is found
+ * by handles, all, unless its tables are longer than a draw may be shown. All have one variant.
+ * Where there are more than one they are bound as the first of them is, and a glMultiDraw* of
+ * `nbatches` draws has the faces of batch first + gl_DrawID in each: its shader says `slv_draw = `,
+ * which is handed on from the vertex shader's gl_DrawID, before it looks up. Batches can as well be
+ * drawn one by one.
+ *
+ *     for (uint32_t i = 0; (run = slv_gl_texture_run(texture, strategy, i)).nbatches;
+ *          i += run.nbatches) {
+ *         glUseProgram(programs[run.variant]);
+ *         slv_gl_texture_bind(texture, strategy, i);
+ *         glMultiDrawElements(GL_TRIANGLES, counts + i, GL_UNSIGNED_INT, indices + i,
+ * run.nbatches);
+ *     }
+ */
+typedef struct slv_gl_run {
+    uint32_t nbatches; /* 0: there is no batch `first` */
+    uint32_t variant;
+} slv_gl_run;
+SLV_API slv_gl_run slv_gl_texture_run(const slv_gl_texture *texture, const slv_strategy *strategy,
+                                      uint32_t first);
+
 /* The GLSL that a fragment shader includes, after `#version 450 core` and before its own code: the
  * definitions of a variant, and the parts of shaders/ that the strategy names. It depends on the
  * strategy, the variant, and the texture's channels and anisotropy; only strategies that reach
@@ -214,11 +250,12 @@ SLV_NODISCARD SLV_API slv_result slv_gl_texture_key(slv_gl_texture *texture,
                                                     const slv_strategy *strategy, uint32_t variant,
                                                     uint64_t *out);
 /* The #extension lines that a text with a prefix of its own needs before any declaration; the same
- * for all textures of a context, once. May be "". */
+ * for all textures of a context that are branched and bound alike, once. May be "". */
 SLV_API const char *slv_gl_texture_extensions(const slv_gl_texture *texture);
 
-/* Binds what a batch needs: array textures and samplers from the first unit, tables from the first
- * storage binding. Changes nothing else. A batch that does not exist binds nothing. */
+/* Binds what a batch needs: array textures and samplers from the first unit, unless they are found
+ * by handles, and tables from the first storage binding. Changes nothing else. A batch that does
+ * not exist binds nothing. */
 SLV_API void slv_gl_texture_bind(slv_gl_texture *texture, const slv_strategy *strategy,
                                  uint32_t batch);
 /* The same in two parts, for a frame of many batches: what all batches of a strategy share,
