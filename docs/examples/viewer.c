@@ -179,58 +179,32 @@ static void set_up_drawing(const float box[2][3], float to_clip[16]) {
     to_clip[15] = 1;
 }
 
-/* 2. A draw can show the faces that are in one batch of either texture: for each batch of the one
- * those of its faces that are in a batch of the other. `batch_of` says in which each face is. */
-static size_t common_faces(const slv_gl_batch *batch, const uint32_t *batch_of, uint32_t other,
-                           const slv_surface *surface, vertex *out) {
-    size_t count = 0;
-    for (uint32_t i = 0; i < batch->nfaces; i++)
-        if (batch_of[batch->faces[i]] == other)
-            count += add_face(surface, batch->faces[i], out + count);
-    return count;
-}
-
-static int draw(const layer layers[2], const slv_surface *surface, uint32_t nfaces,
+/* 2. A draw can show the faces that are in one batch of either texture: a material lists those. */
+static int draw(slv_gl_material *material, const layer layers[2], const slv_surface *surface,
                 const float to_clip[16],
                 GLuint programs[SLV_GL_MAX_VARIANTS][SLV_GL_MAX_VARIANTS]) {
-    vertex *vertices = malloc((size_t)nfaces * SEGMENTS * SEGMENTS * 6 * sizeof *vertices);
-    uint32_t counts[2], *batch_of = malloc(nfaces * sizeof *batch_of);
-    int failed = !vertices || !batch_of;
-    for (int i = 0; i < 2; i++)
-        counts[i] = slv_gl_texture_batch_count(layers[i].uploaded, layers[i].strategy);
-    for (uint32_t k = 0; !failed && k < counts[1]; k++) {
-        slv_gl_batch batch = slv_gl_texture_batch(layers[1].uploaded, layers[1].strategy, k);
-        for (uint32_t i = 0; i < batch.nfaces; i++)
-            batch_of[batch.faces[i]] = k;
-    }
+    int failed = 0;
     gl.Clear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT);
-    for (uint32_t i = 0; !failed && i < counts[0] * counts[1]; i++) {
-        uint32_t index[2] = {i / counts[1], i % counts[1]}, variants[2];
-        slv_gl_batch batches[2];
-        for (int k = 0; k < 2; k++) {
-            batches[k] = slv_gl_texture_batch(layers[k].uploaded, layers[k].strategy, index[k]);
-            variants[k] = batches[k].variant;
+    for (uint32_t i = 0; !failed && i < slv_gl_material_batch_count(material); i++) {
+        slv_gl_common_batch batch = slv_gl_material_batch(material, i);
+        GLuint *made = &programs[batch.variants[0]][batch.variants[1]];
+        vertex *vertices =
+            malloc((size_t)batch.nfaces * SEGMENTS * SEGMENTS * 6 * sizeof *vertices);
+        size_t count = 0;
+        failed = !vertices || (!*made && !(*made = program(layers, batch.variants)));
+        for (uint32_t f = 0; !failed && f < batch.nfaces; f++)
+            count += add_face(surface, batch.faces[f], vertices + count);
+        if (!failed) {
+            gl.UseProgram(*made);
+            gl.UniformMatrix4fv(0, 1, GL_FALSE, to_clip);
+            slv_gl_material_bind(material, i); /* each at its own units and bindings */
+            gl.BufferData(GL_ARRAY_BUFFER, (GLsizeiptr)(count * sizeof *vertices), vertices,
+                          GL_STREAM_DRAW);
+            gl.DrawArrays(GL_TRIANGLES, 0, (GLsizei)count);
         }
-        size_t count = common_faces(&batches[0], batch_of, index[1], surface, vertices);
-        GLuint *made = &programs[variants[0]][variants[1]];
-        if (!count)
-            continue;
-        if (!*made && !(*made = program(layers, variants))) {
-            failed = 1;
-            break;
-        }
-        gl.UseProgram(*made);
-        gl.UniformMatrix4fv(0, 1, GL_FALSE, to_clip);
-        for (int k = 0; k < 2; k++) /* each at its own units and bindings */
-            slv_gl_texture_bind(layers[k].uploaded, layers[k].strategy, index[k]);
-        gl.BufferData(GL_ARRAY_BUFFER, (GLsizeiptr)(count * sizeof *vertices), vertices,
-                      GL_STREAM_DRAW);
-        gl.DrawArrays(GL_TRIANGLES, 0, (GLsizei)count);
+        free(vertices);
     }
-    for (int k = 0; k < 2; k++)
-        slv_gl_texture_unbind(layers[k].uploaded);
-    free(batch_of);
-    free(vertices);
+    slv_gl_material_unbind(material);
     return failed;
 }
 
@@ -292,6 +266,26 @@ static int make_roughness(const slv_env *env, const slv_texture_desc *like, slv_
     return 0;
 }
 
+/* 4. Textures that follow what is painted, each with its share of the units and bindings. */
+static int upload(slv_gl *context, const slv_env *env, layer layers[2],
+                  const slv_adjacency *adjacency, slv_gl_material **out) {
+    slv_gl_lookup lookups[2];
+    for (int i = 0; i < 2; i++) {
+        slv_gl_texture_params params = {.strategies = &layers[i].strategy,
+                                        .nstrategies = 1,
+                                        .live = true,
+                                        .batch_pools = 8,
+                                        .prefix = i ? "rough_" : "color_",
+                                        .first_unit = i ? 16 : 0,
+                                        .first_storage = i ? 8 : 4};
+        if (slv_gl_texture_create(context, env, layers[i].texels, adjacency, &params,
+                                  &layers[i].uploaded))
+            return 1;
+        lookups[i] = (slv_gl_lookup){layers[i].uploaded, layers[i].strategy};
+    }
+    return slv_gl_material_create(env, lookups, 2, out) != SLV_OK;
+}
+
 int main(int argc, char **argv) {
     static GLuint programs[SLV_GL_MAX_VARIANTS][SLV_GL_MAX_VARIANTS];
     static const float red[3] = {1, 0, 0}, smooth[3] = {0, 0, 0};
@@ -303,6 +297,7 @@ int main(int argc, char **argv) {
     slv_adjacency *adjacency = NULL;
     slv_surface *surface = NULL;
     slv_gl *context = NULL;
+    slv_gl_material *material = NULL;
     slv_mesh_stats stats;
     unsigned long long bytes = 0;
     float to_clip[16];
@@ -323,24 +318,13 @@ int main(int argc, char **argv) {
         goto done;
     FUNCTIONS(LOAD)
 
-    /* 4. Textures that follow what is painted, each with its share of the units and bindings. */
-    for (int i = 0; i < 2; i++) {
-        slv_gl_texture_params params = {.strategies = &layers[i].strategy,
-                                        .nstrategies = 1,
-                                        .live = true,
-                                        .batch_pools = 8,
-                                        .prefix = i ? "rough_" : "color_",
-                                        .first_unit = i ? 16 : 0,
-                                        .first_storage = i ? 8 : 4};
-        if (slv_gl_texture_create(context, &env, layers[i].texels, adjacency, &params,
-                                  &layers[i].uploaded))
-            goto done;
-    }
+    if (upload(context, &env, layers, adjacency, &material))
+        goto done;
     uint32_t nfaces = slv_texture_get_desc(layers[0].texels)->nfaces;
     const float box[2][3] = {{stats.bounds_min[0], stats.bounds_min[1], stats.bounds_min[2]},
                              {stats.bounds_max[0], stats.bounds_max[1], stats.bounds_max[2]}};
     set_up_drawing(box, to_clip);
-    failed = draw(layers, surface, nfaces, to_clip, programs);
+    failed = draw(material, layers, surface, to_clip, programs);
     for (int frame = 0; !failed && frame < frames; frame++) {
         uint32_t face = (uint32_t)frame % nfaces;
         failed = paint(layers[0].texels, face, red) || paint(layers[1].texels, face, smooth);
@@ -349,7 +333,8 @@ int main(int argc, char **argv) {
             failed = slv_gl_texture_update(layers[i].uploaded, &env, &update) != SLV_OK;
             bytes += update.bytes;
         }
-        failed = failed || draw(layers, surface, nfaces, to_clip, programs);
+        failed = failed || slv_gl_material_update(material, &env, NULL) ||
+                 draw(material, layers, surface, to_clip, programs);
     }
     failed = failed || gl.GetError() != GL_NO_ERROR || save(&env, argv[2]);
     if (!failed)
@@ -358,6 +343,7 @@ done:
     for (int i = 0; context && i < SLV_GL_MAX_VARIANTS * SLV_GL_MAX_VARIANTS; i++)
         if (programs[i / SLV_GL_MAX_VARIANTS][i % SLV_GL_MAX_VARIANTS])
             gl.DeleteProgram(programs[i / SLV_GL_MAX_VARIANTS][i % SLV_GL_MAX_VARIANTS]);
+    slv_gl_material_destroy(material);
     for (int i = 0; i < 2; i++) {
         slv_gl_texture_destroy(layers[i].uploaded);
         slv_texture_destroy(layers[i].texels);

@@ -8,6 +8,7 @@
 
 #include <selvage/gl_images.h>
 #include <selvage/gl_live.h>
+#include <selvage/gl_material.h>
 #include <selvage/gl_renderer.h>
 #include <selvage/gl_residency.h>
 
@@ -139,6 +140,17 @@ static slv_result call_lookup(const slv_env *env) {
                                  out);
 }
 
+static slv_result call_material(const slv_env *env) {
+    const slv_gl_lookup lookup = {made, NULL};
+    slv_gl_material *material = NULL;
+    bool changed;
+    slv_result result = slv_gl_material_create(env, &lookup, 1, &material);
+    if (!result)
+        result = slv_gl_material_update(material, env, &changed);
+    slv_gl_material_destroy(material);
+    return result;
+}
+
 static slv_result call_seam(const slv_env *env) {
     slv_gl_seam seam;
     return slv_gl_texture_seam_jump(made, env, slv_strategy_find("traverse"), grid.adjacency, NULL,
@@ -175,7 +187,7 @@ int main(void) {
         {"images", call_images},       {"texture", call_texture}, {"live", call_live},
         {"residency", call_residency}, {"blocks", call_blocks},   {"lookup", call_lookup},
         {"seam", call_seam},           {"draw", call_draw},       {"renderer", call_renderer},
-        {"context", call_context},     {"wrap", call_wrap}};
+        {"material", call_material},   {"context", call_context}, {"wrap", call_wrap}};
     slv_env env = test_env();
     uint64_t random = 1;
     REQUIRE(slv_gl_create(&env, SLV_GL_AUTO, &gl) == SLV_OK);

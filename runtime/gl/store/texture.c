@@ -123,8 +123,7 @@ slv_gl_run slv_gl_texture_run(const slv_gl_texture *texture, const slv_strategy 
     return run;
 }
 
-/* Units that any batch of a strategy takes. */
-static uint32_t units_of(const slv_gl_texture *texture, const slv_gl_slot *slot) {
+uint32_t slvi_gl_slot_units(const slv_gl_texture *texture, const slv_gl_slot *slot) {
     if (slot->handles_at)
         return 0;
     uint32_t pools = slvi_gl_reach_pools(slot->strategy->reach, &texture->params);
@@ -167,7 +166,7 @@ void slv_gl_texture_bind_shared(slv_gl_texture *texture, const slv_strategy *str
     GLuint samplers[SLV_GL_MAX_UNITS];
     if (!slot)
         return;
-    uint32_t units = units_of(texture, slot);
+    uint32_t units = slvi_gl_slot_units(texture, slot);
     for (uint32_t k = 0; k < units; k++)
         samplers[k] = slot->sampler;
     if (units)
@@ -211,7 +210,7 @@ void slv_gl_texture_bind(slv_gl_texture *texture, const slv_strategy *strategy, 
 void slv_gl_texture_unbind(slv_gl_texture *texture) {
     uint32_t units = 0;
     for (uint32_t k = 0; k < texture->nslots; k++) {
-        uint32_t bound = units_of(texture, &texture->slots[k]);
+        uint32_t bound = slvi_gl_slot_units(texture, &texture->slots[k]);
         units = units > bound ? units : bound;
     }
     if (units)

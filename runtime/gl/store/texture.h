@@ -76,6 +76,9 @@ slv_result slvi_gl_texture_prepare(slv_gl *gl, const slv_env *env, const slv_gl_
 /* All of a texture that follows changes anew, in the same place. */
 slv_result slvi_gl_texture_renew(slv_gl_texture *texture);
 
+/* Texture units that any batch of a strategy takes. */
+uint32_t slvi_gl_slot_units(const slv_gl_texture *texture, const slv_gl_slot *slot);
+
 /* The tables of handles that are not there, of batches as they are; and before arrays are deleted,
  * that there are none. */
 slv_result slvi_gl_texture_take_handles(slv_gl_texture *texture);

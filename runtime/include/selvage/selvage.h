@@ -15,6 +15,7 @@
 #include <selvage/gl_context.h>
 #include <selvage/gl_images.h>
 #include <selvage/gl_live.h>
+#include <selvage/gl_material.h>
 #include <selvage/gl_renderer.h>
 #include <selvage/gl_residency.h>
 #include <selvage/gl_strategy.h>
