@@ -3,8 +3,10 @@
  * The comparison of Purnomo, Cohen and Kumar (2004, table 2): how long a frame takes where each
  * face has a texture of its own (separate), where faces of one size share an array, a layer each
  * (arrays), and where they share pages, all of one size (flat) or of several (packed); by filter. A
- * torus, with the two strategies whose lookups never leave their face's rectangle. Frames of all
- * are interleaved; medians are printed, of the processor's time on a software driver. */
+ * torus, with the two strategies whose lookups never leave their face's rectangle. Their stacked
+ * style, levels of the driver's with coordinates that depend on the level, is here for comparison
+ * only. Frames of all are interleaved; medians are printed, of the processor's time on a software
+ * driver. */
 #include "kit/bench_kit.h"
 
 #include <selvage/border.h>
@@ -13,7 +15,8 @@
 
 #include <string.h>
 
-enum { FORMS = 2, SETS = 2, LAYOUTS = 3, FILTERS = 3, MAX_FRAMES = 99 };
+enum { FORMS = 2, SETS = 2, LAYOUTS = 4, FILTERS = 3, MAX_FRAMES = 99 };
+enum { SEPARATE, ARRAYS, PAGES, STACKED };
 enum { BILINEAR, TRILINEAR, ANISOTROPIC };
 
 typedef struct options {
@@ -34,12 +37,114 @@ static const slv_strategy bilinear[FORMS] = {
      .packing = SLV_GL_PAGES,
      .wrap = SLV_GL_WRAP_ZERO,
      .glsl = "#define SLV_ONE_LEVEL\n#include \"strategy/edge_aligned.glsl\"\n"}};
+/* Stacked samples: a level of 2^u texels has 2^u samples, the outermost on the edges, and not one
+ * more, so that levels lie in OpenGL's. Those of one texel are looked up by nobody. */
+static slv_result stacked_create(const slv_env *env, const slv_levels *levels,
+                                 const slv_adjacency *adjacency, uint32_t border, void **out) {
+    slv_edge_aligned *made = NULL;
+    slv_result result = slv_edge_aligned_create(env, levels, adjacency, &made);
+    (void)border;
+    *out = made;
+    return result;
+}
+
+static void stacked_destroy(void *made) {
+    slv_edge_aligned_destroy(made);
+}
+
+static uint32_t stacked_count(const void *made) {
+    return slv_edge_aligned_get_desc(made)->nfaces;
+}
+
+static slv_res stacked_res(const void *made, uint32_t item) {
+    return slv_edge_aligned_get_desc(made)->res[item];
+}
+
+static uint32_t stacked_items(const void *made, uint32_t face, uint32_t out[SLV_FORM_ITEMS]) {
+    (void)made;
+    out[0] = face;
+    return 1;
+}
+
+static slv_result stacked_read(const void *made, uint32_t item, uint32_t level, float *scratch,
+                               slv_form_texels *out) {
+    const slv_texture_desc *desc = slv_edge_aligned_get_desc(made);
+    slv_res res = slv_res_level(desc->res[item], level);
+    uint32_t nu = 1u << res.u, nv = 1u << res.v;
+    for (uint32_t i = 0; i < nu * nv; i++)
+        slv_edge_aligned_lookup(made, item, level,
+                                nu > 1 ? (float)(i % nu) / (float)(nu - 1) : 0.5f,
+                                nv > 1 ? (float)(i / nu) / (float)(nv - 1) : 0.5f,
+                                scratch + (size_t)i * desc->nchannels);
+    *out = (slv_form_texels){scratch, SLV_TYPE_FLOAT};
+    return SLV_OK;
+}
+
+static const slv_form *stacked_form(void) {
+    static const slv_form form = {.name = "stacked",
+                                  .title = "samples on the edges, in OpenGL's levels",
+                                  .item = "a face",
+                                  .computed = true,
+                                  .create = stacked_create,
+                                  .destroy = stacked_destroy,
+                                  .count = stacked_count,
+                                  .res = stacked_res,
+                                  .items = stacked_items,
+                                  .read = stacked_read};
+    return &form;
+}
+
+/* Their fragment program. A level of n samples shrinks coordinates by 1 - 1/n, and derivatives with
+ * them, so that the level i for which a footprint is right is finer than the level l of the
+ * coordinates given: i = l + log2(1 - 2^i / N), solved for i. (Their equation 2 has the second sign
+ * wrong.) Trilinear lookups are two, each with the coordinates of its level. */
+#define STACKED_GLSL                                                                               \
+    "#include \"lookup/interface.glsl\"\n#include \"lookup/footprint.glsl\"\n"                     \
+    "vec4 slv_stacked_level(float layer, vec2 size, vec2 uv, slv_footprint f, float level) {\n"    \
+    "    vec2 n = size * exp2(-level);\n"                                                          \
+    "    vec2 fit = min(vec2(1.0), min(uv, 1.0 - uv) / max(0.5 * abs(f.axis), vec2(1e-12)));\n"    \
+    "    vec4 sum = vec4(0.0);\n"                                                                  \
+    "    int k = 1;\n"                                                                             \
+    "    do {\n"                                                                                   \
+    "        vec2 at = slv_inside(uv + slv_tap_offset(f, k) * fit);\n"                             \
+    "        sum += textureLod(slv_pool[0], vec3((at * (n - 1.0) + 0.5) / n, layer), level);\n"    \
+    "    } while (++k <= f.taps);\n"                                                               \
+    "    return sum / float(f.taps);\n"                                                            \
+    "}\n"                                                                                          \
+    "vec4 slv_sample_grad(int face, vec2 uv, vec2 dx, vec2 dy) {\n"                                \
+    "    float layer = float(slv_store[SLV_ROW(face)].x >> 16);\n"                                 \
+    "    vec2 size = slv_face_size(face);\n"                                                       \
+    "    uv = slv_inside(uv);\n"                                                                   \
+    "    slv_footprint f = slv_footprint_at(size, uv, dx, dy);\n"                                  \
+    "    float i = f.level - log2(1.0 + exp2(f.level) / size.x), last = log2(size.x) - 1.0;\n"     \
+    "    i = clamp(i, 0.0, last);\n"                                                               \
+    "#ifdef SLV_ONE_LEVEL\n"                                                                       \
+    "    return slv_value(slv_stacked_level(layer, size, uv, f, floor(i + 0.5)));\n"               \
+    "#else\n"                                                                                      \
+    "    vec4 a = slv_stacked_level(layer, size, uv, f, floor(i));\n"                              \
+    "    vec4 b = slv_stacked_level(layer, size, uv, f, min(floor(i) + 1.0, last));\n"             \
+    "    return slv_value(mix(a, b, fract(i)));\n"                                                 \
+    "#endif\n"                                                                                     \
+    "}\n"
+static const slv_strategy stacked[2] = {
+    {.name = "stacked", .form = stacked_form, .own_taps = true, .glsl = STACKED_GLSL},
+    {.name = "stacked-bilinear",
+     .form = stacked_form,
+     .own_taps = true,
+     .glsl = "#define SLV_ONE_LEVEL\n" STACKED_GLSL}};
+
 static const char *const forms[FORMS] = {"borders", "edge-aligned"};
 static const char *const filters[FILTERS] = {"bilinear", "trilinear", "16x anisotropic"};
 static const char *const sets[SETS] = {"one size", "three sizes"};
 
 static const char *layout_name(uint32_t set, uint32_t layout) {
-    return layout == 0 ? "separate" : layout == 1 ? "arrays" : set ? "packed" : "flat";
+    static const char *const names[LAYOUTS] = {"separate", "arrays", "flat", "stacked"};
+    return set && layout == PAGES ? "packed" : names[layout];
+}
+
+/* Stacked are samples on edges of one size only. */
+static bool is_there(uint32_t set, uint32_t form, uint32_t layout) {
+    return layout != STACKED || (set == 0 && form == 1);
 }
 
 /* A texture of both forms in one layout, for one anisotropy. */
@@ -89,16 +194,18 @@ static slv_texture *make_texels(const slv_env *env, uint32_t nfaces, int log2, b
 
 static void make(scene *s, uint32_t set, uint32_t layout, uint32_t anisotropic, made *out) {
     uint32_t count = 0;
+    if (!is_there(set, 1, layout))
+        return;
     for (uint32_t form = 0; form < FORMS; form++)
-        out->strategies[count++] = slv_strategy_find(forms[form]);
+        out->strategies[count++] = layout == STACKED ? &stacked[0] : slv_strategy_find(forms[form]);
     for (uint32_t form = 0; form < FORMS && !anisotropic; form++)
-        out->strategies[count++] = &bilinear[form];
+        out->strategies[count++] = layout == STACKED ? &stacked[1] : &bilinear[form];
     slv_gl_texture_params params = {.strategies = out->strategies,
                                     .nstrategies = count,
                                     .anisotropy = anisotropic ? 16 : 1,
-                                    .pool_layers = layout == 0 ? 1 : 0,
-                                    .layout =
-                                        layout == 2 ? SLV_GL_LAYOUT_PAGES : SLV_GL_LAYOUT_SEPARATE};
+                                    .pool_layers = layout == SEPARATE ? 1 : 0,
+                                    .layout = layout == PAGES ? SLV_GL_LAYOUT_PAGES
+                                                              : SLV_GL_LAYOUT_SEPARATE};
     bench_stop(slv_gl_texture_create(s->gl, &s->env, s->texels[set], s->torus.adjacency, &params,
                                      &out->texture));
     bench_stop(
@@ -138,6 +245,8 @@ static timing timings[SETS][FORMS][LAYOUTS][FILTERS];
 static void draw(const options *o, scene *s, uint32_t which, uint32_t round) {
     uint32_t filter = which % FILTERS, layout = which / FILTERS % LAYOUTS;
     uint32_t form = which / (FILTERS * LAYOUTS) % FORMS, set = which / (FILTERS * LAYOUTS * FORMS);
+    if (!is_there(set, form, layout))
+        return;
     const made *its = &s->made[set][layout][filter == ANISOTROPIC];
     timing *cell = &timings[set][form][layout][filter];
     slv_frame frame = {.width = o->width, .height = o->width * 9 / 16};
@@ -159,7 +268,7 @@ static void summarise(const options *o) {
         timing *cell = &timings[set][form][k / FILTERS % LAYOUTS][k % FILTERS];
         double ratios[MAX_FRAMES];
         for (uint32_t i = 0; i < o->frames; i++)
-            ratios[i] = cell->times[i] / timings[set][form][2][TRILINEAR].times[i];
+            ratios[i] = cell->times[i] / timings[set][form][PAGES][TRILINEAR].times[i];
         cell->ratio = bench_median(ratios, o->frames);
     }
     for (uint32_t k = 0; k < SETS * FORMS * LAYOUTS * FILTERS; k++) /* sorts the times */
@@ -197,7 +306,8 @@ static void print(const options *o, const scene *s) {
         if (k % LAYOUTS == 0 && !o->json)
             printf("\n%s, %s:\n  %-9s %14s %14s %14s %7s %8s %8s\n", forms[form], sets[set], "",
                    filters[0], filters[1], filters[2], "draws", "1x", "16x");
-        print_row(o, set, form, k % LAYOUTS);
+        if (is_there(set, form, k % LAYOUTS))
+            print_row(o, set, form, k % LAYOUTS);
     }
     fputs(o->json ? "\n]\n" : "", stdout);
 }
