@@ -131,7 +131,9 @@ static void check(uint32_t which, bool lookups, uint64_t *random) {
         params.compression = SLV_GL_COMPRESSION_BLOCKS;
     kit_noise(&k, type, 1 + test_random(random) % 4, random);
     params.live = true;
+    params.pixel_buffers = which % 3 == 0; /* one of both: texels are the same */
     slv_gl_texture *followed = make(&k, &params);
+    params.pixel_buffers = !params.pixel_buffers && which % 2;
     params.live = params.even_levels; /* of which squares of one size need none, if they stay so */
     for (uint32_t round = 0; round < 3; round++) {
         uint32_t changes = 1 + test_random(random) % 6;

@@ -66,18 +66,31 @@ uint64_t slvi_gl_place_bytes(const slv_gl_place *place) {
                          : (uint64_t)place->width * place->height * format->texel_bytes;
 }
 
-void slvi_gl_place_send(const slv_gl *gl, const slv_gl_place *place, uint32_t nlayers,
+void slvi_gl_place_send(const slv_gl_source *source, const slv_gl_place *place, uint32_t nlayers,
                         const void *stored) {
+    const slv_gl_api *api = &source->gl->api;
     const slv_gl_format *format = place->format;
+    const uint64_t bytes = slvi_gl_place_bytes(place) * nlayers;
     GLuint texture = place->pool->texture;
     GLint level = (GLint)place->level, layer = (GLint)place->layer;
     GLint x = (GLint)place->x, y = (GLint)place->y;
     GLsizei width = (GLsizei)place->width, height = (GLsizei)place->height;
+    GLuint buffer = 0;
+    if (source->params.pixel_buffers) {
+        api->CreateBuffers(1, &buffer);
+        api->NamedBufferStorage(buffer, (GLsizeiptr)bytes, stored, 0);
+        api->BindBuffer(GL_PIXEL_UNPACK_BUFFER, buffer);
+        stored = NULL; /* where it is in the buffer */
+    }
     if (format->block)
-        gl->api.CompressedTextureSubImage3D(
-            texture, level, x, y, layer, width, height, (GLsizei)nlayers, format->internal,
-            (GLsizei)(slvi_gl_place_bytes(place) * nlayers), stored);
+        api->CompressedTextureSubImage3D(texture, level, x, y, layer, width, height,
+                                         (GLsizei)nlayers, format->internal, (GLsizei)bytes,
+                                         stored);
     else
-        gl->api.TextureSubImage3D(texture, level, x, y, layer, width, height, (GLsizei)nlayers,
-                                  format->external, format->data, stored);
+        api->TextureSubImage3D(texture, level, x, y, layer, width, height, (GLsizei)nlayers,
+                               format->external, format->data, stored);
+    if (buffer) {
+        api->BindBuffer(GL_PIXEL_UNPACK_BUFFER, 0);
+        api->DeleteBuffers(1, &buffer); /* once the GPU has copied it */
+    }
 }

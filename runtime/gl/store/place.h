@@ -28,7 +28,7 @@ uint64_t slvi_gl_place_bytes(const slv_gl_place *place);
 
 /* Hands `nlayers` times a place's texels or blocks, tightly packed, to the driver: for its own
  * layer and those that follow. */
-void slvi_gl_place_send(const slv_gl *gl, const slv_gl_place *place, uint32_t nlayers,
+void slvi_gl_place_send(const slv_gl_source *source, const slv_gl_place *place, uint32_t nlayers,
                         const void *stored);
 
 #endif

@@ -246,19 +246,19 @@ uint32_t slvi_gl_layers_fitting(const slv_gl_pools *pools, const slv_gl_layers *
 /* Of a grid one rectangle, but for blocks, which are made cell by cell. */
 static void send(const struct fill_job *job, uint32_t count) {
     const slv_gl_pools *pools = job->from.pools;
-    const slv_gl *gl = job->from.source->gl;
+    const slv_gl_source *source = job->from.source;
     slv_gl_place place = job->place;
     if (!place.pool->columns) {
-        slvi_gl_place_send(gl, &place, count, job->blocks ? job->blocks : job->staging);
+        slvi_gl_place_send(source, &place, count, job->blocks ? job->blocks : job->staging);
     } else if (job->blocks) {
         for (uint32_t i = 0; i < count; i++) {
             place = slvi_gl_place_cell(pools, place.pool, job->first_layer + i, job->level);
-            slvi_gl_place_send(gl, &place, 1, job->blocks + i * job->block_size);
+            slvi_gl_place_send(source, &place, 1, job->blocks + i * job->block_size);
         }
     } else {
         place.width *= job->across;
         place.height *= count / job->across;
-        slvi_gl_place_send(gl, &place, 1, job->staging);
+        slvi_gl_place_send(source, &place, 1, job->staging);
     }
 }
 
@@ -396,7 +396,7 @@ slv_result slvi_gl_upload_rect(const slv_gl_source *source, const slv_gl_pools *
                               &source->shared, format->block, format->ncomponents, format->nsource,
                               part.width, part.height, stored, used, stored + bytes, &lost)))
         return result;
-    slvi_gl_place_send(source->gl, &part, 1, format->block ? stored + bytes : stored);
+    slvi_gl_place_send(source, &part, 1, format->block ? stored + bytes : stored);
     *sent += format->block ? blocks : bytes;
     return SLV_OK;
 }
@@ -440,7 +440,7 @@ slv_result slvi_gl_upload_rim(const slv_gl_source *source, const slv_gl_pools *p
     for (uint32_t i = 0; i < 4; i++) {
         slv_gl_place part = slvi_gl_place_part(&place, strips[i]);
         convert(&from, &level, strips[i], staging->memory, strips[i].width);
-        slvi_gl_place_send(source->gl, &part, 1, staging->memory);
+        slvi_gl_place_send(source, &part, 1, staging->memory);
         *sent += slvi_gl_place_bytes(&part);
     }
     return SLV_OK;

@@ -149,6 +149,10 @@ typedef struct slv_gl_texture_params {
      * on them then moves nothing, and needs no batches and shaders but those that there are. */
     bool whole;
     slv_gl_binding binding;
+    /* Texels go to the driver in pixel buffers that it may copy later, while the thread goes on,
+     * and not from memory. On software drivers that is slower (docs/measuring.md); on hardware it
+     * has not been tried. */
+    bool pixel_buffers;
     uint64_t reserved[2];
 } slv_gl_texture_params;
 
