@@ -7,6 +7,7 @@
 #include <selvage/gl_context.h>
 #include <selvage/gl_images.h>
 #include <selvage/gl_live.h>
+#include <selvage/gl_renderer.h>
 
 #include <GL/glcorearb.h>
 
@@ -44,6 +45,9 @@ static kit cube;
     X(PFNGLPIXELSTOREIPROC, PixelStorei)                                                           \
     X(PFNGLBINDBUFFERPROC, BindBuffer)                                                             \
     X(PFNGLISBUFFERPROC, IsBuffer)                                                                 \
+    X(PFNGLISTEXTUREPROC, IsTexture)                                                               \
+    X(PFNGLISSAMPLERPROC, IsSampler)                                                               \
+    X(PFNGLISPROGRAMPROC, IsProgram)                                                               \
     X(PFNGLGETINTEGERVPROC, GetIntegerv)
 static struct {
 #define MEMBER(type, name) type name;
@@ -248,18 +252,19 @@ static void white(const void *user, uint32_t tile, uint32_t x, uint32_t y, uint3
         rgba[i] = 1;
 }
 
+static const slv_uv_tile one_tile = {0, 0, 5, 3};
+static const float one_face[8] = {0, 0, 1, 0, 1, 1, 0, 1};
+static const slv_uv_images one_image = {
+    .nfaces = 1, .texcoords = one_face, .ntiles = 1, .tiles = &one_tile, .pixels = white};
+
 /* Images go while the one table that they have is bound, and another is the host's. */
 static void make_images(GLuint host) {
     static bool was[NAMES];
-    static const slv_uv_tile tile = {0, 0, 5, 3};
-    static const float corners[8] = {0, 0, 1, 0, 1, 1, 0, 1};
-    const slv_uv_images given = {
-        .nfaces = 1, .texcoords = corners, .ntiles = 1, .tiles = &tile, .pixels = white};
     slv_env env = test_env();
     slv_gl_images *images = NULL;
     for (GLuint name = 1; name < NAMES; name++)
         was[name] = api.IsBuffer(name);
-    REQUIRE(slv_gl_images_create(gl, &env, &given, 4, &images) == SLV_OK);
+    REQUIRE(slv_gl_images_create(gl, &env, &one_image, 4, &images) == SLV_OK);
     uint32_t tables = 0;
     for (GLuint name = 1; name < NAMES; name++)
         if (!was[name] && api.IsBuffer(name)) {
@@ -384,6 +389,68 @@ static void check_elsewhere(void) {
     slv_gl_destroy(other);
 }
 
+/* A texture, a renderer and UV images, all of which have objects of OpenGL's. */
+struct guests {
+    slv_gl_texture *texture;
+    slv_gl_renderer *renderer;
+    slv_gl_images *images;
+};
+
+static struct guests make_guests(slv_gl *in) {
+    slv_env env = test_env();
+    const slv_gl_texture_params params = {KIT_ONLY(slv_strategy_find("traverse"))};
+    const float low[3] = {0, 0, 0}, high[3] = {60, 60, 60};
+    const slv_frame frame = {
+        .width = 16, .height = 16, .camera = slv_camera_orbit(low, high, 20, 20, 35, 1)};
+    struct guests made = {0};
+    slv_surface *surface = NULL;
+    slv_image image;
+    REQUIRE(slv_gl_texture_create(in, &env, cube.texture, cube.adjacency, &params, &made.texture) ==
+            SLV_OK);
+    REQUIRE(slv_surface_create(&env, cube.mesh, NULL, &surface) == SLV_OK);
+    REQUIRE(slv_gl_renderer_create(in, &env, cube.mesh, surface, 2, &made.renderer) == SLV_OK);
+    REQUIRE(slv_gl_renderer_draw(made.renderer, &env, made.texture, &frame, &image, NULL) ==
+            SLV_OK);
+    REQUIRE(slv_gl_images_create(in, &env, &one_image, 4, &made.images) == SLV_OK);
+    slv_image_free(&image);
+    slv_surface_destroy(surface);
+    return made;
+}
+
+static void destroy_guests(struct guests *guests) {
+    slv_gl_images_destroy(guests->images);
+    slv_gl_renderer_destroy(guests->renderer);
+    slv_gl_texture_destroy(guests->texture);
+}
+
+static uint32_t count_objects(void) {
+    uint32_t count = 0;
+    for (GLuint name = 1; name < NAMES; name++)
+        count += (uint32_t)(api.IsBuffer(name) + api.IsTexture(name) + api.IsSampler(name) +
+                            api.IsProgram(name));
+    return count;
+}
+
+/* What goes while another context is current leaves that one's objects, which have the same names,
+ * alone. */
+static void check_gone_elsewhere(void) {
+    slv_env env = test_env();
+    slv_gl *contexts[2] = {NULL, NULL};
+    struct guests guests[2];
+    for (int i = 0; i < 2; i++) {
+        REQUIRE(slv_gl_create(&env, SLV_GL_AUTO, &contexts[i]) == SLV_OK);
+        guests[i] = make_guests(contexts[i]);
+    }
+    uint32_t count = count_objects();
+    destroy_guests(&guests[0]);
+    CHECK_MSG(count_objects() == count, "%u objects of %u are left", count_objects(), count);
+    api.UseProgram(0);
+    destroy_guests(&guests[1]);
+    CHECK_MSG(count_objects() == 0, "%u objects are left", count_objects());
+    for (int i = 0; i < 2; i++)
+        slv_gl_destroy(contexts[i]);
+}
+
 static bool stop(void *user, uint64_t done, uint64_t total) {
     (void)user, (void)done, (void)total;
     return false;
@@ -448,7 +515,8 @@ int main(void) {
     check_refused();
     check_states();
     check_cancelled();
-    check_elsewhere(); /* the last: another context is current after it */
+    check_elsewhere(); /* other contexts are current from here on */
+    check_gone_elsewhere();
     kit_free(&cube);
     slv_gl_destroy(gl);
     return test_end();

@@ -356,11 +356,14 @@ static void check_failures(void) {
     while (!state.settled)
         REQUIRE(slv_gl_residency_update(residency, &env, &camera, SIZE, SIZE, &state) == SLV_OK);
     slv_gl_residency_destroy(residency);
-    params.gpu_bytes = 1000;
-    source = open_slow(texture);
-    CHECK(slv_gl_residency_create(gl, &quiet, &source, adjacency, corners, &params, &residency) ==
-          SLV_ERROR_LIMIT);
-    CHECK(!residency && !source.fns);
+    for (int all = 0; all < 2; all++) { /* texels that each face always has: 8 each way, or all */
+        params.gpu_bytes = all ? 1 << 20 : 1000;
+        params.coarse_log2 = all ? UINT32_MAX : 0;
+        source = open_slow(texture);
+        CHECK(slv_gl_residency_create(gl, &quiet, &source, adjacency, corners, &params,
+                                      &residency) == SLV_ERROR_LIMIT);
+        CHECK(!residency && !source.fns);
+    }
     slv_texture_destroy(texture);
 }
 

@@ -196,6 +196,10 @@ void slvi_gl_set_state(const slv_gl *gl);
  * since they would be taken for the library's. */
 slv_result slvi_gl_need_current(const slv_gl *gl, const slv_env *env);
 
+/* The context, for what deletes its objects; where it is not current on this thread `keeping`, in
+ * which nothing is deleted: the same names are of another context's objects. */
+slv_gl *slvi_gl_for_deleting(slv_gl *gl, slv_gl *keeping);
+
 /* SLV_ERROR_GL with `what` in the message if the driver has an error pending. */
 slv_result slvi_gl_check(const slv_gl *gl, const slv_env *env, const char *what);
 

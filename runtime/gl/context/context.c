@@ -291,6 +291,38 @@ slv_result slvi_gl_need_current(const slv_gl *gl, const slv_env *env) {
     return SLV_OK;
 }
 
+static void APIENTRY keep(GLsizei count, const GLuint *names) {
+    (void)count, (void)names;
+}
+
+static void APIENTRY keep_program(GLuint program) {
+    (void)program;
+}
+
+static void APIENTRY keep_binding(GLenum target, GLuint buffer) {
+    (void)target, (void)buffer;
+}
+
+static void APIENTRY tell_nothing(GLenum what, GLint *out) {
+    (void)what, (void)out;
+}
+
+slv_gl *slvi_gl_for_deleting(slv_gl *gl, slv_gl *keeping) {
+    if (gl->api.IsSync(gl->marker))
+        return gl;
+    *keeping = (slv_gl){.api = {.DeleteBuffers = keep,
+                                .DeleteFramebuffers = keep,
+                                .DeleteProgram = keep_program,
+                                .DeleteQueries = keep,
+                                .DeleteRenderbuffers = keep,
+                                .DeleteSamplers = keep,
+                                .DeleteTextures = keep,
+                                .DeleteVertexArrays = keep,
+                                .BindBuffer = keep_binding,
+                                .GetIntegerv = tell_nothing}};
+    return keeping;
+}
+
 slv_result slvi_gl_check(const slv_gl *gl, const slv_env *env, const char *what) {
     GLenum error = gl->api.GetError();
     if (error == GL_NO_ERROR)

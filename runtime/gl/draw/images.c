@@ -311,7 +311,8 @@ done:
 void slv_gl_images_destroy(slv_gl_images *images) {
     if (!images)
         return;
-    const slv_gl_api *api = &images->gl->api;
+    slv_gl keeping;
+    const slv_gl_api *api = &slvi_gl_for_deleting(images->gl, &keeping)->api;
     GLint storage = 0; /* a driver may unbind it with a table of ours that is still bound */
     api->GetIntegerv(GL_SHADER_STORAGE_BUFFER_BINDING, &storage);
     api->DeleteTextures((GLsizei)images->ntextures, images->textures);

@@ -188,10 +188,11 @@ slv_result slv_gl_renderer_create_with(slv_gl *gl, const slv_env *env, const slv
     if (result)
         return result;
     made->gl = gl;
-    gl->api.CreateQueries(GL_TIMESTAMP, 2, made->queries);
     if ((result = slv_gl_renderer_tessellate(made, env, mesh, surface, params))) {
         slv_gl_renderer_destroy(made);
         made = NULL;
+    } else {
+        gl->api.CreateQueries(GL_TIMESTAMP, 2, made->queries);
     }
     *out = made;
     return result;
@@ -230,6 +231,8 @@ slv_result slv_gl_renderer_tessellate(slv_gl_renderer *renderer, const slv_env *
 void slv_gl_renderer_destroy(slv_gl_renderer *renderer) {
     if (!renderer)
         return;
+    slv_gl keeping;
+    renderer->gl = slvi_gl_for_deleting(renderer->gl, &keeping);
     const slv_gl_api *api = &renderer->gl->api;
     free_target(api, &renderer->target);
     for (uint32_t i = 0; i < renderer->nindices; i++)

@@ -31,6 +31,7 @@ static void fill_params(const slv_gl_residency_params *given, slv_gl_residency_p
     out->host_bytes = out->host_bytes ? out->host_bytes : DEFAULT_BYTES;
     out->upload_bytes = out->upload_bytes ? out->upload_bytes : DEFAULT_UPLOAD;
     out->coarse_log2 = out->coarse_log2 ? out->coarse_log2 : DEFAULT_COARSE;
+    out->coarse_log2 = out->coarse_log2 < SLV_MAX_LOG2_RES ? out->coarse_log2 : SLV_MAX_LOG2_RES;
     out->readers = out->readers ? out->readers : DEFAULT_READERS;
     out->readers = out->readers < SLVI_MOST_READERS ? out->readers : SLVI_MOST_READERS;
 }

@@ -16,6 +16,8 @@ static const slv_gl_reach *reach_of(const slv_gl_texture *texture, const slv_gl_
 void slv_gl_texture_destroy(slv_gl_texture *texture) {
     if (!texture)
         return;
+    slv_gl keeping;
+    texture->gl = slvi_gl_for_deleting(texture->gl, &keeping);
     const slv_gl_api *api = &texture->gl->api;
     GLint storage = 0; /* a driver may unbind it with a table of ours that is still bound */
     api->GetIntegerv(GL_SHADER_STORAGE_BUFFER_BINDING, &storage);

@@ -48,7 +48,8 @@ SLV_NODISCARD SLV_API slv_result slv_gl_create(const slv_env *env, slv_gl_backen
  * depth, stencil and blend state, the framebuffer (to 0 when done), viewport, program, vertex
  * array, and what slv_gl_texture_bind binds. They leave no error behind, and drop one that the
  * application left. Where neither the context nor one that shares its objects is current on the
- * calling thread, those that give a result do nothing: SLV_ERROR_GL. */
+ * calling thread, those that give a result do nothing: SLV_ERROR_GL; and those that destroy free
+ * memory alone: the context keeps its objects, and no other context's are deleted for them. */
 SLV_NODISCARD SLV_API slv_result slv_gl_wrap(const slv_env *env, slv_gl_get_proc get_proc,
                                              void *user, slv_gl **out);
 
