@@ -3,6 +3,7 @@
 #   docs/studio_pictures.sh build/bin
 here_docs=$(cd "$(dirname "$0")" && pwd)
 . "$here_docs/../tests/studio/kit.sh"
+unset GALLIVM_PERF LP_NUM_THREADS # as users have it: the pictures say how long they took
 
 take() { # NAME
     xdotool mousemove 5 5
@@ -12,7 +13,7 @@ take() { # NAME
 # The last picture is a refined one of what was done last, and is on the display: panels follow it then.
 refined_now() {
     tries=0
-    until awk '/"event":"(done|stroke|view)"/ { r = 0 } /"event":"frame"/ { r = /"refined":true/ }
+    until awk '/"event":"(done|stroke|view|preparing)"/ { r = 0 } /"event":"frame"/ { r = /"refined":true/ }
                /"event":"history"/ && r { r = 2 } END { exit r != 2 }' "$log"; do
         tries=$((tries + 1))
         [ $tries -lt 1200 ] || fail "no refined picture"

@@ -13,7 +13,10 @@ click_at() { # WORDS X Y
 
 # at rest the seam jump is measured by itself: of clamp, and of another strategy as soon as that is shown
 wait_for '"event":"seam","strategy":"traverse","max":0,"mean":0,"edges":12'
+# (what takes a while before a picture is said before it)
+told=$(count_of '"event":"preparing"')
 does '"event":"seam","strategy":"clamp"' key 1
+[ "$(count_of '"event":"preparing"')" = $((told + 1)) ] || fail "nothing was said before another strategy was made ready"
 
 # a colour of the list, then the brush's own is kept as the first of them
 click_at '"event":"done","name":"color"' $(($(field x swatches) + 10)) $(($(field y swatches) + 12))

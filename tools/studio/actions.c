@@ -115,6 +115,8 @@ static const row rows[] = {
      studio_get_shading, false},
     {"Look", "Shading: Both Sides", "shading", "headlight-abs", "<Shift>h", studio_set_shading,
      studio_get_shading, false},
+    {"Look", "Shading: Squared", "shading", "headlight-cos2", "<Shift>u", studio_set_shading,
+     studio_get_shading, false},
     {"Look", "Shading: Unlit", "shading", "unlit", "u", studio_set_shading, studio_get_shading,
      false},
     {"Look", "Shading: Image", "shading", "image", "<Shift>i", studio_set_shading,
@@ -305,7 +307,8 @@ static void activate(GSimpleAction *action, GVariant *parameter, gpointer user) 
 static void show_state(studio_app *app, const row *r) {
     GAction *action = g_action_map_lookup_action(G_ACTION_MAP(app->window), r->name);
     bool open = app->document.texture != NULL && !app->loading;
-    g_simple_action_set_enabled(G_SIMPLE_ACTION(action), open || !r->needs);
+    const bool can = r->run == studio_do_open_cancel ? app->opening != NULL : open || !r->needs;
+    g_simple_action_set_enabled(G_SIMPLE_ACTION(action), can);
     if (r->state && r->target == NULL && r->label)
         g_simple_action_set_state(G_SIMPLE_ACTION(action),
                                   g_variant_new_boolean(r->state(app) != NULL));

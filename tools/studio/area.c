@@ -73,6 +73,10 @@ static void write_screenshot(studio_app *app) {
 static void adapt(GdkFrameClock *clock, gpointer user) {
     studio_app *app = user;
     (void)clock;
+    if (app->ready == STUDIO_READY_SAID) { /* the words are on the screen now */
+        app->ready = STUDIO_READY_SHOWN;
+        gtk_gl_area_queue_render(app->area);
+    }
     if (!app->began)
         return;
     const double whole = (double)(g_get_monotonic_time() - app->began) * 1e-6,
@@ -99,6 +103,33 @@ static gboolean follow(gpointer user) {
 static void follow_soon(studio_app *app) {
     if (!app->follow)
         app->follow = g_timeout_add(100, follow, app);
+}
+
+static gboolean say_preparing(gpointer user) {
+    studio_app *app = user;
+    if (app->closing || app->ready != STUDIO_READY_WANTED)
+        return G_SOURCE_REMOVE;
+    app->ready = STUDIO_READY_SAID;
+    gtk_label_set_text(GTK_LABEL(app->status),
+                       "Making ready: shaders are compiled and texels go to the GPU…");
+    gtk_widget_queue_draw(app->status);
+    studio_log(app, "\"event\":\"preparing\"");
+    return G_SOURCE_REMOVE;
+}
+
+/* False: what the picture needs first is made with the next one. */
+static bool is_ready(studio_app *app, const studio_shot *shot) {
+    if (app->ready == STUDIO_READY_SHOWN ||
+        studio_picture_is_ready(app->picture, &app->document, shot)) {
+        app->ready = STUDIO_READY;
+        return true;
+    }
+    if (app->ready == STUDIO_READY) {
+        app->ready = STUDIO_READY_WANTED;
+        g_idle_add_full(G_PRIORITY_HIGH_IDLE, say_preparing, app, NULL); /* before pictures */
+    }
+    studio_failed(app, studio_picture_keep(app->picture, &app->document, shot));
+    return false;
 }
 
 /* A ring as large as the brush. */
@@ -146,6 +177,8 @@ static gboolean render(GtkGLArea *area, GdkGLContext *context, gpointer user) {
         studio_failed(app, studio_picture_draw(app->picture, &app->document, &shot, &app->stats));
         return TRUE;
     }
+    if (!is_ready(app, &shot))
+        return TRUE;
     app->stale = false;
     shot.scale = shot.coarse ? app->scale : 1;
     slv_result result = studio_picture_draw(app->picture, &app->document, &shot, &app->stats);

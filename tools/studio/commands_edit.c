@@ -313,8 +313,10 @@ void studio_set_tool(studio_app *app, const char *target) {
         if (strcmp(studio_tool_names[i], target) == 0)
             app->tool = (studio_tool)i;
     studio_say(app, NULL, NULL, NULL); /* what was said is of what was done before */
-    if (app->tool != STUDIO_VIEW && app->tool != STUDIO_PICK)
-        (void)studio_layers_of(app); /* so that the first stroke need not wait for it */
+    /* so that the first stroke need not wait for the session, nor for its texels on the GPU */
+    if (app->tool != STUDIO_VIEW && app->tool != STUDIO_PICK && !app->document.session &&
+        studio_layers_of(app))
+        studio_area_redraw(app, true);
 }
 
 const char *studio_get_tool(const studio_app *app) {

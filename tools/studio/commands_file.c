@@ -137,7 +137,7 @@ static void save_there(studio_app *app, const char *path) {
 void studio_do_save_to(studio_app *app, const char *target) {
     tell_saved(app, studio_document_save_as(&app->document, target), "saved");
     app->dirty = true;
-    studio_area_redraw(app, false);
+    studio_area_redraw(app, true); /* that it is saved shows before a fine picture does */
     if (app->document.target)
         studio_settings_opened(app, app->document.target);
 }

@@ -22,6 +22,7 @@ typedef struct shown {
     slv_gl_texture *texture;
     uint32_t anisotropy, channel;
     bool even;
+    bool drawn[2]; /* with one sample a pixel; with more */
 } shown;
 
 struct studio_picture {
@@ -171,6 +172,12 @@ static uint64_t texels_of(const slv_texture *texture) {
     return total;
 }
 
+static bool is_for(const shown *s, const studio_document *d, const studio_look *look,
+                   uint32_t anisotropy) {
+    return s->texture && s->anisotropy == anisotropy && s->channel == look->channel &&
+           s->even == (d->scene.even != look->other_levels);
+}
+
 static slv_result need_texture(studio_picture *p, const studio_document *d, const studio_look *look,
                                uint32_t index, uint32_t anisotropy, slv_gl_texture **out) {
     shown *s = &p->shown[index < STRATEGIES ? index : 0][anisotropy > 1];
@@ -179,8 +186,7 @@ static slv_result need_texture(studio_picture *p, const studio_document *d, cons
     if (index >= STRATEGIES || !strategy)
         return output_fail(&p->env, SLV_ERROR_ARGUMENT, "there is no strategy %u", index);
     const bool even = d->scene.even != look->other_levels;
-    if (s->texture && s->anisotropy == anisotropy && s->channel == look->channel &&
-        s->even == even) {
+    if (is_for(s, d, look, anisotropy)) {
         *out = s->texture;
         return SLV_OK;
     }
@@ -291,6 +297,7 @@ static slv_result draw_one(studio_picture *p, const studio_document *d, const st
         (result = slv_gl_renderer_draw(p->renderer, &p->env, texture, &frame, NULL, &seconds)))
         return result;
     stats->seconds += seconds;
+    p->shown[index][anisotropy_of(shot) > 1].drawn[msaa > 1] = true;
     const slv_gl_texture_stats made = slv_gl_texture_get_stats(texture, strategy);
     stats->gpu_bytes += made.gpu_bytes;
     stats->widened += made.widened;
@@ -309,6 +316,30 @@ static slv_result put_on_screen(studio_picture *p, const studio_shot *shot, GLui
     if (!result && error)
         result = output_fail(&p->env, SLV_ERROR_GL, "OpenGL has reported error 0x%x", error);
     return result;
+}
+
+bool studio_picture_is_ready(const studio_picture *p, const studio_document *d,
+                             const studio_shot *shot) {
+    const studio_look *look = &shot->look;
+    const uint32_t anisotropy = anisotropy_of(shot), which[2] = {look->strategy, look->other};
+    bool ready = p->mesh == studio_document_mesh(d) && p->serial == d->serial;
+    for (int i = 0; i < 1 + (look->compare != STUDIO_WHOLE); i++) {
+        const shown *s = &p->shown[which[i]][anisotropy > 1];
+        ready =
+            ready && is_for(s, d, look, anisotropy) && s->drawn[!shot->coarse && look->msaa > 1];
+    }
+    return ready;
+}
+
+slv_result studio_picture_keep(studio_picture *p, const studio_document *d,
+                               const studio_shot *shot) {
+    static const float black[4] = {0, 0, 0, 1};
+    GLint framebuffer = 0;
+    glGetIntegerv(GL_DRAW_FRAMEBUFFER_BINDING, &framebuffer);
+    if (p->targets[0] && p->mesh == studio_document_mesh(d))
+        return put_on_screen(p, shot, (GLuint)framebuffer);
+    glClearBufferfv(GL_COLOR, 0, black);
+    return SLV_OK;
 }
 
 slv_result studio_picture_draw(studio_picture *p, studio_document *d, const studio_shot *shot,

@@ -42,6 +42,13 @@ typedef struct studio_picture_stats {
     uint64_t triangles; /* of the surface */
 } studio_picture_stats;
 
+/* Whether a picture needs nothing to be made first that may take seconds: shaders, and texels on
+ * the GPU. */
+bool studio_picture_is_ready(const studio_picture *picture, const studio_document *document,
+                             const studio_shot *shot);
+/* Until that has been said: the picture before, as far as it is one of this surface. */
+slv_result studio_picture_keep(studio_picture *picture, const studio_document *document,
+                               const studio_shot *shot);
 /* Draws into the framebuffer that is bound, whatever its number. The document's texels are
  * followed.
  */

@@ -5,7 +5,7 @@
 #include <math.h>
 #include <string.h>
 
-enum { PAUSE = 400, SLICE = 12 }; /* milliseconds: of rest before; and of work at once */
+enum { PAUSE = 1000, SLICE = 12 }; /* milliseconds: of rest before; and of work at once */
 enum { FEWEST = 32, MOST = 1 << 16 };
 
 static bool measures(const studio_seam *s, const studio_seam *other) {

@@ -25,6 +25,14 @@ typedef enum studio_tool {
 } studio_tool;
 extern const char *const studio_tool_names[STUDIO_TOOLS];
 
+/* Making ready what a picture needs first, for which the window stands still: it is said before. */
+typedef enum studio_ready {
+    STUDIO_READY = 0,
+    STUDIO_READY_WANTED, /* it is to be said */
+    STUDIO_READY_SAID,   /* and is not on the screen yet */
+    STUDIO_READY_SHOWN   /* the next picture may take its time */
+} studio_ready;
+
 /* What the pointer drags. */
 typedef enum studio_drag {
     STUDIO_DRAG_NONE = 0,
@@ -123,6 +131,7 @@ typedef struct studio_app {
     guint32 input;  /* the display's time of the oldest event that no picture shows yet; 0: none */
     uint32_t frames;
     bool refined;
+    studio_ready ready;
     float scale;   /* of pictures that move */
     guint follow;  /* panels follow the pictures */
     guint flicker; /* the timer that changes sides */

@@ -360,6 +360,14 @@ static GtkWidget *make_tools(void) {
     return box;
 }
 
+static GtkWidget *make_save(void) {
+    GtkWidget *button = gtk_button_new_with_label("Save");
+    gtk_actionable_set_action_name(GTK_ACTIONABLE(button), "win.save");
+    gtk_widget_set_tooltip_text(button, "Save what was painted (Ctrl+S)");
+    gtk_widget_set_focusable(button, FALSE);
+    return button;
+}
+
 static GtkWidget *make_panels(studio_app *app) {
     GtkWidget *box = gtk_box_new(GTK_ORIENTATION_VERTICAL, 6),
               *scrolled = gtk_scrolled_window_new();
@@ -416,6 +424,7 @@ void studio_window_create(studio_app *app) {
     GMenuModel *menu = studio_actions_menu(app);
     GtkWidget *bar = gtk_popover_menu_bar_new_from_model(menu);
     gtk_header_bar_pack_start(GTK_HEADER_BAR(header), make_tools());
+    gtk_header_bar_pack_end(GTK_HEADER_BAR(header), make_save());
     gtk_window_set_titlebar(app->window, header);
     /* over the picture, which keeps its size when something is said */
     gtk_overlay_set_child(GTK_OVERLAY(left), GTK_WIDGET(app->stack));
