@@ -22,7 +22,9 @@
 #define MAX_STRING 48 /* bytes by which places are found */
 #define HASH_BITS 13
 #define TABLES 2
-#define WAYS 3
+#define WAYS 2
+#define LONG 32   /* a repeat that is not worth a search for a longer one, ... */
+#define ENOUGH 24 /* ... or for one that begins a byte later */
 
 /* So many literals, then a repeat; none if the length is 0. */
 struct sequence {
@@ -404,13 +406,14 @@ static inline void try_distance(const struct search *s, size_t at, size_t distan
 /* The best repeat at a place that has MAX_STRING bytes left; none has a length of 0. */
 static inline struct repeat find(const struct search *s, size_t at, size_t end) {
     unsigned limit = end - at < MAX_MATCH ? (unsigned)(end - at) : MAX_MATCH;
+    unsigned enough = limit < LONG ? limit : LONG;
     struct repeat best = {0};
     try_distance(s, at, s->latest, limit, &best);
     for (int i = 0; i < 4 && best.length < limit; i++)
         try_distance(s, at, s->rows[i], limit, &best);
     for (int table = TABLES - 1; table >= 0; table--) {
         uint32_t *places = places_of(s, at, table);
-        for (int way = 0; way < WAYS && best.length < limit; way++) {
+        for (int way = 0; way < WAYS && best.length < enough; way++) {
             if (places[way] < s->deflater->base)
                 break;
             size_t back = at - (places[way] - s->deflater->base);
@@ -435,7 +438,7 @@ static size_t find_sequences(struct search *s, size_t first, size_t end) {
             continue;
         }
         /* one byte on there may be a better one */
-        while (best.length < 64 && at + 1 < stop &&
+        while (best.length < ENOUGH && at + 1 < stop &&
                (next = find(s, at + 1, end)).gain > best.gain) {
             at++;
             best = next;

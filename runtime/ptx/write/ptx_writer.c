@@ -12,9 +12,9 @@
 #include <unistd.h>
 
 #define DEFAULT_MEMORY (UINT64_C(128) << 20)
-/* With blocks of noise packed by other means, the first level that is no larger than zlib's sixth.
- */
-#define DEFAULT_COMPRESSION 7
+/* With large blocks of integers packed by other means, as small as zlib's sixth: files of halves
+ * are a little smaller, those of bytes from 15 % smaller to 3 % larger. */
+#define DEFAULT_COMPRESSION 6
 
 /* Whether a file has faces of which reductions would be stored. */
 static bool could_reduce(const slv_ptx *ptx) {
