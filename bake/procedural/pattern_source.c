@@ -155,15 +155,8 @@ static void destroy(slv_bake_source *source) {
 }
 
 static slvi_pattern_means *best_means(void) {
-#define CANDIDATE(KIND) {slvi_has_##KIND, slvi_pattern_means_##KIND},
-    static const struct {
-        bool (*runs)(void);
-        slvi_pattern_means *means;
-    } candidates[] = {SLVI_ROW_PROCESSORS(CANDIDATE)};
-    size_t i = 0;
-    while (!candidates[i].runs())
-        i++;
-    return candidates[i].means;
+#define KIND_OR(KIND) slvi_has_##KIND() ? slvi_pattern_means_##KIND:
+    return SLVI_ROW_PROCESSORS(KIND_OR) NULL;
 }
 
 slv_result slv_bake_from_pattern(const slv_env *env, const slv_surface *surface,

@@ -130,15 +130,8 @@ static slv_result check(const slv_env *env, slv_bake_rays *params) {
 }
 
 static slvi_texel_rays *best_rays(void) {
-#define CANDIDATE(KIND) {slvi_has_##KIND, slvi_texel_rays_##KIND},
-    static const struct {
-        bool (*runs)(void);
-        slvi_texel_rays *rays;
-    } candidates[] = {SLVI_RAYS_PROCESSORS(CANDIDATE)};
-    size_t i = 0;
-    while (!candidates[i].runs())
-        i++;
-    return candidates[i].rays;
+#define KIND_OR(KIND) slvi_has_##KIND() ? slvi_texel_rays_##KIND:
+    return SLVI_RAYS_PROCESSORS(KIND_OR) NULL;
 }
 
 slv_result slv_bake_from_rays(const slv_env *env, const slv_mesh *mesh, const slv_surface *surface,

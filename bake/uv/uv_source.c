@@ -184,15 +184,8 @@ static slv_result go_round(const slv_env *env, uv_source *s) {
 }
 
 static slvi_uv_sum_line *best_line(void) {
-#define CANDIDATE(KIND) {slvi_has_##KIND, slvi_uv_sum_line_##KIND},
-    static const struct {
-        bool (*runs)(void);
-        slvi_uv_sum_line *line;
-    } candidates[] = {SLVI_UV_PROCESSORS(CANDIDATE)};
-    size_t i = 0;
-    while (!candidates[i].runs())
-        i++;
-    return candidates[i].line;
+#define KIND_OR(KIND) slvi_has_##KIND() ? slvi_uv_sum_line_##KIND:
+    return SLVI_UV_PROCESSORS(KIND_OR) NULL;
 }
 
 slv_result slv_bake_from_uv(const slv_env *env, const slv_mesh *mesh, const char *path,

@@ -1,5 +1,6 @@
 /* What processors can do beyond what all of their kind can; the conditions for code that is
- * compiled for some of them. */
+ * compiled for some of them. A list of kinds, the best first, becomes a choice where each is
+ * `slvi_has_KIND() ? what is for it :`, as SLVI_FILTER_PROCESSORS in filter/sampler.c. */
 #ifndef SLV_BASE_PROCESSOR_H
 #define SLV_BASE_PROCESSOR_H
 

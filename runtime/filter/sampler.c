@@ -31,15 +31,8 @@ static kernel_cubic make_cubic(float sharpness) {
 }
 
 static const lookup_functions *best_functions(void) {
-#define CANDIDATE(KIND) {slvi_has_##KIND, slvi_lookup_##KIND},
-    static const struct {
-        bool (*runs)(void);
-        const lookup_functions *functions;
-    } candidates[] = {SLVI_FILTER_PROCESSORS(CANDIDATE)};
-    size_t i = 0;
-    while (!candidates[i].runs())
-        i++;
-    return candidates[i].functions;
+#define KIND_OR(KIND) slvi_has_##KIND() ? slvi_lookup_##KIND:
+    return SLVI_FILTER_PROCESSORS(KIND_OR) NULL;
 }
 
 slv_result slv_sampler_create(slv_cache *cache, const slv_filter_params *params,
