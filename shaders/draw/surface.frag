@@ -3,6 +3,9 @@ layout(location = 0) in vec2 surface_uv;
 layout(location = 1) in vec3 eye_position;
 layout(location = 2) in vec3 eye_normal;
 layout(location = 3) flat in int surface_face;
+#ifndef SURFACE_DRAWS
+#define SURFACE_DRAWS 0
+#endif
 #if SURFACE_DRAWS
 layout(location = 4) flat in int surface_draw;
 #endif
@@ -25,9 +28,6 @@ layout(location = 0) out vec4 color;
 #endif
 #ifndef SURFACE_MSAA
 #define SURFACE_MSAA 1
-#endif
-#ifndef SURFACE_DRAWS
-#define SURFACE_DRAWS 0
 #endif
 #ifndef SURFACE_BIASED
 #define SURFACE_BIASED 0
