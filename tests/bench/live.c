@@ -1,6 +1,6 @@
 /* Textures that live: CPU time of one changed rectangle, for each strategy, on few faces and on
- * many; and the calls that upload the texture bit by bit, with `--making`, and `--mixed` where each
- * face has one of 16 resolutions at random. */
+ * many; the calls that upload the texture bit by bit, with `--making`, and `--mixed` where each
+ * face has one of 16 resolutions at random; and one face that grows, with `--growing`. */
 #include "kit/bench_kit.h"
 
 #include <selvage/gl_live.h>
@@ -140,21 +140,54 @@ static void show_making(slv_gl *gl, const slv_env *env, const scene *s,
     slv_gl_texture_destroy(made);
 }
 
+/* The middle processor time of an update after one face, of one texel, has got four, in ms. */
+static void show_growing(slv_gl *gl, const slv_env *env, const scene *s,
+                         const slv_strategy *strategy) {
+    enum { GROWN = 7 };
+    static uint32_t random = 17; /* other faces for each strategy */
+    unsigned char texels[12];
+    follower f;
+    double times[GROWN];
+    follow(gl, env, s, strategy, SLV_TEXTURE_DATA, &f);
+    for (uint32_t i = 0; i < GROWN; i++) {
+        uint32_t face = (uint32_t)((uint64_t)bench_random(&random) * s->nfaces >> 32);
+        for (size_t k = 0; k < sizeof texels; k++)
+            texels[k] = (unsigned char)bench_random(&random);
+        bench_stop(slv_texture_set_resolution(s->texture, face, (slv_res){1, 1}, texels));
+        double start = bench_seconds(CLOCK_PROCESS_CPUTIME_ID);
+        bench_stop(slv_gl_texture_update(f.made, env, NULL));
+        times[i] = 1e3 * (bench_seconds(CLOCK_PROCESS_CPUTIME_ID) - start);
+    }
+    printf("%-14s %8.2f ms\n", strategy->name, bench_median(times, GROWN));
+    fflush(stdout);
+    slv_gl_texture_destroy(f.made);
+}
+
 static bool is_left_out(const slv_strategy *strategy, const char *only) {
     return strategy->comparison || (only && strcmp(only, strategy->name) != 0);
 }
 
-/* `--making [FACES [STRATEGY]]`: faces of 8 x 8 texels, or fewer. */
-static int run_making(slv_gl *gl, const slv_env *env, uint32_t nfaces, const char *only,
-                      bool mixed) {
-    scene s = make_scene(env, nfaces, 3, mixed);
+enum mode { CHANGES, MAKING, MIXED, GROWING };
+
+/* `--making [FACES [STRATEGY]]`: faces of 8 x 8 texels, or fewer; of one texel with `--growing`. */
+static int run(slv_gl *gl, const slv_env *env, uint32_t nfaces, const char *only, enum mode mode) {
+    scene s = make_scene(env, nfaces, mode == GROWING ? 0 : 3, mode == MIXED);
     for (uint32_t i = 0; i < slv_strategy_count(); i++)
         if (!is_left_out(slv_strategy_at(i), only))
-            show_making(gl, env, &s, slv_strategy_at(i));
+            (mode == GROWING ? show_growing : show_making)(gl, env, &s, slv_strategy_at(i));
     slv_texture_destroy(s.texture);
     slv_adjacency_destroy(s.adjacency);
     slv_gl_destroy(gl);
     return 0;
+}
+
+static enum mode mode_of(const char *argument) {
+    static const char *const names[] = {
+        [MAKING] = "--making", [MIXED] = "--mixed", [GROWING] = "--growing"};
+    for (enum mode mode = MAKING; argument && mode <= GROWING; mode++)
+        if (strcmp(argument, names[mode]) == 0)
+            return mode;
+    return CHANGES;
 }
 
 int main(int argc, char **argv) {
@@ -166,11 +199,12 @@ int main(int argc, char **argv) {
     slv_env env = {.log = bench_log, .max_bytes = UINT64_C(64) << 30};
     slv_gl *gl = NULL;
     scene scenes[2];
+    bench_bars bars = {0};
     bench_stop(slv_gl_create(&env, SLV_GL_AUTO, &gl));
-    bool mixed = argc > 1 && strcmp(argv[1], "--mixed") == 0;
-    if (mixed || (argc > 1 && strcmp(argv[1], "--making") == 0))
-        return run_making(gl, &env, argc > 2 ? (uint32_t)atoi(argv[2]) : 1000000,
-                          argc > 3 ? argv[3] : NULL, mixed);
+    enum mode mode = mode_of(argv[1]);
+    if (mode)
+        return run(gl, &env, argc > 2 ? (uint32_t)atoi(argv[2]) : 1000000,
+                   argc > 3 ? argv[3] : NULL, mode);
     for (uint32_t k = 0; k < 2; k++)
         scenes[k] = make_scene(&env, counts[k], side, false);
     printf("a rectangle of %u x %u texels, ms of CPU; in brackets making the texture\n", 1u << side,
@@ -187,16 +221,20 @@ int main(int argc, char **argv) {
                 follow(gl, &env, &scenes[k], strategy, encoding, &followers[k]);
             compare(&env, scenes, followers, side, false, ms);
             compare(&env, scenes, followers, side, true, cold);
-            printf("%-14s %-5s %8.3f on %u faces (%.0f), %8.3f on %u (%.0f): %.2f times; caches "
-                   "empty %.3f, %.3f: %.2f times\n",
-                   strategy->name, slv_texture_encoding_name(encoding), ms[0], counts[0],
-                   followers[0].creation, ms[1], counts[1], followers[1].creation, ms[1] / ms[0],
-                   cold[0], cold[1], cold[1] / cold[0]);
+            printf("%-14s %-5s %8.3f on %u faces (%.0f), %8.3f on %u (%.0f)\n", strategy->name,
+                   slv_texture_encoding_name(encoding), ms[0], counts[0], followers[0].creation,
+                   ms[1], counts[1], followers[1].creation);
+            bench_bar(&bars, false, "  on many", "ms", ms[1],
+                      strategy->reach == SLV_GL_REACH_SQUARES ? 5 : 2, true);
+            bench_bar(&bars, false, "  of that on few", "times", ms[1] / ms[0], 1.3, true);
+            bench_bar(&bars, false, "  the same, caches empty before each", "times",
+                      cold[1] / cold[0], 1.3, true);
             for (uint32_t k = 0; k < 2; k++)
                 slv_gl_texture_destroy(followers[k].made);
             fflush(stdout);
         }
     }
+    bench_bars_end(&bars, false);
     for (uint32_t k = 0; k < 2; k++) {
         slv_texture_destroy(scenes[k].texture);
         slv_adjacency_destroy(scenes[k].adjacency);

@@ -13,6 +13,7 @@ typedef struct ring_levels {
     slv_ring ring;
     uint32_t
         stride; /* above 1 around the pole of very many faces: every stride-th stands for all */
+    bool alike; /* squares of one resolution all around, of which one offset is all that there is */
     bool by_edges;
     int32_t meeting;    /* offset - 2 level of the levels that meet */
     int32_t own, least; /* the offset of the face that asks, and the least of all */
@@ -50,6 +51,8 @@ static int32_t next_offset(const slv_border_view *view, const ring_levels *level
                            int32_t offset) {
     const slv_corner *from = &levels->ring.corners[i - 1];
     const slv_corner *to = &levels->ring.corners[i == levels->ring.count ? 0 : i];
+    if (levels->alike)
+        return offset;
     if (!levels->by_edges)
         return density(view, to->face);
     return offset +
@@ -93,6 +96,18 @@ static bool place_quad(const slv_border_view *view, ring_levels *levels, int32_t
     return offsets[0] == offsets[1] || !levels->quad_meets_first || !levels->quad_meets_last;
 }
 
+static bool is_alike(const slv_border_view *view, const slv_ring *ring) {
+    slv_res res = res_of(view, ring->corners[0].face);
+    bool part = slv_adjacency_is_subface(view->adjacency, ring->corners[0].face);
+    bool same = res.u == res.v;
+    for (uint32_t i = 1; same && i < ring->count; i++) {
+        slv_res other = res_of(view, ring->corners[i].face);
+        same = other.u == res.u && other.v == res.u &&
+               slv_adjacency_is_subface(view->adjacency, ring->corners[i].face) == part;
+    }
+    return same;
+}
+
 static ring_levels ring_levels_at(const slv_border_view *view, uint32_t face, uint32_t level,
                                   uint32_t corner, uint32_t *position) {
     ring_levels out = {.by_edges = !view->levels->even, .quad = SLV_BOUNDARY};
@@ -111,6 +126,12 @@ static ring_levels ring_levels_at(const slv_border_view *view, uint32_t face, ui
     }
     if (!out.ring.closed && slv_adjacency_is_t_corner(view->adjacency, (int32_t)face, corner))
         find_quad(view, &out);
+    out.alike = out.quad == SLV_BOUNDARY && is_alike(view, &out.ring);
+    if (out.alike) {
+        out.own = out.least = first_offset(view, &out);
+        out.meeting = out.own - 2 * (int32_t)level;
+        return out;
+    }
     for (;;) {
         int32_t offset = first_offset(view, &out), least = offset, own = offset;
         for (uint32_t i = 1; i < out.ring.count; i++) {
@@ -197,13 +218,14 @@ static void bound(const slv_border_view *view, sum_bounds *bounds, const float *
                   const float *at, const float *after) {
     for (uint32_t c = 0; c < view->count; c++) {
         float s = before[c] + at[c] + after[c];
-        bounds->low[c] = fmaxf(bounds->low[c], s);
-        bounds->high[c] = fminf(bounds->high[c], view->one + s);
+        float most = view->one + s;
+        bounds->low[c] = bounds->low[c] > s ? bounds->low[c] : s;
+        bounds->high[c] = bounds->high[c] < most ? bounds->high[c] : most;
     }
 }
 
 /* Sums the corner texels in the ring's own order, so that every face around finds the same bits;
- * returns of how many. */
+ * returns of how many. `bounds` may be NULL. */
 static uint32_t ring_sum(const slv_border_view *view, const ring_levels *levels, double *sum,
                          sum_bounds *bounds) {
     const slv_ring *ring = &levels->ring;
@@ -224,10 +246,10 @@ static uint32_t ring_sum(const slv_border_view *view, const ring_levels *levels,
             sum[c] += window[2][c];
         if (i < 2)
             memcpy(head[i], window[2], size);
-        if (i >= 2 && levels->stride == 1)
+        if (i >= 2 && bounds)
             bound(view, bounds, window[0], window[1], window[2]);
     }
-    if (levels->stride > 1)
+    if (!bounds)
         return members;
     /* The first and the last member: neighbours of each other, or with a boundary on one side. */
     const float *first = head[0], *last = window[2];
@@ -279,13 +301,13 @@ bool slvi_border_vertex_value(const slv_border_view *view, uint32_t face, uint32
         bounds.low[c] = 0.0f;
         bounds.high[c] = 4.0f * view->one;
     }
-    uint32_t members = ring_sum(view, &levels, sum, &bounds);
+    slv_type type = view->levels->desc.type;
+    bool whole = (type == SLV_TYPE_U8 || type == SLV_TYPE_U16) && !view->levels->vectors;
+    uint32_t members = ring_sum(view, &levels, sum, whole && levels.stride == 1 ? &bounds : NULL);
     if (levels.quad != SLV_BOUNDARY) {
         t_value(view, &levels, sum, out);
         return false;
     }
-    slv_type type = view->levels->desc.type;
-    bool whole = (type == SLV_TYPE_U8 || type == SLV_TYPE_U16) && !view->levels->vectors;
     for (uint32_t c = 0; c < view->count; c++) {
         out[c] = (float)(sum[c] / members);
         if (!whole)

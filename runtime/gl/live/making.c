@@ -14,6 +14,7 @@
 
 #define AT_ONCE (UINT64_C(32) << 20) /* bytes in one call of the driver's */
 #define IN_STEPS (UINT64_C(1) << 18) /* the same where a call is to end soon */
+#define ITEMS_IN_STEP 4096u          /* of a texel each, which take their time however few bytes */
 #define MOST_SECONDS 0.02
 #define CLEARED (UINT64_C(1) << 20) /* bytes that a software driver clears in next to no time */
 
@@ -110,6 +111,8 @@ static slv_result upload_layers(slv_gl_texture *texture, slv_gl_store *store,
         if (!may || (result = slvi_gl_store_make_pool(source, store, pool)) || bounds->over)
             return result;
     }
+    if (bounds->until > 0 && most > ITEMS_IN_STEP * each)
+        most = ITEMS_IN_STEP * each;
     layers.count = slvi_gl_layers_fitting(&store->pools, &layers, most);
     if ((result = slvi_gl_upload_layers(source, &store->pools, store->made, &layers,
                                         &making->staging, &store->error)))
