@@ -2,6 +2,7 @@
  * the one batch of each texture that it names, whatever resolutions and strategies they have, after
  * changes too; and textures that get into each other's way are refused. */
 #include "kit/change_kit.h"
+#include "kit/memory_kit.h"
 #include "kit/strategy_kit.h"
 
 #include <selvage/gl_live.h>
@@ -105,6 +106,43 @@ static void check(uint32_t which, uint64_t *random) {
     kit_free(&k);
 }
 
+/* Where an update fails, whatever it had come to, a texture may have no batches until the next one:
+ * a material says so. */
+static void check_failed_update(uint64_t *random) {
+    static memory_count memory;
+    slv_env env = test_env(), failing = memory_env(&memory);
+    slv_gl_texture_params params = {.live = true};
+    slv_gl_material *material = NULL;
+    slv_gl_lookup lookup = {NULL, NULL};
+    slv_result result = SLV_ERROR_MEMORY;
+    uint32_t without = 0;
+    kit k;
+    kit_grid(&k, 4, 4, false, 0, random, NULL);
+    kit_equal(&k, 3);
+    kit_noise(&k, SLV_TYPE_U8, 3, random);
+    REQUIRE(slv_gl_texture_create(gl, &failing, k.texture, k.adjacency, &params, &lookup.texture) ==
+            SLV_OK);
+    REQUIRE(slv_gl_material_create(&env, &lookup, 1, &material) == SLV_OK);
+    for (uint32_t after = 1; result; after++) {
+        kit_resize(&k, 5, 4, true, random);
+        memory.fails = memory.asked + (long)after;
+        result = slv_gl_texture_update(lookup.texture, &failing, NULL);
+        memory.fails = 0;
+        bool none = slv_gl_texture_batch_count(lookup.texture, NULL) == 0;
+        slv_result listed = slv_gl_material_update(material, &env, NULL);
+        CHECK_MSG(listed == (none ? SLV_ERROR_ARGUMENT : SLV_OK), "after %u: %d", after, listed);
+        CHECK(!none || slv_gl_material_batch_count(material) == 0);
+        without += none;
+        REQUIRE(slv_gl_texture_update(lookup.texture, &env, NULL) == SLV_OK);
+        REQUIRE(slv_gl_material_update(material, &env, NULL) == SLV_OK);
+        check_batches(material, &lookup, 1, k.nfaces);
+    }
+    CHECK(without > 0);
+    slv_gl_material_destroy(material);
+    slv_gl_texture_destroy(lookup.texture);
+    kit_free(&k);
+}
+
 static void refuse(const slv_gl_lookup *lookups, uint32_t count, slv_result expected,
                    const char *words) {
     slv_env env = test_env();
@@ -152,6 +190,7 @@ int main(void) {
     for (uint32_t i = 0; i < test_effort(CASES); i++)
         check(i, &random);
     check_refusals(&random);
+    check_failed_update(&random);
     slv_gl_destroy(gl);
     return test_end();
 }

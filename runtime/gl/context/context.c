@@ -307,6 +307,11 @@ static void APIENTRY tell_nothing(GLenum what, GLint *out) {
     (void)what, (void)out;
 }
 
+static GLboolean APIENTRY is_elsewhere(GLuint64 handle) {
+    (void)handle;
+    return GL_FALSE;
+}
+
 slv_gl *slvi_gl_for_deleting(slv_gl *gl, slv_gl *keeping) {
     if (gl->api.IsSync(gl->marker))
         return gl;
@@ -318,6 +323,7 @@ slv_gl *slvi_gl_for_deleting(slv_gl *gl, slv_gl *keeping) {
                                 .DeleteSamplers = keep,
                                 .DeleteTextures = keep,
                                 .DeleteVertexArrays = keep,
+                                .IsTextureHandleResidentARB = is_elsewhere,
                                 .BindBuffer = keep_binding,
                                 .GetIntegerv = tell_nothing}};
     return keeping;

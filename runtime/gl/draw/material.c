@@ -122,6 +122,11 @@ static slv_result list_batches(const slv_env *env, slv_gl_material *m) {
     for (uint32_t k = m->nlookups; k--;) {
         const slv_gl_lookup *of = &m->lookups[k];
         const slv_gl_batches *batches = slvi_gl_texture_batches(of->texture, of->strategy);
+        if (n && !batches->count) {
+            result = slvi_fail(env, SLV_ERROR_ARGUMENT,
+                               "a texture of a material has no batches since its update failed");
+            goto done;
+        }
         if ((result = slvi_alloc(env, "batches", n, sizeof *batch_of[k], &batch_of[k])))
             goto done;
         for (uint32_t b = 0; b < batches->count; b++)

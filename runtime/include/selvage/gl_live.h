@@ -69,8 +69,8 @@ typedef struct slv_gl_update {
  * what was changed and not with the number of faces, but after more changes than a texture
  * remembers (256 rectangles of other faces than the one before), when each face is asked whether it
  * was changed. `out` may be NULL. SLV_ERROR_ARGUMENT for a texture that was not made `live`, or is
- * not uploaded yet. If it fails nothing is lost: the next call does what this one did not. Leaves
- * GL state as it was. */
+ * not uploaded yet. If it fails nothing is lost: the next call does what this one did not; until
+ * then there may be no batches. Leaves GL state as it was. */
 SLV_NODISCARD SLV_API slv_result slv_gl_texture_update(slv_gl_texture *texture, const slv_env *env,
                                                        slv_gl_update *out);
 
