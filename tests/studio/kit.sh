@@ -109,7 +109,7 @@ choose() { # WORDS PATH
         fi
         sleep 0.05
     done
-    xdotool windowfocus --sync "$window"
+    xdotool windowfocus --sync "$window" 2>/dev/null || true
 }
 # Presses a key in a question until it has been answered, with the answer of that number.
 answer() { # KEY NUMBER

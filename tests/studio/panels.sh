@@ -54,9 +54,12 @@ until [ -z "$(other_window)" ]; do
 done
 xdotool windowfocus --sync "$window"
 
-# kept for the next time
+# saving where nobody has said where to yet asks for that, and then goes on with the end; the colours are kept
 does '"event":"question"' key ctrl+q
-answer alt+n 1
+answer Return 0
+choose '"event":"saved"' "$here/kept.ptx"
 ends
+[ -f "$here/kept.ptx" ] || fail "nothing was saved"
+[ -z "$(ls "$here/state/selvage/unfinished")" ] || fail "what was saved is still unfinished work"
 grep -q '^swatches=#000000;#ffffff;' "$here/config/selvage/studio.ini" || fail "the colours are not kept"
 silent

@@ -32,10 +32,12 @@ does '"event":"chooser"' key ctrl+s
 choose '"event":"failed"' /proc/no.selvage
 [ -d "$work" ] || fail "a failing save has lost the work"
 
-# closing asks; Escape keeps it open; not saving throws away
-does '"event":"question"' key ctrl+q
+# closing asks, once however long the keys are held; Escape keeps it open; not saving throws away
+asked=$(count_of '"event":"question"')
+does '"event":"question"' key ctrl+q ctrl+q ctrl+q ctrl+q
 answer Escape 2
 key frame f
+[ "$(count_of '"event":"question"')" = $((asked + 1)) ] || fail "one question was asked more than once"
 does '"event":"question"' key ctrl+q
 answer alt+n 1
 ends
@@ -86,7 +88,10 @@ wanted_pictures=$(($(count_of '"refined":true') + 1))
 choose '"event":"opened"' "$here/again.ptx"
 wait_for '"refined":true' $wanted_pictures
 key frame f
-xdotool key ctrl+q
+# the end lets go of what is being opened, and comes once however long the keys are held
+does '"event":"chooser"' key ctrl+o
+choose '"event":"opening","step":1' "$here/slow.obj"
+does '"event":"cancelled"' key ctrl+q ctrl+q ctrl+q ctrl+q ctrl+q ctrl+q
 ends
 silent
 

@@ -253,9 +253,15 @@ static const row *find(const char *name) {
     return NULL;
 }
 
+static bool waits_for_opening(const row *r) {
+    return r->run != studio_do_open_cancel && r->run != studio_do_quit;
+}
+
+/* Keys that are held come once more before a question has the keyboard, or before the window that
+ * they close has gone. */
 static void run(studio_app *app, const row *r, const char *target) {
-    if ((app->loading && r->run != studio_do_open_cancel) || app->drag == STUDIO_DRAG_STROKE ||
-        app->touched || (r->needs && !app->document.texture))
+    if (app->closing || app->asking || (app->loading && waits_for_opening(r)) ||
+        app->drag == STUDIO_DRAG_STROKE || app->touched || (r->needs && !app->document.texture))
         return;
     studio_log(app, "\"event\":\"action\",\"name\":\"%s\",\"target\":\"%s\"", r->name,
                strchr(target, '"') || strchr(target, '\\') ? "" : target);

@@ -39,11 +39,13 @@ void studio_do_discard(studio_app *app, const char *target) {
 }
 
 static void (*then)(studio_app *app); /* after the answer: one question at a time */
+static bool saves_first;              /* that is, after it was said where to */
 
 static void saved_before(studio_app *app, int answer) {
     if (answer == 0) {
         studio_do_save(app, "");
-        if (app->document.session && studio_document_is_unsaved(&app->document))
+        saves_first = !app->document.target;
+        if (studio_document_is_unsaved(&app->document))
             return; /* where to is asked, or it failed */
     } else if (answer == 1) {
         if (app->document.working)
@@ -72,6 +74,7 @@ static void end_then(studio_app *app, void (*what)(studio_app *app)) {
 
 void studio_do_quit(studio_app *app, const char *target) {
     (void)target;
+    studio_open_cancel(app);
     end_then(app, finish);
 }
 
@@ -115,11 +118,12 @@ void studio_do_open_session(studio_app *app, const char *target) {
 
 /* ---- saving ---- */
 
-static void tell_saved(studio_app *app, slv_result result, const char *what) {
+static bool tell_saved(studio_app *app, slv_result result, const char *what) {
     if (studio_failed(app, result))
-        return;
+        return false;
     studio_log(app, "\"event\":\"%s\"", what);
     studio_say(app, NULL, NULL, NULL);
+    return true;
 }
 
 /* Beside what was opened, under a name of its own. */
@@ -135,16 +139,21 @@ static void save_there(studio_app *app, const char *path) {
 }
 
 void studio_do_save_to(studio_app *app, const char *target) {
-    tell_saved(app, studio_document_save_as(&app->document, target), "saved");
+    const bool goes_on = saves_first;
+    saves_first = false;
+    const bool saved = tell_saved(app, studio_document_save_as(&app->document, target), "saved");
     app->dirty = true;
     studio_area_redraw(app, true); /* that it is saved shows before a fine picture does */
     if (app->document.target)
         studio_settings_opened(app, app->document.target);
+    if (saved && goes_on)
+        then(app);
 }
 
 void studio_do_save_as(studio_app *app, const char *target) {
     char *name = suggestion(app, ".selvage");
     (void)target;
+    saves_first = false;
     studio_choose_file(app, "Save the session, or a .ptx", GTK_FILE_CHOOSER_ACTION_SAVE, name,
                        save_there);
     g_free(name);
@@ -156,7 +165,7 @@ void studio_do_save(studio_app *app, const char *target) {
     else if (!app->document.target)
         studio_do_save_as(app, target);
     else
-        tell_saved(app, studio_document_save(&app->document), "saved");
+        (void)tell_saved(app, studio_document_save(&app->document), "saved");
 }
 
 static void export_there(studio_app *app, const char *path) {
@@ -164,7 +173,7 @@ static void export_there(studio_app *app, const char *path) {
 }
 
 void studio_do_export_to(studio_app *app, const char *target) {
-    tell_saved(app, studio_document_export(&app->document, target), "exported");
+    (void)tell_saved(app, studio_document_export(&app->document, target), "exported");
 }
 
 void studio_do_export(studio_app *app, const char *target) {

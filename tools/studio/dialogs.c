@@ -14,6 +14,7 @@ static void answered(GtkDialog *dialog, int response, gpointer user) {
     question *q = user;
     int answer = response >= 0 ? response : q->last;
     gtk_window_destroy(GTK_WINDOW(dialog));
+    q->app->asking = false;
     studio_log(q->app, "\"event\":\"answer\",\"answer\":%d", answer);
     q->answer(q->app, answer);
     g_free(q);
@@ -32,6 +33,7 @@ void studio_ask(studio_app *app, const char *text, const char *more, const char 
         q->last = i;
     }
     gtk_dialog_set_default_response(GTK_DIALOG(dialog), 0);
+    app->asking = true;
     g_signal_connect(dialog, "response", G_CALLBACK(answered), q);
     gtk_window_present(GTK_WINDOW(dialog));
     studio_log(app, "\"event\":\"question\"");
@@ -43,6 +45,7 @@ static void numbered(GtkDialog *dialog, int response, gpointer user) {
     gtk_spin_button_update(spin);
     uint32_t number = (uint32_t)gtk_spin_button_get_value_as_int(spin);
     gtk_window_destroy(GTK_WINDOW(dialog));
+    q->app->asking = false;
     studio_log(q->app, "\"event\":\"answer\",\"answer\":%d", response == 0 ? (int)number : 0);
     if (response == 0)
         q->number(q->app, number);
@@ -64,6 +67,7 @@ void studio_ask_number(studio_app *app, const char *text, uint32_t value, uint32
     gtk_dialog_add_button(GTK_DIALOG(dialog), "_OK", 0);
     gtk_dialog_add_button(GTK_DIALOG(dialog), "_Cancel", 1);
     gtk_dialog_set_default_response(GTK_DIALOG(dialog), 0);
+    app->asking = true;
     g_signal_connect(dialog, "response", G_CALLBACK(numbered), q);
     gtk_window_present(GTK_WINDOW(dialog));
     gtk_widget_grab_focus(field);
@@ -72,6 +76,7 @@ void studio_ask_number(studio_app *app, const char *text, uint32_t value, uint32
 
 static void chosen(GtkNativeDialog *dialog, int response, gpointer user) {
     question *q = user;
+    q->app->asking = false;
     if (response == GTK_RESPONSE_ACCEPT) {
         GFile *file = gtk_file_chooser_get_file(GTK_FILE_CHOOSER(dialog));
         char *path = file ? g_file_get_path(file) : NULL;
@@ -107,6 +112,7 @@ void studio_choose_file(studio_app *app, const char *title, GtkFileChooserAction
         gtk_file_chooser_set_current_name(GTK_FILE_CHOOSER(dialog), base);
         g_free(base);
     }
+    app->asking = true;
     g_signal_connect(dialog, "response", G_CALLBACK(chosen), q);
     gtk_native_dialog_set_modal(GTK_NATIVE_DIALOG(dialog), TRUE);
     gtk_native_dialog_show(GTK_NATIVE_DIALOG(dialog));

@@ -111,6 +111,7 @@ typedef struct studio_app {
     GtkWidget *opening_text, *opening_bar;
     char *mesh_path; /* of the command line */
     bool loading, closing, syncing, dark;
+    bool asking; /* a question or a file chooser is open, and nothing else is done */
     bool dirty;  /* the document is ahead of its texture */
     bool stale;  /* the picture is not what it was drawn of */
     bool framed; /* the camera fits what is open */

@@ -259,7 +259,9 @@ static gboolean dropped(GtkDropTarget *target, const GValue *value, double x, do
     (void)target;
     (void)x;
     (void)y;
-    if (path)
+    if (files && files->next)
+        studio_say(user, "Files are opened one at a time: drop one of them.", NULL, NULL);
+    else if (path)
         studio_actions_run(user, "open-path", path);
     g_free(path);
     g_slist_free(files);
@@ -390,8 +392,6 @@ static GtkWidget *make_panels(studio_app *app) {
 static gboolean close_asked(GtkWindow *window, gpointer user) {
     studio_app *app = user;
     (void)window;
-    if (app->closing || app->loading)
-        return FALSE;
     studio_actions_run(app, "quit", NULL);
     return TRUE;
 }
