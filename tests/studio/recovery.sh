@@ -52,7 +52,7 @@ for file in bad.ptx ${SELVAGE_TEST_EFFORT:+missing.ptx} old.selvage; do
     start_studio --size 320x200 "$here/$file"
     wait_for '"event":"failed"'
     window=$(xdotool search --onlyvisible --name 'Selvage Studio' | tail -n 1)
-    xdotool windowfocus --sync "$window" key ctrl+q
+    xdotool windowfocus --sync "$window" key ctrl+q ctrl+q ctrl+q ctrl+q ctrl+q # held
     ends
     silent
 done
@@ -87,11 +87,27 @@ does '"event":"chooser"' key ctrl+o
 wanted_pictures=$(($(count_of '"refined":true') + 1))
 choose '"event":"opened"' "$here/again.ptx"
 wait_for '"refined":true' $wanted_pictures
-key frame f
-# the end lets go of what is being opened, and comes once however long the keys are held
+# a stroke ends with the button that it began with
+take_window
+key tool b
+does '"event":"samples"' mousemove $middle_x $middle_y mousedown 1 mousemove_relative 5 5
+xdotool mousedown 3 mouseup 3
+does '"event":"samples"' mousemove_relative 5 5
+does '"event":"stroke"' mouseup 1
+# what is no file takes nothing away, though it was said that what is open need not be saved
 does '"event":"chooser"' key ctrl+o
-choose '"event":"opening","step":1' "$here/slow.obj"
-does '"event":"cancelled"' key ctrl+q ctrl+q ctrl+q ctrl+q ctrl+q ctrl+q
+choose '"event":"question"' "$here/bad.ptx"
+answer alt+n 1
+wait_for '"event":"failed"'
+key undo ctrl+z
+# nor does one that was let go because the window is closed
+does '"event":"chooser"' key ctrl+o
+choose '"event":"question"' "$here/slow.obj"
+steps=$(count_of '"event":"opening","step":1')
+answer alt+n 1
+wait_for '"event":"opening","step":1' $((steps + 1))
+does '"event":"question"' key ctrl+q
+answer alt+n 1
 ends
 silent
 

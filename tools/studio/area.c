@@ -399,6 +399,7 @@ static gboolean press(studio_app *app, GdkEvent *event) {
     guint button = gdk_button_event_get_button(event);
     if (app->drag != STUDIO_DRAG_NONE || !app->document.texture)
         return TRUE;
+    app->button = button;
     gtk_widget_grab_focus(GTK_WIDGET(app->area));
     samples_of(app, event, sample, MOST);
     app->x = (double)sample->x;
@@ -493,7 +494,9 @@ static gboolean motion(studio_app *app, GdkEvent *event) {
     return FALSE;
 }
 
-static gboolean release(studio_app *app) {
+static gboolean release(studio_app *app, GdkEvent *event) {
+    if (gdk_button_event_get_button(event) != app->button)
+        return FALSE;
     if (app->drag == STUDIO_DRAG_STROKE) { /* it may go on for a while */
         studio_stroke_pen(app, STUDIO_PEN_UP, NULL, 0, false);
         return FALSE;
@@ -547,7 +550,7 @@ static gboolean handle(GtkEventControllerLegacy *controller, GdkEvent *event, gp
     case GDK_BUTTON_PRESS:
         return press(user, event);
     case GDK_BUTTON_RELEASE:
-        return release(user);
+        return release(user, event);
     case GDK_MOTION_NOTIFY:
         return motion(user, event);
     case GDK_SCROLL:

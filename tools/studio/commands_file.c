@@ -19,9 +19,16 @@ static void finish(studio_app *app) {
     if (app->report)
         g_subprocess_send_signal(app->report, SIGTERM);
     studio_settings_save(app);
-    if (app->document.working && !studio_document_is_unsaved(&app->document))
-        studio_do_discard(app, "");
+    studio_leave(app);
     g_idle_add(destroy, app);
+}
+
+void studio_leave(studio_app *app) {
+    if (app->thrown_away || !studio_document_is_unsaved(&app->document))
+        studio_do_discard(app, "");
+    app->thrown_away = false;
+    studio_area_forget(app);
+    studio_document_close(&app->document);
 }
 
 /* Forgets the session of what is open, and its folder. */
@@ -48,8 +55,7 @@ static void saved_before(studio_app *app, int answer) {
         if (studio_document_is_unsaved(&app->document))
             return; /* where to is asked, or it failed */
     } else if (answer == 1) {
-        if (app->document.working)
-            studio_do_discard(app, "");
+        app->thrown_away = true; /* as soon as there is something else */
     } else {
         g_free((char *)(uintptr_t)app->pending);
         app->pending = NULL;
@@ -83,9 +89,6 @@ void studio_do_quit(studio_app *app, const char *target) {
 static void open_pending(studio_app *app) {
     char *path = (char *)(uintptr_t)app->pending;
     app->pending = NULL;
-    if (app->document.working && app->document.session &&
-        !studio_document_is_unsaved(&app->document))
-        studio_do_discard(app, "");
     if (path)
         studio_open(app, path);
     g_free(path);

@@ -111,12 +111,14 @@ typedef struct studio_app {
     GtkWidget *opening_text, *opening_bar;
     char *mesh_path; /* of the command line */
     bool loading, closing, syncing, dark;
-    bool asking; /* a question or a file chooser is open, and nothing else is done */
-    bool dirty;  /* the document is ahead of its texture */
-    bool stale;  /* the picture is not what it was drawn of */
-    bool framed; /* the camera fits what is open */
+    bool thrown_away; /* what is not saved, as soon as something else is open */
+    bool asking;      /* a question or a file chooser is open, and nothing else is done */
+    bool dirty;       /* the document is ahead of its texture */
+    bool stale;       /* the picture is not what it was drawn of */
+    bool framed;      /* the camera fits what is open */
 
     studio_drag drag;
+    guint button; /* that it began with, and ends with */
     studio_stroke stroke;
     uint8_t *touched;        /* of each face, whether a drag of the resolution brush was there */
     bool fewer;              /* that drag takes texels away */
@@ -267,6 +269,10 @@ typedef void (*studio_number_fn)(studio_app *app, uint32_t number);
 /* A number from 1 on, which closing the question leaves unasked. */
 void studio_ask_number(studio_app *app, const char *question, uint32_t value, uint32_t most,
                        studio_number_fn done);
+
+/* commands_file.c */
+/* Closes what is open, and removes what nobody needs of it. */
+void studio_leave(studio_app *app);
 
 /* settings.c */
 void studio_settings_load(studio_app *app);

@@ -181,8 +181,7 @@ static void loaded(GObject *source, GAsyncResult *task, gpointer user) {
     }
     if (wanted && !o->result) {
         studio_turntable_stop(app);
-        studio_area_forget(app);
-        studio_document_close(&app->document);
+        studio_leave(app);
         studio_document_end(&app->document);
         o->document.serial += app->document.serial;
         app->document = o->document;
@@ -201,6 +200,7 @@ static void loaded(GObject *source, GAsyncResult *task, gpointer user) {
     } else if (wanted) {
         snprintf(app->document.message, STUDIO_MESSAGE, "%s",
                  o->document.message ? o->document.message : "");
+        app->thrown_away = false;
         studio_page(app, app->document.texture ? "picture" : "start", NULL);
         studio_failed(app, o->result);
     }
@@ -220,6 +220,7 @@ void studio_open_cancel(studio_app *app) {
     studio_document_cancel(&app->opening->document);
     app->opening = NULL; /* whoever opens it cleans up when that has ended */
     app->loading = false;
+    app->thrown_away = false;
     studio_page(app, app->document.texture ? "picture" : "start", NULL);
     studio_log(app, "\"event\":\"cancelled\"");
     studio_area_redraw(app, false);
