@@ -40,6 +40,15 @@ key history End
 key history Up
 [ "$(grep -c '"op":"undo"' "$journal")" = 4 ] || fail "the row above undoes another number of things"
 
+# a drag of the layer's opacity is one thing to undo
+refined
+lines=$(wc -l <"$journal")
+x=$(($(field x opacity) + $(field width opacity) - 12)) y=$(($(field y opacity) + $(field height opacity) / 2))
+steps=$(for _ in 1 2 3 4 5 6 7 8; do echo mousemove_relative -- -4 0 sleep 0.1; done)
+# shellcheck disable=SC2086
+does '"event":"done","name":"layer-opacity"' mousemove $x $y mousedown 1 $steps mouseup 1
+[ "$(wc -l <"$journal")" = $((lines + 1)) ] || fail "a drag of the opacity is more than one thing to undo"
+
 # the panel has the times of processor and GPU apart
 grep '"event":"times"' "$log" | tail -n 1 | grep -q '"cpu_ms":[0-9.]*[1-9][0-9]*,"gpu_ms":[-0-9.]*' ||
     fail "no times were told"

@@ -96,6 +96,7 @@ static gboolean follow(gpointer user) {
         studio_panel_inspector_sync(app);
         studio_log_place(app, "history", app->history);
         studio_log_place(app, "swatches", app->swatch_list);
+        studio_log_place(app, "opacity", app->layer_opacity);
     }
     return G_SOURCE_REMOVE;
 }

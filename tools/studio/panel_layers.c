@@ -24,12 +24,34 @@ static void renamed(GtkEditableLabel *label, GParamSpec *spec, gpointer user) {
         studio_actions_run(app, "layer-name", gtk_editable_get_text(GTK_EDITABLE(label)));
 }
 
-static void faded(GtkRange *range, gpointer user) {
+static bool is_held(const studio_app *app) {
+    GdkSurface *surface = gtk_native_get_surface(GTK_NATIVE(app->window));
+    GdkSeat *seat = gdk_display_get_default_seat(gtk_widget_get_display(app->layer_opacity));
+    GdkModifierType state = 0;
+    gdk_surface_get_device_position(surface, gdk_seat_get_pointer(seat), NULL, NULL, &state);
+    return state & GDK_BUTTON1_MASK;
+}
+
+static gboolean fade(gpointer user) {
     studio_app *app = user;
     char text[G_ASCII_DTOSTR_BUF_SIZE];
-    if (!app->syncing)
-        studio_actions_run(app, "layer-opacity",
-                           g_ascii_dtostr(text, sizeof text, gtk_range_get_value(range)));
+    if (!app->closing && is_held(app))
+        return G_SOURCE_CONTINUE;
+    app->fade = 0;
+    if (!app->closing)
+        studio_actions_run(
+            app, "layer-opacity",
+            g_ascii_dtostr(text, sizeof text, gtk_range_get_value(GTK_RANGE(app->layer_opacity))));
+    return G_SOURCE_REMOVE;
+}
+
+/* When the slider is let go of: a drag is one thing to undo, however many values it goes through.
+ */
+static void faded(GtkRange *range, gpointer user) {
+    studio_app *app = user;
+    (void)range;
+    if (!app->syncing && !app->fade)
+        app->fade = g_timeout_add(50, fade, app);
 }
 
 static void blended(GtkDropDown *list, GParamSpec *spec, gpointer user) {

@@ -78,6 +78,7 @@ typedef struct studio_app {
     GtkWidget *bar, *bar_text, *page_text, *status, *inspector, *live, *layers, *saved, *history,
         *brushes_list, *swatch_list;
     GtkWidget *bar_button, *layer_blend, *layer_opacity;
+    guint fade;             /* the timer that waits for its slider to be let go of */
     const char *bar_action; /* what its button does */
     uint32_t history_first; /* how many things its first row has done */
     guint history_scroll;   /* an idle moment in which it is scrolled */
