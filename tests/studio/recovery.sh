@@ -74,11 +74,9 @@ exec 9>&-
 wait_for '"refined":true'
 # one that comes a little at a time says how far it is, to its end
 mkfifo "$here/tardy.obj"
-exec 9<>"$here/tardy.obj"
 does '"event":"chooser"' key ctrl+o
 choose '"event":"opening","step":1' "$here/tardy.obj"
-cat "$2/cube.obj" >&9
-exec 9>&-
+timeout 60 sh -c 'cat "$1" >"$2"' - "$2/cube.obj" "$here/tardy.obj" # goes on when somebody reads
 wait_for '"event":"opened"' 2
 cp "$here/cube.ptx" "$here/again.ptx"
 wait_for '"event":"opening","step":4'
