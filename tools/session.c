@@ -322,8 +322,9 @@ int verb_session(int argc, char **argv) {
         {"--scale", CLI_UINT, &s.scale,
          "with --replay: at so many times the resolution, a power of two (1)", NULL, 1, 65536,
          NULL},
-        {"--script", CLI_TEXT, &s.script, "strokes to paint, JSON lines", "SCRIPT.jsonl", 0, 0,
-         NULL},
+        {"--script", CLI_TEXT, &s.script,
+         "what to do, JSON lines: strokes, fills, layers, masks, sizes of faces", "SCRIPT.jsonl", 0,
+         0, NULL},
         {"--layer", CLI_UINT, &s.layer, "id of the layer to paint on (the topmost)", NULL, 1,
          UINT32_MAX, NULL},
         {"--undo", CLI_UINT, &s.undo, "undo so many things first", NULL, 0, UINT32_MAX, NULL},
@@ -356,6 +357,8 @@ int verb_session(int argc, char **argv) {
         .writes = "the session, and with --export or --edits a .ptx",
         .examples = "  selvage session cow.selvage --new cow.ptx\n"
                     "  selvage session cow.selvage --script strokes.jsonl --save\n"
+                    "  echo '{\"op\":\"add-layer\",\"name\":\"rust\"}' |\n"
+                    "      selvage session cow.selvage --script - --save\n"
                     "  selvage session cow.selvage --undo 1 --export painted.ptx\n"
                     "  selvage session cow.selvage --certify --between 1,2\n"
                     "  selvage session large.selvage --replay cow.selvage --scale 2\n",
