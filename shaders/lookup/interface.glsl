@@ -19,8 +19,8 @@
 //   SLV_FIRST_UNIT, SLV_FIRST_STORAGE    the first texture unit and the first storage buffer
 //   SLV_CHUNK           0, or how many faces have their rows in what is bound of tables that are longer than a block may be:
 //                       those whose ids agree above that power of two
-//   SLV_TAPS            1 if anisotropic taps are made here and not by the sampler: software drivers take the long axis of a
-//                       footprint from the coordinates of neighbouring fragments, whatever derivatives they are given
+//   SLV_TAPS            1 if anisotropic taps are made here and not by the sampler, which places them as it likes: the two sides of a
+//                       seam then differ
 //   SLV_VECTORS         1 if fragments run in vectors that only a loop's end can leave early (llvmpipe). Both sides of an `if` run
 //                       there for all, every case of a `switch`, and the body of a loop once more than needed if its condition
 //                       stands at the top

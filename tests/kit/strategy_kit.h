@@ -4,6 +4,7 @@
 
 #include "kit/test.h"
 
+#include <selvage/gl_context.h>
 #include <selvage/gl_strategy.h>
 
 enum { KIT_STRATEGIES = 32 }; /* room for all in arrays */
@@ -20,6 +21,12 @@ static inline const slv_strategy *const *kit_strategies(void) {
     for (uint32_t i = 0; i < slv_strategy_count(); i++)
         list[i] = slv_strategy_at(i);
     return list;
+}
+
+/* What lookups may be off where texels lie elsewhere in an array: samplers of GPUs weigh in steps
+ * of 1/256, and another rounding of the place is another step. */
+static inline float kit_weight_step(const slv_gl *gl) {
+    return slv_gl_get_info(gl)->software ? 0 : 1.0f / 256;
 }
 
 /* Members of slv_gl_texture_params. */

@@ -61,6 +61,7 @@ static slv_env counting_env(void) {
     X(ProgramUniformMatrix4fv, (GLuint a, GLint b, GLsizei c, GLboolean d, const GLfloat *e),      \
       (a, b, c, d, e))                                                                             \
     X(BindTextures, (GLuint a, GLsizei b, const GLuint *c), (a, b, c))                             \
+    X(GetObjectLabel, (GLenum a, GLuint b, GLsizei c, GLsizei * d, GLchar * e), (a, b, c, d, e))   \
     X(BindSamplers, (GLuint a, GLsizei b, const GLuint *c), (a, b, c))                             \
     X(BindBuffersRange,                                                                            \
       (GLenum a, GLuint b, GLsizei c, const GLuint *d, const GLintptr *e, const GLsizeiptr *f),    \
@@ -91,9 +92,9 @@ static GLenum APIENTRY count_GetError(void) {
     return real.GetError();
 }
 
-static GLboolean APIENTRY count_IsSync(GLsync sync) {
+static GLboolean APIENTRY count_IsRenderbuffer(GLuint name) {
     calls++;
-    return real.IsSync(sync);
+    return real.IsRenderbuffer(name);
 }
 
 static void APIENTRY uncounted(void) {
@@ -110,8 +111,8 @@ static slv_gl_proc counted(const char *name) {
         return (slv_gl_proc)count_MultiDrawElements;
     if (strcmp(name, "glIsTextureHandleResidentARB") == 0)
         return (slv_gl_proc)count_IsTextureHandleResidentARB;
-    if (strcmp(name, "glIsSync") == 0)
-        return (slv_gl_proc)count_IsSync;
+    if (strcmp(name, "glIsRenderbuffer") == 0)
+        return (slv_gl_proc)count_IsRenderbuffer;
     return strcmp(name, "glGetError") == 0 ? (slv_gl_proc)count_GetError : NULL;
 }
 

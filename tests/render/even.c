@@ -90,7 +90,7 @@ static void check_squares(uint64_t *random) {
             REQUIRE(!slv_gl_texture_lookup(textures[even], &env, strategies[s], POINTS, faces, uv,
                                            dx, dy, values[even]));
         for (int i = 0; i < 4 * POINTS; i++)
-            CHECK_MSG(fabsf(values[0][i] - values[1][i]) < 2e-3f,
+            CHECK_MSG(fabsf(values[0][i] - values[1][i]) < 2e-3f + kit_weight_step(gl),
                       "%s, face %d: %g, with even levels %g", names[s], faces[i / 4],
                       (double)values[0][i], (double)values[1][i]);
     }

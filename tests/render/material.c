@@ -153,7 +153,7 @@ static void refuse(const slv_gl_lookup *lookups, uint32_t count, slv_result expe
 
 static void check_refusals(uint64_t *random) {
     slv_env env = test_env();
-    slv_gl_texture_params params = {.batch_pools = 8};
+    slv_gl_texture_params params = {.batch_pools = 8, .binding = SLV_GL_BINDING_UNITS};
     slv_gl_texture *made[4];
     kit k, other;
     kit_grid(&k, 3, 3, false, 0, random, NULL);

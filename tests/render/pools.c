@@ -57,7 +57,8 @@ static void check_pages(uint64_t *random) {
         CHECK_MSG(few < many && few <= (i % 4 ? 6 : 40), "%s: %u batches, %u with a layer each",
                   strategy->name, few, many);
         float largest = largest_difference(apart, together);
-        CHECK_MSG(largest <= 2e-4f, "%s: %g", strategy->name, (double)largest);
+        CHECK_MSG(largest <= 2e-4f + 2 * kit_weight_step(gl), "%s: %g", strategy->name,
+                  (double)largest);
         kit_free(&k);
     }
 }
@@ -138,9 +139,11 @@ static void check_extremes(void) {
     k.res[0] = (slv_res){15, 0};
     kit_noise(&k, SLV_TYPE_U8, 1, &random); /* one value would take one texel */
     slv_gl_texture *texture = NULL;
+    const bool fits = slv_gl_get_info(gl)->max_texture_size >= 1u << 15;
     CHECK(slv_gl_texture_create(gl, &env, k.texture, k.adjacency, NULL, &texture) ==
-          SLV_ERROR_LIMIT);
-    CHECK(texture == NULL && strstr(test_last_log, "limit"));
+          (fits ? SLV_OK : SLV_ERROR_LIMIT));
+    CHECK(fits || (texture == NULL && strstr(test_last_log, "limit")));
+    slv_gl_texture_destroy(texture);
     kit_free(&k);
 }
 

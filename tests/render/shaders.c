@@ -189,7 +189,8 @@ static void check_texture(uint32_t nchannels, uint32_t anisotropy) {
     const slv_res res[1] = {{3, 2}};
     slv_texture_desc desc = {1, SLV_TYPE_U8, nchannels, SLV_NO_ALPHA, res, SLV_TEXTURE_LINEAR};
     slv_face_adjacency alone = {{-1, -1, -1, -1}, {0}};
-    slv_gl_texture_params params = {KIT_ALL, .anisotropy = anisotropy};
+    slv_gl_texture_params params = {KIT_ALL, .anisotropy = anisotropy,
+                                    .binding = SLV_GL_BINDING_UNITS}; /* as the installed file */
     REQUIRE(slv_texture_create(&env, &desc, &texture) == SLV_OK);
     REQUIRE(slv_adjacency_create(&env, 1, &alone, NULL, &adjacency) == SLV_OK);
     REQUIRE(slv_gl_texture_create(gl, &env, texture, adjacency, &params, &uploaded) == SLV_OK);

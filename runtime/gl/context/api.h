@@ -27,9 +27,9 @@
     X(PFNGLGETFLOATVPROC, GetFloatv)                                                               \
     X(PFNGLGETERRORPROC, GetError)                                                                 \
     X(PFNGLFINISHPROC, Finish)                                                                     \
-    X(PFNGLFENCESYNCPROC, FenceSync)                                                               \
-    X(PFNGLISSYNCPROC, IsSync)                                                                     \
-    X(PFNGLDELETESYNCPROC, DeleteSync)                                                             \
+    X(PFNGLISRENDERBUFFERPROC, IsRenderbuffer)                                                     \
+    X(PFNGLOBJECTLABELPROC, ObjectLabel)                                                           \
+    X(PFNGLGETOBJECTLABELPROC, GetObjectLabel)                                                     \
     X(PFNGLENABLEPROC, Enable)                                                                     \
     X(PFNGLDISABLEPROC, Disable)                                                                   \
     X(PFNGLBINDBUFFERPROC, BindBuffer)                                                             \
@@ -145,9 +145,10 @@ struct slv_gl {
     slv_gl_info info;
     slv_gl_platform platform;
     slv_gl_get_proc get_proc; /* NULL for a host's context */
-    GLsync marker;            /* of the context and those that share its objects: what tells whether
-                                 one is current */
-    uint64_t max_storage;     /* bytes of a shader storage block */
+    GLuint marker; /* an empty object of the context and those that share its objects: what
+                      tells whether one is current, by its label, for others have the name */
+    uint32_t label;
+    uint64_t max_storage; /* bytes of a shader storage block */
     uint32_t storage_bindings;
     bool ballot;              /* has GL_ARB_shader_ballot */
     bool handles;             /* has GL_ARB_bindless_texture and GL_ARB_shader_draw_parameters */

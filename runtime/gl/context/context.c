@@ -6,6 +6,8 @@
 #include "base/memory.h"
 #include "base/names.h"
 
+#include <inttypes.h>
+#include <stdatomic.h>
 #include <stdio.h>
 #include <string.h>
 #include <strings.h>
@@ -92,6 +94,30 @@ bool slv_gl_has_samples(const slv_gl *gl, uint32_t samples) {
     return all;
 }
 
+enum { LABEL = 32 };
+
+static void write_label(uint32_t number, char out[LABEL]) {
+    snprintf(out, LABEL, "selvage %" PRIu32, number);
+}
+
+static void mark(slv_gl *gl) {
+    static _Atomic(uint32_t) last;
+    char label[LABEL];
+    gl->label = atomic_fetch_add(&last, 1) + 1;
+    gl->api.CreateRenderbuffers(1, &gl->marker);
+    write_label(gl->label, label);
+    gl->api.ObjectLabel(GL_RENDERBUFFER, gl->marker, -1, label);
+}
+
+static bool is_current(const slv_gl *gl) {
+    char label[LABEL], found[LABEL] = "";
+    if (!gl->api.IsRenderbuffer(gl->marker))
+        return false;
+    gl->api.GetObjectLabel(GL_RENDERBUFFER, gl->marker, LABEL, NULL, found);
+    write_label(gl->label, label);
+    return strcmp(label, found) == 0;
+}
+
 static slv_result fill_info(const slv_env *env, slv_gl *gl, slv_gl_backend backend) {
     const slv_gl_api *api = &gl->api;
     slv_gl_info *info = &gl->info;
@@ -132,7 +158,7 @@ static slv_result fill_info(const slv_env *env, slv_gl *gl, slv_gl_backend backe
     info->max_texture_size = (uint32_t)size;
     info->texture_units = (uint32_t)units;
     gl->storage_bindings = (uint32_t)bindings;
-    gl->marker = api->FenceSync(GL_SYNC_GPU_COMMANDS_COMPLETE, 0);
+    mark(gl);
     while (api->GetError() != GL_NO_ERROR) /* whatever the host left behind is not ours to report */
         continue;
     return SLV_OK;
@@ -202,8 +228,8 @@ slv_result slv_gl_wrap(const slv_env *env, slv_gl_get_proc get_proc, void *user,
 void slv_gl_destroy(slv_gl *gl) {
     if (!gl)
         return;
-    if (gl->api.IsSync(gl->marker))
-        gl->api.DeleteSync(gl->marker);
+    if (is_current(gl))
+        gl->api.DeleteRenderbuffers(1, &gl->marker);
     if (gl->platform.destroy)
         gl->platform.destroy(gl->platform.state);
     slvi_free(gl);
@@ -284,7 +310,7 @@ void slvi_gl_set_state(const slv_gl *gl) {
 }
 
 slv_result slvi_gl_need_current(const slv_gl *gl, const slv_env *env) {
-    if (!gl->api.IsSync(gl->marker))
+    if (!is_current(gl))
         return slvi_fail(env, SLV_ERROR_GL, "the OpenGL context is not current on this thread");
     while (gl->api.GetError() != GL_NO_ERROR)
         continue;
@@ -313,7 +339,7 @@ static GLboolean APIENTRY is_elsewhere(GLuint64 handle) {
 }
 
 slv_gl *slvi_gl_for_deleting(slv_gl *gl, slv_gl *keeping) {
-    if (gl->api.IsSync(gl->marker))
+    if (is_current(gl))
         return gl;
     *keeping = (slv_gl){.api = {.DeleteBuffers = keep,
                                 .DeleteFramebuffers = keep,

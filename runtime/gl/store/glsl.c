@@ -10,11 +10,8 @@
 #define HANDLES_EXTENSION "#extension GL_ARB_bindless_texture : require\n"
 #define BALLOT_EXTENSION "#extension GL_ARB_shader_ballot : require\n"
 
-/* Software samplers take an anisotropic footprint from neighbouring fragments' coordinates and
- * ignore explicit derivatives; of an isotropic one they only estimate the length. */
 bool slvi_gl_taps_in_shader(const slv_gl_texture *texture) {
-    slv_gl_taps taps = texture->params.taps;
-    return taps == SLV_GL_TAPS_AUTO ? texture->gl->info.software : taps == SLV_GL_TAPS_SHADER;
+    return texture->params.taps != SLV_GL_TAPS_SAMPLER;
 }
 
 static bool in_vectors(const slv_gl_texture *texture) {
