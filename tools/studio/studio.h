@@ -1,13 +1,13 @@
-/* The window and all that it knows. Whatever is done goes through an action (actions.c), which
- * changes the model and then calls studio_sync: panels and menus show what the model has, and keep
- * nothing of their own. */
+/* The window and all that it knows. Whatever is done goes through an action (commands/actions.c),
+ * which changes the model and then calls studio_sync: panels and menus show what the model has, and
+ * keep nothing of their own. */
 #ifndef SELVAGE_STUDIO_STUDIO_H
 #define SELVAGE_STUDIO_STUDIO_H
 
 #include "command/frames.h"
-#include "studio/brush.h"
-#include "studio/camera.h"
-#include "studio/picture.h"
+#include "studio/brush/brush.h"
+#include "studio/picture/camera.h"
+#include "studio/picture/picture.h"
 
 #include <gtk/gtk.h>
 
@@ -154,7 +154,7 @@ typedef struct studio_app {
     char *turntable_path;
 } studio_app;
 
-/* actions.c */
+/* commands/actions.c */
 void studio_actions_add(studio_app *app);
 GMenuModel *studio_actions_menu(studio_app *app);
 GtkWidget *studio_actions_shortcuts(studio_app *app);
@@ -195,7 +195,7 @@ void studio_area_redraw(studio_app *app, bool moving);
 void studio_area_forget(studio_app *app);
 slv_camera studio_area_camera(const studio_app *app, uint32_t *width, uint32_t *height);
 
-/* stroke.c */
+/* brush/stroke.c */
 /* Something of a pen at a place of the area, in pixels. */
 typedef enum studio_pen { STUDIO_PEN_DOWN, STUDIO_PEN_MOVE, STUDIO_PEN_UP } studio_pen;
 void studio_stroke_pen(studio_app *app, studio_pen what, const slv_stroke_sample *samples,
@@ -203,7 +203,7 @@ void studio_stroke_pen(studio_app *app, studio_pen what, const slv_stroke_sample
 /* Ends a stroke whose pen was lifted where it is by now. */
 void studio_stroke_stop(studio_app *app);
 
-/* sizing.c */
+/* brush/sizing.c */
 /* Whether the tool has a brush; a drag that changes its size to the sides and its opacity up and
  * down, around where it began. */
 bool studio_sizing_has_brush(const studio_app *app);
@@ -211,12 +211,12 @@ void studio_sizing_begin(studio_app *app);
 void studio_sizing_drag(studio_app *app, double dx, double dy);
 void studio_sizing_end(studio_app *app);
 
-/* gradient.c */
+/* brush/gradient.c */
 /* A drag from where the pointer is now to where it is when it ends. */
 void studio_gradient_begin(studio_app *app);
 void studio_gradient_end(studio_app *app);
 
-/* texels.c */
+/* brush/texels.c */
 /* A drag of the resolution brush begins where the pointer is, goes there, and ends: then it is one
  * entry of the history. */
 void studio_texels_begin(studio_app *app, bool fewer);
@@ -225,13 +225,13 @@ void studio_texels_end(studio_app *app);
 /* The faces that something is meant for, a byte for each, for g_free; NULL: all. */
 uint8_t *studio_texels_meant(const studio_app *app);
 
-/* turntable.c */
+/* picture/turntable.c */
 /* Pictures from all around, one after the other: each begins when the one before is written. */
 slv_result studio_turntable_begin(studio_app *app, const char *path);
 void studio_turntable_next(studio_app *app);
 void studio_turntable_stop(studio_app *app);
 
-/* seam.c */
+/* picture/seam.c */
 /* Measures when the view has rested for a while; nothing if it has been done. */
 void studio_seam_soon(studio_app *app);
 /* Before texels are others. */
@@ -241,7 +241,7 @@ void studio_seam_ask(studio_app *app);
 /* A line for the panel, of the left side or the other one; empty: that is not shown. */
 void studio_seam_words(studio_app *app, int side, char *text, size_t size);
 
-/* pen.c */
+/* brush/pen.c */
 /* Plays the log of a pen, line by line as the file or pipe gives them. */
 void studio_pen_play(studio_app *app, const char *path);
 
@@ -271,7 +271,7 @@ typedef void (*studio_number_fn)(studio_app *app, uint32_t number);
 void studio_ask_number(studio_app *app, const char *question, uint32_t value, uint32_t most,
                        studio_number_fn done);
 
-/* commands_file.c */
+/* commands/file.c */
 /* Closes what is open, and removes what nobody needs of it. */
 void studio_leave(studio_app *app);
 
@@ -280,12 +280,12 @@ void studio_settings_load(studio_app *app);
 void studio_settings_save(studio_app *app);
 void studio_settings_opened(studio_app *app, const char *path);
 
-/* commands_light.c */
+/* commands/light.c */
 bool studio_light_load(studio_app *app, const char *path);
 /* Reads the light of the last time, if there is to be one; else the light is at the eye. */
 void studio_light_recall(studio_app *app);
 
-/* views.c */
+/* picture/views.c */
 slv_result studio_view_save(studio_app *app, const char *path);
 slv_result studio_view_load(studio_app *app, const char *path);
 

@@ -1,5 +1,5 @@
 /* The window: what lies where, opening files, words to the user. */
-#include "studio/commands.h"
+#include "studio/commands/commands.h"
 
 #include <locale.h>
 #include <stdarg.h>

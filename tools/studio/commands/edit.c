@@ -1,5 +1,5 @@
 /* Actions that change the document: history, layers, faces, and what is painted with. */
-#include "studio/commands.h"
+#include "studio/commands/commands.h"
 
 #include <math.h>
 #include <stdlib.h>

@@ -1,5 +1,5 @@
 /* What a look begins as, and its words. */
-#include "studio/look.h"
+#include "studio/picture/look.h"
 
 #include <selvage/gl_strategy.h>
 

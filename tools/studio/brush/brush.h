@@ -4,7 +4,7 @@
 #define SELVAGE_STUDIO_BRUSH_H
 
 #include "studio/document.h"
-#include "studio/look.h"
+#include "studio/picture/look.h"
 
 typedef struct studio_brush {
     char *name; /* as it is shown */

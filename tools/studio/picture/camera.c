@@ -1,5 +1,5 @@
 /* Orbits, pans and zooms. */
-#include "studio/camera.h"
+#include "studio/picture/camera.h"
 
 #include <math.h>
 #include <string.h>

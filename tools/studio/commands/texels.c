@@ -1,5 +1,5 @@
 /* Actions that give faces more texels, or fewer: by steps, or so many a unit. */
-#include "studio/commands.h"
+#include "studio/commands/commands.h"
 
 #include <math.h>
 #include <stdlib.h>

@@ -2,7 +2,7 @@
 #ifndef SELVAGE_STUDIO_OVERLAY_H
 #define SELVAGE_STUDIO_OVERLAY_H
 
-#include "studio/picture.h"
+#include "studio/picture/picture.h"
 
 typedef struct studio_overlay_pass studio_overlay_pass;
 

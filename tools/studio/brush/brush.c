@@ -1,5 +1,5 @@
 /* Lines of strokes and fills, and files of brushes. */
-#include "studio/brush.h"
+#include "studio/brush/brush.h"
 
 #include <dirent.h>
 #include <jansson.h>

@@ -1,5 +1,5 @@
 /* Actions of the light: an image of all directions, and how it is turned. */
-#include "studio/commands.h"
+#include "studio/commands/commands.h"
 
 #include <math.h>
 

@@ -3,7 +3,7 @@
 #ifndef SELVAGE_STUDIO_SCREEN_H
 #define SELVAGE_STUDIO_SCREEN_H
 
-#include "studio/picture.h"
+#include "studio/picture/picture.h"
 
 typedef struct studio_screen studio_screen;
 

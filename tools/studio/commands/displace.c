@@ -1,5 +1,5 @@
 /* Actions of what moves the surface: a file, a channel of the texture, how far. */
-#include "studio/commands.h"
+#include "studio/commands/commands.h"
 
 #include <math.h>
 #include <stdlib.h>

@@ -5,7 +5,7 @@
 #define SELVAGE_STUDIO_PICTURE_H
 
 #include "studio/document.h"
-#include "studio/look.h"
+#include "studio/picture/look.h"
 
 #include <selvage/gl_renderer.h>
 

@@ -1,5 +1,5 @@
 /* Times of the processor and the GPU, side by side. */
-#include "studio/timer.h"
+#include "studio/picture/timer.h"
 
 #include <epoxy/gl.h>
 #include <time.h>

@@ -1,5 +1,5 @@
 /* The report: the command compares all strategies on what is open, beside the window. */
-#include "studio/commands.h"
+#include "studio/commands/commands.h"
 
 #include <selvage/ptx.h>
 

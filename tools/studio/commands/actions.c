@@ -1,5 +1,5 @@
 /* All that can be done, in one table: its name, where it is in the menus, its keys. */
-#include "studio/commands.h"
+#include "studio/commands/commands.h"
 
 #include <stdlib.h>
 #include <string.h>

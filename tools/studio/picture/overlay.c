@@ -1,7 +1,7 @@
 /* Draws the surface once more: faces' edges, triangles, sizes of textures. */
-#include "studio/overlay.h"
+#include "studio/picture/overlay.h"
 
-#include "studio/screen.h"
+#include "studio/picture/screen.h"
 
 #include <selvage/tessellation.h>
 

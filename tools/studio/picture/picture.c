@@ -1,10 +1,10 @@
 /* Textures for the strategies that are shown, renderers, and the pass to the screen. */
-#include "studio/picture.h"
+#include "studio/picture/picture.h"
 
 #include "command/output.h"
-#include "studio/overlay.h"
-#include "studio/screen.h"
-#include "studio/timer.h"
+#include "studio/picture/overlay.h"
+#include "studio/picture/screen.h"
+#include "studio/picture/timer.h"
 
 #include <selvage/gl_live.h>
 

@@ -1,5 +1,5 @@
 /* Actions of files: opening, saving, pictures, the end. */
-#include "studio/commands.h"
+#include "studio/commands/commands.h"
 
 #include <signal.h>
 #include <stdlib.h>

@@ -1,5 +1,5 @@
 /* Actions of the view: camera, look, comparison. */
-#include "studio/commands.h"
+#include "studio/commands/commands.h"
 
 #include <math.h>
 #include <stdlib.h>

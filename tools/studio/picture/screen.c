@@ -1,6 +1,6 @@
 /* Onto the screen: one pass, with a program for each way in which it is needed. Software drivers
  * run all branches of a shader, so that one for all ways cost several times as much. */
-#include "studio/screen.h"
+#include "studio/picture/screen.h"
 
 #include "command/output.h"
 

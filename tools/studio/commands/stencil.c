@@ -1,5 +1,5 @@
 /* Actions of the stencil: an image before the picture, which strokes take their colours from. */
-#include "studio/commands.h"
+#include "studio/commands/commands.h"
 
 #include <math.h>
 

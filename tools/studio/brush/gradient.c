@@ -1,6 +1,6 @@
 /* Gradients: a drag from one place of the surface to another fills what hangs together with the
  * first one, from the brush's colour to the other. */
-#include "studio/commands.h"
+#include "studio/commands/commands.h"
 
 #include <math.h>
 #include <stdlib.h>
