@@ -77,6 +77,7 @@ static GtkWidget *make_bar(studio_app *app) {
     gtk_label_set_xalign(GTK_LABEL(app->bar_text), 0);
     gtk_label_set_selectable(GTK_LABEL(app->bar_text), FALSE);
     gtk_widget_set_hexpand(app->bar_text, TRUE);
+    gtk_widget_set_margin_start(app->bar_text, 8);
     gtk_widget_set_tooltip_text(close, "Close the message");
     gtk_widget_add_css_class(box, "background");
     gtk_widget_set_valign(box, GTK_ALIGN_START);
