@@ -14,8 +14,8 @@
 
 #define AT_ONCE (UINT64_C(32) << 20) /* bytes in one call of the driver's */
 #define IN_STEPS (UINT64_C(1) << 18) /* the same where a call is to end soon */
-#define ITEMS_IN_STEP 4096u          /* of a texel each, which take their time however few bytes */
-#define MOST_SECONDS 0.02
+#define ITEMS_IN_STEP 2048u          /* of a texel each, which take their time however few bytes */
+#define MOST_SECONDS 0.016
 #define CLEARED (UINT64_C(1) << 20) /* bytes that a software driver clears in next to no time */
 
 slv_result slvi_gl_making_begin(slv_gl_texture *texture) {

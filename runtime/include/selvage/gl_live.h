@@ -43,7 +43,7 @@ typedef struct slv_gl_upload {
 } slv_gl_upload;
 
 /* The second half, bit by bit, on the thread of the context: uploads at most max_bytes (but for a
- * single layer, which is uploaded whole), and less if that takes more than 20 ms, since texels are
+ * single layer, which is uploaded whole), and less if that takes more than 16 ms, since texels are
  * converted on the way. What takes more than 1 MiB at once, an array or a table, is made in a call
  * of its own, and only there may the driver take longer: a software driver clears it, at 0.7 ms a
  * MiB. An array has at most 512 MiB, a table 16 MiB or a row of 8 bytes for each face.
