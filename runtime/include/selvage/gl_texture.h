@@ -57,10 +57,10 @@ SLV_API const char *slv_gl_compression_name(slv_gl_compression compression); /* 
 
 /* Who takes the taps of a long anisotropic footprint: shaders one by one, or the sampler. Samplers
  * place them as they like, which both sides of a seam do not know, and software ones do not go by
- * the derivatives that they are given: taken by an H200's, seams of oblong faces jumped by up to
- * 8/255, and of faces much smaller than a footprint it could miss all, which are black with
- * strategies of coverage; in return traverse, hybrid and borders took 0.75 to 0.85 of the time at
- * 16x (docs/measuring.md). */
+ * the derivatives that they are given. With an H200's, seams of oblong faces jumped by up to 8/255,
+ * and faces much smaller than a footprint could be missed by all taps, and be black with strategies
+ * of coverage; in return traverse, hybrid and borders took 0.74 to 0.84 of the time at 16x
+ * (docs/measuring.md). */
 typedef enum slv_gl_taps {
     SLV_GL_TAPS_AUTO = 0, /* shaders */
     SLV_GL_TAPS_SAMPLER,
@@ -233,8 +233,7 @@ SLV_API slv_gl_batch slv_gl_texture_batch(const slv_gl_texture *texture,
  *          i += run.nbatches) {
  *         glUseProgram(programs[run.variant]);
  *         slv_gl_texture_bind(texture, strategy, i);
- *         glMultiDrawElements(GL_TRIANGLES, counts + i, GL_UNSIGNED_INT, indices + i,
- * run.nbatches);
+ *         glMultiDrawElements(GL_TRIANGLES, counts + i, GL_UNSIGNED_INT, at + i, run.nbatches);
  *     }
  */
 typedef struct slv_gl_run {
